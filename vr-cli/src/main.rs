@@ -1,0 +1,2 @@
+//! The program `vr`.
+fn main() {}

@@ -1,0 +1,34 @@
+//! Gradients as VTK's mappers take them: central differences at the samples, interpolated trilinearly.
+
+use crate::filter::Lattice;
+use crate::real::Real;
+use crate::voxel::Voxel;
+
+/// The gradient per index step at a sample: central differences, one-sided at the faces of the box.
+#[inline]
+pub fn gradient_at_sample<T: Voxel, R: Real>(lattice: &Lattice<'_, T>, index: [usize; 3]) -> [R; 3] {
+    std::array::from_fn(|a| {
+        let (mut low, mut high) = (index, index);
+        low[a] = index[a].saturating_sub(1);
+        high[a] = (index[a] + 1).min(lattice.dims[a] - 1);
+        let rise = lattice.at::<R>(high[0], high[1], high[2]) - lattice.at::<R>(low[0], low[1], low[2]);
+        rise / R::from_index(high[a] - low[a])
+    })
+}
+
+/// The gradient per index step at any position: trilinear between those of the eight samples around it.
+#[inline]
+pub fn gradient_between_samples<T: Voxel, R: Real>(lattice: &Lattice<'_, T>, p: [R; 3]) -> [R; 3] {
+    let cell: [(usize, R); 3] = std::array::from_fn(|a| lattice.cell(a, p[a]));
+    let mut sum = [R::ZERO; 3];
+    for corner in 0..8 {
+        let high = |a: usize| corner >> a & 1;
+        let weight = |a: usize| if high(a) == 1 { cell[a].1 } else { R::ONE - cell[a].1 };
+        let w = weight(0) * weight(1) * weight(2);
+        let g = gradient_at_sample::<T, R>(lattice, std::array::from_fn(|a| cell[a].0 + high(a)));
+        for a in 0..3 {
+            sum[a] += w * g[a];
+        }
+    }
+    sum
+}

@@ -1,0 +1,134 @@
+//! What can be wrong with the parts of a scene, and with a render.
+
+/// A grid that cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GridError {
+    /// Too few samples on an axis, or too many altogether.
+    #[error("dims {dims:?}: every axis needs 2 to 2147483647 samples, and their product must fit in memory")]
+    Dims {
+        /// Samples along x, y, z.
+        dims: [usize; 3],
+    },
+    /// Data that do not fill the grid.
+    #[error("dims {dims:?} need {expected} samples, found {found}")]
+    Length {
+        /// Samples along x, y, z.
+        dims: [usize; 3],
+        /// Their product.
+        expected: usize,
+        /// Samples given.
+        found: usize,
+    },
+    /// A spacing that is not positive and finite.
+    #[error("spacing of axis {axis} is {found}: must be positive and finite")]
+    Spacing {
+        /// 0, 1 or 2.
+        axis: usize,
+        /// The number found.
+        found: f64,
+    },
+    /// A direction matrix that is singular or not finite.
+    #[error(
+        "direction matrix with columns {axes:?} is singular: the three axes must be linearly independent and finite"
+    )]
+    Direction {
+        /// Its columns.
+        axes: [[f64; 3]; 3],
+    },
+    /// An origin that is not finite.
+    #[error("origin {found:?}: must be finite")]
+    Origin {
+        /// The origin found.
+        found: [f64; 3],
+    },
+    /// A calibration that cannot be inverted.
+    #[error("calibration slope {slope}, intercept {intercept}: both must be finite and the slope not 0")]
+    Calibration {
+        /// Value per stored unit.
+        slope: f64,
+        /// Value of stored 0.
+        intercept: f64,
+    },
+}
+
+/// A part of a scene or view that makes no sense: which field, what was found, what is allowed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{field}: found {found}; {allowed}")]
+pub struct ParameterError {
+    /// The field, as scene files name it: `camera.up`, `transfer.points[3].opacity`.
+    pub field: String,
+    /// The value found.
+    pub found: String,
+    /// What would be right.
+    pub allowed: &'static str,
+}
+
+impl ParameterError {
+    /// A wrong value in a field.
+    pub fn new(field: impl Into<String>, found: impl std::fmt::Debug, allowed: &'static str) -> Self {
+        Self { field: field.into(), found: format!("{found:?}"), allowed }
+    }
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// This renderer cannot do what the scene asks for.
+    #[error("renderer {renderer} does not support {feature}")]
+    Unsupported {
+        /// Which renderer.
+        renderer: &'static str,
+        /// What it lacks.
+        feature: String,
+    },
+    /// A camera, a clip plane, a size… that makes no sense.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// Somebody set the cancel flag.
+    #[error("cancelled")]
+    Cancelled,
+    /// Too little memory for what was asked.
+    #[error("{what} needs {bytes} bytes, more than the limit of {limit}")]
+    TooLarge {
+        /// What would have been allocated.
+        what: &'static str,
+        /// Its size.
+        bytes: u64,
+        /// The most that is allowed.
+        limit: u64,
+    },
+}
+
+/// An option that a renderer does not have, or a value that it does not take.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OptionError {
+    /// No option of this name.
+    #[error("renderer {renderer} has no option '{key}'{}", hint(.nearest))]
+    Unknown {
+        /// Which renderer.
+        renderer: &'static str,
+        /// The name given.
+        key: String,
+        /// The known name most like it.
+        nearest: Option<&'static str>,
+    },
+    /// A value of the wrong type or out of range.
+    #[error("option '{key}' of renderer {renderer}: found {found}; {allowed}")]
+    Value {
+        /// Which renderer.
+        renderer: &'static str,
+        /// The option.
+        key: String,
+        /// The value given.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+}
+
+fn hint(nearest: &Option<&'static str>) -> String {
+    nearest.map_or_else(String::new, |n| format!("; did you mean '{n}'?"))
+}

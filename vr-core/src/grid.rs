@@ -1,0 +1,207 @@
+//! A uniform grid: samples at lattice points, x fastest, with a placement and a calibration.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::error::GridError;
+use crate::placement::Placement;
+use crate::voxel::Voxel;
+
+/// What the stored numbers mean: `value = slope · stored + intercept` (as in NIfTI and DICOM).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calibration {
+    /// Value per stored unit; not zero.
+    pub slope: f64,
+    /// Value of the stored number 0.
+    pub intercept: f64,
+}
+
+impl Default for Calibration {
+    fn default() -> Self {
+        Self { slope: 1.0, intercept: 0.0 }
+    }
+}
+
+impl Calibration {
+    /// The calibrated value of a stored number.
+    #[inline]
+    pub fn value(&self, stored: f64) -> f64 {
+        self.slope * stored + self.intercept
+    }
+
+    /// The stored number of a calibrated value.
+    #[inline]
+    pub fn stored(&self, value: f64) -> f64 {
+        (value - self.intercept) / self.slope
+    }
+}
+
+/// What a look at every sample found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Census {
+    /// Smallest and largest finite stored number; `None` if there is none.
+    pub range: Option<(f32, f32)>,
+    /// Samples that were NaN.
+    pub nan: usize,
+    /// Samples that were +∞ or −∞; they are NaN now.
+    pub infinite: usize,
+}
+
+/// Samples at the points of a regular lattice.
+///
+/// The volume fills the box from the first to the last sample on each axis; outside is vacuum. Cloning is cheap: the samples
+/// are shared.
+#[derive(Clone)]
+pub struct UniformGrid<T> {
+    dims: [usize; 3],
+    samples: Arc<dyn AsRef<[T]> + Send + Sync>,
+    placement: Placement,
+    calibration: Calibration,
+    census: Census,
+}
+
+impl<T> std::fmt::Debug for UniformGrid<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("UniformGrid")
+            .field("dims", &self.dims)
+            .field("placement", &self.placement)
+            .field("calibration", &self.calibration)
+            .field("census", &self.census)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<T: Voxel> UniformGrid<T> {
+    /// A grid over samples that something owns: a `Vec`, or a mapped file. Every sample is looked at once.
+    ///
+    /// Infinite samples become NaN (the samples are then copied).
+    ///
+    /// # Errors
+    /// [`GridError::Dims`] for an axis with fewer than two samples or a product that overflows, [`GridError::Length`] where
+    /// the number of samples is not the product of `dims`, [`GridError::Calibration`] for a slope that is 0 or not finite.
+    pub fn new(
+        dims: [usize; 3],
+        samples: impl AsRef<[T]> + Send + Sync + 'static,
+        placement: Placement,
+        calibration: Calibration,
+    ) -> Result<Self, GridError> {
+        let expected = sample_count(dims)?;
+        let found = samples.as_ref().len();
+        if found != expected {
+            return Err(GridError::Length { dims, expected, found });
+        }
+        let Calibration { slope, intercept } = calibration;
+        if slope == 0.0 || !slope.is_finite() || !intercept.is_finite() {
+            return Err(GridError::Calibration { slope, intercept });
+        }
+        let census = census(samples.as_ref());
+        let samples: Arc<dyn AsRef<[T]> + Send + Sync> =
+            if census.infinite > 0 { Arc::new(T::infinite_to_nan(samples.as_ref())) } else { Arc::new(samples) };
+        Ok(Self { dims, samples, placement, calibration, census })
+    }
+
+    /// Samples along x, y and z; at least two each.
+    pub fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    /// The stored numbers, x fastest.
+    pub fn samples(&self) -> &[T] {
+        (*self.samples).as_ref()
+    }
+
+    /// Where the grid lies in the world.
+    pub fn placement(&self) -> &Placement {
+        &self.placement
+    }
+
+    /// What the stored numbers mean.
+    pub fn calibration(&self) -> Calibration {
+        self.calibration
+    }
+
+    /// Range and missing samples.
+    pub fn census(&self) -> &Census {
+        &self.census
+    }
+}
+
+/// The number of samples of a grid, checked.
+///
+/// # Errors
+/// [`GridError::Dims`] for an axis with fewer than two samples, or where the product is beyond `isize::MAX` bytes of `f32`.
+pub fn sample_count(dims: [usize; 3]) -> Result<usize, GridError> {
+    if dims.iter().any(|&n| n < 2 || n > i32::MAX as usize) {
+        return Err(GridError::Dims { dims });
+    }
+    dims.iter()
+        .try_fold(1usize, |product, &n| product.checked_mul(n))
+        .filter(|&n| n <= isize::MAX as usize / 4)
+        .ok_or(GridError::Dims { dims })
+}
+
+fn census<T: Voxel>(samples: &[T]) -> Census {
+    const CHUNK: usize = 1 << 16;
+    samples
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            let mut c = Census { range: None, nan: 0, infinite: 0 };
+            let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+            for &s in chunk {
+                let x = s.to_f32();
+                if s.is_missing() {
+                    if x.is_nan() {
+                        c.nan += 1;
+                    } else {
+                        c.infinite += 1;
+                    }
+                } else {
+                    low = low.min(x);
+                    high = high.max(x);
+                }
+            }
+            if low <= high {
+                c.range = Some((low, high));
+            }
+            c
+        })
+        .reduce(
+            || Census { range: None, nan: 0, infinite: 0 },
+            |a, b| Census {
+                range: match (a.range, b.range) {
+                    (Some(x), Some(y)) => Some((x.0.min(y.0), x.1.max(y.1))),
+                    (x, y) => x.or(y),
+                },
+                nan: a.nan + b.nan,
+                infinite: a.infinite + b.infinite,
+            },
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit() -> Placement {
+        Placement::from_spacing([1.0; 3]).unwrap()
+    }
+
+    #[test]
+    fn counts_and_replaces_infinite_samples() {
+        let data = vec![1.0f32, f32::NAN, f32::INFINITY, -2.0, f32::NEG_INFINITY, 3.0, 0.0, 0.5];
+        let g = UniformGrid::new([2, 2, 2], data, unit(), Calibration::default()).unwrap();
+        assert_eq!(*g.census(), Census { range: Some((-2.0, 3.0)), nan: 1, infinite: 2 });
+        assert!(g.samples()[2].is_nan() && g.samples()[4].is_nan());
+    }
+
+    #[test]
+    fn refuses_what_is_no_grid() {
+        let new = |dims, n| UniformGrid::new(dims, vec![0u8; n], unit(), Calibration::default());
+        assert!(matches!(new([1, 2, 2], 4), Err(GridError::Dims { .. })));
+        assert!(matches!(new([usize::MAX, 2, 2], 4), Err(GridError::Dims { .. })));
+        assert!(matches!(new([2, 2, 2], 7), Err(GridError::Length { expected: 8, found: 7, .. })));
+        let zero = Calibration { slope: 0.0, intercept: 1.0 };
+        assert!(UniformGrid::new([2, 2, 2], vec![0u8; 8], unit(), zero).is_err());
+    }
+}

@@ -1,0 +1,143 @@
+//! Where a grid lies in the world: an affine map from index to world.
+
+use glam::{DMat3, DVec3};
+
+use crate::error::GridError;
+
+/// The affine placement of a grid: `world = origin + axes · index`.
+///
+/// The columns of `axes` are the world vectors from one sample to the next along x, y and z, spacing folded in. Shear is
+/// allowed; a singular matrix is not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    origin: DVec3,
+    axes: DMat3,
+    inverse: DMat3,
+}
+
+impl Placement {
+    /// A placement from the world position of sample (0, 0, 0) and the three step vectors.
+    ///
+    /// # Errors
+    /// [`GridError::Origin`] or [`GridError::Direction`] where a number is not finite or the axes are (nearly) linearly dependent;
+    /// [`GridError::Spacing`] where a step has length zero.
+    pub fn new(origin: DVec3, axes: DMat3) -> Result<Self, GridError> {
+        if !origin.is_finite() {
+            return Err(GridError::Origin { found: origin.to_array() });
+        }
+        let columns = [axes.x_axis, axes.y_axis, axes.z_axis];
+        for (axis, column) in columns.iter().enumerate() {
+            let length = column.length();
+            if length == 0.0 || !length.is_finite() {
+                return Err(GridError::Spacing { axis, found: length });
+            }
+        }
+        // The volume of the parallelepiped of the *unit* steps: 1 when orthogonal, 0 when flat, whatever the spacing.
+        let unit = columns.map(DVec3::normalize);
+        let skew = unit[0].dot(unit[1].cross(unit[2])).abs();
+        if skew < 1e-9 || !skew.is_finite() {
+            return Err(GridError::Direction { axes: columns.map(|c| c.to_array()) });
+        }
+        // Inverted per unit axes, then scaled, so that spacings of 1e-20 or 1e20 neither underflow nor overflow.
+        let inverse_unit = DMat3::from_cols(unit[0], unit[1], unit[2]).inverse();
+        let scale = DVec3::from_array(columns.map(|c| 1.0 / c.length()));
+        let inverse = DMat3::from_diagonal(scale) * inverse_unit;
+        if !inverse.is_finite() {
+            return Err(GridError::Direction { axes: columns.map(|c| c.to_array()) });
+        }
+        Ok(Self { origin, axes, inverse })
+    }
+
+    /// Axis-parallel, with sample (0, 0, 0) at the world's origin.
+    ///
+    /// # Errors
+    /// [`GridError::Spacing`] where a spacing is not positive and finite.
+    pub fn from_spacing(spacing: [f64; 3]) -> Result<Self, GridError> {
+        Self::oriented(DVec3::ZERO, spacing, DMat3::IDENTITY)
+    }
+
+    /// From spacing (world units between samples) and a direction matrix whose columns are the directions of the index axes;
+    /// they are normalised here.
+    ///
+    /// # Errors
+    /// As [`Placement::new`]; a spacing must be positive and finite.
+    pub fn oriented(origin: DVec3, spacing: [f64; 3], direction: DMat3) -> Result<Self, GridError> {
+        for (axis, &s) in spacing.iter().enumerate() {
+            if !(s > 0.0 && s.is_finite()) {
+                return Err(GridError::Spacing { axis, found: s });
+            }
+        }
+        let columns = [direction.x_axis, direction.y_axis, direction.z_axis];
+        if columns.iter().any(|c| !(c.length() > 0.0 && c.is_finite())) {
+            return Err(GridError::Direction { axes: columns.map(|c| c.to_array()) });
+        }
+        let d = columns.map(DVec3::normalize);
+        Self::new(origin, DMat3::from_cols(d[0] * spacing[0], d[1] * spacing[1], d[2] * spacing[2]))
+    }
+
+    /// World position of sample (0, 0, 0).
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The matrix from index steps to world vectors.
+    pub fn axes(&self) -> DMat3 {
+        self.axes
+    }
+
+    /// The matrix from world vectors to index steps.
+    pub fn inverse_axes(&self) -> DMat3 {
+        self.inverse
+    }
+
+    /// World length of one step along each index axis.
+    pub fn spacing(&self) -> DVec3 {
+        DVec3::new(self.axes.x_axis.length(), self.axes.y_axis.length(), self.axes.z_axis.length())
+    }
+
+    /// World position of a (fractional) index.
+    pub fn to_world(&self, index: DVec3) -> DVec3 {
+        self.origin + self.axes * index
+    }
+
+    /// Fractional index of a world position.
+    pub fn to_index(&self, world: DVec3) -> DVec3 {
+        self.inverse * (world - self.origin)
+    }
+
+    /// A gradient per index step, turned into one per world unit (multiplication by the transposed inverse).
+    pub fn gradient_to_world(&self, per_index: DVec3) -> DVec3 {
+        self.inverse.transpose() * per_index
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn index_and_world_are_inverse_at_any_scale() {
+        for scale in [1e-20, 1e-3, 1.0, 1e20] {
+            let axes = DMat3::from_cols(
+                DVec3::new(1.0, 0.1, 0.0) * scale,
+                DVec3::new(-0.2, 2.0, 0.3) * scale,
+                DVec3::new(0.0, 0.5, 5.0) * scale,
+            );
+            let p = Placement::new(DVec3::new(3.0, -1.0, 2.0) * scale, axes).unwrap();
+            let i = DVec3::new(7.25, 3.5, 11.0);
+            assert!((p.to_index(p.to_world(i)) - i).length() < 1e-12, "scale {scale}");
+        }
+    }
+
+    #[test]
+    fn refuses_flat_axes_and_bad_spacing() {
+        let flat = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::X + DVec3::Y);
+        assert!(matches!(Placement::new(DVec3::ZERO, flat), Err(GridError::Direction { .. })));
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(
+                matches!(Placement::from_spacing([1.0, bad, 1.0]), Err(GridError::Spacing { axis: 1, .. })),
+                "{bad}"
+            );
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! The field of a volume at a point: samples, filter and vacuum together.
+
+use crate::filter::{Filter, Lattice, Reconstruction};
+use crate::missing::VacuumCells;
+use crate::real::Real;
+use crate::voxel::Voxel;
+
+/// Evaluates the reconstructed field, in stored units, at index-space positions inside the box.
+///
+/// Obtained from [`crate::UniformVolume::with_sampler`]. The value in vacuum (a cell with a missing corner) is NaN.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampler<'a, T, F> {
+    lattice: Lattice<'a, T>,
+    vacuum: Option<&'a VacuumCells>,
+    filter: std::marker::PhantomData<F>,
+}
+
+impl<'a, T: Voxel, F: Reconstruction> Sampler<'a, T, F> {
+    /// A filter over samples (for the B-spline: over coefficients), none of which is missing.
+    pub fn new(lattice: Lattice<'a, T>, vacuum: Option<&'a VacuumCells>) -> Self {
+        Self { lattice, vacuum, filter: std::marker::PhantomData }
+    }
+
+    /// Which filter it is.
+    pub fn filter(&self) -> Filter {
+        F::FILTER
+    }
+
+    /// The numbers under the filter: samples, or coefficients for the B-spline.
+    pub fn lattice(&self) -> &Lattice<'a, T> {
+        &self.lattice
+    }
+
+    /// The vacuum cells, if any.
+    pub fn vacuum(&self) -> Option<&'a VacuumCells> {
+        self.vacuum
+    }
+
+    /// The field; NaN in vacuum.
+    #[inline(always)]
+    pub fn value<R: Real>(&self, p: [R; 3]) -> R {
+        match self.vacuum {
+            Some(v) if v.contains(p) => R::NAN,
+            _ => F::value(&self.lattice, p),
+        }
+    }
+
+    /// The field and its analytic gradient per index step; NaN and zero in vacuum.
+    #[inline(always)]
+    pub fn value_and_gradient<R: Real>(&self, p: [R; 3]) -> (R, [R; 3]) {
+        match self.vacuum {
+            Some(v) if v.contains(p) => (R::NAN, [R::ZERO; 3]),
+            _ => F::value_and_gradient(&self.lattice, p),
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The sample types that a grid can hold in memory.
+
+/// The type of the samples of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+pub enum VoxelType {
+    /// Unsigned 8-bit integers.
+    U8,
+    /// Signed 8-bit integers.
+    I8,
+    /// Unsigned 16-bit integers.
+    U16,
+    /// Signed 16-bit integers.
+    I16,
+    /// 32-bit floats.
+    F32,
+}
+
+impl VoxelType {
+    /// Bytes per sample.
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::U8 | Self::I8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::F32 => 4,
+        }
+    }
+
+    /// True for the four integer types.
+    pub fn is_integer(self) -> bool {
+        self != Self::F32
+    }
+
+    /// `u8`, `i8`, `u16`, `i16` or `f32`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::U8 => "u8",
+            Self::I8 => "i8",
+            Self::U16 => "u16",
+            Self::I16 => "i16",
+            Self::F32 => "f32",
+        }
+    }
+}
+
+impl std::fmt::Display for VoxelType {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+mod sealed {
+    pub trait Sealed {}
+}
+
+/// A sample type. Sealed: kernels are instantiated for exactly these five.
+pub trait Voxel: Copy + PartialOrd + Default + Send + Sync + std::fmt::Debug + sealed::Sealed + 'static {
+    /// Which one it is.
+    const TYPE: VoxelType;
+    /// The stored number; exact.
+    fn to_f32(self) -> f32;
+    /// True if the sample is NaN or infinite, which only floats can be.
+    fn is_missing(self) -> bool;
+    /// A copy of the samples in which what is infinite is NaN.
+    fn infinite_to_nan(samples: &[Self]) -> Vec<Self> {
+        samples.to_vec()
+    }
+}
+
+macro_rules! voxel {
+    ($t:ty, $name:ident) => {
+        impl sealed::Sealed for $t {}
+        impl Voxel for $t {
+            const TYPE: VoxelType = VoxelType::$name;
+            #[inline(always)]
+            fn to_f32(self) -> f32 {
+                self.into()
+            }
+            #[inline(always)]
+            fn is_missing(self) -> bool {
+                false
+            }
+        }
+    };
+}
+voxel!(u8, U8);
+voxel!(i8, I8);
+voxel!(u16, U16);
+voxel!(i16, I16);
+
+impl sealed::Sealed for f32 {}
+impl Voxel for f32 {
+    const TYPE: VoxelType = VoxelType::F32;
+    #[inline(always)]
+    fn to_f32(self) -> f32 {
+        self
+    }
+    #[inline(always)]
+    fn is_missing(self) -> bool {
+        !self.is_finite()
+    }
+    fn infinite_to_nan(samples: &[Self]) -> Vec<Self> {
+        samples.iter().map(|&x| if x.is_infinite() { f32::NAN } else { x }).collect()
+    }
+}
