@@ -5,6 +5,7 @@ pub mod filter;
 mod grid;
 mod missing;
 pub mod optics;
+pub mod phantom;
 mod placement;
 mod range_blocks;
 mod real;
