@@ -11,8 +11,8 @@ const COUNT: usize = 64;
 /// slopes below follow from it.
 const SEPARATION: f64 = 4.0;
 
-/// Gaussian blobs at random places that do not meet: some 2 % of the box is above a tenth of the largest value, and most of
-/// it is exactly zero.
+/// Gaussian blobs at random places that do not meet: some 2 % of the box is above a tenth of the largest value, and
+/// four fifths are below what 8 bits can tell from zero.
 ///
 /// f(x) = Σ aᵢ·exp(−|x − cᵢ|² / 2σᵢ²)
 #[derive(Clone, Debug, PartialEq)]
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn few_are_visible_and_most_is_zero() {
+    fn few_are_visible_and_most_is_zero_in_8_bits() {
         let blobs = Blobs::default();
         let mut random = SplitMix64::new(5);
         let n = 100_000;
@@ -115,6 +115,6 @@ mod tests {
         let share = |count: usize| count as f64 / f64::from(n);
         let visible = share(values.iter().filter(|&&v| v > 0.1).count());
         assert!((0.01..0.04).contains(&visible), "{visible}");
-        assert!(share(values.iter().filter(|&&v| v < 1e-9).count()) > 0.5);
+        assert!(share(values.iter().filter(|&&v| v < 0.5 / 255.0).count()) > 0.8);
     }
 }

@@ -68,16 +68,17 @@ mod tests {
 
     #[test]
     fn known_colours() {
+        // As published for this rounding of the matrix (EasyRGB and others).
         let close = |rgb: [f64; 3], expected: [f64; 3]| {
             let lab = Lab::from_linear_rgb(rgb);
             let error = [lab.l - expected[0], lab.a - expected[1], lab.b - expected[2]];
-            assert!(error.iter().all(|e| e.abs() < 0.02), "{rgb:?}: {lab:?}");
+            assert!(error.iter().all(|e| e.abs() < 0.005), "{rgb:?}: {lab:?}");
         };
         close([0.0; 3], [0.0, 0.0, 0.0]);
         close([1.0; 3], [100.0, 0.0, 0.0]);
-        close([1.0, 0.0, 0.0], [53.24, 80.09, 67.20]);
-        close([0.0, 1.0, 0.0], [87.73, -86.18, 83.18]);
-        close([0.0, 0.0, 1.0], [32.30, 79.19, -107.86]);
+        close([1.0, 0.0, 0.0], [53.233, 80.109, 67.220]);
+        close([0.0, 1.0, 0.0], [87.737, -86.185, 83.181]);
+        close([0.0, 0.0, 1.0], [32.303, 79.197, -107.864]);
     }
 
     #[test]
