@@ -126,9 +126,9 @@ impl Phantom for SheppLogan {
     fn transfer_points(&self) -> Vec<ControlPoint> {
         vec![
             ControlPoint::new(0.05, [0.10, 0.15, 0.60], 0.0),
-            ControlPoint::new(0.20, [0.15, 0.30, 0.90], 0.015),
-            ControlPoint::new(0.28, [0.20, 0.80, 0.40], 0.20),
-            ControlPoint::new(0.40, [1.00, 0.45, 0.10], 0.20),
+            ControlPoint::new(0.20, [0.15, 0.30, 0.90], 0.010),
+            ControlPoint::new(0.28, [0.20, 0.80, 0.40], 0.15),
+            ControlPoint::new(0.40, [1.00, 0.45, 0.10], 0.08),
             ControlPoint::new(0.60, [1.00, 0.10, 0.05], 0.05),
             ControlPoint::new(1.00, [0.90, 0.85, 0.75], 0.05),
         ]
