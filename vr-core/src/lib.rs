@@ -21,6 +21,8 @@ mod real;
 mod renderer;
 mod sampler;
 mod scene;
+#[cfg(feature = "serde")]
+pub mod scene_file;
 mod shading;
 mod stats;
 pub mod transfer;
