@@ -52,6 +52,20 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, ReadError> {
     Err(ReadError::Unrecognised { path: path.into() })
 }
 
+/// What to say of a folder: some formats are one.
+pub(crate) fn unsupported_folder(path: &Path) -> ReadError {
+    let has = |name: &str| path.join(name).exists();
+    let is_dicom = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm"));
+    let format = if has(".zgroup") || has(".zarray") || has(".zattrs") || has("zarr.json") {
+        "Zarr (a folder)"
+    } else if path.read_dir().is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(|e| is_dicom(&e.path())))) {
+        "DICOM (a folder)"
+    } else {
+        "folder of files"
+    };
+    ReadError::Unsupported { path: path.into(), format }
+}
+
 /// The beginning of what a compressed beginning unpacks to.
 fn unpack(head: &[u8]) -> Vec<u8> {
     let encoding = Encoding::of_file(head);

@@ -93,10 +93,9 @@ impl<R: BufRead> Read for HexDigits<R> {
                 if c.is_ascii_whitespace() {
                     continue;
                 }
-                let digit = char::from(c)
-                    .to_digit(16)
-                    .ok_or_else(|| invalid(format!("{:?} is no hex digit", char::from(c))))?
-                    as u8;
+                let digit =
+                    char::from(c).to_digit(16).ok_or_else(|| invalid(format!("{:?} is no hex digit", char::from(c))))?
+                        as u8;
                 match high.take() {
                     None => high = Some(digit),
                     Some(h) => {

@@ -39,7 +39,8 @@ impl Layout {
     pub fn new(path: &Path, axes: &[Axis], options: &ReadOptions) -> Result<Self, ReadError> {
         let space: Vec<usize> = axes.iter().filter(|a| a.role == Role::Space).map(|a| a.size).collect();
         let dims: [usize; 3] = space.as_slice().try_into().map_err(|_| {
-            FieldError::new("dimension", format_args!("{} axes of space", space.len()), "a volume has three").in_file(path)
+            FieldError::new("dimension", format_args!("{} axes of space", space.len()), "a volume has three")
+                .in_file(path)
         })?;
         sample_count(dims).map_err(|e| ReadError::grid(path, e))?;
         let too_large = || ReadError::grid(path, GridError::Dims { dims });
@@ -119,13 +120,8 @@ mod tests {
 
     #[test]
     fn picks_frame_and_component() {
-        let axes = axes(&[
-            (3, Role::Component),
-            (2, Role::Space),
-            (2, Role::Space),
-            (2, Role::Space),
-            (2, Role::Frame),
-        ]);
+        let axes =
+            axes(&[(3, Role::Component), (2, Role::Space), (2, Role::Space), (2, Role::Space), (2, Role::Frame)]);
         let all: Vec<usize> = (0..48).collect();
         let o = ReadOptions { frame: Some(1), component: Some(2), ..Default::default() };
         let l = Layout::new(Path::new("x"), &axes, &o).unwrap();

@@ -56,7 +56,9 @@ impl RawDescription {
         let dims = dims_of(words.next()?)?;
         Some(match words.find_map(ScalarType::from_name) {
             Some(scalar) => Ok(Self::new(dims, scalar)),
-            None => Err(FieldError::new("type in the file name", name, "dims and type, as in foot_256x256x256_uint8.raw")),
+            None => {
+                Err(FieldError::new("type in the file name", name, "dims and type, as in foot_256x256x256_uint8.raw"))
+            }
         })
     }
 }
@@ -76,9 +78,8 @@ pub(crate) fn describe(
     let axes = raw.dims.map(|size| Axis { size, role: Role::Space });
     let layout = Layout::new(path, &axes, options)?;
     let direction = DMat3::from_cols_array_2d(&raw.direction);
-    let placement =
-        Placement::oriented(DVec3::from_array(raw.origin), raw.spacing.unwrap_or([1.0; 3]), direction)
-            .map_err(|e| ReadError::grid(path, e))?;
+    let placement = Placement::oriented(DVec3::from_array(raw.origin), raw.spacing.unwrap_or([1.0; 3]), direction)
+        .map_err(|e| ReadError::grid(path, e))?;
     let mut notes = Vec::new();
     if raw.spacing.is_none() {
         notes.push("raw files state no spacing: 1, 1, 1 is assumed".into());

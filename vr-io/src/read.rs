@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use vr_core::{Calibration, Placement, Volume};
 
-use crate::detect::{Format, detect};
+use crate::detect::{Format, detect, unsupported_folder};
 use crate::encoding::Encoding;
 use crate::error::ReadError;
 use crate::layout::Layout;
@@ -100,6 +100,9 @@ pub(crate) struct Description {
 /// A [`ReadError`] that names the file, the field, what was found and what is allowed.
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, ReadError> {
     let path = path.as_ref();
+    if path.is_dir() {
+        return Err(unsupported_folder(path));
+    }
     if let Some(description) = &options.raw {
         let head = file_head(path)?;
         return load(path, raw::describe(path, description, Encoding::of_file(&head), options)?, options);

@@ -63,10 +63,8 @@ impl Header {
                 break;
             }
         }
-        header.listed_files = lines
-            .map(|line| String::from_utf8_lossy(line).trim().to_owned())
-            .filter(|line| !line.is_empty())
-            .collect();
+        header.listed_files =
+            lines.map(|line| String::from_utf8_lossy(line).trim().to_owned()).filter(|line| !line.is_empty()).collect();
         Ok(header)
     }
 

@@ -147,7 +147,8 @@ impl Frame {
 
 /// Directions, in left-posterior-superior, from the letters of where each axis comes *from*: RAI is the identity.
 fn anatomical(letters: &str) -> Result<DMat3, FieldError> {
-    let wrong = || FieldError::new("AnatomicalOrientation", letters, "must be three letters of R/L, A/P, I/S, as in RAI");
+    let wrong =
+        || FieldError::new("AnatomicalOrientation", letters, "must be three letters of R/L, A/P, I/S, as in RAI");
     let columns: Option<Vec<DVec3>> = letters
         .chars()
         .map(|c| match c.to_ascii_uppercase() {

@@ -133,7 +133,8 @@ impl Header {
         for axis in 1..=n as usize {
             let size = self.dim[axis];
             let size = usize::try_from(size).ok().filter(|&s| s > 0);
-            sizes.push(size.ok_or_else(|| FieldError::new(format!("dim[{axis}]"), self.dim[axis], "must be positive"))?);
+            sizes
+                .push(size.ok_or_else(|| FieldError::new(format!("dim[{axis}]"), self.dim[axis], "must be positive"))?);
         }
         sizes.resize(sizes.len().max(3), 1);
         Ok(sizes)

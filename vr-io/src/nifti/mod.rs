@@ -140,7 +140,7 @@ fn header_of_image(path: &Path) -> PathBuf {
 fn image_of_header(path: &Path) -> Result<PathBuf, ReadError> {
     sibling(path, "hdr", "img").ok_or_else(|| ReadError::DataFile {
         path: path.into(),
-        data: path.file_name().map(|n| n.to_string_lossy().replace(".hdr", ".img")).unwrap_or_default().into(),
+        data: PathBuf::from(path.to_string_lossy().replace(".hdr", ".img")),
         source: std::io::ErrorKind::NotFound.into(),
     })
 }

@@ -11,12 +11,7 @@ use crate::scalar::{Endian, ScalarType};
 
 use super::header::Header;
 
-pub(super) fn payload(
-    path: &Path,
-    header: &Header,
-    layout: &Layout,
-    scalar: ScalarType,
-) -> Result<Payload, ReadError> {
+pub(super) fn payload(path: &Path, header: &Header, layout: &Layout, scalar: ScalarType) -> Result<Payload, ReadError> {
     parse(path, header, layout, scalar).map_err(|e| e.in_file(path))
 }
 

@@ -181,7 +181,9 @@ fn common_unit(field: &str, units: &[&str], notes: &mut Vec<String>) -> ([f64; 3
             ([1.0, b / a, c / a], Some(first.to_owned()))
         }
         _ => {
-            notes.push(format!("{field} differ ({first}, {second}, {third}) and are not all known: lengths stay as they are"));
+            notes.push(format!(
+                "{field} differ ({first}, {second}, {third}) and are not all known: lengths stay as they are"
+            ));
             ([1.0; 3], None)
         }
     }

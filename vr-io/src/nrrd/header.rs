@@ -19,9 +19,34 @@ pub(super) struct Header {
 }
 
 const KNOWN: [&str; 28] = [
-    "dimension", "type", "blocksize", "encoding", "endian", "content", "min", "max", "oldmin", "oldmax", "datafile",
-    "lineskip", "byteskip", "number", "sampleunits", "sizes", "spacings", "thicknesses", "axismins", "axismaxs",
-    "centers", "centerings", "labels", "units", "kinds", "space", "spacedimension", "spaceunits",
+    "dimension",
+    "type",
+    "blocksize",
+    "encoding",
+    "endian",
+    "content",
+    "min",
+    "max",
+    "oldmin",
+    "oldmax",
+    "datafile",
+    "lineskip",
+    "byteskip",
+    "number",
+    "sampleunits",
+    "sizes",
+    "spacings",
+    "thicknesses",
+    "axismins",
+    "axismaxs",
+    "centers",
+    "centerings",
+    "labels",
+    "units",
+    "kinds",
+    "space",
+    "spacedimension",
+    "spaceunits",
 ];
 const KNOWN_ORIENTATION: [&str; 3] = ["spaceorigin", "spacedirections", "measurementframe"];
 
@@ -74,7 +99,11 @@ impl Header {
                     return Err(FieldError::new(name, "the field twice", "must be there once"));
                 }
             } else {
-                return Err(FieldError::new("header line", line, "must be 'field: value', 'key:=value' or '# comment'"));
+                return Err(FieldError::new(
+                    "header line",
+                    line,
+                    "must be 'field: value', 'key:=value' or '# comment'",
+                ));
             }
         }
         Ok(header)
