@@ -179,7 +179,7 @@ fn transforms_can_be_chosen() {
 const BROKEN: [(&str, &str); 38] = [
     ("nan_be_f32.nii", ""),
     ("complex64.nii.gz", "datatype: found 32 (complex numbers"),
-    ("header_only.hdr.gz", "data file header_only.img.gz"),
+    ("header_only.hdr.gz", "bad/header_only.img.gz: "),
     ("FullHead.mhd", "data file "),
     ("byteskip_minus_five.nhdr", "byte skip: found -5"),
     ("rgb2d.nrrd", "a picture with colours, not a volume"),
