@@ -1,24 +1,56 @@
 //! Stub.
+#![allow(missing_docs)]
+mod camera;
 mod central_differences;
-pub mod error;
+mod compositing;
+mod control;
+mod error;
 pub mod filter;
+mod frame;
 mod grid;
+pub mod image_order;
 mod missing;
+mod model;
+pub mod optics;
+mod options;
+pub mod phantom;
 mod placement;
 mod range_blocks;
+mod ray;
 mod real;
+mod renderer;
 mod sampler;
+mod scene;
+#[cfg(feature = "serde")]
+pub mod scene_file;
+mod shading;
+mod stats;
+pub mod transfer;
+mod view;
 mod volume;
 mod voxel;
 
+pub use camera::{Camera, Projection};
 pub use central_differences::{gradient_at_sample, gradient_between_samples};
+pub use compositing::Compositing;
+pub use control::Control;
 pub use error::{GridError, OptionError, ParameterError, RenderError};
 pub use filter::Filter;
+pub use frame::Frame;
 pub use grid::{Calibration, Census, UniformGrid, sample_count};
 pub use missing::VacuumCells;
+pub use model::{ContinuousModel, DiscreteModel, Medium, MediumBounds, Model, SegmentTerm};
+pub use options::{OptionKind, OptionSpec, OptionValue, Options};
 pub use placement::Placement;
 pub use range_blocks::{BlockRange, RangeBlocks};
+pub use ray::{IndexRay, Ray, Rays};
 pub use real::Real;
+pub use renderer::{NamedSetting, Prepared, Rendered, Renderer};
 pub use sampler::Sampler;
+pub use scene::Scene;
+pub use shading::{GradientMethod, Light, RayLight, RayShading, Shading};
+pub use stats::{Counts, RenderStats};
+pub use transfer::{ControlPoint, OpacityRule, TransferFunction};
+pub use view::{Clip, Layer, Plane, View};
 pub use volume::{AnyGrid, Geometry, LatticeVisitor, SamplerVisitor, UniformVolume, Volume};
 pub use voxel::{Voxel, VoxelType};

@@ -1,0 +1,130 @@
+//! Cameras: where the eye is, and what it sees.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use crate::error::ParameterError;
+
+/// Orthographic or perspective.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Parallel rays, starting at the plane through the eye.
+    Orthographic {
+        /// World height of the image.
+        height: f64,
+    },
+    /// Rays from the eye.
+    Perspective {
+        /// Vertical field of view in degrees.
+        fov: f64,
+    },
+}
+
+/// A camera in world space. Right = forward × up; row 0 of a picture is its top; pixels are square.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Position of the eye.
+    pub eye: DVec3,
+    /// The point that the image centre shows.
+    pub target: DVec3,
+    /// Which way is up; any vector that is not parallel to the view.
+    pub up: DVec3,
+    /// Kind and width of the view.
+    pub projection: Projection,
+}
+
+impl Camera {
+    /// A camera that sees all of the world box `bounds`, from the direction of an azimuth and an elevation.
+    ///
+    /// At azimuth 0 and elevation 0 one looks along −z with y up. Azimuth turns the camera to the right about y, elevation
+    /// raises it, both in degrees. With a perspective `fov` the bounding sphere fills the image's height; orthographic likewise.
+    pub fn framing(bounds: (DVec3, DVec3), azimuth: f64, elevation: f64, fov: Option<f64>) -> Self {
+        let centre = 0.5 * bounds.0 + 0.5 * bounds.1;
+        let radius = 0.5 * (bounds.1 - bounds.0).length();
+        let (distance, projection) = match fov {
+            Some(fov) => {
+                let half = 0.5 * fov.to_radians();
+                (radius / libm::sin(half), Projection::Perspective { fov })
+            }
+            None => (2.0 * radius, Projection::Orthographic { height: 2.0 * radius }),
+        };
+        let camera = Self { eye: centre + DVec3::Z * distance, target: centre, up: DVec3::Y, projection };
+        camera.orbit(azimuth, elevation)
+    }
+
+    /// The camera turned about its target: `azimuth` degrees to the right about its up vector, then `elevation` degrees up.
+    /// The up vector is carried along.
+    #[must_use]
+    pub fn orbit(&self, azimuth: f64, elevation: f64) -> Self {
+        let arm = self.eye - self.target;
+        let around = DQuat::from_axis_angle(self.up.normalize(), azimuth.to_radians());
+        let arm = around * arm;
+        let right = (-arm).cross(self.up).normalize();
+        let raise = DQuat::from_axis_angle(right, -elevation.to_radians());
+        Self { eye: self.target + raise * arm, up: raise * self.up, ..*self }
+    }
+
+    /// Unit vectors (right, up, forward).
+    ///
+    /// # Errors
+    /// Eye = target, up parallel to the view, a height or field of view that makes no sense, or numbers that are not finite.
+    pub fn frame(&self) -> Result<DMat3, ParameterError> {
+        for (field, v) in [("camera.eye", self.eye), ("camera.target", self.target), ("camera.up", self.up)] {
+            if !v.is_finite() {
+                return Err(ParameterError::new(field, v.to_array(), "must be finite"));
+            }
+        }
+        let view = self.target - self.eye;
+        if !(view.length() > 0.0 && view.is_finite()) {
+            return Err(ParameterError::new("camera.eye", self.eye.to_array(), "must differ from camera.target"));
+        }
+        let forward = view.normalize();
+        let right = forward.cross(self.up.normalize_or_zero());
+        if right.length() < 1e-9 {
+            let allowed = "must be a vector that is not parallel to the view";
+            return Err(ParameterError::new("camera.up", self.up.to_array(), allowed));
+        }
+        let right = right.normalize();
+        match self.projection {
+            Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
+                Err(ParameterError::new("camera.height", height, "must be positive and finite"))
+            }
+            Projection::Perspective { fov } if !(fov > 0.0 && fov < 180.0) => {
+                Err(ParameterError::new("camera.fov", fov, "must be above 0 and below 180 degrees"))
+            }
+            _ => Ok(DMat3::from_cols(right, right.cross(forward), forward)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_cameras_that_see_nothing() {
+        let good = Camera {
+            eye: DVec3::Z,
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            projection: Projection::Orthographic { height: 1.0 },
+        };
+        assert!(good.frame().is_ok());
+        let field = |c: Camera| c.frame().unwrap_err().field;
+        assert_eq!(field(Camera { eye: DVec3::ZERO, ..good }), "camera.eye");
+        assert_eq!(field(Camera { up: DVec3::Z, ..good }), "camera.up");
+        assert_eq!(field(Camera { up: DVec3::ZERO, ..good }), "camera.up");
+        assert_eq!(field(Camera { target: DVec3::NAN, ..good }), "camera.target");
+        assert_eq!(field(Camera { projection: Projection::Perspective { fov: 180.0 }, ..good }), "camera.fov");
+        assert_eq!(field(Camera { projection: Projection::Orthographic { height: 0.0 }, ..good }), "camera.height");
+    }
+
+    #[test]
+    fn orbits_to_the_right_and_up() {
+        let c = Camera::framing((DVec3::splat(-1.0), DVec3::splat(1.0)), 0.0, 0.0, None);
+        assert!((c.eye.normalize() - DVec3::Z).length() < 1e-12);
+        assert!((c.orbit(90.0, 0.0).eye.normalize() - DVec3::X).length() < 1e-12);
+        let raised = c.orbit(0.0, 30.0);
+        assert!((raised.eye.normalize().y - 0.5).abs() < 1e-12 && raised.frame().is_ok());
+        assert!(c.orbit(0.0, 90.0).frame().is_ok(), "the up vector is carried along over the pole");
+    }
+}

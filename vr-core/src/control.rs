@@ -1,0 +1,73 @@
+//! What the outside says to a running render: stop, tell how far, use so many threads.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::error::RenderError;
+
+/// Cancel flag, progress, threads. The default never cancels, tells nobody, and uses rayon's global pool.
+#[derive(Clone, Default)]
+pub struct Control {
+    cancel: Arc<AtomicBool>,
+    progress: Option<Arc<dyn Fn(f64) + Send + Sync>>,
+    pool: Option<Arc<rayon::ThreadPool>>,
+}
+
+impl std::fmt::Debug for Control {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Control").field("cancelled", &self.is_cancelled()).finish_non_exhaustive()
+    }
+}
+
+impl Control {
+    /// Uses a pool of `threads` threads of its own (at least one).
+    ///
+    /// # Panics
+    /// If the system cannot start threads.
+    #[must_use]
+    pub fn with_threads(mut self, threads: usize) -> Self {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
+        self.pool = Some(Arc::new(pool.expect("threads can be started")));
+        self
+    }
+
+    /// Calls back with the fraction done, in [0, 1], from any thread.
+    #[must_use]
+    pub fn with_progress(mut self, progress: impl Fn(f64) + Send + Sync + 'static) -> Self {
+        self.progress = Some(Arc::new(progress));
+        self
+    }
+
+    /// The flag that cancels when set to true; hand it to a signal handler, say.
+    pub fn cancel_flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.cancel)
+    }
+
+    /// Whether somebody cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// `Err` if somebody cancelled.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`].
+    pub fn check(&self) -> Result<(), RenderError> {
+        if self.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(()) }
+    }
+
+    /// Tells how far the work is.
+    pub fn report(&self, fraction: f64) {
+        if let Some(progress) = &self.progress {
+            progress(fraction);
+        }
+    }
+
+    /// Runs work on this control's threads.
+    pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! A finished picture.
+
+/// Premultiplied linear RGBA without the background, f32; row 0 is the top. Optionally a depth per pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    size: [u32; 2],
+    pixels: Vec<[f32; 4]>,
+    depth: Option<Vec<f32>>,
+}
+
+impl Frame {
+    /// A picture from its pixels, row by row from the top.
+    ///
+    /// # Panics
+    /// If there is not one entry per pixel.
+    pub fn new(size: [u32; 2], pixels: Vec<[f32; 4]>, depth: Option<Vec<f32>>) -> Self {
+        let n = size[0] as usize * size[1] as usize;
+        assert!(pixels.len() == n && depth.as_ref().is_none_or(|d| d.len() == n), "one entry per pixel");
+        Self { size, pixels, depth }
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The pixels, row by row from the top.
+    pub fn pixels(&self) -> &[[f32; 4]] {
+        &self.pixels
+    }
+
+    /// One pixel.
+    pub fn pixel(&self, x: u32, y: u32) -> [f32; 4] {
+        self.pixels[(y * self.size[0] + x) as usize]
+    }
+
+    /// World distance along each pixel's ray to what is seen (for over: to α = 0.5); +∞ where there is nothing.
+    pub fn depth(&self) -> Option<&[f32]> {
+        self.depth.as_deref()
+    }
+
+    /// The pixels before a background: rgb + (1 − α)·background.
+    pub fn over_background(&self, background: [f32; 3]) -> Vec<[f32; 3]> {
+        let blend = |p: &[f32; 4]| std::array::from_fn(|c| p[c] + (1.0 - p[3]) * background[c]);
+        self.pixels.iter().map(blend).collect()
+    }
+}

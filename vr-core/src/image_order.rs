@@ -1,0 +1,124 @@
+//! One ray after another, tile by tile on all threads: what a ray caster and the reference share.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use crate::control::Control;
+use crate::error::RenderError;
+use crate::ray::{Ray, Rays};
+use crate::stats::Counts;
+use crate::view::View;
+
+/// What a ray becomes. A pixel is the mean over its rays.
+pub trait PixelValue: Copy + Send {
+    /// The mean of at least one value.
+    fn mean(values: &[Self]) -> Self;
+}
+
+/// Pixels along the edge of a tile: small enough to balance, large enough that a tile's rays share the cache.
+const TILE: u32 = 16;
+
+/// Where a ray goes through the image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Its pixel, counted row by row from the top.
+    pub pixel: usize,
+    /// In pixels from the left edge.
+    pub x: f64,
+    /// In pixels from the top edge.
+    pub y: f64,
+}
+
+/// Calls `trace` for every ray of a view; returns one value per pixel, row by row. `scratch` makes the buffers of one tile.
+///
+/// The result does not depend on the number of threads: tiles are fixed, and so is the order within each.
+///
+/// # Errors
+/// A view that makes no sense, or [`RenderError::Cancelled`].
+pub fn trace_view<P: PixelValue, S>(
+    view: &View,
+    control: &Control,
+    scratch: impl Fn() -> S + Sync,
+    trace: impl Fn(&mut S, &Ray, Spot, &mut Counts) -> P + Sync,
+) -> Result<(Vec<P>, Counts), RenderError> {
+    let [w, h] = view.size;
+    let across = w.div_ceil(TILE);
+    let tiles = across * h.div_ceil(TILE);
+    let in_tile = |t: u32| {
+        let (x0, y0) = (t % across * TILE, t / across * TILE);
+        (y0..(y0 + TILE).min(h)).flat_map(move |y| (x0..(x0 + TILE).min(w)).map(move |x| (x, y)))
+    };
+    let (tiles, counts) = trace_groups(view, control, tiles, in_tile, scratch, trace)?;
+    let mut image: Vec<Option<P>> = vec![None; w as usize * h as usize];
+    for (t, values) in tiles.into_iter().enumerate() {
+        for ((x, y), p) in in_tile(t as u32).zip(values) {
+            image[(y * w + x) as usize] = Some(p);
+        }
+    }
+    Ok((image.into_iter().map(|p| p.expect("tiles cover the image")).collect(), counts))
+}
+
+/// Calls `trace` for the rays of some pixels only; returns one value for each, in their order.
+///
+/// # Errors
+/// As [`trace_view`].
+pub fn trace_pixels<P: PixelValue, S>(
+    view: &View,
+    pixels: &[[u32; 2]],
+    control: &Control,
+    scratch: impl Fn() -> S + Sync,
+    trace: impl Fn(&mut S, &Ray, Spot, &mut Counts) -> P + Sync,
+) -> Result<(Vec<P>, Counts), RenderError> {
+    const GROUP: usize = 64;
+    let groups = pixels.len().div_ceil(GROUP) as u32;
+    let in_group = |g: u32| {
+        let start = g as usize * GROUP;
+        pixels[start..(start + GROUP).min(pixels.len())].iter().map(|p| (p[0], p[1]))
+    };
+    let (groups, counts) = trace_groups(view, control, groups, in_group, scratch, trace)?;
+    Ok((groups.into_iter().flatten().collect(), counts))
+}
+
+fn trace_groups<P: PixelValue, S, I: Iterator<Item = (u32, u32)>>(
+    view: &View,
+    control: &Control,
+    groups: u32,
+    pixels_of: impl Fn(u32) -> I + Sync,
+    scratch: impl Fn() -> S + Sync,
+    trace: impl Fn(&mut S, &Ray, Spot, &mut Counts) -> P + Sync,
+) -> Result<(Vec<Vec<P>>, Counts), RenderError> {
+    let rays = Rays::new(view)?;
+    let done = AtomicUsize::new(0);
+    let n = view.samples;
+    let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
+    let one = |g: u32| {
+        control.check()?;
+        let mut scratch = scratch();
+        let mut counts = Counts::default();
+        let mut sub = Vec::with_capacity((n * n) as usize);
+        let values = pixels_of(g)
+            .map(|(px, py)| {
+                sub.clear();
+                let pixel = (py * view.size[0] + px) as usize;
+                for k in 0..n * n {
+                    let spot = Spot { pixel, x: f64::from(px) + centre(k % n), y: f64::from(py) + centre(k / n) };
+                    sub.push(trace(&mut scratch, &rays.at(spot.x, spot.y), spot, &mut counts));
+                }
+                if n == 1 { sub[0] } else { P::mean(&sub) }
+            })
+            .collect::<Vec<P>>();
+        let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
+        control.report(finished as f64 / f64::from(groups));
+        Ok((values, counts))
+    };
+    // One group a task, taken in order: neighbouring tiles run at the same time, and idle threads steal.
+    let results: Result<Vec<_>, RenderError> =
+        control.run(|| (0..groups).into_par_iter().with_max_len(1).map(one).collect());
+    let mut counts = Counts::default();
+    let values = results?.into_iter().map(|(values, c)| {
+        counts += c;
+        values
+    });
+    Ok((values.collect(), counts))
+}

@@ -1,0 +1,76 @@
+//! What a renderer integrates, told in a form that `vr-physics` can do exactly.
+
+use std::sync::Arc;
+
+use crate::filter::Filter;
+use crate::ray::Ray;
+
+/// What a renderer integrates.
+#[derive(Clone)]
+#[non_exhaustive]
+pub enum Model {
+    /// The scene as it is.
+    Canonical,
+    /// The scene with another reconstruction filter.
+    Filtered(Filter),
+    /// Extinction and emission of its own, continuous along each ray.
+    Continuous(Arc<dyn ContinuousModel>),
+    /// A sum over segments of each ray.
+    Discrete(Arc<dyn DiscreteModel>),
+}
+
+impl std::fmt::Debug for Model {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Canonical => f.write_str("Canonical"),
+            Self::Filtered(filter) => write!(f, "Filtered({filter})"),
+            Self::Continuous(_) => f.write_str("Continuous"),
+            Self::Discrete(_) => f.write_str("Discrete"),
+        }
+    }
+}
+
+/// Extinction and emission along a ray: smooth between breakpoints.
+pub trait ContinuousModel: Send + Sync {
+    /// World distances along the ray, sorted, between which the medium is smooth. The first and the last enclose all of it.
+    fn breakpoints(&self, ray: &Ray) -> Vec<f64>;
+
+    /// Extinction per world unit (may be +∞) and emission per world unit at a distance along the ray.
+    fn medium(&self, ray: &Ray, s: f64) -> Medium;
+
+    /// Bounds between two distances that no breakpoint separates; `None` if it has none, and the result is an estimate then.
+    fn bounds(&self, ray: &Ray, from: f64, to: f64) -> Option<MediumBounds>;
+}
+
+/// Extinction and emission at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Medium {
+    /// κ per world unit.
+    pub extinction: f64,
+    /// q per world unit.
+    pub emission: [f64; 3],
+}
+
+/// What is known of a medium over an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MediumBounds {
+    /// Upper bound of |dκ/ds|.
+    pub extinction_slope: f64,
+    /// Upper bound of |dq/ds| of every component.
+    pub emission_slope: f64,
+}
+
+/// A sum over segments: I = Σ_k b_k Π_{j<k} θ_j, front to back.
+pub trait DiscreteModel: Send + Sync {
+    /// The segments of the ray through a point of the image (in pixels from the top left corner), front to back.
+    fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm>;
+}
+
+/// One term of a discrete model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentTerm {
+    /// Transparency θ in [0, 1].
+    pub transparency: f64,
+    /// Light b that the segment sends out at its front.
+    pub light: [f64; 3],
+}

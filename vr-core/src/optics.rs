@@ -1,0 +1,77 @@
+//! Conversions between opacity α, extinction κ and optical depth τ, good from 10⁻³⁰⁰ to infinity.
+//!
+//! Over a homogeneous length h: τ = κ h, transmittance θ = e^(−τ), α = 1 − θ. Light of emission q gains b = q h w(τ) with the
+//! source weight w(τ) = (1 − e^(−τ)) / τ.
+
+use crate::real::Real;
+
+/// κ of a homogeneous slab of opacity `alpha` and thickness `length`: −ln(1 − α) / length; +∞ for α = 1.
+#[inline]
+pub fn extinction_of_opacity(alpha: f64, length: f64) -> f64 {
+    -libm::log1p(-alpha) / length
+}
+
+/// α of an optical depth: 1 − e^(−τ).
+#[inline]
+pub fn opacity_of_depth<R: Real>(tau: R) -> R {
+    -((-tau).exp_m1())
+}
+
+/// τ of an opacity: −ln(1 − α); +∞ for α = 1.
+#[inline]
+pub fn depth_of_opacity<R: Real>(alpha: R) -> R {
+    -((-alpha).ln_1p())
+}
+
+/// The opacity of a slab `ratio` times as thick: 1 − (1 − α)^ratio. Nothing (0) for a ratio of 0, even of an opaque slab.
+#[inline]
+pub fn opacity_of_thickness<R: Real>(alpha: R, ratio: R) -> R {
+    if ratio == R::ZERO {
+        return R::ZERO;
+    }
+    -((ratio * (-alpha).ln_1p()).exp_m1())
+}
+
+/// The source weight (1 − e^(−τ)) / τ: 1 at τ = 0, 1/τ for large τ, 0 at infinity.
+///
+/// `expm1` keeps the quotient accurate down to the smallest τ; only 0/0 needs its limit.
+#[inline]
+pub fn source_weight<R: Real>(tau: R) -> R {
+    if tau == R::ZERO { R::ONE } else { opacity_of_depth(tau) / tau }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holds_from_tiny_to_infinite() {
+        for exponent in -300..=2 {
+            let tau = 10f64.powi(exponent);
+            let alpha = opacity_of_depth(tau);
+            // α loses what τ has beyond 1 − 2⁻⁵³: the way back is good to that.
+            let slack = 4.0 * f64::EPSILON * (1.0 + libm::exp(tau).min(1e300) / tau.max(1e-300));
+            let back = depth_of_opacity(alpha);
+            assert!((back - tau).abs() <= tau * slack || (tau > 36.0 && back > 36.0), "{tau} {back}");
+            let w = source_weight(tau);
+            assert!((w * tau - alpha).abs() <= 2.0 * f64::EPSILON * alpha, "{tau}");
+            assert!((0.0..=1.0).contains(&w) && (0.0..=1.0).contains(&alpha));
+        }
+        assert_eq!(opacity_of_depth(f64::INFINITY), 1.0);
+        assert_eq!(source_weight(f64::INFINITY), 0.0);
+        assert_eq!(extinction_of_opacity(1.0, 2.0), f64::INFINITY);
+        assert_eq!(extinction_of_opacity(1e-30, 0.5), 2e-30);
+        assert_eq!(opacity_of_thickness(1.0, 1e-30), 1.0);
+        assert_eq!(opacity_of_thickness(1.0, 0.0), 0.0);
+        assert_eq!(opacity_of_thickness(1e-30f32, 0.5), 5e-31);
+    }
+
+    #[test]
+    fn thickness_composes() {
+        for alpha in [1e-20, 1e-7, 0.3, 0.999_999] {
+            let half = opacity_of_thickness(alpha, 0.5);
+            let whole = half + (1.0 - half) * half;
+            assert!((whole - alpha).abs() <= 4.0 * f64::EPSILON * alpha, "{alpha}");
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! Blinn-Phong shading with directional lights, and opacity modulated by the gradient's magnitude.
+
+use glam::DVec3;
+
+use crate::error::ParameterError;
+use crate::real::Real;
+
+/// How surfaces in the volume reflect light (Blinn 1977), two-sided:
+/// c is replaced by c·(ka + kd Σ L|n·l|) + ks Σ L|n·h|^p, n the normalised world gradient. Where the gradient is zero, c stays.
+///
+/// Emission that is given on its own is light, not a surface: it is not shaded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shading {
+    /// ka.
+    pub ambient: f64,
+    /// kd.
+    pub diffuse: f64,
+    /// ks.
+    pub specular: f64,
+    /// p.
+    pub power: f64,
+    /// The lights.
+    pub lights: Vec<Light>,
+    /// Where n comes from.
+    pub gradient: GradientMethod,
+    /// Multiplies κ by a piecewise linear function of the gradient's magnitude: (value per world unit, factor), sorted.
+    /// Empty: no modulation.
+    pub gradient_opacity: Vec<(f64, f64)>,
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Self {
+            ambient: 0.2,
+            diffuse: 0.7,
+            specular: 0.3,
+            power: 20.0,
+            lights: vec![Light::default()],
+            gradient: GradientMethod::default(),
+            gradient_opacity: Vec::new(),
+        }
+    }
+}
+
+/// A light at infinity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// World vector *towards* the light; `None`: a headlight, shining along each ray.
+    pub direction: Option<DVec3>,
+    /// Linear RGB.
+    pub color: [f64; 3],
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self { direction: None, color: [1.0; 3] }
+    }
+}
+
+/// Where the gradient for shading comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum GradientMethod {
+    /// Central differences at the samples (one-sided at the faces of the box), interpolated trilinearly.
+    #[default]
+    CentralDifferences,
+    /// The reconstruction filter's own gradient.
+    Analytic,
+}
+
+impl Shading {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// Coefficients that are negative or not finite, a light without direction, gradient points that are not sorted.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        let coefficients = [
+            ("shading.ambient", self.ambient),
+            ("shading.diffuse", self.diffuse),
+            ("shading.specular", self.specular),
+            ("shading.power", self.power),
+        ];
+        for (field, x) in coefficients {
+            if !(x >= 0.0 && x.is_finite()) {
+                return Err(ParameterError::new(field, x, "must be finite and not negative"));
+            }
+        }
+        for (i, l) in self.lights.iter().enumerate() {
+            if l.direction.is_some_and(|d| !(d.is_finite() && d.length() > 0.0)) {
+                let allowed = "must be finite and not zero";
+                return Err(ParameterError::new(format!("shading.lights[{i}].direction"), l.direction, allowed));
+            }
+            if l.color.iter().any(|&c| !(c >= 0.0 && c.is_finite())) {
+                let allowed = "must be finite and not negative";
+                return Err(ParameterError::new(format!("shading.lights[{i}].color"), l.color, allowed));
+            }
+        }
+        let points = &self.gradient_opacity;
+        if points.iter().any(|&(m, f)| !(m >= 0.0 && m.is_finite() && f >= 0.0 && f.is_finite()))
+            || points.windows(2).any(|w| w[1].0 <= w[0].0)
+        {
+            let allowed = "magnitudes must be strictly increasing, factors finite, none negative";
+            return Err(ParameterError::new("shading.gradient_opacity", points, allowed));
+        }
+        Ok(())
+    }
+
+    /// The factor on κ at a gradient magnitude: linear between the points, constant outside.
+    pub fn modulation(&self, magnitude: f64) -> f64 {
+        let points = &self.gradient_opacity;
+        let i = points.partition_point(|p| p.0 <= magnitude);
+        match (i.checked_sub(1).map(|j| points[j]), points.get(i)) {
+            (None, None) => 1.0,
+            (None, Some(&(_, f))) | (Some((_, f)), None) => f,
+            (Some((m0, f0)), Some(&(m1, f1))) => f0 + (magnitude - m0) / (m1 - m0) * (f1 - f0),
+        }
+    }
+
+    /// What of the shading is constant along one ray: lights at infinity seen along `direction` (the ray's, in the world).
+    pub fn along<R: Real>(&self, direction: DVec3) -> RayShading<R> {
+        let to_eye = -direction;
+        let lights = self.lights.iter().map(|l| {
+            let to_light = l.direction.map_or(to_eye, DVec3::normalize);
+            // Opposite to the eye, the half vector has no direction: no highlight then.
+            let half = (to_light + to_eye).normalize_or_zero();
+            RayLight {
+                to_light: to_light.to_array().map(R::from_f64),
+                half: half.to_array().map(R::from_f64),
+                color: l.color.map(R::from_f64),
+            }
+        });
+        RayShading {
+            lights: lights.collect(),
+            ambient: R::from_f64(self.ambient),
+            diffuse: R::from_f64(self.diffuse),
+            specular: R::from_f64(self.specular),
+            power: R::from_f64(self.power),
+        }
+    }
+}
+
+/// A light as one ray sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct RayLight<R> {
+    /// Unit vector towards the light.
+    pub to_light: [R; 3],
+    /// Unit vector between light and eye; zero where they are opposite.
+    pub half: [R; 3],
+    /// Linear RGB.
+    pub color: [R; 3],
+}
+
+/// Shading along one ray.
+#[derive(Clone, Debug)]
+pub struct RayShading<R> {
+    /// The lights.
+    pub lights: Vec<RayLight<R>>,
+    ambient: R,
+    diffuse: R,
+    specular: R,
+    power: R,
+}
+
+impl<R: Real> RayShading<R> {
+    /// What reflects at a point with this world gradient: (factor on the colour, light added). Two-sided.
+    #[inline]
+    pub fn reflect(&self, gradient: [R; 3]) -> ([R; 3], [R; 3]) {
+        // Scaled by its largest component, so that the square neither underflows nor overflows.
+        let largest = gradient[0].abs().max(gradient[1].abs()).max(gradient[2].abs());
+        if largest <= R::ZERO || largest.is_nan() {
+            return ([R::ONE; 3], [R::ZERO; 3]);
+        }
+        let g = gradient.map(|x| x / largest);
+        let n = R::ONE / dot(g, g).sqrt();
+        let (mut factor, mut added) = ([self.ambient; 3], [R::ZERO; 3]);
+        for light in &self.lights {
+            let facing = self.diffuse * (dot(g, light.to_light) * n).abs();
+            let highlight = self.specular * (dot(g, light.half) * n).abs().pow(self.power);
+            for c in 0..3 {
+                factor[c] += light.color[c] * facing;
+                added[c] += light.color[c] * highlight;
+            }
+        }
+        (factor, added)
+    }
+}
+
+#[inline(always)]
+fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_sided_headlight() {
+        let s = Shading::default().along::<f64>(DVec3::NEG_Z);
+        for sign in [1e-200, -1.0, 1e200] {
+            let (factor, added) = s.reflect([0.0, 0.0, sign]);
+            assert!((factor[0] - 0.9).abs() < 1e-15 && (added[0] - 0.3).abs() < 1e-15, "{factor:?} {added:?}");
+        }
+        assert_eq!(s.reflect([0.0; 3]), ([1.0; 3], [0.0; 3]));
+        let (side, _) = s.reflect([1.0, 0.0, 0.0]);
+        assert!((side[0] - 0.2).abs() < 1e-15);
+    }
+
+    #[test]
+    fn modulation_is_piecewise_linear() {
+        let s = Shading { gradient_opacity: vec![(1.0, 0.0), (3.0, 1.0)], ..Shading::default() };
+        assert_eq!([0.0, 1.0, 2.0, 9.0].map(|m| s.modulation(m)), [0.0, 0.0, 0.5, 1.0]);
+        assert_eq!(Shading::default().modulation(5.0), 1.0);
+    }
+}

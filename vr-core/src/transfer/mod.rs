@@ -1,0 +1,283 @@
+//! Transfer functions: from the field's value to extinction and emission.
+
+mod baked;
+mod colormap;
+mod lab;
+mod msh;
+mod presets;
+mod srgb;
+
+pub use baked::{BakedTransfer, TableError};
+pub use colormap::{cool_warm, inferno, viridis};
+pub use lab::Lab;
+pub use msh::{Msh, diverging};
+pub use presets::{Preset, is_hounsfield};
+pub use srgb::{linear_to_srgb, srgb_to_linear};
+
+use crate::error::ParameterError;
+use crate::optics::extinction_of_opacity;
+
+/// A point of a transfer function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControlPoint {
+    /// Calibrated value of the field.
+    pub value: f64,
+    /// Linear-light RGB.
+    pub color: [f64; 3],
+    /// Opacity of a slab of one unit distance, in [0, 1].
+    pub opacity: f64,
+    /// Emission per world unit, given on its own; absent: κ·color. On all points of a transfer function, or on none.
+    pub emission: Option<[f64; 3]>,
+}
+
+impl ControlPoint {
+    /// A point of a density emitter: emission κ·color.
+    pub fn new(value: f64, color: [f64; 3], opacity: f64) -> Self {
+        Self { value, color, opacity, emission: None }
+    }
+}
+
+/// What the opacity of a control point means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum OpacityRule {
+    /// α is the opacity of a homogeneous slab one unit distance thick: κ = −ln(1 − α) / unit distance (VTK's structured
+    /// mappers, ANARI).
+    #[default]
+    Power,
+    /// κ = α / unit distance (OSPRay, VTK's tetrahedra).
+    Extinction,
+}
+
+/// The optical properties at one value of the field, as the points give them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Optical {
+    /// Opacity of one unit distance, in [0, 1].
+    pub opacity: f64,
+    /// Linear-light RGB.
+    pub color: [f64; 3],
+    /// Emission per world unit, where it is given on its own.
+    pub emission: [f64; 3],
+}
+
+impl Optical {
+    fn of(p: &ControlPoint) -> Self {
+        Self { opacity: p.opacity, color: p.color, emission: p.emission.unwrap_or_default() }
+    }
+
+    fn lerp(t: f64, a: &Self, b: &Self) -> Self {
+        let mix = |a: f64, b: f64| a + t * (b - a);
+        let mix3 = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| mix(a[i], b[i]));
+        // a + t (b − a) may round past b by a bit: an opacity must not.
+        Self {
+            opacity: mix(a.opacity, b.opacity).clamp(0.0, 1.0),
+            color: mix3(a.color, b.color),
+            emission: mix3(a.emission, b.emission),
+        }
+    }
+}
+
+/// A range of values in which opacity, colour and emission are linear (constant in the two outermost ranges).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Lower end; −∞ for the first.
+    pub from: f64,
+    /// Upper end; +∞ for the last.
+    pub to: f64,
+    /// The properties at the lower end.
+    pub start: Optical,
+    /// The properties at the upper end.
+    pub end: Optical,
+}
+
+impl Segment {
+    /// The properties at a value; beyond the segment, its line goes on (clamped to opacities in [0, 1]).
+    pub fn at(&self, value: f64) -> Optical {
+        if self.from == f64::NEG_INFINITY || self.to == f64::INFINITY {
+            return self.start;
+        }
+        Optical::lerp((value - self.from) / (self.to - self.from), &self.start, &self.end)
+    }
+
+    /// Whether nothing absorbs and nothing shines here.
+    pub fn is_clear(&self) -> bool {
+        [self.start, self.end].iter().all(|o| o.opacity == 0.0 && o.emission == [0.0; 3])
+    }
+
+    /// Whether opacity is 1 throughout.
+    pub fn is_opaque(&self) -> bool {
+        self.start.opacity == 1.0 && self.end.opacity == 1.0
+    }
+}
+
+/// A piecewise linear transfer function of the field's calibrated value: linear-light colour c and opacity α, constant
+/// outside the end points. Two points at one value are a jump; at it the later point holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferFunction {
+    points: Vec<ControlPoint>,
+    segments: Vec<Segment>,
+    rule: OpacityRule,
+    unit_distance: f64,
+    has_emission: bool,
+}
+
+impl TransferFunction {
+    /// A transfer function from its points, in order of their values.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] naming the point for: no point, values not sorted, α outside [0, 1], negative or non-finite numbers,
+    /// emission on some points only, a unit distance that is not positive and finite.
+    pub fn new(points: Vec<ControlPoint>, rule: OpacityRule, unit_distance: f64) -> Result<Self, ParameterError> {
+        if points.is_empty() {
+            return Err(ParameterError::new("transfer.points", "none", "at least one point is needed"));
+        }
+        if !(unit_distance > 0.0 && unit_distance.is_finite()) {
+            let field = "transfer.unit_distance";
+            return Err(ParameterError::new(field, unit_distance, "must be positive and finite"));
+        }
+        let has_emission = points[0].emission.is_some();
+        for (i, p) in points.iter().enumerate() {
+            let field = |name: &str| format!("transfer.points[{i}].{name}");
+            if !p.value.is_finite() {
+                return Err(ParameterError::new(field("value"), p.value, "must be finite"));
+            }
+            if i > 0 && p.value < points[i - 1].value {
+                return Err(ParameterError::new(field("value"), p.value, "points must be sorted by value"));
+            }
+            if !(0.0..=1.0).contains(&p.opacity) {
+                return Err(ParameterError::new(field("opacity"), p.opacity, "must be in [0, 1]"));
+            }
+            let light = |c: [f64; 3]| c.iter().all(|&x| x >= 0.0 && x.is_finite());
+            if !light(p.color) {
+                return Err(ParameterError::new(field("color"), p.color, "must be finite and not negative"));
+            }
+            if p.emission.is_some() != has_emission {
+                let allowed = "emission must be given on all points or on none";
+                return Err(ParameterError::new(field("emission"), p.emission, allowed));
+            }
+            if !light(p.emission.unwrap_or_default()) {
+                return Err(ParameterError::new(field("emission"), p.emission, "must be finite and not negative"));
+            }
+        }
+        let segments = segments(&points);
+        Ok(Self { points, segments, rule, unit_distance, has_emission })
+    }
+
+    /// The points, as given.
+    pub fn points(&self) -> &[ControlPoint] {
+        &self.points
+    }
+
+    /// The ranges of values on which everything is linear, from −∞ to +∞ without gaps.
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// What the opacities mean.
+    pub fn rule(&self) -> OpacityRule {
+        self.rule
+    }
+
+    /// World length that the opacities belong to.
+    pub fn unit_distance(&self) -> f64 {
+        self.unit_distance
+    }
+
+    /// Whether emission is given on its own, rather than as κ·color.
+    pub fn has_emission(&self) -> bool {
+        self.has_emission
+    }
+
+    /// The segment that holds at a value.
+    pub fn segment_at(&self, value: f64) -> &Segment {
+        let i = self.segments.partition_point(|s| s.from <= value);
+        &self.segments[i.max(1) - 1]
+    }
+
+    /// Opacity, colour and emission at a value, exactly as the points give them.
+    pub fn at(&self, value: f64) -> Optical {
+        self.segment_at(value).at(value)
+    }
+
+    /// κ of an opacity of this transfer function, per world unit; +∞ for 1 under the power rule.
+    pub fn extinction(&self, opacity: f64) -> f64 {
+        match self.rule {
+            OpacityRule::Power => extinction_of_opacity(opacity, self.unit_distance),
+            OpacityRule::Extinction => opacity / self.unit_distance,
+        }
+    }
+
+    /// κ at a value, per world unit.
+    pub fn extinction_at(&self, value: f64) -> f64 {
+        self.extinction(self.at(value).opacity)
+    }
+
+    /// The largest colour or emission component of any point.
+    pub fn brightest(&self) -> f64 {
+        let all = |p: &ControlPoint| p.color.into_iter().chain(p.emission.unwrap_or_default());
+        self.points.iter().flat_map(all).fold(0.0, f64::max)
+    }
+
+    /// Whether it jumps, by two different points at one value.
+    pub fn has_jumps(&self) -> bool {
+        self.segments.windows(2).any(|w| w[0].end != w[1].start)
+    }
+}
+
+fn segments(points: &[ControlPoint]) -> Vec<Segment> {
+    let constant = |from, to, p: &ControlPoint| Segment { from, to, start: Optical::of(p), end: Optical::of(p) };
+    let (first, last) = (&points[0], &points[points.len() - 1]);
+    let mut segments = vec![constant(f64::NEG_INFINITY, first.value, first)];
+    for pair in points.windows(2).filter(|pair| pair[0].value < pair[1].value) {
+        segments.push(Segment {
+            from: pair[0].value,
+            to: pair[1].value,
+            start: Optical::of(&pair[0]),
+            end: Optical::of(&pair[1]),
+        });
+    }
+    segments.push(constant(last.value, f64::INFINITY, last));
+    segments
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tf(points: &[(f64, f64)]) -> TransferFunction {
+        let points = points.iter().map(|&(v, a)| ControlPoint::new(v, [a, 1.0, 0.5], a)).collect();
+        TransferFunction::new(points, OpacityRule::Power, 2.0).unwrap()
+    }
+
+    #[test]
+    fn linear_between_constant_outside_and_later_at_a_jump() {
+        let t = tf(&[(0.0, 0.0), (10.0, 0.5), (10.0, 0.9), (20.0, 1.0)]);
+        assert_eq!(t.at(-5.0).opacity, 0.0);
+        assert_eq!(t.at(5.0).opacity, 0.25);
+        assert_eq!(t.at(10.0).opacity, 0.9);
+        assert!((t.at(10.0f64.next_down()).opacity - 0.5).abs() < 1e-15);
+        assert_eq!(t.at(99.0).opacity, 1.0);
+        assert_eq!(t.extinction_at(99.0), f64::INFINITY);
+        assert!((t.extinction_at(5.0) - -(0.75f64.ln()) / 2.0).abs() < 1e-16);
+        assert!(t.has_jumps());
+        assert!(!tf(&[(0.0, 0.1), (1.0, 0.2)]).has_jumps());
+    }
+
+    #[test]
+    fn refuses_what_makes_no_sense() {
+        let p = ControlPoint::new;
+        let new = |points, unit| TransferFunction::new(points, OpacityRule::Power, unit);
+        assert!(new(vec![], 1.0).is_err());
+        assert!(new(vec![p(1.0, [0.0; 3], 0.0), p(0.0, [0.0; 3], 0.0)], 1.0).is_err());
+        for alpha in [-0.1, 1.1, f64::NAN] {
+            let e = new(vec![p(1.0, [0.0; 3], alpha)], 1.0).unwrap_err();
+            assert_eq!(e.field, "transfer.points[0].opacity");
+        }
+        assert!(new(vec![p(f64::NAN, [0.0; 3], 0.0)], 1.0).is_err());
+        assert!(new(vec![p(0.0, [-1.0; 3], 0.0)], 1.0).is_err());
+        assert!(new(vec![p(0.0, [0.0; 3], 0.0)], 0.0).is_err());
+        let mixed = vec![p(0.0, [0.0; 3], 0.0), ControlPoint { emission: Some([1.0; 3]), ..p(1.0, [0.0; 3], 0.0) }];
+        assert!(new(mixed, 1.0).is_err());
+    }
+}
