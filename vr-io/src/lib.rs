@@ -1,9 +1,11 @@
 //! Volumes, scene files and pictures on disk.
 
+mod atomic;
 mod decode;
 mod detect;
 mod encoding;
 mod error;
+mod exr;
 mod file_pattern;
 mod layout;
 mod mapped;
@@ -11,6 +13,8 @@ mod metaimage;
 mod nifti;
 mod nrrd;
 mod payload;
+mod picture;
+mod png;
 mod raw;
 mod read;
 mod samples;
@@ -18,7 +22,11 @@ mod scalar;
 mod world;
 
 pub use error::{ReadError, WriteError};
+pub use exr::write_exr;
 pub use nifti::Transform;
+pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
+pub use picture::write;
+pub use png::{Encode, PngDepth, PngOptions, write_png};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, read};
 pub use scalar::{Endian, ScalarType};

@@ -4,6 +4,7 @@ mod axes;
 mod data;
 mod geometry;
 mod header;
+mod write;
 
 use std::path::Path;
 
@@ -13,6 +14,8 @@ use crate::error::{FieldError, ReadError};
 use crate::layout::Layout;
 use crate::read::{Description, ReadOptions};
 use crate::scalar::ScalarType;
+
+pub use write::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
 
 use header::Header;
 
