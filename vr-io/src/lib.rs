@@ -20,6 +20,7 @@ mod raw;
 mod read;
 mod samples;
 mod scalar;
+mod scene;
 mod world;
 
 pub use error::{ReadError, WriteError};
@@ -32,4 +33,7 @@ pub use png::{Encode, PngDepth, PngOptions, write_png};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, read};
 pub use scalar::{Endian, ScalarType};
+pub use scene::{
+    LoadedScene, SceneFileError, load_scene, parse_scene, read_scene, resolve_scene, scene_text, write_scene,
+};
 pub use world::{Space, orientation};

@@ -30,6 +30,8 @@ pub struct RawDescription {
     pub direction: [[f64; 3]; 3],
     /// Bytes before the first sample, after decompression.
     pub skip: u64,
+    /// What the stored numbers mean.
+    pub calibration: Calibration,
 }
 
 impl RawDescription {
@@ -43,6 +45,7 @@ impl RawDescription {
             origin: [0.0; 3],
             direction: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             skip: 0,
+            calibration: Calibration::default(),
         }
     }
 
@@ -100,7 +103,7 @@ pub(crate) fn describe(
         layout,
         placement,
         placed_by: if raw.spacing.is_some() { "description" } else { "assumed" },
-        calibration: Calibration::default(),
+        calibration: raw.calibration,
         space: Space::Own,
         units: None,
         notes,
