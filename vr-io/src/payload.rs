@@ -123,8 +123,12 @@ impl Payload {
                 ReadError::DataFile { path: header.into(), data: segment.path.clone(), source }
             }
         })?;
-        let mut file = BufReader::with_capacity(1 << 16, file);
         let io = |e| ReadError::io(&segment.path, e);
+        // A device or a pipe may go on for ever.
+        if !file.metadata().map_err(io)?.is_file() {
+            return Err(io(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
+        }
+        let mut file = BufReader::with_capacity(1 << 16, file);
         file.seek(SeekFrom::Start(segment.start)).map_err(io)?;
         for line in 0..segment.lines {
             if skip_line(&mut file).map_err(io)? == 0 {
