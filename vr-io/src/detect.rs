@@ -44,7 +44,7 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, ReadError> {
             if let Some(described) = RawDescription::from_name(path) {
                 return described.map(Format::Raw).map_err(|e| e.in_file(path));
             }
-            if let Some(format) = unsupported_by_extension(extension) {
+            if let Some(format) = unsupported_by_extension(extension).or_else(|| bare_dicom(&unpacked)) {
                 return Err(ReadError::Unsupported { path: path.into(), format });
             }
         }
@@ -101,8 +101,7 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
         Some("VTK (XML)")
     } else if begins(b"<") && contains(b"<VolumeData") {
         Some("Voreen (.vvd)")
-    } else if at(128, b"DICM") || begins(&[8, 0, 5, 0]) || begins(&[8, 0, 0, 0]) || begins(&[8, 0, 8, 0]) {
-        // A DICOM file without preamble begins with an element of group 0008.
+    } else if at(128, b"DICM") {
         Some("DICOM")
     } else if begins(b"\x89HDF\r\n\x1a\n") {
         Some("HDF5")
@@ -125,6 +124,11 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
     } else {
         None
     }
+}
+
+/// A DICOM file without preamble begins with an element of group 0008. So may other files: this comes last.
+fn bare_dicom(head: &[u8]) -> Option<&'static str> {
+    matches!(head, [8, 0, 0 | 1 | 5 | 8, 0, ..]).then_some("DICOM")
 }
 
 fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
@@ -156,6 +160,12 @@ mod tests {
         assert_eq!(detect(Path::new("x.nrrd"), b"ObjectType = Image\nNDims = 3\n").unwrap(), Format::MetaImage);
         assert_eq!(detect(Path::new("x.nii"), b"").unwrap(), Format::Nifti);
         assert!(matches!(detect(Path::new("a_2x2x2_uint8.raw"), &[0; 8]).unwrap(), Format::Raw(_)));
+    }
+
+    #[test]
+    fn a_described_raw_file_may_begin_with_anything() {
+        let path = Path::new("a_2x2x2_uint32.raw");
+        assert!(matches!(detect(path, &[8, 0, 0, 0, 9, 0, 0, 0]).unwrap(), Format::Raw(_)));
     }
 
     #[test]

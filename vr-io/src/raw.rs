@@ -54,7 +54,7 @@ impl RawDescription {
     /// # Errors
     /// The name of the field that is missing or wrong.
     pub(crate) fn from_name(path: &Path) -> Option<Result<Self, FieldError>> {
-        let name = path.file_name()?.to_str()?;
+        let name = &path.file_name()?.to_str()?.to_lowercase();
         let mut words = name.split(['_', '.', '-', ' ']).skip_while(|w| dims_of(w).is_none());
         let dims = dims_of(words.next()?)?;
         Some(match words.find_map(ScalarType::from_name) {
@@ -119,6 +119,7 @@ mod tests {
         let of = |n: &str| RawDescription::from_name(Path::new(n));
         assert_eq!(of("a/foot_256x128x64_uint8.raw"), Some(Ok(RawDescription::new([256, 128, 64], ScalarType::U8))));
         assert_eq!(of("x.4x5x6.int16.raw.gz"), Some(Ok(RawDescription::new([4, 5, 6], ScalarType::I16))));
+        assert_eq!(of("X_4X5X6_UINT8.RAW"), Some(Ok(RawDescription::new([4, 5, 6], ScalarType::U8))));
         assert_eq!(of("nucleon.raw"), None);
         assert_eq!(of("ax2x3_4x5.raw"), None);
         assert!(of("foot_256x256x256.raw").unwrap().unwrap_err().allowed.contains("uint8.raw"));

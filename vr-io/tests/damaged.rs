@@ -3,6 +3,7 @@
 
 mod tiny;
 
+use std::cell::Cell;
 use std::path::Path;
 
 use proptest::collection::vec;
@@ -94,11 +95,16 @@ fn one_line(message: String) -> Result<(), String> {
 /// Damages the first `header` bytes of a file, or all of them.
 fn survive_reading(name: &str, file: &[u8], header: usize, pack: fn(&[u8]) -> Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
+    // A new file for each case: some file systems write an overwritten one to the disk at once.
+    let case = Cell::new(0);
     let (head, rest) = file.split_at(header.min(file.len()));
     survive(head, |damaged| {
+        case.set(case.get() + 1);
+        let path = folder.path().join(format!("{}{name}", case.get()));
         std::fs::write(&path, pack(&join(damaged.to_vec(), rest))).map_err(|e| e.to_string())?;
-        match read(&path, &ReadOptions::default()) {
+        let outcome = read(&path, &ReadOptions::default());
+        std::fs::remove_file(&path).map_err(|e| e.to_string())?;
+        match outcome {
             Ok(loaded) => {
                 // What was read is a grid in earnest.
                 let placement = *loaded.volume.uniform().ok_or("no grid")?.placement();

@@ -91,7 +91,7 @@ fn wrong_files_are_told_where_and_what() {
         ("", "s.toml: volume: found nothing; must have a path, a phantom or data"),
         ("[volume]\nphantom = \"fog\"\npath = \"x\"", "volume: found several"),
         ("[volume]\nphantom = \"frog\"", "volume.phantom: found 'frog' (did you mean 'fog'?); must be marschner-lobb"),
-        ("[volume]\nphantom = \"fog\"\nsize = 1", "volume.size: found dims [1, 1, 1]"),
+        ("[volume]\nphantom = \"fog\"\nsize = 1", "volume.size: found 1; must be 2 to 2048"),
         ("[volume]\npath = \"x.raw\"\ntype = \"u8\"", "volume.dims: found nothing"),
         ("[volume]\npath = \"x.raw\"\ndims = [2,2,2]", "volume.type: found nothing"),
         ("[volume]\npath = \"x.raw\"\ndims = [2,2,2]\ntype = \"u9\"", "volume.type: found \"u9\"; must be u8"),

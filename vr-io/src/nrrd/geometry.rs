@@ -23,6 +23,9 @@ pub(super) fn world(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec
     let space = space(header).map_err(in_file)?;
     let has_directions = header.get("space directions").is_some();
     if has_directions {
+        if header.get("space").is_some_and(|name| name.to_lowercase().contains("left-handed")) {
+            notes.push("the file's space is left-handed and is shown as if right-handed: a mirror image".into());
+        }
         oriented(path, header, axes, space, notes)
     } else {
         if let Some(name) = header.get("space") {

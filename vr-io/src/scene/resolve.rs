@@ -112,8 +112,11 @@ fn volume(
                 )
             })?;
             let size = section.size.unwrap_or(PHANTOM_SIZE);
+            if !PHANTOM_SIZES.contains(&size) {
+                return Err(wrong("volume.size", &size.to_string(), "must be 2 to 2048"));
+            }
             let grid = phantom::sample::<f32>(phantom.as_ref(), [size; 3])
-                .map_err(|e| wrong("volume.size", &e.to_string(), "must be 2 or more"))?;
+                .map_err(|e| wrong("volume.size", &e.to_string(), "must be 2 to 2048"))?;
             Ok(Found { volume: grid.into(), info: None, points: Some(phantom.transfer_points()), notes: Vec::new() })
         }
         (None, None, Some(_)) => {
@@ -126,6 +129,8 @@ fn volume(
 
 /// Samples along each axis of a phantom of which no size is given.
 const PHANTOM_SIZE: usize = 64;
+/// The sizes that a phantom may have; the largest takes 32 GiB.
+const PHANTOM_SIZES: std::ops::RangeInclusive<usize> = 2..=2048;
 
 /// The description of a raw file: dims and type from the section or, where it has none, from the file's name. `None` where
 /// the section describes nothing, so that the file must.
