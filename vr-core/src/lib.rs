@@ -13,6 +13,7 @@ mod missing;
 mod model;
 pub mod optics;
 mod options;
+pub mod phantom;
 mod placement;
 mod range_blocks;
 mod ray;
@@ -20,6 +21,8 @@ mod real;
 mod renderer;
 mod sampler;
 mod scene;
+#[cfg(feature = "serde")]
+pub mod scene_file;
 mod shading;
 mod stats;
 pub mod transfer;

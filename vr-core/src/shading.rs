@@ -168,7 +168,7 @@ impl<R: Real> RayShading<R> {
     pub fn reflect(&self, gradient: [R; 3]) -> ([R; 3], [R; 3]) {
         // Scaled by its largest component, so that the square neither underflows nor overflows.
         let largest = gradient[0].abs().max(gradient[1].abs()).max(gradient[2].abs());
-        if !(largest > R::ZERO) {
+        if largest <= R::ZERO || largest.is_nan() {
             return ([R::ONE; 3], [R::ZERO; 3]);
         }
         let g = gradient.map(|x| x / largest);

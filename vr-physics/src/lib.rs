@@ -1,1 +1,5 @@
 //! Stub.
+#![allow(missing_docs)]
+mod crossings;
+mod nodes;
+mod poly;
