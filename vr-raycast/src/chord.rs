@@ -56,11 +56,19 @@ impl Chord<'_> {
         }
     }
 
-    /// The distance at which sign·field reaches sign·threshold, between one where it does not (or is vacuum) and one where it does.
-    pub(crate) fn crossing(&self, below: f64, reached: f64, sign: f64, threshold: f64) -> f64 {
+    /// Where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and a point where it does.
+    pub(crate) fn crossing(&self, below: f64, reached: Crossing, sign: f64, threshold: f64) -> Crossing {
         let search = Bisection { chord: self, below, reached, sign, threshold };
         self.volume.with_sampler(self.filter, search)
     }
+}
+
+/// A point at which the field reaches something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Crossing {
+    pub(crate) distance: f64,
+    /// The field there.
+    pub(crate) stored: f64,
 }
 
 struct Values<'r, R>(&'r mut Run<R>);
@@ -109,7 +117,7 @@ impl<R: Real> LatticeVisitor for CentralDifferences<'_, R> {
 struct Bisection<'c> {
     chord: &'c Chord<'c>,
     below: f64,
-    reached: f64,
+    reached: Crossing,
     sign: f64,
     threshold: f64,
 }
@@ -118,17 +126,21 @@ struct Bisection<'c> {
 const HALVINGS: u32 = 30;
 
 impl SamplerVisitor for Bisection<'_> {
-    type Output = f64;
+    type Output = Crossing;
 
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> f64 {
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Crossing {
         let most = self.chord.volume.dims().map(|n| (n - 1) as f64);
         let (mut below, mut reached) = (self.below, self.reached);
         for _ in 0..HALVINGS {
-            let middle = 0.5 * (below + reached);
-            let at = self.chord.ray.at(middle).to_array();
-            let value = sampler.value::<f64>(std::array::from_fn(|a| at[a].clamp(0.0, most[a])));
+            let distance = 0.5 * (below + reached.distance);
+            let at = self.chord.ray.at(distance).to_array();
+            let stored = sampler.value::<f64>(std::array::from_fn(|a| at[a].clamp(0.0, most[a])));
             // False in vacuum.
-            if self.sign * value >= self.sign * self.threshold { reached = middle } else { below = middle }
+            if self.sign * stored >= self.sign * self.threshold {
+                reached = Crossing { distance, stored };
+            } else {
+                below = distance;
+            }
         }
         reached
     }

@@ -167,8 +167,7 @@ impl PreparedCaster {
             }
             (Compositing::Accumulate { level }, _) => frame(&pipeline, control, || Accumulate::new(level)),
             (Compositing::First { threshold }, _) => {
-                let color = self.scene.transfer.at(threshold).color;
-                frame(&pipeline, control, || First::new(color, threshold, calibration))
+                frame(&pipeline, control, || First::new(transfer(), calibration, threshold))
             }
             (Compositing::Average, _) => frame(&pipeline, control, || Average::new(transfer(), calibration)),
             (Compositing::Maximum, _) => frame(&pipeline, control, || Extreme::new(transfer(), calibration, true)),

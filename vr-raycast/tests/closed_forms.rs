@@ -45,9 +45,9 @@ fn homogeneous_slab_at_any_step() {
 #[test]
 fn thin_media_keep_their_digits() {
     // 4096 steps of α = 10⁻⁷, and κ = 10⁻¹²: f32 sums that started at the ray's front would stall.
-    for (alpha, unit) in [(1e-7, 1.0), (1e-12, 1.0)] {
-        let scene = Scene::new(volume([2, 2, 4097], |_, _, _| 0.0), transfer(&[(0.0, [1.0; 3], alpha)], unit));
-        let exact = -(4096.0 * (-alpha as f64).ln_1p()).exp_m1();
+    for alpha in [1e-7, 1e-12f64] {
+        let scene = Scene::new(volume([2, 2, 4097], |_, _, _| 0.0), homogeneous(alpha));
+        let exact = -(4096.0 * (-alpha).ln_1p()).exp_m1();
         for order in [Order::default(), Order::BackToFront] {
             let caster = RayCaster { step: 1.0, order, ..RayCaster::default() };
             let mut view = down(0.5, 0.5);
@@ -183,8 +183,12 @@ fn first_hits_are_refined() {
         }
     }
     // The entry point counts, what is never reached is nothing.
+    scene.volume = ramp(3.0, 1.0);
     scene.compositing = Compositing::First { threshold: -1.0 };
-    assert_eq!(pixel(&RayCaster::default(), &scene, &down(0.5, 0.5)).1, 984.0);
+    let (rgba, depth) = pixel(&RayCaster::default(), &scene, &down(0.5, 0.5));
+    assert_close(rgba, [0.3, 0.15, 0.0, 1.0], F32, "the colour of what is met at the entry");
+    assert_eq!(depth, 984.0);
+    scene.volume = ramp(0.0, 1.0);
     scene.compositing = Compositing::First { threshold: 16.01 };
     assert_eq!(pixel(&RayCaster::default(), &scene, &down(0.5, 0.5)), ([0.0; 4], f32::INFINITY));
     // With a negative slope, stored numbers fall where values rise.

@@ -1,34 +1,38 @@
 //! The first point where the field reaches a value.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
-use vr_core::{Calibration, Real};
+use vr_core::{Calibration, Real, TransferFunction};
 
 use super::Operator;
-use crate::chord::Chord;
+use crate::chord::{Chord, Crossing};
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
 /// The first point where the field reaches a threshold: found between two samples, or at the entry point, then refined on the
-/// field itself by bisection. The pixel is (c, 1), c the transfer function's colour at the threshold.
+/// field itself by bisection. The pixel is (c, 1), c the transfer function's colour of the field there: that of the threshold,
+/// or of what lies above it where the field jumps or the ray enters.
 ///
 /// Where the field reaches the threshold and falls below it again between two samples, it is missed.
 #[derive(Clone, Debug)]
 pub(crate) struct First {
-    color: [f64; 3],
+    transfer: Arc<TransferFunction>,
+    calibration: Calibration,
     /// In stored units.
     threshold: f64,
     /// −1 where larger values have smaller stored numbers.
     sign: f64,
     /// The last sample that was below, or vacuum.
     below: Option<f64>,
-    hit: Option<f64>,
+    hit: Option<Crossing>,
 }
 
 impl First {
-    pub(crate) fn new(color: [f64; 3], threshold: f64, calibration: Calibration) -> Self {
+    pub(crate) fn new(transfer: Arc<TransferFunction>, calibration: Calibration, threshold: f64) -> Self {
         let sign = calibration.slope.signum();
-        Self { color, threshold: calibration.stored(threshold), sign, below: None, hit: None }
+        let threshold = calibration.stored(threshold);
+        Self { transfer, calibration, threshold, sign, below: None, hit: None }
     }
 }
 
@@ -49,15 +53,17 @@ impl<R: Real> Operator<R> for First {
             self.below = Some(run.distance(run.len - 1));
             return ControlFlow::Continue(());
         };
-        let here = run.distance(j);
+        let here = Crossing { distance: run.distance(j), stored: run.value[j].to_f64() };
         let below = if j > 0 { Some(run.distance(j - 1)) } else { self.below };
-        let refine = |below| chord.crossing(below, here, self.sign, self.threshold);
-        self.hit = Some(below.map_or(here, refine));
+        self.hit = Some(below.map_or(here, |below| chord.crossing(below, here, self.sign, self.threshold)));
         ControlFlow::Break(())
     }
 
     fn finish(&mut self, chord: &Chord<'_>) -> RayValue {
-        let [r, g, b] = self.color;
-        self.hit.map_or(RayValue::NOTHING, |s| RayValue { rgba: [r, g, b, 1.0], depth: s + chord.ray.offset })
+        let pixel = |hit: Crossing| {
+            let [r, g, b] = self.transfer.at(self.calibration.value(hit.stored)).color;
+            RayValue { rgba: [r, g, b, 1.0], depth: hit.distance + chord.ray.offset }
+        };
+        self.hit.map_or(RayValue::NOTHING, pixel)
     }
 }
