@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn percentile_is_the_nearest_rank() {
         // 100 pixels, 400 components: 4 of them wrong by 1 are the hundredth part, 5 are more.
-        let frame = |wrong: usize| (0..100).map(|i| if i < wrong { [1.0, 0.0, 0.0, 0.0] } else { [0.0; 4] });
+        let frame = |wrong: usize| (0..100).map(move |i| if i < wrong { [1.0, 0.0, 0.0, 0.0] } else { [0.0; 4] });
         let p99 = |wrong| Metrics::of(&[[0.0; 4]; 100], &frame(wrong).collect::<Vec<_>>()).p99;
         assert_eq!((p99(4), p99(5)), (0.0, 1.0));
     }

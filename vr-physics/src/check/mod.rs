@@ -4,7 +4,8 @@
 //! use vr_physics::{Reference, check};
 //!
 //! # fn main() -> Result<(), check::CheckFailure> {
-//! let report = check::obeys_invariants(&Reference::default(), 1e-9, &check::Effort::cases(4))?;
+//! let bound = |_: &vr_core::Scene, _: &vr_core::View| 1e-6;
+//! let report = check::agrees_with_reference(&Reference::default(), bound, &check::Effort::cases(4))?;
 //! println!("{report}");
 //! # Ok(())
 //! # }
@@ -26,9 +27,10 @@
 
 mod agreement;
 mod convergence;
+mod drawn;
 mod effort;
 mod hard_cases;
-mod invariants;
+pub mod invariants;
 mod outcome;
 pub mod strategies;
 mod test_scene;
@@ -39,8 +41,8 @@ mod faulty_marcher;
 #[cfg(test)]
 mod tests;
 
-pub use agreement::{agrees_with_its_model, agrees_with_reference};
-pub use convergence::{Refinement, converges, fit_order};
+pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_reference_on};
+pub use convergence::{Convergence, Refinement, converges, fit_order};
 pub use effort::Effort;
 pub use hard_cases::{CaseOutcome, CaseResult, HardCases, survives_hard_cases};
 pub use invariants::obeys_invariants;

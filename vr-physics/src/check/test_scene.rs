@@ -75,7 +75,7 @@ mod tests {
             let back = read_back(&format!("{test:?}"));
             prop_assert_eq!(&*back.scene.transfer, &*test.scene.transfer);
             prop_assert_eq!(&back.view, &test.view);
-            prop_assert_eq!(back.scene.shading, test.scene.shading);
+            prop_assert_eq!(&back.scene.shading, &test.scene.shading);
             prop_assert_eq!((back.scene.compositing, back.scene.filter), (test.scene.compositing, test.scene.filter));
             let axes = |t: &Scene| t.volume.uniform().unwrap().placement().axes();
             let (a, b) = (axes(&back.scene), axes(&test.scene));
