@@ -13,6 +13,7 @@ mod missing;
 mod model;
 pub mod optics;
 mod options;
+pub mod phantom;
 mod placement;
 mod range_blocks;
 mod ray;

@@ -1,8 +1,18 @@
 //! Transfer functions: from the field's value to extinction and emission.
 
 mod baked;
+mod colormap;
+mod lab;
+mod msh;
+mod presets;
+mod srgb;
 
 pub use baked::{BakedTransfer, TableError};
+pub use colormap::{cool_warm, inferno, viridis};
+pub use lab::Lab;
+pub use msh::{Msh, diverging};
+pub use presets::{Preset, is_hounsfield};
+pub use srgb::{linear_to_srgb, srgb_to_linear};
 
 use crate::error::ParameterError;
 use crate::optics::extinction_of_opacity;

@@ -1,0 +1,279 @@
+//! Polynomials on [−1, 1]: the form in which a field along a ray comes to the integrator.
+
+/// Largest degree: the square of a gradient of a cubic filter has degree 16.
+pub const MOST_DEGREE: usize = 18;
+
+/// Σ cₖ tᵏ for t in [−1, 1].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Poly {
+    coefficients: [f64; MOST_DEGREE + 1],
+    degree: usize,
+}
+
+impl Poly {
+    /// A constant.
+    pub fn constant(c: f64) -> Self {
+        Self::new(&[c])
+    }
+
+    /// From coefficients, the constant first.
+    ///
+    /// # Panics
+    /// For none, or more than [`MOST_DEGREE`] + 1.
+    pub fn new(coefficients: &[f64]) -> Self {
+        let mut c = [0.0; MOST_DEGREE + 1];
+        c[..coefficients.len()].copy_from_slice(coefficients);
+        Self { coefficients: c, degree: coefficients.len() - 1 }
+    }
+
+    /// The polynomial of degree `values.len() − 1` through values at equally natural points: the Chebyshev points
+    /// cos(π j / n), j = 0 … n.
+    pub fn through_chebyshev_points(values: &[f64]) -> Self {
+        let n = values.len() - 1;
+        if n == 0 {
+            return Self::constant(values[0]);
+        }
+        // Chebyshev coefficients by the discrete cosine transform, then T_k by its recursion.
+        let chebyshev: Vec<f64> = (0..=n)
+            .map(|k| {
+                let term = |j: usize| {
+                    let end = if j == 0 || j == n { 0.5 } else { 1.0 };
+                    end * values[j] * libm::cos(std::f64::consts::PI * (j * k) as f64 / n as f64)
+                };
+                let ends = if k == 0 || k == n { 0.5 } else { 1.0 };
+                ends * 2.0 / n as f64 * (0..=n).map(term).sum::<f64>()
+            })
+            .collect();
+        let t = Self::new(&[0.0, 1.0]);
+        let (mut before, mut now) = (Self::constant(1.0), t);
+        let mut sum = Self::constant(chebyshev[0]) + t * chebyshev[1];
+        for &c in &chebyshev[2..] {
+            let next = t * now * 2.0 + before * -1.0;
+            (before, now) = (now, next);
+            sum = sum + next * c;
+        }
+        sum
+    }
+
+    /// Its degree (leading coefficients may be zero).
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The coefficients, the constant first.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.coefficients[..=self.degree]
+    }
+
+    /// Its value.
+    #[inline]
+    pub fn at(&self, t: f64) -> f64 {
+        self.coefficients().iter().rev().fold(0.0, |sum, c| sum * t + c)
+    }
+
+    /// Its derivative.
+    pub fn derivative(&self) -> Self {
+        let mut d = Self::constant(0.0);
+        d.degree = self.degree.saturating_sub(1);
+        for k in 1..=self.degree {
+            d.coefficients[k - 1] = k as f64 * self.coefficients[k];
+        }
+        d
+    }
+
+    /// Its integral over [−1, 1].
+    pub fn integral(&self) -> f64 {
+        self.coefficients().iter().enumerate().step_by(2).map(|(k, c)| 2.0 * c / (k + 1) as f64).sum()
+    }
+
+    /// The same function on [a, b] ⊂ [−1, 1], stretched to [−1, 1] again.
+    pub fn restricted(&self, a: f64, b: f64) -> Self {
+        let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+        let mut p = *self;
+        // Taylor shift by repeated synthetic division, then scaling.
+        for first in 0..p.degree {
+            for k in (first..p.degree).rev() {
+                p.coefficients[k] += middle * p.coefficients[k + 1];
+            }
+        }
+        let mut power = 1.0;
+        for c in &mut p.coefficients[..=p.degree] {
+            *c *= power;
+            power *= half;
+        }
+        p
+    }
+
+    /// Bounds |p(z) − p(0)| over |z| ≤ `radius`: Σ |cₖ| radiusᵏ, k ≥ 1.
+    #[inline]
+    pub fn spread(&self, radius: f64) -> f64 {
+        self.coefficients()[1..].iter().rev().fold(0.0, |sum, c| (sum + c.abs()) * radius)
+    }
+
+    /// Whether it is constant to the last bit.
+    pub fn is_constant(&self) -> bool {
+        self.coefficients()[1..].iter().all(|&c| c == 0.0)
+    }
+
+    /// Its coefficients in the Bernstein basis of [−1, 1]: their hull encloses the range.
+    pub fn bernstein(&self) -> Bernstein {
+        // Two times half: t = 2u − 1 by a Taylor shift, then b_j = Σ_k C(j,k)/C(n,k) a_k.
+        let n = self.degree;
+        let mut a = self.restricted_to_unit();
+        for k in 1..=n {
+            a[k] /= binomial(n, k);
+        }
+        // Multiplying by C(j,k) and summing is repeated addition of neighbours (Pascal's triangle).
+        for first in (0..n).rev() {
+            for j in first..n {
+                a[j + 1] += a[j];
+            }
+        }
+        Bernstein { b: a, degree: n }
+    }
+
+    /// Coefficients in u = (t + 1)/2.
+    fn restricted_to_unit(&self) -> [f64; MOST_DEGREE + 1] {
+        let mut p = *self;
+        for first in 0..p.degree {
+            for k in (first..p.degree).rev() {
+                p.coefficients[k] -= p.coefficients[k + 1];
+            }
+        }
+        let mut power = 1.0;
+        for c in &mut p.coefficients[..=p.degree] {
+            *c *= power;
+            power *= 2.0;
+        }
+        p.coefficients
+    }
+}
+
+fn binomial(n: usize, k: usize) -> f64 {
+    (1..=k).fold(1.0, |c, i| c * (n + 1 - i) as f64 / i as f64)
+}
+
+impl std::ops::Add for Poly {
+    type Output = Self;
+    fn add(mut self, other: Self) -> Self {
+        self.degree = self.degree.max(other.degree);
+        for k in 0..=other.degree {
+            self.coefficients[k] += other.coefficients[k];
+        }
+        self
+    }
+}
+
+impl std::ops::Mul<f64> for Poly {
+    type Output = Self;
+    fn mul(mut self, factor: f64) -> Self {
+        for c in &mut self.coefficients[..=self.degree] {
+            *c *= factor;
+        }
+        self
+    }
+}
+
+impl std::ops::Mul for Poly {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let mut p = Self::constant(0.0);
+        p.degree = self.degree + other.degree;
+        for i in 0..=self.degree {
+            for j in 0..=other.degree {
+                p.coefficients[i + j] += self.coefficients[i] * other.coefficients[j];
+            }
+        }
+        p
+    }
+}
+
+/// A polynomial in the Bernstein basis of an interval.
+#[derive(Clone, Copy, Debug)]
+pub struct Bernstein {
+    b: [f64; MOST_DEGREE + 1],
+    degree: usize,
+}
+
+impl Bernstein {
+    /// The coefficients: the first and the last are the values at the ends.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.b[..=self.degree]
+    }
+
+    /// An interval that encloses the range.
+    pub fn hull(&self) -> (f64, f64) {
+        self.coefficients().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &c| (l.min(c), h.max(c)))
+    }
+
+    /// Whether the coefficients rise or fall throughout: the polynomial does, too, then.
+    pub fn is_monotone(&self) -> bool {
+        let c = self.coefficients();
+        c.windows(2).all(|w| w[0] <= w[1]) || c.windows(2).all(|w| w[0] >= w[1])
+    }
+
+    /// Both halves (de Casteljau 1959).
+    pub fn halves(&self) -> (Self, Self) {
+        let (mut left, mut right, mut work) = (*self, *self, self.b);
+        let n = self.degree;
+        for k in 0..=n {
+            left.b[k] = work[0];
+            right.b[n - k] = work[n - k];
+            for j in 0..n - k {
+                work[j] = 0.5 * (work[j] + work[j + 1]);
+            }
+        }
+        (left, right)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wild() -> Poly {
+        Poly::new(&[0.3, -2.0, 1.5, 4.0, -3.25, 0.5, 1.0, -0.75, 2.0, -1.0])
+    }
+
+    #[test]
+    fn restriction_derivative_and_integral_agree_with_values() {
+        let p = wild();
+        let q = p.restricted(-0.7, 0.4);
+        for i in 0..=20 {
+            let t = -1.0 + 0.1 * f64::from(i);
+            assert!((q.at(t) - p.at(-0.15 + 0.55 * t)).abs() < 1e-13);
+            let slope = (p.at(t + 1e-6) - p.at(t - 1e-6)) / 2e-6;
+            assert!((p.derivative().at(t) - slope).abs() < 1e-6);
+        }
+        let n = 20_000;
+        let sum: f64 = (0..n).map(|i| p.at(-1.0 + (f64::from(i) + 0.5) * 2.0 / f64::from(n))).sum();
+        assert!((p.integral() - sum * 2.0 / f64::from(n)).abs() < 1e-7);
+    }
+
+    #[test]
+    fn bernstein_hull_encloses_and_halves_join() {
+        let p = wild();
+        let b = p.bernstein();
+        let (low, high) = b.hull();
+        let (left, right) = b.halves();
+        // The change of basis magnifies rounding by up to 4ⁿ.
+        let c = b.coefficients();
+        assert!((c[0] - p.at(-1.0)).abs() < 1e-10 && (c[9] - p.at(1.0)).abs() < 1e-10);
+        assert!((left.coefficients()[9] - p.at(0.0)).abs() < 1e-10);
+        assert_eq!(left.coefficients()[9], right.coefficients()[0]);
+        for i in 0..=100 {
+            let v = p.at(-1.0 + 0.02 * f64::from(i));
+            assert!(low <= v && v <= high);
+        }
+    }
+
+    #[test]
+    fn interpolates_at_chebyshev_points() {
+        let p = wild();
+        let values: Vec<f64> = (0..=9).map(|j| p.at(libm::cos(std::f64::consts::PI * f64::from(j) / 9.0))).collect();
+        let q = Poly::through_chebyshev_points(&values);
+        for (a, b) in p.coefficients().iter().zip(q.coefficients()) {
+            assert!((a - b).abs() < 1e-11, "{a} {b}");
+        }
+    }
+}
