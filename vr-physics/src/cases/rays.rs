@@ -15,7 +15,8 @@ fn translucent(unit: f64) -> TransferFunction {
 pub(super) fn anisotropy() -> (Scene, View) {
     let wave = |x: usize, y: usize, z: usize| 0.5 + 0.5 * libm::sin(0.7 * x as f64 + 0.4 * y as f64 + 1.1 * z as f64);
     let volume = float_volume([25, 25, 5], [1.0, 1.0, 50.0], |x, y, z| wave(x, y, z) as f32);
-    let view = oblique(&volume, 32);
+    // The middle of the long box, filling the picture: rays cross faces of all three kinds.
+    let view = orthographic([72.0, 47.0, 190.0], [12.0, 12.0, 100.0], [0.0, 1.0, 0.0], 40.0, [32, 32]);
     (Scene::new(volume, translucent(4.0)), view)
 }
 

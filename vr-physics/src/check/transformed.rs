@@ -83,7 +83,8 @@ pub fn quarter_turned(test: &TestScene, axis: usize) -> TestScene {
     let turn = |v: DVec3| {
         let mut turned = v;
         turned[b] = v[a];
-        turned[a] = -v[b];
+        // Not −v, which would fill scene files with −0.
+        turned[a] = 0.0 - v[b];
         turned
     };
     let mut view = test.view.clone();
@@ -134,7 +135,7 @@ fn quarter_turned_grid(scene: &Scene, (a, b): (usize, usize), turn: impl Fn(DVec
     let columns = [old.axes().x_axis, old.axes().y_axis, old.axes().z_axis];
     let mut axes = columns.map(&turn);
     axes[b] = turn(columns[a]);
-    axes[a] = -turn(columns[b]);
+    axes[a] = DVec3::ZERO - turn(columns[b]);
     let steps = with_grid!(grid(scene), g => g.dims()[b] - 1) as f64;
     let origin = turn(old.origin() + columns[b] * steps);
     let placement = Placement::new(origin, DMat3::from_cols(axes[0], axes[1], axes[2])).expect("still a placement");
