@@ -117,6 +117,12 @@ impl Shading {
         }
     }
 
+    /// The largest factor on κ.
+    pub fn largest_modulation(&self) -> f64 {
+        let factors = self.gradient_opacity.iter().map(|p| p.1);
+        factors.reduce(f64::max).unwrap_or(1.0)
+    }
+
     /// What of the shading is constant along one ray: lights at infinity seen along `direction` (the ray's, in the world).
     pub fn along<R: Real>(&self, direction: DVec3) -> RayShading<R> {
         let to_eye = -direction;
@@ -156,10 +162,14 @@ pub struct RayLight<R> {
 pub struct RayShading<R> {
     /// The lights.
     pub lights: Vec<RayLight<R>>,
-    ambient: R,
-    diffuse: R,
-    specular: R,
-    power: R,
+    /// ka.
+    pub ambient: R,
+    /// kd.
+    pub diffuse: R,
+    /// ks.
+    pub specular: R,
+    /// p.
+    pub power: R,
 }
 
 impl<R: Real> RayShading<R> {

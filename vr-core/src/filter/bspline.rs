@@ -15,7 +15,6 @@ pub type BSpline = Separable<BSplineTaps>;
 
 impl Taps4 for BSplineTaps {
     const FILTER: Filter = Filter::BSpline;
-    const MIRROR: bool = true;
 
     #[inline(always)]
     fn weights<R: Real>(t: R) -> [R; 4] {

@@ -12,7 +12,6 @@ pub type CatmullRom = Separable<CatmullRomTaps>;
 
 impl Taps4 for CatmullRomTaps {
     const FILTER: Filter = Filter::CatmullRom;
-    const MIRROR: bool = false;
 
     #[inline(always)]
     fn weights<R: Real>(t: R) -> [R; 4] {

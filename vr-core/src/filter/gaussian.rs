@@ -36,7 +36,6 @@ fn sum<R: Real>(w: [R; 4]) -> R {
 
 impl Taps4 for GaussianTaps {
     const FILTER: Filter = Filter::Gaussian;
-    const MIRROR: bool = false;
 
     #[inline(always)]
     fn weights<R: Real>(t: R) -> [R; 4] {

@@ -78,6 +78,16 @@ impl Filter {
             Self::BSpline | Self::CatmullRom | Self::Gaussian => 1,
         }
     }
+
+    /// The four lattice indices around a cell of an axis of `n` samples, with those beyond the box replaced: mirrored for the
+    /// B-spline, the nearest one inside for the others.
+    #[inline(always)]
+    pub fn taps(self, cell: usize, n: usize) -> [usize; 4] {
+        let inward = usize::from(self == Self::BSpline);
+        let below = if cell > 0 { cell - 1 } else { inward };
+        let above = if cell + 2 < n { cell + 2 } else { n - 1 - inward };
+        [below, cell, cell + 1, above]
+    }
 }
 
 impl std::fmt::Display for Filter {

@@ -8,8 +8,6 @@ use crate::voxel::Voxel;
 pub trait Taps4: Copy + Send + Sync + 'static {
     /// Which filter it makes.
     const FILTER: Filter;
-    /// True: samples beyond the box are mirrored at its faces. False: the nearest one inside is taken.
-    const MIRROR: bool;
     /// The weights at fraction `t` in [0, 1]; they sum to 1.
     fn weights<R: Real>(t: R) -> [R; 4];
     /// Their derivatives by `t`; they sum to 0.
@@ -20,21 +18,13 @@ pub trait Taps4: Copy + Send + Sync + 'static {
 #[derive(Clone, Copy, Debug)]
 pub struct Separable<K>(K);
 
-/// The four lattice indices around a cell, with the samples beyond the box replaced.
-#[inline(always)]
-fn taps<K: Taps4>(cell: usize, n: usize) -> [usize; 4] {
-    let below = if cell > 0 { cell - 1 } else { usize::from(K::MIRROR) };
-    let above = if cell + 2 < n { cell + 2 } else { n - 1 - usize::from(K::MIRROR) };
-    [below, cell, cell + 1, above]
-}
-
 impl<K: Taps4> Reconstruction for Separable<K> {
     const FILTER: Filter = K::FILTER;
 
     #[inline(always)]
     fn value<T: Voxel, R: Real>(lattice: &Lattice<'_, T>, p: [R; 3]) -> R {
         let cell: [(usize, R); 3] = std::array::from_fn(|a| lattice.cell(a, p[a]));
-        let index: [[usize; 4]; 3] = std::array::from_fn(|a| taps::<K>(cell[a].0, lattice.dims[a]));
+        let index: [[usize; 4]; 3] = std::array::from_fn(|a| K::FILTER.taps(cell[a].0, lattice.dims[a]));
         let w: [[R; 4]; 3] = std::array::from_fn(|a| K::weights(cell[a].1));
         let mut sum = R::ZERO;
         for k in 0..4 {
@@ -55,7 +45,7 @@ impl<K: Taps4> Reconstruction for Separable<K> {
     #[inline(always)]
     fn value_and_gradient<T: Voxel, R: Real>(lattice: &Lattice<'_, T>, p: [R; 3]) -> (R, [R; 3]) {
         let cell: [(usize, R); 3] = std::array::from_fn(|a| lattice.cell(a, p[a]));
-        let index: [[usize; 4]; 3] = std::array::from_fn(|a| taps::<K>(cell[a].0, lattice.dims[a]));
+        let index: [[usize; 4]; 3] = std::array::from_fn(|a| K::FILTER.taps(cell[a].0, lattice.dims[a]));
         let w: [[R; 4]; 3] = std::array::from_fn(|a| K::weights(cell[a].1));
         let d: [[R; 4]; 3] = std::array::from_fn(|a| K::derivatives(cell[a].1));
         let (mut value, mut gradient) = (R::ZERO, [R::ZERO; 3]);

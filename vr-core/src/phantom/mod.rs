@@ -58,6 +58,11 @@ pub trait Phantom: Send + Sync {
     /// A bound of the gradient's length over all of space, per world unit; +∞ where the field jumps.
     fn lipschitz(&self) -> f64;
 
+    /// The same along a line, between two neighbouring [`breakpoints`](Self::breakpoints).
+    fn lipschitz_between_breakpoints(&self) -> f64 {
+        self.lipschitz()
+    }
+
     /// Appends the parameters s, in any order and of either sign, at which the field is not smooth along the line
     /// `origin + s·direction`; in world units where `direction` is a unit vector.
     fn breakpoints(&self, _origin: DVec3, _direction: DVec3, _out: &mut Vec<f64>) {}

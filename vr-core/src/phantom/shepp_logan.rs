@@ -113,6 +113,11 @@ impl Phantom for SheppLogan {
         (0.0, 1.0)
     }
 
+    /// Constant there.
+    fn lipschitz_between_breakpoints(&self) -> f64 {
+        0.0
+    }
+
     fn lipschitz(&self) -> f64 {
         f64::INFINITY
     }

@@ -1,0 +1,420 @@
+//! One smooth stretch of a ray: optical depth and light, with an a-priori bound on what the quadrature misses.
+//!
+//! On a stretch the field f is a polynomial and lies in one segment of the transfer function, so κ∘f is analytic. The bound
+//! looks at the Bernstein ellipse of parameter ρ around the stretch (sum of semi-axes ρ, a = (ρ + 1/ρ)/2 the major one): there
+//! |f − f₀| ≤ Σ |cₖ| aᵏ =: S, hence α stays in a disc of radius r = |dα/df| S around α₀, and if r < 1 − α₀, κ = −ln(1 − α)/u
+//! is analytic and bounded. With a bound M on an ellipse, n + 1 Chebyshev points miss at most
+//!
+//! * 4 M ρ⁻ⁿ/(ρ − 1) of a function in interpolation (Trefethen, *Approximation Theory and Approximation Practice*, 2013,
+//!   theorem 8.2), hence at most that times the length of an integral of the interpolant;
+//! * 4.2 M ρ^−(n+2)/(1 − ρ⁻²) of an integral over [−1, 1] by Clenshaw-Curtis with even n: the coefficients of T_k are at most
+//!   2 M ρ⁻ᵏ, those up to n are integrated exactly, odd ones vanish, and each other one is off by at most 2 + 2/(k² − 1).
+//!
+//! Light of a density emitter, q = κ c with c linear in f, is integrated by parts, so that κ may be as large as it likes:
+//! ∫ κ c e^(−τ) ds = c(a) E(b) + ∫ c' (E(b) − E) ds with E = 1 − e^(−τ).
+
+use vr_core::transfer::Segment;
+use vr_core::{OpacityRule, Shading};
+
+use crate::line::LineModel;
+use crate::nodes::{DEGREES, Rule, rule};
+use crate::optics::Optics;
+use crate::poly::Poly;
+
+/// Light and depth of a stretch, before what lies in front of it dims them.
+#[derive(Clone, Copy, Debug)]
+pub struct Gain {
+    /// Optical depth.
+    pub depth: f64,
+    /// Upper bound of the error of `depth`.
+    pub depth_error: f64,
+    /// Light at the stretch's front.
+    pub light: [f64; 3],
+    /// Upper bound of the error of each component of `light`.
+    pub light_error: f64,
+}
+
+/// A stretch on which everything is smooth.
+pub struct Leaf<'a> {
+    optics: &'a Optics<'a>,
+    model: &'a LineModel,
+    /// Half its length in world units.
+    half: f64,
+    shade: Option<Shade<'a>>,
+    alpha: Linear,
+    color: [Linear; 3],
+    emission: [Linear; 3],
+}
+
+/// The gradient's part in a stretch.
+struct Shade<'a> {
+    shading: &'a Shading,
+    /// g·g
+    square: Poly,
+    /// g·l and g·h of every light.
+    towards: Vec<(Poly, Poly)>,
+    /// κ's factor: value at the middle, and how fast it changes with |g|.
+    modulation: f64,
+    modulation_slope: f64,
+}
+
+/// A quantity linear in the field: value where the field's polynomial is at its middle coefficient, and slope.
+#[derive(Clone, Copy)]
+struct Linear {
+    middle: f64,
+    slope: f64,
+}
+
+impl Linear {
+    fn bound(self, spread: f64) -> f64 {
+        self.middle.abs() + self.slope.abs() * spread
+    }
+}
+
+/// Ellipses tried: the largest on which everything is still analytic and small wins.
+const RHO: [f64; 9] = [1.25, 1.6, 2.2, 3.2, 5.0, 8.0, 14.0, 30.0, 100.0];
+
+/// A rule, and what it may miss.
+pub struct Choice {
+    which: usize,
+    depth_error: f64,
+    light_error: f64,
+}
+
+impl<'a> Leaf<'a> {
+    pub fn new(optics: &'a Optics<'a>, segment: &'a Segment, model: &'a LineModel, half: f64) -> Self {
+        let f0 = model.field.coefficients()[0];
+        let (start, end) = (&segment.start, &segment.end);
+        let span = segment.to - segment.from;
+        let at = segment.at(f0);
+        let linear = |middle: f64, a: f64, b: f64| Linear { middle, slope: if a == b { 0.0 } else { (b - a) / span } };
+        // Not clamped as Segment::at does: the line must go on for the bounds to hold.
+        let t = if span.is_finite() { (f0 - segment.from) / span } else { 0.0 };
+        let alpha = linear(start.opacity + t * (end.opacity - start.opacity), start.opacity, end.opacity);
+        let shade = optics.shading.as_ref().and_then(|(shading, ray)| {
+            let g = model.gradient.as_ref()?;
+            let dot = |v: [f64; 3]| g[0] * v[0] + g[1] * v[1] + g[2] * v[2];
+            let square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+            let magnitude = square.at(0.0).max(0.0).sqrt();
+            Some(Shade {
+                shading,
+                towards: ray.lights.iter().map(|l| (dot(l.to_light), dot(l.half))).collect(),
+                modulation: shading.modulation(magnitude),
+                modulation_slope: modulation_slope(shading, magnitude),
+                square,
+            })
+        });
+        Self {
+            optics,
+            model,
+            half,
+            shade,
+            alpha,
+            color: std::array::from_fn(|c| linear(at.color[c], start.color[c], end.color[c])),
+            emission: std::array::from_fn(|c| linear(at.emission[c], start.emission[c], end.emission[c])),
+        }
+    }
+
+    /// Whether light is reflected: the gradient exists and is not zero throughout.
+    fn is_shaded(&self) -> bool {
+        self.shade.as_ref().is_some_and(|s| !(s.square.is_constant() && s.square.at(0.0) == 0.0))
+    }
+
+    /// The rule that misses no more than the given light and depth; `None` if neither does, or no ellipse is free of
+    /// singularities.
+    pub fn choose(&self, light_share: f64, depth_share: f64) -> Option<Choice> {
+        let mut best: [Option<Choice>; 2] = [None, None];
+        for rho in RHO {
+            let Some(size) = self.on_ellipse(rho) else { break };
+            for which in 0..DEGREES.len() {
+                let n = DEGREES[which] as i32;
+                let decay = rho.powi(-n);
+                let depth_error = 2.0 * self.half * 4.0 * size.extinction * decay / (rho - 1.0);
+                let quadrature = 4.2 * size.integrand * decay / (rho * rho - 1.0);
+                let light_error = quadrature + depth_error * size.light_per_depth;
+                let worst = |c: &Choice| (c.light_error / light_share).max(c.depth_error / depth_share);
+                let choice = Choice { which, depth_error, light_error };
+                if best[which].as_ref().is_none_or(|b| worst(&choice) < worst(b)) {
+                    best[which] = Some(choice);
+                }
+            }
+        }
+        best.into_iter().flatten().find(|c| c.light_error <= light_share && c.depth_error <= depth_share)
+    }
+
+    /// Bounds on one ellipse; `None` if something is singular in it.
+    fn on_ellipse(&self, rho: f64) -> Option<Size> {
+        let (a, b) = (0.5 * (rho + 1.0 / rho), 0.5 * (rho - 1.0 / rho));
+        let unit = self.optics.transfer.unit_distance();
+        let spread = self.model.field.spread(a);
+        let r = self.alpha.slope.abs() * spread;
+        // κ = base + variation, its real part in [low, high], |Im κ| ≤ turn.
+        let (variation, low, high, turn) = match self.optics.transfer.rule() {
+            OpacityRule::Extinction => {
+                let k = self.alpha.middle / unit;
+                (r / unit, k - r / unit, k + r / unit, r / unit)
+            }
+            OpacityRule::Power => {
+                let w = 1.0 - self.alpha.middle;
+                if r + 2.0 * self.noise() >= w {
+                    return None;
+                }
+                let ln = |x: f64| libm::log1p(x);
+                // ln(w ± r) as ln(1 − α₀ ± r) keeps a faint κ's digits.
+                let low = -ln(r - self.alpha.middle) / unit;
+                let high = -ln(-r - self.alpha.middle) / unit;
+                (-ln(-r / w) / unit, low, high, libm::asin(r / w) / unit)
+            }
+        };
+        let mut size_of_kappa = high.abs().max(low.abs()) + turn;
+        let mut extinction = variation;
+        // −Re τ along the straight way from −1 to any point of the ellipse.
+        let mut growth = self.half * (high.max(0.0) * (a - 1.0) + (-low).max(0.0) * (1.0 + a) + turn * b);
+        let mut reflect = (1.0, 0.0);
+        if let Some(s) = &self.shade {
+            let (g, g_spread) = (s.square.coefficients()[0], s.square.spread(a));
+            if self.is_shaded() {
+                if g_spread >= g {
+                    return None;
+                }
+                reflect = s.reflect_bound(a, g - g_spread)?;
+            }
+            if s.modulation_slope != 0.0 && g_spread >= g {
+                return None;
+            }
+            if !s.shading.gradient_opacity.is_empty() {
+                let factor = s.modulation.abs() + 2.0 * s.modulation_slope.abs() * (g + g_spread).max(0.0).sqrt();
+                size_of_kappa *= factor;
+                extinction = size_of_kappa;
+                growth = self.half * (1.0 + a + b) * size_of_kappa;
+            }
+        }
+        // Past e^30 the bound is useless anyway, and infinities would become NaN.
+        if growth > 30.0 {
+            return None;
+        }
+        let growth = libm::exp(growth);
+        let most = |l: &[Linear; 3]| l.iter().map(|l| l.bound(spread)).fold(0.0, f64::max);
+        let (integrand, light_per_depth) = if self.optics.transfer.has_emission() {
+            let e = most(&self.emission) * self.half;
+            (e * growth, 2.0 * e)
+        } else if self.is_shaded() {
+            let c = most(&self.color) * reflect.0 + reflect.1;
+            (self.half * size_of_kappa * c * growth, c * 2.0 * self.half * size_of_kappa)
+        } else {
+            let slope = self.color.iter().map(|l| l.slope.abs()).fold(0.0, f64::max);
+            let run = self.model.field.derivative();
+            let run = run.at(0.0).abs() + run.spread(a);
+            // |E(b) − E(z)| ≤ |τ(b) − τ(z)| times the growth.
+            let apart = (self.half * size_of_kappa * (1.0 + a)).min(2.0) * growth;
+            (slope * run * apart, 3.0 * most(&self.color))
+        };
+        Some(Size { extinction, integrand, light_per_depth })
+    }
+
+    /// Integrates with a chosen rule. Also returns the rule and the optical depth at its nodes.
+    pub fn integrate(&self, choice: &Choice) -> (Gain, &'static Rule, Vec<f64>) {
+        let rule = rule(choice.which);
+        let f: Vec<f64> = rule.nodes.iter().map(|&t| self.model.field.at(t)).collect();
+        let reflected: Option<Vec<_>> = self.reflected(rule);
+        let kappa: Vec<f64> = (0..f.len()).map(|j| self.extinction_at(rule.nodes[j], f[j])).collect();
+        let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+        let tau: Vec<f64> = rule.running.iter().map(|w| self.half * dot(w, &kappa)).collect();
+        let dimmed: Vec<f64> = tau.iter().map(|&t| -libm::expm1(-t)).collect();
+        let depth = *tau.last().unwrap_or(&0.0);
+        let opacity = *dimmed.last().unwrap_or(&0.0);
+        let f0 = self.model.field.coefficients()[0];
+        let run = self.model.field.derivative();
+        let value = |l: &Linear, f: f64| l.middle + l.slope * (f - f0);
+        let (mut light, mut magnitude) = ([0.0; 3], 0.0f64);
+        for c in 0..3 {
+            let terms = |j: usize| -> f64 {
+                if self.optics.transfer.has_emission() {
+                    self.half * value(&self.emission[c], f[j]) * (1.0 - dimmed[j])
+                } else if let Some(r) = &reflected {
+                    let (factor, added) = &r[j];
+                    self.half * kappa[j] * (value(&self.color[c], f[j]) * factor[c] + added[c]) * (1.0 - dimmed[j])
+                } else {
+                    self.color[c].slope * run.at(rule.nodes[j]) * (opacity - dimmed[j])
+                }
+            };
+            let by_parts = !self.optics.transfer.has_emission() && reflected.is_none();
+            let (mut sum, mut size) = (0.0, 0.0);
+            if by_parts {
+                sum = value(&self.color[c], f[0]) * opacity;
+                size = sum.abs();
+            }
+            for (j, w) in rule.weights.iter().enumerate() {
+                let term = w * terms(j);
+                sum += term;
+                size += term.abs();
+            }
+            light[c] = sum;
+            magnitude = magnitude.max(size);
+        }
+        let (depth_error, light_error) = self.rounding(depth, opacity, magnitude);
+        let gain = Gain {
+            depth,
+            depth_error: choice.depth_error + depth_error,
+            light,
+            light_error: choice.light_error + light_error,
+        };
+        (gain, rule, tau)
+    }
+
+    /// What rounding, and the field's own error, add to the errors of depth and light.
+    fn rounding(&self, depth: f64, opacity: f64, magnitude: f64) -> (f64, f64) {
+        let model = self.model;
+        let length = 2.0 * self.half;
+        let delta = model.field_error;
+        let unit = self.optics.transfer.unit_distance();
+        let steepness = match self.optics.transfer.rule() {
+            OpacityRule::Extinction => self.alpha.slope.abs() / unit,
+            OpacityRule::Power => {
+                let w = 1.0 - self.alpha.middle - self.alpha.slope.abs() * (model.field.spread(1.0) + delta);
+                self.alpha.slope.abs() / (unit * w.max(f64::MIN_POSITIVE))
+            }
+        };
+        let factor = self.shade.as_ref().map_or(1.0, |s| s.modulation.abs().max(1.0));
+        let mut depth_error = length * steepness * delta * factor + 24.0 * f64::EPSILON * depth;
+        let slope = |l: &[Linear; 3]| l.iter().map(|l| l.slope.abs()).fold(0.0, f64::max);
+        let color = self.color.iter().map(|l| l.bound(model.field.spread(1.0))).fold(0.0, f64::max);
+        let mut light_error = 24.0 * f64::EPSILON * magnitude;
+        if self.optics.transfer.has_emission() {
+            light_error += length * slope(&self.emission) * delta + depth_error * magnitude;
+        } else {
+            let bright = self.optics.brightest_surface().max(color);
+            light_error += 2.0 * slope(&self.color) * delta * opacity + depth_error * 3.0 * bright;
+        }
+        if let Some(s) = &self.shade {
+            let smallest = (s.square.coefficients()[0] - s.square.spread(1.0)).max(0.0).sqrt();
+            // 0/0 is a field without gradient and without error.
+            let off = if model.gradient_error == 0.0 { 0.0 } else { 2.0 * model.gradient_error / smallest };
+            let shading = s.shading;
+            let sensitivity = shading.diffuse + shading.specular * shading.power;
+            if !shading.gradient_opacity.is_empty() {
+                depth_error += depth * s.modulation_slope.abs() * 2.0 * model.gradient_error
+                    / s.modulation.abs().max(f64::MIN_POSITIVE);
+            }
+            light_error += off.min(1.0) * sensitivity.max(1.0) * self.optics.brightest_surface() * opacity;
+        }
+        (depth_error, light_error)
+    }
+
+    /// What the shading does at the nodes; `None` where nothing is shaded.
+    fn reflected(&self, rule: &Rule) -> Option<Vec<([f64; 3], [f64; 3])>> {
+        if self.optics.transfer.has_emission() || !self.is_shaded() {
+            return None;
+        }
+        let (_, ray) = self.optics.shading.as_ref()?;
+        let g = self.model.gradient.as_ref()?;
+        Some(rule.nodes.iter().map(|&t| ray.reflect(g.map(|p| p.at(t)))).collect())
+    }
+
+    fn extinction_at(&self, t: f64, f: f64) -> f64 {
+        let f0 = self.model.field.coefficients()[0];
+        let alpha = (self.alpha.middle + self.alpha.slope * (f - f0)).clamp(0.0, 1.0);
+        let kappa = self.optics.transfer.extinction(alpha);
+        match &self.shade {
+            Some(s) if !s.shading.gradient_opacity.is_empty() => {
+                kappa * s.shading.modulation(s.square.at(t).max(0.0).sqrt())
+            }
+            _ => kappa,
+        }
+    }
+
+    /// How far rounding and the field's error may move the opacity.
+    fn noise(&self) -> f64 {
+        self.alpha.slope.abs() * self.model.field_error + 2.0 * f64::EPSILON
+    }
+
+    /// The largest 1 − α on the stretch, at a few points.
+    pub fn clearest(&self) -> f64 {
+        let field = &self.model.field;
+        let alpha = |t: f64| self.alpha.middle + self.alpha.slope * (field.at(t) - field.coefficients()[0]);
+        [-1.0, -0.5, 0.0, 0.5, 1.0].map(|t| 1.0 - alpha(t)).into_iter().fold(0.0, f64::max)
+    }
+
+    /// A crude enclosure, for stretches so short that nothing more is worth while: around an opacity that touches 1, or a
+    /// gradient that vanishes.
+    ///
+    /// There w = 1 − α is a polynomial of degree d, whose maximum is at least W on a longer stretch of half length H (`whole`)
+    /// around this one of half length h. Each of its roots, wherever it lies, adds at most 2h (1 + ln(2H/h)) to ∫ −ln(w/W) ds.
+    pub fn enclosed(&self, whole: Whole) -> Gain {
+        let field = &self.model.field;
+        let length = 2.0 * self.half;
+        let unit = self.optics.transfer.unit_distance();
+        let deepest = match self.optics.transfer.rule() {
+            OpacityRule::Extinction => length * self.alpha.bound(field.spread(1.0)).min(1.0) / unit,
+            OpacityRule::Power => {
+                let w = whole.clearest - self.noise();
+                let roots = if self.alpha.slope == 0.0 { 0.0 } else { field.degree() as f64 };
+                let each = 1.0 + libm::log(2.0 * whole.half / self.half);
+                if w > 0.0 { length / unit * (roots * each - libm::log(w)) } else { f64::INFINITY }
+            }
+        };
+        let factor = self.shade.as_ref().map_or(1.0, |s| s.shading.largest_modulation());
+        let deepest = deepest.max(0.0) * factor;
+        let depth = if deepest.is_finite() { 0.5 * deepest } else { 1.0 };
+        let depth_error = if deepest.is_finite() { depth } else { f64::INFINITY };
+        let (light, light_error) = if self.optics.transfer.has_emission() {
+            let e = self.emission.map(|l| l.bound(field.spread(1.0)) * length);
+            (e.map(|e| 0.5 * e), e.into_iter().fold(0.0, f64::max))
+        } else {
+            let opacity = -libm::expm1(-depth);
+            (self.color.map(|l| l.middle * opacity), self.optics.brightest_surface() * -libm::expm1(-deepest))
+        };
+        Gain { depth, depth_error, light, light_error }
+    }
+}
+
+/// The stretch that a short one was halved from.
+#[derive(Clone, Copy, Debug)]
+pub struct Whole {
+    /// Half its length.
+    pub half: f64,
+    /// Its largest 1 − α.
+    pub clearest: f64,
+}
+
+/// Bounds on an ellipse.
+struct Size {
+    /// |κ − κ₀|
+    extinction: f64,
+    /// The light's integrand by t.
+    integrand: f64,
+    /// How much light an error in depth costs.
+    light_per_depth: f64,
+}
+
+impl Shade<'_> {
+    /// Bounds of the colour's factor and the light added, where |g·g| is at least `least`.
+    fn reflect_bound(&self, a: f64, least: f64) -> Option<(f64, f64)> {
+        let s = self.shading;
+        let (mut factor, mut added) = (s.ambient, 0.0);
+        for (light, (gl, gh)) in s.lights.iter().zip(&self.towards) {
+            let bright = light.color.into_iter().fold(0.0, f64::max);
+            let size = |p: &Poly| (p.coefficients()[0].abs() + p.spread(a)) / least.sqrt();
+            factor += bright * s.diffuse * size(gl);
+            if s.specular > 0.0 {
+                // A power that is no integer has a branch point where g·h = 0.
+                let vanishes = gh.spread(a) >= gh.coefficients()[0].abs();
+                if vanishes && s.power.fract() != 0.0 {
+                    return None;
+                }
+                added += bright * s.specular * libm::pow(size(gh), s.power);
+            }
+        }
+        (factor.is_finite() && added.is_finite()).then_some((factor, added))
+    }
+}
+
+/// How fast the factor on κ changes with the gradient's magnitude.
+fn modulation_slope(shading: &Shading, magnitude: f64) -> f64 {
+    let points = &shading.gradient_opacity;
+    let i = points.partition_point(|p| p.0 <= magnitude);
+    match (i.checked_sub(1), points.get(i)) {
+        (Some(j), Some(&(m1, f1))) => (f1 - points[j].1) / (m1 - points[j].0),
+        _ => 0.0,
+    }
+}

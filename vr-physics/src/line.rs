@@ -1,0 +1,43 @@
+//! A scalar field along one ray, as the integrator wants it.
+
+use crate::poly::Poly;
+
+/// A field along one ray: smooth between breakpoints, and known there as a polynomial with a bound on its error.
+///
+/// Grids under any reconstruction filter are such fields ([`crate::GridLine`]), and so are analytic functions
+/// ([`crate::AnalyticLine`]). Implement it to have the reference integrate any other kind of field.
+pub trait LineField {
+    /// Appends the distances, ascending, between which the field is smooth; the first and the last enclose all of it.
+    fn breakpoints(&self, out: &mut Vec<f64>);
+
+    /// The field between two distances that no breakpoint separates; `None` in vacuum.
+    ///
+    /// Asked again for parts of an interval where the error was too large: the bound should shrink then.
+    fn between(&self, from: f64, to: f64) -> Option<LineModel>;
+}
+
+/// A field on an interval, stretched to [−1, 1].
+#[derive(Clone, Copy, Debug)]
+pub struct LineModel {
+    /// The calibrated value.
+    pub field: Poly,
+    /// Upper bound of |field − truth| on the interval.
+    pub field_error: f64,
+    /// The world gradient, if it was asked for, each component with an error of at most `gradient_error`.
+    pub gradient: Option<[Poly; 3]>,
+    /// See there.
+    pub gradient_error: f64,
+    /// False if the errors are estimates and no bounds.
+    pub certain: bool,
+}
+
+impl LineModel {
+    /// The same on a part [a, b] of [−1, 1], stretched again.
+    pub fn restricted(&self, a: f64, b: f64) -> Self {
+        Self {
+            field: self.field.restricted(a, b),
+            gradient: self.gradient.map(|g| g.map(|p| p.restricted(a, b))),
+            ..*self
+        }
+    }
+}

@@ -1,0 +1,353 @@
+//! The reference renderer: every pixel in f64, with a bound.
+
+use std::sync::Arc;
+
+use vr_core::filter::Reconstruction;
+use vr_core::image_order::{PixelValue, Spot, trace_pixels, trace_view};
+use vr_core::{
+    Compositing, Control, Counts, Filter, Frame, GradientMethod, IndexRay, Model, NamedSetting, OptionError,
+    OptionKind, OptionSpec, OptionValue, Options, Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Sampler,
+    SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
+};
+
+use crate::grid_line::{GradientSource, GridLine};
+use crate::line::LineField;
+use crate::model_solvers::{integrate_continuous, sum_segments};
+use crate::optics::Optics;
+use crate::picks;
+use crate::transport::{Certainty, Transport, transport};
+
+/// Solves the equation of transfer for every pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    tolerance: f64,
+    options: Vec<OptionSpec>,
+}
+
+/// The default tolerance, relative to max(1, the picture's largest magnitude).
+pub const DEFAULT_TOLERANCE: f64 = 1e-10;
+/// The smallest tolerance: rounding is not far below.
+pub const LEAST_TOLERANCE: f64 = 1e-13;
+
+impl Default for Reference {
+    fn default() -> Self {
+        Self::new(DEFAULT_TOLERANCE)
+    }
+}
+
+/// A solved picture, or some pixels of one.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// One entry per pixel asked for.
+    pub pixels: Vec<Pixel>,
+    /// The work done; `samples` counts stretches integrated.
+    pub counts: Counts,
+}
+
+impl Solution {
+    /// The largest error of any pixel.
+    pub fn certainty(&self) -> Certainty {
+        let worst = Certainty::Bound(0.0);
+        self.pixels.iter().fold(worst, |w, p| w.and(p.certainty, w.value().max(p.certainty.value())))
+    }
+}
+
+/// A pixel in f64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pixel {
+    /// Premultiplied linear RGBA, without the background.
+    pub rgba: [f64; 4],
+    /// World distance along the ray to what is seen; +∞ where there is nothing.
+    pub depth: f64,
+    /// How far any component of `rgba` may be from the truth.
+    pub certainty: Certainty,
+}
+
+impl Pixel {
+    const EMPTY: Self = Self { rgba: [0.0; 4], depth: f64::INFINITY, certainty: Certainty::Bound(0.0) };
+}
+
+impl PixelValue for Pixel {
+    fn mean(values: &[Self]) -> Self {
+        let n = values.len() as f64;
+        let mut mean = Self::EMPTY;
+        let mut error = 0.0;
+        for v in values {
+            for c in 0..4 {
+                mean.rgba[c] += v.rgba[c] / n;
+            }
+            error += v.certainty.value() / n;
+            mean.certainty = mean.certainty.and(v.certainty, error);
+            mean.depth = mean.depth.min(v.depth);
+        }
+        let size = mean.rgba.into_iter().fold(0.0, f64::max);
+        mean.certainty = mean.certainty.and(mean.certainty, error + 2.0 * n * f64::EPSILON * size);
+        mean
+    }
+}
+
+impl Reference {
+    /// A reference of the given tolerance (at least [`LEAST_TOLERANCE`]).
+    pub fn new(tolerance: f64) -> Self {
+        let options = vec![OptionSpec {
+            key: "tolerance",
+            kind: OptionKind::Number { above: 0.0, most: 1e-2 },
+            default: OptionValue::Number(DEFAULT_TOLERANCE),
+            help: "largest error of a pixel, relative to max(1, the picture's largest magnitude); 1e-13 at the least",
+        }];
+        Self { tolerance: tolerance.max(LEAST_TOLERANCE), options }
+    }
+
+    /// The tolerance.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// Solves all pixels of a view, row by row: the scene as it is ([`Model::Canonical`]), or what a renderer makes of it.
+    ///
+    /// # Errors
+    /// A view or scene that makes no sense, a volume of a kind that is not known here, or cancellation.
+    pub fn solve(&self, scene: &Scene, view: &View, model: &Model, control: &Control) -> Result<Solution, RenderError> {
+        let solver = Solver::new(self.tolerance, scene, view, model)?;
+        let (pixels, counts) =
+            trace_view(view, control, || (), |(), ray, spot, counts| solver.pixel(ray, spot, counts))?;
+        Ok(Solution { pixels, counts })
+    }
+
+    /// Solves some pixels only, in the order given.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn solve_pixels(
+        &self,
+        scene: &Scene,
+        view: &View,
+        model: &Model,
+        pixels: &[[u32; 2]],
+        control: &Control,
+    ) -> Result<Solution, RenderError> {
+        let solver = Solver::new(self.tolerance, scene, view, model)?;
+        let trace = |(): &mut (), ray: &Ray, spot: Spot, counts: &mut Counts| solver.pixel(ray, spot, counts);
+        let (pixels, counts) = trace_pixels(view, pixels, control, || (), trace)?;
+        Ok(Solution { pixels, counts })
+    }
+
+    /// Light and optical depth along one ray through a scene under emission and absorption; `None` where it misses the volume.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn transport(&self, scene: &Scene, view: &View, ray: &Ray) -> Result<Option<Transport>, RenderError> {
+        let solver = Solver::new(self.tolerance, scene, view, &Model::Canonical)?;
+        let Some(index_ray) = solver.index_ray(ray, f64::INFINITY) else { return Ok(None) };
+        let job = Job { solver: &solver, ray, index_ray, want: Want::Transport(1.0) };
+        match solver.volume.with_sampler(solver.filter, job) {
+            Answer::Transport(t) => Ok(Some(t)),
+            _ => unreachable!("asked for transport"),
+        }
+    }
+}
+
+/// Everything that the rays of a view share.
+struct Solver<'a> {
+    tolerance: f64,
+    scene: &'a Scene,
+    view: &'a View,
+    model: &'a Model,
+    volume: &'a UniformVolume,
+    filter: Filter,
+}
+
+impl<'a> Solver<'a> {
+    fn new(tolerance: f64, scene: &'a Scene, view: &'a View, model: &'a Model) -> Result<Self, RenderError> {
+        scene.validate()?;
+        let unsupported = |feature: String| RenderError::Unsupported { renderer: "physics", feature };
+        let volume =
+            scene.volume.uniform().ok_or_else(|| unsupported(format!("a volume of kind {}", scene.volume.kind())))?;
+        let filter = match model {
+            Model::Canonical => scene.filter,
+            Model::Filtered(f) => *f,
+            Model::Continuous(_) | Model::Discrete(_) => scene.filter,
+            _ => return Err(unsupported(format!("the model {model:?}"))),
+        };
+        volume.warm(filter);
+        Ok(Self { tolerance, scene, view, model, volume, filter })
+    }
+
+    fn index_ray(&self, ray: &Ray, far: f64) -> Option<IndexRay> {
+        IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far)
+    }
+
+    fn pixel(&self, ray: &Ray, spot: Spot, counts: &mut Counts) -> Pixel {
+        let far = self.view.layer.as_ref().map_or(f64::INFINITY, |l| l.depth(spot.pixel));
+        let mut pixel = self.volume_pixel(ray, spot, far, counts);
+        if let Some(layer) = &self.view.layer {
+            pixel.rgba = layer.under(spot.pixel, pixel.rgba);
+            pixel.depth = pixel.depth.min(far);
+        }
+        pixel
+    }
+
+    fn volume_pixel(&self, ray: &Ray, spot: Spot, far: f64, counts: &mut Counts) -> Pixel {
+        match self.model {
+            Model::Discrete(m) => return emitted(&sum_segments(&m.segments(spot.x, spot.y)), 0.0),
+            Model::Continuous(m) => return emitted(&integrate_continuous(&**m, ray), 0.0),
+            _ => {}
+        }
+        let Some(index_ray) = self.index_ray(ray, far) else { return Pixel::EMPTY };
+        counts.rays += 1;
+        let want = match self.scene.compositing {
+            Compositing::Over => Want::Transport(1.0),
+            Compositing::Accumulate { level } => Want::Transport(level),
+            other => Want::Pick(other),
+        };
+        let job = Job { solver: self, ray, index_ray, want };
+        let offset = index_ray.offset;
+        match self.volume.with_sampler(self.filter, job) {
+            Answer::Transport(t) => {
+                counts.samples += t.pieces;
+                emitted(&t, offset)
+            }
+            Answer::Pixel(p) => Pixel { depth: p.depth + offset, ..p },
+        }
+    }
+}
+
+/// The pixel of a ray's light.
+fn emitted(t: &Transport, offset: f64) -> Pixel {
+    let [r, g, b] = t.radiance;
+    Pixel { rgba: [r, g, b, t.opacity()], depth: t.half_way + offset, certainty: t.certainty }
+}
+
+/// What is asked of one ray.
+enum Want {
+    Transport(f64),
+    Pick(Compositing),
+}
+
+enum Answer {
+    Transport(Transport),
+    Pixel(Pixel),
+}
+
+struct Job<'a> {
+    solver: &'a Solver<'a>,
+    ray: &'a Ray,
+    index_ray: IndexRay,
+    want: Want,
+}
+
+impl SamplerVisitor for Job<'_> {
+    type Output = Answer;
+
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Answer {
+        let Solver { scene, volume, tolerance, .. } = *self.solver;
+        let shading = scene.shading.as_deref();
+        let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(self.ray.direction))));
+        let at_sample = |index: [usize; 3]| volume.with_lattice(SampleGradient(index));
+        let source = match shading.map(|s| s.gradient) {
+            None => GradientSource::None,
+            Some(GradientMethod::Analytic) => GradientSource::Analytic,
+            Some(GradientMethod::CentralDifferences) => GradientSource::Samples(&at_sample),
+        };
+        let line = GridLine::new(volume, sampler, self.index_ray, source);
+        match self.want {
+            Want::Transport(level) => Answer::Transport(transport(&line, &optics, tolerance, level)),
+            Want::Pick(compositing) => Answer::Pixel(pick(&line, &optics, compositing)),
+        }
+    }
+}
+
+struct SampleGradient([usize; 3]);
+
+impl vr_core::LatticeVisitor for SampleGradient {
+    type Output = [f64; 3];
+    fn visit<T: Voxel>(self, lattice: vr_core::filter::Lattice<'_, T>) -> [f64; 3] {
+        gradient_at_sample(&lattice, self.0)
+    }
+}
+
+fn pick(line: &dyn LineField, optics: &Optics<'_>, compositing: Compositing) -> Pixel {
+    let picked = match compositing {
+        Compositing::First { threshold } => {
+            let first = picks::first(line, threshold);
+            let (rgba, certainty) = first.pixel(optics);
+            let depth = first.hit.map_or(f64::INFINITY, |h| h.s);
+            return Pixel { rgba, depth, certainty };
+        }
+        Compositing::Maximum => picks::extreme(line, 1.0),
+        Compositing::Minimum => picks::extreme(line, -1.0),
+        Compositing::Average => picks::average(line),
+        Compositing::Over | Compositing::Accumulate { .. } => unreachable!("integrated"),
+    };
+    picked.map_or(Pixel::EMPTY, |p| {
+        let (rgba, certainty) = p.pixel(optics.transfer);
+        Pixel { rgba, depth: p.s, certainty }
+    })
+}
+
+impl Renderer for Reference {
+    fn name(&self) -> &'static str {
+        "physics"
+    }
+
+    fn options(&self) -> &[OptionSpec] {
+        &self.options
+    }
+
+    fn configure(&self, options: &Options) -> Result<Box<dyn Renderer>, OptionError> {
+        let mut tolerance = self.tolerance;
+        for (_, value) in options.check(self.name(), &self.options)? {
+            if let OptionValue::Number(x) = value {
+                tolerance = *x;
+            }
+        }
+        Ok(Box::new(Self::new(tolerance)))
+    }
+
+    fn settings(&self) -> Vec<NamedSetting> {
+        [1e-4, 1e-7, DEFAULT_TOLERANCE]
+            .into_iter()
+            .map(|tolerance| NamedSetting {
+                name: format!("tolerance {tolerance:e}"),
+                options: Options::new().with("tolerance", tolerance),
+                order: None,
+                // The frame is f32.
+                error_floor: tolerance.max(f64::from(f32::EPSILON)),
+            })
+            .collect()
+    }
+
+    fn prepare(&self, scene: &Scene, _control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
+        scene.validate()?;
+        if let Some(volume) = scene.volume.uniform() {
+            volume.warm(scene.filter);
+        }
+        Ok(Box::new(PreparedReference { reference: self.clone(), scene: Arc::new(scene.clone()) }))
+    }
+}
+
+struct PreparedReference {
+    reference: Reference,
+    scene: Arc<Scene>,
+}
+
+impl Prepared for PreparedReference {
+    fn update(&mut self, scene: &Scene, _control: &Control) -> Result<(), RenderError> {
+        scene.validate()?;
+        self.scene = Arc::new(scene.clone());
+        Ok(())
+    }
+
+    fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        let mut stats = RenderStats::default();
+        let solution = stats.time("rays", || self.reference.solve(&self.scene, view, &Model::Canonical, control))?;
+        stats.counts = solution.counts;
+        let pixels = solution.pixels.iter().map(|p| p.rgba.map(|x| x as f32)).collect();
+        let depth = solution.pixels.iter().map(|p| p.depth as f32).collect();
+        Ok(Rendered { frame: Frame::new(view.size, pixels, Some(depth)), stats })
+    }
+
+    fn model(&self, _view: &View) -> Model {
+        Model::Canonical
+    }
+}
