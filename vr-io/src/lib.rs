@@ -1,1 +1,102 @@
-//! Stub.
+//! Files in and out: volumes, scene files and colour maps are read, pictures and volumes written.
+//!
+//! [`read`] takes a volume of any supported format, told by its content first and by its name second, and gives a
+//! [`vr_core::Volume`], what the file said about it, and notes on what had to be assumed. [`load_scene`] takes a scene file with
+//! everything that it names. [`write()`](write()), [`write_nrrd`] and [`write_scene`] go the other way.
+//!
+//! ```
+//! use vr_io::{NrrdOptions, ReadOptions};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let folder = tempfile::tempdir()?;
+//! let raw = folder.path().join("ramp_4x3x2_uint8.raw");
+//! std::fs::write(&raw, (0..24).collect::<Vec<u8>>())?;
+//!
+//! // A name like this describes a raw file; the other formats describe themselves.
+//! let loaded = vr_io::read(&raw, &ReadOptions::default())?;
+//! assert_eq!(loaded.volume.value_range(), Some((0.0, 23.0)));
+//! assert_eq!(loaded.notes, ["raw files state no spacing: 1, 1, 1 is assumed"]);
+//!
+//! let nrrd = folder.path().join("ramp.nrrd");
+//! vr_io::write_nrrd(&nrrd, &loaded.volume, &NrrdOptions::default())?;
+//! assert_eq!(vr_io::read(&nrrd, &ReadOptions::default())?.info.encoding, "gzip");
+//!
+//! // What is wrong is said in one line: file, field, what was found, what is allowed.
+//! std::fs::write(&raw, [0; 23])?;
+//! let error = vr_io::read(&raw, &ReadOptions::default()).unwrap_err().to_string();
+//! assert!(error.contains("the header claims 24 bytes of voxels, found 23; the two must agree"));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Volumes that are read
+//!
+//! | format | files | encodings |
+//! |---|---|---|
+//! | raw | described by [`RawDescription`] or by the name | raw, gzip, bzip2 |
+//! | NRRD 1 to 5 | attached, detached, lists and patterns of files | raw, gzip, bzip2, hex, ascii |
+//! | MetaImage | `.mha`, `.mhd`, lists and patterns of files | raw, zlib, ascii |
+//! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
+//!
+//! Integers and floats of 8 to 64 bits, in both byte orders. Memory holds u8, i8, u16, i16 and f32; of the others, integers that
+//! fit one of these exactly become that one, and everything else becomes f32, which is said where it rounds. Uncompressed
+//! samples that memory can hold as they are stay in the file, mapped. One frame of a series and one component of several are
+//! picked by [`ReadOptions`].
+//!
+//! # Where a volume lies
+//!
+//! The world is RAS (right, anterior, superior) for files that declare a patient space, and the file's own frame otherwise.
+//! * **NIfTI** is RAS. The sform places it if its code is above 0, else the qform, else spacing alone; [`Transform`] chooses.
+//! * **NRRD** with a `space` of RAS, LAS or LPS *and* `space directions` is turned to RAS. A space without directions says
+//!   nothing about the axes, so the file's own frame is kept.
+//! * **MetaImage** with a `TransformMatrix`, an `Offset` or an `AnatomicalOrientation` is taken as ITK writes it, LPS, and
+//!   turned to RAS; without any of them it keeps its own frame.
+//!
+//! # Bad files
+//!
+//! Every error is one line that names the file, the field, what was found and what is allowed. Nothing is allocated on a
+//! header's word: what it claims is held against the length of the file, and what is compressed grows as it comes out. Files
+//! are written beside their place and renamed, so that they are there whole or not at all.
+//!
+//! # What is not here yet
+//!
+//! DICOM, VTK, OME-Zarr and OpenVDB are recognised and refused by name. Of ParaView's colour maps, those with indexed
+//! (categorical) colours are refused.
+
+mod atomic;
+mod decode;
+mod detect;
+mod encoding;
+mod error;
+mod exr;
+mod file_pattern;
+mod layout;
+mod mapped;
+mod metaimage;
+mod nifti;
+mod nrrd;
+mod paraview;
+mod payload;
+mod picture;
+mod png;
+mod raw;
+mod read;
+mod samples;
+mod scalar;
+mod scene;
+mod world;
+
+pub use error::{ReadError, WriteError};
+pub use exr::write_exr;
+pub use nifti::Transform;
+pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
+pub use paraview::{ColorMap, ColorMapError, parse_color_maps, read_color_maps};
+pub use picture::write;
+pub use png::{Encode, PngDepth, PngOptions, write_png};
+pub use raw::RawDescription;
+pub use read::{FileInfo, Loaded, ReadOptions, read};
+pub use scalar::{Endian, ScalarType};
+pub use scene::{
+    LoadedScene, SceneFileError, load_scene, parse_scene, read_scene, resolve_scene, scene_text, write_scene,
+};
+pub use world::{Space, orientation};

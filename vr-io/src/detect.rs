@@ -1,0 +1,178 @@
+//! Which format a file has: by what it holds first, by what it is called second.
+
+use std::io::Read;
+use std::path::Path;
+
+use crate::encoding::Encoding;
+use crate::error::ReadError;
+use crate::raw::RawDescription;
+
+/// The formats that are read.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Format {
+    Nrrd,
+    MetaImage,
+    Nifti,
+    /// No header; what the name says.
+    Raw(RawDescription),
+}
+
+/// The format of a file of which the first bytes are given.
+pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, ReadError> {
+    let unpacked = unpack(head);
+    // What no other file begins with.
+    if head.starts_with(b"NRRD") {
+        return Ok(Format::Nrrd);
+    }
+    if is_nifti(&unpacked) {
+        return Ok(Format::Nifti);
+    }
+    if let Some(format) = unsupported_by_content(&unpacked) {
+        return Err(ReadError::Unsupported { path: path.into(), format });
+    }
+    if is_metaimage(head) {
+        return Ok(Format::MetaImage);
+    }
+    // The content says nothing: the name must.
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let plain = name.trim_end_matches(".gz").trim_end_matches(".bz2");
+    match Path::new(plain).extension().and_then(|e| e.to_str()).unwrap_or_default() {
+        "nrrd" | "nhdr" => return Ok(Format::Nrrd),
+        "mha" | "mhd" => return Ok(Format::MetaImage),
+        "nii" | "hdr" | "img" => return Ok(Format::Nifti),
+        extension => {
+            if let Some(described) = RawDescription::from_name(path) {
+                return described.map(Format::Raw).map_err(|e| e.in_file(path));
+            }
+            if let Some(format) = unsupported_by_extension(extension).or_else(|| bare_dicom(&unpacked)) {
+                return Err(ReadError::Unsupported { path: path.into(), format });
+            }
+        }
+    }
+    Err(ReadError::Unrecognised { path: path.into() })
+}
+
+/// What to say of a folder: some formats are one.
+pub(crate) fn unsupported_folder(path: &Path) -> ReadError {
+    let has = |name: &str| path.join(name).exists();
+    let is_dicom = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm"));
+    let format = if has(".zgroup") || has(".zarray") || has(".zattrs") || has("zarr.json") {
+        "Zarr (a folder)"
+    } else if path.read_dir().is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(|e| is_dicom(&e.path())))) {
+        "DICOM (a folder)"
+    } else {
+        "folder of files"
+    };
+    ReadError::Unsupported { path: path.into(), format }
+}
+
+/// The beginning of what a compressed beginning unpacks to.
+fn unpack(head: &[u8]) -> Vec<u8> {
+    let encoding = Encoding::of_file(head);
+    let mut out = Vec::new();
+    // The head ends in the middle of the stream: what came out until then will do.
+    let _ = encoding.reader(head).take(4096).read_to_end(&mut out);
+    out
+}
+
+fn is_nifti(head: &[u8]) -> bool {
+    let size = head.first_chunk().map(|b| (i32::from_le_bytes(*b), i32::from_be_bytes(*b)));
+    match size {
+        Some((348, _) | (_, 348)) => head.get(344..347).is_some_and(|m| m == b"n+1" || m == b"ni1"),
+        Some((540, _) | (_, 540)) => head.get(4..7).is_some_and(|m| m == b"n+2" || m == b"ni2"),
+        _ => false,
+    }
+}
+
+/// `Key = value` lines, among them one of the keys that every MetaImage has.
+fn is_metaimage(head: &[u8]) -> bool {
+    head.split(|&c| c == b'\n')
+        .map_while(|line| str::from_utf8(line).ok()?.split_once('='))
+        .any(|(key, _)| matches!(key.trim(), "ObjectType" | "NDims" | "DimSize"))
+}
+
+fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
+    let begins = |magic: &[u8]| head.starts_with(magic);
+    let at = |offset: usize, magic: &[u8]| head.get(offset..).is_some_and(|rest| rest.starts_with(magic));
+    let contains = |text: &[u8]| head.windows(text.len()).any(|w| w == text);
+    if begins(b"# vtk DataFile") {
+        Some("VTK (legacy)")
+    } else if begins(b"<") && contains(b"<VTKFile") {
+        Some("VTK (XML)")
+    } else if begins(b"<") && contains(b"<VolumeData") {
+        Some("Voreen (.vvd)")
+    } else if at(128, b"DICM") {
+        Some("DICOM")
+    } else if begins(b"\x89HDF\r\n\x1a\n") {
+        Some("HDF5")
+    } else if begins(b"CDF\x01") || begins(b"CDF\x02") || begins(b"CDF\x05") {
+        Some("netCDF")
+    } else if begins(&[0x20, 0x42, 0x44, 0x56]) {
+        Some("OpenVDB")
+    } else if begins(b"PVM\n") || begins(b"PVM2\n") || begins(b"PVM3\n") || begins(b"DDS v3") {
+        Some("PVM")
+    } else if begins(b"11111\n") || begins(b"11111 ") {
+        Some("SLC")
+    } else if at(208, b"MAP ") {
+        Some("MRC/CCP4")
+    } else if begins(b"II*\0") || begins(b"MM\0*") {
+        Some("TIFF")
+    } else if begins(b"\x89PNG") {
+        Some("PNG")
+    } else if begins(b"PK\x03\x04") {
+        Some("ZIP")
+    } else {
+        None
+    }
+}
+
+/// A DICOM file without preamble begins with an element of group 0008. So may other files: this comes last.
+fn bare_dicom(head: &[u8]) -> Option<&'static str> {
+    matches!(head, [8, 0, 0 | 1 | 5 | 8, 0, ..]).then_some("DICOM")
+}
+
+fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
+    Some(match extension {
+        "dcm" | "ima" => "DICOM",
+        "vtk" | "vti" | "vtr" | "vts" | "vtu" | "pvti" => "VTK",
+        "h5" | "hdf5" | "nc" => "HDF5/netCDF",
+        "zarr" => "Zarr",
+        "vdb" | "nvdb" => "OpenVDB",
+        "pvm" => "PVM",
+        "slc" => "SLC",
+        "mrc" | "map" => "MRC/CCP4",
+        "tif" | "tiff" => "TIFF",
+        "mgz" | "mgh" => "MGH",
+        "vvd" => "Voreen (.vvd)",
+        "general" | "dx" => "OpenDX",
+        "ex2" | "exo" => "ExodusII",
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_comes_before_the_name() {
+        assert_eq!(detect(Path::new("x.mhd"), b"NRRD0004\ntype: u8\n").unwrap(), Format::Nrrd);
+        assert_eq!(detect(Path::new("x.nrrd"), b"ObjectType = Image\nNDims = 3\n").unwrap(), Format::MetaImage);
+        assert_eq!(detect(Path::new("x.nii"), b"").unwrap(), Format::Nifti);
+        assert!(matches!(detect(Path::new("a_2x2x2_uint8.raw"), &[0; 8]).unwrap(), Format::Raw(_)));
+    }
+
+    #[test]
+    fn a_described_raw_file_may_begin_with_anything() {
+        let path = Path::new("a_2x2x2_uint32.raw");
+        assert!(matches!(detect(path, &[8, 0, 0, 0, 9, 0, 0, 0]).unwrap(), Format::Raw(_)));
+    }
+
+    #[test]
+    fn names_what_it_does_not_read() {
+        let message = detect(Path::new("x.raw"), b"\x89HDF\r\n\x1a\n....").unwrap_err().to_string();
+        assert!(message.contains("unsupported format HDF5; supported are NRRD"), "{message}");
+        let message = detect(Path::new("x.unheard"), b"....").unwrap_err().to_string();
+        assert!(message.contains("not recognised"), "{message}");
+    }
+}

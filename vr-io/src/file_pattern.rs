@@ -1,0 +1,82 @@
+//! Numbered data files: `slice%03d.raw 1 93 1`, as NRRD and MetaImage name them.
+
+use crate::error::FieldError;
+
+/// More files than any stack of slices has; a header that claims more is wrong.
+const MOST_FILES: usize = 1 << 20;
+
+/// The file names that a printf pattern with first number, last number and step stands for; at most `most` of them.
+pub(crate) fn expand(field: &str, text: &str, most: usize) -> Result<Vec<String>, FieldError> {
+    const ALLOWED: &str = "name with one %d (or %03d), first number, last number, step";
+    let wrong = || FieldError::new(field, text, ALLOWED);
+    let words: Vec<&str> = text.split_whitespace().collect();
+    // The name itself may hold spaces; the numbers are the last words. NRRD allows a fourth one, which says how many axes
+    // each file has: files are one after the other on the slowest axis in any case.
+    let first_number = words.iter().position(|w| w.contains('%')).ok_or_else(wrong)? + 1;
+    let pattern = words[..first_number].join(" ");
+    let numbers: Vec<i64> =
+        words[first_number..].iter().map(|w| w.parse().ok()).collect::<Option<_>>().ok_or_else(wrong)?;
+    let (first, last, step) = match *numbers.as_slice() {
+        [first, last] => (first, last, 1),
+        [first, last, step] | [first, last, step, _] => (first, last, step),
+        _ => return Err(wrong()),
+    };
+    if step == 0 || (last.saturating_sub(first)).signum() * step.signum() < 0 {
+        return Err(wrong());
+    }
+    let count = (i128::from(last) - i128::from(first)) / i128::from(step) + 1;
+    let most = most.min(MOST_FILES);
+    if count > most as i128 {
+        return Err(FieldError::new(field, format_args!("{count} files"), format!("at most {most}")));
+    }
+    let (before, width, zeros, after) = split_pattern(&pattern).ok_or_else(wrong)?;
+    Ok((0..count as i64)
+        .map(|i| {
+            let n = first + i * step;
+            let digits = if zeros { format!("{n:0width$}") } else { format!("{n:width$}") };
+            format!("{before}{digits}{after}")
+        })
+        .collect())
+}
+
+/// What comes before the conversion, its width, whether it pads with zeros, and what comes after.
+fn split_pattern(pattern: &str) -> Option<(String, usize, bool, String)> {
+    const WIDEST: usize = 64;
+    // `%%` is a literal percent sign; the one conversion is what remains.
+    let literal = "\0";
+    let masked = pattern.replace("%%", literal);
+    let (before, rest) = masked.split_once('%')?;
+    let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
+    let after = rest[digits.len()..].strip_prefix(['d', 'i', 'u'])?;
+    if after.contains('%') {
+        return None;
+    }
+    let width = if digits.is_empty() { 0 } else { digits.parse().ok().filter(|&w| w <= WIDEST)? };
+    let unmask = |s: &str| s.replace(literal, "%");
+    Some((unmask(before), width, digits.starts_with('0'), unmask(after)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(text: &str) -> Vec<String> {
+        expand("data file", text, 1000).unwrap()
+    }
+
+    #[test]
+    fn numbers_go_up_and_down() {
+        assert_eq!(names("q.%d 1 3 1"), ["q.1", "q.2", "q.3"]);
+        assert_eq!(names("a b%03d.raw 10 1 -4 2"), ["a b010.raw", "a b006.raw", "a b002.raw"]);
+        assert_eq!(names("100%%_%2d 9 10"), ["100%_ 9", "100%_10"]);
+    }
+
+    #[test]
+    fn refuses_what_is_no_pattern() {
+        for bad in ["x 1 2 1", "%d", "%d 1 2 0", "%d 1 5 -1", "%s 1 2 1", "%d%d 1 2 1", "%999d 1 2", "%d a b"] {
+            assert!(expand("data file", bad, 1000).is_err(), "{bad}");
+        }
+        assert!(expand("data file", "%d 0 9223372036854775807 1", 1000).is_err());
+        assert!(expand("data file", "%d -9223372036854775808 9223372036854775807 1", 1000).is_err());
+    }
+}

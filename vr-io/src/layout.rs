@@ -1,0 +1,150 @@
+//! Which samples of a file make up the volume: one frame and one component of an array of any number of axes.
+
+use std::path::Path;
+
+use vr_core::{GridError, sample_count};
+
+use crate::error::{FieldError, ReadError};
+use crate::read::ReadOptions;
+
+/// What an axis of a file runs over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    Space,
+    Frame,
+    Component,
+}
+
+/// An axis of the array in a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Axis {
+    pub size: usize,
+    pub role: Role,
+}
+
+/// The chosen samples: `offset + x·strides[0] + y·strides[1] + z·strides[2]` of `total`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Layout {
+    pub dims: [usize; 3],
+    pub strides: [usize; 3],
+    pub offset: usize,
+    /// Samples in the file, all frames and components.
+    pub total: usize,
+    pub frames: usize,
+    pub components: usize,
+}
+
+impl Layout {
+    /// From the axes of a file, fastest first; exactly three of them run over space.
+    pub fn new(path: &Path, axes: &[Axis], options: &ReadOptions) -> Result<Self, ReadError> {
+        let space: Vec<usize> = axes.iter().filter(|a| a.role == Role::Space).map(|a| a.size).collect();
+        let dims: [usize; 3] = space.as_slice().try_into().map_err(|_| {
+            FieldError::new("dimension", format_args!("{} axes of space", space.len()), "a volume has three")
+                .in_file(path)
+        })?;
+        sample_count(dims).map_err(|e| ReadError::grid(path, e))?;
+        let too_large = || ReadError::grid(path, GridError::Dims { dims });
+        let total = axes.iter().try_fold(1usize, |n, a| n.checked_mul(a.size)).ok_or_else(too_large)?;
+
+        let count = |role| axes.iter().filter(|a| a.role == role).map(|a| a.size).product::<usize>();
+        let (frames, components) = (count(Role::Frame), count(Role::Component));
+        let mut frame = pick(path, "frame", "--frame", options.frame, frames)?;
+        let mut component = pick(path, "component", "--component", options.component, components)?;
+
+        // An index over several axes of one role is taken apart, fastest axis first.
+        let (mut strides, mut offset, mut stride, mut axis_of_space) = ([0; 3], 0, 1, 0);
+        for axis in axes {
+            match axis.role {
+                Role::Space => {
+                    strides[axis_of_space] = stride;
+                    axis_of_space += 1;
+                }
+                Role::Frame => {
+                    offset += frame % axis.size * stride;
+                    frame /= axis.size;
+                }
+                Role::Component => {
+                    offset += component % axis.size * stride;
+                    component /= axis.size;
+                }
+            }
+            stride *= axis.size;
+        }
+        Ok(Self { dims, strides, offset, total, frames, components })
+    }
+
+    /// Samples of the volume.
+    pub fn count(&self) -> usize {
+        self.dims.iter().product()
+    }
+
+    /// Whether the volume is one run of samples, from `offset` on.
+    pub fn is_contiguous(&self) -> bool {
+        self.strides == [1, self.dims[0], self.dims[0] * self.dims[1]]
+    }
+
+    /// The chosen samples out of all of them.
+    pub fn pick<T: Copy>(&self, all: &[T]) -> Vec<T> {
+        let [nx, ny, nz] = self.dims;
+        let [sx, sy, sz] = self.strides;
+        let row = |z, y| all[self.offset + z * sz + y * sy..].iter().step_by(sx).take(nx).copied();
+        (0..nz).flat_map(|z| (0..ny).flat_map(move |y| row(z, y))).collect()
+    }
+}
+
+fn pick(
+    path: &Path,
+    what: &'static str,
+    flag: &'static str,
+    chosen: Option<usize>,
+    count: usize,
+) -> Result<usize, ReadError> {
+    match chosen {
+        _ if count == 0 => Err(FieldError::new(format!("number of {what}s"), 0, "must be at least 1").in_file(path)),
+        None if count == 1 => Ok(0),
+        None => Err(ReadError::Choose { path: path.into(), what, count, flag }),
+        Some(i) if i < count => Ok(i),
+        Some(i) => {
+            Err(FieldError::new(flag, i, format!("the file has {count} {what}(s), 0 to {}", count - 1)).in_file(path))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axes(list: &[(usize, Role)]) -> Vec<Axis> {
+        list.iter().map(|&(size, role)| Axis { size, role }).collect()
+    }
+
+    #[test]
+    fn picks_frame_and_component() {
+        let axes =
+            axes(&[(3, Role::Component), (2, Role::Space), (2, Role::Space), (2, Role::Space), (2, Role::Frame)]);
+        let all: Vec<usize> = (0..48).collect();
+        let o = ReadOptions { frame: Some(1), component: Some(2), ..Default::default() };
+        let l = Layout::new(Path::new("x"), &axes, &o).unwrap();
+        assert!(!l.is_contiguous());
+        assert_eq!(l.pick(&all), (0..8).map(|i| 24 + 2 + 3 * i).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn says_how_to_pick() {
+        let axes = axes(&[(2, Role::Space), (2, Role::Space), (2, Role::Space), (5, Role::Frame)]);
+        let at = |frame| Layout::new(Path::new("x"), &axes, &ReadOptions { frame, ..Default::default() });
+        let message = at(None).unwrap_err().to_string();
+        assert!(message.contains("5 frames") && message.contains("--frame N (0 to 4)"), "{message}");
+        assert!(at(Some(5)).is_err());
+        let last = at(Some(4)).unwrap();
+        assert!(last.is_contiguous());
+        assert_eq!(last.offset, 32);
+    }
+
+    #[test]
+    fn refuses_products_that_overflow() {
+        let axes =
+            axes(&[(2, Role::Space), (2, Role::Space), (2, Role::Space), (usize::MAX, Role::Frame), (4, Role::Frame)]);
+        assert!(Layout::new(Path::new("x"), &axes, &ReadOptions::default()).is_err());
+    }
+}

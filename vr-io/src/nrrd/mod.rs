@@ -1,0 +1,87 @@
+//! NRRD (“nearly raw raster data”), versions 1 to 5: <https://teem.sourceforge.net/nrrd/format.html>.
+
+mod axes;
+mod data;
+mod geometry;
+mod header;
+mod write;
+
+use std::path::Path;
+
+use vr_core::Calibration;
+
+use crate::error::{FieldError, ReadError};
+use crate::layout::Layout;
+use crate::read::{Description, ReadOptions};
+use crate::scalar::ScalarType;
+
+pub use write::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
+
+use header::Header;
+
+/// Keys of ours for what NRRD has no field for; other readers show them and go on.
+const SLOPE_KEY: &str = "vr slope";
+const INTERCEPT_KEY: &str = "vr intercept";
+
+/// Everything that a header says.
+pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, ReadError> {
+    let header = Header::read(path)?;
+    let in_file = |e: FieldError| e.in_file(path);
+    let mut notes = Vec::new();
+    let unknown = header.unknown_fields();
+    if !unknown.is_empty() {
+        notes.push(format!("unknown fields are left aside: {}", unknown.join(", ")));
+    }
+    let sizes = header.sizes().map_err(in_file)?;
+    let scalar = scalar_type(header.required("type").map_err(in_file)?).map_err(in_file)?;
+    let axes = axes::axes(&header, &sizes, scalar).map_err(in_file)?;
+    let layout = Layout::new(path, &axes, options)?;
+    let world = geometry::world(path, &header, &axes, &mut notes)?;
+    let payload = data::payload(path, &header, &layout, scalar)?;
+    let calibration = calibration(&header).map_err(in_file)?;
+    Ok(Description {
+        format: "NRRD",
+        payload,
+        layout,
+        placement: world.placement,
+        placed_by: world.placed_by,
+        calibration,
+        space: world.space,
+        units: world.units,
+        notes,
+    })
+}
+
+fn scalar_type(name: &str) -> Result<ScalarType, FieldError> {
+    // Every spelling that the format lists.
+    Ok(match name {
+        "signed char" | "int8" | "int8_t" => ScalarType::I8,
+        "uchar" | "unsigned char" | "uint8" | "uint8_t" => ScalarType::U8,
+        "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => ScalarType::I16,
+        "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => ScalarType::U16,
+        "int" | "signed int" | "int32" | "int32_t" => ScalarType::I32,
+        "uint" | "unsigned int" | "uint32" | "uint32_t" => ScalarType::U32,
+        "longlong"
+        | "long long"
+        | "long long int"
+        | "signed long long"
+        | "signed long long int"
+        | "int64"
+        | "int64_t" => ScalarType::I64,
+        "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => ScalarType::U64,
+        "float" => ScalarType::F32,
+        "double" => ScalarType::F64,
+        _ => {
+            let allowed = "must be int8, uint8, int16, uint16, int32, uint32, int64, uint64, float or double";
+            return Err(FieldError::new("type", name, allowed));
+        }
+    })
+}
+
+fn calibration(header: &Header) -> Result<Calibration, FieldError> {
+    let number = |key: &str, default: f64| match header.key_value(key) {
+        None => Ok(default),
+        Some(text) => text.parse().map_err(|_| FieldError::new(key, text, "must be a number")),
+    };
+    Ok(Calibration { slope: number(SLOPE_KEY, 1.0)?, intercept: number(INTERCEPT_KEY, 0.0)? })
+}

@@ -1,0 +1,332 @@
+//! From the place where a header says that the voxels are, to samples in memory.
+//!
+//! Nothing is allocated on a header's word: the size that it claims is held against the length of the file first, or, where
+//! the data are compressed, memory grows with what really comes out, up to that size.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use vr_core::GridError;
+
+use crate::decode::with_scalar;
+use crate::encoding::{Encoding, invalid};
+use crate::error::{FieldError, ReadError, shown};
+use crate::layout::Layout;
+use crate::mapped::MappedSamples;
+use crate::read::ReadOptions;
+use crate::samples::{Remember, Samples, Stored};
+use crate::scalar::{Endian, ScalarType};
+
+/// What lies between the beginning of the (decoded) data and the voxels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Skip {
+    Bytes(u64),
+    /// Whatever leaves exactly the voxels: they are the last bytes.
+    AllButVoxels,
+}
+
+/// A file with voxels in it.
+#[derive(Clone, Debug)]
+pub(crate) struct Segment {
+    pub path: PathBuf,
+    /// Where the data begin, in bytes of the file.
+    pub start: u64,
+    /// Lines to skip from there, in the file as it is.
+    pub lines: u64,
+    /// Bytes to skip then, after decoding.
+    pub skip: Skip,
+}
+
+/// All voxels of a file, or of the files that a header names, one after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Payload {
+    pub segments: Vec<Segment>,
+    pub encoding: Encoding,
+    pub scalar: ScalarType,
+    pub endian: Endian,
+    /// Whether bytes after the voxels are an error, or only said. They are an error where nothing else shows that a
+    /// header describes its data.
+    pub excess_is_error: bool,
+    /// What to think of when the length is wrong; empty, or starting with a bracket.
+    pub hint: &'static str,
+}
+
+impl Payload {
+    /// Reads the samples that `layout` picks; `header` is the file that errors about the whole belong to.
+    pub fn load(
+        &self,
+        header: &Path,
+        layout: &Layout,
+        options: &ReadOptions,
+        notes: &mut Vec<String>,
+    ) -> Result<Samples, ReadError> {
+        with_scalar!(self.scalar, S => self.load_as::<S>(header, layout, options, notes))
+    }
+
+    fn load_as<S: Remember>(
+        &self,
+        header: &Path,
+        layout: &Layout,
+        options: &ReadOptions,
+        notes: &mut Vec<String>,
+    ) -> Result<Samples, ReadError> {
+        let files = self.segments.len();
+        if files == 0 || !layout.total.is_multiple_of(files) {
+            let allowed = format!("a number that divides the {} samples", layout.total);
+            return Err(FieldError::new("data file", format_args!("{files} files"), allowed).in_file(header));
+        }
+        // Samples and bytes of each file.
+        let samples = layout.total / files;
+        let bytes = (samples as u64)
+            .checked_mul(size_of::<S>() as u64)
+            .ok_or_else(|| ReadError::grid(header, GridError::Dims { dims: layout.dims }))?;
+
+        let as_stored = S::IS_MEMORY_TYPE && (self.endian == Endian::NATIVE || size_of::<S>() == 1);
+        if let [segment] = self.segments.as_slice()
+            && options.map
+            && as_stored
+            && self.encoding == Encoding::Raw
+            && layout.is_contiguous()
+        {
+            let (file, offset) = self.locate(header, segment, bytes, notes)?;
+            let first = offset + (layout.offset * size_of::<S>()) as u64;
+            let mapped = MappedSamples::new(file.get_ref(), first, layout.count());
+            if let Some(mapped) = mapped.map_err(|e| ReadError::io(&segment.path, e))? {
+                return Ok(S::remember(Stored::Mapped(mapped), notes));
+            }
+        }
+
+        // One run is taken out of the stream as it goes by; scattered samples are picked out of all at the end.
+        let contiguous = layout.is_contiguous();
+        let mut kept = if contiguous {
+            Kept::<S> { skip: layout.offset, take: layout.count(), out: Vec::new() }
+        } else {
+            Kept { skip: 0, take: layout.total, out: Vec::new() }
+        };
+        for segment in &self.segments {
+            match self.encoding {
+                Encoding::Text => self.load_text(header, segment, samples, &mut kept, notes)?,
+                _ => self.load_bytes(header, segment, bytes, &mut kept, notes)?,
+            }
+        }
+        let out = if contiguous { kept.out } else { layout.pick(&kept.out) };
+        Ok(S::remember(Stored::Owned(out), notes))
+    }
+
+    /// The file, standing where the encoded data begin.
+    fn open(&self, header: &Path, segment: &Segment) -> Result<BufReader<File>, ReadError> {
+        let file = File::open(&segment.path).map_err(|source| {
+            if segment.path == header {
+                ReadError::io(header, source)
+            } else {
+                ReadError::DataFile { path: header.into(), data: segment.path.clone(), source }
+            }
+        })?;
+        let io = |e| ReadError::io(&segment.path, e);
+        // A device or a pipe may go on for ever.
+        if !file.metadata().map_err(io)?.is_file() {
+            return Err(io(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
+        }
+        let mut file = BufReader::with_capacity(1 << 16, file);
+        file.seek(SeekFrom::Start(segment.start)).map_err(io)?;
+        for line in 0..segment.lines {
+            if skip_line(&mut file).map_err(io)? == 0 {
+                return Err(FieldError::new("line skip", segment.lines, format!("the file has {line} lines there"))
+                    .in_file(&segment.path));
+            }
+        }
+        Ok(file)
+    }
+
+    /// The file, and where in it the raw voxels begin; their length is checked.
+    fn locate(
+        &self,
+        header: &Path,
+        segment: &Segment,
+        claimed: u64,
+        notes: &mut Vec<String>,
+    ) -> Result<(BufReader<File>, u64), ReadError> {
+        let io = |e| ReadError::io(&segment.path, e);
+        let mut file = self.open(header, segment)?;
+        let start = file.stream_position().map_err(io)?;
+        let rest = file.get_ref().metadata().map_err(io)?.len().saturating_sub(start);
+        let skip = match segment.skip {
+            Skip::Bytes(n) => n,
+            Skip::AllButVoxels => rest.saturating_sub(claimed),
+        };
+        let found = rest.saturating_sub(skip);
+        self.check_length(segment, claimed, found, notes)?;
+        file.seek(SeekFrom::Start(start + skip)).map_err(io)?;
+        Ok((file, start + skip))
+    }
+
+    fn check_length(
+        &self,
+        segment: &Segment,
+        claimed: u64,
+        found: u64,
+        notes: &mut Vec<String>,
+    ) -> Result<(), ReadError> {
+        if found < claimed || (found > claimed && self.excess_is_error) {
+            return Err(ReadError::Length { path: segment.path.clone(), claimed, found, hint: self.hint });
+        }
+        if found > claimed {
+            notes.push(format!("{} bytes after the voxels are left unread", found - claimed));
+        }
+        Ok(())
+    }
+
+    fn load_bytes<S: Remember>(
+        &self,
+        header: &Path,
+        segment: &Segment,
+        claimed: u64,
+        kept: &mut Kept<S>,
+        notes: &mut Vec<String>,
+    ) -> Result<(), ReadError> {
+        let damaged = |source: io::Error| self.damaged(segment, source);
+        let length = |found| ReadError::Length { path: segment.path.clone(), claimed, found, hint: self.hint };
+        let raw = self.encoding == Encoding::Raw;
+
+        let mut data: Box<dyn Read> = if raw {
+            let (file, _) = self.locate(header, segment, claimed, notes)?;
+            // The voxels are there, so there may be room for them.
+            kept.reserve(claimed);
+            Box::new(file)
+        } else {
+            let skip = match segment.skip {
+                Skip::Bytes(n) => n,
+                // Where the end is, only the decoder knows: it runs twice.
+                Skip::AllButVoxels => {
+                    let all = io::copy(&mut self.encoding.reader(self.open(header, segment)?), &mut io::sink())
+                        .map_err(damaged)?;
+                    all.checked_sub(claimed).ok_or_else(|| length(all))?
+                }
+            };
+            let mut data = self.encoding.reader(self.open(header, segment)?);
+            if io::copy(&mut data.by_ref().take(skip), &mut io::sink()).map_err(damaged)? < skip {
+                return Err(length(0));
+            }
+            data
+        };
+
+        let mut buffer = [0u8; 1 << 16];
+        let mut left = claimed;
+        while left > 0 {
+            let n = left.min(buffer.len() as u64) as usize;
+            let got = read_full(&mut data, &mut buffer[..n]).map_err(damaged)?;
+            if got < n {
+                return Err(length(claimed - left + got as u64));
+            }
+            kept.bytes(&buffer[..n], self.endian);
+            left -= n as u64;
+        }
+        if !raw {
+            // Counted only so far: a bomb shall not keep us busy.
+            const ENOUGH: u64 = 1 << 20;
+            let excess = io::copy(&mut data.take(ENOUGH), &mut io::sink()).map_err(damaged)?;
+            self.check_length(segment, claimed, claimed + excess, notes)?;
+        }
+        Ok(())
+    }
+
+    fn load_text<S: Remember>(
+        &self,
+        header: &Path,
+        segment: &Segment,
+        samples: usize,
+        kept: &mut Kept<S>,
+        notes: &mut Vec<String>,
+    ) -> Result<(), ReadError> {
+        let mut text = Vec::new();
+        self.open(header, segment)?.read_to_end(&mut text).map_err(|e| ReadError::io(&segment.path, e))?;
+        let mut found = 0;
+        for word in text.split(|c| c.is_ascii_whitespace() || *c == b',').filter(|w| !w.is_empty()) {
+            if found < samples {
+                let sample = str::from_utf8(word).ok().and_then(S::parse).ok_or_else(|| {
+                    let word = shown(&String::from_utf8_lossy(word));
+                    self.damaged(segment, invalid(format!("sample {found} is {word}, no {}", self.scalar)))
+                })?;
+                kept.samples(&[sample]);
+            }
+            found += 1;
+        }
+        let size = size_of::<S>() as u64;
+        self.check_length(segment, samples as u64 * size, found as u64 * size, notes)
+    }
+
+    fn damaged(&self, segment: &Segment, source: io::Error) -> ReadError {
+        ReadError::Damaged { path: segment.path.clone(), encoding: self.encoding.name(), source }
+    }
+}
+
+/// The part of a stream of samples that is kept.
+struct Kept<S> {
+    /// Samples yet to be left out.
+    skip: usize,
+    /// Samples yet to be kept.
+    take: usize,
+    out: Vec<S>,
+}
+
+impl<S: Remember> Kept<S> {
+    fn reserve(&mut self, bytes: u64) {
+        let samples = (bytes / size_of::<S>() as u64).saturating_sub(self.skip as u64);
+        self.out.reserve_exact(samples.min(self.take as u64) as usize);
+    }
+
+    fn bytes(&mut self, bytes: &[u8], endian: Endian) {
+        let (skip, take) = self.advance(bytes.len() / size_of::<S>());
+        let at = |i: usize| i * size_of::<S>();
+        S::append(&bytes[at(skip)..at(skip + take)], endian, &mut self.out);
+    }
+
+    fn samples(&mut self, samples: &[S]) {
+        let (skip, take) = self.advance(samples.len());
+        self.out.extend_from_slice(&samples[skip..skip + take]);
+    }
+
+    /// How many of the next `n` samples to leave out and how many to keep.
+    fn advance(&mut self, n: usize) -> (usize, usize) {
+        let skip = self.skip.min(n);
+        let take = self.take.min(n - skip);
+        self.skip -= skip;
+        self.take -= take;
+        (skip, take)
+    }
+}
+
+/// Moves behind the next line feed; the bytes passed.
+fn skip_line(file: &mut impl BufRead) -> io::Result<usize> {
+    let mut passed = 0;
+    loop {
+        let available = file.fill_buf()?;
+        if available.is_empty() {
+            return Ok(passed);
+        }
+        let end = available.iter().position(|&c| c == b'\n');
+        let used = end.map_or(available.len(), |i| i + 1);
+        file.consume(used);
+        passed += used;
+        if end.is_some() {
+            return Ok(passed);
+        }
+    }
+}
+
+/// Reads until the buffer is full or the data end.
+fn read_full(data: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match data.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(n) => filled += n,
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+            // A stream that was cut off is too short, not damaged.
+            Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => break,
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(filled)
+}

@@ -1,0 +1,137 @@
+//! Frames as PNG: before a background, encoded for a screen, in 8 or 16 bits.
+
+use std::path::Path;
+
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use vr_core::Frame;
+use vr_core::transfer::linear_to_srgb;
+
+use crate::atomic::write_whole;
+use crate::error::WriteError;
+
+/// How a frame becomes a PNG.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PngOptions {
+    /// Bits per channel.
+    pub depth: PngDepth,
+    /// What the numbers in the file mean.
+    pub encode: Encode,
+    /// Linear radiance behind everything, added as rgb + (1 − α)·background.
+    pub background: [f32; 3],
+    /// Keeps α, with colours that are not premultiplied (as PNG has them); there is no background then.
+    pub alpha: bool,
+}
+
+impl Default for PngOptions {
+    /// 8 bits, sRGB, before black.
+    fn default() -> Self {
+        Self { depth: PngDepth::Eight, encode: Encode::Srgb, background: [0.0; 3], alpha: false }
+    }
+}
+
+/// Bits per channel of a PNG.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PngDepth {
+    /// 8 bits.
+    #[default]
+    Eight,
+    /// 16 bits.
+    Sixteen,
+}
+
+/// What the numbers in a PNG mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encode {
+    /// The sRGB curve, as screens expect.
+    #[default]
+    Srgb,
+    /// Linear light as it is, which is what VTK shows.
+    None,
+}
+
+/// Writes a frame as PNG.
+///
+/// # Errors
+/// A [`WriteError`] naming the file; no part of it is left behind then.
+pub fn write_png(path: impl AsRef<Path>, frame: &Frame, options: &PngOptions) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    let [width, height] = frame.size();
+    let channels = channels(frame, options);
+    let (bytes, color) = match options.depth {
+        PngDepth::Eight => {
+            let color = if options.alpha { ExtendedColorType::Rgba8 } else { ExtendedColorType::Rgb8 };
+            (channels.map(|x| (x * 255.0).round() as u8).collect::<Vec<_>>(), color)
+        }
+        PngDepth::Sixteen => {
+            let color = if options.alpha { ExtendedColorType::Rgba16 } else { ExtendedColorType::Rgb16 };
+            // `image` takes 16-bit samples in the machine's byte order.
+            (channels.flat_map(|x| ((x * 65535.0).round() as u16).to_ne_bytes()).collect(), color)
+        }
+    };
+    write_whole(path, |out| {
+        PngEncoder::new(out)
+            .write_image(&bytes, width, height, color)
+            .map_err(|e| WriteError::Encode { path: path.into(), message: e.to_string() })
+    })
+}
+
+/// The numbers of the file in [0, 1], pixel by pixel; NaN counts as 0.
+fn channels(frame: &Frame, options: &PngOptions) -> impl Iterator<Item = f64> {
+    let encode = match options.encode {
+        Encode::Srgb => |x: f64| linear_to_srgb(x.clamp(0.0, 1.0)),
+        Encode::None => |x: f64| x.clamp(0.0, 1.0),
+    };
+    let PngOptions { background, alpha, .. } = *options;
+    let count = if alpha { 4 } else { 3 };
+    frame.pixels().iter().flat_map(move |&[r, g, b, a]| {
+        let [r, g, b, a] = [r, g, b, a].map(|x| if x.is_nan() { 0.0 } else { f64::from(x) });
+        let color = |c: f64, behind: f32| match (alpha, a) {
+            (true, 0.0) => 0.0,
+            (true, _) => c / a,
+            (false, _) => c + (1.0 - a) * f64::from(behind),
+        };
+        let rgb = [color(r, background[0]), color(g, background[1]), color(b, background[2])].map(encode);
+        [rgb[0], rgb[1], rgb[2], a.clamp(0.0, 1.0)].into_iter().take(count)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(pixels: Vec<[f32; 4]>, options: PngOptions) -> image::DynamicImage {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.png");
+        let frame = Frame::new([pixels.len() as u32, 1], pixels, None);
+        write_png(&path, &frame, &options).unwrap();
+        image::load_from_memory_with_format(&std::fs::read(path).unwrap(), image::ImageFormat::Png).unwrap()
+    }
+
+    #[test]
+    fn the_background_is_behind() {
+        let options = PngOptions { encode: Encode::None, background: [1.0, 0.0, 0.0], ..PngOptions::default() };
+        let image = written(vec![[0.0, 0.25, 0.0, 0.75], [0.0, 0.0, 0.0, 1.0]], options);
+        assert_eq!(image.to_rgb8().into_raw(), [64, 64, 0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn srgb_and_what_is_out_of_range() {
+        let image = written(vec![[0.214_041_14, 2.0, f32::NAN, 1.0]], PngOptions::default());
+        assert_eq!(image.to_rgb8().into_raw(), [128, 255, 0]);
+    }
+
+    #[test]
+    fn sixteen_bits_keep_one_part_in_65535() {
+        let options = PngOptions { depth: PngDepth::Sixteen, encode: Encode::None, ..PngOptions::default() };
+        let image = written(vec![[0.5, 1.0 / 65535.0, 1.0, 1.0]], options);
+        assert_eq!(image.to_rgb16().into_raw(), [32768, 1, 65535]);
+    }
+
+    #[test]
+    fn alpha_is_kept_with_straight_colours() {
+        let options = PngOptions { encode: Encode::None, alpha: true, ..PngOptions::default() };
+        let image = written(vec![[0.2, 0.0, 0.4, 0.4], [0.0; 4]], options);
+        assert_eq!(image.to_rgba8().into_raw(), [128, 0, 255, 102, 0, 0, 0, 0]);
+    }
+}

@@ -1,0 +1,127 @@
+//! Files without a header: described by the caller, or by their name.
+
+use std::path::Path;
+
+use glam::{DMat3, DVec3};
+use vr_core::{Calibration, Placement};
+
+use crate::encoding::Encoding;
+use crate::error::{FieldError, ReadError};
+use crate::layout::{Axis, Layout, Role};
+use crate::payload::{Payload, Segment, Skip};
+use crate::read::{Description, ReadOptions};
+use crate::scalar::{Endian, ScalarType};
+use crate::world::Space;
+
+/// What a file without a header holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawDescription {
+    /// Samples along x, y, z; x runs fastest.
+    pub dims: [usize; 3],
+    /// Type of the samples.
+    pub scalar: ScalarType,
+    /// Byte order of the samples.
+    pub endian: Endian,
+    /// World units between samples; `None` counts as 1, and that is said.
+    pub spacing: Option<[f64; 3]>,
+    /// World position of the first sample.
+    pub origin: [f64; 3],
+    /// World directions of the x, y and z axis, one after the other; they need not be normalised.
+    pub direction: [[f64; 3]; 3],
+    /// Bytes before the first sample, after decompression.
+    pub skip: u64,
+    /// What the stored numbers mean.
+    pub calibration: Calibration,
+}
+
+impl RawDescription {
+    /// Little-endian samples from the first byte on, spacing unknown, at the origin.
+    pub fn new(dims: [usize; 3], scalar: ScalarType) -> Self {
+        Self {
+            dims,
+            scalar,
+            endian: Endian::Little,
+            spacing: None,
+            origin: [0.0; 3],
+            direction: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            skip: 0,
+            calibration: Calibration::default(),
+        }
+    }
+
+    /// What a file name says, as in `foot_256x256x256_uint8.raw.gz`: `None` where it has no `NXxNYxNZ` in it.
+    ///
+    /// # Errors
+    /// The name of the field that is missing or wrong.
+    pub(crate) fn from_name(path: &Path) -> Option<Result<Self, FieldError>> {
+        let name = &path.file_name()?.to_str()?.to_lowercase();
+        let mut words = name.split(['_', '.', '-', ' ']).skip_while(|w| dims_of(w).is_none());
+        let dims = dims_of(words.next()?)?;
+        Some(match words.find_map(ScalarType::from_name) {
+            Some(scalar) => Ok(Self::new(dims, scalar)),
+            None => {
+                Err(FieldError::new("type in the file name", name, "dims and type, as in foot_256x256x256_uint8.raw"))
+            }
+        })
+    }
+}
+
+fn dims_of(word: &str) -> Option<[usize; 3]> {
+    let numbers: Vec<usize> = word.split('x').map(|n| n.parse().ok()).collect::<Option<_>>()?;
+    numbers.try_into().ok()
+}
+
+/// A raw file, its description given.
+pub(crate) fn describe(
+    path: &Path,
+    raw: &RawDescription,
+    encoding: Encoding,
+    options: &ReadOptions,
+) -> Result<Description, ReadError> {
+    let axes = raw.dims.map(|size| Axis { size, role: Role::Space });
+    let layout = Layout::new(path, &axes, options)?;
+    let direction = DMat3::from_cols_array_2d(&raw.direction);
+    let placement = Placement::oriented(DVec3::from_array(raw.origin), raw.spacing.unwrap_or([1.0; 3]), direction)
+        .map_err(|e| ReadError::grid(path, e))?;
+    let mut notes = Vec::new();
+    if raw.spacing.is_none() {
+        notes.push("raw files state no spacing: 1, 1, 1 is assumed".into());
+    }
+    let segment = Segment { path: path.into(), start: 0, lines: 0, skip: Skip::Bytes(raw.skip) };
+    let payload = Payload {
+        segments: vec![segment],
+        encoding,
+        scalar: raw.scalar,
+        endian: raw.endian,
+        // The length is all that can tell a wrong description.
+        excess_is_error: true,
+        hint: " (are dims and type right?)",
+    };
+    Ok(Description {
+        format: "raw",
+        payload,
+        layout,
+        placement,
+        placed_by: if raw.spacing.is_some() { "description" } else { "assumed" },
+        calibration: raw.calibration,
+        space: Space::Own,
+        units: None,
+        notes,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_names() {
+        let of = |n: &str| RawDescription::from_name(Path::new(n));
+        assert_eq!(of("a/foot_256x128x64_uint8.raw"), Some(Ok(RawDescription::new([256, 128, 64], ScalarType::U8))));
+        assert_eq!(of("x.4x5x6.int16.raw.gz"), Some(Ok(RawDescription::new([4, 5, 6], ScalarType::I16))));
+        assert_eq!(of("X_4X5X6_UINT8.RAW"), Some(Ok(RawDescription::new([4, 5, 6], ScalarType::U8))));
+        assert_eq!(of("nucleon.raw"), None);
+        assert_eq!(of("ax2x3_4x5.raw"), None);
+        assert!(of("foot_256x256x256.raw").unwrap().unwrap_err().allowed.contains("uint8.raw"));
+    }
+}

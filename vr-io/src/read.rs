@@ -1,0 +1,159 @@
+//! The one way in: a file of any format becomes a volume, with what is worth knowing about it.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use vr_core::{Calibration, Placement, Volume};
+
+use crate::detect::{Format, detect, unsupported_folder};
+use crate::encoding::Encoding;
+use crate::error::ReadError;
+use crate::layout::Layout;
+use crate::nifti::Transform;
+use crate::payload::Payload;
+use crate::raw::RawDescription;
+use crate::scalar::{Endian, ScalarType};
+use crate::world::Space;
+use crate::{metaimage, nifti, nrrd, raw};
+
+/// How to read a volume. `ReadOptions::default()` is right for nearly every file.
+#[derive(Clone, Debug)]
+pub struct ReadOptions {
+    /// Which frame of a 4-D file, from 0; not needed where there is one.
+    pub frame: Option<usize>,
+    /// Which component of a file with several values per voxel, from 0; not needed where there is one.
+    pub component: Option<usize>,
+    /// Which transform of a NIfTI file places it.
+    pub transform: Transform,
+    /// What a file without a header holds. Where this is given, the file counts as raw, whatever it looks like.
+    pub raw: Option<RawDescription>,
+    /// Whether uncompressed samples of a memory type in native byte order may stay in the file, mapped into memory. On by
+    /// default; off, they are copied, and the file may change or vanish afterwards.
+    pub map: bool,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self { frame: None, component: None, transform: Transform::Auto, raw: None, map: true }
+    }
+}
+
+/// A volume from a file.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// The volume.
+    pub volume: Volume,
+    /// What the file said about it.
+    pub info: FileInfo,
+    /// What was assumed, chosen or changed on the way, one line each: spacing that the file lacks, the transform used, samples
+    /// that are missing.
+    pub notes: Vec<String>,
+}
+
+/// What a file says about itself beyond the volume.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct FileInfo {
+    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2` or `raw`.
+    pub format: &'static str,
+    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`.
+    pub encoding: &'static str,
+    /// Type of the samples in the file; in memory it may be another ([`vr_core::UniformVolume::voxel_type`]).
+    pub scalar: ScalarType,
+    /// Byte order of the samples in the file.
+    pub endian: Endian,
+    /// The space that the file's positions refer to. Unless it is [`Space::Own`], the volume's world is RAS.
+    pub space: Space,
+    /// What placed the samples: `space directions`, `spacings`, `sform`, … or `assumed`.
+    pub placed_by: &'static str,
+    /// What the positions are measured in, if the file says.
+    pub units: Option<String>,
+    /// Frames in the file; one of them is the volume.
+    pub frames: usize,
+    /// Components per voxel in the file; one of them is the volume.
+    pub components: usize,
+    /// The files that hold the voxels.
+    pub data_files: Vec<PathBuf>,
+    /// Whether the samples stay in the file, mapped into memory.
+    pub mapped: bool,
+}
+
+/// What a header turned out to describe: everything but the voxels.
+pub(crate) struct Description {
+    pub format: &'static str,
+    pub payload: Payload,
+    pub layout: Layout,
+    /// In RAS already, where the space is a patient's.
+    pub placement: Placement,
+    pub placed_by: &'static str,
+    pub calibration: Calibration,
+    pub space: Space,
+    pub units: Option<String>,
+    pub notes: Vec<String>,
+}
+
+/// Reads a volume of any supported format: NRRD, MetaImage, NIfTI-1 and -2, or raw. The format is told by the content first,
+/// by the name second.
+///
+/// # Errors
+/// A [`ReadError`] that names the file, the field, what was found and what is allowed.
+pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, ReadError> {
+    let path = path.as_ref();
+    if path.is_dir() {
+        return Err(unsupported_folder(path));
+    }
+    if let Some(description) = &options.raw {
+        let head = file_head(path)?;
+        return load(path, raw::describe(path, description, Encoding::of_file(&head), options)?, options);
+    }
+    let head = file_head(path)?;
+    let described = match detect(path, &head)? {
+        Format::Nrrd => nrrd::describe(path, options)?,
+        Format::MetaImage => metaimage::describe(path, options)?,
+        Format::Nifti => nifti::describe(path, options)?,
+        Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
+    };
+    load(path, described, options)
+}
+
+/// The first few thousand bytes of a file: enough to tell every format.
+fn file_head(path: &Path) -> Result<Vec<u8>, ReadError> {
+    const HEAD: u64 = 4096;
+    let mut head = Vec::new();
+    File::open(path).and_then(|f| f.take(HEAD).read_to_end(&mut head)).map_err(|e| ReadError::io(path, e))?;
+    Ok(head)
+}
+
+fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Loaded, ReadError> {
+    let Description { format, payload, layout, placement, placed_by, calibration, space, units, mut notes } = described;
+    let samples = payload.load(path, &layout, options, &mut notes)?;
+    let mapped = samples.is_mapped();
+    let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| ReadError::grid(path, e))?;
+    let volume = Volume::from(grid);
+    if let Some(uniform) = volume.uniform() {
+        let census = uniform.census();
+        let count = layout.count();
+        if census.nan > 0 {
+            notes.push(format!("{} of {count} samples are NaN: the cells around them are vacuum", census.nan));
+        }
+        if census.infinite > 0 {
+            notes.push(format!("{} of {count} samples are infinite and count as NaN", census.infinite));
+        }
+    }
+    let data_files = payload.segments.iter().map(|s| s.path.clone()).collect();
+    let info = FileInfo {
+        format,
+        encoding: payload.encoding.name(),
+        scalar: payload.scalar,
+        endian: payload.endian,
+        space,
+        placed_by,
+        units,
+        frames: layout.frames,
+        components: layout.components,
+        data_files,
+        mapped,
+    };
+    Ok(Loaded { volume, info, notes })
+}

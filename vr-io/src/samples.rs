@@ -1,0 +1,169 @@
+//! Samples in a memory type, owned or mapped, and how the other types get there.
+
+use vr_core::{AnyGrid, Calibration, GridError, Placement, UniformGrid, Voxel};
+
+use crate::decode::Scalar;
+use crate::mapped::MappedSamples;
+
+/// Samples of one type: in memory, or in their file.
+pub(crate) enum Stored<T> {
+    Owned(Vec<T>),
+    Mapped(MappedSamples<T>),
+}
+
+impl<T: Scalar> AsRef<[T]> for Stored<T> {
+    fn as_ref(&self) -> &[T] {
+        match self {
+            Self::Owned(v) => v,
+            Self::Mapped(m) => m.as_ref(),
+        }
+    }
+}
+
+/// Samples of any of the five types that memory holds.
+pub(crate) enum Samples {
+    U8(Stored<u8>),
+    I8(Stored<i8>),
+    U16(Stored<u16>),
+    I16(Stored<i16>),
+    F32(Stored<f32>),
+}
+
+impl Samples {
+    pub fn into_grid(
+        self,
+        dims: [usize; 3],
+        placement: Placement,
+        calibration: Calibration,
+    ) -> Result<AnyGrid, GridError> {
+        fn grid<T: Voxel + Scalar>(
+            dims: [usize; 3],
+            samples: Stored<T>,
+            placement: Placement,
+            calibration: Calibration,
+        ) -> Result<AnyGrid, GridError>
+        where
+            AnyGrid: From<UniformGrid<T>>,
+        {
+            Ok(UniformGrid::new(dims, samples, placement, calibration)?.into())
+        }
+        match self {
+            Self::U8(s) => grid(dims, s, placement, calibration),
+            Self::I8(s) => grid(dims, s, placement, calibration),
+            Self::U16(s) => grid(dims, s, placement, calibration),
+            Self::I16(s) => grid(dims, s, placement, calibration),
+            Self::F32(s) => grid(dims, s, placement, calibration),
+        }
+    }
+
+    pub fn is_mapped(&self) -> bool {
+        matches!(
+            self,
+            Self::U8(Stored::Mapped(_))
+                | Self::I8(Stored::Mapped(_))
+                | Self::U16(Stored::Mapped(_))
+                | Self::I16(Stored::Mapped(_))
+                | Self::F32(Stored::Mapped(_))
+        )
+    }
+}
+
+/// Brings samples to a memory type.
+pub(crate) trait Remember: Scalar {
+    /// Whether memory holds this type as it is.
+    const IS_MEMORY_TYPE: bool;
+    /// The samples in a memory type. Integers that fit one exactly become that one, everything else floats; what was
+    /// rounded is said.
+    fn remember(samples: Stored<Self>, notes: &mut Vec<String>) -> Samples;
+}
+
+macro_rules! as_it_is {
+    ($($t:ty => $variant:ident),*) => {$(
+        impl Remember for $t {
+            const IS_MEMORY_TYPE: bool = true;
+            fn remember(samples: Stored<Self>, _: &mut Vec<String>) -> Samples {
+                Samples::$variant(samples)
+            }
+        }
+    )*};
+}
+as_it_is!(u8 => U8, i8 => I8, u16 => U16, i16 => I16, f32 => F32);
+
+macro_rules! wide_integer {
+    ($($t:ty),*) => {$(
+        impl Remember for $t {
+            const IS_MEMORY_TYPE: bool = false;
+            fn remember(samples: Stored<Self>, notes: &mut Vec<String>) -> Samples {
+                let s = samples.as_ref();
+                let name = stringify!($t);
+                let low = s.iter().copied().min().unwrap_or(0);
+                let high = s.iter().copied().max().unwrap_or(0);
+                macro_rules! narrow {
+                    ($to:ident, $variant:ident) => {
+                        if let (Ok(_), Ok(_)) = ($to::try_from(low), $to::try_from(high)) {
+                            notes.push(format!("{name} samples from {low} to {high} are held as {}", stringify!($to)));
+                            return Samples::$variant(Stored::Owned(s.iter().map(|&x| x as $to).collect()));
+                        }
+                    };
+                }
+                narrow!(u8, U8);
+                narrow!(i8, I8);
+                narrow!(u16, U16);
+                narrow!(i16, I16);
+                let floats: Vec<f32> = s.iter().map(|&x| x as f32).collect();
+                // Through i128, since casts from float saturate: u64::MAX rounds up to 2^64 and must not count as exact.
+                let rounded = s.iter().zip(&floats).filter(|&(&x, &f)| i128::from(x) != f as i128).count();
+                notes.push(float_note(name, rounded, s.len()));
+                Samples::F32(Stored::Owned(floats))
+            }
+        }
+    )*};
+}
+wide_integer!(u32, i32, u64, i64);
+
+impl Remember for f64 {
+    const IS_MEMORY_TYPE: bool = false;
+    fn remember(samples: Stored<Self>, notes: &mut Vec<String>) -> Samples {
+        let s = samples.as_ref();
+        let floats: Vec<f32> = s.iter().map(|&x| x as f32).collect();
+        // NaN differs from itself and is not rounded; what overflows f32 becomes infinite, which is.
+        let rounded = s.iter().zip(&floats).filter(|&(&x, &f)| !x.is_nan() && x != f64::from(f)).count();
+        notes.push(float_note("f64", rounded, s.len()));
+        Samples::F32(Stored::Owned(floats))
+    }
+}
+
+fn float_note(name: &str, rounded: usize, of: usize) -> String {
+    match rounded {
+        0 => format!("{name} samples are held as f32, all of them exactly"),
+        n => format!("{name} samples are held as f32: {n} of {of} were rounded"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn remember<T: Remember>(v: Vec<T>) -> (Samples, String) {
+        let mut notes = Vec::new();
+        let s = T::remember(Stored::Owned(v), &mut notes);
+        (s, notes.join("; "))
+    }
+
+    #[test]
+    fn integers_take_the_smallest_type_that_holds_them() {
+        assert!(matches!(remember(vec![0i32, 255]).0, Samples::U8(_)));
+        assert!(matches!(remember(vec![-1i32, 127]).0, Samples::I8(_)));
+        assert!(matches!(remember(vec![0u64, 256]).0, Samples::U16(_)));
+        assert!(matches!(remember(vec![-1024i64, 3071]).0, Samples::I16(_)));
+        assert!(matches!(remember(vec![0u32, 65536]).0, Samples::F32(_)));
+    }
+
+    #[test]
+    fn says_what_was_rounded() {
+        assert!(remember(vec![0i32, 1 << 24]).1.contains("exactly"));
+        assert!(remember(vec![0i32, (1 << 24) + 1]).1.contains("1 of 2 were rounded"));
+        assert!(remember(vec![u64::MAX, 0]).1.contains("1 of 2 were rounded"));
+        assert!(remember(vec![0.1f64, 0.5, f64::NAN]).1.contains("1 of 3 were rounded"));
+    }
+}

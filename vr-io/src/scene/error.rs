@@ -1,0 +1,114 @@
+//! What can be wrong with a scene file.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use vr_core::ParameterError;
+
+use crate::error::{ReadError, shown};
+use crate::paraview::ColorMapError;
+
+/// Why a scene file gives no scene. Every message is one line.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneFileError {
+    /// The file cannot be opened or read.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A key that means nothing.
+    #[error("{}unknown key '{key}'; {}", place(path, *line), hint(nearest.as_deref(), known))]
+    UnknownKey {
+        /// Which file.
+        path: PathBuf,
+        /// The line, from 1, where it is known.
+        line: Option<usize>,
+        /// The key found.
+        key: String,
+        /// The known key most like it.
+        nearest: Option<String>,
+        /// All keys that would be right there.
+        known: Vec<String>,
+    },
+    /// Not TOML, or a value of the wrong type.
+    #[error("{}{message}", place(path, *line))]
+    Syntax {
+        /// Which file.
+        path: PathBuf,
+        /// The line, from 1, where it is known.
+        line: Option<usize>,
+        /// What the parser says.
+        message: String,
+    },
+    /// A value that makes no sense.
+    #[error("{}{source}", place(path, None))]
+    Parameter {
+        /// Which file; empty where the scene is from none.
+        path: PathBuf,
+        /// The field, what was found and what is allowed.
+        source: ParameterError,
+    },
+    /// The volume that the file names.
+    #[error(transparent)]
+    Volume(#[from] ReadError),
+    /// The colour map that the file names.
+    #[error(transparent)]
+    ColorMap(#[from] ColorMapError),
+    /// A scene that cannot be put into text.
+    #[error("the scene cannot be written as TOML: {message}")]
+    Text {
+        /// Why not.
+        message: String,
+    },
+}
+
+impl SceneFileError {
+    pub(super) fn of_toml(error: &toml::de::Error, text: &str, path: &Path) -> Self {
+        let line =
+            error.span().map(|span| text.as_bytes()[..span.start.min(text.len())].split(|&c| c == b'\n').count());
+        let path = path.to_owned();
+        // serde lists what it knows in backquotes, after the key that it does not.
+        let mut quoted = error.message().split('`').skip(1).step_by(2).map(str::to_owned);
+        match quoted.next() {
+            Some(key) if error.message().starts_with("unknown field") => {
+                let known: Vec<String> = quoted.collect();
+                let nearest = nearest(&key, &known).map(str::to_owned);
+                Self::UnknownKey { path, line, key: shown(&key), nearest, known }
+            }
+            _ => Self::Syntax { path, line, message: error.message().replace('\n', " ") },
+        }
+    }
+}
+
+/// The word most like this one, unless none is.
+pub(super) fn nearest<'a>(word: &str, known: &'a [impl AsRef<str>]) -> Option<&'a str> {
+    known
+        .iter()
+        .map(|k| (strsim::damerau_levenshtein(k.as_ref(), word), k.as_ref()))
+        .min()
+        .filter(|&(distance, k)| distance <= 2.max(k.len() / 2))
+        .map(|(_, k)| k)
+}
+
+/// `file: line 3: `, as far as it is known.
+fn place(path: &Path, line: Option<usize>) -> String {
+    let mut place = String::new();
+    if !path.as_os_str().is_empty() {
+        place = format!("{}: ", path.display());
+    }
+    if let Some(line) = line {
+        place += &format!("line {line}: ");
+    }
+    place
+}
+
+fn hint(nearest: Option<&str>, known: &[String]) -> String {
+    match nearest {
+        Some(n) => format!("did you mean '{n}'?"),
+        None => format!("must be one of {}", known.join(", ")),
+    }
+}

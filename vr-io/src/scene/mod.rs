@@ -1,0 +1,61 @@
+//! Scene files: from TOML text to a scene and a view, and back.
+
+mod error;
+mod resolve;
+
+use std::path::Path;
+
+use vr_core::scene_file::SceneFile;
+
+use crate::atomic::write_whole;
+use crate::error::WriteError;
+
+pub use error::SceneFileError;
+pub use resolve::{LoadedScene, resolve_scene};
+
+/// Reads a scene file, without the files that it names.
+///
+/// # Errors
+/// A [`SceneFileError`] naming the file and the line; an unknown key comes with the known one most like it.
+pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneFile, SceneFileError> {
+    let path = path.as_ref();
+    let text = std::fs::read_to_string(path).map_err(|source| SceneFileError::Io { path: path.into(), source })?;
+    parse_scene(&text, path)
+}
+
+/// Reads the text of a scene file; `path` is what errors call it.
+///
+/// # Errors
+/// A [`SceneFileError`] naming the line; an unknown key comes with the known one most like it.
+pub fn parse_scene(text: &str, path: &Path) -> Result<SceneFile, SceneFileError> {
+    toml::from_str(text).map_err(|e| SceneFileError::of_toml(&e, text, path))
+}
+
+/// Reads a scene file and everything that it names.
+///
+/// # Errors
+/// A [`SceneFileError`] naming the file and the field.
+pub fn load_scene(path: impl AsRef<Path>) -> Result<LoadedScene, SceneFileError> {
+    let path = path.as_ref();
+    resolve_scene(&read_scene(path)?, path)
+}
+
+/// A scene file's text.
+///
+/// # Errors
+/// [`SceneFileError::Text`] for a number that TOML cannot hold.
+pub fn scene_text(file: &SceneFile) -> Result<String, SceneFileError> {
+    toml::to_string(file).map_err(|e| SceneFileError::Text { message: e.to_string() })
+}
+
+/// Writes a scene file.
+///
+/// # Errors
+/// A [`WriteError`] naming the file; no part of it is left behind then.
+pub fn write_scene(path: impl AsRef<Path>, file: &SceneFile) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    let text = scene_text(file).map_err(|e| WriteError::Encode { path: path.into(), message: e.to_string() })?;
+    write_whole(path, |out| {
+        out.write_all(text.as_bytes()).map_err(|source| WriteError::Io { path: path.into(), source })
+    })
+}

@@ -1,0 +1,191 @@
+//! Files with bytes changed, put in, taken out and cut off, thousands of them: each is read or refused in one line, never a
+//! panic. The random numbers are the same on every run.
+
+mod tiny;
+
+use std::cell::Cell;
+use std::path::Path;
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use tiny::{gzip, i16_bytes, join, metaimage, nifti_1, nifti_2, nrrd, zlib};
+use vr_io::{ReadOptions, parse_color_maps, parse_scene, read, resolve_scene};
+
+#[derive(Clone, Debug)]
+enum Damage {
+    Set(prop::sample::Index, u8),
+    Insert(prop::sample::Index, &'static str),
+    Remove(prop::sample::Index, usize),
+    Cut(prop::sample::Index),
+}
+
+/// What upsets parsers.
+const WORDS: [&str; 14] = [
+    "-1",
+    "0",
+    "nan",
+    "inf",
+    "1e999",
+    "18446744073709551616",
+    "9223372036854775807",
+    "4294967296",
+    "\n",
+    "\0",
+    "%d",
+    "none",
+    "(",
+    "\u{fffd}",
+];
+
+fn damage() -> impl Strategy<Value = Vec<Damage>> {
+    let at = any::<prop::sample::Index>;
+    let one = prop_oneof![
+        4 => (at(), any::<u8>()).prop_map(|(i, b)| Damage::Set(i, b)),
+        4 => (at(), prop::sample::select(&WORDS[..])).prop_map(|(i, w)| Damage::Insert(i, w)),
+        2 => (at(), 1usize..20).prop_map(|(i, n)| Damage::Remove(i, n)),
+        1 => at().prop_map(Damage::Cut),
+    ];
+    vec(one, 1..5)
+}
+
+fn apply(bytes: &[u8], damage: &[Damage]) -> Vec<u8> {
+    let mut b = bytes.to_vec();
+    for d in damage {
+        let i = |index: &prop::sample::Index| index.index(b.len().max(1)).min(b.len());
+        match d {
+            Damage::Set(index, value) => {
+                let i = i(index);
+                if let Some(byte) = b.get_mut(i) {
+                    *byte = *value;
+                }
+            }
+            Damage::Insert(index, word) => {
+                let i = i(index);
+                b.splice(i..i, word.bytes());
+            }
+            Damage::Remove(index, n) => {
+                let i = i(index);
+                b.drain(i..(i + n).min(b.len()));
+            }
+            Damage::Cut(index) => {
+                let i = i(index);
+                b.truncate(i);
+            }
+        }
+    }
+    b
+}
+
+/// Runs a check on damaged versions of some bytes.
+fn survive(bytes: &[u8], check: impl Fn(&[u8]) -> Result<(), String>) {
+    let config = Config { cases: 600, failure_persistence: None, ..Config::default() };
+    let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+    let outcome = runner.run(&damage(), |d| {
+        let damaged = apply(bytes, &d);
+        check(&damaged).map_err(|e| TestCaseError::fail(format!("{e} from {:?}", String::from_utf8_lossy(&damaged))))
+    });
+    outcome.unwrap_or_else(|e| panic!("{e}"));
+}
+
+fn one_line(message: String) -> Result<(), String> {
+    if message.contains('\n') { Err(format!("two lines: {message}")) } else { Ok(()) }
+}
+
+/// Damages the first `header` bytes of a file, or all of them.
+fn survive_reading(name: &str, file: &[u8], header: usize, pack: fn(&[u8]) -> Vec<u8>) {
+    let folder = tempfile::tempdir().unwrap();
+    // A new file for each case: some file systems write an overwritten one to the disk at once.
+    let case = Cell::new(0);
+    let (head, rest) = file.split_at(header.min(file.len()));
+    survive(head, |damaged| {
+        case.set(case.get() + 1);
+        let path = folder.path().join(format!("{}{name}", case.get()));
+        std::fs::write(&path, pack(&join(damaged.to_vec(), rest))).map_err(|e| e.to_string())?;
+        let outcome = read(&path, &ReadOptions::default());
+        std::fs::remove_file(&path).map_err(|e| e.to_string())?;
+        match outcome {
+            Ok(loaded) => {
+                // What was read is a grid in earnest.
+                let placement = *loaded.volume.uniform().ok_or("no grid")?.placement();
+                if placement.axes().is_finite() && placement.origin().is_finite() {
+                    Ok(())
+                } else {
+                    Err("a geometry that is not finite".into())
+                }
+            }
+            Err(e) => one_line(e.to_string()),
+        }
+    });
+}
+
+fn as_it_is(bytes: &[u8]) -> Vec<u8> {
+    bytes.to_vec()
+}
+
+#[test]
+fn nrrd_headers() {
+    let fields = "type: short\nendian: little\nencoding: raw\nspace: left-posterior-superior\n\
+                  space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nkinds: domain domain domain";
+    let file = nrrd(fields, &i16_bytes(false));
+    survive_reading("x.nrrd", &file, file.len() - 48, as_it_is);
+    let fields =
+        "type: short\nendian: big\nencoding: gzip\nspacings: 1 2 3\naxis mins: 0 0 0\nunits: \"mm\" \"mm\" \"um\"";
+    let file = nrrd(fields, &gzip(&i16_bytes(true)));
+    survive_reading("y.nrrd", &file, usize::MAX, as_it_is);
+    let text: String = (0..24).map(|i| format!("{i} ")).collect();
+    let file = nrrd("type: double\nencoding: ascii\nline skip: 0\nbyte skip: 0", text.as_bytes());
+    survive_reading("z.nrrd", &file, usize::MAX, as_it_is);
+    let file = nrrd("type: uchar\nencoding: raw\ndata file: x%02d.raw 1 4 1", b"");
+    survive_reading("w.nrrd", &file, usize::MAX, as_it_is);
+}
+
+#[test]
+fn metaimage_headers() {
+    let fields = "ElementType = MET_SHORT\nElementSpacing = 1 2 3\nTransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 1 2 3\n\
+                  BinaryDataByteOrderMSB = False\nHeaderSize = 0\nElementNumberOfChannels = 1";
+    let file = metaimage(fields, "LOCAL", &i16_bytes(false));
+    survive_reading("x.mha", &file, file.len() - 48, as_it_is);
+    let file = metaimage("ElementType = MET_SHORT\nCompressedData = True", "LOCAL", &zlib(&i16_bytes(false)));
+    survive_reading("y.mha", &file, usize::MAX, as_it_is);
+}
+
+#[test]
+fn nifti_headers() {
+    let one = join(nifti_1(false, b"n+1\0"), &i16_bytes(false));
+    survive_reading("x.nii", &one, 352, as_it_is);
+    survive_reading("x.nii.gz", &one, 352, gzip);
+    survive_reading("y.nii", &join(nifti_2(true), &i16_bytes(true)), 544, as_it_is);
+    survive_reading("z.nii.gz", &gzip(&one), usize::MAX, as_it_is);
+}
+
+#[test]
+fn scene_files() {
+    let text = "[volume]\ndata = [0, 1, 2, 3, 4, 5, 6, 7]\ndims = [2, 2, 2]\ntype = \"u8\"\nspacing = [1.0, 1.0, 1.0]\n\
+                [transfer]\npoints = [{value = 0.0, color = [0, 0, 0], opacity = 0.0}, {value = 7.0, color = [1, 1, 1], opacity = 0.5}]\n\
+                [image]\nsize = [8, 8]\n[render]\ncompositing = \"over\"\nstep = 0.5\n";
+    survive(text.as_bytes(), |damaged| {
+        let path = Path::new("x.toml");
+        match parse_scene(&String::from_utf8_lossy(damaged), path).and_then(|s| resolve_scene(&s, path)) {
+            Ok(_) => Ok(()),
+            Err(e) => one_line(e.to_string()),
+        }
+    });
+}
+
+#[test]
+fn colour_maps() {
+    let text = r#"[{"ColorSpace": "Diverging", "RGBPoints": [0, 0.2, 0.3, 0.7, 1, 0.7, 0.0, 0.1],
+                    "Points": [0, 0, 0.5, 0, 0.5, 0.3, 0.2, 0.4, 1, 1, 0.5, 1]}]"#;
+    survive(text.as_bytes(), |damaged| {
+        match parse_color_maps(&String::from_utf8_lossy(damaged), Path::new("x.json")) {
+            Ok(maps) => maps.iter().try_for_each(|m| {
+                let points = m.over((-1.0, 1.0));
+                vr_core::TransferFunction::new(points, vr_core::OpacityRule::Power, 1.0)
+                    .map(|_| ())
+                    .map_err(|e| e.to_string())
+            }),
+            Err(e) => one_line(e.to_string()),
+        }
+    });
+}

@@ -1,0 +1,158 @@
+//! Scene files: what they say, what they are told when they are wrong, and that they come back as they were.
+
+use std::path::Path;
+
+use glam::DVec3;
+use vr_core::scene_file::SceneFile;
+use vr_core::transfer::srgb_to_linear;
+use vr_core::{Calibration, Placement, Scene, UniformGrid, View};
+use vr_io::{load_scene, parse_scene, resolve_scene, scene_text, write_scene};
+
+/// The example of the design, with a raw volume beside it.
+const EXAMPLE: &str = r#"
+[volume]
+path = "foot.raw"
+dims = [4, 3, 2]
+type = "u16"
+endian = "big"
+spacing = [1.0, 1.0, 2.0]
+slope = 0.5
+intercept = -1.0
+filter = "trilinear"
+[transfer]
+unit_distance = 1.0
+opacity_rule = "power"
+colors = "srgb"
+points = [ {value = 0.0, color = [0.0, 0.0, 0.0], opacity = 0.0}, {value = 255.0, color = [1.0, 0.5, 0.8], opacity = 0.4} ]
+[shading]
+ambient = 0.2
+diffuse = 0.7
+specular = 0.3
+power = 20.0
+lights = [ {headlight = true} ]
+[camera]
+projection = "orthographic"
+eye = [300.0, 200.0, 400.0]
+target = [127.5, 127.5, 127.5]
+up = [0.0, 1.0, 0.0]
+height = 300.0
+[clip]
+box = [[0.0, 0.0, 0.0], [255.0, 255.0, 128.0]]
+planes = [ {normal = [0.0, 0.0, 1.0], offset = 64.0} ]
+[image]
+size = [512, 512]
+samples = 1
+background = [0.0, 0.0, 0.0]
+[render]
+renderer = "raycast"
+compositing = "over"
+max_error = 0.004
+step = 0.25
+"#;
+
+#[test]
+fn the_example_of_the_design() {
+    let folder = tempfile::tempdir().unwrap();
+    let samples: Vec<u8> = (0..24u16).flat_map(|i| (10 * i).to_be_bytes()).collect();
+    std::fs::write(folder.path().join("foot.raw"), samples).unwrap();
+    std::fs::write(folder.path().join("scene.toml"), EXAMPLE).unwrap();
+    let loaded = load_scene(folder.path().join("scene.toml")).unwrap();
+    let uniform = loaded.scene.volume.uniform().unwrap();
+    assert_eq!(uniform.dims(), [4, 3, 2]);
+    assert_eq!(uniform.placement().spacing(), DVec3::new(1.0, 1.0, 2.0));
+    assert_eq!(loaded.scene.volume.value_range(), Some((-1.0, 114.0)));
+    assert_eq!(loaded.scene.transfer.points()[1].color[1], srgb_to_linear(0.5));
+    assert_eq!(loaded.view.clip.planes.len(), 1);
+    assert_eq!((loaded.renderer.as_str(), loaded.max_error), ("raycast", Some(0.004)));
+    assert_eq!(loaded.options.0.len(), 1);
+}
+
+#[test]
+fn wrong_files_are_told_where_and_what() {
+    for (text, word) in [
+        ("[volume]\nphantom = \"fog\"\n\n[imge]\n", "s.toml: line 4: unknown key 'imge'; did you mean 'image'?"),
+        ("[volume]\nfliter = \"trilinear\"\n", "s.toml: line 2: unknown key 'fliter'; did you mean 'filter'?"),
+        (
+            "[transfer]\npoints = [\n {value = 0, colour = [0,0,0], opacity = 0}]",
+            "line 3: unknown key 'colour'; did you mean 'color'?",
+        ),
+        (
+            "[camera]\neye = [0,0,0]\ntarget = [1,0,0]\nup = [0,1,0]\nqqqqqqq = 1\n",
+            "line 5: unknown key 'qqqqqqq'; must be one of projection, eye",
+        ),
+        ("[volume]\nfilter = \"cubic\"\n", "s.toml: line 2: unknown variant `cubic`"),
+        ("[image]\nsize = [512]\n", "s.toml: line 2: "),
+        ("volume = \n", "s.toml: line 1: "),
+    ] {
+        let message = parse_scene(text, Path::new("s.toml")).unwrap_err().to_string();
+        assert!(message.contains(word) && !message.contains('\n'), "{message}");
+    }
+    for (text, word) in [
+        ("", "s.toml: volume: found nothing; must have a path, a phantom or data"),
+        ("[volume]\nphantom = \"fog\"\npath = \"x\"", "volume: found several"),
+        ("[volume]\nphantom = \"frog\"", "volume.phantom: found 'frog' (did you mean 'fog'?); must be marschner-lobb"),
+        ("[volume]\nphantom = \"fog\"\nsize = 1", "volume.size: found 1; must be 2 to 2048"),
+        ("[volume]\npath = \"x.raw\"\ntype = \"u8\"", "volume.dims: found nothing"),
+        ("[volume]\npath = \"x.raw\"\ndims = [2,2,2]", "volume.type: found nothing"),
+        ("[volume]\npath = \"x.raw\"\ndims = [2,2,2]\ntype = \"u9\"", "volume.type: found \"u9\"; must be u8"),
+        ("[volume]\npath = \"nowhere.nrrd\"", "nowhere.nrrd: "),
+        (
+            "[volume]\nphantom = \"fog\"\nsize = 4\n[transfer]\npreset = \"gray\"",
+            "transfer.preset: found 'gray' (did you mean 'grey'?)",
+        ),
+        ("[volume]\nphantom = \"fog\"\nsize = 4\n[transfer]\npoints = []", "transfer.points: found"),
+        (
+            "[volume]\nphantom = \"fog\"\nsize = 4\n[transfer]\npoints = [{value = 1, color = [0,0,0], opacity = 0}, {value = 0, color = [0,0,0], opacity = 0}]",
+            "points must be sorted",
+        ),
+        (
+            "[volume]\nphantom = \"fog\"\nsize = 4\n[transfer]\npoints = [{value = 1, color = [0,0,0], opacity = 1.5}]",
+            "transfer.points[0].opacity: found 1.5",
+        ),
+        (
+            "[volume]\nphantom = \"fog\"\nsize = 4\n[transfer]\npreset = \"grey\"\nrange = [1, 0]",
+            "transfer.range: found [1.0, 0.0]",
+        ),
+        ("[volume]\nphantom = \"fog\"\nsize = 4\n[image]\nsize = [0, 5]", "image.size"),
+        (
+            "[volume]\nphantom = \"fog\"\nsize = 4\n[camera]\neye = [0,0,0]\ntarget = [0,0,0]\nup = [0,1,0]\nheight = 1",
+            "camera",
+        ),
+    ] {
+        let path = Path::new("s.toml");
+        let message = resolve_scene(&parse_scene(text, path).unwrap(), path).unwrap_err().to_string();
+        assert!(message.contains(word) && !message.contains('\n'), "{message}");
+    }
+}
+
+#[test]
+fn phantoms_bring_their_transfer_function() {
+    let file = parse_scene("[volume]\nphantom = \"blobs\"\nsize = 8\n", Path::new("")).unwrap();
+    let loaded = resolve_scene(&file, Path::new("")).unwrap();
+    assert_eq!(loaded.scene.volume.uniform().unwrap().dims(), [8; 3]);
+    assert_eq!(loaded.scene.transfer.unit_distance(), vr_core::phantom::TRANSFER_UNIT_DISTANCE);
+}
+
+#[test]
+fn what_a_property_test_prints_is_read_back_identical() {
+    let samples = vec![0.1f32, f32::NAN, -3.5, 1e-30, 7.0, 1e20, 0.0, 2.0];
+    let placement = Placement::oriented(DVec3::new(0.1, 2.0, -3.0), [0.3, 1.0, 2.0], glam::DMat3::IDENTITY).unwrap();
+    let grid = UniformGrid::new([2, 2, 2], samples, placement, Calibration { slope: 0.1, intercept: 3.0 }).unwrap();
+    let file = parse_scene(EXAMPLE, Path::new("")).unwrap();
+    let (scene, view): (Scene, View) =
+        file.assemble(grid.into(), vec![vr_core::ControlPoint::new(0.1, [0.2, 0.3, 1.0 / 3.0], 0.7)]).unwrap();
+    let described = SceneFile::describe(&scene, &view).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("failing.toml");
+    write_scene(&path, &described).unwrap();
+    assert_eq!(scene_text(&described).unwrap(), std::fs::read_to_string(&path).unwrap());
+    let back = load_scene(&path).unwrap();
+    let (a, b) = (scene.volume.uniform().unwrap(), back.scene.volume.uniform().unwrap());
+    assert_eq!(a.placement(), b.placement());
+    assert_eq!(a.calibration(), b.calibration());
+    let (vr_core::AnyGrid::F32(a), vr_core::AnyGrid::F32(b)) = (a.grid(), b.grid()) else { panic!("f32 stays f32") };
+    assert!(a.samples().iter().zip(b.samples()).all(|(x, y)| x.to_bits() == y.to_bits() || (x.is_nan() && y.is_nan())));
+    assert_eq!(scene.transfer, back.scene.transfer);
+    assert_eq!(view.camera, back.view.camera);
+    assert_eq!(view.clip, back.view.clip);
+}

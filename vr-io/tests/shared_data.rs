@@ -1,0 +1,273 @@
+//! Real and broken files from `shared/data` (or `VR_TEST_DATA`). Where they are absent, every test says so and passes.
+
+use std::path::{Path, PathBuf};
+
+use vr_core::{AnyGrid, GridError, UniformVolume, VoxelType, with_grid};
+use vr_io::{
+    FileInfo, Loaded, RawDescription, ReadError, ReadOptions, ScalarType, Space, Transform, orientation, read,
+};
+
+/// A file of the shared data, or `None` after a word where there are none.
+fn data(name: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("VR_TEST_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
+    if root.is_dir() {
+        return Some(root.join(name));
+    }
+    println!("skipped: no shared data at {}", root.display());
+    None
+}
+
+fn load(name: &str) -> Option<Loaded> {
+    load_with(name, &ReadOptions::default())
+}
+
+fn load_with(name: &str, options: &ReadOptions) -> Option<Loaded> {
+    let path = data(name)?;
+    Some(read(&path, options).unwrap_or_else(|e| panic!("{e}")))
+}
+
+fn uniform(loaded: &Loaded) -> &UniformVolume {
+    loaded.volume.uniform().unwrap()
+}
+
+fn stored(loaded: &Loaded) -> Vec<f32> {
+    use vr_core::Voxel;
+    with_grid!(uniform(loaded).grid(), g => g.samples().iter().map(|s| s.to_f32()).collect())
+}
+
+/// What a good file must turn out to be.
+fn expect(name: &str, dims: [usize; 3], voxel: VoxelType, spacing: [f64; 3], check: impl FnOnce(&Loaded, &FileInfo)) {
+    let Some(loaded) = load(name) else { return };
+    let u = uniform(&loaded);
+    assert_eq!(u.dims(), dims, "{name}");
+    assert_eq!(u.voxel_type(), voxel, "{name}");
+    let found = u.placement().spacing().to_array();
+    assert!(found.iter().zip(spacing).all(|(a, b)| (a - b).abs() < 1e-3), "{name}: spacing {found:?}");
+    check(&loaded, &loaded.info);
+}
+
+#[test]
+fn good_files() {
+    use VoxelType::{F32, I16, U8, U16};
+    expect("raw/fuel_64x64x64_uint8.raw", [64; 3], U8, [1.0; 3], |l, i| {
+        assert!(i.mapped);
+        assert_eq!(l.volume.value_range(), Some((0.0, 255.0)));
+    });
+    expect("raw/engine_256x256x128_uint8.raw.gz", [256, 256, 128], U8, [1.0; 3], |_, i| assert_eq!(i.encoding, "gzip"));
+    expect("raw/male_128x256x256_uint8.raw.bz2", [128, 256, 256], U8, [1.0; 3], |l, _| {
+        assert_eq!(l.volume.value_range().unwrap().0, 1.0);
+    });
+    expect("nrrd/stent.nrrd", [128, 128, 256], F32, [1.0; 3], |l, i| {
+        assert_eq!(i.space, Space::Own);
+        assert_eq!(l.volume.value_range(), Some((0.0, 1.0)));
+    });
+    expect("nrrd/tooth.nhdr", [103, 94, 161], U16, [1.0; 3], |l, _| {
+        assert_eq!(l.volume.value_range(), Some((0.0, 1300.0)));
+    });
+    expect("nrrd/headsq/quarter.nhdr", [64, 64, 93], I16, [3.2, 3.2, 1.5], |_, i| {
+        assert_eq!(i.data_files.len(), 93);
+    });
+    expect("nrrd/prostate_phantom.nrrd", [82, 67, 13], U16, [0.5, 0.5, 3.0], |l, _| {
+        // In LPS x and y are flipped, so in RAS they are not.
+        assert_eq!(orientation(uniform(l).placement()), "RAS");
+        assert_eq!(l.volume.value_range(), Some((0.0, 2017.0)));
+    });
+    expect("nifti/bonsai.nii.gz", [256; 3], U8, [1.0; 3], |_, i| assert_eq!(i.format, "NIfTI-1"));
+    expect("nifti/AVM.nii.gz", [337, 319, 154], U8, [0.5469, 0.5469, 1.0], |l, _| {
+        assert!((uniform(l).calibration().slope - 2.2086).abs() < 1e-3);
+        assert!((l.volume.value_range().unwrap().1 - 563.2).abs() < 0.5);
+    });
+    expect("nifti/shear.nii.gz", [306, 422, 54], U8, [0.4824, 0.4824, 2.3708], |l, _| {
+        let (low, high) = l.volume.value_range().unwrap();
+        assert!((low + 1024.0).abs() < 1e-3 && (high - 789.0).abs() < 1.0, "{low} {high}");
+        let axes = uniform(l).placement().axes();
+        assert!(axes.y_axis.normalize().dot(axes.z_axis.normalize()).abs() > 0.1, "the shear is kept");
+    });
+    expect("nifti/anatomical_be.nii", [33, 41, 25], I16, [2.0; 3], |l, i| {
+        assert!(!i.mapped);
+        assert!(uniform(l).placement().axes().determinant() < 0.0);
+        assert_eq!(uniform(l).census().range, Some((-610.0, 30393.0)));
+    });
+    expect("metaimage/HeadMRVolume.mhd", [48, 62, 42], U8, [4.0; 3], |_, i| assert!(i.mapped));
+    expect("metaimage/mha.mha", [64, 64, 37], I16, [3.4375, 3.4375, 3.8], |l, i| {
+        assert_eq!((i.space, i.encoding), (Space::Lps, "zlib"));
+        assert_eq!(l.volume.value_range(), Some((0.0, 6690.0)));
+        // Its own AnatomicalOrientation says RPI: from right, posterior, inferior; towards left, anterior, superior.
+        assert_eq!(orientation(uniform(l).placement()), "LAS");
+    });
+    expect("metaimage/frogtissue.mhd", [500, 470, 136], U8, [1.0, 1.0, 1.5], |l, _| {
+        assert_eq!(l.volume.value_range(), Some((0.0, 29.0)));
+    });
+    expect("metaimage/cthead_256x256x99.mhd", [256, 256, 99], U16, [1.0, 1.0, 2.0], |l, _| {
+        assert_eq!(l.volume.value_range(), Some((0.0, 3272.0)));
+    });
+}
+
+#[test]
+fn one_scan_in_two_formats_lies_at_the_same_place() {
+    let (Some(a), Some(b)) = (load("nrrd/FLAIR.nrrd"), load("nifti/FLAIR.nii.gz")) else { return };
+    assert_eq!(stored(&a), stored(&b));
+    for (p, q) in uniform(&a).corners().iter().zip(uniform(&b).corners()) {
+        assert!((p - q).length() < 1e-3, "{p} {q}");
+    }
+}
+
+#[test]
+fn one_payload_behind_two_headers() {
+    let raw = ReadOptions { raw: Some(RawDescription::new([41; 3], ScalarType::U8)), ..Default::default() };
+    let (Some(a), Some(b)) = (load("raw/nucleon.nrrd"), load_with("raw/nucleon.raw", &raw)) else { return };
+    assert_eq!(stored(&a), stored(&b));
+    assert_eq!(uniform(&a).placement(), uniform(&b).placement());
+}
+
+#[test]
+fn every_encoding_of_the_ball() {
+    let Some(folder) = data("nrrd/ball") else { return };
+    let plain = stored(&load("nrrd/ball/BallBinary30x30x30.nrrd").unwrap());
+    assert_eq!(plain.iter().filter(|&&x| x == 257.0).count() + plain.iter().filter(|&&x| x == 0.0).count(), 27000);
+    let mut read_ones = 0;
+    for entry in folder.read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if !name.starts_with("BallBinary") || name.ends_with(".raw") {
+            continue;
+        }
+        match read(&path, &ReadOptions::default()) {
+            // It points into a NIfTI file and forgets to skip its header.
+            Err(ReadError::Length { claimed: 54000, found: 54352, .. }) if name == "BallBinary30x30x30_nifti.nhdr" => {}
+            Err(e) => panic!("{e}"),
+            Ok(loaded) => {
+                assert!(stored(&loaded) == plain, "{name}");
+                read_ones += 1;
+            }
+        }
+    }
+    assert_eq!(read_ones, 9);
+}
+
+#[test]
+fn one_frame_of_four_dimensions() {
+    let Some(path) = data("nifti/example4d.nii.gz") else { return };
+    let refused = read(&path, &ReadOptions::default()).unwrap_err();
+    assert!(refused.to_string().contains("--frame N (0 to 1)"), "{refused}");
+    let frame = |n| read(&path, &ReadOptions { frame: Some(n), ..Default::default() }).unwrap();
+    let (first, second) = (frame(0), frame(1));
+    assert_eq!(uniform(&first).dims(), [128, 96, 24]);
+    assert_ne!(stored(&first), stored(&second));
+}
+
+#[test]
+fn one_component_of_colours() {
+    let Some(path) = data("bad/rgb24.nii.gz") else { return };
+    let refused = read(&path, &ReadOptions::default()).unwrap_err();
+    assert!(refused.to_string().contains("3 components") && refused.to_string().contains("--component N"), "{refused}");
+    let green = read(&path, &ReadOptions { component: Some(1), ..Default::default() }).unwrap();
+    assert_eq!(uniform(&green).dims(), [256, 286, 15]);
+    assert!(matches!(uniform(&green).grid(), AnyGrid::U8(_)));
+}
+
+#[test]
+fn transforms_can_be_chosen() {
+    let by = |transform| load_with("nifti/FLAIR.nii.gz", &ReadOptions { transform, ..Default::default() });
+    let Some(spacing) = by(Transform::Spacing) else { return };
+    assert_eq!(orientation(uniform(&spacing).placement()), "RAS");
+    assert_eq!(spacing.info.placed_by, "spacing");
+}
+
+/// Every broken file of these formats, and a word of the message that it must give; `""` for files that are odd but right.
+const BROKEN: [(&str, &str); 38] = [
+    ("nan_be_f32.nii", ""),
+    ("complex64.nii.gz", "datatype: found 32 (complex numbers"),
+    ("header_only.hdr.gz", "bad/header_only.img.gz: "),
+    ("FullHead.mhd", "data file "),
+    ("byteskip_minus_five.nhdr", "byte skip: found -5"),
+    ("rgb2d.nrrd", "a picture with colours, not a volume"),
+    ("empty.nrrd", "magic: found nothing; must be NRRD0001"),
+    ("empty_64x64x64_uint8.raw", "claims 262144 bytes of voxels, found 0"),
+    ("short.nrrd", "claims 68921 bytes of voxels, found 67921"),
+    ("trunc_gz.nrrd", "claims 68921 bytes of voxels, found 33860"),
+    ("huge_dims.nrrd", "dims [4294967295, 4294967295, 4294967295]"),
+    ("big_dims.nrrd", "claims 281474976710656 bytes of voxels, found 68921"),
+    ("zero_dim.nrrd", "sizes: found 41 0 41; must be 3 positive integers"),
+    ("neg_dim.nrrd", "sizes: found 41 -41 41"),
+    ("bad_type.nrrd", "type: found quaternion; must be int8"),
+    ("nan_spacing.nrrd", "spacings: found NaN"),
+    ("zero_spacing.nrrd", "spacing of axis 1 is 0: must be positive and finite"),
+    ("constant.nrrd", ""),
+    ("one_voxel.nrrd", "dims [1, 1, 1]: every axis needs 2"),
+    ("one_slice.nrrd", "dims [41, 41, 1]: every axis needs 2"),
+    ("nan_inf.nrrd", ""),
+    ("nifti_bad_magic.nii", "magic: found"),
+    ("nifti_dim0.nii", "dim[0]: found 0"),
+    ("nifti_vox_offset.nii", "claims 67650 bytes of voxels, found 0"),
+    ("nifti_slope_zero.nii", ""),
+    ("nifti_neg_dim.nii", "dim[1]: found -33"),
+    ("nifti_truncated.nii.gz", "bytes of voxels, found"),
+    ("mha_wrong_type.mha", "claims 1212416 bytes of voxels, found"),
+    ("not_compressed.mha", "zlib data are damaged"),
+    ("fuel_plus_one_64x64x64_uint8.raw", "claims 262144 bytes of voxels, found 262145"),
+    ("lies_128x128x128_uint8.raw", "claims 2097152 bytes of voxels, found 68921"),
+    ("hydrogen_truncated.vti", "unsupported format VTK (XML); supported are NRRD"),
+    ("tets_no_scalars.vtk", "unsupported format VTK (legacy)"),
+    ("Bucky_truncated.pvm", "unsupported format PVM"),
+    ("sph_zero_h.h5", "unsupported format HDF5"),
+    ("no_meta.dcm", "unsupported format DICOM"),
+    ("JPEG2000.dcm", "unsupported format DICOM"),
+    ("amrex_missing_levels", "unsupported format folder of files"),
+];
+
+#[test]
+fn broken_files_are_met() {
+    if data("bad").is_none() {
+        return;
+    }
+    for (name, word) in BROKEN {
+        let path = data("bad").unwrap().join(name);
+        match read(&path, &ReadOptions::default()) {
+            Ok(_) => assert!(word.is_empty(), "{name} was read"),
+            Err(e) => {
+                let message = e.to_string();
+                println!("{message}");
+                assert!(!word.is_empty() && message.contains(word), "{message}");
+                assert!(message.contains(name) && !message.contains('\n'), "{message}");
+            }
+        }
+    }
+    let nan = load("bad/nan_be_f32.nii").unwrap();
+    assert_eq!(uniform(&nan).census().nan, 153);
+    assert!(nan.notes.iter().any(|n| n.contains("153 of 1071 samples are NaN")), "{:?}", nan.notes);
+    let infinite = load("bad/nan_inf.nrrd").unwrap();
+    assert_eq!((uniform(&infinite).census().nan, uniform(&infinite).census().infinite), (1681, 2));
+    let slope = load("bad/nifti_slope_zero.nii").unwrap();
+    assert_eq!(uniform(&slope).calibration().slope, 1.0);
+    assert!(matches!(
+        read(data("bad/one_slice.nrrd").unwrap(), &ReadOptions::default()),
+        Err(ReadError::Grid { source: GridError::Dims { .. }, .. })
+    ));
+}
+
+/// No file at all may panic, and each must be refused or read within reason.
+#[test]
+fn nothing_panics() {
+    fn walk(folder: &Path, visit: &mut impl FnMut(&Path)) {
+        for entry in folder.read_dir().unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                walk(&path, visit);
+            } else {
+                visit(&path);
+            }
+        }
+    }
+    let Some(root) = data("") else { return };
+    let mut results = [0; 2];
+    walk(&root, &mut |path| {
+        let read = read(path, &ReadOptions::default());
+        results[usize::from(read.is_err())] += 1;
+        if let Err(e) = read {
+            assert!(!e.to_string().contains('\n'), "{e}");
+        }
+    });
+    println!("{} read, {} refused", results[0], results[1]);
+}
