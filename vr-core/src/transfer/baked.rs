@@ -109,7 +109,7 @@ impl<R: Real> BakedTransfer<R> {
 }
 
 /// Light and opacity of a homogeneous step at a value, with the line of a given segment.
-pub(crate) fn step_entry(transfer: &TransferFunction, segment: &Segment, value: f64, step: f64) -> [f64; 4] {
+pub(super) fn step_entry(transfer: &TransferFunction, segment: &Segment, value: f64, step: f64) -> [f64; 4] {
     let o = segment.at(value);
     let ratio = step / transfer.unit_distance();
     let (alpha, tau) = match transfer.rule() {

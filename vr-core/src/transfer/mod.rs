@@ -213,6 +213,11 @@ impl TransferFunction {
         self.extinction(self.at(value).opacity)
     }
 
+    /// Light (r, g, b) and opacity of a homogeneous step of `length` world units at a value: b = q·length·w(τ), α = 1 − e^(−τ).
+    pub fn step(&self, value: f64, length: f64) -> [f64; 4] {
+        baked::step_entry(self, self.segment_at(value), value, length)
+    }
+
     /// The largest colour or emission component of any point.
     pub fn brightest(&self) -> f64 {
         let all = |p: &ControlPoint| p.color.into_iter().chain(p.emission.unwrap_or_default());

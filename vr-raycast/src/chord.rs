@@ -1,0 +1,147 @@
+//! A ray's part inside the volume, and the field along it.
+
+use vr_core::filter::{Lattice, Reconstruction};
+use vr_core::{
+    Filter, GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, UniformVolume, Voxel,
+    gradient_between_samples,
+};
+
+use crate::run::{RUN, Run};
+use crate::steps::Steps;
+
+/// A ray's part inside the volume, cut into steps, and the field along it.
+///
+/// The passes over a run are dispatched here, once per run: to the voxel type and the filter, for which they are instantiated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chord<'a> {
+    pub(crate) volume: &'a UniformVolume,
+    pub(crate) filter: Filter,
+    pub(crate) ray: IndexRay,
+    pub(crate) steps: Steps,
+}
+
+impl Chord<'_> {
+    /// Runs that it takes to sample all steps.
+    pub(crate) fn runs(&self) -> usize {
+        self.steps.count.div_ceil(RUN)
+    }
+
+    /// Makes `run` the `index`-th one, with samples at the fraction `offset` of each step.
+    pub(crate) fn place<R: Real>(&self, run: &mut Run<R>, index: usize, offset: f64) {
+        let first = index * RUN;
+        run.len = RUN.min(self.steps.count - first);
+        run.begin = self.steps.begin(first);
+        run.step = self.steps.length;
+        run.last_step = if first + run.len == self.steps.count { self.steps.last } else { self.steps.length };
+        run.offset = offset;
+        run.place(&self.ray, self.volume.dims());
+    }
+
+    /// Makes `run` a single point.
+    pub(crate) fn place_point<R: Real>(&self, run: &mut Run<R>, distance: f64) {
+        (run.len, run.begin, run.step, run.last_step, run.offset) = (1, distance, 0.0, 0.0, 0.0);
+        run.place(&self.ray, self.volume.dims());
+    }
+
+    /// Fills the values of a placed run.
+    pub(crate) fn sample<R: Real>(&self, run: &mut Run<R>) {
+        self.volume.with_sampler(self.filter, Values(run));
+    }
+
+    /// Fills the gradients of a placed run, where the opacity is not zero.
+    pub(crate) fn gradients<R: Real>(&self, run: &mut Run<R>, method: GradientMethod) {
+        match method {
+            GradientMethod::CentralDifferences => self.volume.with_lattice(CentralDifferences(run)),
+            GradientMethod::Analytic => self.volume.with_sampler(self.filter, AnalyticGradients(run)),
+        }
+    }
+
+    /// Where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and a point where it does.
+    pub(crate) fn crossing(&self, below: f64, reached: Crossing, sign: f64, threshold: f64) -> Crossing {
+        let search = Bisection { chord: self, below, reached, sign, threshold };
+        self.volume.with_sampler(self.filter, search)
+    }
+}
+
+/// A point at which the field reaches something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Crossing {
+    pub(crate) distance: f64,
+    /// The field there.
+    pub(crate) stored: f64,
+}
+
+struct Values<'r, R>(&'r mut Run<R>);
+
+impl<R: Real> SamplerVisitor for Values<'_, R> {
+    type Output = ();
+
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) {
+        let len = self.0.len;
+        let [x, y, z] = &self.0.position;
+        let positions = x[..len].iter().zip(&y[..len]).zip(&z[..len]);
+        for (value, ((&x, &y), &z)) in self.0.value[..len].iter_mut().zip(positions) {
+            *value = sampler.value([x, y, z]);
+        }
+    }
+}
+
+struct AnalyticGradients<'r, R>(&'r mut Run<R>);
+
+impl<R: Real> SamplerVisitor for AnalyticGradients<'_, R> {
+    type Output = ();
+
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) {
+        for j in 0..self.0.len {
+            if self.0.light[j][3] != R::ZERO {
+                self.0.gradient[j] = sampler.value_and_gradient(self.0.position_of(j)).1;
+            }
+        }
+    }
+}
+
+struct CentralDifferences<'r, R>(&'r mut Run<R>);
+
+impl<R: Real> LatticeVisitor for CentralDifferences<'_, R> {
+    type Output = ();
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) {
+        for j in 0..self.0.len {
+            if self.0.light[j][3] != R::ZERO {
+                self.0.gradient[j] = gradient_between_samples(&lattice, self.0.position_of(j));
+            }
+        }
+    }
+}
+
+struct Bisection<'c> {
+    chord: &'c Chord<'c>,
+    below: f64,
+    reached: Crossing,
+    sign: f64,
+    threshold: f64,
+}
+
+/// Halvings of the step between two samples: 10⁻⁹ of it is left, which is below the rounding of an f32 depth.
+const HALVINGS: u32 = 30;
+
+impl SamplerVisitor for Bisection<'_> {
+    type Output = Crossing;
+
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Crossing {
+        let most = self.chord.volume.dims().map(|n| (n - 1) as f64);
+        let (mut below, mut reached) = (self.below, self.reached);
+        for _ in 0..HALVINGS {
+            let distance = 0.5 * (below + reached.distance);
+            let at = self.chord.ray.at(distance).to_array();
+            let stored = sampler.value::<f64>(std::array::from_fn(|a| at[a].clamp(0.0, most[a])));
+            // False in vacuum.
+            if self.sign * stored >= self.sign * self.threshold {
+                reached = Crossing { distance, stored };
+            } else {
+                below = distance;
+            }
+        }
+        reached
+    }
+}

@@ -1,0 +1,79 @@
+//! From values to light and opacity.
+
+use std::sync::Arc;
+
+use vr_core::optics::{depth_of_opacity, opacity_of_depth};
+use vr_core::transfer::BakedTransfer;
+use vr_core::{Calibration, Real, TransferFunction};
+
+use crate::run::Run;
+
+/// The transfer function as a kernel uses it.
+#[derive(Clone, Debug)]
+pub(crate) struct Classifier<R> {
+    pub(crate) transfer: Arc<TransferFunction>,
+    pub(crate) calibration: Calibration,
+    /// For whole steps; `None`: everything is evaluated exactly.
+    pub(crate) table: Option<Arc<BakedTransfer<R>>>,
+}
+
+/// A step's opacity up to which its optical depth follows from it in f32 to better than 10⁻⁵; above, 1 − α has lost its digits.
+const INVERTIBLE: f64 = 0.99;
+
+impl<R: Real> Classifier<R> {
+    /// Fills the light of a run from its values.
+    ///
+    /// A shorter step at the end of the ray is evaluated exactly, whatever the others are: a table's entry of a dense step says too
+    /// little of a short one, and there is only one a ray.
+    pub(crate) fn classify(&self, run: &mut Run<R>) {
+        let len = run.len;
+        match &self.table {
+            Some(table) => {
+                for (light, &value) in run.light[..len].iter_mut().zip(&run.value[..len]) {
+                    *light = table.step(value);
+                }
+            }
+            None => {
+                for (light, &value) in run.light[..len].iter_mut().zip(&run.value[..len]) {
+                    *light = self.exact(value, run.step);
+                }
+            }
+        }
+        if run.last_step != run.step {
+            run.light[len - 1] = self.exact(run.value[len - 1], run.last_step);
+        }
+    }
+
+    /// Light and opacity of a step of any length; nothing in vacuum.
+    fn exact(&self, stored: R, length: f64) -> [R; 4] {
+        if stored.is_nan() {
+            return [R::ZERO; 4];
+        }
+        self.transfer.step(self.calibration.value(stored.to_f64()), length).map(R::from_f64)
+    }
+
+    /// Light and opacity of a step whose extinction is multiplied by `factor`, from those of the unmodified step.
+    pub(crate) fn with_extinction_times(&self, step: [R; 4], factor: f64, stored: R, length: f64) -> [R; 4] {
+        let opacity = step[3].to_f64();
+        let value = self.calibration.value(stored.to_f64());
+        let emits = self.transfer.has_emission();
+        if factor == 0.0 {
+            let light = self.transfer.at(value).emission.map(|e| if emits { R::from_f64(e * length) } else { R::ZERO });
+            return [light[0], light[1], light[2], R::ZERO];
+        }
+        if opacity > INVERTIBLE || self.table.is_none() {
+            // κ times a factor over h is κ over h times that factor; emission of its own must not be multiplied along.
+            let [r, g, b, a] = self.transfer.step(value, length * factor);
+            let share = if emits { 1.0 / factor } else { 1.0 };
+            return [r * share, g * share, b * share, a].map(R::from_f64);
+        }
+        if opacity == 0.0 {
+            return step;
+        }
+        let tau = depth_of_opacity(opacity);
+        let modified = opacity_of_depth(tau * factor);
+        // Light is c·α, or q·h·w(τ) with w(τ) = α/τ.
+        let share = R::from_f64(if emits { modified / (opacity * factor) } else { modified / opacity });
+        [step[0] * share, step[1] * share, step[2] * share, R::from_f64(modified)]
+    }
+}

@@ -1,0 +1,63 @@
+//! The mean of the field.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use vr_core::{Calibration, Real, TransferFunction};
+
+use super::{Operator, pixel_of_value};
+use crate::chord::Chord;
+use crate::ray_value::RayValue;
+use crate::run::Run;
+
+/// ∫ f ds over the part of the chord that is not vacuum, divided by its length, classified without length correction.
+///
+/// It lies nowhere in particular: the depth is +∞.
+#[derive(Clone, Debug)]
+pub(crate) struct Average {
+    pub(crate) transfer: Arc<TransferFunction>,
+    pub(crate) calibration: Calibration,
+    /// ∫ f ds and ∫ ds so far.
+    integral: f64,
+    length: f64,
+}
+
+impl Average {
+    pub(crate) fn new(transfer: Arc<TransferFunction>, calibration: Calibration) -> Self {
+        Self { transfer, calibration, integral: 0.0, length: 0.0 }
+    }
+}
+
+impl<R: Real> Operator<R> for Average {
+    const LIGHT: bool = false;
+
+    fn begin(&mut self, _: &Chord<'_>) {
+        (self.integral, self.length) = (0.0, 0.0);
+    }
+
+    fn take(&mut self, run: &Run<R>, _: &Chord<'_>) -> ControlFlow<()> {
+        let (whole, last) = run.value[..run.len].split_at(run.len - 1);
+        let (mut sum, mut count) = (R::ZERO, 0);
+        for &value in whole {
+            if !value.is_nan() {
+                sum += value;
+                count += 1;
+            }
+        }
+        self.integral += run.step * sum.to_f64();
+        self.length += run.step * f64::from(count);
+        if !last[0].is_nan() {
+            self.integral += run.last_step * last[0].to_f64();
+            self.length += run.last_step;
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn finish(&mut self, _: &Chord<'_>) -> RayValue {
+        if self.length == 0.0 {
+            return RayValue::NOTHING;
+        }
+        let rgba = pixel_of_value(&self.transfer, self.calibration, self.integral / self.length);
+        RayValue { rgba, ..RayValue::NOTHING }
+    }
+}

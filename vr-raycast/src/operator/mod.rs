@@ -1,0 +1,87 @@
+//! Compositing operators: what the samples of a ray add up to. One small file each.
+//!
+//! | operator | consumes | sees the ends of the chord | order of the runs |
+//! |---|---|---|---|
+//! | [`OverFrontToBack`] | light | no | front to back |
+//! | [`OverBackToFront`] | light | no | back to front |
+//! | [`Accumulate`] | light | no | front to back |
+//! | [`Average`] | values | no | any |
+//! | [`Extreme`] | values | yes | any |
+//! | [`First`] | values | yes | front to back |
+
+mod accumulate;
+mod average;
+mod extreme;
+mod first;
+mod over_back_to_front;
+mod over_front_to_back;
+
+pub(crate) use accumulate::Accumulate;
+pub(crate) use average::Average;
+pub(crate) use extreme::Extreme;
+pub(crate) use first::First;
+pub(crate) use over_back_to_front::OverBackToFront;
+pub(crate) use over_front_to_back::{Brightest, OverFrontToBack};
+
+use std::ops::ControlFlow;
+
+use vr_core::optics::depth_of_opacity;
+use vr_core::{Calibration, Real, TransferFunction};
+
+use crate::chord::Chord;
+use crate::ray_value::RayValue;
+use crate::run::Run;
+
+/// A compositing operator, holding the state of one ray.
+pub(crate) trait Operator<R: Real> {
+    /// Whether it composites light; if not, values are all that it needs.
+    const LIGHT: bool;
+    /// Whether the runs come from the far end.
+    const BACKWARDS: bool = false;
+    /// Whether it also wants the two end points of the chord, as runs of one sample and no length.
+    const ENDS: bool = false;
+    /// Whether what it finds is a surface, shaded once found.
+    const SURFACE: bool = false;
+
+    /// Forgets the last ray.
+    fn begin(&mut self, chord: &Chord<'_>);
+
+    /// Takes the next run; `Break` if what follows cannot matter.
+    fn take(&mut self, run: &Run<R>, chord: &Chord<'_>) -> ControlFlow<()>;
+
+    /// What the ray becomes.
+    fn finish(&mut self, chord: &Chord<'_>) -> RayValue;
+}
+
+/// Opacity at which the eye's depth is.
+const HALF: f64 = 0.5;
+
+/// The distance at which opacity reaches a level, within consecutive homogeneous steps (opacity, begin, length), from the opacity
+/// that lies before them on; `None` if it does not.
+///
+/// In a step of opacity α that begins behind opacity A: (1 − A)(1 − α)^x = 1 − level at the fraction x of its length.
+fn distance_of_opacity(level: f64, before: f64, steps: impl Iterator<Item = (f64, f64, f64)>) -> Option<f64> {
+    let mut clear = 1.0 - before;
+    for (alpha, begin, length) in steps {
+        let behind = clear * (1.0 - alpha);
+        if behind <= 1.0 - level {
+            let wanted = depth_of_opacity(1.0 - (1.0 - level) / clear);
+            let whole = depth_of_opacity(alpha);
+            // An opaque step is so from its first point on.
+            return Some(begin + length * (wanted / whole).clamp(0.0, 1.0));
+        }
+        clear = behind;
+    }
+    None
+}
+
+/// The steps of a run as [`distance_of_opacity`] wants them.
+fn steps_of<R: Real>(run: &Run<R>) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
+    (0..run.len).map(|j| (run.light[j][3].to_f64(), run.begin_of(j), run.length(j)))
+}
+
+/// The pixel of a single value: (α(v)·c(v), α(v)), α as given.
+fn pixel_of_value(transfer: &TransferFunction, calibration: Calibration, stored: f64) -> [f64; 4] {
+    let o = transfer.at(calibration.value(stored));
+    [o.opacity * o.color[0], o.opacity * o.color[1], o.opacity * o.color[2], o.opacity]
+}

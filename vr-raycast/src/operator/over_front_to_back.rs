@@ -1,0 +1,80 @@
+//! Emission and absorption, from the eye into the depth.
+
+use std::ops::ControlFlow;
+
+use vr_core::Real;
+
+use super::{HALF, Operator, distance_of_opacity, steps_of};
+use crate::chord::Chord;
+use crate::ray_value::RayValue;
+use crate::run::Run;
+
+/// C ← C + (1 − A)·c, A ← A + (1 − A)·α, from the first step to the last.
+///
+/// A run is summed in the kernel's precision, starting from zero, and joins the ray's sum in f64. So thousands of steps of
+/// α = 10⁻⁷ add up: none is ever added to a sum large enough to swallow it.
+#[derive(Clone, Debug)]
+pub(crate) struct OverFrontToBack {
+    /// The ray ends when no more than this could be added to any component.
+    negligible: f64,
+    /// The most that the medium can send, or absorb, per opacity left.
+    brightest: Brightest,
+    // The ray:
+    most: f64,
+    rgba: [f64; 4],
+    depth: f64,
+}
+
+/// How bright a medium can be.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Brightest {
+    /// Radiance, however much of the medium there is.
+    Radiance(f64),
+    /// Emission per world unit.
+    Emission(f64),
+}
+
+impl OverFrontToBack {
+    pub(crate) fn new(termination: f64, brightest: Brightest) -> Self {
+        Self { negligible: 1.0 - termination, brightest, most: 1.0, rgba: [0.0; 4], depth: f64::INFINITY }
+    }
+}
+
+impl<R: Real> Operator<R> for OverFrontToBack {
+    const LIGHT: bool = true;
+
+    fn begin(&mut self, chord: &Chord<'_>) {
+        // Opacity itself can still grow by 1 − A.
+        self.most = match self.brightest {
+            Brightest::Radiance(c) => c.max(1.0),
+            Brightest::Emission(q) => (q * chord.ray.length()).max(1.0),
+        };
+        self.rgba = [0.0; 4];
+        self.depth = f64::INFINITY;
+    }
+
+    fn take(&mut self, run: &Run<R>, _: &Chord<'_>) -> ControlFlow<()> {
+        let mut sum = [R::ZERO; 4];
+        for light in &run.light[..run.len] {
+            let clear = R::ONE - sum[3];
+            for c in 0..4 {
+                sum[c] += clear * light[c];
+            }
+        }
+        let before = self.rgba[3];
+        for c in 0..4 {
+            self.rgba[c] += (1.0 - before) * sum[c].to_f64();
+        }
+        let now = self.rgba[3];
+        if before < HALF && now >= HALF {
+            // Summed again in f64, the level may lie a rounding further: at the end of the run then.
+            let end = run.begin_of(run.len - 1) + run.last_step;
+            self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(end);
+        }
+        if (1.0 - now) * self.most <= self.negligible { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn finish(&mut self, chord: &Chord<'_>) -> RayValue {
+        RayValue { rgba: self.rgba, depth: self.depth + chord.ray.offset }
+    }
+}

@@ -1,0 +1,148 @@
+//! The settings as named options, both ways.
+
+use std::sync::LazyLock;
+
+use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
+
+use crate::caster::{Classification, Order, Precision, RayCaster, Rule};
+
+const SCENE_FILTER: &str = "scene";
+const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
+const RULES: &[(&str, Rule)] = &[("midpoint", Rule::Midpoint), ("left", Rule::Left)];
+const FRONT_TO_BACK: &str = "front-to-back";
+const BACK_TO_FRONT: &str = "back-to-front";
+const CLASSIFICATIONS: &[(&str, Classification)] =
+    &[("table", Classification::Table), ("exact", Classification::Exact)];
+const PRECISIONS: &[(&str, Precision)] = &[("f32", Precision::F32), ("f64", Precision::F64)];
+
+/// Every option, with the default caster's values.
+pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
+    let defaults = to_options(&RayCaster::default());
+    let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
+    vec![
+        spec(
+            "step",
+            OptionKind::Number { above: 0.0, most: RayCaster::LONGEST_STEP },
+            "distance between samples, as a fraction of the smallest voxel edge",
+        ),
+        spec(
+            "rule",
+            OptionKind::Choice(&["midpoint", "left"]),
+            "where in its step a sample is taken: midpoint has order 2, left has order 1",
+        ),
+        spec(
+            "order",
+            OptionKind::Choice(&[FRONT_TO_BACK, BACK_TO_FRONT]),
+            "from which end samples are composited; back-to-front is for over alone",
+        ),
+        spec("filter", OptionKind::Choice(FILTERS), "reconstruction filter; scene: the one that the scene names"),
+        spec(
+            "classification",
+            OptionKind::Choice(&["table", "exact"]),
+            "how a value becomes light and opacity: looked up, or evaluated at every sample",
+        ),
+        spec("precision", OptionKind::Choice(&["f32", "f64"]), "precision of the kernels"),
+        spec(
+            "termination",
+            OptionKind::Number { above: 0.0, most: 1.0 },
+            "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
+        ),
+    ]
+});
+
+/// All options that say what this caster is.
+pub(crate) fn to_options(caster: &RayCaster) -> Options {
+    let options = Options::new()
+        .with("step", caster.step)
+        .with("rule", word_of(RULES, caster.rule))
+        .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
+        .with("classification", word_of(CLASSIFICATIONS, caster.classification))
+        .with("precision", word_of(PRECISIONS, caster.precision));
+    match caster.order {
+        Order::FrontToBack { termination } => options.with("order", FRONT_TO_BACK).with("termination", termination),
+        Order::BackToFront => options.with("order", BACK_TO_FRONT),
+    }
+}
+
+/// A caster with options set.
+pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCaster, OptionError> {
+    let mut new = caster.clone();
+    // In the order of the list: `order` is set before `termination`.
+    for (key, value) in options.check(RayCaster::NAME, &SPECS)? {
+        match (key, value) {
+            ("step", OptionValue::Number(x)) => new.step = *x,
+            ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
+            ("order", OptionValue::Word(w)) => {
+                new.order = match (w.as_str(), new.order) {
+                    (BACK_TO_FRONT, _) => Order::BackToFront,
+                    (_, Order::BackToFront) => Order::default(),
+                    (_, front_to_back) => front_to_back,
+                }
+            }
+            ("filter", OptionValue::Word(w)) => new.filter = Filter::from_name(w),
+            ("classification", OptionValue::Word(w)) => new.classification = meaning_of(CLASSIFICATIONS, w),
+            ("precision", OptionValue::Word(w)) => new.precision = meaning_of(PRECISIONS, w),
+            ("termination", OptionValue::Number(x)) => {
+                let Order::FrontToBack { termination } = &mut new.order else {
+                    return Err(OptionError::Value {
+                        renderer: RayCaster::NAME,
+                        key: key.to_owned(),
+                        found: x.to_string(),
+                        allowed: "back to front, no ray can end early: must be absent".to_owned(),
+                    });
+                };
+                *termination = *x;
+            }
+            _ => unreachable!("checked against the list"),
+        }
+    }
+    Ok(new)
+}
+
+fn word_of<T: PartialEq>(words: &[(&'static str, T)], meaning: T) -> &'static str {
+    words.iter().find(|(_, m)| *m == meaning).expect("every meaning has a word").0
+}
+
+fn meaning_of<T: Copy>(words: &[(&'static str, T)], word: &str) -> T {
+    words.iter().find(|(w, _)| *w == word).expect("checked against the list").1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_caster_survives_the_way_through_options() {
+        let casters = [
+            RayCaster::default(),
+            RayCaster::exact(0.125),
+            RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
+            RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
+        ];
+        for from in &casters {
+            for to in &casters {
+                assert_eq!(configure(from, &to_options(to)).unwrap(), *to);
+            }
+            assert_eq!(configure(from, &Options::new()).unwrap(), *from);
+        }
+    }
+
+    #[test]
+    fn termination_back_to_front_is_an_error() {
+        let options = Options::new().with("order", BACK_TO_FRONT).with("termination", 0.9);
+        let error = configure(&RayCaster::default(), &options).unwrap_err().to_string();
+        assert!(error.contains("termination") && error.contains("back to front"), "{error}");
+    }
+
+    #[test]
+    fn the_lists_name_what_the_options_take() {
+        for filter in Filter::ALL {
+            assert!(FILTERS.contains(&filter.name()), "{filter}");
+        }
+        assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
+        for spec in SPECS.iter() {
+            let set = Options([(spec.key.to_owned(), spec.default.clone())].into());
+            assert_eq!(configure(&RayCaster::default(), &set).unwrap(), RayCaster::default(), "{}", spec.key);
+        }
+    }
+}

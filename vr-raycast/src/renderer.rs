@@ -1,0 +1,30 @@
+//! The ray caster behind the trait that all renderers stand behind.
+
+use vr_core::{Control, NamedSetting, OptionError, OptionSpec, Options, Prepared, RenderError, Renderer, Scene};
+
+use crate::caster::RayCaster;
+use crate::options::{SPECS, configure};
+use crate::prepared::PreparedCaster;
+use crate::settings::settings;
+
+impl Renderer for RayCaster {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn options(&self) -> &[OptionSpec] {
+        &SPECS
+    }
+
+    fn configure(&self, options: &Options) -> Result<Box<dyn Renderer>, OptionError> {
+        Ok(Box::new(configure(self, options)?))
+    }
+
+    fn settings(&self) -> Vec<NamedSetting> {
+        settings()
+    }
+
+    fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
+        Ok(Box::new(PreparedCaster::new(self.clone(), scene, control)?))
+    }
+}

@@ -1,0 +1,110 @@
+//! Shading of classified samples.
+
+use std::sync::Arc;
+
+use glam::DMat3;
+use vr_core::{GradientMethod, Placement, RayShading, Real, Shading};
+
+use crate::chord::Chord;
+use crate::classify::Classifier;
+use crate::ray_value::RayValue;
+use crate::run::Run;
+
+/// Shading as a kernel uses it, the same for all rays.
+#[derive(Clone, Debug)]
+pub(crate) struct Shader<R> {
+    shading: Arc<Shading>,
+    /// From gradients per index step, in stored units, to world gradients divided by `scale`.
+    to_world: [[R; 3]; 3],
+    /// A power of two, so that worlds of any size neither overflow nor lose a bit.
+    scale: f64,
+}
+
+impl<R: Real> Shader<R> {
+    pub(crate) fn new(shading: Arc<Shading>, placement: &Placement, slope: f64) -> Self {
+        let matrix = placement.inverse_axes().transpose() * DMat3::from_diagonal(glam::DVec3::splat(slope));
+        let largest = matrix.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
+        let scale = libm::exp2(libm::floor(libm::log2(largest)));
+        let row = |a: usize| matrix.row(a).to_array().map(|x| R::from_f64(x / scale));
+        Self { shading, to_world: [row(0), row(1), row(2)], scale }
+    }
+
+    /// The shading itself.
+    pub(crate) fn shading(&self) -> &Shading {
+        &self.shading
+    }
+
+    /// The most that shading can make of a colour's largest component: ka + kd Σ L, and ks Σ L on top.
+    pub(crate) fn brightest(&self, color: f64) -> f64 {
+        let s = &self.shading;
+        let light = |c: usize| s.lights.iter().map(|l| l.color[c]).sum::<f64>();
+        let lights = light(0).max(light(1)).max(light(2));
+        // Where the gradient is zero, the colour stays.
+        color * (s.ambient + s.diffuse * lights).max(1.0) + s.specular * lights
+    }
+
+    fn method(&self) -> GradientMethod {
+        self.shading.gradient
+    }
+
+    fn world(&self, gradient: [R; 3]) -> [R; 3] {
+        self.to_world.map(|row| row[0] * gradient[0] + row[1] * gradient[1] + row[2] * gradient[2])
+    }
+
+    fn magnitude(&self, world: [R; 3]) -> f64 {
+        let [x, y, z] = world.map(R::to_f64);
+        self.scale * (x * x + y * y + z * z).sqrt()
+    }
+
+    /// Shades a classified run: opacity by the gradient's magnitude first, then reflection.
+    pub(crate) fn shade(
+        &self,
+        lights: &RayShading<R>,
+        chord: &Chord<'_>,
+        run: &mut Run<R>,
+        classifier: &Classifier<R>,
+    ) {
+        let modulates = !self.shading.gradient_opacity.is_empty();
+        // Emission given on its own is light, not a surface.
+        let reflects = !classifier.transfer.has_emission();
+        if !(modulates || reflects) || run.light[..run.len].iter().all(|l| l[3] == R::ZERO) {
+            return;
+        }
+        chord.gradients(run, self.method());
+        for j in 0..run.len {
+            // Where nothing absorbs, there is no gradient to look at.
+            if run.light[j][3] == R::ZERO {
+                continue;
+            }
+            let world = self.world(run.gradient[j]);
+            if modulates {
+                let factor = self.shading.modulation(self.magnitude(world));
+                run.light[j] = classifier.with_extinction_times(run.light[j], factor, run.value[j], run.length(j));
+            }
+            if reflects {
+                let (factor, added) = lights.reflect(world);
+                let light = &mut run.light[j];
+                for c in 0..3 {
+                    light[c] = light[c] * factor[c] + added[c] * light[3];
+                }
+            }
+        }
+    }
+
+    /// Shades the surface that a ray met.
+    pub(crate) fn shade_surface(
+        &self,
+        lights: &RayShading<R>,
+        chord: &Chord<'_>,
+        run: &mut Run<R>,
+        value: &mut RayValue,
+    ) {
+        chord.place_point(run, value.depth - chord.ray.offset);
+        run.light[0] = [R::ONE; 4];
+        chord.gradients(run, self.method());
+        let (factor, added) = lights.reflect(self.world(run.gradient[0]));
+        for c in 0..3 {
+            value.rgba[c] = value.rgba[c] * factor[c].to_f64() + added[c].to_f64();
+        }
+    }
+}

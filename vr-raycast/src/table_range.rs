@@ -1,0 +1,51 @@
+//! The stored numbers that a table must cover.
+
+use vr_core::filter::Reconstruction;
+use vr_core::{Filter, Real, Sampler, SamplerVisitor, TransferFunction, UniformVolume, Voxel};
+
+/// The range of the field of a filter in stored units, overshoot included; `None` if all of it is vacuum.
+pub(crate) fn field_range(volume: &UniformVolume, filter: Filter) -> Option<(f64, f64)> {
+    let (low, high) = volume.census().range.map(|(l, h)| (f64::from(l), f64::from(h)))?;
+    Some(match filter {
+        // Weights that are not negative and sum to 1 do not leave the range of the samples.
+        Filter::Nearest | Filter::Trilinear | Filter::Gaussian => (low, high),
+        // Per axis Σ|w| ≤ 5/4 (at the middle of a cell).
+        Filter::CatmullRom => {
+            let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low) * 1.25f64.powi(3));
+            (centre - radius, centre + radius)
+        }
+        // The same, of the coefficients.
+        Filter::BSpline => volume.with_sampler(filter, CoefficientRange),
+    })
+}
+
+struct CoefficientRange;
+
+impl SamplerVisitor for CoefficientRange {
+    type Output = (f64, f64);
+
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> (f64, f64) {
+        let widen = |(low, high): (f32, f32), c: &T| (low.min(c.to_f32()), high.max(c.to_f32()));
+        let (low, high) = sampler.lattice().samples.iter().fold((f32::INFINITY, f32::NEG_INFINITY), widen);
+        (low.to_f64(), high.to_f64())
+    }
+}
+
+/// Of a table's range, what lies beyond the first and the last control point and yet belongs into it: more than the distance of two
+/// entries, so that a jump at an end point has its other side in the table.
+const MARGIN: f64 = 1.0 / 1024.0;
+
+/// The part of the field's range in which the transfer function is not constant: a table over it can be finer.
+pub(crate) fn table_range(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction) -> (f32, f32) {
+    let (low, high) = field_range(volume, filter).unwrap_or((0.0, 0.0));
+    let points = transfer.points();
+    let ends = [&points[0], &points[points.len() - 1]].map(|p| volume.calibration().stored(p.value));
+    let (first, last) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    let integer = volume.voxel_type().is_integer();
+    // A single point, or several at one value, has no extent of its own.
+    let extent = if last > first { last - first } else { high - low };
+    let margin = (extent * MARGIN).max(if integer { 1.0 } else { 0.0 });
+    // Both stay inside the field's range, in which a table of no extent is one constant, too.
+    let (low, high) = ((first - margin).clamp(low, high), (last + margin).clamp(low, high));
+    if integer { (low.floor() as f32, high.ceil() as f32) } else { (low as f32, high as f32) }
+}
