@@ -1,0 +1,79 @@
+//! Pictures within the error that a renderer documents.
+
+use proptest::strategy::Strategy;
+use vr_core::{Control, Model, Renderer, Scene, View};
+
+use super::drawn::{Truth, draw};
+use super::effort::{Effort, Verdict};
+use super::outcome::{CheckFailure, Report};
+use super::strategies::tame_scene;
+use super::test_scene::TestScene;
+use crate::Metrics;
+
+/// Every component of every pixel lies within `bound` of the canonical pixel (relative to max(1, largest magnitude of the
+/// picture), as [`Metrics::max`] is), over [tame scenes](tame_scene).
+///
+/// `bound` is what the renderer documents for a scene and a view: +∞ where it promises nothing, and the scene is skipped. The
+/// reference's own uncertainty comes on top.
+///
+/// # Errors
+/// The failure, with a scene that shows it.
+pub fn agrees_with_reference(
+    renderer: &dyn Renderer,
+    bound: impl Fn(&Scene, &View) -> f64,
+    effort: &Effort,
+) -> Result<Report, CheckFailure> {
+    agrees_with_reference_on(renderer, tame_scene(), bound, effort)
+}
+
+/// As [`agrees_with_reference`], over scenes of one's own.
+///
+/// # Errors
+/// The failure, with a scene that shows it.
+pub fn agrees_with_reference_on(
+    renderer: &dyn Renderer,
+    scenes: impl Strategy<Value = TestScene>,
+    bound: impl Fn(&Scene, &View) -> f64,
+    effort: &Effort,
+) -> Result<Report, CheckFailure> {
+    effort.over("agrees with the reference", renderer, scenes, |test| {
+        let allowed = bound(&test.scene, &test.view);
+        if allowed == f64::INFINITY {
+            return Ok(Verdict::Skipped);
+        }
+        let frame = draw(renderer, test, &Control::default())?;
+        let Some(truth) = Truth::of(&effort.reference, test, &Model::Canonical)? else {
+            return Ok(Verdict::Skipped);
+        };
+        let error = Metrics::of(&truth.pixels, frame.pixels()).max;
+        Ok(Verdict::within(error, allowed + truth.uncertainty, || "largest error".to_owned()))
+    })
+}
+
+/// Every component of every pixel lies within `bound` of what the renderer says that it integrates
+/// ([`Prepared::model`](vr_core::Prepared::model)), done exactly: only rounding and tables are left, and the scenes may be any
+/// that a strategy of [`super::strategies`] draws.
+///
+/// # Errors
+/// The failure, with a scene that shows it.
+pub fn agrees_with_its_model(
+    renderer: &dyn Renderer,
+    scenes: impl Strategy<Value = TestScene>,
+    bound: impl Fn(&Scene, &View) -> f64,
+    effort: &Effort,
+) -> Result<Report, CheckFailure> {
+    effort.over("agrees with its own model", renderer, scenes, |test| {
+        let allowed = bound(&test.scene, &test.view);
+        if allowed == f64::INFINITY {
+            return Ok(Verdict::Skipped);
+        }
+        let control = Control::default();
+        let mut prepared = renderer.prepare(&test.scene, &control)?;
+        let frame = prepared.render(&test.view, &control)?.frame;
+        let Some(truth) = Truth::of(&effort.reference, test, &prepared.model(&test.view))? else {
+            return Ok(Verdict::Skipped);
+        };
+        let error = Metrics::of(&truth.pixels, frame.pixels()).max;
+        Ok(Verdict::within(error, allowed + truth.uncertainty, || "largest error".to_owned()))
+    })
+}

@@ -1,0 +1,202 @@
+//! Errors that fall with the step at the order that a renderer documents.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use proptest::strategy::{Strategy, ValueTree};
+use vr_core::{Control, Model, Options, RenderError, Renderer};
+
+use super::drawn::{Truth, draw};
+use super::effort::{Effort, Verdict};
+use super::outcome::CheckFailure;
+use super::strategies::smooth_scene;
+use super::test_scene::TestScene;
+use crate::Metrics;
+
+const CHECK: &str = "converges at its documented order";
+
+/// The order p of errors C·hᵖ: the slope of the straight line through (ln h, ln error), by least squares.
+///
+/// # Panics
+/// If there are not as many errors as steps, fewer than two, or one that is not positive and finite.
+pub fn fit_order(steps: &[f64], errors: &[f64]) -> f64 {
+    assert!(steps.len() == errors.len() && steps.len() >= 2, "one error per step, at least two");
+    assert!(steps.iter().chain(errors).all(|&x| x > 0.0 && x.is_finite()), "logarithms of {steps:?}, {errors:?}");
+    let log = |xs: &[f64]| xs.iter().map(|&x| libm::log(x)).collect::<Vec<_>>();
+    let (x, y) = (log(steps), log(errors));
+    let n = x.len() as f64;
+    let (mean_x, mean_y) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+    let covariance: f64 = x.iter().zip(&y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    let variance: f64 = x.iter().map(|x| (x - mean_x) * (x - mean_x)).sum();
+    covariance / variance
+}
+
+/// How a renderer is refined, and what order it documents.
+#[derive(Clone, Debug)]
+pub struct Refinement {
+    /// Options held fixed: the instance in f64, early termination off, and so on.
+    pub options: Options,
+    /// The option that is halved.
+    pub step: &'static str,
+    /// Its first value.
+    pub coarsest: f64,
+    /// How often it is halved; at least 4.
+    pub halvings: u32,
+    /// The documented order.
+    pub order: f64,
+    /// Largest deviation of the fitted order, to either side: a first-order rule that is seen to converge at order 2 shows that
+    /// the scenes do not tell the rules apart.
+    pub tolerance: f64,
+    /// Errors (RMSE) below this are not fitted: frames are f32, so that nothing converges below 10⁻⁷ or so.
+    pub floor: f64,
+}
+
+impl Refinement {
+    /// Four halvings of a step from 1 on, a tolerance of 0.25, a floor of 3·10⁻⁷.
+    pub fn new(step: &'static str, order: f64) -> Self {
+        Self { options: Options::new(), step, coarsest: 1.0, halvings: 4, order, tolerance: 0.25, floor: 3e-7 }
+    }
+
+    fn steps(&self) -> Vec<f64> {
+        (0..=self.halvings).map(|k| self.coarsest / f64::from(1u32 << k)).collect()
+    }
+}
+
+/// The measured convergence of a renderer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Convergence {
+    /// The fitted order.
+    pub order: f64,
+    /// The values of the step's option.
+    pub steps: Vec<f64>,
+    /// The root mean square over the scenes of their RMSE, for each step.
+    pub errors: Vec<f64>,
+    /// Scenes that the renderer refused as unsupported.
+    pub refused: u32,
+}
+
+impl std::fmt::Display for Convergence {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "order {:.2} (", self.order)?;
+        for (i, (h, e)) in self.steps.iter().zip(&self.errors).enumerate() {
+            write!(f, "{}step {h}: {e:.2e}", if i == 0 { "" } else { ", " })?;
+        }
+        f.write_str(")")
+    }
+}
+
+/// The error against the canonical pixel falls at the documented order, over [smooth scenes](smooth_scene).
+///
+/// One order is fitted for all scenes together, by the root mean square of their errors: what converges most slowly decides, as it
+/// should, and the erratic signs of single scenes even out. If it is wrong, the scene in the failure is one whose own order is
+/// wrong by even more, if there is one.
+///
+/// # Errors
+/// Another order than documented, errors that do not leave the floor, an option that does not exist.
+///
+/// # Panics
+/// If there are fewer than 4 halvings.
+pub fn converges(
+    renderer: &dyn Renderer,
+    refinement: &Refinement,
+    effort: &Effort,
+) -> Result<Convergence, CheckFailure> {
+    assert!(refinement.halvings >= 4, "fewer than four halvings say little about an order");
+    let failure = |reason: String, scene| CheckFailure { check: CHECK, renderer: renderer.name(), reason, scene };
+    let steps = refinement.steps();
+    let refined: Result<Vec<Box<dyn Renderer>>, _> =
+        steps.iter().map(|&h| renderer.configure(&refinement.options.clone().with(refinement.step, h))).collect();
+    let refined = refined.map_err(|e| failure(e.to_string(), None))?;
+
+    let mut runner = effort.runner();
+    let (mut squares, mut judged, mut refused) = (vec![0.0; steps.len()], 0u32, 0);
+    for _ in 0..effort.cases {
+        let test = smooth_scene().new_tree(&mut runner).map_err(|e| failure(e.to_string(), None))?.current();
+        // Nothing that a panic leaves half done is used afterwards.
+        let errors = catch_unwind(AssertUnwindSafe(|| errors_of(&refined, &test, effort)));
+        let Ok(errors) = errors else { return Err(failure("panics".to_owned(), Some(Box::new(test)))) };
+        match errors {
+            Ok(Some(errors)) => {
+                judged += 1;
+                squares.iter_mut().zip(errors).for_each(|(s, e)| *s += e * e);
+            }
+            Ok(None) | Err(RenderError::Unsupported { .. }) => refused += 1,
+            Err(other) => {
+                return Err(failure(format!("an error on a valid scene: {other}"), Some(Box::new(test))));
+            }
+        }
+    }
+    if judged == 0 {
+        return Err(failure(format!("not one scene was judged: {refused} refused"), None));
+    }
+    let errors: Vec<f64> = squares.iter().map(|s| (s / f64::from(judged)).sqrt()).collect();
+    let Some(order) = order_above_floor(&steps, &errors, refinement.floor) else {
+        let reason = format!("errors {errors:.2?} at steps {steps:?}: five above {:.1e} are needed", refinement.floor);
+        return Err(failure(reason, None));
+    };
+    let convergence = Convergence { order, steps, errors, refused };
+    if (order - refinement.order).abs() <= refinement.tolerance {
+        return Ok(convergence);
+    }
+    let scene = scene_of_wrong_order(renderer, &refined, refinement, effort);
+    Err(failure(format!("{convergence}, documented {}", refinement.order), scene))
+}
+
+/// The RMSE at each step; `None` if the reference has no answer.
+fn errors_of(refined: &[Box<dyn Renderer>], test: &TestScene, effort: &Effort) -> Result<Option<Vec<f64>>, RenderError> {
+    let Some(truth) = Truth::of(&effort.reference, test, &Model::Canonical)? else {
+        return Ok(None);
+    };
+    let error = |r: &Box<dyn Renderer>| {
+        let frame = draw(&**r, test, &Control::default())?;
+        Ok(Metrics::of(&truth.pixels, frame.pixels()).rmse)
+    };
+    refined.iter().map(error).collect::<Result<Vec<_>, _>>().map(Some)
+}
+
+/// The order fitted to the leading errors above the floor; `None` if these are fewer than four halvings.
+fn order_above_floor(steps: &[f64], errors: &[f64], floor: f64) -> Option<f64> {
+    let n = errors.iter().take_while(|&&e| e > floor && e.is_finite()).count();
+    (n >= 5).then(|| fit_order(&steps[..n], &errors[..n]))
+}
+
+/// A shrunk scene whose own order is off by twice the tolerance.
+fn scene_of_wrong_order(
+    renderer: &dyn Renderer,
+    refined: &[Box<dyn Renderer>],
+    refinement: &Refinement,
+    effort: &Effort,
+) -> Option<Box<TestScene>> {
+    let steps = refinement.steps();
+    let result = effort.over(CHECK, renderer, smooth_scene(), |test| {
+        let Some(errors) = errors_of(refined, test, effort)? else { return Ok(Verdict::Skipped) };
+        let Some(order) = order_above_floor(&steps, &errors, refinement.floor) else { return Ok(Verdict::Skipped) };
+        let deviation = (order - refinement.order).abs();
+        Ok(Verdict::within(deviation, 2.0 * refinement.tolerance, || format!("order {order:.2}, off by")))
+    });
+    result.err().and_then(|e| e.scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fits_the_order_of_a_power() {
+        let steps = [1.0, 0.5, 0.25, 0.125];
+        for p in [0.5, 1.0, 2.0, 3.98] {
+            let errors = steps.map(|h: f64| 7e-3 * h.powf(p));
+            assert!((fit_order(&steps, &errors) - p).abs() < 1e-12);
+        }
+        // By hand: x = 0, 1, 2 (in ln 2), y = 0, 1, 3: slope = ((−1)(−4/3) + 0 + 1·(5/3)) / 2 = 3/2.
+        assert!((fit_order(&[1.0, 2.0, 4.0], &[1.0, 2.0, 8.0]) - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn errors_at_the_floor_are_not_fitted() {
+        let steps = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
+        let errors = [1e-2, 2.5e-3, 6.25e-4, 1.5625e-4, 3.90625e-5, 3e-5];
+        assert!((order_above_floor(&steps, &errors, 3.5e-5).unwrap() - 2.0).abs() < 1e-12);
+        assert!(order_above_floor(&steps, &errors, 1e-6).unwrap() < 1.9);
+        assert_eq!(order_above_floor(&steps, &errors, 5e-5), None);
+    }
+}

@@ -1,0 +1,31 @@
+//! One picture of one scene, by the renderer under test and by the reference.
+
+use vr_core::{Control, Frame, Model, RenderError, Renderer};
+
+use super::test_scene::TestScene;
+use crate::Reference;
+
+/// A fresh picture.
+pub(super) fn draw(renderer: &dyn Renderer, test: &TestScene, control: &Control) -> Result<Frame, RenderError> {
+    Ok(renderer.prepare(&test.scene, control)?.render(&test.view, control)?.frame)
+}
+
+/// The true pixels, and how far they may be from the truth relative to max(1, largest magnitude).
+pub(super) struct Truth {
+    pub pixels: Vec<[f64; 4]>,
+    pub uncertainty: f64,
+}
+
+impl Truth {
+    /// `None` if the reference has no answer to such scenes.
+    pub fn of(reference: &Reference, test: &TestScene, model: &Model) -> Result<Option<Self>, RenderError> {
+        let solution = match reference.solve(&test.scene, &test.view, model, &Control::default()) {
+            Err(RenderError::Unsupported { .. }) => return Ok(None),
+            other => other?,
+        };
+        let pixels: Vec<[f64; 4]> = solution.pixels.iter().map(|p| p.rgba).collect();
+        let peak = pixels.iter().flatten().fold(1.0, |peak: f64, c| peak.max(c.abs()));
+        let uncertainty = solution.pixels.iter().fold(0.0, |worst: f64, p| worst.max(p.certainty.value())) / peak;
+        Ok(Some(Self { pixels, uncertainty }))
+    }
+}

@@ -1,0 +1,114 @@
+//! How hard a check tries, and the seeded run over random scenes.
+
+use std::cell::{Cell, RefCell};
+
+use proptest::strategy::Strategy;
+use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestCaseError, TestError, TestRunner};
+use vr_core::{RenderError, Renderer};
+
+use super::outcome::{CheckFailure, Report};
+use super::test_scene::TestScene;
+use crate::Reference;
+
+/// How hard a check tries. The default takes a second or so with a fast renderer.
+#[derive(Clone, Debug)]
+pub struct Effort {
+    /// Random scenes.
+    pub cases: u32,
+    /// Where the random numbers begin: the same seed draws the same scenes.
+    pub seed: u64,
+    /// Most attempts at making a failing scene smaller.
+    pub shrink_steps: u32,
+    /// The truth.
+    pub reference: Reference,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { cases: 64, seed: 0x5eed, shrink_steps: 2000, reference: Reference::default() }
+    }
+}
+
+impl Effort {
+    /// The default with another number of random scenes.
+    pub fn cases(cases: u32) -> Self {
+        Self { cases, ..Self::default() }
+    }
+}
+
+/// What is wrong with one scene, or by how much it is right.
+pub(super) enum Verdict {
+    /// Held: what was measured, and what was allowed.
+    Held { measured: f64, allowed: f64 },
+    /// The renderer does not do such scenes.
+    Refused,
+    /// Nothing could be said.
+    Skipped,
+    /// Broken, and how.
+    Broken(String),
+}
+
+impl Verdict {
+    /// Held if `measured` is at most `allowed`; `what` is asked for only if not.
+    pub fn within(measured: f64, allowed: f64, what: impl FnOnce() -> String) -> Self {
+        // Written so that NaN is broken.
+        if measured <= allowed {
+            Self::Held { measured, allowed }
+        } else {
+            Self::Broken(format!("{}: {measured:.3e}, allowed {allowed:.3e}", what()))
+        }
+    }
+}
+
+/// An unsupported scene is refused; any other error is a fault, for the scenes are all valid.
+impl From<RenderError> for Verdict {
+    fn from(e: RenderError) -> Self {
+        match e {
+            RenderError::Unsupported { .. } => Self::Refused,
+            other => Self::Broken(format!("an error on a valid scene: {other}")),
+        }
+    }
+}
+
+impl Effort {
+    pub(super) fn runner(&self) -> TestRunner {
+        TestRunner::new(Config {
+            cases: self.cases,
+            max_shrink_iters: self.shrink_steps,
+            failure_persistence: None,
+            rng_algorithm: RngAlgorithm::ChaCha,
+            rng_seed: RngSeed::Fixed(self.seed),
+            ..Config::default()
+        })
+    }
+
+    /// Puts every scene through `judge`; a panic in it is a failure like any other. Failing scenes are shrunk.
+    pub(super) fn over(
+        &self,
+        check: &'static str,
+        renderer: &dyn Renderer,
+        scenes: impl Strategy<Value = TestScene>,
+        judge: impl Fn(&TestScene) -> Result<Verdict, RenderError>,
+    ) -> Result<Report, CheckFailure> {
+        let report = RefCell::new(Report::new(check, renderer.name()));
+        let failed = Cell::new(false);
+        let result = self.runner().run(&scenes, |test| {
+            let verdict = judge(&test).unwrap_or_else(Verdict::from);
+            if let Verdict::Broken(reason) = verdict {
+                failed.set(true);
+                return Err(TestCaseError::fail(reason));
+            }
+            // Smaller scenes that are tried after a failure are no part of the statistics.
+            if !failed.get() {
+                report.borrow_mut().count(&verdict, &test);
+            }
+            Ok(())
+        });
+        let failure = |reason: String, scene| CheckFailure { check, renderer: renderer.name(), reason, scene };
+        match result {
+            Ok(()) => report.into_inner().demand_some_held(),
+            Err(TestError::Fail(reason, scene)) => Err(failure(reason.message().to_owned(), Some(Box::new(scene)))),
+            Err(TestError::Abort(reason)) => Err(failure(reason.message().to_owned(), None)),
+        }
+    }
+}

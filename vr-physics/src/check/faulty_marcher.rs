@@ -1,0 +1,213 @@
+//! A plain marcher in f64 that can be told to make one of the classic mistakes: what the checks must tell apart.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use vr_core::filter::Reconstruction;
+use vr_core::optics::{opacity_of_depth, source_weight};
+use vr_core::{
+    Compositing, Control, Frame, IndexRay, Model, NamedSetting, OptionError, OptionKind, OptionSpec, OptionValue,
+    Options, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer, Sampler, SamplerVisitor, Scene, View, Voxel,
+};
+
+/// The classic mistakes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Fault {
+    None,
+    /// Cell-centred where the samples are at lattice points.
+    HalfVoxelShift,
+    /// α of the unit distance, whatever the step.
+    NoOpacityCorrection,
+    /// The last, shorter step is left out.
+    DroppedLastStep,
+    /// The sample at the front of each step: a rule of order 1.
+    LeftSample,
+    /// Missing samples count as 0.
+    MissingIsZero,
+    /// A number where there is none.
+    Nan,
+    /// Steps of a fixed world length.
+    WorldStep,
+    /// x and y are mixed up.
+    SwappedSpacing,
+    /// Colours are clamped to 1.
+    ClampedLight,
+    /// Every frame is a little brighter than the last.
+    Memory,
+    /// The picture depends on the threads that draw it.
+    CountsThreads,
+    Panic,
+    RefusesEverything,
+}
+
+#[derive(Clone)]
+pub(super) struct Marcher {
+    pub fault: Fault,
+    pub step: f64,
+}
+
+impl Marcher {
+    pub fn new(fault: Fault) -> Self {
+        Self { fault, step: 0.125 }
+    }
+}
+
+const OPTIONS: &[OptionSpec] = &[OptionSpec {
+    key: "step",
+    kind: OptionKind::Number { above: 0.0, most: 16.0 },
+    default: OptionValue::Number(0.125),
+    help: "step as a fraction of the smallest spacing",
+}];
+
+fn unsupported(feature: &str) -> RenderError {
+    RenderError::Unsupported { renderer: "marcher", feature: feature.to_owned() }
+}
+
+impl Renderer for Marcher {
+    fn name(&self) -> &'static str {
+        "marcher"
+    }
+
+    fn options(&self) -> &[OptionSpec] {
+        OPTIONS
+    }
+
+    fn configure(&self, options: &Options) -> Result<Box<dyn Renderer>, OptionError> {
+        let mut configured = self.clone();
+        for (_, value) in options.check("marcher", OPTIONS)? {
+            if let OptionValue::Number(x) = value {
+                configured.step = *x;
+            }
+        }
+        Ok(Box::new(configured))
+    }
+
+    fn settings(&self) -> Vec<NamedSetting> {
+        Vec::new()
+    }
+
+    fn prepare(&self, scene: &Scene, _: &Control) -> Result<Box<dyn Prepared>, RenderError> {
+        if self.fault == Fault::RefusesEverything {
+            return Err(unsupported("anything"));
+        }
+        assert!(self.fault != Fault::Panic, "a bug");
+        supports(scene)?;
+        Ok(Box::new(Marching { marcher: self.clone(), scene: scene.clone(), frames: AtomicU32::new(0) }))
+    }
+}
+
+fn supports(scene: &Scene) -> Result<(), RenderError> {
+    match (scene.compositing, &scene.shading) {
+        (Compositing::Over, None) => Ok(()),
+        (Compositing::Over, Some(_)) => Err(unsupported("shading")),
+        _ => Err(unsupported("compositing")),
+    }
+}
+
+struct Marching {
+    marcher: Marcher,
+    scene: Scene,
+    frames: AtomicU32,
+}
+
+impl Prepared for Marching {
+    fn update(&mut self, scene: &Scene, _: &Control) -> Result<(), RenderError> {
+        supports(scene)?;
+        self.scene = scene.clone();
+        Ok(())
+    }
+
+    fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        let rays = Rays::new(view)?;
+        let volume = self.scene.volume.uniform().expect("a uniform grid");
+        let threads = control.run(rayon::current_num_threads);
+        let frame_number = self.frames.fetch_add(1, Ordering::Relaxed);
+        let [w, h] = view.size;
+        let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(view.samples);
+        let pixels = (0..w * h).map(|i| {
+            let mut mean = [0.0; 4];
+            for k in 0..view.samples * view.samples {
+                let (x, y) = (f64::from(i % w) + centre(k % view.samples), f64::from(i / w) + centre(k / view.samples));
+                let along = IndexRay::new(&rays.at(x, y), volume.placement(), volume.dims(), &view.clip, f64::INFINITY);
+                let March { rgba, .. } = volume.with_sampler(
+                    self.scene.filter,
+                    March { marching: self, along, rgba: [0.0; 4] },
+                );
+                (0..4).for_each(|c| mean[c] += rgba[c] / f64::from(view.samples * view.samples));
+            }
+            match self.marcher.fault {
+                Fault::Memory => mean[0] += f64::from(frame_number) * 1e-6,
+                Fault::CountsThreads => mean[1] += threads as f64 * 1e-6,
+                Fault::Nan if mean[3] > 0.5 => mean[2] = f64::NAN,
+                Fault::ClampedLight => mean = mean.map(|x| x.min(1.0)),
+                _ => (),
+            }
+            mean.map(|x| x as f32)
+        });
+        let frame = Frame::new(view.size, pixels.collect(), None);
+        Ok(Rendered { frame, stats: RenderStats::default() })
+    }
+
+    fn model(&self, _: &View) -> Model {
+        Model::Canonical
+    }
+}
+
+struct March<'a> {
+    marching: &'a Marching,
+    along: Option<IndexRay>,
+    rgba: [f64; 4],
+}
+
+impl SamplerVisitor for March<'_> {
+    type Output = Self;
+
+    fn visit<T: Voxel, F: Reconstruction>(mut self, sampler: Sampler<'_, T, F>) -> Self {
+        let Some(ray) = self.along else { return self };
+        let Marching { marcher, scene, .. } = self.marching;
+        let volume = scene.volume.uniform().expect("a uniform grid");
+        let fault = marcher.fault;
+        let spacing = volume.placement().spacing();
+        let step = marcher.step
+            * match fault {
+                // With an end to it in a huge world.
+                Fault::WorldStep => (1e-2 * ray.length()).max(1.0),
+                Fault::SwappedSpacing => spacing.x,
+                _ => spacing.min_element(),
+            };
+        let mut transmittance = 1.0;
+        let mut start = ray.start;
+        while start < ray.end {
+            let end = (start + step).min(ray.end);
+            let length = end - start;
+            if fault == Fault::DroppedLastStep && length < step * (1.0 - 1e-9) {
+                break;
+            }
+            let at = if fault == Fault::LeftSample { start } else { 0.5 * (start + end) };
+            let mut p = ray.at(at).to_array();
+            if fault == Fault::HalfVoxelShift {
+                p = std::array::from_fn(|a| (p[a] - 0.5).max(0.0));
+            }
+            start = end;
+            let value = sampler.value(p);
+            let value = if fault == Fault::MissingIsZero && f64::is_nan(value) { 0.0 } else { value };
+            if f64::is_nan(value) {
+                continue;
+            }
+            let optical = scene.transfer.at(volume.calibration().value(value));
+            let length = if fault == Fault::NoOpacityCorrection { scene.transfer.unit_distance() } else { length };
+            let tau = scene.transfer.extinction(optical.opacity) * length;
+            let alpha = opacity_of_depth(tau);
+            for c in 0..3 {
+                let light = if scene.transfer.has_emission() {
+                    optical.emission[c] * length * source_weight(tau)
+                } else {
+                    optical.color[c] * alpha
+                };
+                self.rgba[c] += transmittance * light;
+            }
+            transmittance *= 1.0 - alpha;
+        }
+        self.rgba[3] = 1.0 - transmittance;
+        self
+    }
+}

@@ -1,0 +1,116 @@
+//! The named hard cases, one after the other.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use vr_core::{Control, Model, RenderError, Renderer};
+
+use super::drawn::{Truth, draw};
+use super::outcome::CheckFailure;
+use super::test_scene::TestScene;
+use crate::cases::{self, Case};
+use crate::{Metrics, Reference};
+
+/// What a renderer makes of a hard case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CaseOutcome {
+    /// A picture, and how far it is from the truth.
+    Drawn(Metrics),
+    /// A picture, every number of which is finite; the reference has no answer to compare with.
+    Unjudged,
+    /// The renderer does not do such scenes.
+    Refused,
+}
+
+/// One row of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseResult {
+    /// The case.
+    pub name: &'static str,
+    /// What came out.
+    pub outcome: CaseOutcome,
+    /// The largest error that the renderer documents for the case.
+    pub bound: f64,
+    /// How far the reference itself may be from the truth.
+    pub uncertainty: f64,
+}
+
+/// Every case with its error and its bound. `{}` is a table for people.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HardCases {
+    /// Which renderer.
+    pub renderer: &'static str,
+    /// In the order of [`cases::all`].
+    pub results: Vec<CaseResult>,
+}
+
+impl std::fmt::Display for HardCases {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "{:<18} {:>10} {:>10} {:>10} {:>10}  ({})", "case", "bound", "max", "RMSE", "bias", self.renderer)?;
+        for CaseResult { name, outcome, bound, .. } in &self.results {
+            write!(f, "{name:<18} {bound:>10.2e} ")?;
+            match outcome {
+                CaseOutcome::Drawn(m) => writeln!(f, "{:>10.2e} {:>10.2e} {:>+10.2e}", m.max, m.rmse, m.bias)?,
+                CaseOutcome::Unjudged => writeln!(f, "not judged: the reference has no answer")?,
+                CaseOutcome::Refused => writeln!(f, "refused")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Draws every [hard case](cases): no panic, no error but an honest [`RenderError::Unsupported`], no number that is not finite, and
+/// no error ([`Metrics::max`]) above the bound that the renderer documents for the case (+∞ where it documents that it cannot hold
+/// it: the error is in the table all the same). The reference's own uncertainty comes on top of the bound.
+///
+/// # Errors
+/// The first case that does not hold, with the table so far in the reason.
+pub fn survives_hard_cases(
+    renderer: &dyn Renderer,
+    bound: impl Fn(&Case) -> f64,
+    reference: &Reference,
+) -> Result<HardCases, CheckFailure> {
+    let mut table = HardCases { renderer: renderer.name(), results: Vec::new() };
+    for case in cases::all() {
+        let test = TestScene { scene: case.scene.clone(), view: case.view.clone() };
+        // The lock of a panicking renderer is the renderer's own: nothing here is left half done.
+        let result = catch_unwind(AssertUnwindSafe(|| judge(renderer, &case, &test, bound(&case), reference)));
+        match result.unwrap_or_else(|_| Err("panics".to_owned())) {
+            Ok(result) => table.results.push(result),
+            Err(reason) => {
+                return Err(CheckFailure {
+                    check: "survives the hard cases",
+                    renderer: renderer.name(),
+                    reason: format!("{}: {reason}\nso far:\n{table}", case.name),
+                    scene: Some(Box::new(test)),
+                });
+            }
+        }
+    }
+    Ok(table)
+}
+
+fn judge(
+    renderer: &dyn Renderer,
+    case: &Case,
+    test: &TestScene,
+    bound: f64,
+    reference: &Reference,
+) -> Result<CaseResult, String> {
+    let result = |outcome, uncertainty| CaseResult { name: case.name, outcome, bound, uncertainty };
+    let frame = match draw(renderer, test, &Control::default()) {
+        Ok(frame) => frame,
+        Err(RenderError::Unsupported { .. }) => return Ok(result(CaseOutcome::Refused, 0.0)),
+        Err(other) => return Err(format!("an error on a valid scene: {other}")),
+    };
+    if let Some(p) = frame.pixels().iter().find(|p| p.iter().any(|c| !c.is_finite())) {
+        return Err(format!("a pixel is {p:?}"));
+    }
+    let truth = Truth::of(reference, test, &Model::Canonical).map_err(|e| format!("the reference fails: {e}"))?;
+    let Some(truth) = truth else { return Ok(result(CaseOutcome::Unjudged, f64::INFINITY)) };
+    let metrics = Metrics::of(&truth.pixels, frame.pixels());
+    if metrics.max <= bound + truth.uncertainty {
+        Ok(result(CaseOutcome::Drawn(metrics), truth.uncertainty))
+    } else {
+        Err(format!("{metrics}; documented {bound:.2e}"))
+    }
+}

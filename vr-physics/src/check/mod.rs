@@ -1,0 +1,50 @@
+//! Checks that any [`Renderer`](vr_core::Renderer) can be put through, over random scenes, in one line each.
+//!
+//! ```
+//! use vr_physics::{Reference, check};
+//!
+//! # fn main() -> Result<(), check::CheckFailure> {
+//! let bound = |_: &vr_core::Scene, _: &vr_core::View| 1e-6;
+//! let report = check::agrees_with_reference(&Reference::default(), bound, &check::Effort::cases(4))?;
+//! println!("{report}");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | check | what is demanded |
+//! |---|---|
+//! | [`agrees_with_reference`] | the distance from the canonical pixel is within the bound that the renderer documents |
+//! | [`agrees_with_its_model`] | the same for what the renderer says that it integrates |
+//! | [`converges`] | the error falls with the step at the documented order |
+//! | [`obeys_invariants`] | what must not change a picture does not, what must change it does so by the right amount |
+//! | [`survives_hard_cases`] | every [named case](crate::cases) gives a finite picture within its bound |
+//!
+//! Scenes are drawn from a fixed seed: a run that passed passes again. A scene that fails is shrunk to a small one and stands in
+//! the [`CheckFailure`] as a scene file, which `vr render --scene` draws. Scenes that a renderer refuses with
+//! [`RenderError::Unsupported`](vr_core::RenderError::Unsupported) are counted, not failed; refusing all of them is a failure.
+//!
+//! [`strategies`] has the random scenes for checks of one's own, [`transformed`] the scenes that must look the same.
+
+mod agreement;
+mod convergence;
+mod drawn;
+mod effort;
+mod hard_cases;
+pub mod invariants;
+mod outcome;
+pub mod strategies;
+mod test_scene;
+pub mod transformed;
+
+#[cfg(test)]
+mod faulty_marcher;
+#[cfg(test)]
+mod tests;
+
+pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_reference_on};
+pub use convergence::{Convergence, Refinement, converges, fit_order};
+pub use effort::Effort;
+pub use hard_cases::{CaseOutcome, CaseResult, HardCases, survives_hard_cases};
+pub use invariants::obeys_invariants;
+pub use outcome::{CheckFailure, Report};
+pub use test_scene::TestScene;

@@ -1,0 +1,68 @@
+//! Random filters, shadings and compositing schemes.
+
+use glam::DVec3;
+use proptest::collection::vec;
+use proptest::prelude::*;
+use vr_core::{Compositing, Filter, GradientMethod, Light, Shading};
+
+/// Any filter, trilinear as often as not.
+pub fn filter() -> impl Strategy<Value = Filter> {
+    prop_oneof![
+        4 => Just(Filter::Trilinear),
+        1 => Just(Filter::Nearest),
+        1 => Just(Filter::BSpline),
+        1 => Just(Filter::CatmullRom),
+        1 => Just(Filter::Gaussian),
+    ]
+}
+
+/// Usually none; any coefficients, up to two lights and a headlight, either gradient.
+pub fn shading() -> impl Strategy<Value = Option<Shading>> {
+    let direction = [-1.0..1.0, -1.0..1.0, 0.1..1.0];
+    let light = (proptest::option::of(direction), [0.0..1.0, 0.0..1.0, 0.0..1.0])
+        .prop_map(|(direction, color)| Light { direction: direction.map(DVec3::from), color });
+    let gradient = prop_oneof![Just(GradientMethod::CentralDifferences), Just(GradientMethod::Analytic)];
+    let shading = (0.0..1.0, 0.0..1.0, prop_oneof![Just(0.0), 0.0..1.0], 1.0..50.0, vec(light, 0..=2), gradient).prop_map(
+        |(ambient, diffuse, specular, power, lights, gradient)| Shading {
+            ambient,
+            diffuse,
+            specular,
+            power,
+            lights,
+            gradient,
+            gradient_opacity: Vec::new(),
+        },
+    );
+    proptest::option::weighted(0.25, shading)
+}
+
+/// A compositing scheme, with its threshold as a fraction of the range of values.
+pub(super) fn scheme() -> impl Strategy<Value = Compositing> {
+    prop_oneof![
+        6 => tame_compositing(),
+        1 => (0.0..1.0).prop_map(|threshold| Compositing::First { threshold }),
+    ]
+}
+
+/// Any compositing scheme; the threshold of `first` lies between the given values.
+pub fn compositing(range: (f64, f64)) -> impl Strategy<Value = Compositing> {
+    scheme().prop_map(move |c| stretched(c, range))
+}
+
+pub(super) fn stretched(compositing: Compositing, (low, high): (f64, f64)) -> Compositing {
+    match compositing {
+        Compositing::First { threshold } => Compositing::First { threshold: low + threshold * (high - low) },
+        other => other,
+    }
+}
+
+/// Any compositing scheme but `first`, where rounding decides whether a ray that grazes the surface hits it.
+pub fn tame_compositing() -> impl Strategy<Value = Compositing> {
+    prop_oneof![
+        6 => Just(Compositing::Over),
+        1 => Just(Compositing::Average),
+        1 => Just(Compositing::Maximum),
+        1 => Just(Compositing::Minimum),
+        1 => (0.05..=1.0).prop_map(|level| Compositing::Accumulate { level }),
+    ]
+}

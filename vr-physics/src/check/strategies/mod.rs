@@ -1,0 +1,22 @@
+//! Random parts of scenes, and whole scenes, for [`proptest`]. They shrink towards small, empty, plain scenes.
+//!
+//! Three kinds of whole scenes:
+//!
+//! - [`scene`]: everything that is valid, the unkind included: missing voxels, jumps, opaque plateaus, rays in cell faces.
+//!   The rounding of a renderer may decide on which side of a jump or of a face a sample falls, so that two correct pictures
+//!   of such a scene can differ by much; what must hold bit for bit is tested here.
+//! - [`tame_scene`]: pictures that depend continuously on every number: no missing voxels, no jumps, no opacity near 1, no
+//!   rays that lie in faces. Here errors have bounds.
+//! - [`smooth_scene`]: also free of kinks, as far as a filter allows: here errors have orders.
+
+mod cameras;
+mod grids;
+mod looks;
+mod scenes;
+mod transfers;
+
+pub use cameras::{camera, clip, generic_camera};
+pub use grids::{grid, smooth_grid, tame_grid};
+pub use looks::{compositing, filter, shading, tame_compositing};
+pub use scenes::{scene, smooth_scene, tame_scene};
+pub use transfers::{smooth_transfer, tame_transfer, transfer};

@@ -1,0 +1,123 @@
+//! Random transfer functions. Their values are fractions of the range of values that the volume has.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use vr_core::{ControlPoint, OpacityRule, TransferFunction, Volume};
+
+/// What a transfer function is like, apart from the volume that it is for.
+#[derive(Clone, Debug)]
+pub(super) struct Recipe {
+    /// Sorted fractions of the range of values, colours, opacities, emissions.
+    points: Vec<(f64, [f64; 3], f64, [f64; 3])>,
+    kind: Kind,
+    rule: OpacityRule,
+    /// In mean spacings.
+    unit_distance: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    DensityEmitter,
+    EmissionAlone,
+    AbsorptionAlone,
+    EmissionAndAbsorption,
+}
+
+impl Recipe {
+    pub fn of_volume(&self, volume: &Volume) -> TransferFunction {
+        let (low, high) = volume.value_range().unwrap_or((0.0, 1.0));
+        // A constant volume: points on both sides of its value, as likely as one on it.
+        let (low, high) = if low == high { (low - 1.0, low + 1.0) } else { (low, high) };
+        let unit_distance = self.unit_distance * volume.mean_spacing();
+        let point = |&(value, color, opacity, emission): &(f64, [f64; 3], f64, [f64; 3])| {
+            let value = low + value * (high - low);
+            // As bright, per mean spacing, whatever the scale of the world.
+            let emission = emission.map(|e| e / unit_distance);
+            match self.kind {
+                Kind::DensityEmitter => ControlPoint::new(value, color, opacity),
+                Kind::EmissionAlone => ControlPoint { value, color, opacity: 0.0, emission: Some(emission) },
+                Kind::AbsorptionAlone => ControlPoint { value, color, opacity, emission: Some([0.0; 3]) },
+                Kind::EmissionAndAbsorption => ControlPoint { value, color, opacity, emission: Some(emission) },
+            }
+        };
+        TransferFunction::new(self.points.iter().map(point).collect(), self.rule, unit_distance)
+            .expect("strategies make valid transfer functions")
+    }
+}
+
+/// Any transfer function for a volume: one to six points, jumps, opacities from 10⁻¹² to plateaus of 1, both rules, density
+/// emitters, pure emission, pure absorption, and both given apart.
+pub fn transfer(volume: Volume) -> impl Strategy<Value = TransferFunction> {
+    recipe().prop_map(move |r| r.of_volume(&volume))
+}
+
+/// A transfer function without jumps, with opacities of at most 0.95.
+pub fn tame_transfer(volume: Volume) -> impl Strategy<Value = TransferFunction> {
+    tame_recipe().prop_map(move |r| r.of_volume(&volume))
+}
+
+/// A transfer function without kinks inside the volume's range of values, with opacities from 0.02 to 0.8 that differ by at least
+/// 0.1 from one end to the other.
+pub fn smooth_transfer(volume: Volume) -> impl Strategy<Value = TransferFunction> {
+    smooth_recipe().prop_map(move |r| r.of_volume(&volume))
+}
+
+pub(super) fn recipe() -> impl Strategy<Value = Recipe> {
+    let opacity = prop_oneof![2 => Just(0.0), 4 => 0.0..1.0, 2 => Just(1.0), 1 => tiny()];
+    // Close values are as likely as far ones: spikes narrower than a cell's range.
+    let gap = prop_oneof![1 => Just(0.0), 3 => 0.0..0.5, 1 => 0.0..0.01];
+    from_parts(gap, opacity, 1..=6)
+}
+
+pub(super) fn tame_recipe() -> impl Strategy<Value = Recipe> {
+    let opacity = prop_oneof![2 => Just(0.0), 5 => 0.0..0.95, 1 => tiny()];
+    from_parts(0.1..0.5, opacity, 1..=5)
+}
+
+pub(super) fn smooth_recipe() -> impl Strategy<Value = Recipe> {
+    (0.02..0.4, 0.1..0.4, any::<bool>(), [color(), color()], [color(), color()], kind(), rule(), 0.5..2.0).prop_map(
+        |(low, more, falls, colors, emissions, kind, rule, unit_distance)| {
+            let (first, last) = if falls { (low + more, low) } else { (low, low + more) };
+            let points = vec![(-0.01, colors[0], first, emissions[0]), (1.01, colors[1], last, emissions[1])];
+            Recipe { points, kind, rule, unit_distance }
+        },
+    )
+}
+
+fn from_parts(
+    gap: impl Strategy<Value = f64>,
+    opacity: impl Strategy<Value = f64>,
+    points: std::ops::RangeInclusive<usize>,
+) -> impl Strategy<Value = Recipe> {
+    let point = (gap, color(), opacity, color());
+    (vec(point, points), -0.2..0.8, kind(), rule(), 0.1..10.0).prop_map(|(points, first, kind, rule, unit_distance)| {
+        let mut value = first;
+        let place = |(i, (gap, color, opacity, emission))| {
+            value += if i == 0 { 0.0 } else { gap };
+            (value, color, opacity, emission)
+        };
+        Recipe { points: points.into_iter().enumerate().map(place).collect(), kind, rule, unit_distance }
+    })
+}
+
+fn color() -> impl Strategy<Value = [f64; 3]> {
+    let component = || prop_oneof![1 => Just(0.0), 1 => Just(1.0), 3 => 0.0..1.0];
+    [component(), component(), component()]
+}
+
+fn tiny() -> impl Strategy<Value = f64> {
+    (-12.0..-2.0).prop_map(|e| libm::pow(10.0, e))
+}
+
+fn kind() -> impl Strategy<Value = Kind> {
+    prop_oneof![
+        5 => Just(Kind::DensityEmitter),
+        1 => Just(Kind::EmissionAlone),
+        1 => Just(Kind::AbsorptionAlone),
+        2 => Just(Kind::EmissionAndAbsorption),
+    ]
+}
+
+fn rule() -> impl Strategy<Value = OpacityRule> {
+    prop_oneof![2 => Just(OpacityRule::Power), 1 => Just(OpacityRule::Extinction)]
+}

@@ -1,0 +1,86 @@
+//! A scene and a view of it, printed as a scene file.
+
+use vr_core::scene_file::SceneFile;
+use vr_core::{Scene, View};
+
+/// A scene and a view of it. `{:?}` prints a scene file with the samples inline, so that what a failing property test shows can
+/// be drawn by `vr render --scene`.
+#[derive(Clone)]
+pub struct TestScene {
+    /// What is drawn.
+    pub scene: Scene,
+    /// From where.
+    pub view: View,
+}
+
+impl TestScene {
+    /// The text of the scene file.
+    ///
+    /// # Errors
+    /// What a scene file cannot hold: more than 64³ samples, or a volume that is not a uniform grid. (A layer is left out.)
+    pub fn scene_file(&self) -> Result<String, Box<dyn std::error::Error>> {
+        Ok(toml::to_string(&SceneFile::describe(&self.scene, &self.view)?)?)
+    }
+}
+
+impl std::fmt::Debug for TestScene {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.scene_file() {
+            Ok(text) => write!(f, "\n{text}"),
+            Err(e) => write!(f, "\n# {e}\n# {:?}\n# {:?}", self.scene, self.view),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases;
+    use crate::check::strategies::scene;
+    use proptest::prelude::*;
+
+    fn read_back(text: &str) -> TestScene {
+        let file: SceneFile = toml::from_str(text).unwrap();
+        let points = file.transfer.as_ref().unwrap().points.as_ref().unwrap().iter();
+        let points = points.map(|p| vr_core::ControlPoint {
+            value: p.value,
+            color: p.color,
+            opacity: p.opacity,
+            emission: p.emission,
+        });
+        let (scene, view) = file.assemble(file.volume.inline().unwrap(), points.collect()).unwrap();
+        TestScene { scene, view }
+    }
+
+    #[test]
+    fn hard_cases_print_as_scene_files_and_come_back() {
+        for case in cases::all() {
+            let printed = format!("{:?}", TestScene { scene: case.scene.clone(), view: case.view.clone() });
+            let back = read_back(&printed);
+            assert_eq!(*back.scene.transfer, *case.scene.transfer, "{}", case.name);
+            assert_eq!(back.view, case.view, "{}", case.name);
+            let census = |s: &Scene| {
+                let c = *s.volume.uniform().unwrap().census();
+                (c.range, c.nan + c.infinite)
+            };
+            assert_eq!(census(&back.scene), census(&case.scene), "{}", case.name);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
+
+        #[test]
+        fn random_scenes_print_as_scene_files_and_come_back(test in scene()) {
+            let back = read_back(&format!("{test:?}"));
+            prop_assert_eq!(&*back.scene.transfer, &*test.scene.transfer);
+            prop_assert_eq!(&back.view, &test.view);
+            prop_assert_eq!(&back.scene.shading, &test.scene.shading);
+            prop_assert_eq!((back.scene.compositing, back.scene.filter), (test.scene.compositing, test.scene.filter));
+            let axes = |t: &Scene| t.volume.uniform().unwrap().placement().axes();
+            let (a, b) = (axes(&back.scene), axes(&test.scene));
+            // Spacing and direction are normalised on the way.
+            prop_assert!(a.abs_diff_eq(b, 1e-14 * b.x_axis.length().max(b.y_axis.length()).max(b.z_axis.length())));
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! The checks themselves: they pass a right renderer, and each classic mistake fails at least the check that is there for it.
+
+use super::faulty_marcher::{Fault, Marcher};
+use super::*;
+use crate::Reference;
+use strategies::{smooth_scene, tame_scene};
+use vr_core::{Renderer, Scene, View};
+
+/// Enough scenes to meet every fault; a test takes seconds.
+fn effort(cases: u32) -> Effort {
+    Effort { shrink_steps: 300, ..Effort::cases(cases) }
+}
+
+/// The error that the marcher keeps on smooth scenes at a step of an eighth of a voxel.
+const SMOOTH_BOUND: f64 = 2e-4;
+
+fn agreement(fault: Fault) -> Result<Report, CheckFailure> {
+    agrees_with_reference_on(&Marcher::new(fault), smooth_scene(), |_, _| SMOOTH_BOUND, &effort(32))
+}
+
+fn convergence(fault: Fault, order: f64) -> Result<Convergence, CheckFailure> {
+    converges(&Marcher::new(fault), &Refinement::new("step", order), &effort(24))
+}
+
+#[test]
+fn a_right_renderer_passes() {
+    println!("{}", agreement(Fault::None).unwrap());
+    println!("{}", convergence(Fault::None, 2.0).unwrap());
+    for report in obeys_invariants(&Marcher::new(Fault::None), 1e-6, &effort(64)).unwrap() {
+        println!("{report}");
+    }
+    println!("{}", survives_hard_cases(&Marcher::new(Fault::None), |_|f64::INFINITY, &Reference::default()).unwrap());
+    let t=std::time::Instant::now();
+    println!("{}", survives_hard_cases(&Reference::default(), |_|f64::INFINITY, &Reference::default()).unwrap());
+    println!("{:?}", t.elapsed());
+    println!("{}", survives_hard_cases(&Marcher::new(Fault::None), hard_bound, &Reference::default()).unwrap());
+}
+
+/// What a step of an eighth of a voxel can do: where the transfer function jumps or is narrower than a step, not much.
+fn hard_bound(case: &crate::cases::Case) -> f64 {
+    match case.name {
+        "opaque-wall" => 0.1,
+        "thin-shell" | "full-u16" | "marschner-lobb" | "missing-voxels" => 0.3,
+        "bright" => 0.02,
+        _ => 5e-3,
+    }
+}
+
+#[test]
+fn wrong_pictures_disagree() {
+    for fault in [Fault::HalfVoxelShift, Fault::NoOpacityCorrection, Fault::DroppedLastStep, Fault::Nan] {
+        let failure = agreement(fault).expect_err("the fault is seen");
+        assert!(failure.scene.is_some(), "{fault:?}: {failure}");
+    }
+}
+
+#[test]
+fn a_failure_is_shrunk_and_printed_as_a_scene_file() {
+    let failure = agreement(Fault::HalfVoxelShift).unwrap_err();
+    let text = failure.to_string();
+    assert!(text.contains("renderer marcher") && text.contains("[volume]") && text.contains("[camera]"), "{text}");
+    let view = &failure.scene.unwrap().view;
+    assert!(view.size[0] * view.size[1] <= 16, "shrunk from up to 64 pixels: {:?}", view.size);
+}
+
+#[test]
+fn wrong_orders_are_told_apart() {
+    assert!((convergence(Fault::LeftSample, 1.0).unwrap().order - 1.0).abs() < 0.25);
+    for (fault, documented) in [
+        (Fault::LeftSample, 2.0),
+        (Fault::None, 1.0),
+        (Fault::DroppedLastStep, 2.0),
+        (Fault::HalfVoxelShift, 2.0),
+        (Fault::NoOpacityCorrection, 2.0),
+    ] {
+        let failure = convergence(fault, documented).expect_err("the order is another");
+        assert!(failure.reason.contains("order"), "{fault:?}: {failure}");
+    }
+}
+
+#[test]
+fn broken_invariants_are_seen() {
+    use invariants::*;
+    let marcher = Marcher::new;
+    assert!(stays_in_range(&marcher(Fault::Nan), 1e-6, &effort(64)).is_err());
+    assert!(is_linear_in_emission(&marcher(Fault::ClampedLight), 1e-6, &effort(64)).is_err());
+    assert!(is_free_of_scale(&marcher(Fault::WorldStep), 1e-6, &effort(64)).is_err());
+    assert!(turns_with_its_data(&marcher(Fault::SwappedSpacing), 1e-6, &effort(64)).is_err());
+    assert!(turns_with_its_data(&marcher(Fault::HalfVoxelShift), 1e-6, &effort(64)).is_err());
+    assert!(ignores_threads(&marcher(Fault::CountsThreads), &effort(16)).is_err());
+    assert!(forgets_earlier_frames(&marcher(Fault::Memory), &effort(16)).is_err());
+}
+
+#[test]
+fn hard_cases_catch_what_leaks_and_what_breaks() {
+    let run = |fault| survives_hard_cases(&Marcher::new(fault), hard_bound, &Reference::default());
+    assert!(run(Fault::MissingIsZero).unwrap_err().reason.starts_with("missing-voxels"));
+    assert!(run(Fault::Panic).unwrap_err().reason.contains("panics"));
+    assert!(run(Fault::Nan).unwrap_err().reason.contains("NaN"));
+    let refused = run(Fault::RefusesEverything).unwrap();
+    assert!(refused.results.iter().all(|r| r.outcome == CaseOutcome::Refused));
+}
+
+#[test]
+fn refusing_everything_and_panicking_are_failures() {
+    for fault in [Fault::RefusesEverything, Fault::Panic] {
+        assert!(agreement(fault).is_err());
+        assert!(convergence(fault, 2.0).is_err());
+        assert!(obeys_invariants(&Marcher::new(fault), 1.0, &effort(8)).is_err());
+    }
+}
+
+#[test]
+fn a_promise_of_nothing_is_not_kept() {
+    let none = |_: &Scene, _: &View| f64::INFINITY;
+    let failure = agrees_with_reference(&Marcher::new(Fault::None), none, &effort(8)).unwrap_err();
+    assert!(failure.reason.contains("8 skipped"), "{failure}");
+}
+
+#[test]
+fn the_same_seed_draws_the_same_scenes() {
+    let run = |seed| {
+        let effort = Effort { seed, ..effort(16) };
+        let bound = |_: &Scene, _: &View| 1.0;
+        let report = agrees_with_its_model(&Marcher::new(Fault::None), tame_scene(), bound, &effort).unwrap();
+        report.worst
+    };
+    assert_eq!(run(1), run(1));
+    assert_ne!(run(1), run(2));
+}
+
+#[test]
+fn an_unknown_step_option_is_named() {
+    let failure = converges(&Marcher::new(Fault::None), &Refinement::new("stop", 2.0), &effort(8)).unwrap_err();
+    assert!(failure.reason.contains("did you mean 'step'"), "{failure}");
+    assert_eq!(Marcher::new(Fault::None).name(), failure.renderer);
+}
