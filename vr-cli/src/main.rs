@@ -1,2 +1,61 @@
-//! The program `vr`.
-fn main() {}
+//! The program `vr`: pictures of volumes, and how far they are from the exact solution.
+//!
+//! It parses, wires and prints. What it prints is found out elsewhere: `vr-io` reads and writes, the renderers draw, and
+//! `vr-physics` knows the exact solution.
+
+mod args;
+mod camera_flags;
+mod canvas;
+mod compare;
+mod console;
+mod contact_sheet;
+mod digits;
+mod error_colors;
+mod failure;
+mod histogram;
+mod info;
+mod interrupt;
+mod judge;
+mod number;
+mod output_file;
+mod overrides;
+mod progress;
+mod render;
+mod renderers;
+mod scene_setup;
+mod table;
+mod volume_setup;
+
+use std::process::ExitCode;
+
+use vr_core::Control;
+
+use crate::args::{Cli, Command};
+use crate::console::Console;
+use crate::failure::Failure;
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            Console::error(&failure);
+            failure.exit_code()
+        }
+    }
+}
+
+fn run() -> Result<(), Failure> {
+    let Cli { global, command } = Cli::from_command_line()?;
+    let console = Console { quiet: global.quiet, json: global.json };
+    let mut control = Control::default();
+    if let Some(threads) = global.threads {
+        control = control.with_threads(threads.into());
+    }
+    interrupt::cancels(&control);
+    // Reading and sampling volumes is parallel, too: all of a command runs on the control's threads.
+    control.run(|| match &command {
+        Command::Render(args) => render::run(args, console, &control),
+        Command::Compare(args) => compare::run(args, console, &control),
+        Command::Info(args) => info::run(args, console),
+    })
+}

@@ -1,0 +1,174 @@
+//! The command line.
+
+mod choices;
+mod scene;
+mod value;
+mod volume;
+
+use std::path::PathBuf;
+
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use vr_io::{Encode, PngDepth, PngOptions};
+
+pub use choices::{Bits, Curve, ErrorMeasure};
+pub use scene::{CameraArgs, CompositingArgs, ImageArgs, SceneArgs, ShadingArgs, TransferArgs};
+pub use volume::VolumeArgs;
+
+use crate::failure::Failure;
+use crate::renderers;
+
+/// Pictures of volumes, and how far they are from the exact solution.
+///
+/// Every command works without arguments, on an embedded scene.
+#[derive(Debug, Parser)]
+#[command(name = "vr", version)]
+pub struct Cli {
+    /// Options of every command.
+    #[command(flatten)]
+    pub global: GlobalArgs,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Options of every command.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Everywhere")]
+pub struct GlobalArgs {
+    /// Say nothing but errors
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// Print the result as one JSON object
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Use N threads; all processors if absent
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a volume, and measure the picture's error
+    Render(Box<RenderArgs>),
+    /// Render one scene with every renderer, and compare time and error
+    Compare(Box<CompareArgs>),
+    /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try
+    Info(Box<InfoArgs>),
+}
+
+/// `vr render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The renderer and its options.
+    #[command(flatten)]
+    pub renderer: RendererArgs,
+    /// What becomes of the picture.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// The renderer and its options.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Renderer")]
+pub struct RendererArgs {
+    /// Which renderer; raycast if absent
+    #[arg(long, value_name = "NAME")]
+    pub renderer: Option<String>,
+    /// Set an option of the renderer (listed below); may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = value::key_value)]
+    pub set: Vec<(String, String)>,
+    /// Have the renderer promise this largest error; those that cannot promise refuse
+    #[arg(long, value_name = "E")]
+    pub max_error: Option<f64>,
+}
+
+/// What becomes of the picture.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub struct OutputArgs {
+    /// Where the picture goes: .png or .exr (linear floats, and depth); may be repeated
+    #[arg(long = "output", short, value_name = "FILE", default_value = "vr.png")]
+    pub outputs: Vec<PathBuf>,
+    /// How a PNG holds light: the sRGB curve, or linear values as they are
+    #[arg(long, value_name = "CURVE", default_value = "srgb")]
+    pub encode: Curve,
+    /// Bits per channel of a PNG
+    #[arg(long, value_name = "N", default_value = "8")]
+    pub bits: Bits,
+    /// Keep opacity in a PNG instead of blending with the background
+    #[arg(long)]
+    pub alpha: bool,
+    /// Which pixels are compared with the exact solution: every one, those of a 64x64 subgrid, or none
+    #[arg(long, value_name = "PIXELS", default_value = "subgrid")]
+    pub error: ErrorMeasure,
+}
+
+impl OutputArgs {
+    /// How a PNG is written, the background apart.
+    pub fn png(&self) -> PngOptions {
+        PngOptions {
+            depth: match self.bits {
+                Bits::Eight => PngDepth::Eight,
+                Bits::Sixteen => PngDepth::Sixteen,
+            },
+            encode: match self.encode {
+                Curve::Srgb => Encode::Srgb,
+                Curve::None => Encode::None,
+            },
+            alpha: self.alpha,
+            ..PngOptions::default()
+        }
+    }
+}
+
+/// `vr compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Compare only this renderer with the exact solution; may be repeated
+    #[arg(long = "renderer", value_name = "NAME", help_heading = "Comparison")]
+    pub renderers: Vec<String>,
+    /// Where the contact sheet goes
+    #[arg(long, short, value_name = "FILE", default_value = "vr-compare.png", help_heading = "Comparison")]
+    pub output: PathBuf,
+}
+
+/// `vr info`.
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// The volume.
+    #[command(flatten)]
+    pub volume: VolumeArgs,
+}
+
+impl Cli {
+    /// Reads the command line. Help and the version are printed by clap, which then ends the program.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] for anything else that is no command.
+    pub fn from_command_line() -> Result<Self, Failure> {
+        let options = renderers::option_help();
+        let command = Self::command().mut_subcommand("render", |render| render.after_help(options));
+        match command.try_get_matches().and_then(|matches| Self::from_arg_matches(&matches)) {
+            Ok(cli) => Ok(cli),
+            Err(e)
+                if e.use_stderr() && e.kind() != clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
+            {
+                Err(Failure::usage(first_words(&e.render().to_string())))
+            }
+            Err(e) => e.exit(),
+        }
+    }
+}
+
+/// What clap has to say, without its usage lines.
+fn first_words(message: &str) -> &str {
+    let end = message.find("\nUsage:").or_else(|| message.find("\nFor more information")).unwrap_or(message.len());
+    message[..end].trim_start_matches("error: ").trim_end()
+}

@@ -1,0 +1,163 @@
+//! Flags for everything that a scene file can say; they override it.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use vr_core::scene_file::{ColorEncoding, CompositingName, ProjectionName};
+use vr_core::{Filter, GradientMethod, OpacityRule};
+
+use super::{VolumeArgs, value};
+
+/// A scene: a file, and what overrides it.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// The volume.
+    #[command(flatten)]
+    pub volume: VolumeArgs,
+    /// A scene file (TOML); all other flags override it
+    #[arg(long, value_name = "FILE", help_heading = "Scene")]
+    pub scene: Option<PathBuf>,
+    /// Reconstruction filter: nearest, trilinear, bspline, catmull-rom or gaussian
+    #[arg(long, value_name = "NAME", value_parser = value::word::<Filter>, help_heading = "Scene")]
+    pub filter: Option<Filter>,
+    /// `[transfer]`.
+    #[command(flatten)]
+    pub transfer: TransferArgs,
+    /// `[shading]`.
+    #[command(flatten)]
+    pub shading: ShadingArgs,
+    /// `[camera]`.
+    #[command(flatten)]
+    pub camera: CameraArgs,
+    /// `[clip]` and `[image]`.
+    #[command(flatten)]
+    pub image: ImageArgs,
+    /// What becomes of the field along a ray.
+    #[command(flatten)]
+    pub compositing: CompositingArgs,
+}
+
+/// `[transfer]`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Transfer function")]
+pub struct TransferArgs {
+    /// A preset (vr info suggests some), or a ParaView colour map (.json)
+    #[arg(long, value_name = "PRESET|FILE")]
+    pub transfer: Option<String>,
+    /// A control point: value, linear RGB, opacity; repeat it in order of the values
+    #[arg(long, value_name = "V,R,G,B,A", value_parser = value::point, allow_hyphen_values = true,
+          conflicts_with = "transfer")]
+    pub point: Vec<[f64; 5]>,
+    /// Values that a preset or a file is stretched over; those of the volume if absent
+    #[arg(long, value_name = "LOW,HIGH", value_parser = value::pair, allow_hyphen_values = true)]
+    pub range: Option<[f64; 2]>,
+    /// World length that the opacities belong to; the mean distance of samples if absent
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub unit_distance: Option<f64>,
+    /// What the opacities mean: power or extinction
+    #[arg(long, value_name = "RULE", value_parser = value::word::<OpacityRule>)]
+    pub opacity_rule: Option<OpacityRule>,
+    /// How the colours of control points are encoded: linear or srgb
+    #[arg(long, value_name = "ENCODING", value_parser = value::word::<ColorEncoding>)]
+    pub colors: Option<ColorEncoding>,
+}
+
+/// `[shading]`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Shading")]
+pub struct ShadingArgs {
+    /// Shade (Blinn-Phong, a headlight unless --light says otherwise); so does every flag of this group
+    #[arg(long)]
+    pub shading: bool,
+    /// Do not shade, whatever the scene file says
+    #[arg(long, conflicts_with_all = ["shading", "ambient", "diffuse", "specular", "power", "light", "gradient",
+          "gradient_opacity"])]
+    pub no_shading: bool,
+    /// Ambient coefficient
+    #[arg(long, value_name = "KA", allow_hyphen_values = true)]
+    pub ambient: Option<f64>,
+    /// Diffuse coefficient
+    #[arg(long, value_name = "KD", allow_hyphen_values = true)]
+    pub diffuse: Option<f64>,
+    /// Specular coefficient
+    #[arg(long, value_name = "KS", allow_hyphen_values = true)]
+    pub specular: Option<f64>,
+    /// Specular exponent
+    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    pub power: Option<f64>,
+    /// World vector towards a white light; may be repeated
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
+    pub light: Vec<[f64; 3]>,
+    /// Where normals come from: central-differences or analytic
+    #[arg(long, value_name = "METHOD", value_parser = value::word::<GradientMethod>)]
+    pub gradient: Option<GradientMethod>,
+    /// Factor on the extinction at a gradient magnitude; repeat it in order of the magnitudes
+    #[arg(long, value_name = "MAGNITUDE,FACTOR", value_parser = value::pair, allow_hyphen_values = true)]
+    pub gradient_opacity: Vec<[f64; 2]>,
+}
+
+/// `[camera]`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraArgs {
+    /// See all of the volume from this many degrees to the right of -z
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, conflicts_with_all = ["eye", "target", "up"])]
+    pub azimuth: Option<f64>,
+    /// See all of the volume from this many degrees above
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, conflicts_with_all = ["eye", "target", "up"])]
+    pub elevation: Option<f64>,
+    /// Position of the eye
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
+    pub eye: Option<[f64; 3]>,
+    /// What the middle of the picture shows
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
+    pub target: Option<[f64; 3]>,
+    /// Which way is up
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
+    pub up: Option<[f64; 3]>,
+    /// orthographic or perspective; --height and --fov imply it
+    #[arg(long, value_name = "KIND", value_parser = value::word::<ProjectionName>)]
+    pub projection: Option<ProjectionName>,
+    /// Orthographic: world height of the picture
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, conflicts_with = "fov")]
+    pub height: Option<f64>,
+    /// Perspective: vertical angle in degrees
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub fov: Option<f64>,
+}
+
+/// `[clip]` and `[image]`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Image")]
+pub struct ImageArgs {
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WxH", value_parser = value::size)]
+    pub size: Option<[u32; 2]>,
+    /// A pixel is the mean of N x N rays
+    #[arg(long, value_name = "N")]
+    pub samples: Option<u32>,
+    /// Linear RGB behind everything
+    #[arg(long, value_name = "R,G,B", value_parser = value::triple::<f32>, allow_hyphen_values = true)]
+    pub background: Option<[f32; 3]>,
+    /// Lower and upper corner of the world box that is kept
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = value::corners, allow_hyphen_values = true)]
+    pub crop: Option<[[f64; 3]; 2]>,
+    /// Keep the side of a plane where normal . x >= offset; may be repeated
+    #[arg(long, value_name = "X,Y,Z,OFFSET", value_parser = value::plane, allow_hyphen_values = true)]
+    pub clip_plane: Vec<([f64; 3], f64)>,
+}
+
+/// What becomes of the field along a ray.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Compositing")]
+pub struct CompositingArgs {
+    /// over, first, average, maximum, minimum or accumulate
+    #[arg(long, value_name = "NAME", value_parser = value::word::<CompositingName>)]
+    pub compositing: Option<CompositingName>,
+    /// first: value to reach
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
+    pub threshold: Option<f64>,
+    /// accumulate: opacity to stop at
+    #[arg(long, value_name = "OPACITY", allow_hyphen_values = true)]
+    pub level: Option<f64>,
+}

@@ -1,0 +1,46 @@
+//! Which volume, and what its file does not say.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::value;
+
+/// Which volume.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Volume")]
+pub struct VolumeArgs {
+    /// A volume file: NRRD, MetaImage, NIfTI, or raw with the size in its name; without it, the embedded scene
+    #[arg(value_name = "VOLUME")]
+    pub path: Option<PathBuf>,
+    /// A phantom instead of a file
+    #[arg(long, value_name = "NAME", conflicts_with = "path")]
+    pub phantom: Option<String>,
+    /// Samples along each axis of a phantom
+    #[arg(long, value_name = "N", conflicts_with = "path")]
+    pub phantom_size: Option<usize>,
+    /// Which frame of a series, from 0
+    #[arg(long, value_name = "N")]
+    pub frame: Option<usize>,
+    /// Which component of several, from 0
+    #[arg(long, value_name = "N")]
+    pub component: Option<usize>,
+    /// Raw files: samples along x, y, z
+    #[arg(long, value_name = "NXxNYxNZ", value_parser = value::dims, requires = "voxel_type")]
+    pub dims: Option<[usize; 3]>,
+    /// Raw files: type of the samples (u8, i16, f32, ...)
+    #[arg(long = "type", value_name = "TYPE", requires = "dims")]
+    pub voxel_type: Option<String>,
+    /// Raw files: little or big
+    #[arg(long, value_name = "ORDER", requires = "dims")]
+    pub endian: Option<String>,
+    /// Raw files: bytes before the samples
+    #[arg(long, value_name = "BYTES", requires = "dims")]
+    pub skip: Option<u64>,
+    /// Raw files: world units between samples
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true, requires = "dims")]
+    pub spacing: Option<[f64; 3]>,
+    /// Raw files: world position of the first sample
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true, requires = "dims")]
+    pub origin: Option<[f64; 3]>,
+}

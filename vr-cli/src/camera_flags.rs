@@ -1,0 +1,103 @@
+//! The camera of a view, changed by flags.
+
+use glam::DVec3;
+use vr_core::scene_file::ProjectionName;
+use vr_core::{Camera, ParameterError, Projection};
+
+use crate::args::CameraArgs;
+
+/// Azimuth and elevation in degrees where they are not given: those of a scene without a camera.
+const OBLIQUE: (f64, f64) = (30.0, 20.0);
+/// Vertical angle in degrees of a perspective camera that was given none.
+const FOV: f64 = 30.0;
+
+/// The camera that flags make of a scene's own, or of one that sees all of the volume's bounds where it has none.
+///
+/// # Errors
+/// A camera that sees nothing.
+pub fn apply(args: &CameraArgs, own: Option<Camera>, bounds: (DVec3, DVec3)) -> Result<Camera, ParameterError> {
+    let fov = match (args.projection, args.fov, own.map(|camera| camera.projection)) {
+        (_, Some(fov), _) => Some(fov),
+        (Some(ProjectionName::Orthographic), ..) => None,
+        (None, None, Some(Projection::Perspective { fov })) if args.height.is_none() => Some(fov),
+        (None, ..) => None,
+        (Some(ProjectionName::Perspective), None, Some(Projection::Perspective { fov })) => Some(fov),
+        (Some(ProjectionName::Perspective), ..) => Some(FOV),
+    };
+    let mut camera = match own {
+        Some(own) if args.azimuth.is_none() && args.elevation.is_none() => own,
+        _ => framing(args, fov, bounds)?,
+    };
+    camera.projection = match (fov, args.height, camera.projection) {
+        (Some(fov), ..) => Projection::Perspective { fov },
+        (None, Some(height), _) => Projection::Orthographic { height },
+        // What lies at the target keeps its size.
+        (None, None, Projection::Perspective { fov }) => {
+            let distance = camera.eye.distance(camera.target);
+            Projection::Orthographic { height: 2.0 * distance * (0.5 * fov.to_radians()).tan() }
+        }
+        (None, None, orthographic) => orthographic,
+    };
+    camera.eye = args.eye.map_or(camera.eye, DVec3::from);
+    camera.target = args.target.map_or(camera.target, DVec3::from);
+    camera.up = args.up.map_or(camera.up, DVec3::from);
+    camera.frame()?;
+    Ok(camera)
+}
+
+fn framing(args: &CameraArgs, fov: Option<f64>, bounds: (DVec3, DVec3)) -> Result<Camera, ParameterError> {
+    let (azimuth, elevation) = (args.azimuth.unwrap_or(OBLIQUE.0), args.elevation.unwrap_or(OBLIQUE.1));
+    for (field, angle) in [("camera.azimuth", azimuth), ("camera.elevation", elevation)] {
+        if !angle.is_finite() {
+            return Err(ParameterError::new(field, angle, "must be finite"));
+        }
+    }
+    if let Some(fov) = fov {
+        // A wrong angle is to be named, not the eye that it would put somewhere.
+        Camera { projection: Projection::Perspective { fov }, ..Camera::framing(bounds, 0.0, 0.0, None) }.frame()?;
+    }
+    Ok(Camera::framing(bounds, azimuth, elevation, fov))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Flags {
+        #[command(flatten)]
+        camera: CameraArgs,
+    }
+
+    fn camera(flags: &str, own: Option<Camera>) -> Result<Camera, ParameterError> {
+        let flags = Flags::parse_from(std::iter::once("vr").chain(flags.split_whitespace()));
+        apply(&flags.camera, own, (DVec3::NEG_ONE, DVec3::ONE))
+    }
+
+    #[test]
+    fn flags_change_what_they_name() {
+        let radius = 3.0f64.sqrt();
+        let whole = camera("", None).unwrap();
+        assert_eq!(whole.projection, Projection::Orthographic { height: 2.0 * radius });
+        let side = camera("--azimuth 90 --elevation 0", None).unwrap();
+        assert!((side.eye.normalize() - DVec3::X).length() < 1e-12);
+        let near = camera("--fov 60", None).unwrap();
+        assert!((near.eye.length() - 2.0 * radius).abs() < 1e-12, "farther for a narrower angle");
+        let moved = camera("--eye 0,0,-9 --height 4", Some(near)).unwrap();
+        assert_eq!((moved.eye, moved.projection), (DVec3::Z * -9.0, Projection::Orthographic { height: 4.0 }));
+        assert_eq!(camera("", Some(near)).unwrap(), near);
+    }
+
+    #[test]
+    fn wrong_flags_are_named() {
+        let field = |flags: &str| camera(flags, None).unwrap_err().field;
+        assert_eq!(field("--fov 0"), "camera.fov");
+        assert_eq!(field("--fov 180 --azimuth 3"), "camera.fov");
+        assert_eq!(field("--azimuth nan"), "camera.azimuth");
+        assert_eq!(field("--eye 0,0,0"), "camera.eye");
+        assert_eq!(field("--up 0,0,0"), "camera.up");
+        assert_eq!(field("--height=-1"), "camera.height");
+    }
+}

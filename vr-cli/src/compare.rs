@@ -1,0 +1,213 @@
+//! `vr compare`.
+
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use vr_core::{Control, Model, Options, Prepared, RenderError, Rendered, Renderer, View};
+use vr_io::PngOptions;
+use vr_physics::metrics::{Metrics, subgrid};
+
+use crate::args::CompareArgs;
+use crate::console::Console;
+use crate::contact_sheet::{self, Entry};
+use crate::failure::Failure;
+use crate::judge::{ErrorJson, Exact};
+use crate::progress::under_bar;
+use crate::scene_setup::Setup;
+use crate::table::Table;
+use crate::{number, output_file, renderers};
+
+/// Small enough that the exact solution of every pixel takes seconds.
+const DEFAULT_SIZE: [u32; 2] = [192, 192];
+/// Frames per setting; the median of their times counts.
+const FRAMES: usize = 3;
+/// No further frame is drawn after this time.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Rows and columns of the subgrid of pixels on which a renderer is judged against its own model.
+const SUBGRID: u32 = 48;
+
+/// Renders with every renderer and setting, judges each, draws the sheet, tells.
+///
+/// # Errors
+/// Whatever goes wrong with the command line, the volume, the scene, or the sheet.
+pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    output_file::check(&args.output, &["png"])?;
+    let contestants = contestants(&args.renderers)?;
+    let mut setup = Setup::new(&args.scene, console)?;
+    if args.scene.scene.is_none() && args.scene.image.size.is_none() {
+        setup.view.size = DEFAULT_SIZE;
+    }
+    let (scene, view) = (&setup.scene, &setup.view);
+    let every_pixel = subgrid(u32::MAX, view.size);
+    let exact = under_bar(console, control, "exact solution", |control| {
+        Exact::solve((scene, view), &Model::Canonical, every_pixel, control)
+    })
+    .map_err(|e| setup.render_failure(e))?;
+
+    let mut results = Vec::new();
+    for (name, renderer) in &contestants {
+        let result = under_bar(console, control, name, |control| measure(&**renderer, &setup, &exact, control));
+        match result {
+            Ok(measured) => results.push((name.as_str(), measured)),
+            Err(e @ RenderError::Unsupported { .. }) => console.note(&format!("{name} is left out: {e}")),
+            Err(e) => return Err(setup.render_failure(e)),
+        }
+    }
+    if results.is_empty() {
+        return Err(Failure::failed("no renderer can draw this scene"));
+    }
+    let entries: Vec<Entry<'_>> =
+        results.iter().map(|(_, m)| Entry { frame: &m.rendered.frame, errors: &m.errors }).collect();
+    let sheet = contact_sheet::draw(&entries, scene.background);
+    vr_io::write(&args.output, &sheet, &PngOptions::default()).map_err(Failure::failed)?;
+    console.result(&text(&setup, &exact, &results, args), &json(&setup, &exact, &results, args))
+}
+
+/// Every renderer with every setting that a study would try, or the named ones only.
+fn contestants(only: &[String]) -> Result<Vec<(String, Box<dyn Renderer>)>, Failure> {
+    let chosen = match only {
+        [] => renderers::all(),
+        names => names.iter().map(|n| renderers::named(n)).collect::<Result<_, _>>().map_err(Failure::usage)?,
+    };
+    let mut contestants = Vec::new();
+    for renderer in chosen {
+        let settings = renderer.settings();
+        for setting in &settings {
+            let configured = renderer.configure(&setting.options).map_err(Failure::failed)?;
+            contestants.push((format!("{} {}", renderer.name(), setting.name), configured));
+        }
+        if settings.is_empty() {
+            let name = renderer.name().to_owned();
+            contestants.push((name, renderer.configure(&Options::new()).map_err(Failure::failed)?));
+        }
+    }
+    Ok(contestants)
+}
+
+/// What one renderer with one setting did.
+struct Measured {
+    prepare: Duration,
+    /// Median.
+    render: Duration,
+    rendered: Rendered,
+    /// Against the canonical pixel.
+    metrics: Metrics,
+    errors: Vec<f64>,
+    /// Against its own model done exactly, where that is another.
+    own: Option<Metrics>,
+}
+
+fn measure(renderer: &dyn Renderer, setup: &Setup, exact: &Exact, control: &Control) -> Result<Measured, RenderError> {
+    let (scene, view) = (&setup.scene, &setup.view);
+    let start = Instant::now();
+    let mut prepared = renderer.prepare(scene, control)?;
+    let prepare = start.elapsed();
+    let started = Instant::now();
+    let (time, mut rendered) = timed(&mut *prepared, view, control)?;
+    let mut times = vec![time];
+    while times.len() < FRAMES && started.elapsed() < PATIENCE {
+        let (time, again) = timed(&mut *prepared, view, control)?;
+        times.push(time);
+        rendered = again;
+    }
+    times.sort_unstable();
+    let own = match prepared.model(view) {
+        Model::Canonical => None,
+        model => {
+            let pixels = subgrid(SUBGRID, view.size);
+            Some(Exact::solve((scene, view), &model, pixels, control)?.judge(&rendered.frame))
+        }
+    };
+    Ok(Measured {
+        prepare,
+        render: times[times.len() / 2],
+        metrics: exact.judge(&rendered.frame),
+        errors: exact.errors(&rendered.frame),
+        own,
+        rendered,
+    })
+}
+
+/// One frame, and the time that it took.
+fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<(Duration, Rendered), RenderError> {
+    let start = Instant::now();
+    let rendered = prepared.render(view, control)?;
+    Ok((start.elapsed(), rendered))
+}
+
+fn text(setup: &Setup, exact: &Exact, results: &[(&str, Measured)], args: &CompareArgs) -> String {
+    let mut table = Table::new(&[
+        "#  renderer",
+        "prepare",
+        "render",
+        "samples",
+        "max error",
+        "RMSE",
+        "bias",
+        "p99",
+        "PSNR/dB",
+        "own model: max",
+    ]);
+    for (k, (name, m)) in results.iter().enumerate() {
+        let Metrics { max, rmse, bias, p99, psnr, .. } = m.metrics;
+        table.row([
+            format!("{:<2} {name}", k + 1),
+            number::time(m.prepare),
+            number::time(m.render),
+            number::count(m.rendered.stats.counts.samples),
+            number::small(max),
+            number::small(rmse),
+            number::small(bias),
+            number::small(p99),
+            format!("{psnr:.1}"),
+            m.own.map_or_else(|| "-".to_owned(), |own| number::small(own.max)),
+        ]);
+    }
+    let [w, h] = setup.view.size;
+    format!(
+        "{}, {w}x{h} pixels; exact solution: {}, {}\n\n{table}\n\
+         Own model: against what the renderer itself integrates, done exactly, on {SUBGRID}x{SUBGRID} pixels.\n\
+         Wrote {}: pictures above maps of their error, numbered as above.\n",
+        setup.title,
+        exact.certainty_text(),
+        number::time(exact.time),
+        args.output.display()
+    )
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    volume: &'a str,
+    size: [u32; 2],
+    renderers: Vec<RendererJson<'a>>,
+    output: String,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct RendererJson<'a> {
+    name: &'a str,
+    prepare_seconds: f64,
+    render_seconds: f64,
+    samples: u64,
+    error: ErrorJson,
+    own_model_max_error: Option<f64>,
+}
+
+fn json<'a>(setup: &'a Setup, exact: &Exact, results: &[(&'a str, Measured)], args: &CompareArgs) -> Json<'a> {
+    let renderer = |(name, m): &(&'a str, Measured)| RendererJson {
+        name,
+        prepare_seconds: m.prepare.as_secs_f64(),
+        render_seconds: m.render.as_secs_f64(),
+        samples: m.rendered.stats.counts.samples,
+        error: ErrorJson::new(&m.metrics, exact),
+        own_model_max_error: m.own.map(|own| own.max),
+    };
+    Json {
+        volume: &setup.title,
+        size: setup.view.size,
+        renderers: results.iter().map(renderer).collect(),
+        output: args.output.display().to_string(),
+        notes: &setup.notes,
+    }
+}

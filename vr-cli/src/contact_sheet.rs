@@ -1,0 +1,86 @@
+//! The contact sheet of a comparison: each picture above the map of its error, numbered as in the table, and the scale of the
+//! maps below.
+
+use vr_core::Frame;
+
+use crate::canvas::Canvas;
+use crate::{digits, error_colors};
+
+/// One numbered column of the sheet.
+pub struct Entry<'a> {
+    /// The picture.
+    pub frame: &'a Frame,
+    /// Largest error of any component, per pixel.
+    pub errors: &'a [f64],
+}
+
+/// Pixels between tiles.
+const GAP: u32 = 8;
+/// Entries side by side.
+const MOST_COLUMNS: usize = 4;
+/// Dark enough for the maps, light enough to tell it from their black.
+const PAPER: [f32; 3] = [0.03, 0.03, 0.035];
+const INK: [f32; 3] = [0.8; 3];
+/// Height of the bar with the scale.
+const BAR: u32 = 10;
+
+/// Draws the sheet. All frames have the same size; there is at least one.
+pub fn draw(entries: &[Entry<'_>], background: [f32; 3]) -> Frame {
+    let [w, h] = entries[0].frame.size();
+    let columns = entries.len().min(MOST_COLUMNS) as u32;
+    let bands = entries.len().div_ceil(MOST_COLUMNS) as u32;
+    let band = digits::HEIGHT + 2 * h + 2 * GAP;
+    let width = columns * (w + GAP) + GAP;
+    let height = GAP + bands * band + BAR + GAP + digits::HEIGHT + GAP;
+    let mut canvas = Canvas::new([width, height], PAPER);
+    for (k, entry) in entries.iter().enumerate() {
+        let x = GAP + (k % MOST_COLUMNS) as u32 * (w + GAP);
+        let y = GAP + (k / MOST_COLUMNS) as u32 * band;
+        digits::draw(&mut canvas, k as i32 + 1, [x, y], INK);
+        let picture = y + digits::HEIGHT + GAP / 2;
+        let map = picture + h + GAP / 2;
+        let colors = entry.frame.over_background(background);
+        for (i, (&color, &error)) in (0..).zip(colors.iter().zip(entry.errors)) {
+            let [px, py] = [x + i % w, i / w];
+            canvas.put([px, picture + py], color);
+            canvas.put([px, map + py], error_colors::color(error));
+        }
+    }
+    scale(&mut canvas, GAP + bands * band, width);
+    canvas.into_frame()
+}
+
+/// A bar from the smallest to the largest error of the scale, with the exponents of its decades.
+fn scale(canvas: &mut Canvas, y: u32, sheet_width: u32) {
+    let width = sheet_width - 2 * GAP;
+    for x in 0..width {
+        let color = error_colors::at(f64::from(x) / f64::from(width.max(2) - 1));
+        canvas.fill([GAP + x, y], [1, BAR], color);
+    }
+    let (low, high) = error_colors::DECADES;
+    for decade in low..=high {
+        let place = f64::from(decade - low) / f64::from(high - low);
+        let half = digits::width(decade) / 2;
+        let middle = GAP + (place * f64::from(width)) as u32;
+        let last = (sheet_width - GAP).saturating_sub(2 * half).max(GAP);
+        let x = middle.saturating_sub(half).clamp(GAP, last);
+        digits::draw(canvas, decade, [x, y + BAR + GAP / 2], INK);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_lie_above_their_errors() {
+        let frame = Frame::new([40, 30], vec![[1.0; 4]; 1200], None);
+        let errors = vec![1.0; 1200];
+        let entries: Vec<Entry<'_>> = (0..5).map(|_| Entry { frame: &frame, errors: &errors }).collect();
+        let sheet = draw(&entries, [0.0; 3]);
+        assert_eq!(sheet.size()[0], 4 * 48 + 8);
+        let (x, y) = (GAP + 1, GAP + digits::HEIGHT + GAP / 2);
+        assert_eq!(sheet.pixel(x, y), [1.0; 4]);
+        assert_eq!(sheet.pixel(x, y + 30 + GAP / 2)[..3], error_colors::at(1.0));
+    }
+}

@@ -1,0 +1,79 @@
+//! How often each value occurs, and a drawing of it for a terminal.
+
+use vr_core::{UniformVolume, Voxel, with_grid};
+
+use crate::number;
+
+/// Equal bins from the smallest to the largest finite value of a volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    /// Calibrated values that the bins lie between.
+    pub range: (f64, f64),
+    /// Samples per bin.
+    pub counts: Vec<u64>,
+}
+
+impl Histogram {
+    /// Counts every sample of a volume; `None` where none is finite.
+    pub fn of(volume: &UniformVolume, bins: usize) -> Option<Self> {
+        let range = volume.value_range()?;
+        let (low, high) = volume.census().range?;
+        let (low, high) = (f64::from(low), f64::from(high));
+        let mut counts = with_grid!(volume.grid(), g => counts(g.samples(), low, high, bins));
+        if volume.calibration().slope < 0.0 {
+            counts.reverse();
+        }
+        Some(Self { range, counts })
+    }
+
+    /// Draws the bins as columns, as high as the logarithm of their counts, above the ends of the range.
+    pub fn draw(&self, rows: usize) -> String {
+        /// Heights of an eighth of a row each.
+        const BLOCKS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+        let height = |count: u64| (1.0 + count as f64).ln();
+        let most = self.counts.iter().copied().map(height).fold(0.0, f64::max);
+        let eighths = |count: u64| {
+            let exact = height(count) / most * (8 * rows) as f64;
+            // Whatever occurs at all is seen.
+            (exact.round() as usize).max(usize::from(count > 0))
+        };
+        let mut text = String::new();
+        for row in (0..rows).rev() {
+            let line: String = self.counts.iter().map(|&c| BLOCKS[eighths(c).saturating_sub(8 * row).min(8)]).collect();
+            text += &format!("  {}\n", line.trim_end());
+        }
+        let (low, high) = (number::value(self.range.0), number::value(self.range.1));
+        let gap = self.counts.len().saturating_sub(low.chars().count());
+        text + &format!("  {low}{high:>gap$}\n")
+    }
+}
+
+fn counts<T: Voxel>(samples: &[T], low: f64, high: f64, bins: usize) -> Vec<u64> {
+    let mut counts = vec![0; bins];
+    let scale = if high > low { bins as f64 / (high - low) } else { 0.0 };
+    for sample in samples.iter().filter(|s| !s.is_missing()) {
+        let bin = ((f64::from(sample.to_f32()) - low) * scale) as usize;
+        counts[bin.min(bins - 1)] += 1;
+    }
+    counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_up_to_both_ends() {
+        assert_eq!(counts(&[0u8, 1, 2, 3, 4, 5, 6, 7, 8], 0.0, 8.0, 4), [2, 2, 2, 3]);
+        assert_eq!(counts(&[7u8; 5], 7.0, 7.0, 3), [5, 0, 0]);
+        assert_eq!(counts(&[f32::NAN, 1.0], 1.0, 1.0, 1), [1]);
+    }
+
+    #[test]
+    fn draws_what_occurs_once_and_what_occurs_often() {
+        let h = Histogram { range: (0.0, 255.0), counts: vec![1_000_000, 0, 1] };
+        let drawing = h.draw(2);
+        let lines: Vec<&str> = drawing.lines().collect();
+        assert_eq!(lines, ["  █", "  █ ▁", "  0255"]);
+    }
+}

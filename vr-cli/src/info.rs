@@ -1,0 +1,212 @@
+//! `vr info`.
+
+use serde::Serialize;
+use vr_core::transfer::Preset;
+use vr_core::{Calibration, UniformVolume, VoxelType};
+use vr_io::FileInfo;
+
+use crate::args::InfoArgs;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::histogram::Histogram;
+use crate::number;
+use crate::volume_setup::LoadedVolume;
+
+/// Columns and rows of the drawn histogram.
+const DRAWN: (usize, usize) = (72, 8);
+
+/// Describes a volume.
+///
+/// # Errors
+/// Whatever is wrong with the command line or the file.
+pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
+    let LoadedVolume { volume, title, info, notes } = LoadedVolume::new(&args.volume, console)?;
+    let uniform = volume
+        .uniform()
+        .ok_or_else(|| Failure::failed(format!("{title}: a {} cannot be described yet", volume.kind())))?;
+    let suggest = |range| Preset::suggest(range, uniform.voxel_type().is_integer());
+    let description = Description {
+        title: &title,
+        file: info.as_ref(),
+        uniform,
+        histogram: Histogram::of(uniform, DRAWN.0),
+        presets: volume.value_range().map_or_else(Vec::new, suggest),
+        notes: &notes,
+    };
+    console.result(&description.text(), &description.json())
+}
+
+struct Description<'a> {
+    title: &'a str,
+    /// `None` for a phantom.
+    file: Option<&'a FileInfo>,
+    uniform: &'a UniformVolume,
+    histogram: Option<Histogram>,
+    presets: Vec<Preset>,
+    notes: &'a [String],
+}
+
+impl Description<'_> {
+    fn text(&self) -> String {
+        let u = self.uniform;
+        let dims = u.dims();
+        let mut text = format!("volume       {}\n", self.title);
+        let mut line = |name: &str, what: String| text += &format!("{name:<12} {what}\n");
+        if let Some(file) = self.file {
+            let mapped = if file.mapped { ", mapped into memory" } else { "" };
+            let FileInfo { format, encoding, scalar, endian, .. } = file;
+            line("format", format!("{format}, {encoding} {scalar} {endian}{mapped}"));
+            if file.frames * file.components > 1 {
+                line(
+                    "series",
+                    format!("{} frames of {} components; one of each is shown", file.frames, file.components),
+                );
+            }
+        }
+        line(
+            "size",
+            format!(
+                "{} samples of {}, {}",
+                number::triple(dims, "×"),
+                u.voxel_type(),
+                number::bytes(u.sample_bytes() as u64)
+            ),
+        );
+        let unit = self.file.and_then(|f| f.units.as_deref()).unwrap_or_default();
+        line(
+            "spacing",
+            format!("{} {unit}", number::triple(u.placement().spacing().to_array().map(number::value), " ")),
+        );
+        line("orientation", self.orientation());
+        for row in self.matrix() {
+            line("", format!("[{:>11} {:>11} {:>11} {:>11}]", row[0], row[1], row[2], row[3]));
+        }
+        let Calibration { slope, intercept } = u.calibration();
+        if u.calibration() != Calibration::default() {
+            line("calibration", format!("value = {} · stored + {}", number::value(slope), number::value(intercept)));
+        }
+        let range = u.value_range();
+        line(
+            "values",
+            range.map_or_else(
+                || "none is finite".to_owned(),
+                |(low, high)| format!("{} to {}", number::value(low), number::value(high)),
+            ),
+        );
+        let census = u.census();
+        if census.nan + census.infinite > 0 {
+            line(
+                "missing",
+                format!("{} NaN, {} infinite; cells with such a corner are vacuum", census.nan, census.infinite),
+            );
+        }
+        if !self.presets.is_empty() {
+            let names: Vec<&str> = self.presets.iter().map(|p| p.name()).collect();
+            line("try", format!("--transfer {}", names.join(" | ")));
+        }
+        if let Some(histogram) = &self.histogram {
+            text += &format!("\nhistogram (height: logarithm of the count)\n{}", histogram.draw(DRAWN.1));
+        }
+        text
+    }
+
+    /// Where the world matrix came from, and what its world is.
+    fn orientation(&self) -> String {
+        let Some(file) = self.file else { return "the phantom's own frame".to_owned() };
+        let world = if file.space.is_patient() {
+            format!(
+                "index axes towards {}, world RAS (file: {})",
+                vr_io::orientation(self.uniform.placement()),
+                file.space
+            )
+        } else {
+            "the file's own frame".to_owned()
+        };
+        format!("{world}, placed by {}; index to world:", file.placed_by)
+    }
+
+    /// The rows of the matrix from (x, y, z, 1) to world positions.
+    fn matrix(&self) -> [[String; 4]; 3] {
+        let p = self.uniform.placement();
+        let rows = p.axes().transpose().to_cols_array_2d();
+        let origin = p.origin().to_array();
+        std::array::from_fn(|r| [rows[r][0], rows[r][1], rows[r][2], origin[r]].map(number::value))
+    }
+
+    fn json(&self) -> Json<'_> {
+        let u = self.uniform;
+        let p = u.placement();
+        let Calibration { slope, intercept } = u.calibration();
+        Json {
+            volume: self.title,
+            file: self.file.map(FileJson::of),
+            dims: u.dims(),
+            voxel_type: u.voxel_type(),
+            spacing: p.spacing().to_array(),
+            origin: p.origin().to_array(),
+            axes: p.axes().to_cols_array_2d(),
+            slope,
+            intercept,
+            range: u.value_range().map(|(low, high)| [low, high]),
+            nan: u.census().nan,
+            infinite: u.census().infinite,
+            histogram: self.histogram.as_ref().map(|h| &*h.counts),
+            presets: self.presets.iter().map(|p| p.name()).collect(),
+            notes: self.notes,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    volume: &'a str,
+    file: Option<FileJson<'a>>,
+    dims: [usize; 3],
+    #[serde(rename = "type")]
+    voxel_type: VoxelType,
+    spacing: [f64; 3],
+    origin: [f64; 3],
+    /// World vectors from one sample to the next along x, y and z.
+    axes: [[f64; 3]; 3],
+    slope: f64,
+    intercept: f64,
+    range: Option<[f64; 2]>,
+    nan: usize,
+    infinite: usize,
+    /// Samples in equal bins over `range`.
+    histogram: Option<&'a [u64]>,
+    presets: Vec<&'static str>,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct FileJson<'a> {
+    format: &'a str,
+    encoding: &'a str,
+    #[serde(rename = "type")]
+    scalar: &'static str,
+    endian: String,
+    space: &'static str,
+    placed_by: &'a str,
+    units: Option<&'a str>,
+    frames: usize,
+    components: usize,
+    mapped: bool,
+}
+
+impl<'a> FileJson<'a> {
+    fn of(file: &'a FileInfo) -> Self {
+        Self {
+            format: file.format,
+            encoding: file.encoding,
+            scalar: file.scalar.name(),
+            endian: file.endian.to_string(),
+            space: file.space.name(),
+            placed_by: file.placed_by,
+            units: file.units.as_deref(),
+            frames: file.frames,
+            components: file.components,
+            mapped: file.mapped,
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! Where pictures go.
+
+use std::path::Path;
+
+use crate::failure::Failure;
+
+/// Checks, before the work begins, that a picture can be written to a place: a name that tells the format, in a folder that
+/// exists.
+///
+/// # Errors
+/// [`Failure::Usage`] for another extension, [`Failure::Failed`] for a place that cannot be.
+pub fn check(path: &Path, extensions: &[&str]) -> Result<(), Failure> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    if !extension.as_deref().is_some_and(|e| extensions.contains(&e)) {
+        let found = extension.unwrap_or_else(|| "nothing".to_owned());
+        let allowed = extensions.join(" or ");
+        return Err(Failure::usage(format!("{}: extension: found {found}; must be {allowed}", path.display())));
+    }
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if path.is_dir() || !folder.is_dir() {
+        let what = if path.is_dir() { "is a folder" } else { "its folder does not exist" };
+        return Err(Failure::failed(format!("{}: cannot be written: {what}", path.display())));
+    }
+    Ok(())
+}

@@ -1,0 +1,178 @@
+//! Flags override the scene file.
+
+use std::path::Path;
+
+use vr_core::scene_file::{ClipSection, LightEntry, PlaneEntry, PointEntry, SceneFile, TransferSection, VolumeSection};
+
+use crate::args::{CameraArgs, CompositingArgs, ImageArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs};
+
+/// Writes flags into a scene file, and remembers which fields they set: a complaint about one of those is about the command
+/// line.
+#[derive(Debug, Default)]
+pub struct Overrides {
+    fields: Vec<&'static str>,
+    /// Whether there is a scene file, whose folder the paths in it are relative to.
+    over_file: bool,
+}
+
+impl Overrides {
+    /// Writes every flag of a scene but the camera's, which needs the volume.
+    pub fn apply(&mut self, args: &SceneArgs, file: &mut SceneFile) {
+        self.over_file = args.scene.is_some();
+        self.volume(&args.volume, &mut file.volume);
+        self.set("volume.filter", args.filter, &mut file.volume.filter);
+        self.transfer(&args.transfer, file);
+        self.shading(&args.shading, file);
+        self.image(&args.image, file);
+        self.compositing(&args.compositing, file);
+    }
+
+    /// Remembers what flags say about the camera.
+    pub fn camera(&mut self, args: &CameraArgs) {
+        let CameraArgs { azimuth, elevation, eye, target, up, projection, height, fov } = args;
+        let flags = [
+            ("camera.azimuth", azimuth.is_some()),
+            ("camera.elevation", elevation.is_some()),
+            ("camera.eye", eye.is_some() || target.is_some()),
+            ("camera.target", target.is_some()),
+            ("camera.up", up.is_some() || eye.is_some() || target.is_some()),
+            ("camera.height", height.is_some() || projection.is_some()),
+            ("camera.fov", fov.is_some() || projection.is_some()),
+        ];
+        self.fields.extend(flags.into_iter().filter(|f| f.1).map(|f| f.0));
+    }
+
+    /// Notes that a flag set a field, named as error messages name it.
+    fn note(&mut self, field: &'static str) {
+        self.fields.push(field);
+    }
+
+    /// Whether a flag set a field, or a part of it.
+    pub fn set_by_flag(&self, field: &str) -> bool {
+        self.fields.iter().any(|f| field.starts_with(f))
+    }
+
+    fn set<T>(&mut self, field: &'static str, flag: Option<T>, value: &mut T) {
+        if let Some(flag) = flag {
+            *value = flag;
+            self.note(field);
+        }
+    }
+
+    fn set_some<T>(&mut self, field: &'static str, flag: Option<T>, value: &mut Option<T>) {
+        if flag.is_some() {
+            *value = flag;
+            self.note(field);
+        }
+    }
+
+    /// A path of the command line is relative to the working directory, not to the scene file.
+    fn from_here(&self, path: &Path) -> String {
+        let absolute = if self.over_file { std::path::absolute(path).ok() } else { None };
+        absolute.as_deref().unwrap_or(path).to_string_lossy().into_owned()
+    }
+
+    /// Writes the flags of `[volume]`, the filter's apart.
+    pub fn volume(&mut self, args: &VolumeArgs, section: &mut VolumeSection) {
+        if args.path.is_some() || args.phantom.is_some() {
+            // Another volume: what the file says about its own is void, the filter apart.
+            *section = VolumeSection { filter: section.filter, ..VolumeSection::default() };
+        }
+        let path = args.path.as_deref().map(|p| self.from_here(p));
+        self.set_some("volume.path", path, &mut section.path);
+        self.set_some("volume.phantom", args.phantom.clone(), &mut section.phantom);
+        self.set_some("volume.size", args.phantom_size, &mut section.size);
+        self.set_some("volume.frame", args.frame, &mut section.frame);
+        self.set_some("volume.component", args.component, &mut section.component);
+        self.set_some("volume.dims", args.dims, &mut section.dims);
+        self.set_some("volume.type", args.voxel_type.clone(), &mut section.voxel_type);
+        self.set_some("volume.endian", args.endian.clone(), &mut section.endian);
+        self.set_some("volume.skip", args.skip, &mut section.skip);
+        self.set_some("volume.spacing", args.spacing, &mut section.spacing);
+        self.set_some("volume.origin", args.origin, &mut section.origin);
+    }
+
+    fn transfer(&mut self, args: &TransferArgs, file: &mut SceneFile) {
+        let TransferArgs { transfer, point, range, unit_distance, opacity_rule, colors } = args;
+        let mut section = file.transfer.clone().unwrap_or_default();
+        if let Some(transfer) = transfer {
+            let TransferSection { unit_distance, opacity_rule, .. } = section;
+            section = TransferSection { unit_distance, opacity_rule, ..TransferSection::default() };
+            if Path::new(transfer).extension().is_some() {
+                section.file = Some(self.from_here(Path::new(transfer)));
+                self.note("transfer.file");
+            } else {
+                section.preset = Some(transfer.clone());
+                self.note("transfer.preset");
+            }
+        }
+        if !point.is_empty() {
+            let entry =
+                |&[value, r, g, b, opacity]: &[f64; 5]| PointEntry { value, color: [r, g, b], opacity, emission: None };
+            section.points = Some(point.iter().map(entry).collect());
+            (section.preset, section.file) = (None, None);
+            self.note("transfer.points");
+        }
+        self.set_some("transfer.range", *range, &mut section.range);
+        self.set_some("transfer.unit_distance", *unit_distance, &mut section.unit_distance);
+        self.set("transfer.opacity_rule", *opacity_rule, &mut section.opacity_rule);
+        self.set("transfer.colors", *colors, &mut section.colors);
+        if section != TransferSection::default() {
+            file.transfer = Some(section);
+        }
+    }
+
+    fn shading(&mut self, args: &ShadingArgs, file: &mut SceneFile) {
+        if args.no_shading {
+            file.shading = None;
+            return;
+        }
+        let before = self.fields.len();
+        let mut section = file.shading.clone().unwrap_or_default();
+        self.set("shading.ambient", args.ambient, &mut section.ambient);
+        self.set("shading.diffuse", args.diffuse, &mut section.diffuse);
+        self.set("shading.specular", args.specular, &mut section.specular);
+        self.set("shading.power", args.power, &mut section.power);
+        self.set("shading.gradient", args.gradient, &mut section.gradient);
+        if !args.light.is_empty() {
+            let entry = |&d: &[f64; 3]| LightEntry { headlight: false, direction: Some(d), color: [1.0; 3] };
+            section.lights = args.light.iter().map(entry).collect();
+            self.note("shading.lights");
+        }
+        if !args.gradient_opacity.is_empty() {
+            section.gradient_opacity.clone_from(&args.gradient_opacity);
+            self.note("shading.gradient_opacity");
+        }
+        if args.shading || self.fields.len() > before {
+            file.shading = Some(section);
+        }
+    }
+
+    fn image(&mut self, args: &ImageArgs, file: &mut SceneFile) {
+        self.set("image.size", args.size, &mut file.image.size);
+        self.set("image.samples", args.samples, &mut file.image.samples);
+        self.set("image.background", args.background, &mut file.image.background);
+        let mut clip = file.clip.clone().unwrap_or_default();
+        self.set_some("clip.box", args.crop, &mut clip.crop);
+        if !args.clip_plane.is_empty() {
+            clip.planes = args.clip_plane.iter().map(|&(normal, offset)| PlaneEntry { normal, offset }).collect();
+            self.note("clip.planes");
+        }
+        if clip != ClipSection::default() {
+            file.clip = Some(clip);
+        }
+    }
+
+    fn compositing(&mut self, args: &CompositingArgs, file: &mut SceneFile) {
+        if let Some(name) = args.compositing {
+            file.render.compositing = name;
+            (file.render.threshold, file.render.level) = (None, None);
+            self.note("render.compositing");
+            // A scheme that lacks its parameter, too, is the command line's fault.
+            self.note("render.threshold");
+            self.note("render.level");
+        }
+        self.set_some("render.threshold", args.threshold, &mut file.render.threshold);
+        self.set_some("render.level", args.level, &mut file.render.level);
+    }
+}

@@ -1,0 +1,70 @@
+//! Every renderer that `vr` knows.
+
+use std::fmt::Write;
+
+use vr_core::{OptionValue, Options, ParameterError, RenderError, Renderer};
+use vr_physics::Reference;
+use vr_raycast::RayCaster;
+
+/// All of them, one line each.
+pub fn all() -> Vec<Box<dyn Renderer>> {
+    vec![Box::new(RayCaster::default()), Box::new(Reference::default())]
+}
+
+/// The renderer of a name.
+///
+/// # Errors
+/// What is wrong with the name, in one line.
+pub fn named(name: &str) -> Result<Box<dyn Renderer>, String> {
+    let known = all();
+    let names = known.iter().map(|r| r.name()).collect::<Vec<_>>().join(", ");
+    known
+        .into_iter()
+        .find(|r| r.name() == name)
+        .ok_or_else(|| format!("render.renderer: found {name:?}; must be one of {names}"))
+}
+
+/// Options with those that the command line sets, as it spells them.
+pub fn with_flags(mut options: Options, flags: &[(String, String)]) -> Options {
+    for (key, value) in flags {
+        options.0.insert(key.clone(), OptionValue::parse(value));
+    }
+    options
+}
+
+/// Options under which a renderer promises a largest error: those that can have an option `tolerance`, in which the promise
+/// is expressed; the others refuse.
+///
+/// # Errors
+/// A renderer that cannot promise, or a promise that no picture can keep.
+pub fn promise(renderer: &dyn Renderer, options: Options, max_error: f64) -> Result<Options, RenderError> {
+    /// Frames are f32: rounding is half of this at most.
+    const LEAST: f64 = 1e-6;
+    const MOST: f64 = 1e-2;
+    if !renderer.options().iter().any(|option| option.key == TOLERANCE) {
+        let feature = "max_error: it cannot promise one".to_owned();
+        return Err(RenderError::Unsupported { renderer: renderer.name(), feature });
+    }
+    if max_error.is_nan() || max_error < LEAST {
+        return Err(
+            ParameterError::new("render.max_error", max_error, "must be at least 1e-6: pictures are f32").into()
+        );
+    }
+    Ok(options.with(TOLERANCE, (0.5 * max_error).min(MOST)))
+}
+
+/// The option in which a promise is expressed.
+const TOLERANCE: &str = "tolerance";
+
+/// What `--set` takes, for the help text.
+pub fn option_help() -> String {
+    let mut text = String::new();
+    for renderer in all() {
+        let _ = writeln!(text, "Options of {} (--set KEY=VALUE):", renderer.name());
+        for option in renderer.options() {
+            let _ = writeln!(text, "  {}={}  {} ({})", option.key, option.default, option.help, option.kind);
+        }
+        text.push('\n');
+    }
+    text
+}

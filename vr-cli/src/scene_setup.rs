@@ -1,0 +1,145 @@
+//! From the command line to a scene that can be drawn.
+
+use std::path::{Path, PathBuf};
+
+use vr_core::scene_file::{SceneFile, VolumeSection};
+use vr_core::{OptionError, Options, ParameterError, RenderError, Renderer, Scene, View, Volume};
+use vr_io::{LoadedScene, SceneFileError};
+
+use crate::args::{RendererArgs, SceneArgs};
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::overrides::Overrides;
+use crate::{camera_flags, number, renderers};
+
+/// What is drawn where nothing is named.
+const EMBEDDED: &str = include_str!("embedded.toml");
+
+/// A scene and a view, and where they came from.
+pub struct Setup {
+    /// The scene.
+    pub scene: Scene,
+    /// The view.
+    pub view: View,
+    /// What the volume is, in a few words.
+    pub title: String,
+    /// What was assumed.
+    pub notes: Vec<String>,
+    renderer: String,
+    options: Options,
+    max_error: Option<f64>,
+    origin: Origin,
+}
+
+impl Setup {
+    /// Reads the scene file (or takes the embedded scene, where no volume is named either) and everything that it names,
+    /// with the flags in place of what they override. Tells what was assumed.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the flags, the files, or the scene.
+    pub fn new(args: &SceneArgs, console: Console) -> Result<Self, Failure> {
+        let mut file = match &args.scene {
+            Some(path) => vr_io::read_scene(path).map_err(Failure::failed)?,
+            None => default_scene(args.volume.path.is_some() || args.volume.phantom.is_some())?,
+        };
+        let mut origin = Origin { scene_file: args.scene.clone(), overrides: Overrides::default() };
+        origin.overrides.apply(args, &mut file);
+        let path = args.scene.as_deref().unwrap_or(Path::new(""));
+        let LoadedScene { scene, mut view, renderer, options, max_error, notes, .. } =
+            vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
+
+        let own = file.camera.is_some().then_some(view.camera);
+        origin.overrides.camera(&args.camera);
+        view.camera =
+            camera_flags::apply(&args.camera, own, scene.volume.bounds()).map_err(|e| origin.parameter(&e))?;
+        for note in &notes {
+            console.note(note);
+        }
+        let title = title(&file.volume, &scene.volume);
+        Ok(Self { scene, view, title, notes, renderer, options, max_error, origin })
+    }
+
+    /// The renderer that flags or the scene file ask for, with its options set.
+    ///
+    /// # Errors
+    /// An unknown renderer, an option that it does not have or take, or a promise that it cannot make.
+    pub fn renderer(&self, args: &RendererArgs) -> Result<Box<dyn Renderer>, Failure> {
+        let complaint = |by_flag: bool, message: String| match &self.origin.scene_file {
+            Some(path) if !by_flag => Failure::failed(format!("{}: {message}", path.display())),
+            _ => Failure::usage(message),
+        };
+        let name = args.renderer.as_ref().unwrap_or(&self.renderer);
+        let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
+        let mut options = renderers::with_flags(self.options.clone(), &args.set);
+        if let Some(max_error) = args.max_error.or(self.max_error) {
+            options = renderers::promise(&*renderer, options, max_error)
+                .map_err(|e| complaint(args.max_error.is_some() || args.renderer.is_some(), e.to_string()))?;
+        }
+        renderer.configure(&options).map_err(|e| {
+            let by_flag = match &e {
+                OptionError::Unknown { key, .. } | OptionError::Value { key, .. } => {
+                    args.renderer.is_some() || args.set.iter().any(|(k, _)| k == key)
+                }
+                _ => false,
+            };
+            complaint(by_flag, e.to_string())
+        })
+    }
+
+    /// Why there is no picture.
+    pub fn render_failure(&self, error: RenderError) -> Failure {
+        match error {
+            RenderError::Parameter(e) => self.origin.parameter(&e),
+            other => Failure::failed(other),
+        }
+    }
+}
+
+/// The embedded scene; or, where a volume is named, a scene of which everything else is absent.
+pub fn default_scene(volume_named: bool) -> Result<SceneFile, Failure> {
+    if volume_named {
+        return Ok(SceneFile::default());
+    }
+    vr_io::parse_scene(EMBEDDED, Path::new("the embedded scene")).map_err(Failure::failed)
+}
+
+/// `phantom fog, 64×64×64 f32`.
+pub fn title(section: &VolumeSection, volume: &Volume) -> String {
+    let name = match (&section.path, &section.phantom) {
+        (Some(path), _) => path.clone(),
+        (None, Some(phantom)) => format!("phantom {phantom}"),
+        (None, None) => "inline data".to_owned(),
+    };
+    match volume.uniform() {
+        Some(u) => format!("{name}, {} {}", number::triple(u.dims(), "×"), u.voxel_type()),
+        None => format!("{name}, {}", volume.kind()),
+    }
+}
+
+/// Who said what: it decides how a complaint is worded, and the exit code.
+#[derive(Default)]
+pub struct Origin {
+    scene_file: Option<PathBuf>,
+    /// What flags set.
+    pub overrides: Overrides,
+}
+
+impl Origin {
+    /// A wrong parameter is the scene file's, unless a flag set it or there is no file.
+    fn parameter(&self, error: &ParameterError) -> Failure {
+        match &self.scene_file {
+            Some(path) if !self.overrides.set_by_flag(&error.field) => {
+                Failure::failed(format!("{}: {error}", path.display()))
+            }
+            _ => Failure::usage(error),
+        }
+    }
+
+    /// Why there is no scene.
+    pub fn scene_failure(&self, error: SceneFileError) -> Failure {
+        match error {
+            SceneFileError::Parameter { source, .. } => self.parameter(&source),
+            other => Failure::failed(other),
+        }
+    }
+}

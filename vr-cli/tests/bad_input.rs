@@ -1,0 +1,192 @@
+//! Whatever is wrong gets one line, an exit code of 1 or 2, and leaves no file behind.
+
+mod common;
+
+use std::time::{Duration, Instant};
+
+use common::{Vr, test_data};
+
+/// Runs `vr render` and expects an error that contains all the words.
+#[track_caller]
+fn refused(vr: &Vr, arguments: &str, code: i32, words: &[&str]) {
+    let before = vr.files();
+    let error = vr.run(&format!("render --size 8 --error none {arguments}")).failed(code);
+    for word in words {
+        assert!(error.contains(word), "{arguments}: no {word:?} in {error}");
+    }
+    assert_eq!(vr.files(), before, "{arguments}");
+}
+
+#[test]
+fn flags_that_cannot_be() {
+    let vr = Vr::new();
+    for (arguments, words) in [
+        ("--size 0x8", &["size", "[0, 8]"][..]),
+        ("--size big", &["--size", "big", "512x256"]),
+        ("--samples 0", &["samples", "0"]),
+        ("--eye 0,0,0 --target 0,0,0", &["camera.eye", "differ"]),
+        ("--eye 0,0,9 --target 0,0,0 --up 0,0,1", &["camera.up", "parallel"]),
+        ("--eye nan,0,0", &["camera.eye", "finite"]),
+        ("--fov 180", &["camera.fov", "180"]),
+        ("--height 0", &["camera.height", "0"]),
+        ("--transfer ct-bones", &["ct-bones", "ct-bone"]),
+        ("--phantom teapot", &["teapot", "fog"]),
+        ("--phantom fog --phantom-size 1", &["1"]),
+        ("--renderer raytrace", &["raytrace", "raycast", "physics"]),
+        ("--set stop=1", &["stop", "step"]),
+        ("--set step=-1", &["step", "-1"]),
+        ("--set step", &["KEY=VALUE"]),
+        ("--filter linear", &["linear", "trilinear"]),
+        ("--point 1,0,0,0,0.5 --point 0,0,0,0,0.5", &["points[1].value", "sorted"]),
+        ("--point 1,0,0,0,1.5", &["points[0].opacity", "1.5", "[0, 1]"]),
+        ("--point 1,0,0,0,nan", &["points[0].opacity", "NaN"]),
+        ("--point 1,0,0,-1,0.5", &["points[0].color", "-1"]),
+        ("--unit-distance 0", &["unit_distance", "0"]),
+        ("--crop 1,1,1,0,0,0", &["clip.box"]),
+        ("--clip-plane 0,0,0,1", &["clip.planes[0]"]),
+        ("--background nan,0,0", &["background"]),
+        ("--threshold 3", &["threshold", "first"]),
+        ("--compositing first", &["threshold"]),
+        ("--compositing accumulate --level 2", &["level", "2"]),
+        ("--ambient -1", &["shading.ambient", "-1"]),
+        ("--light 0,0,0", &["shading.lights[0]"]),
+        ("--max-error 0.001", &["raycast", "max"]),
+        ("--threads 0", &["--threads", "0"]),
+        ("--sise 9", &["--sise", "--size"]),
+        ("-o x.jpg", &["x.jpg", "png", "exr"]),
+        ("-o x", &["png", "exr"]),
+        ("a.nrrd --phantom fog", &["--phantom"]),
+        ("x.raw --dims 2x2x2", &["--type"]),
+    ] {
+        refused(&vr, arguments, 2, words);
+    }
+    vr.run("").failed(2);
+    vr.run("draw").failed(2);
+}
+
+#[test]
+fn places_that_cannot_be_written() {
+    let vr = Vr::new();
+    std::fs::create_dir(vr.folder().join("folder.png")).unwrap();
+    refused(&vr, "-o nowhere/x.png", 1, &["nowhere/x.png", "written"]);
+    refused(&vr, "-o folder.png", 1, &["folder.png", "written"]);
+    // Nothing can be made in /proc, not even by root.
+    if cfg!(target_os = "linux") {
+        refused(&vr, "-o /proc/x.png", 1, &["/proc/x.png", "written"]);
+    }
+}
+
+#[test]
+fn volumes_that_cannot_be() {
+    let vr = Vr::new();
+    refused(&vr, "missing.nrrd", 1, &["missing.nrrd"]);
+    vr.write("text.nrrd", "hello");
+    refused(&vr, "text.nrrd", 1, &["text.nrrd"]);
+    vr.write("short_4x4x4_uint8.raw", [0; 63]);
+    refused(&vr, "short_4x4x4_uint8.raw", 1, &["short_4x4x4_uint8.raw", "64", "63"]);
+    vr.write("flat_4x4x1_uint8.raw", [0; 16]);
+    refused(&vr, "flat_4x4x1_uint8.raw", 1, &["flat_4x4x1_uint8.raw", "2"]);
+    refused(&vr, ".", 1, &["."]);
+    vr.write("x.bin", [0; 8]);
+    refused(&vr, "x.bin --dims 2x2x2 --type u8 --spacing 0,1,1", 1, &["spacing", "0"]);
+    refused(&vr, "x.bin --dims 2x2x2 --type quaternion", 2, &["quaternion"]);
+    refused(&vr, "x.bin --dims 2x2x2 --type u8 --endian middle", 2, &["middle"]);
+}
+
+#[test]
+fn scene_files_that_cannot_be() {
+    let vr = Vr::new();
+    let inline = "[volume]\ndata = [0, 1, 2, 3, 4, 5, 6, 7]\ndims = [2, 2, 2]\n";
+    let point = |value: &str, opacity: &str| format!("{{value = {value}, color = [0, 0, 0], opacity = {opacity}}}");
+    let points = |a: String, b: String| format!("{inline}[transfer]\npoints = [{a}, {b}]\n");
+    let camera =
+        |eye: &str, up: &str| format!("{inline}[camera]\neye = [{eye}]\ntarget = [1, 1, 1]\nup = [{up}]\nheight = 3\n");
+    let scenes: Vec<(String, &[&str])> = vec![
+        ("[volume\n".to_owned(), &["bad.toml"]),
+        ("[volum]\n".to_owned(), &["volum", "volume"]),
+        (format!("{inline}[image]\nsise = [8, 8]\n"), &["sise", "size"]),
+        (format!("{inline}[render]\nstop = 3\n"), &["stop", "step"]),
+        (format!("{inline}[render]\nrenderer = \"raytrace\"\n"), &["raytrace", "raycast"]),
+        (format!("{inline}[transfer]\npoints = []\n"), &["transfer.points"]),
+        (points(point("1.0", "0.5"), point("0.0", "0.5")), &["transfer.points[1].value", "sorted"]),
+        (points(point("0.0", "0.5"), point("1.0", "1.5")), &["transfer.points[1].opacity", "1.5"]),
+        (points(point("0.0", "-0.5"), point("1.0", "0.5")), &["transfer.points[0].opacity", "-0.5"]),
+        (points(point("0.0", "nan"), point("1.0", "0.5")), &["transfer.points[0].opacity", "NaN"]),
+        (points(point("nan", "0.0"), point("1.0", "0.5")), &["transfer.points[0].value", "NaN"]),
+        (format!("{inline}[transfer]\npreset = \"ct-bones\"\n"), &["ct-bones"]),
+        (camera("1, 1, 1", "0, 1, 0"), &["camera.eye", "differ"]),
+        (camera("1, 9, 1", "0, 1, 0"), &["camera.up", "parallel"]),
+        (camera("1, nan, 1", "0, 1, 0"), &["camera.eye", "finite"]),
+        ("[volume]\ndata = [0, 1]\ndims = [2, 2, 2]\n".to_owned(), &["2"]),
+        (format!("{inline}spacing = [1, 0, 1]\n"), &["spacing", "0"]),
+        (format!("{inline}spacing = [1, nan, 1]\n"), &["spacing", "NaN"]),
+        (format!("{inline}direction = [[1, 0, 0], [0, 1, 0], [1, 1, 0]]\n"), &["direction"]),
+        (format!("{inline}type = \"u9\"\n"), &["u9", "u8"]),
+        ("[volume]\nphantom = \"teapot\"\n".to_owned(), &["teapot"]),
+        ("[volume]\npath = \"missing.nrrd\"\n".to_owned(), &["missing.nrrd"]),
+    ];
+    for (scene, words) in scenes {
+        vr.write("bad.toml", &scene);
+        let error = vr.run("render --error none --scene bad.toml").failed(1);
+        for word in words.iter().chain(&["bad.toml"]) {
+            assert!(error.contains(word), "{scene}: no {word:?} in {error}");
+        }
+        assert_eq!(vr.files(), ["bad.toml"]);
+    }
+    vr.write("bad.toml", format!("{inline}[image]\nsize = [0, 8]\n"));
+    vr.run("render --error none --scene bad.toml").failed(1);
+    vr.run("render --error none --scene missing.toml").failed(1);
+}
+
+/// Files under `bad/` that hold a volume all the same, or one of several.
+const VALID: [&str; 5] =
+    ["constant.nrrd", "nan_inf.nrrd", "nan_be_f32.nii", "nifti_slope_zero.nii", "nan_spacing.nrrd"];
+
+#[test]
+fn broken_files_of_every_kind_are_refused() {
+    let Some(data) = test_data() else { return };
+    let vr = Vr::new();
+    let mut met = 0;
+    for entry in std::fs::read_dir(data.join("bad")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let start = Instant::now();
+        let run = vr.run_with(&["render", path.to_str().unwrap(), "--size", "16", "--error", "none", "-o", "x.png"]);
+        assert!(start.elapsed() < Duration::from_secs(10), "{name} takes {:?}", start.elapsed());
+        if VALID.contains(&name.as_str()) && run.code == 0 {
+            std::fs::remove_file(vr.folder().join("x.png")).unwrap();
+        } else {
+            let error = run.failed(1);
+            assert!(error.contains(&name), "{error}");
+            println!("{error}");
+        }
+        assert!(vr.files().is_empty(), "{name} leaves {:?}", vr.files());
+        met += 1;
+    }
+    assert!(met > 40, "only {met} files");
+}
+
+#[test]
+fn real_files_render() {
+    let Some(data) = test_data() else { return };
+    let vr = Vr::new();
+    for file in [
+        "nrrd/tooth.nhdr",
+        "nrrd/stent.nrrd",
+        "nrrd/headsq/quarter.nhdr",
+        "nifti/FLAIR.nii.gz",
+        "nifti/shear.nii.gz",
+        "nifti/anatomical_be.nii",
+        "metaimage/HeadMRVolume.mhd",
+        "metaimage/cthead_256x256x99.mhd",
+        "raw/fuel_64x64x64_uint8.raw",
+        "raw/engine_256x256x128_uint8.raw.gz",
+    ] {
+        let path = data.join(file);
+        let path = path.to_str().unwrap();
+        vr.run_with(&["render", path, "--size", "32", "--error", "none", "-o", "x.png"]).succeeded();
+        let lit = vr.picture("x.png").to_rgb8().pixels().filter(|p| p.0.iter().any(|&c| c > 8)).count();
+        assert!(lit > 30, "{file}: {lit} pixels show anything");
+        vr.run_with(&["info", path]).succeeded();
+    }
+}
