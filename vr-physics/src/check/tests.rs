@@ -52,7 +52,7 @@ const FRAME_ROUNDING: f64 = 6.0e-8;
 #[test]
 fn the_reference_passes_its_own_checks() {
     let reference = Reference::default();
-    // With the Gaussian filter the reference does not come to an end on one tame scene in a few hundred (the 20th of this seed).
+    // The Gaussian filter: see the next test.
     let ends = |t: &TestScene| t.scene.filter != Filter::Gaussian;
     let (tame, any) = (tame_scene().prop_filter("ends", ends), scene().prop_filter("ends", ends));
     let tame = agrees_with_reference_on(&reference, tame, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();
@@ -60,10 +60,26 @@ fn the_reference_passes_its_own_checks() {
     for report in [tame, any] {
         assert_eq!((report.refused, report.skipped), (0, 0), "{report}");
     }
-    for report in obeys_invariants(&reference, 4.0 * FRAME_ROUNDING, &effort(16)).unwrap() {
-        println!("{report}");
-    }
+    use invariants::*;
+    let (slack, few) = (4.0 * FRAME_ROUNDING, effort(16));
+    let check = |result: Result<Report, CheckFailure>| println!("{}", result.unwrap());
+    check(stays_in_range(&reference, slack, &few));
+    check(is_linear_in_emission(&reference, slack, &few));
+    check(ignores_threads(&reference, &few));
+    check(forgets_earlier_frames(&reference, &few));
     println!("{}", survives_hard_cases(&reference, |_| FRAME_ROUNDING, &reference).unwrap());
+}
+
+#[test]
+#[ignore = "with the Gaussian filter the reference does not come to an end on some tame scenes"]
+fn the_reference_passes_with_the_gaussian_filter_too() {
+    let reference = Reference::default();
+    let gaussian = tame_scene().prop_map(|mut t| {
+        t.scene.filter = Filter::Gaussian;
+        t
+    });
+    agrees_with_reference_on(&reference, gaussian, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();
+    obeys_invariants(&reference, 4.0 * FRAME_ROUNDING, &effort(64)).unwrap();
 }
 
 #[test]
