@@ -31,7 +31,7 @@ impl LoadedVolume {
     pub fn new(args: &VolumeArgs, console: Console) -> Result<Self, Failure> {
         let mut file = default_scene(args.path.is_some() || args.phantom.is_some())?;
         let mut origin = Origin::default();
-        origin.overrides.volume(args, &mut file.volume);
+        origin.overrides.volume(args, &mut file.volume)?;
         // Nothing is drawn: nothing has to be assumed about how.
         let unused =
             TransferSection { preset: Some("grey".to_owned()), unit_distance: Some(1.0), ..Default::default() };
