@@ -42,6 +42,8 @@ pub struct Leaf<'a> {
     half: f64,
     shade: Option<Shade<'a>>,
     alpha: Linear,
+    /// 1 − α at the middle, with all its digits however close α comes to 1.
+    clear: f64,
     color: [Linear; 3],
     emission: [Linear; 3],
 }
@@ -91,6 +93,11 @@ impl<'a> Leaf<'a> {
         // Not clamped as Segment::at does: the line must go on for the bounds to hold.
         let t = if span.is_finite() { (f0 - segment.from) / span } else { 0.0 };
         let alpha = linear(start.opacity + t * (end.opacity - start.opacity), start.opacity, end.opacity);
+        // From the end where less is clear: a sum of two numbers that are not negative.
+        let (less, at_less) =
+            if start.opacity > end.opacity { (start.opacity, segment.from) } else { (end.opacity, segment.to) };
+        let clear =
+            if alpha.slope == 0.0 { 1.0 - alpha.middle } else { (1.0 - less) + (alpha.slope * (f0 - at_less)).abs() };
         let shade = optics.shading.as_ref().and_then(|(shading, ray)| {
             let g = model.gradient.as_ref()?;
             let dot = |v: [f64; 3]| g[0] * v[0] + g[1] * v[1] + g[2] * v[2];
@@ -110,6 +117,7 @@ impl<'a> Leaf<'a> {
             half,
             shade,
             alpha,
+            clear,
             color: std::array::from_fn(|c| linear(at.color[c], start.color[c], end.color[c])),
             emission: std::array::from_fn(|c| linear(at.emission[c], start.emission[c], end.emission[c])),
         }
@@ -155,15 +163,12 @@ impl<'a> Leaf<'a> {
                 (r / unit, k - r / unit, k + r / unit, r / unit)
             }
             OpacityRule::Power => {
-                let w = 1.0 - self.alpha.middle;
+                let w = self.clear;
                 if r + 2.0 * self.noise() >= w {
                     return None;
                 }
-                let ln = |x: f64| libm::log1p(x);
-                // ln(w ± r) as ln(1 − α₀ ± r) keeps a faint κ's digits.
-                let low = -ln(r - self.alpha.middle) / unit;
-                let high = -ln(-r - self.alpha.middle) / unit;
-                (-ln(-r / w) / unit, low, high, libm::asin(r / w) / unit)
+                let kappa = |change: f64| self.extinction_of(self.alpha.middle + change, w - change);
+                (-libm::log1p(-r / w) / unit, kappa(-r), kappa(r), libm::asin(r / w) / unit)
             }
         };
         let mut size_of_kappa = high.abs().max(low.abs()) + turn;
@@ -268,15 +273,19 @@ impl<'a> Leaf<'a> {
         let length = 2.0 * self.half;
         let delta = model.field_error;
         let unit = self.optics.transfer.unit_distance();
+        // How far off the opacity may be, and what that does to κ (a constant opacity is exact).
+        let relative = if self.alpha.slope == 0.0 { 0.0 } else { 8.0 * f64::EPSILON };
+        let off = self.alpha.slope.abs() * delta
+            + relative * self.alpha.bound(model.field.spread(1.0)).min(self.clear.max(f64::EPSILON));
         let steepness = match self.optics.transfer.rule() {
-            OpacityRule::Extinction => self.alpha.slope.abs() / unit,
+            OpacityRule::Extinction => 1.0 / unit,
             OpacityRule::Power => {
-                let w = 1.0 - self.alpha.middle - self.alpha.slope.abs() * (model.field.spread(1.0) + delta);
-                self.alpha.slope.abs() / (unit * w.max(f64::MIN_POSITIVE))
+                let w = self.clear - self.alpha.slope.abs() * model.field.spread(1.0) - off;
+                1.0 / (unit * w.max(f64::MIN_POSITIVE))
             }
         };
         let factor = self.shade.as_ref().map_or(1.0, |s| s.modulation.abs().max(1.0));
-        let mut depth_error = length * steepness * delta * factor + 24.0 * f64::EPSILON * depth;
+        let mut depth_error = length * steepness * off * factor + 24.0 * f64::EPSILON * depth;
         let slope = |l: &[Linear; 3]| l.iter().map(|l| l.slope.abs()).fold(0.0, f64::max);
         let color = self.color.iter().map(|l| l.bound(model.field.spread(1.0))).fold(0.0, f64::max);
         let mut light_error = 24.0 * f64::EPSILON * magnitude;
@@ -311,10 +320,20 @@ impl<'a> Leaf<'a> {
         Some(rule.nodes.iter().map(|&t| ray.reflect(g.map(|p| p.at(t)))).collect())
     }
 
+    /// κ of an opacity α and of 1 − α, whichever has the digits.
+    fn extinction_of(&self, alpha: f64, clear: f64) -> f64 {
+        let unit = self.optics.transfer.unit_distance();
+        match self.optics.transfer.rule() {
+            OpacityRule::Extinction => alpha / unit,
+            OpacityRule::Power if alpha < 0.5 => -libm::log1p(-alpha) / unit,
+            OpacityRule::Power => -libm::log(clear) / unit,
+        }
+    }
+
     fn extinction_at(&self, t: f64, f: f64) -> f64 {
         let f0 = self.model.field.coefficients()[0];
-        let alpha = (self.alpha.middle + self.alpha.slope * (f - f0)).clamp(0.0, 1.0);
-        let kappa = self.optics.transfer.extinction(alpha);
+        let change = self.alpha.slope * (f - f0);
+        let kappa = self.extinction_of(self.alpha.middle + change, self.clear - change);
         match &self.shade {
             Some(s) if !s.shading.gradient_opacity.is_empty() => {
                 kappa * s.shading.modulation(s.square.at(t).max(0.0).sqrt())
@@ -325,14 +344,14 @@ impl<'a> Leaf<'a> {
 
     /// How far rounding and the field's error may move the opacity.
     fn noise(&self) -> f64 {
-        self.alpha.slope.abs() * self.model.field_error + 2.0 * f64::EPSILON
+        self.alpha.slope.abs() * self.model.field_error + 8.0 * f64::EPSILON * self.clear
     }
 
     /// The largest 1 − α on the stretch, at a few points.
     pub fn clearest(&self) -> f64 {
         let field = &self.model.field;
-        let alpha = |t: f64| self.alpha.middle + self.alpha.slope * (field.at(t) - field.coefficients()[0]);
-        [-1.0, -0.5, 0.0, 0.5, 1.0].map(|t| 1.0 - alpha(t)).into_iter().fold(0.0, f64::max)
+        let clear = |t: f64| self.clear - self.alpha.slope * (field.at(t) - field.coefficients()[0]);
+        [-1.0, -0.5, 0.0, 0.5, 1.0].map(clear).into_iter().fold(0.0, f64::max)
     }
 
     /// A crude enclosure, for stretches so short that nothing more is worth while: around an opacity that touches 1, or a

@@ -254,7 +254,9 @@ impl Walk<'_> {
             let above = optics.transfer.segment_at(v + 2.0 * band);
             segment = self.doubtful(model, below, above, half, in_front);
         }
-        let is_wall = segment.is_opaque() && optics.has_walls() && !self.is_modulated();
+        // A constant field on a value where α only touches 1 has α = 1 over a length, too.
+        let opaque = segment.is_opaque() || model.field.is_constant() && segment.at(value).opacity == 1.0;
+        let is_wall = opaque && optics.has_walls() && !self.is_modulated();
         if jump.is_none() && !is_wall {
             self.touched_wall();
         }

@@ -14,8 +14,9 @@ use vr_core::{Filter, ParameterError};
 pub struct RayCaster {
     /// Distance between samples as a fraction of the smallest voxel edge.
     ///
-    /// Default ½: on smooth phantoms with translucent to dense transfer functions the largest error is then below 1/255. The
-    /// error grows with the square of the step, time with its inverse.
+    /// Default ¼: on the phantoms without jumps, at 128³ and finer and with their own transfer functions, no pixel of the
+    /// views tested is then further than 1/255 from the truth; at ½, Marschner-Lobb is (6·10⁻³). The error grows with the
+    /// square of the step, time with its inverse: fog is as good at a step of 2.
     pub step: f64,
     /// Where in its step a sample is taken, which sets the order of convergence.
     pub rule: Rule,
@@ -91,7 +92,7 @@ pub enum Precision {
 impl Default for RayCaster {
     fn default() -> Self {
         Self {
-            step: 0.5,
+            step: 0.25,
             rule: Rule::default(),
             order: Order::default(),
             filter: None,

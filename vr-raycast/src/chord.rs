@@ -77,11 +77,22 @@ impl<R: Real> SamplerVisitor for Values<'_, R> {
     type Output = ();
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) {
+        // Asked once a run: whether there is a hole to look out for.
+        match sampler.vacuum() {
+            None => self.fill(|p| F::value(sampler.lattice(), p)),
+            Some(_) => self.fill(|p| sampler.value(p)),
+        }
+    }
+}
+
+impl<R: Real> Values<'_, R> {
+    #[inline(always)]
+    fn fill(self, value_at: impl Fn([R; 3]) -> R) {
         let len = self.0.len;
         let [x, y, z] = &self.0.position;
         let positions = x[..len].iter().zip(&y[..len]).zip(&z[..len]);
         for (value, ((&x, &y), &z)) in self.0.value[..len].iter_mut().zip(positions) {
-            *value = sampler.value([x, y, z]);
+            *value = value_at([x, y, z]);
         }
     }
 }
