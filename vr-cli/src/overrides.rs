@@ -92,6 +92,7 @@ impl Overrides {
         self.set_some("volume.size", args.phantom_size, &mut section.size);
         self.set_some("volume.frame", args.frame, &mut section.frame);
         self.set_some("volume.component", args.component, &mut section.component);
+        self.set_some("volume.transform", args.transform.clone(), &mut section.transform);
         self.set_some("volume.dims", args.dims, &mut section.dims);
         self.set_some("volume.type", args.voxel_type.clone(), &mut section.voxel_type);
         self.set_some("volume.endian", args.endian.clone(), &mut section.endian);
