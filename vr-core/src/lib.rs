@@ -1,5 +1,40 @@
-//! Stub.
-#![allow(missing_docs)]
+//! What every volume renderer here shares: volumes and the filters that make fields of them, transfer functions and their
+//! optics, cameras and rays, and the seam behind which renderers stand.
+//!
+//! A scene is drawn in four steps: a [`Volume`] and a [`TransferFunction`] make a [`Scene`]; a [`Renderer`] prepares it; the
+//! [`Prepared`] scene renders a [`View`]; out comes a [`Frame`]. What the correct pixel is, is defined once:
+//!
+//! * a [`UniformGrid`] has its samples at lattice points and fills the box from the first to the last one; outside is vacuum;
+//! * the field is what the scene's [`Filter`] reconstructs from the samples, in calibrated values;
+//! * the transfer function turns a value into extinction κ and emission q, and a pixel is ∫ q e^(−τ) ds with α = 1 − e^(−τ)
+//!   along the ray through its centre, in premultiplied linear light and without the background.
+//!
+//! # Example
+//! A homogeneous slab of four unit distances, along one ray:
+//! ```
+//! use vr_core::*;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let placement = Placement::from_spacing([1.0, 1.0, 2.0])?;
+//! let grid = UniformGrid::new([2, 2, 3], vec![7u8; 12], placement, Calibration::default())?;
+//! let opacity = 0.1; // of one unit distance
+//! let transfer = TransferFunction::new(vec![ControlPoint::new(0.0, [1.0; 3], opacity)], OpacityRule::Power, 1.0)?;
+//! let scene = Scene::new(Volume::from(grid), transfer);
+//!
+//! let camera = Camera::framing(scene.volume.bounds(), 0.0, 0.0, None);
+//! let ray = Rays::new(&View::new(camera, [1, 1]))?.at(0.5, 0.5);
+//! let grid = scene.volume.uniform().expect("it is one");
+//! let inside = IndexRay::new(&ray, grid.placement(), grid.dims(), &Clip::default(), f64::INFINITY).expect("it hits");
+//! let tau = scene.transfer.extinction_at(7.0) * inside.length();
+//! let alpha = optics::opacity_of_depth(tau);
+//! assert!((alpha - (1.0 - 0.9f64.powi(4))).abs() < 1e-15);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Features
+//! * `serde`: the types of a scene file, in `scene_file`.
+
 mod camera;
 mod central_differences;
 mod compositing;

@@ -87,7 +87,15 @@ impl Metrics {
             }
         }
         if errors.is_empty() {
-            return Self { max: 0.0, rmse: 0.0, bias: 0.0, p99: 0.0, psnr: f64::INFINITY, peak_reference: peak, pixels };
+            return Self {
+                max: 0.0,
+                rmse: 0.0,
+                bias: 0.0,
+                p99: 0.0,
+                psnr: f64::INFINITY,
+                peak_reference: peak,
+                pixels,
+            };
         }
         let n = errors.len() as f64;
         errors.sort_unstable_by(f64::total_cmp);
@@ -282,13 +290,10 @@ mod tests {
     fn what_is_no_number_is_infinitely_wrong() {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             let m = Metrics::of(&[[0.0; 4]], &[[0.0, bad, 0.0, 0.0]]);
-            assert_eq!([m.max, m.rmse, m.bias, m.p99, m.psnr], [
-                f64::INFINITY,
-                f64::INFINITY,
-                f64::INFINITY,
-                f64::INFINITY,
-                f64::NEG_INFINITY
-            ]);
+            assert_eq!(
+                [m.max, m.rmse, m.bias, m.p99, m.psnr],
+                [f64::INFINITY, f64::INFINITY, f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY]
+            );
         }
     }
 

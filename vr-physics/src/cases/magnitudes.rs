@@ -9,7 +9,8 @@ use super::{bump, emitter, oblique, orthographic, sampled};
 pub(super) fn faint() -> (Scene, View) {
     const KAPPA: f64 = 1e-12;
     let volume = bump(9);
-    let points = vec![ControlPoint::new(0.0, [1e11, 2e10, 0.0], 0.5 * KAPPA), ControlPoint::new(1.0, [5e10, 1e11, 2e10], KAPPA)];
+    let points =
+        vec![ControlPoint::new(0.0, [1e11, 2e10, 0.0], 0.5 * KAPPA), ControlPoint::new(1.0, [5e10, 1e11, 2e10], KAPPA)];
     let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).expect("a valid transfer function");
     let view = oblique(&volume, 16);
     (Scene::new(volume, transfer), view)

@@ -64,24 +64,28 @@ const TABLE: &[(&str, &str, Maker)] = &[
         rays::axis_aligned,
     ),
     ("camera-inside", "perspective rays that start inside the volume, in an absorbing place", rays::camera_inside),
-    (
-        "far-origin",
-        "world origin 10⁶, spacing 10⁻³: positions in f32 would be off by 60 voxels",
-        rays::far_origin,
-    ),
+    ("far-origin", "world origin 10⁶, spacing 10⁻³: positions in f32 would be off by 60 voxels", rays::far_origin),
     ("faint", "κ of 10⁻¹² per unit: 1 − (1 − α) loses everything to rounding", magnitudes::faint),
     (
         "many-faint-steps",
         "4096 unit steps of α = 10⁻⁷: each below half a unit in the last place of f32's 1",
         magnitudes::many_faint_steps,
     ),
-    ("bright", "emission of 10⁶ per unit: absolute thresholds for early termination cut off visible light", magnitudes::bright),
+    (
+        "bright",
+        "emission of 10⁶ per unit: absolute thresholds for early termination cut off visible light",
+        magnitudes::bright,
+    ),
     (
         "missing-voxels",
         "NaN and infinite samples: their cells are vacuum, and nothing of them leaks into a pixel",
         voxels::missing_voxels,
     ),
-    ("two-samples", "two samples along every axis: a single cell, no neighbour for a wider filter or a gradient", voxels::two_samples),
+    (
+        "two-samples",
+        "two samples along every axis: a single cell, no neighbour for a wider filter or a gradient",
+        voxels::two_samples,
+    ),
     ("constant", "all samples equal: no range of values to divide by, gradient zero under shading", voxels::constant),
     ("full-u16", "0 to 65535 in u16, with a transfer function that tells neighbouring numbers apart", voxels::full_u16),
 ];

@@ -57,10 +57,7 @@ pub(super) fn far_origin() -> (Scene, View) {
     let samples = sampled([n; 3], |x, y, z| (255.0 * wave(x, y, z)) as u8);
     let grid = UniformGrid::new([n; 3], samples, placement, Calibration::default()).expect("a valid grid");
     let volume = Volume::from(grid);
-    let points = vec![
-        ControlPoint::new(0.0, [0.1, 0.2, 0.9], 0.02),
-        ControlPoint::new(255.0, [1.0, 0.6, 0.2], 0.5),
-    ];
+    let points = vec![ControlPoint::new(0.0, [0.1, 0.2, 0.9], 0.02), ControlPoint::new(255.0, [1.0, 0.6, 0.2], 0.5)];
     let transfer = TransferFunction::new(points, OpacityRule::Extinction, SPACING).expect("a valid transfer function");
     let view = oblique(&volume, 32);
     (Scene::new(volume, transfer), view)

@@ -1,6 +1,8 @@
 //! Cases whose difficulty lies in the samples.
 
-use vr_core::{Calibration, ControlPoint, OpacityRule, Placement, Scene, Shading, TransferFunction, UniformGrid, View, Volume};
+use vr_core::{
+    Calibration, ControlPoint, OpacityRule, Placement, Scene, Shading, TransferFunction, UniformGrid, View, Volume,
+};
 
 use super::{float_volume, oblique, sampled, transfer, with_shading};
 
@@ -18,11 +20,7 @@ pub(super) fn marschner_lobb() -> (Scene, View) {
     };
     let spacing = 2.0 / (N - 1) as f64;
     let volume = float_volume([N; 3], [spacing; 3], |x, y, z| field(at(x), at(y), at(z)) as f32);
-    let points = [
-        (0.4, [0.1, 0.3, 0.9], 0.0),
-        (0.5, [1.0, 0.8, 0.3], 0.6),
-        (0.6, [0.9, 0.2, 0.1], 0.0),
-    ];
+    let points = [(0.4, [0.1, 0.3, 0.9], 0.0), (0.5, [1.0, 0.8, 0.3], 0.6), (0.6, [0.9, 0.2, 0.1], 0.0)];
     let view = oblique(&volume, 32);
     (Scene::new(volume, transfer(&points, spacing)), view)
 }

@@ -142,7 +142,11 @@ pub fn converges(
 }
 
 /// The RMSE at each step; `None` if the reference has no answer.
-fn errors_of(refined: &[Box<dyn Renderer>], test: &TestScene, effort: &Effort) -> Result<Option<Vec<f64>>, RenderError> {
+fn errors_of(
+    refined: &[Box<dyn Renderer>],
+    test: &TestScene,
+    effort: &Effort,
+) -> Result<Option<Vec<f64>>, RenderError> {
     let Some(truth) = Truth::of(&effort.reference, test, &Model::Canonical)? else {
         return Ok(None);
     };

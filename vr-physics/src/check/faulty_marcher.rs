@@ -128,10 +128,8 @@ impl Prepared for Marching {
             for k in 0..view.samples * view.samples {
                 let (x, y) = (f64::from(i % w) + centre(k % view.samples), f64::from(i / w) + centre(k / view.samples));
                 let along = IndexRay::new(&rays.at(x, y), volume.placement(), volume.dims(), &view.clip, f64::INFINITY);
-                let March { rgba, .. } = volume.with_sampler(
-                    self.scene.filter,
-                    March { marching: self, along, rgba: [0.0; 4] },
-                );
+                let March { rgba, .. } =
+                    volume.with_sampler(self.scene.filter, March { marching: self, along, rgba: [0.0; 4] });
                 (0..4).for_each(|c| mean[c] += rgba[c] / f64::from(view.samples * view.samples));
             }
             match self.marcher.fault {

@@ -16,11 +16,7 @@ use crate::Metrics;
 ///
 /// # Errors
 /// The first failure, with a scene that shows it.
-pub fn obeys_invariants(
-    renderer: &dyn Renderer,
-    tolerance: f64,
-    effort: &Effort,
-) -> Result<Vec<Report>, CheckFailure> {
+pub fn obeys_invariants(renderer: &dyn Renderer, tolerance: f64, effort: &Effort) -> Result<Vec<Report>, CheckFailure> {
     Ok(vec![
         stays_in_range(renderer, tolerance, effort)?,
         is_linear_in_emission(renderer, tolerance, effort)?,
@@ -81,7 +77,8 @@ pub fn is_linear_in_emission(renderer: &dyn Renderer, tolerance: f64, effort: &E
         let scaled = deviation(&light(&|i, c| 3.0 * one[i][c]), &three);
         let summed = light(&|i, c| even[i][c] + odd[i][c]);
         let superposed = deviation(&summed, &one);
-        let opacity = one.iter().zip(even.iter().zip(&odd)).map(|(o, (a, b))| (o[3] - a[3]).abs().max((o[3] - b[3]).abs()));
+        let opacity =
+            one.iter().zip(even.iter().zip(&odd)).map(|(o, (a, b))| (o[3] - a[3]).abs().max((o[3] - b[3]).abs()));
         let deviation = [scaled, superposed].into_iter().chain(opacity).fold(0.0, worst);
         Ok(Verdict::within(deviation, tolerance, || "deviation from linearity".to_owned()))
     })

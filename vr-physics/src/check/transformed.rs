@@ -50,7 +50,8 @@ pub fn scaled_world(test: &TestScene, s: f64) -> TestScene {
     let mut scene = with_points(&test.scene, change, unit_distance);
     let old = placement(&test.scene);
     let axes = DMat3::from_cols(old.axes().x_axis * s, old.axes().y_axis * s, old.axes().z_axis * s);
-    scene.volume = with_placement(&test.scene, Placement::new(old.origin() * s, axes).expect("still a placement")).into();
+    scene.volume =
+        with_placement(&test.scene, Placement::new(old.origin() * s, axes).expect("still a placement")).into();
     scene.shading = test.scene.shading.as_ref().map(|shading| {
         let gradient_opacity = shading.gradient_opacity.iter().map(|&(magnitude, f)| (magnitude / s, f)).collect();
         Arc::new(Shading { gradient_opacity, ..(**shading).clone() })
@@ -109,11 +110,7 @@ pub fn quarter_turned(test: &TestScene, axis: usize) -> TestScene {
 
 /// Sample i of the old grid becomes sample j of the new one: j_b = i_a, j_a = n_b − 1 − i_b.
 fn quarter_turned_grid(scene: &Scene, (a, b): (usize, usize), turn: impl Fn(DVec3) -> DVec3) -> AnyGrid {
-    fn build<T: Voxel>(
-        grid: &UniformGrid<T>,
-        (a, b): (usize, usize),
-        placement: Placement,
-    ) -> UniformGrid<T> {
+    fn build<T: Voxel>(grid: &UniformGrid<T>, (a, b): (usize, usize), placement: Placement) -> UniformGrid<T> {
         let old = grid.dims();
         let mut dims = old;
         dims.swap(a, b);

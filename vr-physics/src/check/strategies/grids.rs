@@ -26,9 +26,8 @@ pub fn tame_grid() -> impl Strategy<Value = Volume> {
 /// Floats in [0, 1] that change little from cell to cell: a ramp with a gentle parabola on it, on 4 to 6 samples an axis, under
 /// any placement that is not very anisotropic.
 pub fn smooth_grid() -> impl Strategy<Value = Volume> {
-    (dims(4), smooth(), placement(0.7..1.4)).prop_map(|(dims, data, placement)| {
-        build(VoxelType::F32, dims, &data, placement, Calibration::default())
-    })
+    (dims(4), smooth(), placement(0.7..1.4))
+        .prop_map(|(dims, data, placement)| build(VoxelType::F32, dims, &data, placement, Calibration::default()))
 }
 
 fn voxel_type() -> impl Strategy<Value = VoxelType> {
@@ -51,7 +50,10 @@ fn dims(least: usize) -> impl Strategy<Value = [usize; 3]> {
 enum Data {
     Constant(f64),
     /// Value at the middle, slopes per axis, and the curvature along all of them.
-    Smooth { slopes: [f64; 3], curvature: f64 },
+    Smooth {
+        slopes: [f64; 3],
+        curvature: f64,
+    },
     Noise(Vec<f64>),
     /// Noise with NaN and infinities.
     Holes(Vec<f64>, Vec<u8>),
@@ -119,25 +121,17 @@ fn placement(spacing: impl Strategy<Value = f64> + Clone) -> impl Strategy<Value
     let turn = prop_oneof![2 => Just(0.0), 1 => -3.0..3.0];
     let shear = || prop_oneof![2 => Just(0.0), 1 => -0.6..0.6];
     let origin = prop_oneof![2 => Just([0.0; 3]), 1 => [-100.0..100.0, -100.0..100.0, -100.0..100.0]];
-    (
-        spacing,
-        [axis_flip(), axis_flip(), axis_flip()],
-        turn,
-        [shear(), shear(), shear()],
-        origin,
-    )
-        .prop_map(|(spacing, flip, turn, shear, origin): ([f64; 3], [f64; 3], f64, [f64; 3], [f64; 3])| {
+    (spacing, [axis_flip(), axis_flip(), axis_flip()], turn, [shear(), shear(), shear()], origin).prop_map(
+        |(spacing, flip, turn, shear, origin): ([f64; 3], [f64; 3], f64, [f64; 3], [f64; 3])| {
             let axis = DVec3::new(0.6, 0.0, 0.8);
             let rotation = if turn == 0.0 { DMat3::IDENTITY } else { DMat3::from_axis_angle(axis, turn) };
-            let sheared = DMat3::from_cols(
-                DVec3::X,
-                DVec3::new(shear[0], 1.0, 0.0),
-                DVec3::new(shear[1], shear[2], 1.0),
-            );
+            let sheared =
+                DMat3::from_cols(DVec3::X, DVec3::new(shear[0], 1.0, 0.0), DVec3::new(shear[1], shear[2], 1.0));
             let scale = DVec3::from(spacing) * DVec3::from(flip);
             Placement::new(origin.into(), rotation * sheared * DMat3::from_diagonal(scale))
                 .expect("shears below 1 are not singular")
-        })
+        },
+    )
 }
 
 fn calibration() -> impl Strategy<Value = Calibration> {

@@ -22,8 +22,8 @@ pub fn shading() -> impl Strategy<Value = Option<Shading>> {
     let light = (proptest::option::of(direction), [0.0..1.0, 0.0..1.0, 0.0..1.0])
         .prop_map(|(direction, color)| Light { direction: direction.map(DVec3::from), color });
     let gradient = prop_oneof![Just(GradientMethod::CentralDifferences), Just(GradientMethod::Analytic)];
-    let shading = (0.0..1.0, 0.0..1.0, prop_oneof![Just(0.0), 0.0..1.0], 1.0..50.0, vec(light, 0..=2), gradient).prop_map(
-        |(ambient, diffuse, specular, power, lights, gradient)| Shading {
+    let shading = (0.0..1.0, 0.0..1.0, prop_oneof![Just(0.0), 0.0..1.0], 1.0..50.0, vec(light, 0..=2), gradient)
+        .prop_map(|(ambient, diffuse, specular, power, lights, gradient)| Shading {
             ambient,
             diffuse,
             specular,
@@ -31,8 +31,7 @@ pub fn shading() -> impl Strategy<Value = Option<Shading>> {
             lights,
             gradient,
             gradient_opacity: Vec::new(),
-        },
-    );
+        });
     proptest::option::weighted(0.25, shading)
 }
 

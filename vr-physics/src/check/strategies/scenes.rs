@@ -154,7 +154,8 @@ mod tests {
         }
         let hits = smooth.iter().filter(|t| {
             let u = t.scene.volume.uniform().unwrap();
-            let middle = Rays::new(&t.view).unwrap().at(0.5 * f64::from(t.view.size[0]), 0.5 * f64::from(t.view.size[1]));
+            let middle =
+                Rays::new(&t.view).unwrap().at(0.5 * f64::from(t.view.size[0]), 0.5 * f64::from(t.view.size[1]));
             IndexRay::new(&middle, u.placement(), u.dims(), &t.view.clip, f64::INFINITY).is_some()
         });
         assert_eq!(hits.count(), 300, "the middle of every picture shows the volume");
