@@ -3,14 +3,13 @@
 use serde::Serialize;
 use vr_core::transfer::Preset;
 use vr_core::{Calibration, UniformVolume, VoxelType};
-use vr_io::FileInfo;
+use vr_io::{FileInfo, LoadedVolume};
 
 use crate::args::InfoArgs;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
-use crate::number;
-use crate::volume_setup::LoadedVolume;
+use crate::{number, volume_setup};
 
 /// Columns and rows of the drawn histogram.
 const DRAWN: (usize, usize) = (72, 8);
@@ -20,7 +19,7 @@ const DRAWN: (usize, usize) = (72, 8);
 /// # Errors
 /// Whatever is wrong with the command line or the file.
 pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
-    let LoadedVolume { volume, title, info, notes } = LoadedVolume::new(&args.volume, console)?;
+    let (title, LoadedVolume { volume, info, notes, .. }) = volume_setup::load(&args.volume, console)?;
     let uniform = volume
         .uniform()
         .ok_or_else(|| Failure::failed(format!("{title}: a {} cannot be described yet", volume.kind())))?;

@@ -5,6 +5,7 @@ use std::path::Path;
 use vr_core::scene_file::{ClipSection, LightEntry, PlaneEntry, PointEntry, SceneFile, TransferSection, VolumeSection};
 
 use crate::args::{CameraArgs, CompositingArgs, ImageArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs};
+use crate::failure::Failure;
 
 /// Writes flags into a scene file, and remembers which fields they set: a complaint about one of those is about the command
 /// line.
@@ -17,14 +18,18 @@ pub struct Overrides {
 
 impl Overrides {
     /// Writes every flag of a scene but the camera's, which needs the volume.
-    pub fn apply(&mut self, args: &SceneArgs, file: &mut SceneFile) {
+    ///
+    /// # Errors
+    /// A flag about files where there is a phantom, or the other way round.
+    pub fn apply(&mut self, args: &SceneArgs, file: &mut SceneFile) -> Result<(), Failure> {
         self.over_file = args.scene.is_some();
-        self.volume(&args.volume, &mut file.volume);
+        self.volume(&args.volume, &mut file.volume)?;
         self.set("volume.filter", args.filter, &mut file.volume.filter);
         self.transfer(&args.transfer, file);
         self.shading(&args.shading, file);
         self.image(&args.image, file);
         self.compositing(&args.compositing, file);
+        Ok(())
     }
 
     /// Remembers what flags say about the camera.
@@ -73,7 +78,10 @@ impl Overrides {
     }
 
     /// Writes the flags of `[volume]`, the filter's apart.
-    pub fn volume(&mut self, args: &VolumeArgs, section: &mut VolumeSection) {
+    ///
+    /// # Errors
+    /// A flag about files where there is a phantom, or the other way round.
+    pub fn volume(&mut self, args: &VolumeArgs, section: &mut VolumeSection) -> Result<(), Failure> {
         if args.path.is_some() || args.phantom.is_some() {
             // Another volume: what the file says about its own is void, the filter apart.
             *section = VolumeSection { filter: section.filter, ..VolumeSection::default() };
@@ -84,12 +92,20 @@ impl Overrides {
         self.set_some("volume.size", args.phantom_size, &mut section.size);
         self.set_some("volume.frame", args.frame, &mut section.frame);
         self.set_some("volume.component", args.component, &mut section.component);
+        self.set_some("volume.transform", args.transform.clone(), &mut section.transform);
         self.set_some("volume.dims", args.dims, &mut section.dims);
         self.set_some("volume.type", args.voxel_type.clone(), &mut section.voxel_type);
         self.set_some("volume.endian", args.endian.clone(), &mut section.endian);
         self.set_some("volume.skip", args.skip, &mut section.skip);
         self.set_some("volume.spacing", args.spacing, &mut section.spacing);
         self.set_some("volume.origin", args.origin, &mut section.origin);
+        let of_phantoms = |field: &str| ["volume.phantom", "volume.size"].contains(&field);
+        let is_phantom = section.phantom.is_some();
+        match self.fields.iter().find(|field| of_phantoms(field) != is_phantom) {
+            Some(field) if is_phantom => Err(Failure::usage(format!("{field}: a phantom has none; only files do"))),
+            Some(field) => Err(Failure::usage(format!("{field}: a file has none; only phantoms do"))),
+            None => Ok(()),
+        }
     }
 
     fn transfer(&mut self, args: &TransferArgs, file: &mut SceneFile) {

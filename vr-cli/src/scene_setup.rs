@@ -43,7 +43,7 @@ impl Setup {
             None => default_scene(args.volume.path.is_some() || args.volume.phantom.is_some())?,
         };
         let mut origin = Origin { scene_file: args.scene.clone(), overrides: Overrides::default() };
-        origin.overrides.apply(args, &mut file);
+        origin.overrides.apply(args, &mut file)?;
         let path = args.scene.as_deref().unwrap_or(Path::new(""));
         let LoadedScene { scene, mut view, renderer, options, max_error, notes, .. } =
             vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
@@ -70,7 +70,9 @@ impl Setup {
         };
         let name = args.renderer.as_ref().unwrap_or(&self.renderer);
         let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
-        let mut options = renderers::with_flags(self.options.clone(), &args.set);
+        // Another renderer than the scene file's: the options there are not for it.
+        let own = if *name == self.renderer { self.options.clone() } else { Options::new() };
+        let mut options = renderers::with_flags(own, &args.set);
         if let Some(max_error) = args.max_error.or(self.max_error) {
             options = renderers::promise(&*renderer, options, max_error)
                 .map_err(|e| complaint(args.max_error.is_some() || args.renderer.is_some(), e.to_string()))?;

@@ -95,6 +95,9 @@ pub struct VolumeSection {
     /// Which component of several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub component: Option<usize>,
+    /// What places a NIfTI file: `auto`, `sform`, `qform` or `spacing`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transform: Option<String>,
     /// The filter that makes the canonical field.
     pub filter: Filter,
 }

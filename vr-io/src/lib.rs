@@ -97,6 +97,7 @@ pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, read};
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    LoadedScene, SceneFileError, load_scene, parse_scene, read_scene, resolve_scene, scene_text, write_scene,
+    LoadedScene, LoadedVolume, SceneFileError, load_scene, load_volume, parse_scene, read_scene, resolve_scene,
+    scene_text, write_scene,
 };
 pub use world::{Space, orientation};

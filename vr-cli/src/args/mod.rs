@@ -21,7 +21,7 @@ use crate::renderers;
 ///
 /// Every command works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
-#[command(name = "vr", version)]
+#[command(name = "vr", version, args_override_self = true)]
 pub struct Cli {
     /// Options of every command.
     #[command(flatten)]

@@ -25,6 +25,9 @@ pub struct VolumeArgs {
     /// Which component of several, from 0
     #[arg(long, value_name = "N")]
     pub component: Option<usize>,
+    /// NIfTI: what places the volume (auto, sform, qform or spacing)
+    #[arg(long = "xform", value_name = "WHICH")]
+    pub transform: Option<String>,
     /// Raw files: samples along x, y, z
     #[arg(long, value_name = "NXxNYxNZ", value_parser = value::dims, requires = "voxel_type")]
     pub dims: Option<[usize; 3]>,

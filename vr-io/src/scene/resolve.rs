@@ -7,6 +7,7 @@ use vr_core::scene_file::{ColorEncoding, SceneFile, TransferSection, VolumeSecti
 use vr_core::transfer::{Preset, srgb_to_linear};
 use vr_core::{ControlPoint, Options, ParameterError, Scene, View, Volume};
 
+use crate::nifti::Transform;
 use crate::paraview::read_color_maps;
 use crate::raw::RawDescription;
 use crate::read::{FileInfo, ReadOptions, read};
@@ -42,16 +43,14 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
     let folder = path.parent().unwrap_or(Path::new(""));
     let in_file = |source| SceneFileError::Parameter { path: path.into(), source };
     let mut notes = Vec::new();
-    let found = volume(&file.volume, folder, in_file)?;
+    let found = load_volume(&file.volume, path)?;
     notes.extend(found.notes);
 
     let mut file = file.clone();
     let points = match (&mut file.transfer, found.points) {
-        (None, Some(points)) => {
-            // A phantom brings its own, made for one unit distance.
-            let transfer =
-                TransferSection { unit_distance: Some(TRANSFER_UNIT_DISTANCE), ..TransferSection::default() };
-            file.transfer = Some(transfer);
+        // A phantom brings its own, made for one unit distance.
+        (transfer, Some(points)) if transfer.as_ref().is_none_or(names_no_points) => {
+            transfer.get_or_insert_default().unit_distance.get_or_insert(TRANSFER_UNIT_DISTANCE);
             points
         }
         (transfer, _) => {
@@ -76,30 +75,55 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
     })
 }
 
-struct Found {
-    volume: Volume,
-    info: Option<FileInfo>,
-    /// A phantom's own transfer function.
-    points: Option<Vec<ControlPoint>>,
-    notes: Vec<String>,
+/// Whether a section leaves the points to the volume.
+fn names_no_points(section: &TransferSection) -> bool {
+    let TransferSection { preset, range, file, points, .. } = section;
+    preset.is_none() && range.is_none() && file.is_none() && points.is_none()
 }
 
-fn volume(
-    section: &VolumeSection,
-    folder: &Path,
-    in_file: impl Fn(ParameterError) -> SceneFileError + Copy,
-) -> Result<Found, SceneFileError> {
+/// The volume of a scene file.
+#[derive(Clone, Debug)]
+pub struct LoadedVolume {
+    /// The volume.
+    pub volume: Volume,
+    /// What its file said, where there is one.
+    pub info: Option<FileInfo>,
+    /// A phantom's own transfer function, for a unit distance of [`TRANSFER_UNIT_DISTANCE`].
+    pub points: Option<Vec<ControlPoint>>,
+    /// What was assumed, one line each.
+    pub notes: Vec<String>,
+}
+
+/// The volume that a `[volume]` section describes. Paths in it are relative to the folder of `path`, which is also what errors
+/// call it; it may be empty for a section from no file.
+///
+/// # Errors
+/// A [`SceneFileError`] naming the file and the field.
+pub fn load_volume(section: &VolumeSection, path: &Path) -> Result<LoadedVolume, SceneFileError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let in_file = |source| SceneFileError::Parameter { path: path.into(), source };
     let wrong = |field: &str, found: &str, allowed| {
         in_file(ParameterError { field: field.into(), found: found.into(), allowed })
     };
+    let sampled = |volume: Volume, points| LoadedVolume { volume, info: None, points, notes: Vec::new() };
     match (&section.path, &section.phantom, &section.data) {
         (Some(name), None, None) => {
             let path = folder.join(name);
-            let raw = raw_description(section, &path).map_err(in_file)?;
-            let options =
-                ReadOptions { frame: section.frame, component: section.component, raw, ..ReadOptions::default() };
+            let transform = section.transform.as_deref().unwrap_or(Transform::Auto.name());
+            let options = ReadOptions {
+                frame: section.frame,
+                component: section.component,
+                transform: transform.parse().map_err(|_| {
+                    wrong("volume.transform", &format!("'{transform}'"), "must be auto, sform, qform or spacing")
+                })?,
+                raw: raw_description(section, &path).map_err(in_file)?,
+                ..ReadOptions::default()
+            };
             let loaded = read(&path, &options)?;
-            Ok(Found { volume: loaded.volume, info: Some(loaded.info), points: None, notes: loaded.notes })
+            if section.transform.is_some() && !loaded.info.format.starts_with("NIfTI") {
+                return Err(wrong("volume.transform", loaded.info.format, "only NIfTI files have a choice"));
+            }
+            Ok(LoadedVolume { volume: loaded.volume, info: Some(loaded.info), points: None, notes: loaded.notes })
         }
         (None, Some(name), None) => {
             let phantom = phantom::by_name(name).ok_or_else(|| {
@@ -117,11 +141,9 @@ fn volume(
             }
             let grid = phantom::sample::<f32>(phantom.as_ref(), [size; 3])
                 .map_err(|e| wrong("volume.size", &e.to_string(), "must be 2 to 2048"))?;
-            Ok(Found { volume: grid.into(), info: None, points: Some(phantom.transfer_points()), notes: Vec::new() })
+            Ok(sampled(grid.into(), Some(phantom.transfer_points())))
         }
-        (None, None, Some(_)) => {
-            Ok(Found { volume: section.inline().map_err(in_file)?, info: None, points: None, notes: Vec::new() })
-        }
+        (None, None, Some(_)) => Ok(sampled(section.inline().map_err(in_file)?, None)),
         (None, None, None) => Err(wrong("volume", "nothing", "must have a path, a phantom or data")),
         _ => Err(wrong("volume", "several of path, phantom and data", "must have one of them")),
     }

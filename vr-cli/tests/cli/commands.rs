@@ -1,8 +1,6 @@
 //! Every command, with no argument and with many.
 
-mod common;
-
-use common::Vr;
+use crate::harness::Vr;
 
 #[test]
 fn render_without_arguments_shows_time_and_error() {
@@ -174,7 +172,7 @@ fn what_was_assumed_is_said() {
     vr.write("cube_2x2x2_uint8.raw", [0, 10, 20, 30, 40, 50, 60, 70]);
     let run = vr.run("render cube_2x2x2_uint8.raw --size 8").succeeded();
     assert!(run.stderr.lines().all(|l| l.starts_with("note: ")), "{}", run.stderr);
-    for word in ["spacing", "range", "unit distance"] {
+    for word in ["no spacing", "preset", "unit_distance"] {
         assert!(run.stderr.contains(word), "no {word:?} in\n{}", run.stderr);
     }
 }

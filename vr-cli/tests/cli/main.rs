@@ -1,0 +1,5 @@
+//! The program from end to end, as a user meets it.
+
+mod bad_input;
+mod commands;
+mod harness;
