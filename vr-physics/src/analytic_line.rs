@@ -4,7 +4,7 @@ use vr_core::Ray;
 use vr_core::phantom::Phantom;
 
 use crate::line::{LineField, LineModel};
-use crate::poly::Poly;
+use crate::poly::{Poly, chebyshev_point};
 
 /// A phantom along a ray, as the function that it is (no samples, no filter).
 ///
@@ -48,7 +48,7 @@ impl LineField for AnalyticLine<'_> {
         // A hair inside: at a breakpoint itself the field may belong to the other side.
         let value =
             |t: f64| self.phantom.value(self.ray.origin + self.ray.direction * (middle + half * t * (1.0 - INSIDE)));
-        let node = |j: usize| libm::cos(std::f64::consts::PI * j as f64 / DEGREE as f64);
+        let node = |j: usize| chebyshev_point(DEGREE, j);
         let values: Vec<f64> = (0..=DEGREE).map(|j| value(node(j))).collect();
         let field = Poly::through_chebyshev_points(&values);
         // Half the largest gap between nodes, times how fast truth and interpolant can part.

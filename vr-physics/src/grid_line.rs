@@ -4,12 +4,14 @@
 //! the nearest sample is constant between the middles of the lattice. The Gaussian is no polynomial; it is interpolated at
 //! Chebyshev points, with the bound on the remainder that its size in the complex plane gives.
 
+use std::sync::OnceLock;
+
 use glam::{DMat3, DVec3};
 use vr_core::filter::{GAUSSIAN_RADIUS, GAUSSIAN_SIGMA, Reconstruction};
 use vr_core::{Calibration, Filter, IndexRay, Real, Sampler, UniformVolume, Voxel};
 
 use crate::line::{LineField, LineModel};
-use crate::poly::Poly;
+use crate::poly::{Poly, chebyshev_point};
 
 /// Gradients per index step at the samples, where shading takes them from there.
 pub type SampleGradients<'a> = &'a (dyn Fn([usize; 3]) -> [f64; 3] + Sync);
@@ -177,11 +179,16 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
     /// Practice*, 2013, theorem 8.2).
     fn interpolated(&self, cell: [usize; 3], from: f64, to: f64) -> LineModel {
         const DEGREE: usize = 9;
+        static NODES: OnceLock<[f64; DEGREE + 1]> = OnceLock::new();
         let (middle, half) = self.middle_and_half(from, to);
+        let nodes: &[f64; DEGREE + 1] = NODES.get_or_init(|| std::array::from_fn(|j| chebyshev_point(DEGREE, j)));
         let at = |j: usize| {
-            let t = libm::cos(std::f64::consts::PI * j as f64 / DEGREE as f64);
-            let p = (middle + half * t).to_array();
-            F::value_and_gradient(self.sampler.lattice(), inside(p, cell))
+            let p = (middle + half * nodes[j]).to_array();
+            let (lattice, p) = (self.sampler.lattice(), inside(p, cell));
+            match self.gradient {
+                GradientSource::Analytic => F::value_and_gradient(lattice, p),
+                _ => (F::value(lattice, p), [0.0; 3]),
+            }
         };
         let samples: Vec<(f64, [f64; 3])> = (0..=DEGREE).map(at).collect();
         let base = samples[0].0;
@@ -223,7 +230,7 @@ fn inside(p: [f64; 3], cell: [usize; 3]) -> [f64; 3] {
 /// Bounds |f − interpolant| of the Gaussian field per unit of the samples' spread.
 fn gaussian_remainder(half: DVec3, degree: usize) -> f64 {
     let mut best = f64::INFINITY;
-    for rho in [2.0f64, 3.0, 5.0, 8.0, 13.0, 21.0, 34.0] {
+    for rho in [3.0f64, 8.0, 21.0, 55.0] {
         let (a, b) = (0.5 * (rho + 1.0 / rho), 0.5 * (rho - 1.0 / rho));
         let mut gain = 1.0;
         for axis in 0..3 {

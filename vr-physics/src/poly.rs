@@ -1,7 +1,41 @@
 //! Polynomials on [−1, 1]: the form in which a field along a ray comes to the integrator.
 
+use std::sync::OnceLock;
+
 /// Largest degree: the square of a gradient of a cubic filter has degree 16.
 pub const MOST_DEGREE: usize = 18;
+
+/// The Chebyshev point cos(π j/n); 0 for n = 0.
+pub fn chebyshev_point(n: usize, j: usize) -> f64 {
+    if n == 0 { 0.0 } else { libm::cos(std::f64::consts::PI * j as f64 / n as f64) }
+}
+
+/// The polynomials of degree n that are 1 at one of the Chebyshev points and 0 at the others.
+fn cardinals(n: usize) -> &'static [Poly] {
+    static MADE: [OnceLock<Vec<Poly>>; MOST_DEGREE + 1] = [const { OnceLock::new() }; MOST_DEGREE + 1];
+    MADE[n].get_or_init(|| {
+        let t = Poly::new(&[0.0, 1.0]);
+        let (mut before, mut now) = (Poly::constant(1.0), t);
+        let mut chebyshev = vec![before, now];
+        for _ in 1..n {
+            (before, now) = (now, t * now * 2.0 + before * -1.0);
+            chebyshev.push(now);
+        }
+        let halved = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
+        let cardinal = |j: usize| {
+            if n == 0 {
+                return Poly::constant(1.0);
+            }
+            // T_k(x_j) by the discrete cosine transform.
+            let term = |k: usize| {
+                let at = libm::cos(std::f64::consts::PI * (j * k) as f64 / n as f64);
+                chebyshev[k] * (2.0 / n as f64 * halved(j) * halved(k) * at)
+            };
+            (1..=n).map(term).fold(term(0), |sum, p| sum + p)
+        };
+        (0..=n).map(cardinal).collect()
+    })
+}
 
 /// Σ cₖ tᵏ for t in [−1, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,40 +53,26 @@ impl Poly {
     /// From coefficients, the constant first.
     ///
     /// # Panics
-    /// For none, or more than [`MOST_DEGREE`] + 1.
+    /// For none, or more than 19 (degree 18).
     pub fn new(coefficients: &[f64]) -> Self {
         let mut c = [0.0; MOST_DEGREE + 1];
         c[..coefficients.len()].copy_from_slice(coefficients);
         Self { coefficients: c, degree: coefficients.len() - 1 }
     }
 
-    /// The polynomial of degree `values.len() − 1` through values at equally natural points: the Chebyshev points
-    /// cos(π j / n), j = 0 … n.
+    /// The polynomial of degree n = `values.len() − 1` through values at the Chebyshev points [`chebyshev_point`]`(n, j)`.
+    ///
+    /// # Panics
+    /// For no value, or more than 19.
     pub fn through_chebyshev_points(values: &[f64]) -> Self {
-        let n = values.len() - 1;
-        if n == 0 {
-            return Self::constant(values[0]);
+        let mut p = Self::constant(0.0);
+        p.degree = values.len() - 1;
+        for (value, cardinal) in values.iter().zip(cardinals(p.degree)) {
+            for (sum, c) in p.coefficients.iter_mut().zip(cardinal.coefficients()) {
+                *sum += value * c;
+            }
         }
-        // Chebyshev coefficients by the discrete cosine transform, then T_k by its recursion.
-        let chebyshev: Vec<f64> = (0..=n)
-            .map(|k| {
-                let term = |j: usize| {
-                    let end = if j == 0 || j == n { 0.5 } else { 1.0 };
-                    end * values[j] * libm::cos(std::f64::consts::PI * (j * k) as f64 / n as f64)
-                };
-                let ends = if k == 0 || k == n { 0.5 } else { 1.0 };
-                ends * 2.0 / n as f64 * (0..=n).map(term).sum::<f64>()
-            })
-            .collect();
-        let t = Self::new(&[0.0, 1.0]);
-        let (mut before, mut now) = (Self::constant(1.0), t);
-        let mut sum = Self::constant(chebyshev[0]) + t * chebyshev[1];
-        for &c in &chebyshev[2..] {
-            let next = t * now * 2.0 + before * -1.0;
-            (before, now) = (now, next);
-            sum = sum + next * c;
-        }
-        sum
+        p
     }
 
     /// Its degree (leading coefficients may be zero).

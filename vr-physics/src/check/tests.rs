@@ -71,7 +71,6 @@ fn the_reference_passes_its_own_checks() {
 }
 
 #[test]
-#[ignore = "with the Gaussian filter the reference does not come to an end on some tame scenes"]
 fn the_reference_passes_with_the_gaussian_filter_too() {
     let reference = Reference::default();
     let gaussian = tame_scene().prop_map(|mut t| {
