@@ -24,7 +24,7 @@ const FRAMES: usize = 3;
 /// No further frame is drawn after this time.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Rows and columns of the subgrid of pixels on which a renderer is judged against its own model.
-const SUBGRID: u32 = 48;
+const SUBGRID: u32 = 16;
 
 /// Renders with every renderer and setting, judges each, draws the sheet, tells.
 ///

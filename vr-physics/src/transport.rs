@@ -162,7 +162,7 @@ impl Walk<'_> {
             return;
         }
         // A field known only roughly is asked again for halves, as long as that helps and its error matters.
-        let rough = 1e3 * f64::EPSILON * (value.abs() + reach);
+        let rough = 1e3 * f64::EPSILON * (value.abs() + model.field.spread(1.0));
         if model.field_error > rough && halvings < FIELD_HALVINGS {
             let steep = self.steepness(low, high);
             let share = self.tolerance * (to - from) / self.length;
