@@ -347,6 +347,11 @@ impl<'a> Leaf<'a> {
         self.alpha.slope.abs() * self.model.field_error + 8.0 * f64::EPSILON * self.clear
     }
 
+    /// Whether 1 − α is no more than what it may be off by, under the power rule.
+    pub fn is_lost(&self) -> bool {
+        !self.model.field_error.is_finite() || self.optics.has_walls() && self.clearest() <= 4.0 * self.noise()
+    }
+
     /// The largest 1 − α on the stretch, at a few points.
     pub fn clearest(&self) -> f64 {
         let field = &self.model.field;

@@ -53,11 +53,27 @@ impl Pick {
     }
 }
 
+/// Halvings of a stretch whose field is only known roughly.
+const HALVINGS: u32 = 5;
+
+/// The stretches of a line that are not vacuum, halved where the field is only known roughly.
 fn stretches(line: &dyn LineField) -> Vec<(f64, f64, LineModel)> {
-    let mut breakpoints = Vec::new();
+    fn refine(line: &dyn LineField, from: f64, to: f64, halvings: u32, out: &mut Vec<(f64, f64, LineModel)>) {
+        let Some(model) = line.between(from, to) else { return };
+        if halvings > 0 && model.field_error > 1e3 * rounding(&model.field) {
+            let middle = 0.5 * (from + to);
+            refine(line, from, middle, halvings - 1, out);
+            refine(line, middle, to, halvings - 1, out);
+        } else {
+            out.push((from, to, model));
+        }
+    }
+    let (mut breakpoints, mut out) = (Vec::new(), Vec::new());
     line.breakpoints(&mut breakpoints);
-    let pairs = breakpoints.windows(2).filter(|w| w[1] > w[0]);
-    pairs.filter_map(|w| line.between(w[0], w[1]).map(|m| (w[0], w[1], m))).collect()
+    for w in breakpoints.windows(2).filter(|w| w[1] > w[0]) {
+        refine(line, w[0], w[1], HALVINGS, &mut out);
+    }
+    out
 }
 
 /// Rounding of a polynomial's value.

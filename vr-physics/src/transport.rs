@@ -103,6 +103,7 @@ pub fn transport(line: &dyn LineField, optics: &Optics<'_>, tolerance: f64, leve
         depth_error: 0.0,
         certain: true,
         pending_wall: 0.0,
+        splits: 0,
         ended: false,
         cuts: Vec::new(),
         values: Vec::new(),
@@ -122,6 +123,8 @@ pub fn transport(line: &dyn LineField, optics: &Optics<'_>, tolerance: f64, leve
 const HALF_DEPTH: f64 = std::f64::consts::LN_2;
 /// Halvings after which a stretch is enclosed crudely instead: 2⁻⁶⁰ of a cell.
 const MOST_HALVINGS: u32 = 60;
+/// Halvings of all stretches of one ray together: no scene may hang the reference.
+const MOST_SPLITS: u64 = 1 << 18;
 /// Halvings that may be spent on a field which is only known roughly.
 const FIELD_HALVINGS: u32 = 8;
 
@@ -141,6 +144,8 @@ struct Walk<'a> {
     certain: bool,
     /// What it costs if the value of a wall, just passed within the field's error, was reached without being seen.
     pending_wall: f64,
+    /// Halvings so far.
+    splits: u64,
     ended: bool,
     cuts: Vec<f64>,
     values: Vec<f64>,
@@ -276,7 +281,9 @@ impl Walk<'_> {
         let Some(choice) = leaf.choose(light_share, depth_share) else {
             let whole = whole.unwrap_or_else(|| Whole { half, clearest: leaf.clearest() });
             let gain = leaf.enclosed(whole);
-            if halvings >= MOST_HALVINGS || gain.light_error + gain.depth_error * light <= 1e-3 * budget {
+            // Where the field's own error covers all of 1 − α, halving does not help.
+            let lost = leaf.is_lost() || halvings >= MOST_HALVINGS || self.splits >= MOST_SPLITS;
+            if lost || gain.light_error + gain.depth_error * light <= 1e-3 * budget {
                 self.add(gain, in_front);
                 return;
             }
@@ -316,6 +323,7 @@ impl Walk<'_> {
     }
 
     fn halve(&mut self, model: &LineModel, s: f64, half: f64, halvings: u32, whole: Option<Whole>) {
+        self.splits += 1;
         self.part(&model.restricted(-1.0, 0.0), s, 0.5 * half, halvings + 1, whole);
         if !self.ended {
             self.part(&model.restricted(0.0, 1.0), s + half, 0.5 * half, halvings + 1, whole);

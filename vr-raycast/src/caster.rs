@@ -73,6 +73,7 @@ impl Default for Order {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Classification {
     /// Looked up in a table made for the step's length; see [`vr_core::transfer::BakedTransfer`] for what that adds to the error.
+    /// Where a transfer function tells apart what no table of some thousand entries can, it is evaluated exactly after all.
     #[default]
     Table,
     /// Evaluated at every sample in f64: slow, for study and for transfer functions finer than any table.

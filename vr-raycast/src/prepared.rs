@@ -15,7 +15,7 @@ use crate::operator::{Accumulate, Average, Brightest, Extreme, First, Operator, 
 use crate::pipeline::{Pipeline, Scratch};
 use crate::ray_value::RayValue;
 use crate::shade::Shader;
-use crate::table_range::table_range;
+use crate::table_range::{resolves, table_range};
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
 pub(crate) struct PreparedCaster {
@@ -102,11 +102,13 @@ fn step(caster: &RayCaster, volume: &UniformVolume) -> f64 {
 impl<R: Real> Instruments<R> {
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, last: Option<(&Scene, &Self)>) -> Self {
+        let field = filter(caster, scene);
         let bake = || {
-            let range = table_range(volume, filter(caster, scene), &scene.transfer);
+            let range = table_range(volume, field, &scene.transfer);
             let integer = volume.voxel_type().is_integer();
             let step = step(caster, volume);
-            Arc::new(BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step))
+            let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
+            resolves(&table, volume, field, &scene.transfer).then(|| Arc::new(table))
         };
         let same = |old: &Scene| {
             old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
@@ -116,7 +118,7 @@ impl<R: Real> Instruments<R> {
         let classifier = Classifier {
             transfer: Arc::clone(&scene.transfer),
             calibration: volume.calibration(),
-            table: wanted.then(|| kept.unwrap_or_else(bake)),
+            table: if wanted { kept.or_else(bake) } else { None },
         };
         let shader = scene
             .shading

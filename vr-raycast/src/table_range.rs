@@ -1,6 +1,7 @@
-//! The stored numbers that a table must cover.
+//! The stored numbers that a table must cover, and whether it covers them finely enough.
 
 use vr_core::filter::Reconstruction;
+use vr_core::transfer::BakedTransfer;
 use vr_core::{Filter, Real, Sampler, SamplerVisitor, TransferFunction, UniformVolume, Voxel};
 
 /// The range of the field of a filter in stored units, overshoot included; `None` if all of it is vacuum.
@@ -48,4 +49,51 @@ pub(crate) fn table_range(volume: &UniformVolume, filter: Filter, transfer: &Tra
     // Both stay inside the field's range, in which a table of no extent is one constant, too.
     let (low, high) = ((first - margin).clamp(low, high), (last + margin).clamp(low, high));
     if integer { (low.floor() as f32, high.ceil() as f32) } else { (low as f32, high as f32) }
+}
+
+/// Entries that the narrowest ramp of a transfer function must span. A ramp to α = 1 has most of its extinction at its end, and a
+/// table's chord there is wrong over one entry: an eighth of the ramp is what that may be.
+const ENTRIES_PER_RAMP: f64 = 8.0;
+
+/// Whether a table tells apart all that the transfer function does.
+pub(crate) fn resolves<R: Real>(
+    table: &BakedTransfer<R>,
+    volume: &UniformVolume,
+    filter: Filter,
+    transfer: &TransferFunction,
+) -> bool {
+    // Entries at all integers are exact for a field of integers.
+    if filter == Filter::Nearest && volume.voxel_type().is_integer() && table.spacing() <= 1.0 {
+        return true;
+    }
+    let slope = volume.calibration().slope.abs();
+    let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
+    // Spacings of 1/16 and the like come back rounded from f32.
+    let least = ENTRIES_PER_RAMP * table.spacing() * (1.0 - 1e-6);
+    ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vr_core::{Calibration, ControlPoint, OpacityRule, Placement, UniformGrid, Volume};
+
+    #[test]
+    fn ramps_finer_than_the_table_are_noticed() {
+        let samples = vec![0u16, 65535, 0, 0, 0, 0, 0, 0];
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let volume: Volume = UniformGrid::new([2; 3], samples, placement, Calibration::default()).unwrap().into();
+        let volume = volume.uniform().unwrap();
+        let resolved = |values: &[f64], filter| {
+            let points = values.iter().map(|&v| ControlPoint::new(v, [1.0; 3], 0.5)).collect();
+            let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+            let range = table_range(volume, filter, &transfer);
+            let table = BakedTransfer::<f32>::new(&transfer, volume.calibration(), range, true, 1.0);
+            resolves(&table, volume, filter, &transfer)
+        };
+        assert!(resolved(&[0.0, 30000.0, 65535.0], Filter::Trilinear));
+        assert!(!resolved(&[0.0, 30000.0, 30001.0, 65535.0], Filter::Trilinear));
+        assert!(resolved(&[29990.0, 30000.0, 30010.0], Filter::Trilinear), "the table covers what the points do");
+        assert!(resolved(&[29990.0, 30000.0, 30001.0, 30010.0], Filter::Nearest));
+    }
 }

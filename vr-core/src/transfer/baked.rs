@@ -79,6 +79,11 @@ impl<R: Real> BakedTransfer<R> {
         self.error
     }
 
+    /// Stored units from one entry to the next.
+    pub fn spacing(&self) -> f64 {
+        1.0 / self.per_unit.to_f64()
+    }
+
     /// Bytes of the table.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.entries[..])

@@ -1,28 +1,21 @@
 //! Cases whose difficulty lies in the samples.
 
+use vr_core::phantom::{MarschnerLobb, sample};
 use vr_core::{
     Calibration, ControlPoint, OpacityRule, Placement, Scene, Shading, TransferFunction, UniformGrid, View, Volume,
 };
 
 use super::{float_volume, oblique, sampled, transfer, with_shading};
 
-/// The function of Marschner and Lobb (1994) on [−1, 1]³.
+/// The phantom under a transfer function that shows one of its ripples.
 pub(super) fn marschner_lobb() -> (Scene, View) {
-    const FREQUENCY: f64 = 6.0;
-    const MODULATION: f64 = 0.25;
     const N: usize = 33;
-    use std::f64::consts::PI;
-    let rho = |r: f64| libm::cos(2.0 * PI * FREQUENCY * libm::cos(0.5 * PI * r));
-    let at = |i: usize| 2.0 * i as f64 / (N - 1) as f64 - 1.0;
-    let field = |x: f64, y: f64, z: f64| {
-        let wave = 1.0 - libm::sin(0.5 * PI * z) + MODULATION * (1.0 + rho(x.hypot(y)));
-        wave / (2.0 * (1.0 + MODULATION))
-    };
-    let spacing = 2.0 / (N - 1) as f64;
-    let volume = float_volume([N; 3], [spacing; 3], |x, y, z| field(at(x), at(y), at(z)) as f32);
+    let grid = sample::<f32>(&MarschnerLobb::default(), [N; 3]).expect("a valid grid");
+    let volume = Volume::from(grid);
     let points = [(0.4, [0.1, 0.3, 0.9], 0.0), (0.5, [1.0, 0.8, 0.3], 0.6), (0.6, [0.9, 0.2, 0.1], 0.0)];
     let view = oblique(&volume, 32);
-    (Scene::new(volume, transfer(&points, spacing)), view)
+    let unit_distance = volume.mean_spacing();
+    (Scene::new(volume, transfer(&points, unit_distance)), view)
 }
 
 /// A lone NaN, a lone infinity, a wall of NaN and a corner of −∞ in a ramp whose brightest place is a 0 (what a NaN turned into

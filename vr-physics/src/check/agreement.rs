@@ -1,7 +1,7 @@
 //! Pictures within the error that a renderer documents.
 
 use proptest::strategy::Strategy;
-use vr_core::{Control, Model, Renderer, Scene, View};
+use vr_core::{Control, Frame, Model, Renderer, Scene, View};
 
 use super::drawn::{Truth, draw};
 use super::effort::{Effort, Verdict};
@@ -14,7 +14,7 @@ use crate::Metrics;
 /// picture), as [`Metrics::max`] is), over [tame scenes](tame_scene).
 ///
 /// `bound` is what the renderer documents for a scene and a view: +∞ where it promises nothing, and the scene is skipped. The
-/// reference's own uncertainty comes on top.
+/// reference's own uncertainty comes on top; where that is larger than the bound, the scene is skipped, too.
 ///
 /// # Errors
 /// The failure, with a scene that shows it.
@@ -42,11 +42,7 @@ pub fn agrees_with_reference_on(
             return Ok(Verdict::Skipped);
         }
         let frame = draw(renderer, test, &Control::default())?;
-        let Some(truth) = Truth::of(&effort.reference, test, &Model::Canonical)? else {
-            return Ok(Verdict::Skipped);
-        };
-        let error = Metrics::of(&truth.pixels, frame.pixels()).max;
-        Ok(Verdict::within(error, allowed + truth.uncertainty, || "largest error".to_owned()))
+        Ok(judge(&frame, Truth::of(&effort.reference, test, &Model::Canonical)?, allowed))
     })
 }
 
@@ -70,10 +66,18 @@ pub fn agrees_with_its_model(
         let control = Control::default();
         let mut prepared = renderer.prepare(&test.scene, &control)?;
         let frame = prepared.render(&test.view, &control)?.frame;
-        let Some(truth) = Truth::of(&effort.reference, test, &prepared.model(&test.view))? else {
-            return Ok(Verdict::Skipped);
-        };
-        let error = Metrics::of(&truth.pixels, frame.pixels()).max;
-        Ok(Verdict::within(error, allowed + truth.uncertainty, || "largest error".to_owned()))
+        let model = prepared.model(&test.view);
+        Ok(judge(&frame, Truth::of(&effort.reference, test, &model)?, allowed))
     })
+}
+
+/// A truth that is less certain than what is allowed judges nobody.
+fn judge(frame: &Frame, truth: Option<Truth>, allowed: f64) -> Verdict {
+    match truth {
+        Some(truth) if truth.uncertainty <= allowed => {
+            let error = Metrics::of(&truth.pixels, frame.pixels()).max;
+            Verdict::within(error, allowed + truth.uncertainty, || "largest error".to_owned())
+        }
+        _ => Verdict::Skipped,
+    }
 }

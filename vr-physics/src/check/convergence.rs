@@ -150,11 +150,11 @@ fn errors_of(
     let Some(truth) = Truth::of(&effort.reference, test, &Model::Canonical)? else {
         return Ok(None);
     };
-    let error = |r: &Box<dyn Renderer>| {
-        let frame = draw(&**r, test, &Control::default())?;
+    let error = |r: &dyn Renderer| {
+        let frame = draw(r, test, &Control::default())?;
         Ok(Metrics::of(&truth.pixels, frame.pixels()).rmse)
     };
-    refined.iter().map(error).collect::<Result<Vec<_>, _>>().map(Some)
+    refined.iter().map(|r| error(&**r)).collect::<Result<Vec<_>, _>>().map(Some)
 }
 
 /// The order fitted to the leading errors above the floor; `None` if these are fewer than four halvings.

@@ -14,7 +14,7 @@ pub struct Report {
     pub held: u32,
     /// Scenes that the renderer refused as unsupported.
     pub refused: u32,
-    /// Scenes about which nothing could be said: no bound is promised, or nothing absorbs or shines.
+    /// Scenes about which nothing could be said: no bound is promised, or the truth is less certain than the bound.
     pub skipped: u32,
     /// The largest deviation measured, relative to max(1, largest magnitude of the picture).
     pub worst: f64,

@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 use vr_core::*;
+use vr_physics::Reference;
 use vr_raycast::RayCaster;
 
 /// A grid of f32 samples of a function of the index.
@@ -56,6 +57,14 @@ pub fn render(caster: &RayCaster, scene: &Scene, view: &View) -> Rendered {
 pub fn pixel(caster: &RayCaster, scene: &Scene, view: &View) -> ([f32; 4], f32) {
     let frame = render(caster, scene, view).frame;
     (frame.pixels()[0], frame.depth().unwrap()[0])
+}
+
+/// The true picture of a scene, to 10⁻⁷: a frame holds f32.
+pub fn truth(scene: &Scene, view: &View) -> Frame {
+    let solution = Reference::new(1e-7).solve(scene, view, &Model::Canonical, &Control::default()).unwrap();
+    let rgba = solution.pixels.iter().map(|p| p.rgba.map(|x| x as f32)).collect();
+    let depth = solution.pixels.iter().map(|p| p.depth as f32).collect();
+    Frame::new(view.size, rgba, Some(depth))
 }
 
 /// The largest difference of any component, divided by max(1, the largest component of the second picture).
