@@ -5,3 +5,8 @@
 mod phantom_scene;
 
 pub use phantom_scene::{PhantomScene, phantom_scenes};
+
+/// The examples on the front page, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct FrontPage;

@@ -3,19 +3,21 @@
 use glam::DVec3;
 use vr_core::scene_file::ProjectionName;
 use vr_core::{Camera, ParameterError, Projection};
+use vr_io::{FileInfo, OBLIQUE};
 
 use crate::args::CameraArgs;
 
-/// Azimuth and elevation in degrees where they are not given: those of a scene without a camera.
-const OBLIQUE: (f64, f64) = (30.0, 20.0);
 /// Vertical angle in degrees of a perspective camera that was given none.
 const FOV: f64 = 30.0;
 
-/// The camera that flags make of a scene's own, or of one that sees all of the volume's bounds where it has none.
+/// What there is to see: bounds of the volume, and what its file says.
+pub type Sight<'a> = ((DVec3, DVec3), Option<&'a FileInfo>);
+
+/// The camera that flags make of a scene's own, or of one that sees all of the volume where it has none.
 ///
 /// # Errors
 /// A camera that sees nothing.
-pub fn apply(args: &CameraArgs, own: Option<Camera>, bounds: (DVec3, DVec3)) -> Result<Camera, ParameterError> {
+pub fn apply(args: &CameraArgs, own: Option<Camera>, sight: Sight<'_>) -> Result<Camera, ParameterError> {
     let fov = match (args.projection, args.fov, own.map(|camera| camera.projection)) {
         (_, Some(fov), _) => Some(fov),
         (Some(ProjectionName::Orthographic), ..) => None,
@@ -26,7 +28,7 @@ pub fn apply(args: &CameraArgs, own: Option<Camera>, bounds: (DVec3, DVec3)) -> 
     };
     let mut camera = match own {
         Some(own) if args.azimuth.is_none() && args.elevation.is_none() => own,
-        _ => framing(args, fov, bounds)?,
+        _ => whole_volume(args, fov, sight)?,
     };
     camera.projection = match (fov, args.height, camera.projection) {
         (Some(fov), ..) => Projection::Perspective { fov },
@@ -45,7 +47,7 @@ pub fn apply(args: &CameraArgs, own: Option<Camera>, bounds: (DVec3, DVec3)) -> 
     Ok(camera)
 }
 
-fn framing(args: &CameraArgs, fov: Option<f64>, bounds: (DVec3, DVec3)) -> Result<Camera, ParameterError> {
+fn whole_volume(args: &CameraArgs, fov: Option<f64>, (bounds, info): Sight<'_>) -> Result<Camera, ParameterError> {
     let (azimuth, elevation) = (args.azimuth.unwrap_or(OBLIQUE.0), args.elevation.unwrap_or(OBLIQUE.1));
     for (field, angle) in [("camera.azimuth", azimuth), ("camera.elevation", elevation)] {
         if !angle.is_finite() {
@@ -56,7 +58,7 @@ fn framing(args: &CameraArgs, fov: Option<f64>, bounds: (DVec3, DVec3)) -> Resul
         // A wrong angle is to be named, not the eye that it would put somewhere.
         Camera { projection: Projection::Perspective { fov }, ..Camera::framing(bounds, 0.0, 0.0, None) }.frame()?;
     }
-    Ok(Camera::framing(bounds, azimuth, elevation, fov))
+    Ok(vr_io::framing(bounds, info, (azimuth, elevation), fov))
 }
 
 #[cfg(test)]
@@ -73,7 +75,7 @@ mod tests {
 
     fn camera(flags: &str, own: Option<Camera>) -> Result<Camera, ParameterError> {
         let flags = Flags::parse_from(std::iter::once("vr").chain(flags.split_whitespace()));
-        apply(&flags.camera, own, (DVec3::NEG_ONE, DVec3::ONE))
+        apply(&flags.camera, own, ((DVec3::NEG_ONE, DVec3::ONE), None))
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use vr_core::{Control, Model, Options, Prepared, RenderError, Rendered, Renderer, View};
+use vr_core::{Control, Model, Prepared, RenderError, Rendered, Renderer, View};
 use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
 
@@ -24,7 +24,7 @@ const FRAMES: usize = 3;
 /// No further frame is drawn after this time.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Rows and columns of the subgrid of pixels on which a renderer is judged against its own model.
-const SUBGRID: u32 = 48;
+const SUBGRID: u32 = 16;
 
 /// Renders with every renderer and setting, judges each, draws the sheet, tells.
 ///
@@ -45,7 +45,7 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     .map_err(|e| setup.render_failure(e))?;
 
     let mut results = Vec::new();
-    for (name, renderer) in &contestants {
+    for Contestant { name, renderer } in &contestants {
         let result = under_bar(console, control, name, |control| measure(&**renderer, &setup, &exact, control));
         match result {
             Ok(measured) => results.push((name.as_str(), measured)),
@@ -63,8 +63,14 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     console.result(&text(&setup, &exact, &results, args), &json(&setup, &exact, &results, args))
 }
 
+/// A renderer under one of its settings.
+struct Contestant {
+    name: String,
+    renderer: Box<dyn Renderer>,
+}
+
 /// Every renderer with every setting that a study would try, or the named ones only.
-fn contestants(only: &[String]) -> Result<Vec<(String, Box<dyn Renderer>)>, Failure> {
+fn contestants(only: &[String]) -> Result<Vec<Contestant>, Failure> {
     let chosen = match only {
         [] => renderers::all(),
         names => names.iter().map(|n| renderers::named(n)).collect::<Result<_, _>>().map_err(Failure::usage)?,
@@ -73,12 +79,13 @@ fn contestants(only: &[String]) -> Result<Vec<(String, Box<dyn Renderer>)>, Fail
     for renderer in chosen {
         let settings = renderer.settings();
         for setting in &settings {
-            let configured = renderer.configure(&setting.options).map_err(Failure::failed)?;
-            contestants.push((format!("{} {}", renderer.name(), setting.name), configured));
+            let name = format!("{} {}", renderer.name(), setting.name);
+            let renderer = renderer.configure(&setting.options).map_err(Failure::failed)?;
+            contestants.push(Contestant { name, renderer });
         }
         if settings.is_empty() {
             let name = renderer.name().to_owned();
-            contestants.push((name, renderer.configure(&Options::new()).map_err(Failure::failed)?));
+            contestants.push(Contestant { name, renderer });
         }
     }
     Ok(contestants)

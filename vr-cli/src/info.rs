@@ -72,10 +72,8 @@ impl Description<'_> {
             ),
         );
         let unit = self.file.and_then(|f| f.units.as_deref()).unwrap_or_default();
-        line(
-            "spacing",
-            format!("{} {unit}", number::triple(u.placement().spacing().to_array().map(number::value), " ")),
-        );
+        let spacing = number::triple(u.placement().spacing().to_array().map(number::value), " ");
+        line("spacing", format!("{spacing} {unit}").trim_end().to_owned());
         line("orientation", self.orientation());
         for row in self.matrix() {
             line("", format!("[{:>11} {:>11} {:>11} {:>11}]", row[0], row[1], row[2], row[3]));

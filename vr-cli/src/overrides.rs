@@ -72,7 +72,7 @@ impl Overrides {
     }
 
     /// A path of the command line is relative to the working directory, not to the scene file.
-    fn from_here(&self, path: &Path) -> String {
+    fn path_from_here(&self, path: &Path) -> String {
         let absolute = if self.over_file { std::path::absolute(path).ok() } else { None };
         absolute.as_deref().unwrap_or(path).to_string_lossy().into_owned()
     }
@@ -86,7 +86,7 @@ impl Overrides {
             // Another volume: what the file says about its own is void, the filter apart.
             *section = VolumeSection { filter: section.filter, ..VolumeSection::default() };
         }
-        let path = args.path.as_deref().map(|p| self.from_here(p));
+        let path = args.path.as_deref().map(|p| self.path_from_here(p));
         self.set_some("volume.path", path, &mut section.path);
         self.set_some("volume.phantom", args.phantom.clone(), &mut section.phantom);
         self.set_some("volume.size", args.phantom_size, &mut section.size);
@@ -115,7 +115,7 @@ impl Overrides {
             let TransferSection { unit_distance, opacity_rule, .. } = section;
             section = TransferSection { unit_distance, opacity_rule, ..TransferSection::default() };
             if Path::new(transfer).extension().is_some() {
-                section.file = Some(self.from_here(Path::new(transfer)));
+                section.file = Some(self.path_from_here(Path::new(transfer)));
                 self.note("transfer.file");
             } else {
                 section.preset = Some(transfer.clone());

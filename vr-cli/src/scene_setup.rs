@@ -45,13 +45,13 @@ impl Setup {
         let mut origin = Origin { scene_file: args.scene.clone(), overrides: Overrides::default() };
         origin.overrides.apply(args, &mut file)?;
         let path = args.scene.as_deref().unwrap_or(Path::new(""));
-        let LoadedScene { scene, mut view, renderer, options, max_error, notes, .. } =
+        let LoadedScene { scene, mut view, renderer, options, max_error, info, notes } =
             vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
 
         let own = file.camera.is_some().then_some(view.camera);
         origin.overrides.camera(&args.camera);
-        view.camera =
-            camera_flags::apply(&args.camera, own, scene.volume.bounds()).map_err(|e| origin.parameter(&e))?;
+        let sight = (scene.volume.bounds(), info.as_ref());
+        view.camera = camera_flags::apply(&args.camera, own, sight).map_err(|e| origin.parameter(&e))?;
         for note in &notes {
             console.note(note);
         }

@@ -70,6 +70,7 @@ mod encoding;
 mod error;
 mod exr;
 mod file_pattern;
+mod framing;
 mod layout;
 mod mapped;
 mod metaimage;
@@ -88,6 +89,7 @@ mod world;
 
 pub use error::{ReadError, WriteError};
 pub use exr::write_exr;
+pub use framing::{OBLIQUE, framing};
 pub use nifti::Transform;
 pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
 pub use paraview::{ColorMap, ColorMapError, parse_color_maps, read_color_maps};

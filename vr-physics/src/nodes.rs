@@ -33,7 +33,7 @@ impl Rule {
         // ∫_{−1}^{x} T_k
         let antiderivative = |k: usize, theta: f64| {
             let c = |m: usize| libm::cos(m as f64 * theta);
-            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
             let kf = k as f64;
             match k {
                 0 => c(1) + 1.0,

@@ -100,10 +100,10 @@ pub struct ShadingArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArgs {
-    /// See all of the volume from this many degrees to the right of -z
+    /// See all of the volume from this many degrees to the right of its front: the +z side, a patient's face
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, conflicts_with_all = ["eye", "target", "up"])]
     pub azimuth: Option<f64>,
-    /// See all of the volume from this many degrees above
+    /// See all of the volume from this many degrees above: the +y side, a patient's head
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, conflicts_with_all = ["eye", "target", "up"])]
     pub elevation: Option<f64>,
     /// Position of the eye

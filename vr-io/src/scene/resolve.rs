@@ -7,6 +7,7 @@ use vr_core::scene_file::{ColorEncoding, SceneFile, TransferSection, VolumeSecti
 use vr_core::transfer::{Preset, srgb_to_linear};
 use vr_core::{ControlPoint, Options, ParameterError, Scene, View, Volume};
 
+use crate::framing::{OBLIQUE, framing};
 use crate::nifti::Transform;
 use crate::paraview::read_color_maps;
 use crate::raw::RawDescription;
@@ -62,7 +63,10 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
             points
         }
     };
-    let (scene, view) = file.assemble(found.volume, points).map_err(in_file)?;
+    let (scene, mut view) = file.assemble(found.volume, points).map_err(in_file)?;
+    if file.camera.is_none() {
+        view.camera = framing(scene.volume.bounds(), found.info.as_ref(), OBLIQUE, None);
+    }
     let render = file.render;
     Ok(LoadedScene {
         scene,
