@@ -178,7 +178,8 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
     /// change over y. The remainder is at most 4 M ρ^(−n)/(ρ − 1) (Trefethen, *Approximation Theory and Approximation
     /// Practice*, 2013, theorem 8.2).
     fn interpolated(&self, cell: [usize; 3], from: f64, to: f64) -> LineModel {
-        const DEGREE: usize = 9;
+        // More would need fewer halvings, but the powers' coefficients grow as 2ⁿ, and rounding with them.
+        const DEGREE: usize = 12;
         static NODES: OnceLock<[f64; DEGREE + 1]> = OnceLock::new();
         let (middle, half) = self.middle_and_half(from, to);
         let nodes: &[f64; DEGREE + 1] = NODES.get_or_init(|| std::array::from_fn(|j| chebyshev_point(DEGREE, j)));
@@ -198,7 +199,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         let slope = self.calibration.slope;
         let field = Poly::through_chebyshev_points(&values) * slope + Poly::constant(offset);
         let remainder = gaussian_remainder(half, DEGREE) * reach * slope.abs();
-        let rounding = f64::EPSILON * (512.0 * slope.abs() * reach + 2.0 * offset.abs());
+        let rounding = f64::EPSILON * (8192.0 * slope.abs() * reach + 2.0 * offset.abs());
         let field_error = remainder + rounding;
         let gradient = match self.gradient {
             GradientSource::None => None,
@@ -230,7 +231,7 @@ fn inside(p: [f64; 3], cell: [usize; 3]) -> [f64; 3] {
 /// Bounds |f − interpolant| of the Gaussian field per unit of the samples' spread.
 fn gaussian_remainder(half: DVec3, degree: usize) -> f64 {
     let mut best = f64::INFINITY;
-    for rho in [3.0f64, 8.0, 21.0, 55.0] {
+    for rho in [3.0f64, 5.0, 8.0, 14.0, 30.0] {
         let (a, b) = (0.5 * (rho + 1.0 / rho), 0.5 * (rho - 1.0 / rho));
         let mut gain = 1.0;
         for axis in 0..3 {
@@ -251,10 +252,12 @@ fn gaussian_gain(y: f64, beyond: f64) -> f64 {
     let grow = libm::exp(0.5 * (y / GAUSSIAN_SIGMA) * (y / GAUSSIAN_SIGMA));
     // Over the cell [0, 1] the four taps' sum is smallest at its ends, where they are at distances 1, 0, 1 and 2.
     let smallest = 1.0 + 2.0 * g(1.0) + g(2.0) - 4.0 * edge;
-    // |g'| ≤ |z|/σ² |g|: what the sum can lose on the way from the nearest point of the cell, |z| ≤ 2 + beyond + y.
-    let total = 4.0 * grow;
-    let loss = (y + beyond) * (2.0 + beyond + y) / (GAUSSIAN_SIGMA * GAUSSIAN_SIGMA) * total;
-    if loss >= 0.5 * smallest { f64::INFINITY } else { (total + 4.0 * edge) / (smallest - loss) }
+    // Σ g(xᵢ) over the lattice is nowhere above σ√(2π) (1 + 2e^(−2π²σ²)) (Poisson's sum).
+    let total = 1.76 * grow;
+    // |g'(z)| = |z|/σ² |g(z)|, and x g(x) ≤ σ/√e for each tap: what the sum can lose on the way from the cell's nearest point.
+    let steepest = grow * (4.0 * 0.607 * GAUSSIAN_SIGMA + 1.76 * y) / (GAUSSIAN_SIGMA * GAUSSIAN_SIGMA);
+    let loss = (y + beyond) * steepest;
+    if loss >= 0.8 * smallest { f64::INFINITY } else { (total + 4.0 * edge) / (smallest - loss) }
 }
 
 fn trilinear_gradients(at: SampleGradients<'_>, cell: [usize; 3], middle: DVec3, half: DVec3) -> [Poly; 3] {

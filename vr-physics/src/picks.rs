@@ -54,17 +54,29 @@ impl Pick {
     }
 }
 
-/// Halvings of a stretch whose field is only known roughly.
-const HALVINGS: u32 = 5;
+/// A stretch without breakpoints: from, to, and the field there.
+type Stretch = (f64, f64, LineModel);
 
-/// The stretches of a line that are not vacuum, halved where the field is only known roughly.
-fn stretches(line: &dyn LineField) -> Vec<(f64, f64, LineModel)> {
-    fn refine(line: &dyn LineField, from: f64, to: f64, halvings: u32, out: &mut Vec<(f64, f64, LineModel)>) {
+/// Halvings of a stretch whose field is only known roughly, where the whole of it counts.
+const HALVINGS: u32 = 5;
+/// The same, where only what is near one value counts.
+const HALVINGS_NEAR: u32 = 12;
+
+/// The stretches of a line that are not vacuum, halved where `matters` says that the field's error does.
+fn stretches(line: &dyn LineField, halvings: u32, matters: &dyn Fn(&LineModel) -> bool) -> Vec<Stretch> {
+    fn refine(
+        line: &dyn LineField,
+        (from, to): (f64, f64),
+        halvings: u32,
+        matters: &dyn Fn(&LineModel) -> bool,
+        out: &mut Vec<Stretch>,
+    ) {
         let Some(model) = line.between(from, to) else { return };
-        if halvings > 0 && model.field_error > 1e3 * rounding(&model.field) {
+        let rough = model.field_error > 1e3 * rounding(&model.field);
+        if rough && halvings > 0 && matters(&model) {
             let middle = 0.5 * (from + to);
-            refine(line, from, middle, halvings - 1, out);
-            refine(line, middle, to, halvings - 1, out);
+            refine(line, (from, middle), halvings - 1, matters, out);
+            refine(line, (middle, to), halvings - 1, matters, out);
         } else {
             out.push((from, to, model));
         }
@@ -72,7 +84,7 @@ fn stretches(line: &dyn LineField) -> Vec<(f64, f64, LineModel)> {
     let (mut breakpoints, mut out) = (Vec::new(), Vec::new());
     line.breakpoints(&mut breakpoints);
     for w in breakpoints.windows(2).filter(|w| w[1] > w[0]) {
-        refine(line, w[0], w[1], HALVINGS, &mut out);
+        refine(line, (w[0], w[1]), halvings, matters, &mut out);
     }
     out
 }
@@ -87,7 +99,7 @@ pub fn extreme(line: &dyn LineField, sign: f64) -> Option<Pick> {
     let mut best: Option<Pick> = None;
     let (mut error, mut certain) = (0.0f64, true);
     let mut turns = Vec::new();
-    for (from, to, model) in stretches(line) {
+    for (from, to, model) in stretches(line, HALVINGS, &|_| true) {
         // The error of the field is one for all: the true extreme lies in no stretch beyond its own error.
         error = error.max(model.field_error + rounding(&model.field));
         certain &= model.certain;
@@ -115,7 +127,7 @@ pub fn extreme(line: &dyn LineField, sign: f64) -> Option<Pick> {
 pub fn average(line: &dyn LineField) -> Option<Pick> {
     let (mut sum, mut length, mut doubt, mut size, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);
     let mut certain = true;
-    for (from, to, model) in stretches(line) {
+    for (from, to, model) in stretches(line, HALVINGS, &|_| true) {
         let half = 0.5 * (to - from);
         let part = half * model.field.integral();
         sum += part;
@@ -156,7 +168,8 @@ pub struct First {
 pub fn first(line: &dyn LineField, threshold: f64) -> First {
     let mut certain = true;
     let mut roots = Vec::new();
-    for (from, to, model) in stretches(line) {
+    let near = |m: &LineModel| (m.field.coefficients()[0] - threshold).abs() <= m.field.spread(1.0) + m.field_error;
+    for (from, to, model) in stretches(line, HALVINGS_NEAR, &near) {
         certain &= model.certain;
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let p = &model.field;

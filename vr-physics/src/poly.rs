@@ -60,7 +60,7 @@ impl Poly {
         Self { coefficients: c, degree: coefficients.len() - 1 }
     }
 
-    /// The polynomial of degree n = `values.len() − 1` through values at the Chebyshev points [`chebyshev_point`]`(n, j)`.
+    /// The polynomial of degree n = `values.len() − 1` through values at the Chebyshev points cos(π j/n).
     ///
     /// # Panics
     /// For no value, or more than 19.

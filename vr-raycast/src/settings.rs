@@ -15,10 +15,10 @@ pub(crate) fn settings() -> Vec<NamedSetting> {
     let default = RayCaster::default;
     let steps =
         |rule, steps: &[f64]| steps.iter().map(|&step| RayCaster { step, rule, ..default() }).collect::<Vec<_>>();
-    let midpoint = steps(Rule::Midpoint, &[4.0, 2.0, 1.0, 0.5, 0.25, 0.125]);
-    let left = steps(Rule::Left, &[1.0, 0.25]);
+    let midpoint = steps(Rule::Midpoint, &[4.0, 2.0, 1.0, 0.5, 0.2, 0.1]);
+    let left = steps(Rule::Left, &[1.0, 0.2]);
     let filters = Filter::ALL.map(|filter| RayCaster { filter: Some(filter), ..default() });
-    let exact = [1.0, 0.25].map(RayCaster::exact);
+    let exact = [1.0, 0.2].map(RayCaster::exact);
     let named = |prefix: &'static str, floor: f64| {
         move |caster: RayCaster| {
             let name = match caster.filter {

@@ -22,7 +22,7 @@ fn bound(case: &Case) -> f64 {
         // Shading turns fast where the gradient is nearly 0.
         "two-samples" => 1.3e-2,
         "bright" => 1e-2,
-        // Smooth fields: what the square of a step of ¼ leaves.
+        // Smooth fields: what the square of a step of ⅕ leaves.
         "anisotropy" | "grazing-rays" | "axis-aligned" | "camera-inside" | "far-origin" => 6e-4,
         "faint" => 1e-4,
         // Nothing but rounding.

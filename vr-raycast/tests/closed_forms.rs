@@ -109,7 +109,7 @@ fn opaque_walls_end_the_ray() {
     // Clear up to the value 8, opaque from there on: 8 units before a wall of colour c.
     let wall = transfer(&[(8.0, [0.0; 3], 0.0), (8.0, [0.25, 0.5, 1.0], 1.0)], 1.0);
     let scene = Scene::new(ramp(0.0, 1.0), wall);
-    for caster in kernels(&RayCaster::default()) {
+    for caster in kernels(&RayCaster { step: 0.25, ..RayCaster::default() }) {
         let picture = render(&caster, &scene, &down(0.5, 0.5));
         assert_eq!(picture.frame.pixels()[0], [0.25, 0.5, 1.0, 1.0], "{caster:?}");
         // A wall's place is known to one step.

@@ -66,9 +66,9 @@ impl Phantom for MarschnerLobb {
 
     fn transfer_points(&self) -> Vec<ControlPoint> {
         vec![
-            ControlPoint::new(0.42, [0.10, 0.25, 0.80], 0.0),
+            ControlPoint::new(0.30, [0.10, 0.25, 0.80], 0.0),
             ControlPoint::new(0.50, [0.30, 0.60, 1.00], 0.35),
-            ControlPoint::new(0.58, [0.95, 0.90, 0.80], 0.10),
+            ControlPoint::new(0.70, [0.95, 0.90, 0.80], 0.10),
             ControlPoint::new(1.00, [1.00, 0.55, 0.15], 0.30),
         ]
     }
