@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-/// Largest degree: the square of a gradient of a cubic filter has degree 16.
-pub const MOST_DEGREE: usize = 18;
+/// Largest degree: the square of a gradient of degree 12, as the Gaussian has.
+pub const MOST_DEGREE: usize = 24;
 
 /// The Chebyshev point cos(π j/n); 0 for n = 0.
 pub fn chebyshev_point(n: usize, j: usize) -> f64 {
@@ -53,7 +53,7 @@ impl Poly {
     /// From coefficients, the constant first.
     ///
     /// # Panics
-    /// For none, or more than 19 (degree 18).
+    /// For none, or more than 25 (degree 24).
     pub fn new(coefficients: &[f64]) -> Self {
         let mut c = [0.0; MOST_DEGREE + 1];
         c[..coefficients.len()].copy_from_slice(coefficients);
@@ -63,7 +63,7 @@ impl Poly {
     /// The polynomial of degree n = `values.len() − 1` through values at the Chebyshev points cos(π j/n).
     ///
     /// # Panics
-    /// For no value, or more than 19.
+    /// For no value, or more than 25.
     pub fn through_chebyshev_points(values: &[f64]) -> Self {
         let mut p = Self::constant(0.0);
         p.degree = values.len() - 1;
