@@ -41,9 +41,4 @@ impl RenderStats {
         self.stages.push((stage, start.elapsed()));
         result
     }
-
-    /// The time of all stages.
-    pub fn total(&self) -> Duration {
-        self.stages.iter().map(|s| s.1).sum()
-    }
 }

@@ -9,8 +9,8 @@ use crate::real::Real;
 /// interpolated linearly.
 ///
 /// Everything that depends on the step (the exponential, the source weight, the calibration) is folded in, in f64. An entry is
-/// (r, g, b, α): the light that a homogeneous step sends out and its opacity. A shorter step follows from it: see
-/// [`shorten`](Self::shorten).
+/// (r, g, b, α): the light that a homogeneous step sends out and its opacity. A step of another
+/// length is [`TransferFunction::step`].
 #[derive(Clone, Debug)]
 pub struct BakedTransfer<R> {
     /// One more than there are intervals; the last is repeated, so that index + 1 always exists.
@@ -84,11 +84,6 @@ impl<R: Real> BakedTransfer<R> {
         1.0 / self.per_unit.to_f64()
     }
 
-    /// Bytes of the table.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.entries[..])
-    }
-
     /// Light and opacity of one whole step at a stored number; nothing for NaN.
     #[inline(always)]
     pub fn step(&self, stored: R) -> [R; 4] {
@@ -100,16 +95,6 @@ impl<R: Real> BakedTransfer<R> {
         let t = x - R::from_index(i);
         let (a, b) = (self.entries[i], self.entries[i + 1]);
         std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
-    }
-
-    /// Light and opacity of a step `ratio` (at most 1) times as long, from those of the whole step: α' = 1 − (1 − α)^ratio, and
-    /// light in the same proportion, which is exact for both kinds of emission.
-    #[inline]
-    pub fn shorten(step: [R; 4], ratio: R) -> [R; 4] {
-        let alpha = opacity_of_thickness(step[3], ratio);
-        // α'/α → ratio as α → 0.
-        let share = if step[3] == R::ZERO { ratio } else { alpha / step[3] };
-        [step[0] * share, step[1] * share, step[2] * share, alpha]
     }
 }
 
@@ -233,16 +218,5 @@ mod tests {
         let table = BakedTransfer::<f32>::new(&t, Calibration::default(), (0.0, 29.0), true, 0.5);
         let opacity = [2.0, 3.0, 4.0].map(|v| table.step(v)[3]);
         assert_eq!(opacity, [0.0, 1.0, 0.0]);
-    }
-
-    #[test]
-    fn shorter_steps_compose_to_the_whole() {
-        let points = vec![ControlPoint::new(0.0, [0.5; 3], 0.3)];
-        let t = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
-        let whole = BakedTransfer::<f64>::new(&t, Calibration::default(), (0.0, 1.0), false, 1.0).step(0.5);
-        let (a, b) = (BakedTransfer::shorten(whole, 0.3), BakedTransfer::shorten(whole, 0.7));
-        for c in 0..4 {
-            assert!((a[c] + (1.0 - a[3]) * b[c] - whole[c]).abs() < 1e-15);
-        }
     }
 }
