@@ -56,10 +56,10 @@ impl Camera {
     #[must_use]
     pub fn orbit(&self, azimuth: f64, elevation: f64) -> Self {
         let arm = self.eye - self.target;
-        let around = DQuat::from_axis_angle(self.up.normalize(), azimuth.to_radians());
+        let around = turn(self.up.normalize(), azimuth);
         let arm = around * arm;
         let right = (-arm).cross(self.up).normalize();
-        let raise = DQuat::from_axis_angle(right, -elevation.to_radians());
+        let raise = turn(right, -elevation);
         Self { eye: self.target + raise * arm, up: raise * self.up, ..*self }
     }
 
@@ -94,6 +94,12 @@ impl Camera {
             _ => Ok(DMat3::from_cols(right, right.cross(forward), forward)),
         }
     }
+}
+
+/// A rotation about a unit vector. Not glam's, whose sine is the system's: pictures must not depend on the machine.
+fn turn(axis: DVec3, degrees: f64) -> DQuat {
+    let (sin, cos) = libm::sincos(0.5 * degrees.to_radians());
+    DQuat::from_xyzw(axis.x * sin, axis.y * sin, axis.z * sin, cos)
 }
 
 #[cfg(test)]
