@@ -79,6 +79,9 @@
 mod caster;
 mod chord;
 mod classify;
+// Its own tests use it; the walk along rays will.
+#[allow(dead_code)]
+mod leap;
 mod operator;
 mod options;
 mod pipeline;
