@@ -80,8 +80,12 @@ mod caster;
 mod chord;
 mod classify;
 mod instruments;
+// Its own tests use it; the walk along rays will.
+#[allow(dead_code)]
+mod leap;
 mod operator;
 mod options;
+mod pace;
 mod pipeline;
 mod prepared;
 mod ray_value;
