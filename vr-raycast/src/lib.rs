@@ -81,7 +81,7 @@ mod chord;
 mod classify;
 mod instruments;
 // Its own tests use it; the walk along rays will.
-#[allow(dead_code)]
+#[allow(dead_code, unused_imports)]
 mod leap;
 mod operator;
 mod options;
@@ -94,6 +94,7 @@ mod run;
 mod screen;
 mod settings;
 mod shade;
+mod step_options;
 mod table_range;
 mod tracer;
 mod walk;
