@@ -248,4 +248,5 @@ def main():
         print("\n" + summary([r for r in results if r["threads"] == threads]), flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()
