@@ -80,6 +80,7 @@ mod caster;
 mod chord;
 mod classify;
 mod operator;
+mod packet;
 mod options;
 mod pipeline;
 mod prepared;

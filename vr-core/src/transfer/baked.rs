@@ -84,6 +84,21 @@ impl<R: Real> BakedTransfer<R> {
         1.0 / self.per_unit.to_f64()
     }
 
+    /// The entries, for vector code that looks up many at once: (r, g, b, α). The last is there twice.
+    pub fn entries(&self) -> &[[R; 4]] {
+        &self.entries
+    }
+
+    /// The stored number of the first entry.
+    pub fn origin(&self) -> R {
+        self.origin
+    }
+
+    /// Entries per stored unit.
+    pub fn per_unit(&self) -> R {
+        self.per_unit
+    }
+
     /// Light and opacity of one whole step at a stored number; nothing for NaN.
     #[inline(always)]
     pub fn step(&self, stored: R) -> [R; 4] {
