@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use fearless_simd::Level;
 use vr_core::transfer::BakedTransfer;
 use vr_core::{Real, Scene, UniformVolume};
 
@@ -9,6 +10,7 @@ use crate::caster::{Classification, Precision, RayCaster, Step};
 use crate::classify::Classifier;
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
+use crate::packet::{LocalEngine, supports_local};
 use crate::shade::Shader;
 use crate::table_range::{resolves, single_precision_resolves, table_range};
 
@@ -24,6 +26,8 @@ pub(crate) struct Instruments<R> {
     pub(crate) shader: Option<Shader<R>>,
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<Arc<PaceMap>>,
+    /// Vector code for it, where there is.
+    pub(crate) vector: Option<LocalEngine>,
 }
 
 impl Kernel {
@@ -89,7 +93,13 @@ impl<R: Real> Instruments<R> {
             Step::Local { error } => Some(pace(error)),
             Step::Uniform(_) => None,
         };
-        Self { classifier, shader, pace }
+        let mut made = Self { classifier, shader, pace, vector: None };
+        if let Some(map) = &made.pace
+            && supports_local(caster, scene, volume)
+        {
+            made.vector = LocalEngine::new(caster, scene, volume, Arc::clone(map), made.brightest(), Level::new());
+        }
+        made
     }
 
     /// How bright the medium can be.

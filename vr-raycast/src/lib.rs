@@ -86,6 +86,8 @@ mod leap;
 mod operator;
 mod options;
 mod pace;
+#[allow(dead_code)]
+mod packet;
 mod pipeline;
 mod prepared;
 mod ray_value;

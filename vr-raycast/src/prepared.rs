@@ -7,6 +7,7 @@ use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Re
 use crate::caster::{Order, RayCaster, Rule, Step};
 use crate::instruments::{Instruments, Kernel};
 use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
+use crate::packet::LocalFrame;
 use crate::pipeline::Pipeline;
 use crate::screen::every_pixel;
 
@@ -86,6 +87,10 @@ impl PreparedCaster {
         control: &Control,
     ) -> Result<Rendered, RenderError> {
         let volume = check(&self.caster, &self.scene)?;
+        if let Some(engine) = &instruments.vector {
+            let frame = LocalFrame { engine, volume, rays: Rays::new(view)?, view };
+            return every_pixel(&frame, view, control);
+        }
         let transfer = || Arc::clone(&self.scene.transfer);
         let calibration = volume.calibration();
         let plain = Plain { prepared: self, volume, instruments, view, control };
