@@ -72,7 +72,8 @@ pub(crate) fn local_march<S: Simd, T: Pairs>(
                 continue;
             }
         }
-        let length = pace.length.min(end - at);
+        // Of rays that do not walk, or have ended: nothing, and nothing that is not a number.
+        let length = pick(walking, pace.length.min(end - at), splat(simd, 0.0));
         samples += walking.to_bitmask().count_ones();
         let middle = ray.place(simd, medium, at + length * 0.5);
         let value = medium.field.value(simd, &middle.cells, stage);
