@@ -25,6 +25,9 @@ import sys
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, HERE)
+from vr import Vr
+
 STEPS = ("1.0", "0.5")
 REFERENCE_ERROR = "1e-5"
 
@@ -47,46 +50,9 @@ def arguments():
         with open(given.candidates) as f:
             lines = (line.split("#")[0].strip() for line in f)
             given.candidate += [line for line in lines if line]
-    given.vr, given.peers = os.path.abspath(given.vr), os.path.abspath(given.peers)
+    given.peers = os.path.abspath(given.peers)
+    sys.path.insert(0, given.peers)  # for peer_scenes
     return given
-
-
-def flags(text):
-    """`step=1 --max-error 0.01` as a list of arguments."""
-    words, out = text.split(), []
-    for word in words:
-        out += ["--set", word] if "=" in word and not word.startswith("--") and (not out or out[-1] != "--set") else [word]
-    return out
-
-
-def pinned(threads):
-    """Holds a process of one thread to the processor that VTK's is held to."""
-    return (lambda: os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})) if threads == 1 else None
-
-
-class Vr:
-    """The program."""
-
-    def __init__(self, path):
-        self.path = path
-
-    def run(self, arguments, threads=None):
-        command = [self.path, *arguments, "--json", "--quiet"] + (["--threads", str(threads)] if threads else [])
-        done = subprocess.run(command, capture_output=True, text=True, preexec_fn=pinned(threads))
-        if done.returncode:
-            raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
-        return json.loads(done.stdout)
-
-    def picture(self, scene, options):
-        import exr
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "x.exr")
-            self.run(["render", "--scene", scene, "--error", "none", "-o", path, *flags(options)])
-            return exr.rgba(path)
-
-    def frames(self, scene, options, threads, frames, azimuth_step):
-        return self.run(["bench", "--scene", scene, "--frames", str(frames), "--azimuth-step", str(azimuth_step),
-                         *flags(options)], threads)
 
 
 class Vtk:
@@ -137,8 +103,7 @@ def prepare(given, name):
     if not os.path.exists(reference):
         print(f"{name}: the exact picture, once", file=sys.stderr)
         half = os.path.join(given.work, "ref", name + ".half.exr")
-        Vr(given.vr).run(["render", "--scene", toml, "--renderer", "physics", "--set", f"tolerance={REFERENCE_ERROR}",
-                          "--error", "none", "-o", half])
+        Vr(given.vr, toml).write(f"--renderer physics tolerance={REFERENCE_ERROR}", half)
         os.replace(half, reference)
     return scene, toml, peer_scenes.Judge(scene, reference)
 
@@ -151,15 +116,15 @@ def clock(times, threads):
 def measure(given, name, threads):
     """One scene on so many threads."""
     scene, toml, judge = prepare(given, name)
-    vr, turn = Vr(given.vr), scene["camera"]["azimuth_step_deg"]
+    vr, turn = Vr(given.vr, toml), scene["camera"]["azimuth_step_deg"]
     vtk = Vtk(given.peers, name, os.path.join(given.work, "vol"), threads)
     vtk_error = {step: judge(vtk.picture(step)) for step in STEPS}
 
     tried = []
     for options in [] if scene["shading"] else given.candidate:
-        error = judge(vr.picture(toml, options))
+        error = judge(vr.picture(options))
         if error[0] <= max(e[0] for e in vtk_error.values()):
-            quick = vr.frames(toml, options, threads, 3, turn)
+            quick = vr.bench(options, threads, 3, turn)
             time = quick["cpu_ms"] if threads == 1 else quick["min_ms"]
             tried.append({"options": options, "error": error, "quick_ms": time})
     best = {}
@@ -167,7 +132,7 @@ def measure(given, name, threads):
         good = [t for t in tried if t["error"][0] <= vtk_error[step][0]]
         best[step] = min(good, key=lambda t: t["quick_ms"])["options"] if good else None
 
-    ours = {given.same_step: judge(vr.picture(toml, given.same_step))}
+    ours = {given.same_step: judge(vr.picture(given.same_step))}
     ours |= {t["options"]: t["error"] for t in tried if t["options"] in best.values()}
     times = {key: {"wall": [], "cpu": []} for key in [*STEPS, *ours]}
     samples, prepare_ms = {}, {}
@@ -177,7 +142,7 @@ def measure(given, name, threads):
             for kind in ("wall", "cpu"):
                 times[step][kind] += answer[kind]
         for options in ours:
-            answer = vr.frames(toml, options, threads, given.frames, turn)
+            answer = vr.bench(options, threads, given.frames, turn)
             times[options]["wall"] += answer["frames_ms"]
             times[options]["cpu"].append(answer["cpu_ms"] or math.nan)
             samples[options], prepare_ms[options] = answer["samples"], answer["prepare_ms"]
@@ -230,7 +195,6 @@ def summary(results):
 
 def main():
     given = arguments()
-    sys.path[:0] = [HERE, given.peers]
     import peer_scenes
     scenes = [n for n in peer_scenes.names(given.peers) if any(word in n for word in given.scenes)]
     results = []
