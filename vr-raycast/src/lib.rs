@@ -85,6 +85,8 @@ mod pipeline;
 mod prepared;
 mod ray_value;
 mod renderer;
+#[allow(dead_code)]
+mod rule;
 mod run;
 mod settings;
 mod shade;

@@ -1,0 +1,4 @@
+//! Integration rules.
+
+mod cubic;
+mod exact;
