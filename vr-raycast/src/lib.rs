@@ -58,7 +58,7 @@
 //! them; its floor is that of a frame, which holds f32.
 //!
 //! What is missed between two samples is missed: a shell thinner than a step, a crossing there and back. At the default step
-//! ([`RayCaster::step`] says how it was found) the largest errors on the hard cases of `vr-physics` are:
+//! ([`Step`] says how it was found) the largest errors on the hard cases of `vr-physics` are:
 //!
 //! | case | largest error | why |
 //! |---|---|---|
@@ -79,6 +79,7 @@
 mod caster;
 mod chord;
 mod classify;
+mod instruments;
 mod operator;
 mod options;
 mod pipeline;
@@ -88,9 +89,11 @@ mod renderer;
 #[allow(dead_code)]
 mod rule;
 mod run;
+mod screen;
 mod settings;
 mod shade;
-mod steps;
 mod table_range;
+mod tracer;
+mod walk;
 
-pub use caster::{Classification, Order, Precision, RayCaster, Rule};
+pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step};

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Order, Precision, RayCaster, Rule};
+use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Step};
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
@@ -52,8 +52,9 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
 
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
+    let Step::Uniform(step) = caster.step;
     let options = Options::new()
-        .with("step", caster.step)
+        .with("step", step)
         .with("rule", word_of(RULES, caster.rule))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
@@ -70,7 +71,7 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
     // In the order of the list: `order` is set before `termination`.
     for (key, value) in options.check(RayCaster::NAME, &SPECS)? {
         match (key, value) {
-            ("step", OptionValue::Number(x)) => new.step = *x,
+            ("step", OptionValue::Number(x)) => new.step = Step::Uniform(*x),
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
             ("order", OptionValue::Word(w)) => {
                 new.order = match (w.as_str(), new.order) {
