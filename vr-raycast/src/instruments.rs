@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use vr_core::transfer::BakedTransfer;
-use vr_core::{Real, Scene, UniformVolume};
+use vr_core::transfer::{BakedTransfer, PreIntegrated};
+use vr_core::{Filter, Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Precision, RayCaster};
+use crate::caster::{Classification, Precision, RayCaster, Rule, Traversal};
 use crate::classify::Classifier;
 use crate::operator::Brightest;
 use crate::shade::Shader;
-use crate::table_range::{resolves, single_precision_resolves, table_range};
+use crate::rule::{ExactIntegral, Profile, Shape};
+use crate::table_range::{field_range, resolves, resolves_ramps, single_precision_resolves, table_range};
 
 /// The instruments, in the precision that the scene needs.
 pub(crate) enum Kernel {
@@ -45,6 +46,29 @@ impl Kernel {
     }
 }
 
+/// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
+fn shape(caster: &RayCaster) -> Option<Shape> {
+    match (caster.rule, caster.traversal) {
+        (Rule::Midpoint | Rule::Left, Traversal::Samples) => None,
+        (Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
+        (Rule::Linear, _) => Some(Shape::Line),
+        (Rule::Quadratic, _) => Some(Shape::Parabola),
+        (Rule::Exact, _) => Some(Shape::Cubic),
+    }
+}
+
+/// A table for steps of all lengths, if one tells apart all that the transfer function does: a small one where the transfer function's
+/// points fit into it, else a large one.
+fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter) -> Option<Arc<PreIntegrated<R>>> {
+    let (low, high) = field_range(volume, filter).unwrap_or((0.0, 0.0));
+    let table =
+        |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), (low as f32, high as f32), entries);
+    let small = table(PreIntegrated::<R>::ENTRIES);
+    let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
+    let resolved = table.is_aligned() || resolves_ramps(table.spacing(), volume, &scene.transfer);
+    resolved.then(|| Arc::new(table))
+}
+
 impl<R: Real> Instruments<R> {
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, last: Option<(&Scene, &Self)>) -> Self {
@@ -61,10 +85,23 @@ impl<R: Real> Instruments<R> {
         };
         let kept = last.filter(|(old, _)| same(old)).and_then(|(_, i)| i.classifier.table.clone());
         let wanted = caster.classification == Classification::Table && scene.compositing.integrates_light();
+        let lights = scene.compositing.integrates_light();
+        let profile = shape(caster).filter(|_| lights).map(|shape| {
+            let kept = last.filter(|(old, _)| same(old)).and_then(|(_, i)| i.classifier.profile.as_ref());
+            let wanted = wanted && shape != Shape::Cubic;
+            let made = || preintegrated(scene, volume, field);
+            Profile {
+                shape,
+                table: if wanted { kept.and_then(|p| p.table.clone()).or_else(made) } else { None },
+                exact: ExactIntegral::new(Arc::clone(&scene.transfer)),
+                calibration: volume.calibration(),
+            }
+        });
         let classifier = Classifier {
             transfer: Arc::clone(&scene.transfer),
             calibration: volume.calibration(),
-            table: if wanted { kept.or_else(bake) } else { None },
+            table: if wanted && profile.is_none() { kept.or_else(bake) } else { None },
+            profile,
         };
         let shader = scene
             .shading

@@ -86,7 +86,6 @@ mod pipeline;
 mod prepared;
 mod ray_value;
 mod renderer;
-#[allow(dead_code)]
 mod rule;
 mod run;
 mod screen;
@@ -96,4 +95,4 @@ mod table_range;
 mod tracer;
 mod walk;
 
-pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step};
+pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step, Traversal};

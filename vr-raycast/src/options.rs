@@ -4,11 +4,19 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Step};
+use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Step, Traversal};
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
-const RULES: &[(&str, Rule)] = &[("midpoint", Rule::Midpoint), ("left", Rule::Left)];
+const RULES: &[(&str, Rule)] = &[
+    ("midpoint", Rule::Midpoint),
+    ("left", Rule::Left),
+    ("linear", Rule::Linear),
+    ("quadratic", Rule::Quadratic),
+    ("exact", Rule::Exact),
+];
+const TRAVERSALS: &[(&str, Traversal)] =
+    &[("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)];
 const FRONT_TO_BACK: &str = "front-to-back";
 const BACK_TO_FRONT: &str = "back-to-front";
 const CLASSIFICATIONS: &[(&str, Classification)] =
@@ -27,8 +35,13 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         ),
         spec(
             "rule",
-            OptionKind::Choice(&["midpoint", "left"]),
-            "where in its step a sample is taken: midpoint has order 2, left has order 1",
+            OptionKind::Choice(&["midpoint", "left", "linear", "quadratic", "exact"]),
+            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs cells",
+        ),
+        spec(
+            "traversal",
+            OptionKind::Choice(&["samples", "cells", "voxels"]),
+            "what steps are: of one length, ending at cell faces, or from voxel to voxel",
         ),
         spec(
             "order",
@@ -56,6 +69,7 @@ pub(crate) fn to_options(caster: &RayCaster) -> Options {
     let options = Options::new()
         .with("step", step)
         .with("rule", word_of(RULES, caster.rule))
+        .with("traversal", word_of(TRAVERSALS, caster.traversal))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
         .with("precision", word_of(PRECISIONS, caster.precision));
@@ -73,6 +87,7 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
         match (key, value) {
             ("step", OptionValue::Number(x)) => new.step = Step::Uniform(*x),
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
+            ("traversal", OptionValue::Word(w)) => new.traversal = meaning_of(TRAVERSALS, w),
             ("order", OptionValue::Word(w)) => {
                 new.order = match (w.as_str(), new.order) {
                     (BACK_TO_FRONT, _) => Order::BackToFront,
@@ -119,6 +134,8 @@ mod tests {
             RayCaster::exact(0.125),
             RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
+            RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::default() },
+            RayCaster { rule: Rule::Quadratic, traversal: Traversal::Voxels, ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {

@@ -4,6 +4,7 @@ use glam::DVec3;
 use vr_core::image_order::Spot;
 use vr_core::{Counts, Filter, IndexRay, Ray, RayShading, Rays, Real, UniformVolume, View};
 
+use crate::caster::Traversal;
 use crate::chord::Chord;
 use crate::classify::Classifier;
 use crate::operator::Operator;
@@ -11,7 +12,7 @@ use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::tracer::{Traced, Tracer};
-use crate::walk::{Lattice, LatticeWalk, Walk};
+use crate::walk::{Lattice, LatticeWalk, Walk, cell_walk, voxel_walk};
 
 /// What a frame's rays share.
 ///
@@ -21,7 +22,8 @@ use crate::walk::{Lattice, LatticeWalk, Walk};
 pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) volume: &'a UniformVolume,
     pub(crate) filter: Filter,
-    /// Length of a step in world units.
+    pub(crate) traversal: Traversal,
+    /// Length of a step in world units: the longest, where steps end at cell faces; +∞: they end there only.
     pub(crate) step: f64,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
@@ -65,8 +67,15 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
-            let lattice = Lattice::new(part.start, part.end, self.step);
-            let walk = Walk::Lattice(LatticeWalk::new(lattice, start, O::BACKWARDS));
+            let dims = self.volume.dims();
+            let walk = match self.traversal {
+                Traversal::Samples => {
+                    let lattice = Lattice::new(part.start, part.end, self.step);
+                    Walk::Lattice(LatticeWalk::new(lattice, start, O::BACKWARDS))
+                }
+                Traversal::Cells => Walk::Listed(cell_walk(&part, dims, self.step, start, O::BACKWARDS)),
+                Traversal::Voxels => Walk::Listed(voxel_walk(&part, dims, start, O::BACKWARDS)),
+            };
             let chord = Chord { volume: self.volume, filter: self.filter, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });
@@ -99,8 +108,16 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         }
         while !ended && walk.next(&mut run.steps) {
             chord.place(run, self.offset);
-            chord.sample(run);
-            counts.samples += run.len() as u64;
+            if let Some(places) = walk.places() {
+                run.place_at(places);
+            }
+            counts.samples += match &self.classifier.profile {
+                Some(profile) if O::LIGHT => profile.sample(chord, run),
+                _ => {
+                    chord.sample(run);
+                    run.len() as u64
+                }
+            };
             if O::LIGHT {
                 self.classifier.classify(run);
                 if let Some((shader, lights)) = shader {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
+use vr_core::{Compositing, Control, Filter, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
 
 use crate::caster::{Order, RayCaster, Rule};
 use crate::instruments::{Instruments, Kernel};
@@ -63,6 +63,15 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
     }
+    if caster.rule == Rule::Exact {
+        if !scene.compositing.integrates_light() {
+            return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
+        }
+        let filter = caster.filter_of(scene);
+        if filter != Filter::Trilinear {
+            return Err(unsupported(format!("the filter '{filter}' by the rule 'exact'")));
+        }
+    }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
@@ -107,11 +116,10 @@ impl<R: Real> Plain<'_, R> {
         let pipeline = Pipeline {
             volume: self.volume,
             filter: caster.filter_of(&self.prepared.scene),
-            step: caster.world_step(self.volume),
-            offset: match caster.rule {
-                Rule::Midpoint => 0.5,
-                Rule::Left => 0.0,
-            },
+            traversal: caster.traversal,
+            // Nothing is gained by cutting what is exact already.
+            step: if caster.rule == Rule::Exact { f64::INFINITY } else { caster.world_step(self.volume) },
+            offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),
             view: self.view,

@@ -17,6 +17,8 @@ pub(crate) fn settings() -> Vec<NamedSetting> {
         steps.iter().map(|&step| RayCaster { step: Step::Uniform(step), rule, ..default() }).collect::<Vec<_>>()
     };
     let midpoint = steps(Rule::Midpoint, &[4.0, 2.0, 1.0, 0.5, 0.2, 0.1]);
+    let linear = steps(Rule::Linear, &[4.0, 2.0, 1.0, 0.5]);
+    let quadratic = steps(Rule::Quadratic, &[4.0, 2.0, 1.0, 0.5]);
     let left = steps(Rule::Left, &[1.0, 0.2]);
     let filters = Filter::ALL.map(|filter| RayCaster { filter: Some(filter), ..default() });
     let exact = [1.0, 0.2].map(RayCaster::exact);
@@ -30,7 +32,8 @@ pub(crate) fn settings() -> Vec<NamedSetting> {
             // A field that jumps, as the nearest sample's does, leaves order 1 to every rule.
             let order = match (caster.rule, caster.filter) {
                 (Rule::Left, _) | (_, Some(Filter::Nearest)) => 1.0,
-                (Rule::Midpoint, _) => 2.0,
+                // Of the trilinear field, whose kinks at cell faces leave no rule a higher one.
+                (Rule::Midpoint | Rule::Linear | Rule::Quadratic | Rule::Exact, _) => 2.0,
             };
             NamedSetting { name, options: to_options(&caster), order: Some(order), error_floor: floor }
         }
@@ -39,6 +42,8 @@ pub(crate) fn settings() -> Vec<NamedSetting> {
         .into_iter()
         .chain(filters)
         .map(named("midpoint", FLOOR_F32))
+        .chain(linear.into_iter().map(named("linear", FLOOR_F32)))
+        .chain(quadratic.into_iter().map(named("quadratic", FLOOR_F32)))
         .chain(left.into_iter().map(named("left", FLOOR_F32)))
         .chain(exact.into_iter().map(named("midpoint f64", FLOOR_F64)))
         .collect()

@@ -25,7 +25,7 @@ use crate::real::Real;
 /// # What a table adds to the error
 /// In each interval κ and q are linear, with the exact mean. Knots of the transfer function (kinks and jumps) fall onto interval ends
 /// where any number of intervals between half of `entries` and `entries` allows that ([`PreIntegrated::is_aligned`]); a knot inside an
-/// interval is known to that interval only. So an aligned table is off by the square of the interval in κ (10⁻⁷ of it with 4096
+/// interval is known to that interval only. So an aligned table is off by the square of the interval in κ (10⁻⁶ of it with 1024
 /// intervals over a smooth ramp), and one that is not by the share that an interval has in v₁ − v₀.
 ///
 /// # Opaque walls
@@ -82,8 +82,8 @@ struct Wall<R> {
 pub const WALL_DEPTH: f64 = 64.0;
 
 impl<R: Real> PreIntegrated<R> {
-    /// Intervals that serve nearly every transfer function: 4096, which is 192 KiB in f32.
-    pub const ENTRIES: usize = 4096;
+    /// Intervals that serve where the table is aligned: 1024, which is 48 KiB in f32. 4096 gain nothing then.
+    pub const ENTRIES: usize = 1024;
 
     /// Tabulates over the stored numbers that lie in `range` and between the outermost points of the transfer function (beyond
     /// which it is constant), in at most `entries` intervals (at least 2 are made).
@@ -91,8 +91,17 @@ impl<R: Real> PreIntegrated<R> {
         let mut knots: Vec<f64> = transfer.segments()[1..].iter().map(|s| calibration.stored(s.from)).collect();
         knots.sort_by(f64::total_cmp);
         let field = (f64::from(range.0), f64::from(range.1));
-        let (low, high) = (knots[0].clamp(field.0, field.1), knots[knots.len() - 1].clamp(field.0, field.1));
-        let (intervals, aligned) = intervals(&knots, low, high, entries.max(2));
+        let ends = (knots[0], knots[knots.len() - 1]);
+        let (low, high) = (ends.0.clamp(field.0, field.1), ends.1.clamp(field.0, field.1));
+        let (mut low, mut high, entries) = (low, high, entries.max(2));
+        let (mut intervals, mut aligned) = find_intervals(&knots, low, high, entries);
+        if !aligned && ends.1 - ends.0 <= MOST_EXCESS * (high - low) {
+            // From the first point to the last, though the field does not go so far, they may fit.
+            let (whole, fits) = find_intervals(&knots, ends.0, ends.1, entries);
+            if fits {
+                (low, high, intervals, aligned) = (ends.0, ends.1, whole, fits);
+            }
+        }
         let spacing = if high > low { (high - low) / intervals as f64 } else { 1.0 };
 
         // One row more at either end, for what lies beyond: constant, and never left.
@@ -339,7 +348,7 @@ fn behind<R: Real>(front: [R; 4], back: [R; 4]) -> [R; 4] {
 
 /// How many intervals to make: the number between half of `most` and `most` for which most knots are ends of intervals. And whether all
 /// are.
-fn intervals(knots: &[f64], low: f64, high: f64, most: usize) -> (usize, bool) {
+fn find_intervals(knots: &[f64], low: f64, high: f64, most: usize) -> (usize, bool) {
     if high <= low {
         return (1, true);
     }
@@ -354,6 +363,9 @@ fn intervals(knots: &[f64], low: f64, high: f64, most: usize) -> (usize, bool) {
 
 /// How far, in intervals, a knot may be from the end of one and still counts as there: the places of f32 values are known to 10⁻³.
 const ALIGNED: f64 = 1e-6;
+
+/// A table may be so many times longer than the field needs, if its intervals then fit the knots.
+const MOST_EXCESS: f64 = 4.0;
 
 /// κ and q in an interval of stored numbers, before they are rounded.
 struct Cell {

@@ -43,6 +43,11 @@ impl ExactIntegral {
         Self { transfer, knots }
     }
 
+    /// What it integrates.
+    pub(crate) fn transfer(&self) -> &TransferFunction {
+        &self.transfer
+    }
+
     /// Light (r, g, b) and opacity of a step of `length` world units.
     pub(crate) fn step(&self, value: Cubic, length: f64) -> [f64; 4] {
         if value.is_constant() {

@@ -1,8 +1,14 @@
 //! Walks: how the part of a ray inside the volume is cut into steps. One small file each.
 
+mod cells;
 mod lattice;
+mod listed;
+mod voxels;
 
+pub(crate) use cells::cell_walk;
 pub(crate) use lattice::{Lattice, LatticeWalk};
+pub(crate) use listed::ListedWalk;
+pub(crate) use voxels::voxel_walk;
 
 use crate::run::Steps;
 
@@ -11,6 +17,8 @@ use crate::run::Steps;
 pub(crate) enum Walk {
     /// Steps of one length.
     Lattice(LatticeWalk),
+    /// Cells or voxels, found beforehand.
+    Listed(ListedWalk),
 }
 
 impl Walk {
@@ -18,6 +26,15 @@ impl Walk {
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
         match self {
             Self::Lattice(walk) => walk.next(steps),
+            Self::Listed(walk) => walk.next(steps),
+        }
+    }
+
+    /// Index-space positions of the last run's samples, where they do not lie on the ray.
+    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
+        match self {
+            Self::Lattice(_) => None,
+            Self::Listed(walk) => walk.places(),
         }
     }
 }
