@@ -5,11 +5,12 @@ use std::sync::Arc;
 use vr_core::transfer::{BakedTransfer, PreIntegrated};
 use vr_core::{Filter, Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Precision, RayCaster, Rule, Traversal};
+use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
 use crate::operator::Brightest;
-use crate::shade::Shader;
+use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
+use crate::shade::Shader;
 use crate::table_range::{field_range, resolves, resolves_ramps, single_precision_resolves, table_range};
 
 /// The instruments, in the precision that the scene needs.
@@ -22,6 +23,8 @@ pub(crate) enum Kernel {
 pub(crate) struct Instruments<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
+    /// How long steps are, where they follow the data.
+    pub(crate) pace: Option<Arc<PaceMap>>,
 }
 
 impl Kernel {
@@ -49,7 +52,7 @@ impl Kernel {
 /// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
-        (Rule::Midpoint | Rule::Left, Traversal::Samples) => None,
+        (Rule::Midpoint | Rule::Left, Traversal::Samples) if matches!(caster.step, Step::Uniform(_)) => None,
         (Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
         (Rule::Linear, _) => Some(Shape::Line),
         (Rule::Quadratic, _) => Some(Shape::Parabola),
@@ -61,8 +64,7 @@ fn shape(caster: &RayCaster) -> Option<Shape> {
 /// points fit into it, else a large one.
 fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter) -> Option<Arc<PreIntegrated<R>>> {
     let (low, high) = field_range(volume, filter).unwrap_or((0.0, 0.0));
-    let table =
-        |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), (low as f32, high as f32), entries);
+    let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), (low as f32, high as f32), entries);
     let small = table(PreIntegrated::<R>::ENTRIES);
     let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
     let resolved = table.is_aligned() || resolves_ramps(table.spacing(), volume, &scene.transfer);
@@ -83,20 +85,32 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| {
             old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
         };
-        let kept = last.filter(|(old, _)| same(old)).and_then(|(_, i)| i.classifier.table.clone());
-        let wanted = caster.classification == Classification::Table && scene.compositing.integrates_light();
+        let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
         let lights = scene.compositing.integrates_light();
+        let wanted = caster.classification == Classification::Table && lights;
         let profile = shape(caster).filter(|_| lights).map(|shape| {
-            let kept = last.filter(|(old, _)| same(old)).and_then(|(_, i)| i.classifier.profile.as_ref());
-            let wanted = wanted && shape != Shape::Cubic;
+            let kept = last.and_then(|i| i.classifier.profile.as_ref());
             let made = || preintegrated(scene, volume, field);
             Profile {
                 shape,
-                table: if wanted { kept.and_then(|p| p.table.clone()).or_else(made) } else { None },
+                table: if wanted && shape != Shape::Cubic {
+                    kept.and_then(|p| p.table.clone()).or_else(made)
+                } else {
+                    None
+                },
                 exact: ExactIntegral::new(Arc::clone(&scene.transfer)),
                 calibration: volume.calibration(),
             }
         });
+        let kept = last.and_then(|i| i.classifier.table.clone());
+        let pace = |error: f64| {
+            last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
+                let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
+                let map =
+                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, true);
+                Arc::new(map)
+            })
+        };
         let classifier = Classifier {
             transfer: Arc::clone(&scene.transfer),
             calibration: volume.calibration(),
@@ -107,7 +121,11 @@ impl<R: Real> Instruments<R> {
             .shading
             .as_ref()
             .map(|shading| Shader::new(Arc::clone(shading), volume.placement(), volume.calibration().slope));
-        Self { classifier, shader }
+        let pace = match caster.step {
+            Step::Local { error } if caster.traversal == Traversal::Samples => Some(pace(error)),
+            _ => None,
+        };
+        Self { classifier, shader, pace }
     }
 
     /// How bright the medium can be.

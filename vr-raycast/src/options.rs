@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Step, Traversal};
+use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Traversal};
+use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
@@ -27,12 +28,7 @@ const PRECISIONS: &[(&str, Precision)] = &[("f32", Precision::F32), ("f64", Prec
 pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let defaults = to_options(&RayCaster::default());
     let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
-    vec![
-        spec(
-            "step",
-            OptionKind::Number { above: 0.0, most: RayCaster::LONGEST_STEP },
-            "distance between samples, as a fraction of the smallest voxel edge",
-        ),
+    let others = [
         spec(
             "rule",
             OptionKind::Choice(&["midpoint", "left", "linear", "quadratic", "exact"]),
@@ -60,14 +56,13 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
             OptionKind::Number { above: 0.0, most: 1.0 },
             "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
         ),
-    ]
+    ];
+    step_options::specs().into_iter().chain(others).collect()
 });
 
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
-    let Step::Uniform(step) = caster.step;
-    let options = Options::new()
-        .with("step", step)
+    let options = step_options::to_options(caster.step)
         .with("rule", word_of(RULES, caster.rule))
         .with("traversal", word_of(TRAVERSALS, caster.traversal))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
@@ -81,11 +76,12 @@ pub(crate) fn to_options(caster: &RayCaster) -> Options {
 
 /// A caster with options set.
 pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCaster, OptionError> {
-    let mut new = caster.clone();
+    let set = options.check(RayCaster::NAME, &SPECS)?;
+    let mut new = RayCaster { step: step_options::step_of(caster.step, options)?, ..caster.clone() };
     // In the order of the list: `order` is set before `termination`.
-    for (key, value) in options.check(RayCaster::NAME, &SPECS)? {
+    for (key, value) in set {
         match (key, value) {
-            ("step", OptionValue::Number(x)) => new.step = Step::Uniform(*x),
+            (key, _) if step_options::owns(key) => {}
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
             ("traversal", OptionValue::Word(w)) => new.traversal = meaning_of(TRAVERSALS, w),
             ("order", OptionValue::Word(w)) => {
@@ -158,7 +154,9 @@ mod tests {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
         }
         assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
-        for spec in SPECS.iter() {
+        // The numbers of other kinds of steps than the default's choose those.
+        let own = to_options(&RayCaster::default());
+        for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key)) {
             let set = Options([(spec.key.to_owned(), spec.default.clone())].into());
             assert_eq!(configure(&RayCaster::default(), &set).unwrap(), RayCaster::default(), "{}", spec.key);
         }

@@ -8,11 +8,12 @@ use crate::caster::Traversal;
 use crate::chord::Chord;
 use crate::classify::Classifier;
 use crate::operator::Operator;
+use crate::pace::PaceMap;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::tracer::{Traced, Tracer};
-use crate::walk::{Lattice, LatticeWalk, Walk, cell_walk, voxel_walk};
+use crate::walk::{Lattice, LatticeWalk, LocalWalk, Walk, cell_walk, voxel_walk};
 
 /// What a frame's rays share.
 ///
@@ -23,8 +24,12 @@ pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) volume: &'a UniformVolume,
     pub(crate) filter: Filter,
     pub(crate) traversal: Traversal,
-    /// Length of a step in world units: the longest, where steps end at cell faces; +∞: they end there only.
+    /// World length of the smallest voxel edge.
+    pub(crate) voxel: f64,
+    /// World length of a step, where all are alike; the longest, where steps end at cell faces; +∞: they end there only.
     pub(crate) step: f64,
+    /// How long steps are, where they follow the data.
+    pub(crate) pace: Option<&'a PaceMap>,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
@@ -68,13 +73,14 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
             let dims = self.volume.dims();
-            let walk = match self.traversal {
-                Traversal::Samples => {
+            let walk = match (self.traversal, self.pace) {
+                (Traversal::Cells, _) => Walk::Listed(cell_walk(&part, dims, self.step, start, O::BACKWARDS)),
+                (Traversal::Voxels, _) => Walk::Listed(voxel_walk(&part, dims, start, O::BACKWARDS)),
+                (Traversal::Samples, Some(map)) => Walk::Local(LocalWalk::new(map, part, self.voxel)),
+                (Traversal::Samples, None) => {
                     let lattice = Lattice::new(part.start, part.end, self.step);
                     Walk::Lattice(LatticeWalk::new(lattice, start, O::BACKWARDS))
                 }
-                Traversal::Cells => Walk::Listed(cell_walk(&part, dims, self.step, start, O::BACKWARDS)),
-                Traversal::Voxels => Walk::Listed(voxel_walk(&part, dims, start, O::BACKWARDS)),
             };
             let chord = Chord { volume: self.volume, filter: self.filter, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
@@ -87,7 +93,7 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         scratch: &mut Scratch<R, O>,
         ray: &Ray,
         chord: &Chord<'_>,
-        mut walk: Walk,
+        mut walk: Walk<'_>,
         counts: &mut Counts,
     ) -> RayValue {
         let Scratch { operator, run, lights } = scratch;

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use vr_core::{Compositing, Control, Filter, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
+use vr_core::{
+    Compositing, Control, Filter, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View,
+};
 
-use crate::caster::{Order, RayCaster, Rule};
+use crate::caster::{Order, RayCaster, Rule, Step, Traversal};
 use crate::instruments::{Instruments, Kernel};
 use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
 use crate::pipeline::Pipeline;
@@ -72,6 +74,17 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
             return Err(unsupported(format!("the filter '{filter}' by the rule 'exact'")));
         }
     }
+    if matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples {
+        if !scene.compositing.integrates_light() {
+            return Err(unsupported(format!(
+                "compositing '{}' in steps that follow the light",
+                scene.compositing.name()
+            )));
+        }
+        if caster.order == Order::BackToFront {
+            return Err(unsupported("steps that follow the data, back to front".to_owned()));
+        }
+    }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
@@ -117,8 +130,9 @@ impl<R: Real> Plain<'_, R> {
             volume: self.volume,
             filter: caster.filter_of(&self.prepared.scene),
             traversal: caster.traversal,
-            // Nothing is gained by cutting what is exact already.
-            step: if caster.rule == Rule::Exact { f64::INFINITY } else { caster.world_step(self.volume) },
+            voxel: self.volume.placement().spacing().min_element(),
+            step: caster.longest_step(self.volume),
+            pace: self.instruments.pace.as_deref(),
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),

@@ -111,7 +111,11 @@ impl Cubic {
             if f == 0.0 {
                 break;
             }
-            if (f < 0.0) == rising { a = u } else { b = u }
+            if (f < 0.0) == rising {
+                a = u
+            } else {
+                b = u
+            }
             let newton = u - f / self.slope(u);
             let next = if newton > a && newton < b { newton } else { 0.5 * (a + b) };
             if next == u || b - a <= 0.5 * f64::EPSILON {

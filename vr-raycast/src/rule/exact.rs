@@ -203,7 +203,9 @@ impl GaussLegendre {
         let at = nodes.map(legendre);
         let running = std::array::from_fn(|i| {
             std::array::from_fn(|j| {
-                let integral = |k: usize| if k == 0 { nodes[i] + 1.0 } else { (at[i][k + 1] - at[i][k - 1]) / (2.0 * k as f64 + 1.0) };
+                let integral = |k: usize| {
+                    if k == 0 { nodes[i] + 1.0 } else { (at[i][k + 1] - at[i][k - 1]) / (2.0 * k as f64 + 1.0) }
+                };
                 (0..POINTS).map(|k| (k as f64 + 0.5) * weights[j] * at[j][k] * integral(k)).sum()
             })
         });
@@ -250,7 +252,8 @@ mod tests {
         let alpha = -libm::expm1(-0.5 - 1.0);
         assert_close(ramp.step(Cubic::line(0.0, 2.0), 2.0), [alpha; 4]);
         // A ramp 0 → 1 under the power rule across one unit distance has τ = 1, and then a wall follows.
-        let wall = integral(&[(0.0, [0.0; 3], 0.0), (1.0, [0.0; 3], 1.0), (1.0, [0.25, 0.5, 1.0], 1.0)], OpacityRule::Power);
+        let wall =
+            integral(&[(0.0, [0.0; 3], 0.0), (1.0, [0.0; 3], 1.0), (1.0, [0.25, 0.5, 1.0], 1.0)], OpacityRule::Power);
         let behind = libm::exp(-1.0);
         assert_close(wall.step(Cubic::line(0.0, 1.0), 1.0), [0.0, 0.0, 0.0, 1.0 - behind]);
         assert_close(wall.step(Cubic::line(0.0, 2.0), 2.0), [0.25 * behind, 0.5 * behind, behind, 1.0]);
@@ -267,7 +270,10 @@ mod tests {
     #[test]
     fn colour_and_extinction_that_change_together() {
         // Against 2·10⁵ homogeneous steps.
-        let t = integral(&[(0.0, [0.1, 0.9, 0.4], 0.05), (0.5, [0.8, 0.1, 0.3], 0.9), (1.0, [0.2, 1.0, 0.9], 0.999)], OpacityRule::Power);
+        let t = integral(
+            &[(0.0, [0.1, 0.9, 0.4], 0.05), (0.5, [0.8, 0.1, 0.3], 0.9), (1.0, [0.2, 1.0, 0.9], 0.999)],
+            OpacityRule::Power,
+        );
         let value = Cubic([0.1, 2.9, -4.5, 2.4]);
         let n = 200_000;
         let mut sum = [0.0; 4];

@@ -5,7 +5,7 @@
 //! | left | that in front | 1 | 1 | 1 | 1 |
 //! | midpoint | that in the middle | 1 | 2 | 2 | 1 |
 //! | linear | a straight line | 1, shared with the next | 2 | 2 | 2 |
-//! | quadratic | a parabola | 2, one shared with the next | 4 | near 4 | 4 |
+//! | quadratic | a parabola | 2, one shared with the next | 4 | 4 (by a table 3.6) | 3 (by a table 2) |
 //! | exact | a cubic: the field itself in a trilinear cell | 4 | no error but rounding | | |
 //!
 //! The last three integrate the transfer function over all values that the step goes through, instead of looking at one.
@@ -18,3 +18,6 @@ mod sampling;
 pub(crate) use exact::ExactIntegral;
 pub(crate) use profile::{Profile, Shape};
 pub(crate) use sampling::Points;
+
+#[cfg(test)]
+mod tests;

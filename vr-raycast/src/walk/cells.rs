@@ -39,7 +39,8 @@ impl Axis {
             let inside = (samples - 1) as f64;
             let x = (origin + direction * start).clamp(0.0, inside);
             // Faces of the box itself are the ends of the chord.
-            (axis.face, axis.last) = if direction > 0.0 { (x.floor() + 1.0, inside - 1.0) } else { (x.ceil() - 1.0, 1.0) };
+            (axis.face, axis.last) =
+                if direction > 0.0 { (x.floor() + 1.0, inside - 1.0) } else { (x.ceil() - 1.0, 1.0) };
             axis.find();
             while axis.distance <= start {
                 axis.advance();

@@ -18,12 +18,7 @@ pub(crate) struct ListedWalk {
 
 impl ListedWalk {
     /// From step `first` on, before which nothing is visible, to the end; or from the far end back to it.
-    pub(crate) fn new(
-        steps: Vec<(f64, f64)>,
-        places: Option<Vec<[f64; 3]>>,
-        first: u32,
-        backwards: bool,
-    ) -> Self {
+    pub(crate) fn new(steps: Vec<(f64, f64)>, places: Option<Vec<[f64; 3]>>, first: u32, backwards: bool) -> Self {
         let runs = first as usize / RUN..steps.len().div_ceil(RUN);
         Self { steps, places, runs, run: 0, backwards }
     }

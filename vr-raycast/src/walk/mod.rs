@@ -3,29 +3,34 @@
 mod cells;
 mod lattice;
 mod listed;
+mod local;
 mod voxels;
 
 pub(crate) use cells::cell_walk;
 pub(crate) use lattice::{Lattice, LatticeWalk};
 pub(crate) use listed::ListedWalk;
+pub(crate) use local::LocalWalk;
 pub(crate) use voxels::voxel_walk;
 
 use crate::run::Steps;
 
 /// A walk along one ray.
 #[derive(Clone, Debug)]
-pub(crate) enum Walk {
+pub(crate) enum Walk<'a> {
     /// Steps of one length.
     Lattice(LatticeWalk),
+    /// Steps as long as what is in each place allows.
+    Local(LocalWalk<'a>),
     /// Cells or voxels, found beforehand.
     Listed(ListedWalk),
 }
 
-impl Walk {
+impl Walk<'_> {
     /// Fills the next run; false where the walk is at its end.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
         match self {
             Self::Lattice(walk) => walk.next(steps),
+            Self::Local(walk) => walk.next(steps),
             Self::Listed(walk) => walk.next(steps),
         }
     }
@@ -33,7 +38,7 @@ impl Walk {
     /// Index-space positions of the last run's samples, where they do not lie on the ray.
     pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
         match self {
-            Self::Lattice(_) => None,
+            Self::Lattice(_) | Self::Local(_) => None,
             Self::Listed(walk) => walk.places(),
         }
     }
