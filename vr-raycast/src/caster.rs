@@ -94,6 +94,28 @@ pub enum Rule {
     Exact,
 }
 
+impl Rule {
+    /// As options name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Midpoint => "midpoint",
+            Self::Left => "left",
+            Self::Linear => "linear",
+            Self::Quadratic => "quadratic",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// Whether it makes sense for a filter's field: not all values between two labels are on the way from one to the other.
+    pub(crate) fn goes_with(self, filter: Filter) -> bool {
+        match self {
+            Self::Midpoint | Self::Left => true,
+            Self::Linear | Self::Quadratic => filter.is_continuous(),
+            Self::Exact => filter == Filter::Trilinear,
+        }
+    }
+}
+
 /// From which end the samples of a ray are composited under `over`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Order {

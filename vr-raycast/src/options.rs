@@ -10,11 +10,11 @@ use crate::step_options;
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
 const RULES: &[(&str, Rule)] = &[
-    ("midpoint", Rule::Midpoint),
-    ("left", Rule::Left),
-    ("linear", Rule::Linear),
-    ("quadratic", Rule::Quadratic),
-    ("exact", Rule::Exact),
+    (Rule::Midpoint.name(), Rule::Midpoint),
+    (Rule::Left.name(), Rule::Left),
+    (Rule::Linear.name(), Rule::Linear),
+    (Rule::Quadratic.name(), Rule::Quadratic),
+    (Rule::Exact.name(), Rule::Exact),
 ];
 const TRAVERSALS: &[(&str, Traversal)] =
     &[("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)];

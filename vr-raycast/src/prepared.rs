@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use vr_core::{
-    Compositing, Control, Filter, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View,
-};
+use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
 
 use crate::caster::{Order, RayCaster, Rule, Step, Traversal};
 use crate::instruments::{Instruments, Kernel};
@@ -69,10 +67,10 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
         if !scene.compositing.integrates_light() {
             return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
         }
-        let filter = caster.filter_of(scene);
-        if filter != Filter::Trilinear {
-            return Err(unsupported(format!("the filter '{filter}' by the rule 'exact'")));
-        }
+    }
+    let filter = caster.filter_of(scene);
+    if !caster.rule.goes_with(filter) {
+        return Err(unsupported(format!("the filter '{filter}' by the rule '{}'", caster.rule.name())));
     }
     if matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples {
         if !scene.compositing.integrates_light() {

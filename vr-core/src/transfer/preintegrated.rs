@@ -295,11 +295,13 @@ impl<R: Real> PreIntegrated<R> {
         let (a, b) = (self.at(front), self.at(back));
         // τ²·/12 e^(−τ/2), by a quotient that follows the projection of the light onto linear colours, 1 − α/2 − α/τ, to 1.5 % up to τ = 4.
         let fade = R::ONE / (R::from_f64(12.0) + tau * (R::from_f64(6.0) + R::from_f64(1.5) * tau));
-        // Where both ends are denser than the mean, no more than the mean's own square. 0/0 is NaN, which `min` passes over.
-        let square = (length * length).min(tau * tau / (a[3] * b[3]));
-        let moment = fade * square;
+        // Optical depths, so that worlds of any scale neither overflow nor vanish. Where both ends are denser than the mean, their
+        // product counts no more than the mean's square. 0/0 is NaN, which `min` passes over.
+        let (tau_a, tau_b) = (a[3] * length, b[3] * length);
+        let moment = fade * (tau * tau / (tau_a * tau_b)).min(R::ONE);
         let light = |c: usize| {
-            let l = (mean[c] * length * weight + moment * (a[c] * b[3] - b[c] * a[3])).max(R::ZERO);
+            let l = mean[c] * length * weight + moment * (a[c] * length * tau_b - b[c] * length * tau_a);
+            let l = l.max(R::ZERO);
             self.brightest.map_or(l, |most| l.min(most[c] * alpha))
         };
         [light(0), light(1), light(2), alpha]
