@@ -167,14 +167,14 @@ fn tables_and_single_precision_leave_little() {
                 let single =
                     error(RayCaster { classification: Classification::Table, precision: Precision::F32, ..exact });
                 println!("{name} {rule:?} {step}: table {table:.1e}, in f32 {single:.1e}");
-                // What a chord makes of a colour that changes with depth falls with the cube of the step. In an opaque surface all of a ray's
-                // light comes from one or two steps of two voxels, in which κ goes from 0 to a wall.
+                // What a chord makes of a colour that changes with depth falls with the cube of the step; in an opaque surface, where κ goes
+                // from 0 to a wall in one or two steps that all of a ray's light comes from, with the square.
                 let chords = match (name, rule) {
-                    ("opaque", Rule::Linear) => 0.15,
-                    ("opaque", _) => 0.05,
-                    (_, Rule::Linear) => 4e-3,
-                    _ => 5e-4,
-                } * (step / 2.0f64).powi(3);
+                    ("opaque", Rule::Linear) => 0.15 * (step / 2.0).powi(2),
+                    ("opaque", _) => 0.05 * (step / 2.0).powi(2),
+                    (_, Rule::Linear) => 4e-3 * (step / 2.0f64).powi(3),
+                    _ => 5e-4 * (step / 2.0f64).powi(3),
+                };
                 assert!(table <= chords + 1e-7, "{name} {rule:?} {step}: {table}");
                 // Places of values, 10⁻⁷ of the range, times the slope of κ; and 32 f32 additions a run.
                 assert!(single <= chords + 2e-5, "{name} {rule:?} {step}: {single}");
