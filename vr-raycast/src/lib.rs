@@ -92,6 +92,7 @@ mod pipeline;
 mod prepared;
 mod ray_value;
 mod renderer;
+mod rule;
 mod run;
 mod screen;
 mod settings;
@@ -101,4 +102,4 @@ mod table_range;
 mod tracer;
 mod walk;
 
-pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step};
+pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step, Traversal};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
 
-use crate::caster::{Order, RayCaster, Rule, Step};
+use crate::caster::{Order, RayCaster, Rule, Step, Traversal};
 use crate::instruments::{Instruments, Kernel};
 use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
 use crate::packet::LocalFrame;
@@ -64,7 +64,16 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
     }
-    if matches!(caster.step, Step::Local { .. }) {
+    if caster.rule == Rule::Exact {
+        if !scene.compositing.integrates_light() {
+            return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
+        }
+    }
+    let filter = caster.filter_of(scene);
+    if !caster.rule.goes_with(filter) {
+        return Err(unsupported(format!("the filter '{filter}' by the rule '{}'", caster.rule.name())));
+    }
+    if matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples {
         if !scene.compositing.integrates_light() {
             return Err(unsupported(format!(
                 "compositing '{}' in steps that follow the light",
@@ -123,13 +132,11 @@ impl<R: Real> Plain<'_, R> {
         let pipeline = Pipeline {
             volume: self.volume,
             filter: caster.filter_of(&self.prepared.scene),
+            traversal: caster.traversal,
             voxel: self.volume.placement().spacing().min_element(),
-            step: caster.world_step(self.volume),
+            step: caster.longest_step(self.volume),
             pace: self.instruments.pace.as_deref(),
-            offset: match caster.rule {
-                Rule::Midpoint => 0.5,
-                Rule::Left => 0.0,
-            },
+            offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),
             view: self.view,

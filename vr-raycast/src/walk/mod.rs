@@ -1,10 +1,16 @@
 //! Walks: how the part of a ray inside the volume is cut into steps. One small file each.
 
+mod cells;
 mod lattice;
+mod listed;
 mod local;
+mod voxels;
 
+pub(crate) use cells::cell_walk;
 pub(crate) use lattice::{Lattice, LatticeWalk};
+pub(crate) use listed::ListedWalk;
 pub(crate) use local::LocalWalk;
+pub(crate) use voxels::voxel_walk;
 
 use crate::run::Steps;
 
@@ -15,6 +21,8 @@ pub(crate) enum Walk<'a> {
     Lattice(LatticeWalk),
     /// Steps as long as what is in each place allows.
     Local(LocalWalk<'a>),
+    /// Cells or voxels, found beforehand.
+    Listed(ListedWalk),
 }
 
 impl Walk<'_> {
@@ -23,6 +31,15 @@ impl Walk<'_> {
         match self {
             Self::Lattice(walk) => walk.next(steps),
             Self::Local(walk) => walk.next(steps),
+            Self::Listed(walk) => walk.next(steps),
+        }
+    }
+
+    /// Index-space positions of the last run's samples, where they do not lie on the ray.
+    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
+        match self {
+            Self::Lattice(_) | Self::Local(_) => None,
+            Self::Listed(walk) => walk.places(),
         }
     }
 }
