@@ -91,6 +91,7 @@ mod screen;
 mod settings;
 mod shade;
 mod table_range;
+mod tolerance;
 mod tracer;
 mod walk;
 

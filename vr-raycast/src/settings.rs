@@ -22,7 +22,10 @@ pub(crate) fn settings() -> Vec<NamedSetting> {
     let exact = [1.0, 0.2].map(RayCaster::exact);
     let named = |prefix: &'static str, floor: f64| {
         move |caster: RayCaster| {
-            let Step::Uniform(step) = caster.step;
+            let step = match caster.step {
+                Step::Uniform(step) | Step::Homogeneous { step, .. } => step,
+                Step::Tolerance(error) => error,
+            };
             let name = match caster.filter {
                 Some(filter) => format!("{prefix} {filter} {step}"),
                 None => format!("{prefix} {step}"),

@@ -1,0 +1,225 @@
+//! One step of a ray, with a bound on what it misses.
+//!
+//! A step takes the radiance B behind it to light + (1 − A)·B. What it is off by is told as two numbers that do not depend on B:
+//! `opacity_error` bounds |Â − A|, and `light_error` bounds what is wrong with the light *apart* from that, so that the whole error is
+//! at most light_error + opacity_error·M for any B in [0, M], where M also bounds the source of a density emitter. (For those the
+//! light is source·A: an opacity too large adds source·δ and takes B·δ away, and both are at most M.)
+
+use vr_core::optics::source_weight;
+use vr_core::{OpacityRule, Real};
+
+use super::cubic::Cubic;
+use super::optics::{Extremes, Optics, Piece};
+
+/// A step of a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Step {
+    /// World length.
+    pub(super) length: f64,
+    /// 1 − e^(−τ).
+    pub(super) opacity: f64,
+    /// Light at its front.
+    pub(super) light: [f64; 3],
+    /// Bound on the error of `opacity`.
+    pub(super) opacity_error: f64,
+    /// Bound on the error of `light` that is not the opacity's.
+    pub(super) light_error: f64,
+    /// The largest difference between two sources in it: what a cut inside it can cost per opacity.
+    pub(super) variation: f64,
+    /// The parts of the two errors that shorter steps would not make smaller, taken together: rounding.
+    pub(super) rounding: [f64; 2],
+}
+
+/// Rounding of one step in f64: a few operations.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// 1 − e^(−τ) for any τ up to +∞.
+fn opacity(tau: f64) -> f64 {
+    -libm::expm1(-tau)
+}
+
+/// A step through a medium of which only the extremes are known: the middle, and half the width. `deepest` bounds its optical depth
+/// where the extremes do not.
+pub(super) fn coarse(optics: &Optics, extremes: &Extremes, length: f64, deepest: f64) -> Step {
+    let per_rate = length / optics.unit;
+    let depth = [per_rate * extremes.rate[0], (per_rate * extremes.rate[1]).min(deepest)];
+    // 0 · ∞: a point of an opaque medium.
+    let depth = depth.map(|d| if d.is_nan() { 0.0 } else { d });
+    let [least, most] = depth.map(opacity);
+    let middle = 0.5 * (least + most);
+    let opacity_error = 0.5 * (most - least) + ROUNDING * most;
+    let (mut light, mut light_error) = ([0.0; 3], 0.0f64);
+    for (light, [low, high]) in light.iter_mut().zip(extremes.source) {
+        if optics.emits {
+            let range = [low * length * source_weight(depth[1]), high * length * source_weight(depth[0])];
+            *light = 0.5 * (range[0] + range[1]);
+            light_error = light_error.max(0.5 * (range[1] - range[0]) + ROUNDING * range[1]);
+        } else {
+            *light = 0.5 * (low + high) * middle;
+            light_error = light_error.max((0.5 * (high - low) + ROUNDING * high) * most);
+        }
+    }
+    let variation = extremes.source_width();
+    Step { length, opacity: middle, light, opacity_error, light_error, variation, rounding: [0.0; 2] }
+}
+
+/// A step through one stored number.
+pub(super) fn constant(optics: &Optics, rate: f64, source: [f64; 3], length: f64) -> Step {
+    let depth = rate * length / optics.unit;
+    let a = opacity(depth);
+    let factor = if optics.emits { length * source_weight(depth) } else { a };
+    let light = source.map(|s| s * factor);
+    let brightest = light.into_iter().fold(0.0, f64::max);
+    Step {
+        length,
+        opacity: a,
+        light,
+        opacity_error: ROUNDING * a,
+        light_error: ROUNDING * brightest,
+        ..Step::default()
+    }
+}
+
+/// A step along a cubic that lies in one piece of the transfer function, by power series about its middle; `None` where they do not
+/// converge well enough to say anything.
+///
+/// `base` is what the cubic's values are reckoned from; `noise` bounds how far they are off. Where a cruder estimate misses no more than
+/// `enough`, it will do. See the README beside this file for the series and their remainders.
+pub(super) fn smooth<R: Real>(
+    optics: &Optics,
+    piece: &Piece,
+    cubic: &Cubic<R>,
+    base: f64,
+    noise: f64,
+    length: f64,
+    enough: f64,
+) -> Option<Step> {
+    let real = R::from_f64;
+    let u = 2.0 * R::ROUNDOFF;
+    let c = cubic.about_middle();
+    let middle = base + c[0].to_f64();
+    let (alpha, clearness) = (piece.opacity_at(middle), piece.clearness_at(middle));
+    let power = optics.rule == OpacityRule::Power;
+
+    // The extinction's series: κ·unit = k₀ − ln(1 − x) or k₀ + x, x = x₁t + x₂t² + x₃t³, |x| ≤ ρ|t|.
+    let scale = if power { real(piece.opacity_slope / clearness) } else { real(piece.opacity_slope) };
+    let (x1, x2, x3) = (c[1] * scale, c[2] * scale, c[3] * scale);
+    let (s1, s2, s3) = (x1.abs().to_f64(), x2.abs().to_f64(), x3.abs().to_f64());
+    let rho = s1 + s2 + s3;
+    let off = 5.0 * piece.steepest_opacity * noise;
+    let (k0, k1, k2, mean, mean_error, tail, rate_error);
+    if power {
+        if !(rho <= 0.9 && 2.0 * off <= clearness * (1.0 - rho)) {
+            return None;
+        }
+        k0 = if alpha < 0.5 { -real(-alpha).ln_1p() } else { real(-libm::log(clearness)) };
+        k1 = x1;
+        k2 = x2 + real(0.5) * x1 * x1;
+        let square = x1 * x1 * real(1.0 / 3.0) + (x2 * x2 + real(2.0) * x1 * x3) * real(0.2) + x3 * x3 * real(1.0 / 7.0);
+        let cube = real(0.6) * x1 * x1 * x2
+            + (x2 * x2 * x2 + real(6.0) * x1 * x2 * x3) * real(1.0 / 7.0)
+            + x2 * x3 * x3 * real(1.0 / 3.0);
+        let fourth = x1 * x1 * x1 * x1 * real(0.05);
+        mean = k0 + x2 * real(1.0 / 3.0) + real(0.5) * square + real(1.0 / 3.0) * cube + fourth;
+        let rest = s2 + s3;
+        let (r2, r4) = (rho * rho, rho * rho * rho * rho);
+        mean_error = rest * (rho + s1) * (r2 + s1 * s1) / 24.0 + rest * r4 / 7.0 + r4 * r2 / (42.0 * (1.0 - rho));
+        tail = s3 + 0.5 * rest * (rho + s1) + rho * r2 / (3.0 * (1.0 - rho));
+        rate_error = off / (clearness * (1.0 - rho) - off);
+    } else {
+        k0 = real(alpha);
+        (k1, k2) = (x1, x2);
+        mean = k0 + x2 * real(1.0 / 3.0);
+        (mean_error, tail, rate_error) = (0.0, s3, off);
+    }
+    let per_rate = length / optics.unit;
+    let rate = k0.abs().to_f64();
+    let tau = (real(per_rate) * mean).max(R::ZERO);
+    let tau_rounding = per_rate * (rate_error + 8.0 * u * (rate + 4.0 * rho)) + 2.0 * u * tau.to_f64();
+    let tau_error = per_rate * mean_error + tau_rounding;
+    if tau_error >= 1.0 || tau_error.is_nan() {
+        return None;
+    }
+    let a = tau_opacity(tau);
+    let transmittance = 1.0 - a.to_f64();
+    // e^x − 1 ≤ x + x² for x ≤ 1.
+    let opacity_error = transmittance * (tau_error + tau_error * tau_error) + 2.0 * u * a.to_f64();
+
+    let source = piece.source_at(middle);
+    let steep = piece.source_steepness();
+    let spread = c[1].abs().to_f64() + c[2].abs().to_f64() + c[3].abs().to_f64();
+    let source_off = 5.0 * piece.steepest_source * noise;
+    let brightest = source.iter().fold(0.0f64, |m, s| m.max(s.abs()));
+    let mut step = Step {
+        length,
+        opacity: a.to_f64(),
+        light: [0.0; 3],
+        opacity_error,
+        light_error: 0.0,
+        variation: 2.0 * (steep * spread + source_off),
+        rounding: [transmittance * tau_rounding, source_off * if optics.emits { length } else { a.to_f64() }],
+    };
+    // The source at the middle stands for all of it.
+    let plain = |mut step: Step| {
+        step.light = source.map(|s| (s * step.opacity).max(0.0));
+        step.light_error = (steep * spread + source_off + 4.0 * u * brightest) * step.opacity;
+        step
+    };
+    if !optics.emits && (steep == 0.0 || steep * spread * step.opacity <= enough) {
+        return Some(plain(step));
+    }
+
+    // Transmittance inside the step: P/P₀ = e^(−y) = 1 + p₁t + p₂t² + p₃t³ + …, y = y₁t + y₂t² + y₃t³ + ….
+    let y1 = real(0.5 * per_rate) * k0;
+    let y2 = real(0.25 * per_rate) * k1;
+    let y3 = real(per_rate / 6.0) * k2;
+    let (m1, m2) = (y1.abs().to_f64(), y2.abs().to_f64());
+    let behind = per_rate * (0.125 * tail + rate_error);
+    let z = y3.abs().to_f64() + behind;
+    let all = m1 + m2 + z;
+    let (p1, p2) = (-y1, real(0.5) * y1 * y1 - y2);
+    let p3 = y1 * y2 - y3 - y1 * y1 * y1 * real(1.0 / 6.0);
+    let start = R::ONE - p1 + p2 - p3;
+    let growth = 1.0 + all + all * all;
+    let missed = behind
+        + 0.5 * (m2 * m2 + z * z)
+        + z * (m1 + m2)
+        + (all - m1) * (all * all + all * m1 + m1 * m1) / 6.0
+        + all * all * all * all / 24.0 * growth
+        + 8.0 * u * growth;
+    let least = start.to_f64() - missed;
+    if !(all <= 1.2 && least >= 0.5) {
+        return (!optics.emits).then(|| plain(step));
+    }
+    let first = R::ONE / start;
+    // What the series miss, and what that does to P₀.
+    let relative = missed * (1.0 + growth / (start.to_f64() * least));
+    let (c1, c2, c3) = (c[1], c[2], c[3]);
+    let fifth = real(0.2);
+    let third = real(1.0 / 3.0);
+    if optics.emits {
+        let even = (first * (R::ONE + p2 * third)).to_f64();
+        let odd = c1 * (p1 * third + p3 * fifth) + c2 * (third + p2 * fifth) + c3 * (p1 * fifth + p3 * real(1.0 / 7.0));
+        let odd = (first * odd).to_f64();
+        step.light = std::array::from_fn(|i| (length * (source[i] * even + piece.source_slope[i] * odd)).max(0.0));
+        step.light_error = length * ((brightest + steep * spread) * relative + source_off);
+        return Some(step);
+    }
+    let inside = c1 * (R::ONE + p2 * third)
+        + real(2.0) * c2 * (p1 * third + p3 * fifth)
+        + c3 * (R::ONE + real(3.0) * p2 * fifth);
+    let weight = c2 * a - (c1 + c3) * (real(2.0) - a) + real(2.0) * first * inside;
+    let weight = weight.to_f64();
+    let light_error = 2.0 * steep * spread * relative + (source_off + 4.0 * u * brightest) * step.opacity;
+    let crude = plain(step);
+    if light_error >= crude.light_error {
+        return Some(crude);
+    }
+    step.light = std::array::from_fn(|i| (source[i] * step.opacity + piece.source_slope[i] * weight).max(0.0));
+    step.light_error = light_error;
+    Some(step)
+}
+
+fn tau_opacity<R: Real>(tau: R) -> R {
+    -(-tau).exp_m1()
+}
