@@ -1,8 +1,5 @@
 //! The promise of [`Step::Tolerance`]: no component of a pixel is further from the truth than asked for.
 
-mod common;
-
-use common::*;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};

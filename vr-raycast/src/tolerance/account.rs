@@ -104,11 +104,11 @@ impl Account {
         self.error + cost <= self.share(s + step.length, left)
     }
 
-    /// Whether no shorter steps would do either: rounding alone is more than there is.
-    pub(super) fn is_rounding_too_much(&self, step: &Step, s: f64) -> bool {
-        let left = self.transmittance * (1.0 - step.opacity);
-        let cost = self.transmittance * (step.rounding[1] + step.rounding[0] * self.most(s));
-        self.error + cost > self.share(s + step.length, left)
+    /// Whether shorter steps would do no better: most of the error is rounding.
+    pub(super) fn is_rounding(&self, step: &Step, s: f64) -> bool {
+        let most = self.most(s);
+        let rounding = step.rounding[1] + step.rounding[0] * most;
+        step.light_error + step.opacity_error * most <= 2.0 * rounding
     }
 
     /// Takes a step from `s` on.

@@ -136,7 +136,6 @@ impl Promised<'_> {
         let value = part.map_or(Traced::NOTHING, |part| {
             counts.rays += 1;
             let account = self.both_stages(part, backdrop, stages, counts);
-            counts.unbounded += u64::from(account.is_over());
             counts.terminated += u64::from(account.ended);
             let [r, g, b] = account.light;
             Traced {
@@ -150,15 +149,16 @@ impl Promised<'_> {
     fn both_stages(&self, ray: IndexRay, backdrop: f64, stages: &mut Stages, counts: &mut Counts) -> Account {
         if self.single && stages.is_single_worth_while() {
             stages.tried += 1;
-            let account = self.volume.with_sampler(self.promise.filter, self.job::<f32>(ray, backdrop));
+            let (account, kept) = self.volume.with_sampler(self.promise.filter, self.job::<f32>(ray, backdrop));
             counts.samples += account.steps;
-            if !account.is_over() {
+            if kept {
                 return account;
             }
             stages.failed += 1;
         }
         counts.repeated += u64::from(self.single);
-        let account = self.volume.with_sampler(self.promise.filter, self.job::<f64>(ray, backdrop));
+        let (account, kept) = self.volume.with_sampler(self.promise.filter, self.job::<f64>(ray, backdrop));
+        counts.unbounded += u64::from(!kept);
         counts.samples += account.steps;
         account
     }
@@ -177,15 +177,16 @@ struct Job<'a, R> {
 }
 
 impl<R: Real> SamplerVisitor for Job<'_, R> {
-    type Output = Account;
+    type Output = (Account, bool);
 
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Account {
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Self::Output {
         let account = Account::new(self.promise.limits(), self.ray.start, self.ray.end, self.backdrop);
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;
         let mut integral = Integral::new(&self.promise.optics, account, gives_up);
         walk::along::<R, T, F>(&sampler, &self.ray, &self.promise.blocks, &mut integral);
         integral.account.finish();
-        integral.account
+        let kept = integral.is_kept();
+        (integral.account, kept)
     }
 }

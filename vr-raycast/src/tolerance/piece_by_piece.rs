@@ -11,6 +11,8 @@ use super::step::{Step, coarse, constant, smooth};
 const MOST_HALVINGS: u32 = 44;
 /// Steps of a ray after which they are taken as they are: no scene may hang the renderer.
 const MOST_STEPS: u64 = 1 << 16;
+/// Steps after which a ray is better done again in higher precision.
+const MOST_STEPS_FIRST: u64 = 1 << 13;
 
 /// A ray that is being integrated.
 pub(super) struct Integral<'a> {
@@ -48,7 +50,12 @@ impl<'a> Integral<'a> {
 
     /// Whether nothing more is to be done.
     pub(super) fn is_done(&self) -> bool {
-        self.account.ended || (self.gives_up && self.account.is_over())
+        self.account.ended || (self.gives_up && (self.account.is_over() || self.account.steps > MOST_STEPS_FIRST))
+    }
+
+    /// Whether the promise is kept.
+    pub(super) fn is_kept(&self) -> bool {
+        !self.account.is_over() && !(self.gives_up && self.account.steps > MOST_STEPS_FIRST)
     }
 
     /// A stretch of one stored number.
@@ -112,14 +119,16 @@ impl<'a> Integral<'a> {
         }
         if single && let Some(step) = self.smooth(piece, cell, &part, noise) {
             let account = &self.account;
-            if account.fits(&step, part.s) || account.is_rounding_too_much(&step, part.s) || self.is_enough(&part) {
+            if account.fits(&step, part.s) || account.is_rounding(&step, part.s) || self.is_enough(&part) {
                 self.account.take(&step, part.s);
                 return;
             }
         } else {
             let extremes = optics.extremes(low - noise, high + noise);
             let step = self.coarse_part(&extremes, cell, &part, noise);
-            if (!extremes.wall && self.account.fits(&step, part.s)) || self.is_enough(&part) {
+            // Shorter parts would hold the same values, for all that is known.
+            let blurred = high - low <= 4.0 * noise;
+            if (!extremes.wall && self.account.fits(&step, part.s)) || blurred || self.is_enough(&part) {
                 self.take_anyway(&extremes, step, cell, &part, noise);
                 return;
             }

@@ -107,7 +107,7 @@ pub(super) fn smooth<R: Real>(
     let (s1, s2, s3) = (x1.abs().to_f64(), x2.abs().to_f64(), x3.abs().to_f64());
     let rho = s1 + s2 + s3;
     let off = 5.0 * piece.steepest_opacity * noise;
-    let (k0, k1, k2, mean, mean_error, tail, rate_error);
+    let (k0, k1, k2, k3, mean, mean_error, tail, rate_error);
     if power {
         if !(rho <= 0.9 && 2.0 * off <= clearness * (1.0 - rho)) {
             return None;
@@ -115,6 +115,7 @@ pub(super) fn smooth<R: Real>(
         k0 = if alpha < 0.5 { -real(-alpha).ln_1p() } else { real(-libm::log(clearness)) };
         k1 = x1;
         k2 = x2 + real(0.5) * x1 * x1;
+        k3 = x3 + x1 * x2 + x1 * x1 * x1 * real(1.0 / 3.0);
         let square = x1 * x1 * real(1.0 / 3.0) + (x2 * x2 + real(2.0) * x1 * x3) * real(0.2) + x3 * x3 * real(1.0 / 7.0);
         let cube = real(0.6) * x1 * x1 * x2
             + (x2 * x2 * x2 + real(6.0) * x1 * x2 * x3) * real(1.0 / 7.0)
@@ -124,13 +125,15 @@ pub(super) fn smooth<R: Real>(
         let rest = s2 + s3;
         let (r2, r4) = (rho * rho, rho * rho * rho * rho);
         mean_error = rest * (rho + s1) * (r2 + s1 * s1) / 24.0 + rest * r4 / 7.0 + r4 * r2 / (42.0 * (1.0 - rho));
-        tail = s3 + 0.5 * rest * (rho + s1) + rho * r2 / (3.0 * (1.0 - rho));
+        tail = 0.5 * (s2 * s2 + s3 * s3) + s3 * (s1 + s2)
+            + rest * (r2 + rho * s1 + s1 * s1) / 3.0
+            + r4 / (4.0 * (1.0 - rho));
         rate_error = off / (clearness * (1.0 - rho) - off);
     } else {
         k0 = real(alpha);
-        (k1, k2) = (x1, x2);
+        (k1, k2, k3) = (x1, x2, x3);
         mean = k0 + x2 * real(1.0 / 3.0);
-        (mean_error, tail, rate_error) = (0.0, s3, off);
+        (mean_error, tail, rate_error) = (0.0, 0.0, off);
     }
     let per_rate = length / optics.unit;
     let rate = k0.abs().to_f64();
@@ -174,7 +177,8 @@ pub(super) fn smooth<R: Real>(
     let y2 = real(0.25 * per_rate) * k1;
     let y3 = real(per_rate / 6.0) * k2;
     let (m1, m2) = (y1.abs().to_f64(), y2.abs().to_f64());
-    let behind = per_rate * (0.125 * tail + rate_error);
+    let [m_k1, m_k2, m_k3] = [k1, k2, k3].map(|k| k.abs().to_f64());
+    let behind = per_rate * (0.125 * (m_k3 + tail) + rate_error);
     let z = y3.abs().to_f64() + behind;
     let all = m1 + m2 + z;
     let (p1, p2) = (-y1, real(0.5) * y1 * y1 - y2);
@@ -192,25 +196,39 @@ pub(super) fn smooth<R: Real>(
         return (!optics.emits).then(|| plain(step));
     }
     let first = R::ONE / start;
-    // What the series miss, and what that does to P₀.
-    let relative = missed * (1.0 + growth / (start.to_f64() * least));
+    // What P₀ is off by, relative to itself.
+    let scaled = missed / (start.to_f64() * least) * growth;
     let (c1, c2, c3) = (c[1], c[2], c[3]);
-    let fifth = real(0.2);
-    let third = real(1.0 / 3.0);
+    let (third, fifth, seventh) = (real(1.0 / 3.0), real(0.2), real(1.0 / 7.0));
     if optics.emits {
         let even = (first * (R::ONE + p2 * third)).to_f64();
-        let odd = c1 * (p1 * third + p3 * fifth) + c2 * (third + p2 * fifth) + c3 * (p1 * fifth + p3 * real(1.0 / 7.0));
+        let odd = c1 * (p1 * third + p3 * fifth) + c2 * (third + p2 * fifth) + c3 * (p1 * fifth + p3 * seventh);
         let odd = (first * odd).to_f64();
         step.light = std::array::from_fn(|i| (length * (source[i] * even + piece.source_slope[i] * odd)).max(0.0));
-        step.light_error = length * ((brightest + steep * spread) * relative + source_off);
+        step.light_error = length * ((brightest + steep * spread) * (missed + scaled) + source_off);
         return Some(step);
     }
-    let inside = c1 * (R::ONE + p2 * third)
-        + real(2.0) * c2 * (p1 * third + p3 * fifth)
-        + c3 * (R::ONE + real(3.0) * p2 * fifth);
-    let weight = c2 * a - (c1 + c3) * (real(2.0) - a) + real(2.0) * first * inside;
-    let weight = weight.to_f64();
-    let light_error = 2.0 * steep * spread * relative + (source_off + 4.0 * u * brightest) * step.opacity;
+    // κ·unit·P/P₀ = g₀ + g₁t + g₂t² + g₃t³ + …
+    let g = [
+        k0,
+        k1 + k0 * p1,
+        k2 + k1 * p1 + k0 * p2,
+        k3 + k2 * p1 + k1 * p2 + k0 * p3,
+    ];
+    let weight = c1 * (g[1] * third + g[3] * fifth)
+        + c2 * (g[0] * third + g[2] * fifth)
+        + c3 * (g[1] * fifth + g[3] * seventh);
+    let weight = per_rate * (first * weight).to_f64();
+    let size = rate + m_k1 + m_k2 + m_k3;
+    let [m_p1, m_p2, m_p3] = [p1, p2, p3].map(|p| p.abs().to_f64());
+    let left_out = (tail + rate_error) * growth
+        + size * (missed + scaled)
+        + m_k1 * m_p3
+        + m_k2 * (m_p2 + m_p3)
+        + m_k3 * (m_p1 + m_p2 + m_p3);
+    // |c₁t + c₂t² + c₃t³| ≤ spread·|t|, whose mean is ½.
+    let light_error = per_rate * steep * spread * (0.5 * left_out + 8.0 * u * size)
+        + (source_off + 4.0 * u * brightest) * step.opacity;
     let crude = plain(step);
     if light_error >= crude.light_error {
         return Some(crude);
