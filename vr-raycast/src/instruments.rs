@@ -5,9 +5,11 @@ use std::sync::Arc;
 use vr_core::transfer::BakedTransfer;
 use vr_core::{Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Precision, RayCaster};
+use crate::caster::{Classification, Precision, RayCaster, Step};
 use crate::classify::Classifier;
+use crate::homogeneity::Homogeneity;
 use crate::operator::Brightest;
+use crate::pace::PaceMap;
 use crate::shade::Shader;
 use crate::table_range::{resolves, single_precision_resolves, table_range};
 
@@ -21,6 +23,10 @@ pub(crate) enum Kernel {
 pub(crate) struct Instruments<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
+    /// How long steps are, where they follow the data.
+    pub(crate) pace: Option<Arc<PaceMap>>,
+    /// Where long steps will do.
+    pub(crate) homogeneity: Option<Arc<Homogeneity>>,
 }
 
 impl Kernel {
@@ -59,8 +65,20 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| {
             old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
         };
-        let kept = last.filter(|(old, _)| same(old)).and_then(|(_, i)| i.classifier.table.clone());
-        let wanted = caster.classification == Classification::Table && scene.compositing.integrates_light();
+        let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
+        let kept = last.and_then(|i| i.classifier.table.clone());
+        // Steps of many lengths have no table.
+        let wanted = caster.classification == Classification::Table
+            && scene.compositing.integrates_light()
+            && matches!(caster.step, Step::Uniform(_) | Step::Homogeneous { .. });
+        let pace = |error: f64| {
+            last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
+                let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
+                let map =
+                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, true);
+                Arc::new(map)
+            })
+        };
         let classifier = Classifier {
             transfer: Arc::clone(&scene.transfer),
             calibration: volume.calibration(),
@@ -70,7 +88,17 @@ impl<R: Real> Instruments<R> {
             .shading
             .as_ref()
             .map(|shading| Shader::new(Arc::clone(shading), volume.placement(), volume.calibration().slope));
-        Self { classifier, shader }
+        let pace = match caster.step {
+            Step::Local { error } => Some(pace(error)),
+            Step::Uniform(_) | Step::Homogeneous { .. } | Step::Tolerance(_) => None,
+        };
+        let homogeneity = match caster.step {
+            Step::Homogeneous { error, .. } => last
+                .and_then(|i| i.homogeneity.clone())
+                .or_else(|| Some(Arc::new(Homogeneity::new(volume, field, &scene.transfer, error)))),
+            _ => None,
+        };
+        Self { classifier, shader, pace, homogeneity }
     }
 
     /// How bright the medium can be.

@@ -4,11 +4,9 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Step};
+use crate::caster::{Classification, Order, Precision, RayCaster, Rule};
+use crate::step_options;
 
-const UNIFORM: &str = "uniform";
-const HOMOGENEOUS: &str = "homogeneous";
-const TOLERANCE: &str = "tolerance";
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
 const RULES: &[(&str, Rule)] = &[("midpoint", Rule::Midpoint), ("left", Rule::Left)];
@@ -18,30 +16,11 @@ const CLASSIFICATIONS: &[(&str, Classification)] =
     &[("table", Classification::Table), ("exact", Classification::Exact)];
 const PRECISIONS: &[(&str, Precision)] = &[("f32", Precision::F32), ("f64", Precision::F64)];
 
-/// The errors where steps are chosen by one and none is given: what cannot be seen in 8 bits, and a quarter of it.
-const MAX_ERROR: f64 = 4e-3;
-const HOMOGENEITY: f64 = 1e-3;
-
 /// Every option, with the default caster's values.
 pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let defaults = to_options(&RayCaster::default());
     let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
-    let number = |key, most, default, help| {
-        OptionSpec { key, kind: OptionKind::Number { above: 0.0, most }, default: OptionValue::Number(default), help }
-    };
-    vec![
-        spec(
-            "steps",
-            OptionKind::Choice(&[UNIFORM, HOMOGENEOUS, TOLERANCE]),
-            "how long steps are: all alike; long where the medium is nearly the same; or as max-error asks for",
-        ),
-        number("homogeneity", 1.0, HOMOGENEITY, "largest error that all long steps of a ray together may make (steps=homogeneous)"),
-        number("max-error", 1.0, MAX_ERROR, "the picture's largest error, promised (steps=tolerance); 1e-6 at the least"),
-        spec(
-            "step",
-            OptionKind::Number { above: 0.0, most: RayCaster::LONGEST_STEP },
-            "distance between samples, as a fraction of the smallest voxel edge",
-        ),
+    let others = [
         spec(
             "rule",
             OptionKind::Choice(&["midpoint", "left"]),
@@ -64,19 +43,13 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
             OptionKind::Number { above: 0.0, most: 1.0 },
             "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
         ),
-    ]
+    ];
+    step_options::specs().into_iter().chain(others).collect()
 });
 
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
-    let options = match caster.step {
-        Step::Uniform(step) => Options::new().with("steps", UNIFORM).with("step", step),
-        Step::Homogeneous { step, error } => {
-            Options::new().with("steps", HOMOGENEOUS).with("step", step).with("homogeneity", error)
-        }
-        Step::Tolerance(error) => Options::new().with("steps", TOLERANCE).with("max-error", error),
-    };
-    let options = options
+    let options = step_options::to_options(caster.step)
         .with("rule", word_of(RULES, caster.rule))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
@@ -89,12 +62,12 @@ pub(crate) fn to_options(caster: &RayCaster) -> Options {
 
 /// A caster with options set.
 pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCaster, OptionError> {
-    let mut new = RayCaster { step: step_of(caster.step, options)?, ..caster.clone() };
+    let set = options.check(RayCaster::NAME, &SPECS)?;
+    let mut new = RayCaster { step: step_options::step_of(caster.step, options)?, ..caster.clone() };
     // In the order of the list: `order` is set before `termination`.
-    for (key, value) in options.check(RayCaster::NAME, &SPECS)? {
+    for (key, value) in set {
         match (key, value) {
-            // All four together are `step_of`.
-            ("steps" | "step" | "homogeneity" | "max-error", _) => {}
+            (key, _) if step_options::owns(key) => {}
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
             ("order", OptionValue::Word(w)) => {
                 new.order = match (w.as_str(), new.order) {
@@ -123,51 +96,6 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
     Ok(new)
 }
 
-/// The steps that the options ask for. One that belongs to a kind of steps chooses that kind, unless `steps` says otherwise.
-fn step_of(old: Step, options: &Options) -> Result<Step, OptionError> {
-    options.check(RayCaster::NAME, &SPECS)?;
-    let number = |key: &str| match options.0.get(key) {
-        Some(OptionValue::Number(x)) => Some(*x),
-        _ => None,
-    };
-    let (step, homogeneity, max_error) = (number("step"), number("homogeneity"), number("max-error"));
-    let kind = match (options.0.get("steps"), old) {
-        (Some(OptionValue::Word(word)), _) => word.as_str(),
-        _ if max_error.is_some() => TOLERANCE,
-        _ if homogeneity.is_some() => HOMOGENEOUS,
-        (_, Step::Uniform(_)) => UNIFORM,
-        (_, Step::Homogeneous { .. }) => HOMOGENEOUS,
-        (_, Step::Tolerance(_)) if step.is_some() => UNIFORM,
-        (_, Step::Tolerance(_)) => TOLERANCE,
-    };
-    let (given, out_of_place): (_, &[(&str, Option<f64>)]) = match kind {
-        HOMOGENEOUS => (HOMOGENEOUS, &[("max-error", max_error)]),
-        TOLERANCE => (TOLERANCE, &[("step", step), ("homogeneity", homogeneity)]),
-        _ => (UNIFORM, &[("homogeneity", homogeneity), ("max-error", max_error)]),
-    };
-    if let Some((key, Some(x))) = out_of_place.iter().find(|(_, x)| x.is_some()) {
-        return Err(OptionError::Value {
-            renderer: RayCaster::NAME,
-            key: (*key).to_owned(),
-            found: x.to_string(),
-            allowed: format!("steps are '{given}': must be absent"),
-        });
-    }
-    let voxels = step.unwrap_or(match (old, Step::default()) {
-        (Step::Uniform(step) | Step::Homogeneous { step, .. }, _) | (_, Step::Uniform(step)) => step,
-        _ => unreachable!("the default is uniform"),
-    });
-    Ok(match (given, old) {
-        (HOMOGENEOUS, Step::Homogeneous { error, .. }) => {
-            Step::Homogeneous { step: voxels, error: homogeneity.unwrap_or(error) }
-        }
-        (HOMOGENEOUS, _) => Step::Homogeneous { step: voxels, error: homogeneity.unwrap_or(HOMOGENEITY) },
-        (TOLERANCE, Step::Tolerance(error)) => Step::Tolerance(max_error.unwrap_or(error)),
-        (TOLERANCE, _) => Step::Tolerance(max_error.unwrap_or(MAX_ERROR)),
-        _ => Step::Uniform(voxels),
-    })
-}
-
 fn word_of<T: PartialEq>(words: &[(&'static str, T)], meaning: T) -> &'static str {
     words.iter().find(|(_, m)| *m == meaning).expect("every meaning has a word").0
 }
@@ -187,8 +115,6 @@ mod tests {
             RayCaster::exact(0.125),
             RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
-            RayCaster { step: Step::Tolerance(1e-5), ..RayCaster::default() },
-            RayCaster { step: Step::Homogeneous { step: 0.5, error: 0.02 }, ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {
@@ -206,30 +132,16 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_other_kinds_of_steps_are_errors() {
-        for (steps, key) in [(UNIFORM, "max-error"), (HOMOGENEOUS, "max-error"), (TOLERANCE, "step"), (UNIFORM, "homogeneity")] {
-            let options = Options::new().with("steps", steps).with(key, 0.5);
-            let error = configure(&RayCaster::default(), &options).unwrap_err().to_string();
-            assert!(error.contains(key) && error.contains(steps), "{error}");
-        }
-    }
-
-    #[test]
     fn the_lists_name_what_the_options_take() {
         for filter in Filter::ALL {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
         }
         assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
-        for spec in SPECS.iter() {
+        // The numbers of other kinds of steps than the default's choose those.
+        let own = to_options(&RayCaster::default());
+        for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key)) {
             let set = Options([(spec.key.to_owned(), spec.default.clone())].into());
-            // Those that choose another kind of steps.
-            let step = match spec.key {
-                "homogeneity" => Step::Homogeneous { step: 0.2, error: HOMOGENEITY },
-                "max-error" => Step::Tolerance(MAX_ERROR),
-                _ => Step::default(),
-            };
-            let want = RayCaster { step, ..RayCaster::default() };
-            assert_eq!(configure(&RayCaster::default(), &set).unwrap(), want, "{}", spec.key);
+            assert_eq!(configure(&RayCaster::default(), &set).unwrap(), RayCaster::default(), "{}", spec.key);
         }
     }
 }

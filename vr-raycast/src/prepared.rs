@@ -98,6 +98,25 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
     }
+    if matches!(caster.step, Step::Local { .. }) {
+        if !scene.compositing.integrates_light() {
+            return Err(unsupported(format!(
+                "compositing '{}' in steps that follow the light",
+                scene.compositing.name()
+            )));
+        }
+        if caster.order == Order::BackToFront {
+            return Err(unsupported("steps that follow the data, back to front".to_owned()));
+        }
+    }
+    if matches!(caster.step, Step::Homogeneous { .. }) {
+        if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
+            return Err(unsupported("homogeneous steps under anything but over, front to back".to_owned()));
+        }
+        if scene.shading.is_some() {
+            return Err(unsupported("homogeneous steps with shading: values do not tell how it changes".to_owned()));
+        }
+    }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
@@ -142,7 +161,10 @@ impl<R: Real> Plain<'_, R> {
         let pipeline = Pipeline {
             volume: self.volume,
             filter: caster.filter_of(&self.prepared.scene),
+            voxel: self.volume.placement().spacing().min_element(),
             step: caster.world_step(self.volume),
+            pace: self.instruments.pace.as_deref(),
+            homogeneity: self.instruments.homogeneity.as_deref(),
             offset: match caster.rule {
                 Rule::Midpoint => 0.5,
                 Rule::Left => 0.0,

@@ -3,7 +3,7 @@
 mod account;
 mod blocks;
 mod cubic;
-mod optics;
+pub(crate) mod optics;
 mod piece_by_piece;
 mod step;
 mod walk;

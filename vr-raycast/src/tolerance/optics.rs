@@ -7,58 +7,58 @@ use vr_core::{Calibration, OpacityRule, TransferFunction};
 ///
 /// The *source* is the colour of a density emitter, or the emission per world unit where that is given on its own.
 #[derive(Clone, Debug)]
-pub(super) struct Optics {
+pub(crate) struct Optics {
     pieces: Vec<Piece>,
-    pub(super) rule: OpacityRule,
+    pub(crate) rule: OpacityRule,
     /// World length that opacities belong to.
-    pub(super) unit: f64,
+    pub(crate) unit: f64,
     /// Whether the source is emission given on its own.
-    pub(super) emits: bool,
+    pub(crate) emits: bool,
     /// The largest component of the source.
-    pub(super) brightest: f64,
+    pub(crate) brightest: f64,
     /// How far a knot may lie from where calibration puts it, in stored units.
-    pub(super) knot_error: f64,
+    pub(crate) knot_error: f64,
     transfer: TransferFunction,
     calibration: Calibration,
 }
 
 /// A range of stored numbers in which opacity and source are linear.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
-    pub(super) from: f64,
-    pub(super) to: f64,
+pub(crate) struct Piece {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
     /// Opacity and source at both ends; the same on the two outermost pieces.
     ends: [Optical; 2],
-    pub(super) opacity_slope: f64,
-    pub(super) source_slope: [f64; 3],
+    pub(crate) opacity_slope: f64,
+    pub(crate) source_slope: [f64; 3],
     /// Largest slopes of opacity and of the source's components, here and on both sides.
-    pub(super) steepest_opacity: f64,
-    pub(super) steepest_source: f64,
+    pub(crate) steepest_opacity: f64,
+    pub(crate) steepest_source: f64,
     /// α = 1 throughout under the power rule: a wall.
-    pub(super) opaque: bool,
+    pub(crate) opaque: bool,
     /// Nothing absorbs and nothing shines.
-    pub(super) clear: bool,
+    pub(crate) clear: bool,
     /// At the lower and the upper end: how far the neighbour reaches that joins without a jump and is no wall; 0 where none does.
-    pub(super) joined: [f64; 2],
+    pub(crate) joined: [f64; 2],
     emits: bool,
 }
 
 /// What a medium can be over a range of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Extremes {
+pub(crate) struct Extremes {
     /// Optical depth per unit distance: least and most. +∞ where α = 1 under the power rule.
-    pub(super) rate: [f64; 2],
+    pub(crate) rate: [f64; 2],
     /// The same, walls left aside: what absorbs before a wall begins.
-    pub(super) before_wall: f64,
+    pub(crate) before_wall: f64,
     /// Least and most of every component of the source.
-    pub(super) source: [[f64; 2]; 3],
+    pub(crate) source: [[f64; 2]; 3],
     /// Whether a wall is among it.
-    pub(super) wall: bool,
+    pub(crate) wall: bool,
 }
 
 impl Extremes {
     /// The largest difference of two values of a component of the source.
-    pub(super) fn source_width(&self) -> f64 {
+    pub(crate) fn source_width(&self) -> f64 {
         self.source.iter().map(|s| s[1] - s[0]).fold(0.0, f64::max)
     }
 }
@@ -102,7 +102,7 @@ impl Piece {
     }
 
     /// The line of the opacity at a stored number.
-    pub(super) fn opacity_at(&self, stored: f64) -> f64 {
+    pub(crate) fn opacity_at(&self, stored: f64) -> f64 {
         if self.opacity_slope == 0.0 {
             return self.ends[0].opacity;
         }
@@ -112,7 +112,7 @@ impl Piece {
     }
 
     /// 1 − opacity, with its digits near 0.
-    pub(super) fn clearness_at(&self, stored: f64) -> f64 {
+    pub(crate) fn clearness_at(&self, stored: f64) -> f64 {
         if self.opacity_slope == 0.0 {
             return 1.0 - self.ends[0].opacity;
         }
@@ -121,7 +121,7 @@ impl Piece {
     }
 
     /// The line of the source at a stored number.
-    pub(super) fn source_at(&self, stored: f64) -> [f64; 3] {
+    pub(crate) fn source_at(&self, stored: f64) -> [f64; 3] {
         let (end, at) = self.anchor(0);
         let source = self.source_of(end);
         std::array::from_fn(|c| {
@@ -131,13 +131,13 @@ impl Piece {
     }
 
     /// The largest slope of a component of the source.
-    pub(super) fn source_steepness(&self) -> f64 {
+    pub(crate) fn source_steepness(&self) -> f64 {
         self.source_slope.iter().fold(0.0, |m, s| m.max(s.abs()))
     }
 
     /// Whether numbers within `noise` of [low, high] are in the piece, or so little beyond a kink that the piece's own line is at most
     /// 4 · (steepest slope) · noise from the truth there.
-    pub(super) fn holds(&self, low: f64, high: f64, noise: f64) -> bool {
+    pub(crate) fn holds(&self, low: f64, high: f64, noise: f64) -> bool {
         let end = |inside: bool, within: bool, joined: f64| inside || (within && !self.opaque && joined >= 2.0 * noise);
         end(low - noise >= self.from, low >= self.from - noise, self.joined[0])
             && end(high + noise <= self.to, high <= self.to + noise, self.joined[1])
@@ -146,7 +146,7 @@ impl Piece {
 
 impl Optics {
     /// Of a transfer function, for stored numbers of at most `largest`.
-    pub(super) fn new(transfer: &TransferFunction, calibration: Calibration, largest: f64) -> Self {
+    pub(crate) fn new(transfer: &TransferFunction, calibration: Calibration, largest: f64) -> Self {
         let mut pieces: Vec<Piece> =
             transfer.segments().iter().map(|s| Piece::new(s, calibration, transfer)).collect();
         if calibration.slope < 0.0 {
@@ -184,13 +184,13 @@ impl Optics {
     }
 
     /// The piece of a stored number.
-    pub(super) fn piece_at(&self, stored: f64) -> &Piece {
+    pub(crate) fn piece_at(&self, stored: f64) -> &Piece {
         let i = self.pieces.partition_point(|p| p.from <= stored);
         &self.pieces[i.max(1) - 1]
     }
 
     /// The knot in the middle of those inside the open range.
-    pub(super) fn knot_between(&self, low: f64, high: f64) -> Option<f64> {
+    pub(crate) fn knot_between(&self, low: f64, high: f64) -> Option<f64> {
         let first = self.pieces.partition_point(|p| p.from <= low);
         let end = self.pieces.partition_point(|p| p.from < high);
         (first < end).then(|| self.pieces[usize::midpoint(first, end)].from)
@@ -204,7 +204,7 @@ impl Optics {
     }
 
     /// Whether nothing absorbs and nothing shines over a closed range.
-    pub(super) fn is_clear(&self, low: f64, high: f64) -> bool {
+    pub(crate) fn is_clear(&self, low: f64, high: f64) -> bool {
         self.meeting(low, high).iter().all(|p| {
             p.clear || [low, high].iter().all(|&v| {
                 let v = v.clamp(p.from, p.to);
@@ -214,7 +214,7 @@ impl Optics {
     }
 
     /// What the medium can be over a closed range of stored numbers.
-    pub(super) fn extremes(&self, low: f64, high: f64) -> Extremes {
+    pub(crate) fn extremes(&self, low: f64, high: f64) -> Extremes {
         let (inf, none) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut e = Extremes { rate: [inf, 0.0], before_wall: 0.0, source: [[inf, none]; 3], wall: false };
         for p in self.meeting(low, high) {
@@ -235,7 +235,7 @@ impl Optics {
     }
 
     /// Optical depth per unit distance of an opacity, of which the complement is given, too.
-    pub(super) fn rate(&self, opacity: f64, clearness: f64) -> f64 {
+    pub(crate) fn rate(&self, opacity: f64, clearness: f64) -> f64 {
         match self.rule {
             OpacityRule::Extinction => opacity,
             OpacityRule::Power if opacity < 0.5 => -libm::log1p(-opacity),
@@ -248,7 +248,7 @@ impl Optics {
     /// On the pieces that end at such a knot v, 1 − α = |slope|·|f − v|. With |f − v| ≥ W somewhere on the whole cubic, which is
     /// `whole` long, each of its three roots adds at most l (1 + ln(whole/l)) to ∫ −ln(|f − v|/W) ds over a part of length l = `part`,
     /// wherever the root lies. `farthest` gives W for a knot. What pieces that do not touch 1 absorb comes on top.
-    pub(super) fn depth_at_touch(
+    pub(crate) fn depth_at_touch(
         &self,
         low: f64,
         high: f64,
@@ -284,7 +284,7 @@ impl Optics {
     }
 
     /// The medium at one stored number, exactly as the transfer function gives it: depth per unit distance (+∞: a wall) and source.
-    pub(super) fn exactly(&self, stored: f64) -> (f64, [f64; 3]) {
+    pub(crate) fn exactly(&self, stored: f64) -> (f64, [f64; 3]) {
         let o = self.transfer.at(self.calibration.value(stored));
         let source = if self.emits { o.emission } else { o.color };
         (self.rate(o.opacity, 1.0 - o.opacity), source)
