@@ -1,8 +1,10 @@
 //! Where the medium is nearly the same: a tree over blocks of the volume, and what a long step errs by in each node.
 
+use rayon::prelude::*;
 use vr_core::{Filter, LevelRanges, TransferFunction, UniformVolume};
 
-use crate::tolerance::optics::Optics;
+use crate::straightness::bends;
+use crate::tolerance::optics::{Extremes, Optics};
 
 /// For every block of 4³ cells, the largest node of an octree around it that a ray may cross in one step.
 ///
@@ -19,6 +21,11 @@ use crate::tolerance::optics::Optics;
 /// volume, ε the error asked for, κ₁ = κ₀ + Δκ. The long steps of a ray do not overlap, so that Σ l ≤ D; and as x·e^(−x) ≤ 1 − e^(−x),
 /// Σ T·κ₀·l·e^(−κ₀l) ≤ Σ T·α ≤ 1. So all of them together are off by at most ε/4 (1 + 1) for transparency and as much for light: ε.
 /// With emission on its own it is Δκ·M ≤ ε/(2D) and Δq ≤ ε/(2D).
+///
+/// Where the field is nearly linear, the sample in the middle of a step knows more: along the step, a linear function is as much above its
+/// middle value before it as below it behind. So for a trilinear field, within `bend` of a linear function in the node, Δκ may be replaced by
+/// 2(|κ′|·bend + what κ as a function of the value differs from linear); and Δc by the same of c, and, as front and back do not count alike, half of
+/// κ₁/κ₀·e^(κ₁l) − 1 times the amplitude of what is linear. This is done for nodes of one and two blocks' edge.
 ///
 /// A byte per block is 1.6 % of a volume of bytes; the ranges, kept with the volume, are 3 %.
 #[derive(Clone, Debug)]
@@ -47,12 +54,14 @@ const CLEAR: u8 = 128;
 struct Range {
     levels: [u8; 2],
     holed: bool,
+    /// How far the field is from a linear function; +∞ where nobody knows.
+    bend: f32,
 }
 
 impl Range {
     fn with(self, other: Self) -> Self {
         let [a, b] = [self.levels, other.levels];
-        Self { levels: [a[0].min(b[0]), a[1].max(b[1])], holed: self.holed || other.holed }
+        Self { levels: [a[0].min(b[0]), a[1].max(b[1])], holed: self.holed || other.holed, bend: f32::INFINITY }
     }
 }
 
@@ -65,21 +74,27 @@ impl Homogeneity {
         let blocks = levels.blocks();
         let verdicts = Verdicts::new(volume, &levels, filter, transfer, error);
         let mut nodes: Vec<Range> =
-            levels.ranges().iter().map(|&levels| Range { levels, holed: levels == LevelRanges::NOTHING }).collect();
+            levels.ranges().iter().map(|&levels| Range { levels, holed: levels == LevelRanges::NOTHING, bend: f32::INFINITY }).collect();
         note_holes(volume, blocks, &mut nodes);
         let mut bytes = vec![MIXED; nodes.len()];
         let mut size = blocks;
-        for level in 0.. {
+        for level in 0..u32::from(CLEAR) {
+            if filter == Filter::Trilinear && level < 2 {
+                for (node, bend) in nodes.iter_mut().zip(bends(volume, Self::EDGE << level)) {
+                    node.bend = bend;
+                }
+            }
             // From the leaves up: what a larger node says counts.
+            let found: Vec<Verdict> = nodes.par_iter().with_min_len(1 << 10).map(|&n| verdicts.of(n, level)).collect();
             let scale = |i: usize| i >> level;
             for z in 0..blocks[2] {
                 for y in 0..blocks[1] {
                     let row = (z * blocks[1] + y) * blocks[0];
                     let above = (scale(z) * size[1] + scale(y)) * size[0];
                     for x in 0..blocks[0] {
-                        match verdicts.of(nodes[above + scale(x)]) {
-                            Verdict::Clear => bytes[row + x] = CLEAR + level,
-                            Verdict::Homogeneous => bytes[row + x] = level,
+                        match found[above + scale(x)] {
+                            Verdict::Clear => bytes[row + x] = CLEAR + level as u8,
+                            Verdict::Homogeneous => bytes[row + x] = level as u8,
                             Verdict::Mixed => {}
                         }
                     }
@@ -147,9 +162,28 @@ enum Verdict {
     Mixed,
 }
 
-/// The verdict for every range of levels that there is.
+/// What is known of the medium over every range of levels that there is.
 struct Verdicts {
-    table: Vec<Verdict>,
+    table: Vec<Option<Medium>>,
+    emits: bool,
+    /// The diagonal of the volume, and the longest way through a block.
+    across: f64,
+    block: f64,
+    /// The largest radiance from behind.
+    most: f64,
+    error: f64,
+}
+
+/// A medium over a range of values.
+#[derive(Clone, Copy)]
+struct Medium {
+    /// Least and most κ.
+    kappa: [f64; 2],
+    /// Differences of the source.
+    width: f64,
+    /// Of κ and of the source: slope by the value, and how far from linear.
+    bent: [[f64; 2]; 2],
+    clear: bool,
 }
 
 impl Verdicts {
@@ -165,50 +199,58 @@ impl Verdicts {
         let corners = volume.corners();
         let across = (0..4).map(|i| corners[i].distance(corners[7 - i])).fold(0.0, f64::max);
         let most = optics.brightest * if optics.emits { 1.5 * across } else { 1.0 };
-        let most = most.max(1.0);
         // A range may fall short of the field by a hundredth of a level; and what cubic filters overshoot belongs to the outermost levels.
         let spacing = levels.stored(1) - levels.stored(0);
         let room = LevelRanges::SLACK * spacing + optics.knot_error;
         let overshoots = matches!(filter, Filter::BSpline | Filter::CatmullRom);
-        let verdict = |first: u8, last: u8| {
+        let medium = |first: usize, last: usize| {
+            let (first, last) = (first as u8, last as u8);
             let from = if overshoots && first == 0 { f64::NEG_INFINITY } else { levels.stored(first) - room };
             let to = if overshoots && last == u8::MAX { f64::INFINITY } else { levels.stored(last) + room };
-            let e = optics.extremes(from, to);
-            let [least, largest] = e.rate.map(|r| r / optics.unit);
-            let (opacity, light) = ((largest - least) * most, e.source_width());
-            let keeps = if optics.emits {
-                opacity.max(light) <= 0.5 * error / across
-            } else {
-                opacity <= 0.25 * error * (1.0 / across + least)
-                    && light * largest <= 0.25 * error * (1.0 / across + largest)
-            };
-            if e.rate[1] == 0.0 && (!optics.emits || e.source.iter().all(|s| s[1] == 0.0)) {
-                Verdict::Clear
-            } else if keeps && largest.is_finite() {
-                Verdict::Homogeneous
-            } else {
-                Verdict::Mixed
+            let e: Extremes = optics.extremes(from, to);
+            let bent = if from.is_finite() && to.is_finite() { optics.bent(from, to) } else { [[0.0, f64::INFINITY]; 2] };
+            Medium {
+                kappa: e.rate.map(|r| r / optics.unit),
+                width: e.source_width(),
+                bent: [bent[0].map(|x| x / optics.unit), bent[1]],
+                clear: e.rate[1] == 0.0 && (!optics.emits || e.source.iter().all(|s| s[1] == 0.0)),
             }
         };
-        let mut table = vec![Verdict::Mixed; 1 << 16];
-        for first in 0..=u8::MAX {
-            for last in first..=u8::MAX {
-                let found = verdict(first, last);
-                table[usize::from(first) << 8 | usize::from(last)] = found;
-                if found == Verdict::Mixed {
-                    // Wider ranges are no better.
-                    break;
-                }
-            }
-        }
-        Self { table }
+        let table = (0..1usize << 16)
+            .into_par_iter()
+            .map(|i| (i >> 8 <= i & 255).then(|| medium(i >> 8, i & 255)))
+            .collect();
+        let block = Homogeneity::EDGE as f64 * volume.placement().spacing().element_sum();
+        Self { table, emits: optics.emits, across, block, most: most.max(1.0), error }
     }
 
-    fn of(&self, range: Range) -> Verdict {
-        if range.levels == LevelRanges::NOTHING {
+    fn of(&self, range: Range, level: u32) -> Verdict {
+        let Some(m) = self.table[usize::from(range.levels[0]) << 8 | usize::from(range.levels[1])] else {
+            return Verdict::Clear;
+        };
+        if m.clear {
             return Verdict::Clear;
         }
-        let found = self.table[usize::from(range.levels[0]) << 8 | usize::from(range.levels[1])];
-        if range.holed && found == Verdict::Homogeneous { Verdict::Mixed } else { found }
+        let [least, largest] = m.kappa;
+        if range.holed || !largest.is_finite() {
+            return Verdict::Mixed;
+        }
+        let bend = f64::from(range.bend);
+        let straight = |[slope, off]: [f64; 2]| 2.0 * (if slope == 0.0 { 0.0 } else { slope * bend } + off);
+        let spread = largest - least;
+        let opacity = spread.min(straight(m.bent[0])) * self.most;
+        let keeps = if self.emits {
+            // What an emission absorbs itself changes along the step: no more than its own range can tell.
+            spread * self.most <= 0.5 * self.error / self.across && m.width <= 0.5 * self.error / self.across
+        } else {
+            let length = self.block * f64::from(1u32 << level);
+            let uneven = 0.5 * (largest / least * libm::exp(largest * length) - 1.0);
+            let straight = straight(m.bent[1]);
+            // Where nothing need absorb, any place may count alone.
+            let light = m.width.min(straight + 0.5 * (m.width + straight) * uneven);
+            opacity <= 0.25 * self.error * (1.0 / self.across + least)
+                && light * largest <= 0.25 * self.error * (1.0 / self.across + largest)
+        };
+        if keeps { Verdict::Homogeneous } else { Verdict::Mixed }
     }
 }

@@ -96,6 +96,7 @@ mod screen;
 mod settings;
 mod shade;
 mod step_options;
+mod straightness;
 mod table_range;
 mod tolerance;
 mod tracer;

@@ -113,6 +113,9 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
         if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
             return Err(unsupported("homogeneous steps under anything but over, front to back".to_owned()));
         }
+        if caster.rule != Rule::Midpoint {
+            return Err(unsupported("homogeneous steps by another rule than the midpoint's".to_owned()));
+        }
         if scene.shading.is_some() {
             return Err(unsupported("homogeneous steps with shading: values do not tell how it changes".to_owned()));
         }

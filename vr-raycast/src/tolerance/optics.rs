@@ -234,6 +234,43 @@ impl Optics {
         e
     }
 
+    /// How κ·unit and the source depend on the value over a closed range of finite numbers: for each, the slope of a linear function, and a
+    /// bound on how far it is from that.
+    ///
+    /// The linear function is the chord of the range. Between knots −ln(1 − α) is convex, and so at most (b − a)/4 times the difference of
+    /// its end slopes below its own chord there.
+    pub(crate) fn bent(&self, low: f64, high: f64) -> [[f64; 2]; 2] {
+        let span = high - low;
+        let rate = |p: &Piece, v: f64| self.rate(p.opacity_at(v).clamp(0.0, 1.0), p.clearness_at(v).clamp(0.0, 1.0));
+        let pieces = self.meeting(low, high);
+        let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
+        let chord = |a: f64, b: f64| if span > 0.0 { (b - a) / span } else { 0.0 };
+        let start = rate(first, low);
+        let slope = chord(start, rate(last, high));
+        let sources = [first.source_at(low), last.source_at(high)];
+        let slopes: [f64; 3] = std::array::from_fn(|c| chord(sources[0][c], sources[1][c]));
+        let (mut off, mut source_off) = (0.0f64, 0.0f64);
+        for p in pieces {
+            let ends = [low.clamp(p.from, p.to), high.clamp(p.from, p.to)];
+            let sag = match self.rule {
+                OpacityRule::Extinction => 0.0,
+                OpacityRule::Power => {
+                    let steep = ends.map(|v| p.opacity_slope / p.clearness_at(v).max(0.0));
+                    0.25 * (ends[1] - ends[0]) * (steep[1] - steep[0]).abs()
+                }
+            };
+            for v in ends {
+                off = off.max((rate(p, v) - start - slope * (v - low)).abs() + sag);
+                let source = p.source_at(v);
+                for c in 0..3 {
+                    source_off = source_off.max((source[c] - sources[0][c] - slopes[c] * (v - low)).abs());
+                }
+            }
+        }
+        let steepest = slopes.iter().fold(0.0f64, |m, s| m.max(s.abs()));
+        [[slope.abs(), off], [steepest, source_off]]
+    }
+
     /// Optical depth per unit distance of an opacity, of which the complement is given, too.
     pub(crate) fn rate(&self, opacity: f64, clearness: f64) -> f64 {
         match self.rule {
