@@ -1,5 +1,7 @@
 //! Where the medium is nearly the same: a tree over blocks of the volume, and what a long step errs by in each node.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use vr_core::{Filter, LevelRanges, TransferFunction, UniformVolume};
 
@@ -27,11 +29,13 @@ use crate::tolerance::optics::{Extremes, Optics};
 /// 2(|κ′|·bend + what κ as a function of the value differs from linear); and Δc by the same of c, and, as front and back do not count alike, half of
 /// κ₁/κ₀·e^(κ₁l) − 1 times the amplitude of what is linear. This is done for nodes of one and two blocks' edge.
 ///
-/// A byte per block is 1.6 % of a volume of bytes; the ranges, kept with the volume, are 3 %.
+/// A byte per block is 1.6 % of a volume of bytes, the distances from linear are 7 %; the ranges, kept with the volume, are 3 %.
 #[derive(Clone, Debug)]
 pub(crate) struct Homogeneity {
     blocks: [usize; 3],
     bytes: Vec<u8>,
+    /// Of nodes of one and of two blocks' edge, how far the field is from linear: whatever the transfer function.
+    bends: Arc<[Vec<f32>; 2]>,
 }
 
 /// What a ray does in a block.
@@ -69,7 +73,16 @@ impl Homogeneity {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
-    pub(crate) fn new(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction, error: f64) -> Self {
+    /// For a volume under a filter and a transfer function; `last`: made for the same volume and filter.
+    pub(crate) fn new(
+        volume: &UniformVolume,
+        filter: Filter,
+        transfer: &TransferFunction,
+        error: f64,
+        last: Option<&Self>,
+    ) -> Self {
+        let make = || [0, 1].map(|level| if filter == Filter::Trilinear { bends(volume, Self::EDGE << level) } else { Vec::new() });
+        let bends = last.map_or_else(|| Arc::new(make()), |last| Arc::clone(&last.bends));
         let levels = volume.level_ranges(filter);
         let blocks = levels.blocks();
         let verdicts = Verdicts::new(volume, &levels, filter, transfer, error);
@@ -79,10 +92,8 @@ impl Homogeneity {
         let mut bytes = vec![MIXED; nodes.len()];
         let mut size = blocks;
         for level in 0..u32::from(CLEAR) {
-            if filter == Filter::Trilinear && level < 2 {
-                for (node, bend) in nodes.iter_mut().zip(bends(volume, Self::EDGE << level)) {
-                    node.bend = bend;
-                }
+            for (node, &bend) in nodes.iter_mut().zip(bends.get(level as usize).into_iter().flatten()) {
+                node.bend = bend;
             }
             // From the leaves up: what a larger node says counts.
             let found: Vec<Verdict> = nodes.par_iter().with_min_len(1 << 10).map(|&n| verdicts.of(n, level)).collect();
@@ -105,7 +116,7 @@ impl Homogeneity {
             }
             (nodes, size) = parents(&nodes, size);
         }
-        Self { blocks, bytes }
+        Self { blocks, bytes, bends }
     }
 
     /// Blocks along x, y, z.

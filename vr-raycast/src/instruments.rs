@@ -65,6 +65,8 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| {
             old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
         };
+        let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
+        let last_of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.homogeneity.clone());
         let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
         let kept = last.and_then(|i| i.classifier.table.clone());
         // Steps of many lengths have no table.
@@ -93,9 +95,9 @@ impl<R: Real> Instruments<R> {
             Step::Uniform(_) | Step::Homogeneous { .. } | Step::Tolerance(_) => None,
         };
         let homogeneity = match caster.step {
-            Step::Homogeneous { error, .. } => last
-                .and_then(|i| i.homogeneity.clone())
-                .or_else(|| Some(Arc::new(Homogeneity::new(volume, field, &scene.transfer, error)))),
+            Step::Homogeneous { error, .. } => last.and_then(|i| i.homogeneity.clone()).or_else(|| {
+                Some(Arc::new(Homogeneity::new(volume, field, &scene.transfer, error, last_of_field.as_deref())))
+            }),
             _ => None,
         };
         Self { classifier, shader, pace, homogeneity }

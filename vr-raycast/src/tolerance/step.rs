@@ -241,3 +241,136 @@ pub(super) fn smooth<R: Real>(
 fn tau_opacity<R: Real>(tau: R) -> R {
     -(-tau).exp_m1()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
+    use vr_core::{Calibration, ControlPoint, TransferFunction};
+
+    /// Opacity and light of a step by 4000 midpoints: good to 10⁻⁸ or so on these smooth functions.
+    fn exact(optics: &Optics, piece: &Piece, cubic: &Cubic<f64>, length: f64) -> (f64, [f64; 3]) {
+        const N: usize = 4000;
+        let (mut depth, mut light) = (0.0f64, [0.0; 3]);
+        for i in 0..N {
+            let f = cubic.at((i as f64 + 0.5) / N as f64);
+            let tau = length / N as f64 / optics.unit * optics.rate(piece.opacity_at(f), piece.clearness_at(f));
+            let weight =
+                if optics.emits { length / N as f64 * source_weight(tau) } else { opacity(tau) } * libm::exp(-depth);
+            for (sum, s) in light.iter_mut().zip(piece.source_at(f)) {
+                *sum += s * weight;
+            }
+            depth += tau;
+        }
+        (opacity(depth), light)
+    }
+
+    /// Of many random steps: how far each is off, as a fraction of its bound (opacity and light), and the bounds themselves.
+    fn ratios<R: Real>(of: impl Fn(&Optics, &Piece, &Cubic<R>, f64) -> Option<(Step, Step)>) -> Vec<[f64; 2]> {
+        let coefficient = || 0.02f64..0.98;
+        let strategy = (
+            [coefficient(), coefficient(), coefficient(), coefficient()],
+            [0.0f64..0.95, 0.0f64..0.95],
+            [[0.0f64..1.0, 0.0f64..1.0, 0.0f64..1.0], [0.0f64..1.0, 0.0f64..1.0, 0.0f64..1.0]],
+            (any::<bool>(), any::<bool>(), 0.01f64..3.0, 0.0f64..1.0),
+        );
+        let config = Config {
+            cases: 3000,
+            failure_persistence: None,
+            rng_algorithm: RngAlgorithm::ChaCha,
+            rng_seed: RngSeed::Fixed(7),
+            ..Config::default()
+        };
+        let found = std::cell::RefCell::new(Vec::new());
+        let run = TestRunner::new(config).run(&strategy, |(b, alpha, color, (power, emits, length, flat))| {
+            let rule = if power { OpacityRule::Power } else { OpacityRule::Extinction };
+            let point = |i: usize| ControlPoint {
+                emission: emits.then_some(color[i]),
+                ..ControlPoint::new(i as f64, color[i], alpha[i])
+            };
+            let transfer = TransferFunction::new(vec![point(0), point(1)], rule, 1.0).unwrap();
+            let optics = Optics::new(&transfer, Calibration::default(), 1.0);
+            let piece = optics.piece_at(0.5);
+            // From wild to nearly flat: the smaller, the more the leading terms count.
+            let b = b.map(|x| 0.5 + (x - 0.5) * flat * flat);
+            let cubic = Cubic(b);
+            let rounded = Cubic(b.map(R::from_f64));
+            if let Some((estimate, bound)) = of(&optics, piece, &rounded, length) {
+                let (a, light) = exact(&optics, piece, &cubic, length);
+                let most = if optics.emits { 0.0 } else { 1.0 };
+                let off = (0..3).map(|c| (estimate.light[c] - light[c]).abs()).fold(0.0, f64::max);
+                let slack = 3e-7;
+                found.borrow_mut().push([
+                    ((estimate.opacity - a).abs() - slack).max(0.0) / bound.opacity_error.max(1e-12),
+                    (off - slack).max(0.0) / (bound.light_error + most * bound.opacity_error).max(1e-12),
+                ]);
+            }
+            Ok(())
+        });
+        run.unwrap();
+        found.into_inner()
+    }
+
+    fn noise<R: Real>() -> f64 {
+        4.0 * R::ROUNDOFF
+    }
+
+    fn holds<R: Real>() {
+        let all = ratios::<R>(|o, p, c, l| smooth(o, p, c, 0.0, noise::<R>(), l, 0.0).map(|s| (s, s)));
+        assert!(all.len() > 2000, "{}", all.len());
+        let worst = |i: usize| all.iter().map(|r| r[i]).fold(0.0, f64::max);
+        println!("{}: {} steps, worst share of the bound {:.2} and {:.2}", R::NAME, all.len(), worst(0), worst(1));
+        assert!(worst(0) <= 1.0 && worst(1) <= 1.0);
+        // And is no bound for its own sake: some steps use a good part of it.
+        assert!(worst(0) > 0.05 && worst(1) > 0.05);
+    }
+
+    #[test]
+    fn smooth_steps_keep_their_bounds() {
+        holds::<f64>();
+        holds::<f32>();
+    }
+
+    #[test]
+    fn a_left_out_term_breaks_the_bound() {
+        // What a value at the middle alone gives, with the bound of the whole series.
+        let crude = |o: &Optics, p: &Piece, c: &Cubic<f64>, l: f64| {
+            let bound = smooth(o, p, c, 0.0, noise::<f64>(), l, 0.0)?;
+            let f = c.about_middle()[0];
+            Some((constant(o, o.rate(p.opacity_at(f), p.clearness_at(f)), p.source_at(f), l), bound))
+        };
+        let all = ratios::<f64>(crude);
+        let broken = |i: usize| all.iter().filter(|r| r[i] > 1.0).count();
+        assert!(broken(0) > all.len() / 10 && broken(1) > all.len() / 10, "{} {} of {}", broken(0), broken(1), all.len());
+    }
+
+    #[test]
+    fn coarse_steps_hold_whatever_the_order_of_values() {
+        let points = vec![
+            ControlPoint::new(0.0, [0.1, 0.5, 0.9], 0.0),
+            ControlPoint::new(0.5, [0.9, 0.5, 0.0], 0.7),
+            ControlPoint::new(1.0, [0.2, 0.3, 0.4], 0.2),
+        ];
+        let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+        let optics = Optics::new(&transfer, Calibration::default(), 1.0);
+        let extremes = optics.extremes(0.2, 0.9);
+        let step = coarse(&optics, &extremes, 2.0, f64::INFINITY);
+        for pair in [[0.2, 0.9], [0.9, 0.2], [0.5, 0.5], [0.5, 0.2], [0.3, 0.8]] {
+            let halves = pair.map(|v| {
+                let (rate, source) = optics.exactly(v);
+                constant(&optics, rate, source, 1.0)
+            });
+            for behind in [0.0, 1.0] {
+                let through = |s: &Step, b: [f64; 3]| -> [f64; 3] {
+                    std::array::from_fn(|c| s.light[c] + (1.0 - s.opacity) * b[c])
+                };
+                let want = through(&halves[0], through(&halves[1], [behind; 3]));
+                let got = through(&step, [behind; 3]);
+                for c in 0..3 {
+                    assert!((got[c] - want[c]).abs() <= step.light_error + step.opacity_error + 1e-15, "{pair:?}");
+                }
+            }
+        }
+    }
+}
