@@ -79,6 +79,7 @@
 mod caster;
 mod chord;
 mod classify;
+mod homogeneity;
 mod instruments;
 // Its own tests use it; the walk along rays will.
 #[allow(dead_code, unused_imports)]
@@ -98,7 +99,9 @@ mod screen;
 mod settings;
 mod shade;
 mod step_options;
+mod straightness;
 mod table_range;
+mod tolerance;
 mod tracer;
 mod walk;
 
