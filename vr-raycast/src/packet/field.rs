@@ -38,15 +38,15 @@ pub(crate) trait Pairs: Voxel {
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2];
 }
 
+// The closures and iterators of std are not inlined for certain, and what is not inlined loses its instructions: hence the plain
+// lines below.
+
 impl Pairs for u8 {
     #[inline(always)]
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
         let pairs: u16x32<S> = u8x64::from_slice(simd, rows.as_flattened().as_flattened()).bitcast();
         let (y0, y1) = pairs.widen();
-        [y0, y1].map(
-            #[inline(always)]
-            |v| [(v & 0xff).bitcast::<i32x16<S>>().to_float(), (v >> 8).bitcast::<i32x16<S>>().to_float()],
-        )
+        [[small(y0 & 0xff), small(y0 >> 8)], [small(y1 & 0xff), small(y1 >> 8)]]
     }
 }
 
@@ -55,52 +55,45 @@ impl Pairs for i8 {
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
         let pairs: i16x32<S> = i8x64::from_slice(simd, rows.as_flattened().as_flattened()).bitcast();
         let (y0, y1) = pairs.widen();
-        [y0, y1].map(
-            #[inline(always)]
-            |v| [((v << 24) >> 24).to_float(), (v >> 8).to_float()],
-        )
+        [[((y0 << 24) >> 24).to_float(), (y0 >> 8).to_float()], [((y1 << 24) >> 24).to_float(), (y1 >> 8).to_float()]]
     }
 }
 
 impl Pairs for u16 {
     #[inline(always)]
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
-        [0, 1].map(
-            #[inline(always)]
-            |y: usize| {
-                let v: u32x16<S> = u16x32::from_slice(simd, rows[y].as_flattened()).bitcast();
-                [(v & 0xffff).bitcast::<i32x16<S>>().to_float(), (v >> 16).bitcast::<i32x16<S>>().to_float()]
-            },
-        )
+        let y0: u32x16<S> = u16x32::from_slice(simd, rows[0].as_flattened()).bitcast();
+        let y1: u32x16<S> = u16x32::from_slice(simd, rows[1].as_flattened()).bitcast();
+        [[small(y0 & 0xffff), small(y0 >> 16)], [small(y1 & 0xffff), small(y1 >> 16)]]
     }
 }
 
 impl Pairs for i16 {
     #[inline(always)]
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
-        [0, 1].map(
-            #[inline(always)]
-            |y: usize| {
-                let v: i32x16<S> = i16x32::from_slice(simd, rows[y].as_flattened()).bitcast();
-                [((v << 16) >> 16).to_float(), (v >> 16).to_float()]
-            },
-        )
+        let y0: i32x16<S> = i16x32::from_slice(simd, rows[0].as_flattened()).bitcast();
+        let y1: i32x16<S> = i16x32::from_slice(simd, rows[1].as_flattened()).bitcast();
+        [
+            [((y0 << 16) >> 16).to_float(), (y0 >> 16).to_float()],
+            [((y1 << 16) >> 16).to_float(), (y1 >> 16).to_float()],
+        ]
     }
 }
 
 impl Pairs for f32 {
     #[inline(always)]
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
-        [0, 1].map(
-            #[inline(always)]
-            |y: usize| {
-                let pairs = rows[y].as_flattened();
-                let low = f32x16::from_slice(simd, &pairs[..LANES]);
-                let high = f32x16::from_slice(simd, &pairs[LANES..]);
-                [low.unzip_low(high), low.unzip_high(high)]
-            },
-        )
+        let (y0, y1) = (rows[0].as_flattened(), rows[1].as_flattened());
+        let (a0, b0) = (f32x16::from_slice(simd, &y0[..LANES]), f32x16::from_slice(simd, &y0[LANES..]));
+        let (a1, b1) = (f32x16::from_slice(simd, &y1[..LANES]), f32x16::from_slice(simd, &y1[LANES..]));
+        [[a0.unzip_low(b0), a0.unzip_high(b0)], [a1.unzip_low(b1), a1.unzip_high(b1)]]
     }
+}
+
+/// Numbers below 2³¹: signed conversion is what every machine has.
+#[inline(always)]
+fn small<S: Simd>(x: u32x16<S>) -> f32x16<S> {
+    x.bitcast::<i32x16<S>>().to_float()
 }
 
 /// Positions, cell by cell.

@@ -100,9 +100,10 @@ impl Distances {
         }
     }
 
-    /// Bytes that it keeps.
-    pub(crate) fn bytes(&self) -> usize {
-        self.distance.len()
+    /// The distances, x fastest.
+    #[cfg(test)]
+    pub(crate) fn of_blocks(&self) -> &[u8] {
+        &self.distance
     }
 
     /// Distance to what is visible from the blocks of sixteen cells.
@@ -142,16 +143,13 @@ impl<S: Simd> Leaper<S> {
     pub(crate) fn new(simd: S, distances: &Distances, packet: &Packet, dims: [usize; 3]) -> Self {
         let one = splat(simd, 1.0);
         let delta = [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)];
-        let up = delta.map(
-            #[inline(always)]
-            |d| d.simd_gt(splat(simd, 0.0)),
-        );
         let zero = splat(simd, 0.0);
         let (mut per_index, mut sign, mut face) = ([zero; 3], [zero; 3], [zero; 3]);
         for a in 0..3 {
+            let up = delta[a].simd_gt(zero);
             let parallel = delta[a].abs().simd_lt(splat(simd, 1e-30));
-            sign[a] = pick(up[a], one, -one);
-            face[a] = pick(up[a], zero, one);
+            sign[a] = pick(up, one, -one);
+            face[a] = pick(up, zero, one);
             per_index[a] = pick(parallel, sign[a] * 1e30, one / pick(parallel, one, delta[a]));
         }
         let largest = dims.into_iter().max().unwrap_or(0) as f32;

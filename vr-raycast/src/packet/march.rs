@@ -53,10 +53,10 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     let most = most.load(simd);
     let mut at = packet.first.load(simd);
     let mut end = packet.end.load(simd);
-    let leaper = medium.distances.map(
-        #[inline(always)]
-        |d| (d, Leaper::new(simd, d, packet, medium.dims)),
-    );
+    let leaper = match medium.distances {
+        Some(distances) => Some((distances, Leaper::new(simd, distances, packet, medium.dims))),
+        None => None,
+    };
     let mut sums = Sums::new(simd);
     let mut samples = 0;
     let mut until_look = 0;
@@ -105,12 +105,10 @@ pub(crate) fn march<S: Simd, T: Pairs>(
         let mut light = medium.rows.at(simd, medium.field.value(simd, &cells, stage));
         let mut step = at;
         if ending {
-            let mut lanes = light.map(Lanes::of);
+            let [r, g, b, a] = light;
+            let mut lanes = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
             shorten(simd, &mut lanes, &packet.ratio);
-            light = lanes.map(
-                #[inline(always)]
-                |l| l.load(simd),
-            );
+            light = [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)];
             step = end;
         }
         sums.add(simd, live, step, light);
@@ -123,8 +121,9 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     }
     let hits = mask32x16::from_bitmask(simd, u64::from(packet.hits));
     let terminated = (hits & end.simd_le(never)).to_bitmask() as u32;
+    let [r, g, b, a] = sums.rgba();
     Marched {
-        rgba: sums.rgba().map(Lanes::of),
+        rgba: [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)],
         first: Lanes::of(sums.first()),
         half: sums.half(simd),
         samples,

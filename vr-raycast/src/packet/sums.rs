@@ -52,19 +52,18 @@ impl<S: Simd> Sums<S> {
         let half = splat(simd, 0.5);
         let crossing = before.simd_lt(half) & self.sum[3].simd_ge(half) & live;
         if crossing.any_true() {
-            for (kept, now) in self.half.iter_mut().zip([step, before, light[3]]) {
-                *kept = pick(crossing, now, *kept);
-            }
+            self.half[0] = pick(crossing, step, self.half[0]);
+            self.half[1] = pick(crossing, before, self.half[1]);
+            self.half[2] = pick(crossing, light[3], self.half[2]);
         }
     }
 
     /// The sums.
     #[inline(always)]
     pub(crate) fn rgba(&self) -> [f32x16<S>; 4] {
-        [0, 1, 2, 3].map(
-            #[inline(always)]
-            |c: usize| self.sum[c] - self.lost[c],
-        )
+        let [r, g, b, a] = self.sum;
+        let lost = &self.lost;
+        [r - lost[0], g - lost[1], b - lost[2], a - lost[3]]
     }
 
     /// The step of the first sample with α > 0; +∞ where there is none.

@@ -7,6 +7,7 @@ fn now() -> f64 {
 
 use super::*;
 use vr_core::phantom::{self, Fog, Phantom, Quantize};
+#[allow(unused)]
 use vr_core::{Camera, Control, ControlPoint, OpacityRule, Renderer, TransferFunction, UniformGrid, Volume};
 
 pub(super) fn spots_of(view: &View) -> Vec<Spot> {
@@ -88,7 +89,7 @@ fn time_here(control: &Control, name: &str, scene: &Scene, edges: &[Option<usize
 
 #[test]
 #[ignore = "timing"]
-fn fog_speed() {
+fn noise_speed() {
     for n in [256usize, 512] {
         if std::env::var("N").is_ok_and(|v| v != n.to_string()) { continue; }
         time(&format!("fog u8 {n}"), &fog::<u8>(n), &[None]);
