@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Order, Precision, RayCaster, Rule};
+use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Vector};
+use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
@@ -15,16 +16,14 @@ const CLASSIFICATIONS: &[(&str, Classification)] =
     &[("table", Classification::Table), ("exact", Classification::Exact)];
 const PRECISIONS: &[(&str, Precision)] = &[("f32", Precision::F32), ("f64", Precision::F64)];
 
+const VECTORS: &[(&str, Vector)] =
+    &[("auto", Vector::Auto), ("avx2", Vector::Avx2), ("baseline", Vector::Baseline), ("off", Vector::Off)];
+
 /// Every option, with the default caster's values.
 pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let defaults = to_options(&RayCaster::default());
     let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
-    vec![
-        spec(
-            "step",
-            OptionKind::Number { above: 0.0, most: RayCaster::LONGEST_STEP },
-            "distance between samples, as a fraction of the smallest voxel edge",
-        ),
+    let others = [
         spec(
             "rule",
             OptionKind::Choice(&["midpoint", "left"]),
@@ -43,21 +42,27 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         ),
         spec("precision", OptionKind::Choice(&["f32", "f64"]), "precision of the kernels"),
         spec(
+            "vector",
+            OptionKind::Choice(&["auto", "avx2", "baseline", "off"]),
+            "widest instructions of the vector engine; off: the plain engine draws everything",
+        ),
+        spec(
             "termination",
             OptionKind::Number { above: 0.0, most: 1.0 },
             "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
         ),
-    ]
+    ];
+    step_options::specs().into_iter().chain(others).collect()
 });
 
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
-    let options = Options::new()
-        .with("step", caster.step)
+    let options = step_options::to_options(caster.step)
         .with("rule", word_of(RULES, caster.rule))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
-        .with("precision", word_of(PRECISIONS, caster.precision));
+        .with("precision", word_of(PRECISIONS, caster.precision))
+        .with("vector", word_of(VECTORS, caster.vector));
     match caster.order {
         Order::FrontToBack { termination } => options.with("order", FRONT_TO_BACK).with("termination", termination),
         Order::BackToFront => options.with("order", BACK_TO_FRONT),
@@ -66,11 +71,12 @@ pub(crate) fn to_options(caster: &RayCaster) -> Options {
 
 /// A caster with options set.
 pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCaster, OptionError> {
-    let mut new = caster.clone();
+    let set = options.check(RayCaster::NAME, &SPECS)?;
+    let mut new = RayCaster { step: step_options::step_of(caster.step, options)?, ..caster.clone() };
     // In the order of the list: `order` is set before `termination`.
-    for (key, value) in options.check(RayCaster::NAME, &SPECS)? {
+    for (key, value) in set {
         match (key, value) {
-            ("step", OptionValue::Number(x)) => new.step = *x,
+            (key, _) if step_options::owns(key) => {}
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
             ("order", OptionValue::Word(w)) => {
                 new.order = match (w.as_str(), new.order) {
@@ -82,6 +88,7 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
             ("filter", OptionValue::Word(w)) => new.filter = Filter::from_name(w),
             ("classification", OptionValue::Word(w)) => new.classification = meaning_of(CLASSIFICATIONS, w),
             ("precision", OptionValue::Word(w)) => new.precision = meaning_of(PRECISIONS, w),
+            ("vector", OptionValue::Word(w)) => new.vector = meaning_of(VECTORS, w),
             ("termination", OptionValue::Number(x)) => {
                 let Order::FrontToBack { termination } = &mut new.order else {
                     return Err(OptionError::Value {
@@ -118,6 +125,7 @@ mod tests {
             RayCaster::exact(0.125),
             RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
+            RayCaster { vector: Vector::Off, ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {
@@ -140,7 +148,9 @@ mod tests {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
         }
         assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
-        for spec in SPECS.iter() {
+        // The numbers of other kinds of steps than the default's choose those.
+        let own = to_options(&RayCaster::default());
+        for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key)) {
             let set = Options([(spec.key.to_owned(), spec.default.clone())].into());
             assert_eq!(configure(&RayCaster::default(), &set).unwrap(), RayCaster::default(), "{}", spec.key);
         }

@@ -76,8 +76,8 @@ fn distance_of_opacity(level: f64, before: f64, steps: impl Iterator<Item = (f64
 }
 
 /// The steps of a run as [`distance_of_opacity`] wants them.
-fn steps_of<R: Real>(run: &Run<R>) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
-    (0..run.len).map(|j| (run.light[j][3].to_f64(), run.begin_of(j), run.length(j)))
+fn steps_of<R: Real>(run: &Run<R>) -> impl DoubleEndedIterator<Item = (f64, f64, f64)> + '_ {
+    (0..run.len()).map(|j| (run.light[j][3].to_f64(), run.steps.begin[j], run.steps.length[j]))
 }
 
 /// The pixel of a single value: (α(v)·c(v), α(v)), α as given.

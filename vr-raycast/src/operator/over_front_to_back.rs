@@ -55,7 +55,7 @@ impl<R: Real> Operator<R> for OverFrontToBack {
 
     fn take(&mut self, run: &Run<R>, _: &Chord<'_>) -> ControlFlow<()> {
         let mut sum = [R::ZERO; 4];
-        for light in &run.light[..run.len] {
+        for light in &run.light[..run.len()] {
             let clear = R::ONE - sum[3];
             for c in 0..4 {
                 sum[c] += clear * light[c];
@@ -68,7 +68,7 @@ impl<R: Real> Operator<R> for OverFrontToBack {
         let now = self.rgba[3];
         if before < HALF && now >= HALF {
             // Summed again in f64, the level may lie a rounding further: at the end of the run then.
-            let end = run.begin_of(run.len - 1) + run.last_step;
+            let end = run.steps.end();
             self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(end);
         }
         if (1.0 - now) * self.most <= self.negligible { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

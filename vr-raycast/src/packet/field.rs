@@ -13,7 +13,7 @@ pub(crate) struct Field<'a, T> {
     /// Rows (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1): all equally long.
     rows: [&'a [T]; 4],
     /// Samples from one y and one z to the next.
-    pub(crate) stride: [u32; 2],
+    stride: [u32; 2],
     /// The last cell of each axis.
     pub(crate) last_cell: [i32; 3],
 }
@@ -73,10 +73,7 @@ impl Pairs for i16 {
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
         let y0: i32x16<S> = i16x32::from_slice(simd, rows[0].as_flattened()).bitcast();
         let y1: i32x16<S> = i16x32::from_slice(simd, rows[1].as_flattened()).bitcast();
-        [
-            [((y0 << 16) >> 16).to_float(), (y0 >> 16).to_float()],
-            [((y1 << 16) >> 16).to_float(), (y1 >> 16).to_float()],
-        ]
+        [[((y0 << 16) >> 16).to_float(), (y0 >> 16).to_float()], [((y1 << 16) >> 16).to_float(), (y1 >> 16).to_float()]]
     }
 }
 
@@ -105,20 +102,17 @@ pub(crate) struct Cells<S: Simd> {
 }
 
 impl<'a, T: Voxel> Field<'a, T> {
-    /// `None` where offsets do not fit into 31 bits.
-    pub(crate) fn new(lattice: &Lattice<'a, T>) -> Option<Self> {
+    /// Of fewer than 2³¹ samples.
+    pub(crate) fn new(lattice: &Lattice<'a, T>) -> Self {
         let [nx, ny, _] = lattice.dims;
         let samples = lattice.samples;
-        if samples.len() > i32::MAX as usize {
-            return None;
-        }
         let (row, slice) = (nx, nx * ny);
         let len = samples.len() - slice - row;
-        Some(Self {
+        Self {
             rows: [0, row, slice, slice + row].map(|o| &samples[o..o + len]),
             stride: [row as u32, slice as u32],
             last_cell: lattice.dims.map(|n| n as i32 - 2),
-        })
+        }
     }
 }
 

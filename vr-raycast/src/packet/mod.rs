@@ -6,9 +6,10 @@ mod field;
 mod lanes;
 mod leap;
 mod level;
+mod local;
 mod march;
 mod setup;
 mod sums;
 mod table;
 
-pub(crate) use engine::{PacketEngine, PacketFrame, Traced, Tracer};
+pub(crate) use engine::{PacketEngine, PacketFrame};
