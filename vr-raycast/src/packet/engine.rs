@@ -169,7 +169,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
     fn run<S: Simd>(self, simd: S) {
         let setup = self.frame.setup();
         let mut packet = Packet::EMPTY;
-        let mut stage = Stage::<T>::new();
+        let mut stages = [Stage::<T>::new(), Stage::<T>::new()];
         for (group, spots) in self.spots.chunks(LANES).enumerate() {
             setup.packet(simd, spots, &mut packet);
             let mut traced = [Traced::NOTHING; LANES];
@@ -178,7 +178,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
                     packet.begin_at(&starts[group * LANES..][..spots.len()]);
                 }
                 let most = self.frame.most(&packet);
-                let marched = march(simd, self.medium, &packet, &most, &mut stage);
+                let marched = march(simd, self.medium, &packet, &most, &mut stages);
                 self.counts.rays += u64::from(packet.hits.count_ones());
                 self.counts.samples += u64::from(marched.samples);
                 self.counts.terminated += u64::from(marched.terminated.count_ones());

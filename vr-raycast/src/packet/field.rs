@@ -23,6 +23,7 @@ type TwoRows<T> = [[[T; 2]; LANES]; 2];
 
 /// The pairs of the faces z and z + 1; staged, for there is one load a pair and no gather.
 #[repr(align(64))]
+#[derive(Clone)]
 pub(crate) struct Stage<T>([TwoRows<T>; 2]);
 
 impl<T: Voxel> Stage<T> {
@@ -133,27 +134,30 @@ pub(crate) fn cells<S: Simd>(simd: S, position: [f32x16<S>; 3], last_cell: [i32;
 }
 
 impl<T: Pairs> Field<'_, T> {
-    /// The field in cells, by f = Σ w f over their corners.
+    /// Loads the samples around sixteen places into a stage.
     #[inline(always)]
-    pub(crate) fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) -> f32x16<S> {
-        let [tx, ty, tz] = at.fraction;
+    pub(crate) fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) {
         let row = i32x16::splat(simd, self.stride[0] as i32);
         let slice = i32x16::splat(simd, self.stride[1] as i32);
         let offset = (at.cell[2] * slice + at.cell[1] * row + at.cell[0]).to_array();
         let [r0, r1, r2, r3] = self.rows;
+        // Equally long, and said so: one check serves the four.
+        let len = r0.len();
+        let (r1, r2, r3) = (&r1[..len], &r2[..len], &r3[..len]);
         let [[s0, s1], [s2, s3]] = &mut stage.0;
         for i in 0..LANES {
             let o = offset[i] as u32 as usize;
-            // One check: the four rows are equally long.
-            if let (Some(a), Some(b), Some(c), Some(d)) =
-                (r0.get(o..o + 2), r1.get(o..o + 2), r2.get(o..o + 2), r3.get(o..o + 2))
-            {
-                s0[i] = [a[0], a[1]];
-                s1[i] = [b[0], b[1]];
-                s2[i] = [c[0], c[1]];
-                s3[i] = [d[0], d[1]];
-            }
+            s0[i] = [r0[o], r0[o + 1]];
+            s1[i] = [r1[o], r1[o + 1]];
+            s2[i] = [r2[o], r2[o + 1]];
+            s3[i] = [r3[o], r3[o + 1]];
         }
+    }
+
+    /// The field at places whose samples have been staged: f = Σ w f over the corners of their cells.
+    #[inline(always)]
+    pub(crate) fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> f32x16<S> {
+        let [tx, ty, tz] = at.fraction;
         let [[a00, b00], [a10, b10]] = T::split(simd, &stage.0[0]);
         let [[a01, b01], [a11, b11]] = T::split(simd, &stage.0[1]);
         let (f00, f10) = (a00 + tx * (b00 - a00), a10 + tx * (b10 - a10));

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
-use super::field::{Pairs, Stage};
+use super::field::{Cells, Pairs, Stage};
 use super::lanes::{LANES, Lanes, pick, splat};
 use super::leap::{Leaper, block_index};
 use super::march::{Marched, Medium, Path};
@@ -39,6 +39,17 @@ impl<'a> LocalPace<'a> {
     pub(crate) fn new(map: &'a PaceMap, by_byte: &'a [f32; 256]) -> Self {
         Self { bytes: map.bytes(), blocks: map.blocks(), by_byte }
     }
+
+    /// What is to be done in the blocks of sixteen cells: see `by_byte`.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, cells: &Cells<S>) -> f32x16<S> {
+        let index = block_index(cells, PaceMap::EDGE.trailing_zeros(), self.blocks);
+        let mut lanes = Lanes::ZERO;
+        for i in 0..LANES {
+            lanes.0[i] = self.by_byte[usize::from(self.bytes[index[i] as u32 as usize])];
+        }
+        lanes.load(simd)
+    }
 }
 
 /// Each ray walks on its own: over what is clear to where it ends, and through the rest in steps of the length that the block of their
@@ -50,7 +61,7 @@ pub(crate) fn local<S: Simd, T: Pairs>(
     pace: LocalPace<'_>,
     packet: &Packet,
     most: &Lanes,
-    stage: &mut Stage<T>,
+    stages: &mut [Stage<T>; 2],
 ) -> Marched {
     let ray = Path::new(simd, medium, packet);
     let leaper = Leaper::new(simd, PaceMap::EDGE.trailing_zeros(), packet, medium.dims);
@@ -67,13 +78,7 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         let mut length;
         loop {
             let (position, cells) = ray.cells(simd, medium, at + NUDGE);
-            let index = block_index(&cells, PaceMap::EDGE.trailing_zeros(), pace.blocks);
-            let mut lanes = Lanes::ZERO;
-            for i in 0..LANES {
-                let byte = *pace.bytes.get(index[i] as u32 as usize).unwrap_or(&0);
-                lanes.0[i] = pace.by_byte[usize::from(byte)];
-            }
-            length = lanes.load(simd);
+            length = pace.at(simd, &cells);
             let clear = live & length.simd_lt(zero);
             if clear.all_false() {
                 break;
@@ -94,14 +99,30 @@ pub(crate) fn local<S: Simd, T: Pairs>(
             break;
         }
         samples += bits.count_ones();
+        let [now, next] = stages;
         // What is not live may have any length.
         length = length.max(zero).min(stop - at).max(zero);
         let (_, cells) = ray.cells(simd, medium, at + length * 0.5);
-        let optics = rows.at(simd, medium.field.value(simd, &cells, stage));
-        sums.add(simd, live, [at, length], light_of(simd, optics, length, medium.optics.emits));
-        let done = (sums.clear(simd) * most).simd_le(negligible);
-        stop = pick(done, never, stop);
-        at = pick(live, at + length, at);
+        medium.field.fetch(simd, &cells, now);
+        // The next step of those that go on in a visible block: while the first waits for its samples, those of the second are fetched.
+        let then = pick(live, at + length, at);
+        let (_, ahead) = ray.cells(simd, medium, then + NUDGE);
+        let length_then = pace.at(simd, &ahead);
+        let visible = live & length_then.simd_ge(zero);
+        let length_then = length_then.max(zero).min(stop - then).max(zero);
+        let (_, cells_then) = ray.cells(simd, medium, then + length_then * 0.5);
+        medium.field.fetch(simd, &cells_then, next);
+        let optics = rows.at(simd, medium.field.value(simd, &cells, now));
+        let optics_then = rows.at(simd, medium.field.value(simd, &cells_then, next));
+        let light = light_of(simd, optics, length, medium.optics.emits);
+        let light_then = light_of(simd, optics_then, length_then, medium.optics.emits);
+        sums.add(simd, live, [at, length], light);
+        stop = pick((sums.clear(simd) * most).simd_le(negligible), never, stop);
+        live = visible & then.simd_lt(stop - REST);
+        samples += live.to_bitmask().count_ones();
+        sums.add(simd, live, [then, length_then], light_then);
+        stop = pick((sums.clear(simd) * most).simd_le(negligible), never, stop);
+        at = pick(live, then + length_then, then);
     }
     sums.finish(simd, packet, stop.simd_le(never), samples)
 }

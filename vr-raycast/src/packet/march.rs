@@ -54,16 +54,16 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     medium: &Medium<'_, T>,
     packet: &Packet,
     most: &Lanes,
-    stage: &mut Stage<T>,
+    stages: &mut [Stage<T>; 2],
 ) -> Marched {
     match medium.pace {
-        Pace::Lattice { rows, distances } => lattice(simd, medium, rows, distances, packet, most, stage),
-        Pace::Local(pace) => local(simd, medium, pace, packet, most, stage),
+        Pace::Lattice { rows, distances } => lattice(simd, medium, rows, distances, packet, most, stages),
+        Pace::Local(pace) => local(simd, medium, pace, packet, most, stages),
     }
 }
 
-/// Steps between two looks for invisible blocks: a look costs a third of a sample.
-const STRIDE: u32 = 4;
+/// Pairs of steps between two looks for invisible blocks: a look costs a third of a sample.
+const STRIDE: u32 = 2;
 
 /// In steps of one length.
 #[inline(always)]
@@ -74,7 +74,7 @@ fn lattice<S: Simd, T: Pairs>(
     distances: Option<&Distances>,
     packet: &Packet,
     most: &Lanes,
-    stage: &mut Stage<T>,
+    stages: &mut [Stage<T>; 2],
 ) -> Marched {
     let ray = Path::new(simd, medium, packet);
     let never = splat(simd, f32::NEG_INFINITY);
@@ -92,6 +92,7 @@ fn lattice<S: Simd, T: Pairs>(
     // The last steps of all rays are taken at once, at the end: shorter ones, whose light must be converted.
     let mut ending = false;
     loop {
+        // A ray that has gone past its last whole step waits for the others.
         let mut live = if ending { end.simd_gt(never) } else { at.simd_lt(end) };
         if let Some((distances, leaper)) = &leaper {
             if until_look == 0 {
@@ -130,18 +131,32 @@ fn lattice<S: Simd, T: Pairs>(
             continue;
         }
         samples += bits.count_ones();
+        let [now, next] = stages;
         let (_, cells) = ray.cells(simd, medium, at);
-        let value = medium.field.value(simd, &cells, stage);
+        medium.field.fetch(simd, &cells, now);
         if ending {
+            let value = medium.field.value(simd, &cells, now);
             let ratio = packet.ratio.load(simd);
             let light = light_of(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
             sums.add(simd, live, [end, ratio], light);
             break;
         }
-        sums.add(simd, live, [at, splat(simd, 1.0)], rows.at(simd, value));
-        let done = (sums.clear(simd) * most).simd_le(negligible);
-        end = pick(done, never, end);
-        at += 1.0;
+        // Two steps at once: while the first waits for its samples, those of the second are fetched.
+        let one = splat(simd, 1.0);
+        let then = at + one;
+        let (_, cells_then) = ray.cells(simd, medium, then);
+        medium.field.fetch(simd, &cells_then, next);
+        let value = medium.field.value(simd, &cells, now);
+        let value_then = medium.field.value(simd, &cells_then, next);
+        let light = rows.at(simd, value);
+        let light_then = rows.at(simd, value_then);
+        sums.add(simd, live, [at, one], light);
+        end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
+        live = then.simd_lt(end);
+        samples += live.to_bitmask().count_ones();
+        sums.add(simd, live, [then, one], light_then);
+        end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
+        at = then + one;
     }
     sums.finish(simd, packet, end.simd_le(never), samples)
 }

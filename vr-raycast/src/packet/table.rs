@@ -100,10 +100,9 @@ impl<'a> Rows<'a> {
         let (mut low, mut high) = ([zero; LANES], [zero; LANES]);
         for j in 0..LANES {
             let i = index[j] as u32 as usize;
-            if let Some([a, b]) = self.rows.get(i..i + 2) {
-                low[j] = f32x4::load_array_ref(simd, a);
-                high[j] = f32x4::load_array_ref(simd, b);
-            }
+            let pair = &self.rows[i..i + 2];
+            low[j] = f32x4::load_array_ref(simd, &pair[0]);
+            high[j] = f32x4::load_array_ref(simd, &pair[1]);
         }
         let (low, high) = (transpose(low), transpose(high));
         [
