@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use fearless_simd::Level;
 use vr_core::transfer::{BakedTransfer, PreIntegrated};
 use vr_core::{Filter, Real, Scene, UniformVolume};
 
@@ -11,7 +10,6 @@ use crate::classify::Classifier;
 use crate::homogeneity::Homogeneity;
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
-use crate::packet::{LocalEngine, supports_local};
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::shade::Shader;
 use crate::table_range::{field_range, resolves, resolves_ramps, single_precision_resolves, table_range};
@@ -28,8 +26,6 @@ pub(crate) struct Instruments<R> {
     pub(crate) shader: Option<Shader<R>>,
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<Arc<PaceMap>>,
-    /// Vector code for it, where there is.
-    pub(crate) vector: Option<LocalEngine>,
     /// Where long steps will do.
     pub(crate) homogeneity: Option<Arc<Homogeneity>>,
 }
@@ -142,13 +138,7 @@ impl<R: Real> Instruments<R> {
             }
             _ => None,
         };
-        let mut made = Self { classifier, shader, pace, vector: None, homogeneity };
-        if let Some(map) = &made.pace
-            && supports_local(caster, scene, volume)
-        {
-            made.vector = LocalEngine::new(caster, scene, volume, Arc::clone(map), made.brightest(), Level::new());
-        }
-        made
+        Self { classifier, shader, pace, homogeneity }
     }
 
     /// How bright the medium can be.

@@ -79,6 +79,7 @@
 mod caster;
 mod chord;
 mod classify;
+mod engine;
 mod homogeneity;
 mod instruments;
 // Its own tests use it; the walk along rays will.
@@ -87,7 +88,6 @@ mod leap;
 mod operator;
 mod options;
 mod pace;
-#[allow(dead_code)]
 mod packet;
 mod pipeline;
 mod prepared;
@@ -100,9 +100,10 @@ mod settings;
 mod shade;
 mod step_options;
 mod straightness;
+mod support;
 mod table_range;
 mod tolerance;
 mod tracer;
 mod walk;
 
-pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step, Traversal};
+pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step, Traversal, Vector};

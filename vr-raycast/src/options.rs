@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Traversal};
+use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Traversal, Vector};
 use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
@@ -23,6 +23,9 @@ const BACK_TO_FRONT: &str = "back-to-front";
 const CLASSIFICATIONS: &[(&str, Classification)] =
     &[("table", Classification::Table), ("exact", Classification::Exact)];
 const PRECISIONS: &[(&str, Precision)] = &[("f32", Precision::F32), ("f64", Precision::F64)];
+
+const VECTORS: &[(&str, Vector)] =
+    &[("auto", Vector::Auto), ("avx2", Vector::Avx2), ("baseline", Vector::Baseline), ("off", Vector::Off)];
 
 /// Every option, with the default caster's values.
 pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
@@ -52,6 +55,11 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         ),
         spec("precision", OptionKind::Choice(&["f32", "f64"]), "precision of the kernels"),
         spec(
+            "vector",
+            OptionKind::Choice(&["auto", "avx2", "baseline", "off"]),
+            "widest instructions of the vector engine; off: the plain engine draws everything",
+        ),
+        spec(
             "termination",
             OptionKind::Number { above: 0.0, most: 1.0 },
             "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
@@ -67,7 +75,8 @@ pub(crate) fn to_options(caster: &RayCaster) -> Options {
         .with("traversal", word_of(TRAVERSALS, caster.traversal))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
-        .with("precision", word_of(PRECISIONS, caster.precision));
+        .with("precision", word_of(PRECISIONS, caster.precision))
+        .with("vector", word_of(VECTORS, caster.vector));
     match caster.order {
         Order::FrontToBack { termination } => options.with("order", FRONT_TO_BACK).with("termination", termination),
         Order::BackToFront => options.with("order", BACK_TO_FRONT),
@@ -94,6 +103,7 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
             ("filter", OptionValue::Word(w)) => new.filter = Filter::from_name(w),
             ("classification", OptionValue::Word(w)) => new.classification = meaning_of(CLASSIFICATIONS, w),
             ("precision", OptionValue::Word(w)) => new.precision = meaning_of(PRECISIONS, w),
+            ("vector", OptionValue::Word(w)) => new.vector = meaning_of(VECTORS, w),
             ("termination", OptionValue::Number(x)) => {
                 let Order::FrontToBack { termination } = &mut new.order else {
                     return Err(OptionError::Value {
@@ -132,6 +142,7 @@ mod tests {
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
             RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::default() },
             RayCaster { rule: Rule::Quadratic, traversal: Traversal::Voxels, ..RayCaster::default() },
+            RayCaster { vector: Vector::Off, ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {
