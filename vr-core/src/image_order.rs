@@ -89,11 +89,9 @@ fn trace_groups<P: PixelValue, S, I: Iterator<Item = (u32, u32)>>(
     trace: impl Fn(&mut S, &Ray, Spot, &mut Counts) -> P + Sync,
 ) -> Result<(Vec<Vec<P>>, Counts), RenderError> {
     let rays = Rays::new(view)?;
-    let done = AtomicUsize::new(0);
     let n = view.samples;
     let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
     let one = |g: u32| {
-        control.check()?;
         let mut scratch = scratch();
         let mut counts = Counts::default();
         let mut sub = Vec::with_capacity((n * n) as usize);
@@ -108,17 +106,34 @@ fn trace_groups<P: PixelValue, S, I: Iterator<Item = (u32, u32)>>(
                 if n == 1 { sub[0] } else { P::mean(&sub) }
             })
             .collect::<Vec<P>>();
-        let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
-        control.report(finished as f64 / f64::from(groups));
-        Ok((values, counts))
+        (values, counts)
     };
-    // One group a task, taken in order: neighbouring tiles run at the same time, and idle threads steal.
-    let results: Result<Vec<_>, RenderError> =
-        control.run(|| (0..groups).into_par_iter().with_max_len(1).map(one).collect());
     let mut counts = Counts::default();
-    let values = results?.into_iter().map(|(values, c)| {
+    let values = in_parallel(control, groups, one)?.into_iter().map(|(values, c)| {
         counts += c;
         values
     });
     Ok((values.collect(), counts))
+}
+
+/// Does pieces of work `0 .. count`, one a task, on the control's threads; returns what each made, in order.
+///
+/// Pieces are taken in order, so that neighbours run at the same time, and idle threads steal. Progress is told after each.
+///
+/// # Errors
+/// [`RenderError::Cancelled`].
+pub fn in_parallel<T: Send>(
+    control: &Control,
+    count: u32,
+    piece: impl Fn(u32) -> T + Sync,
+) -> Result<Vec<T>, RenderError> {
+    let done = AtomicUsize::new(0);
+    let one = |i: u32| {
+        control.check()?;
+        let made = piece(i);
+        let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
+        control.report(finished as f64 / f64::from(count));
+        Ok(made)
+    };
+    control.run(|| (0..count).into_par_iter().with_max_len(1).map(one).collect())
 }

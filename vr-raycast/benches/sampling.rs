@@ -10,7 +10,7 @@ use vr_core::{
     Camera, Compositing, Control, ControlPoint, OpacityRule, Renderer, Scene, TransferFunction, UniformGrid, View,
     Volume,
 };
-use vr_raycast::{Order, RayCaster};
+use vr_raycast::{Order, RayCaster, Step};
 
 /// Fog of `n`³ samples of a type, thin: opacity 10⁻³ a voxel at most.
 fn fog<T: Quantize>(n: usize) -> Scene
@@ -38,7 +38,7 @@ fn samples(c: &mut Criterion) {
         for (name, scene) in [("u8", fog::<u8>(n)), ("u16", fog::<u16>(n)), ("f32", fog::<f32>(n))] {
             for compositing in [Compositing::Average, Compositing::Over] {
                 let scene = Scene { compositing, ..scene.clone() };
-                let caster = RayCaster { step: 1.0, order: Order::WHOLE_RAY, ..RayCaster::default() };
+                let caster = RayCaster { step: Step::Uniform(1.0), order: Order::WHOLE_RAY, ..RayCaster::default() };
                 let mut prepared = caster.prepare(&scene, &control).expect("a uniform grid");
                 let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [64, 64]);
                 let counts = prepared.render(&view, &control).expect("a valid view").stats.counts;

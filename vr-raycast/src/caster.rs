@@ -1,23 +1,21 @@
 //! The ray caster's settings.
 
-use vr_core::{Filter, ParameterError};
+use vr_core::{Filter, ParameterError, Scene, UniformVolume};
 
 /// Casts rays and samples them at equal distances; the crate's front page says how.
 ///
 /// ```
-/// use vr_raycast::{Order, RayCaster};
-/// let fine = RayCaster { step: 0.25, ..RayCaster::default() };
+/// use vr_raycast::{Order, RayCaster, Step};
+/// let fine = RayCaster { step: Step::Uniform(0.25), ..RayCaster::default() };
 /// let backwards = RayCaster { order: Order::BackToFront, ..fine };
-/// # assert_eq!(backwards.step, 0.25);
+/// # assert_eq!(backwards.step, Step::Uniform(0.25));
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayCaster {
-    /// Distance between samples as a fraction of the smallest voxel edge.
-    ///
-    /// Default ⅕: on the phantoms without jumps, at 64³ and finer and with their own transfer functions, no pixel of the
-    /// views tested is then further than 1/255 from the truth; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
-    /// with the square of the step, time with its inverse: fog is as good at a step of 2.
-    pub step: f64,
+    /// How long steps are.
+    pub step: Step,
+    /// How empty space is leapt over.
+    pub leaping: Leaping,
     /// Where in its step a sample is taken, which sets the order of convergence.
     pub rule: Rule,
     /// From which end the samples of a ray are composited.
@@ -28,6 +26,74 @@ pub struct RayCaster {
     pub classification: Classification,
     /// Precision of the kernels.
     pub precision: Precision,
+}
+
+/// How long steps are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// The same everywhere: a fraction of the smallest voxel edge, in world distance whatever the spacing. The last step of a ray is
+    /// as long as is left, and counts as that.
+    ///
+    /// Default ⅕: on the phantoms without jumps, at 64³ and finer and with their own transfer functions, no pixel of the
+    /// views tested is then further than 1/255 from the truth; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
+    /// with the square of the step, time with its inverse: fog is as good at a step of 2.
+    Uniform(f64),
+    /// Adaptive ray traversal (Yagel & Shi 1993, "Accelerating volume animation by space-leaping"): coarse steps that look at nothing but a
+    /// flag, and fine ones in the vicinity of what is visible, where the flag is set.
+    ///
+    /// The flag is kept per block of as many cells along its edge as a coarse step has voxels, and set where the block, or one of the
+    /// 26 around it, holds something visible. A coarse step moves by at most one block along each axis (a 26-connected ray), and so
+    /// passes nothing that is visible from where the flag is not set. Fine steps are those of [`Step::Uniform`]: the picture is the same,
+    /// bit for bit. Coarse steps are a whole number of fine ones.
+    ///
+    /// It finds the empty space itself, and so [`Leaping`] must be `None`.
+    Vicinity {
+        /// Length of coarse steps: above `fine`, at most 64, in voxels.
+        coarse: f64,
+        /// Length of fine steps: a fraction of the smallest voxel edge.
+        fine: f64,
+    },
+}
+
+impl Step {
+    /// Length of the steps at which the field is sampled, as a fraction of the smallest voxel edge.
+    pub fn fine(self) -> f64 {
+        match self {
+            Self::Uniform(fine) | Self::Vicinity { fine, .. } => fine,
+        }
+    }
+}
+
+impl Default for Step {
+    fn default() -> Self {
+        Self::Uniform(0.2)
+    }
+}
+
+/// How rays find out where nothing is visible. No choice changes a picture by a bit: steps are dropped in which nothing is visible.
+///
+/// It applies to `over`, `accumulate` and `first`. An average, a maximum or a minimum depends on what is transparent, too: these
+/// sample everything, whatever is chosen.
+///
+/// Visible is a block of 8³ cells whose range of values holds anything that the transfer function, and the table made of it, do not
+/// make perfectly clear (under `first`: that reaches the threshold). Each structure is made anew when the transfer function changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Leaping {
+    /// All steps are sampled.
+    None,
+    /// An octree of minima and maxima, from the root down.
+    Octree,
+    /// The same nodes, each block storing the level of the largest one around it that is all clear, or all visible.
+    #[default]
+    Pyramid,
+    /// Balls: each block stores its exact Euclidean distance to the nearest block of the other kind.
+    ExactCloud,
+    /// Cubes: each block stores its distance to the nearest block of the other kind as a king moves on a chessboard.
+    ChessboardCloud,
+    /// Up to eight boxes around the visible blocks.
+    Boxes,
+    /// One convex polyhedron of 26 faces around the visible blocks.
+    Polyhedron,
 }
 
 /// Where in its step a sample is taken.
@@ -83,24 +149,12 @@ pub enum Classification {
 /// Precision of the kernels. Rays, and sums of more than a few dozen samples, are in f64 always.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// 32-bit floats.
+    /// 32-bit floats. Where a ramp of the transfer function is narrower than 1/4096 of the largest stored number, which f32 hardly tells
+    /// apart, 64-bit ones after all.
     #[default]
     F32,
     /// 64-bit floats: for measuring what the other leaves.
     F64,
-}
-
-impl Default for RayCaster {
-    fn default() -> Self {
-        Self {
-            step: 0.2,
-            rule: Rule::default(),
-            order: Order::default(),
-            filter: None,
-            classification: Classification::default(),
-            precision: Precision::default(),
-        }
-    }
 }
 
 impl RayCaster {
@@ -112,7 +166,7 @@ impl RayCaster {
     /// The caster that comes nearest to the limit of its step: exact classification in f64 along whole rays.
     pub fn exact(step: f64) -> Self {
         Self {
-            step,
+            step: Step::Uniform(step),
             order: Order::WHOLE_RAY,
             classification: Classification::Exact,
             precision: Precision::F64,
@@ -120,10 +174,31 @@ impl RayCaster {
         }
     }
 
+    /// The filter that makes the field it samples.
+    pub(crate) fn filter_of(&self, scene: &Scene) -> Filter {
+        self.filter.unwrap_or(scene.filter)
+    }
+
+    /// World length of a step.
+    pub(crate) fn world_step(&self, volume: &UniformVolume) -> f64 {
+        self.step.fine() * volume.placement().spacing().min_element()
+    }
+
     /// Checks the numbers.
     pub(crate) fn validate(&self) -> Result<(), ParameterError> {
-        if !(self.step > 0.0 && self.step <= Self::LONGEST_STEP) {
-            return Err(ParameterError::new("render.step", self.step, "must be above 0 and at most 64"));
+        let fine = self.step.fine();
+        if !(fine > 0.0 && fine <= Self::LONGEST_STEP) {
+            return Err(ParameterError::new("render.step", fine, "must be above 0 and at most 64"));
+        }
+        if let Step::Vicinity { coarse, .. } = self.step {
+            if !(coarse > fine && coarse <= Self::LONGEST_STEP) {
+                let allowed = "must be longer than the fine step, and at most 64";
+                return Err(ParameterError::new("render.vicinity", coarse, allowed));
+            }
+            if self.leaping != Leaping::None {
+                let allowed = "coarse steps in the vicinity find empty space themselves: must be none";
+                return Err(ParameterError::new("render.leaping", format!("{:?}", self.leaping), allowed));
+            }
         }
         match self.order {
             Order::FrontToBack { termination } if !(termination > 0.0 && termination <= 1.0) => {

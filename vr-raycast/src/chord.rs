@@ -6,10 +6,9 @@ use vr_core::{
     gradient_between_samples,
 };
 
-use crate::run::{RUN, Run};
-use crate::steps::Steps;
+use crate::run::Run;
 
-/// A ray's part inside the volume, cut into steps, and the field along it.
+/// A ray's part inside the volume, and the field along it.
 ///
 /// The passes over a run are dispatched here, once per run: to the voxel type and the filter, for which they are instantiated.
 #[derive(Clone, Copy, Debug)]
@@ -17,30 +16,19 @@ pub(crate) struct Chord<'a> {
     pub(crate) volume: &'a UniformVolume,
     pub(crate) filter: Filter,
     pub(crate) ray: IndexRay,
-    pub(crate) steps: Steps,
 }
 
 impl Chord<'_> {
-    /// Runs that it takes to sample all steps.
-    pub(crate) fn runs(&self) -> usize {
-        self.steps.count.div_ceil(RUN)
-    }
-
-    /// Makes `run` the `index`-th one, with samples at the fraction `offset` of each step.
-    pub(crate) fn place<R: Real>(&self, run: &mut Run<R>, index: usize, offset: f64) {
-        let first = index * RUN;
-        run.len = RUN.min(self.steps.count - first);
-        run.begin = self.steps.begin(first);
-        run.step = self.steps.length;
-        run.last_step = if first + run.len == self.steps.count { self.steps.last } else { self.steps.length };
+    /// Places the samples of a run's steps, at the fraction `offset` of each.
+    pub(crate) fn place<R: Real>(&self, run: &mut Run<R>, offset: f64) {
         run.offset = offset;
         run.place(&self.ray, self.volume.dims());
     }
 
     /// Makes `run` a single point.
     pub(crate) fn place_point<R: Real>(&self, run: &mut Run<R>, distance: f64) {
-        (run.len, run.begin, run.step, run.last_step, run.offset) = (1, distance, 0.0, 0.0, 0.0);
-        run.place(&self.ray, self.volume.dims());
+        run.steps.set_point(distance);
+        self.place(run, 0.0);
     }
 
     /// Fills the values of a placed run.
@@ -88,7 +76,7 @@ impl<R: Real> SamplerVisitor for Values<'_, R> {
 impl<R: Real> Values<'_, R> {
     #[inline(always)]
     fn fill(self, value_at: impl Fn([R; 3]) -> R) {
-        let len = self.0.len;
+        let len = self.0.len();
         let [x, y, z] = &self.0.position;
         let positions = x[..len].iter().zip(&y[..len]).zip(&z[..len]);
         for (value, ((&x, &y), &z)) in self.0.value[..len].iter_mut().zip(positions) {
@@ -103,7 +91,7 @@ impl<R: Real> SamplerVisitor for AnalyticGradients<'_, R> {
     type Output = ();
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) {
-        for j in 0..self.0.len {
+        for j in 0..self.0.len() {
             if self.0.light[j][3] != R::ZERO {
                 self.0.gradient[j] = sampler.value_and_gradient(self.0.position_of(j)).1;
             }
@@ -117,7 +105,7 @@ impl<R: Real> LatticeVisitor for CentralDifferences<'_, R> {
     type Output = ();
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) {
-        for j in 0..self.0.len {
+        for j in 0..self.0.len() {
             if self.0.light[j][3] != R::ZERO {
                 self.0.gradient[j] = gradient_between_samples(&lattice, self.0.position_of(j));
             }

@@ -13,8 +13,8 @@ use crate::run::Run;
 pub(crate) struct Classifier<R> {
     pub(crate) transfer: Arc<TransferFunction>,
     pub(crate) calibration: Calibration,
-    /// For whole steps; `None`: everything is evaluated exactly.
-    pub(crate) table: Option<Arc<BakedTransfer<R>>>,
+    /// A table, and the length of the steps that it is for; `None`: everything is evaluated exactly.
+    pub(crate) table: Option<(Arc<BakedTransfer<R>>, f64)>,
 }
 
 /// A step's opacity up to which its optical depth follows from it in f32 to better than 10⁻⁵; above, 1 − α has lost its digits.
@@ -23,24 +23,23 @@ const INVERTIBLE: f64 = 0.99;
 impl<R: Real> Classifier<R> {
     /// Fills the light of a run from its values.
     ///
-    /// A shorter step at the end of the ray is evaluated exactly, whatever the others are: a table's entry of a dense step says too
-    /// little of a short one, and there is only one a ray.
+    /// A step of another length than the table's is evaluated exactly: an entry of a dense step says too little of a short one. On a
+    /// lattice there is only one a ray, the last.
     pub(crate) fn classify(&self, run: &mut Run<R>) {
-        let len = run.len;
-        match &self.table {
-            Some(table) => {
-                for (light, &value) in run.light[..len].iter_mut().zip(&run.value[..len]) {
-                    *light = table.step(value);
+        let len = run.len();
+        if let Some((table, step)) = &self.table {
+            for (light, &value) in run.light[..len].iter_mut().zip(&run.value[..len]) {
+                *light = table.step(value);
+            }
+            for j in 0..len {
+                if run.steps.length[j] != *step {
+                    run.light[j] = self.exact(run.value[j], run.steps.length[j]);
                 }
             }
-            None => {
-                for (light, &value) in run.light[..len].iter_mut().zip(&run.value[..len]) {
-                    *light = self.exact(value, run.step);
-                }
+        } else {
+            for j in 0..len {
+                run.light[j] = self.exact(run.value[j], run.steps.length[j]);
             }
-        }
-        if run.last_step != run.step {
-            run.light[len - 1] = self.exact(run.value[len - 1], run.last_step);
         }
     }
 

@@ -58,7 +58,7 @@
 //! them; its floor is that of a frame, which holds f32.
 //!
 //! What is missed between two samples is missed: a shell thinner than a step, a crossing there and back. At the default step
-//! ([`RayCaster::step`] says how it was found) the largest errors on the hard cases of `vr-physics` are:
+//! ([`Step`] says how it was found) the largest errors on the hard cases of `vr-physics` are:
 //!
 //! | case | largest error | why |
 //! |---|---|---|
@@ -79,8 +79,7 @@
 mod caster;
 mod chord;
 mod classify;
-// Its own tests use it; the walk along rays will.
-#[allow(dead_code)]
+mod instruments;
 mod leap;
 mod operator;
 mod options;
@@ -89,9 +88,11 @@ mod prepared;
 mod ray_value;
 mod renderer;
 mod run;
+mod screen;
 mod settings;
 mod shade;
-mod steps;
 mod table_range;
+mod tracer;
+mod walk;
 
-pub use caster::{Classification, Order, Precision, RayCaster, Rule};
+pub use caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Step};

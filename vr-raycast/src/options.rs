@@ -4,11 +4,24 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Order, Precision, RayCaster, Rule};
+use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Step};
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
 const RULES: &[(&str, Rule)] = &[("midpoint", Rule::Midpoint), ("left", Rule::Left)];
+const LEAPINGS: &[(&str, Leaping)] = &[
+    ("none", Leaping::None),
+    ("octree", Leaping::Octree),
+    ("pyramid", Leaping::Pyramid),
+    ("exact-cloud", Leaping::ExactCloud),
+    ("chessboard-cloud", Leaping::ChessboardCloud),
+    ("boxes", Leaping::Boxes),
+    ("polyhedron", Leaping::Polyhedron),
+];
+const UNIFORM: &str = "uniform";
+const VICINITY: &str = "vicinity";
+/// Length of coarse steps, unless another one is asked for.
+const COARSE: f64 = 8.0;
 const FRONT_TO_BACK: &str = "front-to-back";
 const BACK_TO_FRONT: &str = "back-to-front";
 const CLASSIFICATIONS: &[(&str, Classification)] =
@@ -24,6 +37,30 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
             "step",
             OptionKind::Number { above: 0.0, most: RayCaster::LONGEST_STEP },
             "distance between samples, as a fraction of the smallest voxel edge",
+        ),
+        spec(
+            "steps",
+            OptionKind::Choice(&[UNIFORM, VICINITY]),
+            "uniform: all of one length; vicinity: coarse ones, too, where nothing visible is near (needs leaping=none)",
+        ),
+        OptionSpec {
+            key: "coarse",
+            kind: OptionKind::Number { above: 0.0, most: RayCaster::LONGEST_STEP },
+            default: OptionValue::Number(COARSE),
+            help: "length of coarse steps in voxels, with steps=vicinity; changes no pixel",
+        },
+        spec(
+            "leaping",
+            OptionKind::Choice(&[
+                "none",
+                "octree",
+                "pyramid",
+                "exact-cloud",
+                "chessboard-cloud",
+                "boxes",
+                "polyhedron",
+            ]),
+            "how rays find out where nothing is visible; changes no pixel",
         ),
         spec(
             "rule",
@@ -53,11 +90,16 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
     let options = Options::new()
-        .with("step", caster.step)
+        .with("step", caster.step.fine())
+        .with("leaping", word_of(LEAPINGS, caster.leaping))
         .with("rule", word_of(RULES, caster.rule))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
         .with("precision", word_of(PRECISIONS, caster.precision));
+    let options = match caster.step {
+        Step::Uniform(_) => options.with("steps", UNIFORM),
+        Step::Vicinity { coarse, .. } => options.with("steps", VICINITY).with("coarse", coarse),
+    };
     match caster.order {
         Order::FrontToBack { termination } => options.with("order", FRONT_TO_BACK).with("termination", termination),
         Order::BackToFront => options.with("order", BACK_TO_FRONT),
@@ -67,10 +109,31 @@ pub(crate) fn to_options(caster: &RayCaster) -> Options {
 /// A caster with options set.
 pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCaster, OptionError> {
     let mut new = caster.clone();
-    // In the order of the list: `order` is set before `termination`.
+    // In the order of the list: `order` is set before `termination`, `step` before `steps` and `steps` before `coarse`.
     for (key, value) in options.check(RayCaster::NAME, &SPECS)? {
         match (key, value) {
-            ("step", OptionValue::Number(x)) => new.step = *x,
+            ("step", OptionValue::Number(x)) => match &mut new.step {
+                Step::Uniform(fine) | Step::Vicinity { fine, .. } => *fine = *x,
+            },
+            ("steps", OptionValue::Word(w)) => {
+                new.step = match (w.as_str(), new.step) {
+                    (UNIFORM, step) => Step::Uniform(step.fine()),
+                    (_, Step::Uniform(fine)) => Step::Vicinity { coarse: COARSE, fine },
+                    (_, vicinity) => vicinity,
+                }
+            }
+            ("coarse", OptionValue::Number(x)) => {
+                let Step::Vicinity { coarse, .. } = &mut new.step else {
+                    return Err(OptionError::Value {
+                        renderer: RayCaster::NAME,
+                        key: key.to_owned(),
+                        found: x.to_string(),
+                        allowed: "only steps=vicinity are coarse: must be absent".to_owned(),
+                    });
+                };
+                *coarse = *x;
+            }
+            ("leaping", OptionValue::Word(w)) => new.leaping = meaning_of(LEAPINGS, w),
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
             ("order", OptionValue::Word(w)) => {
                 new.order = match (w.as_str(), new.order) {
@@ -118,6 +181,12 @@ mod tests {
             RayCaster::exact(0.125),
             RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
+            RayCaster { leaping: Leaping::Octree, ..RayCaster::default() },
+            RayCaster {
+                step: Step::Vicinity { coarse: 5.0, fine: 0.25 },
+                leaping: Leaping::None,
+                ..RayCaster::default()
+            },
         ];
         for from in &casters {
             for to in &casters {
@@ -135,12 +204,29 @@ mod tests {
     }
 
     #[test]
+    fn coarse_steps_are_the_vicinitys() {
+        let coarse = Options::new().with("coarse", 4.0);
+        let error = configure(&RayCaster::default(), &coarse).unwrap_err().to_string();
+        assert!(error.contains("coarse") && error.contains("vicinity"), "{error}");
+        let caster = configure(&RayCaster::default(), &coarse.with("steps", VICINITY)).unwrap();
+        assert_eq!(caster.step, Step::Vicinity { coarse: 4.0, fine: 0.2 });
+        // Two ways to find empty space.
+        assert!(caster.validate().is_err());
+        assert!(RayCaster { leaping: Leaping::None, ..caster }.validate().is_ok());
+    }
+
+    #[test]
     fn the_lists_name_what_the_options_take() {
         for filter in Filter::ALL {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
         }
         assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
-        for spec in SPECS.iter() {
+        for (word, leaping) in LEAPINGS {
+            let options = Options::new().with("leaping", *word);
+            assert_eq!(configure(&RayCaster::default(), &options).unwrap().leaping, *leaping);
+        }
+        // Coarse steps are not part of the default.
+        for spec in SPECS.iter().filter(|s| s.key != "coarse") {
             let set = Options([(spec.key.to_owned(), spec.default.clone())].into());
             assert_eq!(configure(&RayCaster::default(), &set).unwrap(), RayCaster::default(), "{}", spec.key);
         }

@@ -1,22 +1,25 @@
-//! One ray through the passes.
+//! The plain engine: one ray after another through the passes.
 
 use glam::DVec3;
-use vr_core::{Counts, Filter, IndexRay, Ray, RayShading, Real, UniformVolume, View};
+use vr_core::image_order::Spot;
+use vr_core::{Counts, Filter, IndexRay, Ray, RayShading, Rays, Real, UniformVolume, View};
 
 use crate::chord::Chord;
 use crate::classify::Classifier;
+use crate::leap::EmptySpace;
 use crate::operator::Operator;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
-use crate::steps::Steps;
+use crate::tracer::{Traced, Tracer};
+use crate::walk::{Lattice, LatticeWalk, VisibleSteps, Walk};
 
 /// What a frame's rays share.
 ///
-/// A run goes from pass to pass: placed, sampled, classified, shaded, composited. Each pass is instantiated for what *it* depends on
-/// (the sampling for voxel type and filter, the compositing for the operator, all for the precision) and chosen once per
+/// A run goes from pass to pass: walked, placed, sampled, classified, shaded, composited. Each pass is instantiated for what *it*
+/// depends on (the sampling for voxel type and filter, the compositing for the operator, all for the precision) and chosen once per
 /// run, so that there is a sum of instances and not their product.
-pub(crate) struct Pipeline<'a, R> {
+pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) volume: &'a UniformVolume,
     pub(crate) filter: Filter,
     /// Length of a step in world units.
@@ -25,39 +28,51 @@ pub(crate) struct Pipeline<'a, R> {
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
     pub(crate) shader: Option<&'a Shader<R>>,
+    /// Where nothing is visible, if that is to be left out.
+    pub(crate) empty_space: Option<&'a EmptySpace>,
     pub(crate) view: &'a View,
+    pub(crate) rays: Rays,
+    /// Makes the compositing operator of a thread.
+    pub(crate) operator: F,
 }
 
 /// What one thread needs to trace rays.
-pub(crate) struct Scratch<R, O> {
+struct Scratch<R, O> {
     operator: O,
     run: Run<R>,
     /// Shading along the direction of the last ray: parallel rays share it.
     lights: Option<(DVec3, RayShading<R>)>,
 }
 
-impl<R: Real, O: Operator<R>> Scratch<R, O> {
-    pub(crate) fn new(operator: O) -> Self {
-        Self { operator, run: Run::new(), lights: None }
+impl<R: Real, O: Operator<R>, F: Fn() -> O + Sync> Tracer for Pipeline<'_, R, F> {
+    fn trace(&self, spots: &[Spot], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+        let mut scratch = Scratch { operator: (self.operator)(), run: Run::new(), lights: None };
+        values.extend(spots.iter().enumerate().map(|(i, spot)| {
+            let start = starts.map_or(0, |starts| starts[i]);
+            self.trace_ray(&mut scratch, &self.rays.at(spot.x, spot.y), spot.pixel, start, counts)
+        }));
     }
 }
 
-impl<R: Real> Pipeline<'_, R> {
-    /// Traces a ray through a pixel.
-    pub(crate) fn trace<O: Operator<R>>(
+impl<R: Real, F> Pipeline<'_, R, F> {
+    /// Traces a ray through a pixel from step `start` of its lattice on.
+    fn trace_ray<O: Operator<R>>(
         &self,
         scratch: &mut Scratch<R, O>,
         ray: &Ray,
         pixel: usize,
+        start: u32,
         counts: &mut Counts,
-    ) -> RayValue {
+    ) -> Traced {
         let layer = self.view.layer.as_deref();
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
-        let value = part.map_or(RayValue::NOTHING, |part| {
-            let steps = Steps::new(part.start, part.end, self.step);
-            let chord = Chord { volume: self.volume, filter: self.filter, ray: part, steps };
-            self.along(scratch, ray, &chord, counts)
+        let value = part.map_or(Traced::NOTHING, |part| {
+            let lattice = Lattice::new(part.start, part.end, self.step);
+            let visible = VisibleSteps::new(lattice, start, u32::from(O::BRACKETS), &part, self.empty_space);
+            let walk = Walk::Lattice(LatticeWalk::new(lattice, visible, O::BACKWARDS));
+            let chord = Chord { volume: self.volume, filter: self.filter, ray: part };
+            self.along(scratch, ray, &chord, walk, counts).into()
         });
         layer.map_or(value, |l| value.over(l, pixel))
     }
@@ -67,6 +82,7 @@ impl<R: Real> Pipeline<'_, R> {
         scratch: &mut Scratch<R, O>,
         ray: &Ray,
         chord: &Chord<'_>,
+        mut walk: Walk<'_>,
         counts: &mut Counts,
     ) -> RayValue {
         let Scratch { operator, run, lights } = scratch;
@@ -78,31 +94,35 @@ impl<R: Real> Pipeline<'_, R> {
         });
         counts.rays += 1;
         operator.begin(chord);
-        let runs = chord.runs();
-        // The ends of the chord, where an operator wants them, are two more runs of one sample each.
-        let ends = usize::from(O::ENDS);
-        for i in 0..runs + 2 * ends {
-            let index = if O::BACKWARDS { runs - 1 - i } else { i.wrapping_sub(ends) };
-            if O::ENDS && i == 0 {
-                chord.place_point(run, chord.ray.start);
-            } else if index == runs {
-                chord.place_point(run, chord.ray.end);
-            } else {
-                chord.place(run, index, self.offset);
-            }
+        let mut ended = false;
+        if O::ENDS {
+            chord.place_point(run, chord.ray.start);
             chord.sample(run);
-            counts.samples += run.len as u64;
+            counts.samples += 1;
+            ended = operator.take(run, chord).is_break();
+        }
+        while !ended && walk.next(&mut run.steps) {
+            chord.place(run, self.offset);
+            chord.sample(run);
+            counts.samples += run.len() as u64;
             if O::LIGHT {
                 self.classifier.classify(run);
                 if let Some((shader, lights)) = shader {
                     shader.shade(lights, chord, run, self.classifier);
                 }
             }
-            if operator.take(run, chord).is_break() {
-                counts.terminated += u64::from(i + 1 < runs + 2 * ends);
-                break;
-            }
+            ended = operator.take(run, chord).is_break();
         }
+        if O::ENDS && !ended {
+            chord.place_point(run, chord.ray.end);
+            chord.sample(run);
+            counts.samples += 1;
+            // What comes last ends nothing early.
+            let _ = operator.take(run, chord);
+        }
+        counts.skipped += walk.skipped();
+        // Only where something was left.
+        counts.terminated += u64::from(ended && walk.next(&mut run.steps));
         let mut value = operator.finish(chord);
         if let Some((shader, lights)) = shader
             && O::SURFACE

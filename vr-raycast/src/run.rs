@@ -1,27 +1,53 @@
-//! A run: the buffer through which a few dozen samples of a ray go from pass to pass.
+//! A run: the buffer through which a few dozen steps of a ray go from pass to pass.
 
 use vr_core::{IndexRay, Real};
 
-/// Samples in a run. Enough to spread the passes' dispatch thin; few enough that all of a run stays in the first-level cache
-/// (2 KiB in f32) and that its sum in the kernel's precision keeps its digits.
+/// Steps in a run. Enough to spread the passes' dispatch thin; few enough that all of a run stays in the first-level cache
+/// and that its sum in the kernel's precision keeps its digits.
 pub(crate) const RUN: usize = 32;
 
-/// Consecutive samples of one ray.
+/// The steps of a run, in order along the ray. Where one ends before the next begins, what lies between cannot be seen.
 ///
-/// Each pass of the pipeline reads some of the arrays and fills others: positions, then values, then light, then (where something
-/// is shaded) gradients. Only the first `len` entries mean anything.
+/// Only the first `len` entries mean anything, and there is at least one.
+#[derive(Clone, Debug)]
+pub(crate) struct Steps {
+    pub(crate) len: usize,
+    /// World distance along the ray at which each begins.
+    pub(crate) begin: [f64; RUN],
+    /// World length of each; above 0 but for a run that is a single point.
+    pub(crate) length: [f64; RUN],
+    /// Number of each on the ray's lattice of steps (or in the order of the walk, where there is no lattice).
+    pub(crate) number: [u32; RUN],
+}
+
+impl Steps {
+    pub(crate) fn new() -> Self {
+        Self { len: 0, begin: [0.0; RUN], length: [0.0; RUN], number: [0; RUN] }
+    }
+
+    /// Appends a step.
+    pub(crate) fn push(&mut self, begin: f64, length: f64, number: u32) {
+        (self.begin[self.len], self.length[self.len], self.number[self.len]) = (begin, length, number);
+        self.len += 1;
+    }
+
+    /// Makes it a single point, of no length.
+    pub(crate) fn set_point(&mut self, distance: f64) {
+        self.len = 0;
+        self.push(distance, 0.0, 0);
+    }
+}
+
+/// Consecutive steps of one ray, and what the passes make of them.
+///
+/// Each pass reads some of the arrays and fills others: steps, then positions, then values, then light, then (where something is
+/// shaded) gradients. Only the first `steps.len` entries mean anything.
 #[derive(Clone, Debug)]
 pub(crate) struct Run<R> {
-    pub(crate) len: usize,
-    /// Distance at which the first sample's step begins.
-    pub(crate) begin: f64,
-    /// Length of every step but the last.
-    pub(crate) step: f64,
-    /// Length of the last step.
-    pub(crate) last_step: f64,
+    pub(crate) steps: Steps,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
-    /// Index-space positions, axis by axis.
+    /// Index-space positions of the samples, axis by axis.
     pub(crate) position: [[R; RUN]; 3],
     /// The field in stored units; NaN in vacuum.
     pub(crate) value: [R; RUN],
@@ -34,10 +60,7 @@ pub(crate) struct Run<R> {
 impl<R: Real> Run<R> {
     pub(crate) fn new() -> Self {
         Self {
-            len: 0,
-            begin: 0.0,
-            step: 0.0,
-            last_step: 0.0,
+            steps: Steps::new(),
             offset: 0.0,
             position: [[R::ZERO; RUN]; 3],
             value: [R::ZERO; RUN],
@@ -46,19 +69,14 @@ impl<R: Real> Run<R> {
         }
     }
 
-    /// Length of a sample's step.
-    pub(crate) fn length(&self, j: usize) -> f64 {
-        if j + 1 == self.len { self.last_step } else { self.step }
-    }
-
-    /// Distance at which a sample's step begins.
-    pub(crate) fn begin_of(&self, j: usize) -> f64 {
-        self.begin + j as f64 * self.step
+    /// Steps in the run.
+    pub(crate) fn len(&self) -> usize {
+        self.steps.len
     }
 
     /// Distance of a sample.
     pub(crate) fn distance(&self, j: usize) -> f64 {
-        self.begin_of(j) + self.offset * self.length(j)
+        self.steps.begin[j] + self.offset * self.steps.length[j]
     }
 
     /// Position of a sample in the kernel's precision.
@@ -69,20 +87,17 @@ impl<R: Real> Run<R> {
 
     /// Fills the positions of the samples, clamped into the box.
     ///
-    /// The first one is found in f64 and rounded once, the others are whole multiples of a step from it: errors do not add up along
-    /// the ray. Rounding may carry a position past a face, and what lies there is not part of the field: hence the clamp.
+    /// Each is found in f64 and rounded once: errors do not add up along the ray. Rounding may carry a position past a face, and what
+    /// lies there is not part of the field: hence the clamp.
     pub(crate) fn place(&mut self, ray: &IndexRay, dims: [usize; 3]) {
-        let first = ray.at(self.distance(0)).to_array();
-        let last = ray.at(self.distance(self.len - 1)).to_array();
-        let per_step = (ray.direction * self.step).to_array();
+        let len = self.len();
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         for axis in 0..3 {
-            let (origin, delta) = (R::from_f64(first[axis]), R::from_f64(per_step[axis]));
-            let most = R::from_index(dims[axis] - 1);
-            let inside = |x: R| x.max(R::ZERO).min(most);
-            for (j, x) in self.position[axis][..self.len].iter_mut().enumerate() {
-                *x = inside(origin + R::from_index(j) * delta);
+            let most = (dims[axis] - 1) as f64;
+            for j in 0..len {
+                let x = origin[axis] + direction[axis] * self.distance(j);
+                self.position[axis][j] = R::from_f64(x.clamp(0.0, most));
             }
-            self.position[axis][self.len - 1] = inside(R::from_f64(last[axis]));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use vr_core::{Filter, NamedSetting};
 
-use crate::caster::{RayCaster, Rule};
+use crate::caster::{RayCaster, Rule, Step};
 use crate::options::to_options;
 
 /// Rounding of f32 kernels, table and early termination together, on smooth scenes.
@@ -13,17 +13,19 @@ const FLOOR_F64: f64 = 1e-12;
 /// Steps for both rules; the default step for every filter; and the f64 instance, which shows what the floor is made of.
 pub(crate) fn settings() -> Vec<NamedSetting> {
     let default = RayCaster::default;
-    let steps =
-        |rule, steps: &[f64]| steps.iter().map(|&step| RayCaster { step, rule, ..default() }).collect::<Vec<_>>();
+    let steps = |rule, steps: &[f64]| {
+        steps.iter().map(|&step| RayCaster { step: Step::Uniform(step), rule, ..default() }).collect::<Vec<_>>()
+    };
     let midpoint = steps(Rule::Midpoint, &[4.0, 2.0, 1.0, 0.5, 0.2, 0.1]);
     let left = steps(Rule::Left, &[1.0, 0.2]);
     let filters = Filter::ALL.map(|filter| RayCaster { filter: Some(filter), ..default() });
     let exact = [1.0, 0.2].map(RayCaster::exact);
     let named = |prefix: &'static str, floor: f64| {
         move |caster: RayCaster| {
+            let step = caster.step.fine();
             let name = match caster.filter {
-                Some(filter) => format!("{prefix} {filter} {}", caster.step),
-                None => format!("{prefix} {}", caster.step),
+                Some(filter) => format!("{prefix} {filter} {step}"),
+                None => format!("{prefix} {step}"),
             };
             // A field that jumps, as the nearest sample's does, leaves order 1 to every rule.
             let order = match (caster.rule, caster.filter) {

@@ -67,11 +67,11 @@ impl<R: Real> Shader<R> {
         let modulates = !self.shading.gradient_opacity.is_empty();
         // Emission given on its own is light, not a surface.
         let reflects = !classifier.transfer.has_emission();
-        if !(modulates || reflects) || run.light[..run.len].iter().all(|l| l[3] == R::ZERO) {
+        if !(modulates || reflects) || run.light[..run.len()].iter().all(|l| l[3] == R::ZERO) {
             return;
         }
         chord.gradients(run, self.method());
-        for j in 0..run.len {
+        for j in 0..run.len() {
             // Where nothing absorbs, there is no gradient to look at.
             if run.light[j][3] == R::ZERO {
                 continue;
@@ -79,7 +79,8 @@ impl<R: Real> Shader<R> {
             let world = self.world(run.gradient[j]);
             if modulates {
                 let factor = self.shading.modulation(self.magnitude(world));
-                run.light[j] = classifier.with_extinction_times(run.light[j], factor, run.value[j], run.length(j));
+                run.light[j] =
+                    classifier.with_extinction_times(run.light[j], factor, run.value[j], run.steps.length[j]);
             }
             if reflects {
                 let (factor, added) = lights.reflect(world);

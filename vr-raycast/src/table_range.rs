@@ -1,4 +1,4 @@
-//! The stored numbers that a table must cover, and whether it covers them finely enough.
+//! The stored numbers that a table must cover, and whether tables and precisions tell them apart finely enough.
 
 use vr_core::filter::Reconstruction;
 use vr_core::transfer::BakedTransfer;
@@ -71,6 +71,18 @@ pub(crate) fn resolves<R: Real>(
     // Spacings of 1/16 and the like come back rounded from f32.
     let least = ENTRIES_PER_RAMP * table.spacing() * (1.0 - 1e-6);
     ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= least)
+}
+
+/// Of the largest stored number, what the narrowest ramp must span for f32: a value rounded a few times is then known to 10⁻³ of it.
+const RAMP_IN_F32: f64 = 1.0 / 4096.0;
+
+/// Whether f32 tells apart all that the transfer function does. Jumps do not count: no precision has room for them.
+pub(crate) fn single_precision_resolves(volume: &UniformVolume, transfer: &TransferFunction) -> bool {
+    let calibration = volume.calibration();
+    let largest = volume.census().range.map_or(0.0, |(low, high)| f64::from(low.abs().max(high.abs())));
+    let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
+    // Ramps beyond the data are never seen, but a few of them do no harm.
+    ramps.map(|s| (s.to - s.from) / calibration.slope.abs()).all(|width| width >= RAMP_IN_F32 * largest)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use glam::DVec3;
 use vr_core::*;
-use vr_raycast::{Classification, Order, Precision, RayCaster, Rule};
+use vr_raycast::{Classification, Order, Precision, RayCaster, Rule, Step};
 
 /// A frame holds f32: nothing can be closer than this to a number near 1.
 const F32: f64 = 1.2e-7;
@@ -31,7 +31,7 @@ fn homogeneous_slab_at_any_step() {
     for step in [0.25, 0.3, 0.5, 0.77, 1.0, 1.7, 2.0, 4.0, 8.0] {
         for order in [Order::default(), Order::BackToFront] {
             for rule in [Rule::Midpoint, Rule::Left] {
-                for caster in kernels(&RayCaster { step, order, rule, ..RayCaster::default() }) {
+                for caster in kernels(&RayCaster { step: Step::Uniform(step), order, rule, ..RayCaster::default() }) {
                     let (rgba, d) = pixel(&caster, &scene, &down(1.0, 1.2));
                     // A constant field has no discretisation error: what is left is the rounding of up to 20 steps.
                     assert_close(rgba, want, 20.0 * F32, &format!("{caster:?}"));
@@ -49,7 +49,7 @@ fn thin_media_keep_their_digits() {
         let scene = Scene::new(volume([2, 2, 4097], |_, _, _| 0.0), homogeneous(alpha));
         let exact = -(4096.0 * (-alpha).ln_1p()).exp_m1();
         for order in [Order::default(), Order::BackToFront] {
-            let caster = RayCaster { step: 1.0, order, ..RayCaster::default() };
+            let caster = RayCaster { step: Step::Uniform(1.0), order, ..RayCaster::default() };
             let mut view = down(0.5, 0.5);
             view.camera.eye.z = 5000.0;
             view.camera.target.z = 0.0;
@@ -93,7 +93,7 @@ fn pure_emission_and_pure_absorption() {
         |opacity, emission| ControlPoint { emission: Some(emission), ..ControlPoint::new(0.0, [1.0; 3], opacity) };
     let scene = |p| Scene::new(ramp(1.0, 0.0), TransferFunction::new(vec![p], OpacityRule::Power, 1.0).unwrap());
     for step in [0.3, 0.5, 3.0] {
-        for caster in kernels(&RayCaster { step, ..RayCaster::default() }) {
+        for caster in kernels(&RayCaster { step: Step::Uniform(step), ..RayCaster::default() }) {
             let (rgba, depth) = pixel(&caster, &scene(point(0.0, [1e6, 0.25, 0.0])), &down(0.5, 0.5));
             assert!((f64::from(rgba[0]) / 16e6 - 1.0).abs() < 16.0 * F32, "{rgba:?}");
             assert_close([0.0, rgba[1], rgba[2], rgba[3]], [0.0, 4.0, 0.0, 0.0], 4e-6, "pure emission");
@@ -109,7 +109,7 @@ fn opaque_walls_end_the_ray() {
     // Clear up to the value 8, opaque from there on: 8 units before a wall of colour c.
     let wall = transfer(&[(8.0, [0.0; 3], 0.0), (8.0, [0.25, 0.5, 1.0], 1.0)], 1.0);
     let scene = Scene::new(ramp(0.0, 1.0), wall);
-    for caster in kernels(&RayCaster { step: 0.25, ..RayCaster::default() }) {
+    for caster in kernels(&RayCaster { step: Step::Uniform(0.25), ..RayCaster::default() }) {
         let picture = render(&caster, &scene, &down(0.5, 0.5));
         assert_eq!(picture.frame.pixels()[0], [0.25, 0.5, 1.0, 1.0], "{caster:?}");
         // A wall's place is known to one step.
@@ -142,7 +142,7 @@ fn short_last_steps_of_dense_media() {
     scene.compositing = Compositing::Over;
     let mut view = down(0.5, 0.5);
     view.clip.crop = Some((DVec3::ZERO, DVec3::new(1.0, 1.0, 0.01)));
-    for caster in kernels(&RayCaster { step: 1.0, ..RayCaster::default() }) {
+    for caster in kernels(&RayCaster { step: Step::Uniform(1.0), ..RayCaster::default() }) {
         let (rgba, _) = pixel(&caster, &scene, &view);
         let alpha = 1.0 - 1e-8f64.powf(0.01);
         assert_close(rgba, [alpha; 4], 2.0 * F32, &format!("{caster:?}"));
@@ -174,7 +174,7 @@ fn first_hits_are_refined() {
     let mut scene = Scene::new(ramp(0.0, 1.0), colors.clone());
     for threshold in [0.123, 5.0, 7.77, 15.99, 16.0] {
         scene.compositing = Compositing::First { threshold };
-        for caster in kernels(&RayCaster { step: 0.9, ..RayCaster::default() }) {
+        for caster in kernels(&RayCaster { step: Step::Uniform(0.9), ..RayCaster::default() }) {
             let (rgba, depth) = pixel(&caster, &scene, &down(0.5, 0.5));
             let c = (threshold / 10.0).min(1.0);
             assert_close(rgba, [c, 0.5 * c, 0.0, 1.0], F32, "colour");
@@ -206,7 +206,7 @@ fn mean_and_extremes() {
     let grey = transfer(&[(0.0, [1.0; 3], 0.0), (32.0, [1.0; 3], 1.0)], 1.0);
     let mut scene = Scene::new(ramp(3.0, 1.0), grey.clone());
     for step in [0.5, 0.7, 5.0, 40.0] {
-        for caster in kernels(&RayCaster { step, ..RayCaster::default() }) {
+        for caster in kernels(&RayCaster { step: Step::Uniform(step), ..RayCaster::default() }) {
             for (compositing, value, depth) in [
                 (Compositing::Average, 11.0, f32::INFINITY),
                 (Compositing::Maximum, 19.0, 1000.0),

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use vr_core::phantom;
 use vr_core::*;
-use vr_raycast::{Classification, Order, Precision, RayCaster, Rule};
+use vr_raycast::{Classification, Order, Precision, RayCaster, Rule, Step};
 
 /// A smooth field between 0 and 1 on 17³ samples.
 fn smooth() -> Volume {
@@ -97,7 +97,8 @@ fn default_step_cannot_be_seen_on_smooth_phantoms() {
                 let view = View::new(Camera::framing(scene.volume.bounds(), azimuth, elevation, None), [40, 40]);
                 let truth = truth(&scene, &view);
                 let error = |caster: RayCaster| max_error(&render(&caster, &scene, &view).frame, &truth);
-                let at = [2.0, 1.0, 0.5, 0.2].map(|step| error(RayCaster { step, ..RayCaster::default() }));
+                let at = [2.0, 1.0, 0.5, 0.2]
+                    .map(|step| error(RayCaster { step: Step::Uniform(step), ..RayCaster::default() }));
                 println!("{name} {n}³ from {azimuth}°: max error at steps 2, 1, ½, ⅕: {}", listed(&at));
                 assert!(at[3] <= 1.0 / 255.0, "{name}");
             }
@@ -109,7 +110,7 @@ fn default_step_cannot_be_seen_on_smooth_phantoms() {
 fn floor_of_single_precision() {
     for (name, scene) in phantom_scenes(64) {
         let view = oblique(&scene, 32);
-        let exact = RayCaster::exact(RayCaster::default().step);
+        let exact = RayCaster::exact(0.2);
         let truth = render(&exact, &scene, &view).frame;
         let floor = |caster: RayCaster| max_error(&render(&caster, &scene, &view).frame, &truth);
         let single = floor(RayCaster { precision: Precision::F32, ..exact.clone() });

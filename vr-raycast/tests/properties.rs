@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use std::sync::Arc;
 use vr_core::*;
-use vr_raycast::{Order, RayCaster};
+use vr_raycast::{Order, RayCaster, Step};
 
 /// A random small scene under `over`, colours within [0, 1], and a view of it.
 fn scenes() -> impl Strategy<Value = (Scene, View)> {
@@ -37,20 +37,20 @@ proptest! {
 
     #[test]
     fn front_to_back_is_back_to_front((scene, view) in scenes(), step in 0.05f64..3.0) {
-        let forwards = render(&RayCaster { step, order: Order::WHOLE_RAY, ..RayCaster::default() }, &scene, &view).frame;
-        let backwards = render(&RayCaster { step, order: Order::BackToFront, ..RayCaster::default() }, &scene, &view).frame;
+        let forwards = render(&RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::default() }, &scene, &view).frame;
+        let backwards = render(&RayCaster { step: Step::Uniform(step), order: Order::BackToFront, ..RayCaster::default() }, &scene, &view).frame;
         prop_assert!(max_error(&forwards, &backwards) <= TWO_SUMS, "{}", max_error(&forwards, &backwards));
     }
 
     #[test]
     fn opacity_is_one_and_termination_keeps_its_promise((scene, view) in scenes(), step in 0.05f64..3.0, level in 0.5f64..1.0) {
-        let whole = render(&RayCaster { step, order: Order::WHOLE_RAY, ..RayCaster::default() }, &scene, &view).frame;
+        let whole = render(&RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::default() }, &scene, &view).frame;
         for p in whole.pixels() {
             prop_assert!((0.0..=1.0).contains(&p[3]), "{p:?}");
             // Colours in [0, 1] are a density emitter's: light does not exceed opacity, but for its own rounding.
             prop_assert!(p[..3].iter().all(|&c| c >= 0.0 && c <= p[3] + 1e-5), "{p:?}");
         }
-        let early = RayCaster { step, order: Order::FrontToBack { termination: level }, ..RayCaster::default() };
+        let early = RayCaster { step: Step::Uniform(step), order: Order::FrontToBack { termination: level }, ..RayCaster::default() };
         let early = render(&early, &scene, &view).frame;
         prop_assert!(max_error(&early, &whole) <= 1.0 - level + TWO_SUMS);
     }
@@ -207,7 +207,7 @@ fn far_origins_and_flat_voxels() {
     let flat = Scene::new(grid_of_ones([3, 3, 3], placement), homogeneous(0.01));
     let picture = render(&caster, &flat, &down(1.0, 1.0));
     assert_close(picture.frame.pixels()[0], [1.0 - 0.99f64.powi(100); 4], 1e-5, "flat voxels");
-    assert_eq!(picture.stats.counts.samples, (100.0 / caster.step) as u64);
+    assert_eq!(picture.stats.counts.samples, (100.0 / 0.2) as u64);
 }
 
 fn grid_of_ones(dims: [usize; 3], placement: Placement) -> Volume {
@@ -274,7 +274,7 @@ fn what_cannot_be_drawn_is_said() {
     let error = backwards.prepare(&scene, &control).err().unwrap();
     assert!(matches!(error, RenderError::Unsupported { renderer: "raycast", .. }), "{error}");
     for step in [0.0, -1.0, f64::NAN, 65.0] {
-        let caster = RayCaster { step, ..RayCaster::default() };
+        let caster = RayCaster { step: Step::Uniform(step), ..RayCaster::default() };
         assert!(matches!(caster.prepare(&bumpy(), &control), Err(RenderError::Parameter(_))), "{step}");
     }
     control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);

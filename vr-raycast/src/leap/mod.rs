@@ -25,6 +25,7 @@
 mod beam;
 mod boxes;
 mod chessboard_cloud;
+mod empty_space;
 mod exact_cloud;
 mod octree;
 mod polyhedron;
@@ -37,12 +38,13 @@ mod tests;
 
 pub(crate) use boxes::Boxes;
 pub(crate) use chessboard_cloud::ChessboardCloud;
+pub(crate) use empty_space::EmptySpace;
 pub(crate) use exact_cloud::ExactCloud;
-pub(crate) use octree::Octree;
+pub(crate) use octree::{NodeRanges, Octree};
 pub(crate) use polyhedron::Polyhedron;
 pub(crate) use pyramid::Pyramid;
 pub(crate) use visibility::Visibility;
-pub(crate) use visible_blocks::VisibleBlocks;
+pub(crate) use visible_blocks::{BlockGrid, VisibleBlocks};
 
 use vr_core::IndexRay;
 
@@ -56,6 +58,7 @@ pub(crate) trait Leaper: Send + Sync {
     fn next(&self, ray: &IndexRay, from: f64) -> Option<(f64, f64)>;
 
     /// Bytes that it takes, beyond the ranges of the blocks.
+    #[cfg(test)]
     fn bytes(&self) -> usize;
 }
 

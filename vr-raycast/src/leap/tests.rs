@@ -13,7 +13,7 @@ use super::*;
 fn leapers(dims: [usize; 3], ranges: &RangeBlocks, seen: &Visibility<f32>) -> Vec<(&'static str, Box<dyn Leaper>)> {
     let blocks = VisibleBlocks::new(dims, ranges, seen);
     vec![
-        ("octree", Box::new(Octree::new(dims, ranges, seen))),
+        ("octree", Box::new(Octree::new(Arc::new(NodeRanges::new(dims, ranges)), ranges, seen))),
         ("pyramid", Box::new(Pyramid::new(&blocks))),
         ("exact cloud", Box::new(ExactCloud::new(&blocks))),
         ("chessboard cloud", Box::new(ChessboardCloud::new(&blocks))),

@@ -77,6 +77,7 @@ impl VisibleBlocks {
     }
 
     /// None of them visible.
+    #[cfg(test)]
     fn clear(grid: BlockGrid) -> Self {
         Self { grid, words: vec![0; grid.blocks[0].div_ceil(64) * grid.blocks[1] * grid.blocks[2]] }
     }
@@ -173,11 +174,6 @@ impl VisibleBlocks {
             }
         }
         any
-    }
-
-    /// Bytes that it takes.
-    pub(crate) fn bytes(&self) -> usize {
-        self.words.len() * size_of::<u64>()
     }
 }
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use vr_core::Real;
 
-use super::{HALF, Operator, distance_of_opacity, steps_of};
+use super::{HALF, Operator, distance_of_opacity, end_of_opacity, steps_of};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -37,7 +37,7 @@ impl<R: Real> Operator<R> for Accumulate {
     fn take(&mut self, run: &Run<R>, _: &Chord<'_>) -> ControlFlow<()> {
         let before = self.rgba[3];
         let mut flow = ControlFlow::Continue(());
-        for light in &run.light[..run.len] {
+        for light in &run.light[..run.len()] {
             let light = light.map(R::to_f64);
             let clear = 1.0 - self.rgba[3];
             let reached = self.rgba[3] + clear * light[3] >= self.level;
@@ -53,7 +53,7 @@ impl<R: Real> Operator<R> for Accumulate {
             }
         }
         if before < HALF && self.rgba[3] >= HALF {
-            self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(run.begin_of(run.len));
+            self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(end_of_opacity(run));
         }
         flow
     }

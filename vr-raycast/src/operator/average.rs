@@ -36,19 +36,11 @@ impl<R: Real> Operator<R> for Average {
     }
 
     fn take(&mut self, run: &Run<R>, _: &Chord<'_>) -> ControlFlow<()> {
-        let (whole, last) = run.value[..run.len].split_at(run.len - 1);
-        let (mut sum, mut count) = (R::ZERO, 0);
-        for &value in whole {
+        for (&value, &length) in run.value[..run.len()].iter().zip(&run.steps.length) {
             if !value.is_nan() {
-                sum += value;
-                count += 1;
+                self.integral += length * value.to_f64();
+                self.length += length;
             }
-        }
-        self.integral += run.step * sum.to_f64();
-        self.length += run.step * f64::from(count);
-        if !last[0].is_nan() {
-            self.integral += run.last_step * last[0].to_f64();
-            self.length += run.last_step;
         }
         ControlFlow::Continue(())
     }

@@ -44,7 +44,7 @@ impl<R: Real> Operator<R> for Extreme {
     fn take(&mut self, run: &Run<R>, _: &Chord<'_>) -> ControlFlow<()> {
         let sign = R::from_f64(self.sign);
         let (mut best, mut found) = (R::from_f64(self.best), None);
-        for (j, &value) in run.value[..run.len].iter().enumerate() {
+        for (j, &value) in run.value[..run.len()].iter().enumerate() {
             // False for NaN.
             if sign * value > best {
                 (best, found) = (sign * value, Some(j));

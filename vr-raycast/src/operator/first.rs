@@ -39,6 +39,7 @@ impl First {
 impl<R: Real> Operator<R> for First {
     const LIGHT: bool = false;
     const ENDS: bool = true;
+    const BRACKETS: bool = true;
     const SURFACE: bool = true;
 
     fn begin(&mut self, _: &Chord<'_>) {
@@ -48,9 +49,9 @@ impl<R: Real> Operator<R> for First {
     fn take(&mut self, run: &Run<R>, chord: &Chord<'_>) -> ControlFlow<()> {
         let (sign, threshold) = (R::from_f64(self.sign), R::from_f64(self.sign * self.threshold));
         // False for NaN: vacuum is below everything.
-        let reached = run.value[..run.len].iter().position(|&value| sign * value >= threshold);
+        let reached = run.value[..run.len()].iter().position(|&value| sign * value >= threshold);
         let Some(j) = reached else {
-            self.below = Some(run.distance(run.len - 1));
+            self.below = Some(run.distance(run.len() - 1));
             return ControlFlow::Continue(());
         };
         let here = Crossing { distance: run.distance(j), stored: run.value[j].to_f64() };

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use vr_core::Real;
 
-use super::{HALF, Operator, distance_of_opacity};
+use super::{HALF, Operator, distance_of_opacity, steps_of};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -15,8 +15,8 @@ use crate::run::Run;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OverBackToFront {
     rgba: [f64; 4],
-    /// Opacities of all steps, last first: only the whole ray tells how deep the eye sees.
-    opacity: Vec<f32>,
+    /// (opacity, begin, length) of all steps, last first: only the whole ray tells how deep the eye sees.
+    steps: Vec<(f64, f64, f64)>,
 }
 
 impl<R: Real> Operator<R> for OverBackToFront {
@@ -25,19 +25,18 @@ impl<R: Real> Operator<R> for OverBackToFront {
 
     fn begin(&mut self, _: &Chord<'_>) {
         self.rgba = [0.0; 4];
-        self.opacity.clear();
+        self.steps.clear();
     }
 
     fn take(&mut self, run: &Run<R>, _: &Chord<'_>) -> ControlFlow<()> {
         let mut sum = [R::ZERO; 4];
-        for light in run.light[..run.len].iter().rev() {
+        for light in run.light[..run.len()].iter().rev() {
             let clear = R::ONE - light[3];
             for c in 0..4 {
                 sum[c] = light[c] + clear * sum[c];
             }
-            // A depth is kept as f32, and so its opacities may be.
-            self.opacity.push(light[3].to_f64() as f32);
         }
+        self.steps.extend(steps_of(run).rev());
         let clear = 1.0 - sum[3].to_f64();
         for c in 0..4 {
             self.rgba[c] = sum[c].to_f64() + clear * self.rgba[c];
@@ -46,11 +45,7 @@ impl<R: Real> Operator<R> for OverBackToFront {
     }
 
     fn finish(&mut self, chord: &Chord<'_>) -> RayValue {
-        let steps = &chord.steps;
-        let length = |k: usize| if k + 1 == steps.count { steps.last } else { steps.length };
-        let front_to_back = self.opacity.iter().rev().enumerate();
-        let depth =
-            distance_of_opacity(HALF, 0.0, front_to_back.map(|(k, &a)| (f64::from(a), steps.begin(k), length(k))));
+        let depth = distance_of_opacity(HALF, 0.0, self.steps.iter().rev().copied());
         RayValue { rgba: self.rgba, depth: depth.map_or(f64::INFINITY, |s| s + chord.ray.offset) }
     }
 }

@@ -1,0 +1,85 @@
+//! Every ray of every pixel.
+
+use vr_core::image_order::{Spot, in_parallel};
+use vr_core::{Control, Counts, Frame, RenderError, RenderStats, Rendered, View};
+
+use crate::tracer::{Traced, Tracer};
+
+/// Pixels along the edge of a tile: small enough to balance, large enough that a tile's rays share the cache.
+const TILE: u32 = 32;
+/// Pixels along the edge of the blocks that a tile's rays are ordered by: rays of a packet stay close to each other.
+const BLOCK: u32 = 4;
+
+/// Traces every ray of a view, tile by tile on all threads. The picture does not depend on their number.
+pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+    let mut stats = RenderStats::default();
+    let across = view.size[0].div_ceil(TILE);
+    let tiles = across * view.size[1].div_ceil(TILE);
+    let results = stats.time("rays", || {
+        in_parallel(control, tiles, |t| {
+            let pixels = pixels_of_tile(view.size, [t % across * TILE, t / across * TILE]);
+            let spots: Vec<Spot> = pixels.iter().flat_map(|&pixel| spots_of_pixel(view, pixel)).collect();
+            let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
+            tracer.trace(&spots, None, &mut values, &mut counts);
+            (pixels, values, counts)
+        })
+    })?;
+    let n = view.size[0] as usize * view.size[1] as usize;
+    let (mut rgba, mut depth) = (vec![[0.0; 4]; n], vec![0.0; n]);
+    let rays = (view.samples * view.samples) as usize;
+    stats.counts = stats.time("image", || {
+        let mut sum = Counts::default();
+        for (pixels, values, counts) in results {
+            sum += counts;
+            for ([x, y], values) in pixels.into_iter().zip(values.chunks_exact(rays)) {
+                let mean = Traced::mean(values);
+                let pixel = y as usize * view.size[0] as usize + x as usize;
+                (rgba[pixel], depth[pixel]) = (mean.rgba, mean.depth);
+            }
+        }
+        sum
+    });
+    Ok(Rendered { frame: Frame::new(view.size, rgba, Some(depth)), stats })
+}
+
+/// The pixels of a tile, block by block.
+fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
+    let end = [0, 1].map(|a| (corner[a] + TILE).min(size[a]));
+    let mut pixels = Vec::with_capacity((TILE * TILE) as usize);
+    for block_y in (corner[1]..end[1]).step_by(BLOCK as usize) {
+        for block_x in (corner[0]..end[0]).step_by(BLOCK as usize) {
+            for y in block_y..(block_y + BLOCK).min(end[1]) {
+                pixels.extend((block_x..(block_x + BLOCK).min(end[0])).map(|x| [x, y]));
+            }
+        }
+    }
+    pixels
+}
+
+/// The n² rays of a pixel.
+pub(crate) fn spots_of_pixel(view: &View, [x, y]: [u32; 2]) -> impl Iterator<Item = Spot> {
+    let n = view.samples;
+    let pixel = y as usize * view.size[0] as usize + x as usize;
+    let centre = move |k: u32| (f64::from(k) + 0.5) / f64::from(n);
+    (0..n * n).map(move |k| Spot { pixel, x: f64::from(x) + centre(k % n), y: f64::from(y) + centre(k / n) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_every_pixel_once() {
+        for size in [[1, 1], [33, 7], [64, 31]] {
+            let mut seen = vec![0; (size[0] * size[1]) as usize];
+            for y in (0..size[1]).step_by(TILE as usize) {
+                for x in (0..size[0]).step_by(TILE as usize) {
+                    for [x, y] in pixels_of_tile(size, [x, y]) {
+                        seen[(y * size[0] + x) as usize] += 1;
+                    }
+                }
+            }
+            assert!(seen.iter().all(|&n| n == 1), "{size:?}");
+        }
+    }
+}

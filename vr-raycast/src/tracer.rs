@@ -1,0 +1,51 @@
+//! The seam between what decides which rays to trace and what traces them.
+
+use vr_core::image_order::Spot;
+use vr_core::{Counts, Layer};
+
+use crate::ray_value::RayValue;
+
+/// Draws rays: the plain engine and the vector one stand behind it.
+pub(crate) trait Tracer: Sync {
+    /// Traces the rays through `spots`, in any number and order (neighbours in blocks of 4×4 run fastest), and appends one value for each.
+    ///
+    /// `starts`, where given, has for each ray a step of its lattice before which nothing is visible.
+    fn trace(&self, spots: &[Spot], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts);
+}
+
+/// What a ray became.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Traced {
+    /// Premultiplied.
+    pub(crate) rgba: [f32; 4],
+    /// World distance from the ray's origin to what is seen; +∞: nothing.
+    pub(crate) depth: f32,
+}
+
+impl Traced {
+    /// A ray that meets nothing.
+    pub(crate) const NOTHING: Self = Self { rgba: [0.0; 4], depth: f32::INFINITY };
+
+    /// The volume before an opaque layer: what it leaves of the view is filled, and the eye rests at the layer at the latest.
+    pub(crate) fn over(self, layer: &Layer, pixel: usize) -> Self {
+        let rgba = layer.under(pixel, self.rgba.map(f64::from)).map(|x| x as f32);
+        Self { rgba, depth: self.depth.min(layer.depth(pixel) as f32) }
+    }
+
+    /// The mean colour of at least one value, and the smallest depth.
+    pub(crate) fn mean(values: &[Self]) -> Self {
+        if let [one] = values {
+            return *one;
+        }
+        let share = 1.0 / values.len() as f64;
+        let sum = |c: usize| values.iter().map(|v| f64::from(v.rgba[c])).sum::<f64>() * share;
+        let depth = values.iter().map(|v| v.depth).fold(f32::INFINITY, f32::min);
+        Self { rgba: std::array::from_fn(|c| sum(c) as f32), depth }
+    }
+}
+
+impl From<RayValue> for Traced {
+    fn from(value: RayValue) -> Self {
+        Self { rgba: value.rgba.map(|x| x as f32), depth: value.depth as f32 }
+    }
+}
