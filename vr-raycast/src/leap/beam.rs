@@ -34,8 +34,10 @@ pub(super) struct Beam {
     front: [f64; 3],
     rear: [f64; 3],
     speed: [f64; 3],
-    /// World distance per block edge; +∞ where the beam does not move.
+    /// World distance per block edge along each axis; +∞ where the beam does not move.
     pace: [f64; 3],
+    /// World distance per block edge along the ray.
+    slowness: f64,
     end: f64,
 }
 
@@ -79,6 +81,7 @@ impl Beam {
             rear: std::array::from_fn(|a| at(a) - grid.reach),
             speed,
             pace: speed.map(|v| 1.0 / v),
+            slowness: 1.0 / (speed[0] * speed[0] + speed[1] * speed[1] + speed[2] * speed[2]).sqrt(),
             end: ray.end,
         }
     }
@@ -97,13 +100,11 @@ impl Beam {
         ((edge + s * self.speed[axis]) as i32 as usize).clamp(low, high - 1)
     }
 
-    /// When an edge of the beam reaches the plane before a block; never, if there is no such block or the beam does not move.
+    /// When an edge of the beam reaches the plane before a block that is ahead of it; never, if there is no such block or the beam does not
+    /// move along the axis (an edge that does not move lies in its block and not on a plane ahead: the product is +∞).
     #[inline(always)]
     fn reaches(&self, axis: usize, edge: f64, plane: usize) -> f64 {
-        if plane >= self.grid.blocks[axis] || self.pace[axis] == f64::INFINITY {
-            return f64::INFINITY;
-        }
-        (plane as f64 - edge) * self.pace[axis]
+        if plane < self.grid.blocks[axis] { (plane as i32 as f64 - edge) * self.pace[axis] } else { f64::INFINITY }
     }
 
     /// A mirrored block as it lies in the grid.
@@ -122,7 +123,7 @@ impl Beam {
                 if regions.is_visible(index) != visible {
                     return Some(place.s);
                 }
-                self.leave(regions.around(block, index), place);
+                self.leave(regions.around(block, index), visible, place);
             } else {
                 if self.touches_visible(regions, place) != visible {
                     return Some(place.s);
@@ -166,9 +167,9 @@ impl Beam {
         }
     }
 
-    /// To where the front leaves a region that holds all of the beam.
+    /// To where the front leaves a region that holds all of the beam; or the rear, if what is looked for is the end of a `visible` stretch.
     #[inline(always)]
-    fn leave(&self, region: Region, place: &mut Place) {
+    fn leave(&self, region: Region, visible: bool, place: &mut Place) {
         let here = place.front;
         let far: [usize; 3] = match region {
             Region::Cube { low, high } => std::array::from_fn(|a| {
@@ -186,15 +187,13 @@ impl Beam {
         }
         if let Region::Ball(radius) = region {
             // The beam's corners are √3 of its reach away from the ray.
-            let radius = radius - 2.0 * self.grid.reach;
-            let [x, y, z] = self.speed;
-            let ball = place.s + radius / (x * x + y * y + z * z).sqrt();
+            let ball = place.s + (radius - 2.0 * self.grid.reach) * self.slowness;
             if ball > s {
                 place.s = ball;
                 for a in 0..3 {
                     let n = self.grid.blocks[a];
-                    place.rear[a] = self.block(a, self.rear[a], ball, place.rear[a], n);
-                    place.front[a] = self.block(a, self.front[a], ball, place.rear[a].max(here[a]), n);
+                    place.rear[a] = self.block(a, self.rear[a], ball, here[a], n);
+                    place.front[a] = self.block(a, self.front[a], ball, place.rear[a], n);
                 }
                 return;
             }
@@ -203,15 +202,30 @@ impl Beam {
             place.s = f64::INFINITY;
             return;
         }
-        place.s = place.s.max(s);
+        // From s on, the beam is on both sides of the plane, until its rear follows. As a rule nothing else happens in between, and both events
+        // are one.
+        let s = place.s.max(s);
+        let after = s + 2.0 * self.grid.reach * self.pace[axis];
+        let mut alone = true;
         for a in 0..3 {
-            if a == axis {
-                place.rear[a] = far[a] - 1;
-                place.front[a] = far[a];
-            } else {
+            if a != axis {
                 place.rear[a] = self.block(a, self.rear[a], s, here[a], far[a]);
+                place.front[a] = self.block(a, self.front[a], after, place.rear[a], far[a]);
+                alone &= place.rear[a] == place.front[a];
+            }
+        }
+        place.front[axis] = far[axis];
+        if alone {
+            place.rear[axis] = far[axis];
+            place.s = if visible { after } else { s };
+            return;
+        }
+        place.rear[axis] = far[axis] - 1;
+        for a in 0..3 {
+            if a != axis {
                 place.front[a] = self.block(a, self.front[a], s, place.rear[a], far[a]);
             }
         }
+        place.s = s;
     }
 }

@@ -34,6 +34,8 @@ mod visibility;
 mod visible_blocks;
 
 #[cfg(test)]
+mod speed;
+#[cfg(test)]
 mod tests;
 
 pub(crate) use boxes::Boxes;
