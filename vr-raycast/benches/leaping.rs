@@ -73,11 +73,8 @@ fn scan_scene(volume: &Volume, opacities: [f64; 3]) -> Scene {
 /// The casters: every structure, and coarse steps.
 fn casters(step: f64) -> Vec<(&'static str, RayCaster)> {
     let of = |(name, leaping)| (name, RayCaster { step: Step::Uniform(step), leaping, ..RayCaster::default() });
-    let coarse = RayCaster {
-        step: Step::Vicinity { coarse: 8.0, fine: step },
-        leaping: Leaping::None,
-        ..RayCaster::default()
-    };
+    let coarse =
+        RayCaster { step: Step::Vicinity { coarse: 8.0, fine: step }, leaping: Leaping::None, ..RayCaster::default() };
     LEAPINGS.map(of).into_iter().chain([("vicinity 8", coarse)]).collect()
 }
 

@@ -22,6 +22,9 @@ pub(super) enum Region {
     Ball(f64),
 }
 
+/// √3, rounded up: the diagonal of a block.
+const DIAGONAL: f64 = 1.7321;
+
 /// A ray with a thickness on its way through blocks.
 ///
 /// Everything is mirrored so that the beam flies towards larger coordinates along each axis; coordinates are in block edges. At a distance s
@@ -97,7 +100,7 @@ impl Beam {
     #[inline(always)]
     fn block(&self, axis: usize, edge: f64, s: f64, low: usize, high: usize) -> usize {
         // The cast turns negative coordinates into 0.
-        ((edge + s * self.speed[axis]) as i32 as usize).clamp(low, high - 1)
+        ((edge + s * self.speed[axis]) as i32 as usize).max(low).min(high - 1)
     }
 
     /// When an edge of the beam reaches the plane before a block that is ahead of it; never, if there is no such block or the beam does not
@@ -171,6 +174,20 @@ impl Beam {
     #[inline(always)]
     fn leave(&self, region: Region, visible: bool, place: &mut Place) {
         let here = place.front;
+        if let Region::Ball(radius) = region {
+            // The beam's corners are √3 of its reach away from the ray.
+            let radius = radius - 2.0 * self.grid.reach;
+            // A shorter way may not even leave the block.
+            if radius > DIAGONAL {
+                place.s += radius * self.slowness;
+                for a in 0..3 {
+                    let n = self.grid.blocks[a];
+                    place.rear[a] = self.block(a, self.rear[a], place.s, here[a], n);
+                    place.front[a] = self.block(a, self.front[a], place.s, place.rear[a], n);
+                }
+                return;
+            }
+        }
         let far: [usize; 3] = match region {
             Region::Cube { low, high } => std::array::from_fn(|a| {
                 let n = self.grid.blocks[a];
@@ -178,24 +195,11 @@ impl Beam {
             }),
             Region::Ball(_) => here.map(|b| b + 1),
         };
+        let at: [f64; 3] = std::array::from_fn(|a| self.reaches(a, self.front[a], far[a]));
         let (mut s, mut axis) = (f64::INFINITY, 0);
         for a in 0..3 {
-            let at = self.reaches(a, self.front[a], far[a]);
-            if at < s {
-                (s, axis) = (at, a);
-            }
-        }
-        if let Region::Ball(radius) = region {
-            // The beam's corners are √3 of its reach away from the ray.
-            let ball = place.s + (radius - 2.0 * self.grid.reach) * self.slowness;
-            if ball > s {
-                place.s = ball;
-                for a in 0..3 {
-                    let n = self.grid.blocks[a];
-                    place.rear[a] = self.block(a, self.rear[a], ball, here[a], n);
-                    place.front[a] = self.block(a, self.front[a], ball, place.rear[a], n);
-                }
-                return;
+            if at[a] < s {
+                (s, axis) = (at[a], a);
             }
         }
         if s == f64::INFINITY {
@@ -211,7 +215,7 @@ impl Beam {
             if a != axis {
                 place.rear[a] = self.block(a, self.rear[a], s, here[a], far[a]);
                 place.front[a] = self.block(a, self.front[a], after, place.rear[a], far[a]);
-                alone &= place.rear[a] == place.front[a];
+                alone &= place.rear[a] == place.front[a] && at[a] > after;
             }
         }
         place.front[axis] = far[axis];
