@@ -39,10 +39,8 @@ impl BlockRange {
 
 impl RangeBlocks {
     pub(crate) fn of_field(volume: &UniformVolume, filter: Filter, edge: usize) -> Self {
-        assert!(edge > 0, "blocks have at least one cell");
-        let cells = volume.dims().map(|n| n - 1);
-        let blocks = cells.map(|n| n.div_ceil(edge));
-        volume.with_sampler(filter, Builder { edge, cells, blocks })
+        let (blocks, ranges) = block_ranges(volume, filter, edge, |range| range);
+        Self { edge, blocks, ranges }
     }
 
     /// Cells along the edge of a block.
@@ -66,35 +64,57 @@ impl RangeBlocks {
     }
 }
 
-struct Builder {
+/// Blocks along x, y, z of `edge`³ cells, and what `keep` keeps of the range of each, x fastest: a row of them at a time is all that
+/// is held in full.
+pub(crate) fn block_ranges<K: Copy + Send>(
+    volume: &UniformVolume,
+    filter: Filter,
+    edge: usize,
+    keep: impl Fn(BlockRange) -> K + Sync,
+) -> ([usize; 3], Vec<K>) {
+    assert!(edge > 0, "blocks have at least one cell");
+    let cells = volume.dims().map(|n| n - 1);
+    let blocks = cells.map(|n| n.div_ceil(edge));
+    (blocks, volume.with_sampler(filter, Builder { edge, cells, blocks, keep }))
+}
+
+struct Builder<F> {
     edge: usize,
     cells: [usize; 3],
     blocks: [usize; 3],
+    keep: F,
 }
 
-impl SamplerVisitor for Builder {
-    type Output = RangeBlocks;
+impl<K: Copy + Send, Keep: Fn(BlockRange) -> K + Sync> SamplerVisitor for Builder<Keep> {
+    type Output = Vec<K>;
 
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> RangeBlocks {
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Vec<K> {
         let [bx, by, bz] = self.blocks;
-        let mut ranges = vec![BlockRange { low: 0.0, high: 0.0, vacuum: false }; bx * by * bz];
+        let nothing = BlockRange { low: f32::INFINITY, high: f32::NEG_INFINITY, vacuum: true };
+        let mut kept = vec![(self.keep)(nothing); bx * by * bz];
         // A row of blocks along x is a task.
-        ranges.par_chunks_mut(bx).enumerate().for_each(|(row, ranges)| {
-            let (y, z) = (row % by, row / by);
-            match sampler.vacuum() {
-                None => self.row(&sampler, [y, z], ranges),
-                Some(vacuum) => {
-                    for (x, range) in ranges.iter_mut().enumerate() {
-                        *range = self.with_vacuum(&sampler, vacuum, [x, y, z]);
+        kept.par_chunks_mut(bx).enumerate().for_each_init(
+            || vec![nothing; bx],
+            |ranges, (row, kept)| {
+                let (y, z) = (row % by, row / by);
+                match sampler.vacuum() {
+                    None => self.row(&sampler, [y, z], ranges),
+                    Some(vacuum) => {
+                        for (x, range) in ranges.iter_mut().enumerate() {
+                            *range = self.with_vacuum(&sampler, vacuum, [x, y, z]);
+                        }
                     }
                 }
-            }
-        });
-        RangeBlocks { edge: self.edge, blocks: self.blocks, ranges }
+                for (kept, &range) in kept.iter_mut().zip(ranges.iter()) {
+                    *kept = (self.keep)(range);
+                }
+            },
+        );
+        kept
     }
 }
 
-impl Builder {
+impl<Keep> Builder<Keep> {
     /// The first cell of a block along an axis, and the one behind its last.
     fn cells_of(&self, axis: usize, block: usize) -> (usize, usize) {
         let first = block * self.edge;

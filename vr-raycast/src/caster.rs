@@ -53,15 +53,15 @@ pub enum Step {
         /// Length of fine steps: a fraction of the smallest voxel edge.
         fine: f64,
     },
-}
-
-impl Step {
-    /// Length of the steps at which the field is sampled, as a fraction of the smallest voxel edge.
-    pub fn fine(self) -> f64 {
-        match self {
-            Self::Uniform(fine) | Self::Vicinity { fine, .. } => fine,
-        }
-    }
+    /// As long as what is in each place allows: short where extinction and emission change much within four voxels, up to sixteen voxels
+    /// where they hardly do; and nothing is sampled where nothing is visible.
+    ///
+    /// Steps are chosen so that the picture's RMSE is about `error`: it is aimed at, not promised ([`Step::Local`] knows the
+    /// size of changes, not their shape). For over and accumulate, front to back.
+    Local {
+        /// RMSE to aim at, in (0, 1].
+        error: f64,
+    },
 }
 
 impl Default for Step {
@@ -70,13 +70,17 @@ impl Default for Step {
     }
 }
 
-/// How rays find out where nothing is visible. No choice changes a picture by a bit: steps are dropped in which nothing is visible.
+/// How rays find out where nothing is visible. On steps of one length, no choice changes a picture by a bit: those are dropped in which
+/// nothing is visible.
 ///
 /// It applies to `over`, `accumulate` and `first`. An average, a maximum or a minimum depends on what is transparent, too: these
 /// sample everything, whatever is chosen.
 ///
 /// Visible is a block of 8³ cells whose range of values holds anything that the transfer function, and the table made of it, do not
 /// make perfectly clear (under `first`: that reaches the threshold). Each structure is made anew when the transfer function changes.
+///
+/// [`Step::Local`] leaps by its own map of smaller blocks: to it, all choices but `None` are the same, and without leaping its steps lie
+/// elsewhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Leaping {
     /// All steps are sampled.
@@ -183,24 +187,31 @@ impl RayCaster {
 
     /// World length of a step.
     pub(crate) fn world_step(&self, volume: &UniformVolume) -> f64 {
-        self.step.fine() * volume.placement().spacing().min_element()
+        let voxels = match self.step {
+            Step::Uniform(voxels) | Step::Vicinity { fine: voxels, .. } => voxels,
+            Step::Local { .. } => 1.0,
+        };
+        voxels * volume.placement().spacing().min_element()
     }
 
     /// Checks the numbers.
     pub(crate) fn validate(&self) -> Result<(), ParameterError> {
-        let fine = self.step.fine();
-        if !(fine > 0.0 && fine <= Self::LONGEST_STEP) {
-            return Err(ParameterError::new("render.step", fine, "must be above 0 and at most 64"));
-        }
-        if let Step::Vicinity { coarse, .. } = self.step {
-            if !(coarse > fine && coarse <= Self::LONGEST_STEP) {
+        match self.step {
+            Step::Uniform(fine) | Step::Vicinity { fine, .. } if !(fine > 0.0 && fine <= Self::LONGEST_STEP) => {
+                return Err(ParameterError::new("render.step", fine, "must be above 0 and at most 64"));
+            }
+            Step::Vicinity { coarse, fine } if !(coarse > fine && coarse <= Self::LONGEST_STEP) => {
                 let allowed = "must be longer than the fine step, and at most 64";
-                return Err(ParameterError::new("render.vicinity", coarse, allowed));
+                return Err(ParameterError::new("render.coarse", coarse, allowed));
             }
-            if self.leaping != Leaping::None {
-                let allowed = "coarse steps in the vicinity find empty space themselves: must be none";
-                return Err(ParameterError::new("render.leaping", format!("{:?}", self.leaping), allowed));
+            Step::Vicinity { .. } if self.leaping != Leaping::None => {
+                let allowed = "coarse steps find the empty space themselves: must be none";
+                return Err(ParameterError::new("render.leaping", self.leaping, allowed));
             }
+            Step::Local { error } if !(error > 0.0 && error <= 1.0) => {
+                return Err(ParameterError::new("render.local-error", error, "must be above 0 and at most 1"));
+            }
+            Step::Uniform(_) | Step::Vicinity { .. } | Step::Local { .. } => {}
         }
         match self.order {
             Order::FrontToBack { termination } if !(termination > 0.0 && termination <= 1.0) => {

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use vr_core::transfer::BakedTransfer;
 use vr_core::{Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Precision, RayCaster};
+use crate::caster::{Classification, Leaping, Precision, RayCaster, Step};
 use crate::classify::Classifier;
 use crate::leap::EmptySpace;
 use crate::operator::Brightest;
+use crate::pace::PaceMap;
 use crate::shade::Shader;
 use crate::table_range::{resolves, single_precision_resolves, table_range};
 
@@ -18,11 +19,13 @@ pub(crate) enum Kernel {
     F64(Instruments<f64>),
 }
 
-/// Table, shading, and what is known of empty space.
+/// Table, shading, and what is known of the steps to take.
 pub(crate) struct Instruments<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
-    /// `None`: everything is sampled.
+    /// How long steps are, where they follow the data.
+    pub(crate) pace: Option<Arc<PaceMap>>,
+    /// Where nothing is visible; `None`: everything is sampled.
     pub(crate) empty_space: Option<EmptySpace>,
 }
 
@@ -62,8 +65,24 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| {
             old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
         };
-        let kept = last.filter(|(old, _)| same(old)).and_then(|(_, i)| i.classifier.table.clone());
-        let wanted = caster.classification == Classification::Table && scene.compositing.integrates_light();
+        let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
+        let of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.empty_space.as_ref());
+        let of_scene = last.filter(|(old, _)| same(old) && old.compositing == scene.compositing);
+        let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
+        let kept = last.and_then(|i| i.classifier.table.clone());
+        // Steps of many lengths have no table.
+        let wanted = caster.classification == Classification::Table
+            && scene.compositing.integrates_light()
+            && !matches!(caster.step, Step::Local { .. });
+        let leaping = caster.leaping != Leaping::None;
+        let pace = |error: f64| {
+            last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
+                let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
+                let map =
+                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, leaping);
+                Arc::new(map)
+            })
+        };
         let classifier = Classifier {
             transfer: Arc::clone(&scene.transfer),
             calibration: volume.calibration(),
@@ -73,15 +92,15 @@ impl<R: Real> Instruments<R> {
             .shading
             .as_ref()
             .map(|shading| Shader::new(Arc::clone(shading), volume.placement(), volume.calibration().slope));
-        let empty_space = match last {
-            Some((old, last)) if same(old) && old.compositing == scene.compositing => last.empty_space.clone(),
-            _ => {
-                let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
-                let last = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.empty_space.as_ref());
-                EmptySpace::new(caster, scene, volume, &classifier, last)
-            }
+        let pace = match caster.step {
+            Step::Local { error } => Some(pace(error)),
+            Step::Uniform(_) | Step::Vicinity { .. } => None,
         };
-        Self { classifier, shader, empty_space }
+        let empty_space = match of_scene {
+            Some((_, last)) => last.empty_space.clone(),
+            None => EmptySpace::new(caster, scene, volume, &classifier, of_field),
+        };
+        Self { classifier, shader, pace, empty_space }
     }
 
     /// How bright the medium can be.

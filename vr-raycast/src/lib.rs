@@ -72,8 +72,12 @@
 //! | grazing, axis-aligned, inside, far, 1:1:50 | 2·10⁻⁴ | the square of the step |
 //! | κ = 10⁻¹²; 4096 steps of α = 10⁻⁷; constant | 4·10⁻⁵; 2·10⁻⁸; 2·10⁻⁷ | |
 //!
+//! # Empty space
+//! Under over, accumulate and first, steps in which nothing can be visible are not sampled. [`Leaping`] says how rays find them, and
+//! [`Step::Vicinity`] is another way; none changes a picture by a bit, its depths included.
+//!
 //! # What it does not do yet
-//! It leaps over no empty space, has no vector kernels, no pre-integration, no step that follows the data, and no promise of an
+//! It has no vector kernels, no pre-integration, and no promise of an
 //! error. It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 mod caster;
@@ -83,6 +87,7 @@ mod instruments;
 mod leap;
 mod operator;
 mod options;
+mod pace;
 mod pipeline;
 mod prepared;
 mod ray_value;
@@ -91,6 +96,7 @@ mod run;
 mod screen;
 mod settings;
 mod shade;
+mod step_options;
 mod table_range;
 mod tracer;
 mod walk;

@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Step};
+use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule};
+use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
@@ -18,10 +19,6 @@ const LEAPINGS: &[(&str, Leaping)] = &[
     ("boxes", Leaping::Boxes),
     ("polyhedron", Leaping::Polyhedron),
 ];
-const UNIFORM: &str = "uniform";
-const VICINITY: &str = "vicinity";
-/// Length of coarse steps, unless another one is asked for.
-const COARSE: f64 = 8.0;
 const FRONT_TO_BACK: &str = "front-to-back";
 const BACK_TO_FRONT: &str = "back-to-front";
 const CLASSIFICATIONS: &[(&str, Classification)] =
@@ -32,23 +29,7 @@ const PRECISIONS: &[(&str, Precision)] = &[("f32", Precision::F32), ("f64", Prec
 pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let defaults = to_options(&RayCaster::default());
     let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
-    vec![
-        spec(
-            "step",
-            OptionKind::Number { above: 0.0, most: RayCaster::LONGEST_STEP },
-            "distance between samples, as a fraction of the smallest voxel edge",
-        ),
-        spec(
-            "steps",
-            OptionKind::Choice(&[UNIFORM, VICINITY]),
-            "uniform: all of one length; vicinity: coarse ones, too, where nothing visible is near (needs leaping=none)",
-        ),
-        OptionSpec {
-            key: "coarse",
-            kind: OptionKind::Number { above: 0.0, most: RayCaster::LONGEST_STEP },
-            default: OptionValue::Number(COARSE),
-            help: "length of coarse steps in voxels, with steps=vicinity; changes no pixel",
-        },
+    let others = [
         spec(
             "leaping",
             OptionKind::Choice(&[
@@ -84,22 +65,18 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
             OptionKind::Number { above: 0.0, most: 1.0 },
             "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
         ),
-    ]
+    ];
+    step_options::specs().into_iter().chain(others).collect()
 });
 
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
-    let options = Options::new()
-        .with("step", caster.step.fine())
+    let options = step_options::to_options(caster.step)
         .with("leaping", word_of(LEAPINGS, caster.leaping))
         .with("rule", word_of(RULES, caster.rule))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
         .with("precision", word_of(PRECISIONS, caster.precision));
-    let options = match caster.step {
-        Step::Uniform(_) => options.with("steps", UNIFORM),
-        Step::Vicinity { coarse, .. } => options.with("steps", VICINITY).with("coarse", coarse),
-    };
     match caster.order {
         Order::FrontToBack { termination } => options.with("order", FRONT_TO_BACK).with("termination", termination),
         Order::BackToFront => options.with("order", BACK_TO_FRONT),
@@ -108,31 +85,12 @@ pub(crate) fn to_options(caster: &RayCaster) -> Options {
 
 /// A caster with options set.
 pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCaster, OptionError> {
-    let mut new = caster.clone();
-    // In the order of the list: `order` is set before `termination`, `step` before `steps` and `steps` before `coarse`.
-    for (key, value) in options.check(RayCaster::NAME, &SPECS)? {
+    let set = options.check(RayCaster::NAME, &SPECS)?;
+    let mut new = RayCaster { step: step_options::step_of(caster.step, options)?, ..caster.clone() };
+    // In the order of the list: `order` is set before `termination`.
+    for (key, value) in set {
         match (key, value) {
-            ("step", OptionValue::Number(x)) => match &mut new.step {
-                Step::Uniform(fine) | Step::Vicinity { fine, .. } => *fine = *x,
-            },
-            ("steps", OptionValue::Word(w)) => {
-                new.step = match (w.as_str(), new.step) {
-                    (UNIFORM, step) => Step::Uniform(step.fine()),
-                    (_, Step::Uniform(fine)) => Step::Vicinity { coarse: COARSE, fine },
-                    (_, vicinity) => vicinity,
-                }
-            }
-            ("coarse", OptionValue::Number(x)) => {
-                let Step::Vicinity { coarse, .. } = &mut new.step else {
-                    return Err(OptionError::Value {
-                        renderer: RayCaster::NAME,
-                        key: key.to_owned(),
-                        found: x.to_string(),
-                        allowed: "only steps=vicinity are coarse: must be absent".to_owned(),
-                    });
-                };
-                *coarse = *x;
-            }
+            (key, _) if step_options::owns(key) => {}
             ("leaping", OptionValue::Word(w)) => new.leaping = meaning_of(LEAPINGS, w),
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
             ("order", OptionValue::Word(w)) => {
@@ -182,11 +140,6 @@ mod tests {
             RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
             RayCaster { leaping: Leaping::Octree, ..RayCaster::default() },
-            RayCaster {
-                step: Step::Vicinity { coarse: 5.0, fine: 0.25 },
-                leaping: Leaping::None,
-                ..RayCaster::default()
-            },
         ];
         for from in &casters {
             for to in &casters {
@@ -204,18 +157,6 @@ mod tests {
     }
 
     #[test]
-    fn coarse_steps_are_the_vicinitys() {
-        let coarse = Options::new().with("coarse", 4.0);
-        let error = configure(&RayCaster::default(), &coarse).unwrap_err().to_string();
-        assert!(error.contains("coarse") && error.contains("vicinity"), "{error}");
-        let caster = configure(&RayCaster::default(), &coarse.with("steps", VICINITY)).unwrap();
-        assert_eq!(caster.step, Step::Vicinity { coarse: 4.0, fine: 0.2 });
-        // Two ways to find empty space.
-        assert!(caster.validate().is_err());
-        assert!(RayCaster { leaping: Leaping::None, ..caster }.validate().is_ok());
-    }
-
-    #[test]
     fn the_lists_name_what_the_options_take() {
         for filter in Filter::ALL {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
@@ -225,8 +166,9 @@ mod tests {
             let options = Options::new().with("leaping", *word);
             assert_eq!(configure(&RayCaster::default(), &options).unwrap().leaping, *leaping);
         }
-        // Coarse steps are not part of the default.
-        for spec in SPECS.iter().filter(|s| s.key != "coarse") {
+        // The numbers of other kinds of steps than the default's choose those.
+        let own = to_options(&RayCaster::default());
+        for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key)) {
             let set = Options([(spec.key.to_owned(), spec.default.clone())].into());
             assert_eq!(configure(&RayCaster::default(), &set).unwrap(), RayCaster::default(), "{}", spec.key);
         }

@@ -8,11 +8,12 @@ use crate::chord::Chord;
 use crate::classify::Classifier;
 use crate::leap::EmptySpace;
 use crate::operator::Operator;
+use crate::pace::PaceMap;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::tracer::{Traced, Tracer};
-use crate::walk::{Lattice, LatticeWalk, VisibleSteps, Walk};
+use crate::walk::{Lattice, LatticeWalk, LocalWalk, VisibleSteps, Walk};
 
 /// What a frame's rays share.
 ///
@@ -22,14 +23,18 @@ use crate::walk::{Lattice, LatticeWalk, VisibleSteps, Walk};
 pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) volume: &'a UniformVolume,
     pub(crate) filter: Filter,
-    /// Length of a step in world units.
+    /// World length of the smallest voxel edge.
+    pub(crate) voxel: f64,
+    /// World length of a step, where all are alike.
     pub(crate) step: f64,
+    /// How long steps are, where they follow the data.
+    pub(crate) pace: Option<&'a PaceMap>,
+    /// Where nothing is visible, if that is to be left out of steps that are all alike.
+    pub(crate) empty_space: Option<&'a EmptySpace>,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
     pub(crate) shader: Option<&'a Shader<R>>,
-    /// Where nothing is visible, if that is to be left out.
-    pub(crate) empty_space: Option<&'a EmptySpace>,
     pub(crate) view: &'a View,
     pub(crate) rays: Rays,
     /// Makes the compositing operator of a thread.
@@ -68,9 +73,14 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
-            let lattice = Lattice::new(part.start, part.end, self.step);
-            let visible = VisibleSteps::new(lattice, start, u32::from(O::BRACKETS), &part, self.empty_space);
-            let walk = Walk::Lattice(LatticeWalk::new(lattice, visible, O::BACKWARDS));
+            let walk = match self.pace {
+                Some(map) => Walk::Local(LocalWalk::new(map, part, self.voxel)),
+                None => {
+                    let lattice = Lattice::new(part.start, part.end, self.step);
+                    let visible = VisibleSteps::new(lattice, start, u32::from(O::BRACKETS), &part, self.empty_space);
+                    Walk::Lattice(LatticeWalk::new(lattice, visible, O::BACKWARDS))
+                }
+            };
             let chord = Chord { volume: self.volume, filter: self.filter, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });

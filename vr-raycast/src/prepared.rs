@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
 
-use crate::caster::{Order, RayCaster, Rule};
+use crate::caster::{Order, RayCaster, Rule, Step};
 use crate::instruments::{Instruments, Kernel};
 use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
 use crate::pipeline::Pipeline;
@@ -63,6 +63,17 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
     }
+    if matches!(caster.step, Step::Local { .. }) {
+        if !scene.compositing.integrates_light() {
+            return Err(unsupported(format!(
+                "compositing '{}' in steps that follow the light",
+                scene.compositing.name()
+            )));
+        }
+        if caster.order == Order::BackToFront {
+            return Err(unsupported("steps that follow the data, back to front".to_owned()));
+        }
+    }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
@@ -107,7 +118,9 @@ impl<R: Real> Plain<'_, R> {
         let pipeline = Pipeline {
             volume: self.volume,
             filter: caster.filter_of(&self.prepared.scene),
+            voxel: self.volume.placement().spacing().min_element(),
             step: caster.world_step(self.volume),
+            pace: self.instruments.pace.as_deref(),
             offset: match caster.rule {
                 Rule::Midpoint => 0.5,
                 Rule::Left => 0.0,

@@ -20,7 +20,7 @@ const LEAPINGS: [Leaping; 6] = [
 
 /// Every way to leap, and coarse steps of several lengths.
 fn leaping_casters(plain: &RayCaster) -> Vec<RayCaster> {
-    let fine = plain.step.fine();
+    let Step::Uniform(fine) = plain.step else { panic!("steps of one length") };
     let leaping = LEAPINGS.map(|leaping| RayCaster { leaping, ..plain.clone() });
     let coarse = [1.0, 5.5, 16.0].into_iter().filter(|&c| c > fine);
     let vicinity = coarse.map(|coarse| RayCaster { step: Step::Vicinity { coarse, fine }, ..plain.clone() });

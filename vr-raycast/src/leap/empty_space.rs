@@ -51,7 +51,8 @@ impl EmptySpace {
             let blocks = VisibleBlocks::new(dims, &volume.range_blocks(field, edge), &visibility);
             return Some(Self::Vicinity(Arc::new(VicinityFlags::new(&blocks))));
         }
-        if caster.leaping == Leaping::None {
+        // Local steps have a map of their own.
+        if caster.leaping == Leaping::None || matches!(caster.step, Step::Local { .. }) {
             return None;
         }
         let ranges = volume.range_blocks(field, EDGE);

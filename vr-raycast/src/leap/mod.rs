@@ -66,8 +66,8 @@ pub(crate) trait Leaper: Send + Sync {
 
 /// Half the width of the beam that stands for a ray, in cells: how far from the ray a kernel may take its sample, per axis.
 ///
-/// In f32 a position is x₀ + j·δ: three roundings of numbers up to the largest index, a relative 2⁻²⁴ each, make 2⁻²² of that index. It
-/// is twice that, so that roundings of the leapers themselves, in f64, are covered many times over.
+/// Where positions are found as x₀ + j·δ in f32, three roundings of numbers up to the largest index, a relative 2⁻²⁴ each, make 2⁻²² of that
+/// index. It is twice that, so that roundings of the leapers themselves, in f64, are covered many times over.
 pub(crate) fn reach(dims: [usize; 3]) -> f64 {
     const PER_INDEX: f64 = 1.0 / (1u64 << 21) as f64;
     dims.into_iter().max().unwrap_or_default() as f64 * PER_INDEX

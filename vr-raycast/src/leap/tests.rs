@@ -214,3 +214,19 @@ fn chessboard_distances_are_a_kings() {
         }
     }
 }
+
+/// Memory beyond an 8-bit volume: at most 15 %, whatever the structure.
+#[test]
+fn structures_are_small() {
+    let dims = [129, 97, 113];
+    let samples: Vec<u8> = (0..dims.iter().product::<usize>()).map(|i| (i % 251) as u8).collect();
+    let placement = Placement::from_spacing([1.0; 3]).unwrap();
+    let volume: Volume = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap().into();
+    let volume = volume.uniform().unwrap();
+    let ranges = volume.range_blocks(Filter::Trilinear, empty_space::EDGE);
+    let seen = Visibility::of_threshold(128.0, Calibration::default());
+    for (name, leaper) in leapers(dims, &ranges, &seen) {
+        let bytes = leaper.bytes() + size_of_val(ranges.ranges());
+        assert!(bytes as f64 <= 0.15 * volume.sample_bytes() as f64, "{name}: {bytes}");
+    }
+}

@@ -61,7 +61,6 @@ impl VisibleBlocks {
     }
 
     /// From a function of the block.
-    #[cfg(test)]
     pub(crate) fn from_fn(dims: [usize; 3], edge: usize, visible: impl Fn([usize; 3]) -> bool) -> Self {
         let grid = BlockGrid::new(dims, edge);
         let mut made = Self::clear(grid);
@@ -77,8 +76,7 @@ impl VisibleBlocks {
     }
 
     /// None of them visible.
-    #[cfg(test)]
-    fn clear(grid: BlockGrid) -> Self {
+    pub(crate) fn clear(grid: BlockGrid) -> Self {
         Self { grid, words: vec![0; grid.blocks[0].div_ceil(64) * grid.blocks[1] * grid.blocks[2]] }
     }
 
