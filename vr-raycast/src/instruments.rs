@@ -5,9 +5,10 @@ use std::sync::Arc;
 use vr_core::transfer::{BakedTransfer, PreIntegrated};
 use vr_core::{Filter, Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
+use crate::caster::{Classification, Leaping, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
 use crate::homogeneity::Homogeneity;
+use crate::leap::EmptySpace;
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
@@ -20,7 +21,7 @@ pub(crate) enum Kernel {
     F64(Instruments<f64>),
 }
 
-/// Table and shading.
+/// Table, shading, and what is known of the steps to take.
 pub(crate) struct Instruments<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
@@ -28,6 +29,8 @@ pub(crate) struct Instruments<R> {
     pub(crate) pace: Option<Arc<PaceMap>>,
     /// Where long steps will do.
     pub(crate) homogeneity: Option<Arc<Homogeneity>>,
+    /// Where nothing is visible; `None`: everything is sampled.
+    pub(crate) empty_space: Option<EmptySpace>,
 }
 
 impl Kernel {
@@ -90,6 +93,8 @@ impl<R: Real> Instruments<R> {
         };
         let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
         let last_of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.homogeneity.clone());
+        let of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.empty_space.as_ref());
+        let of_scene = last.filter(|(old, _)| same(old) && old.compositing == scene.compositing);
         let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
         let lights = scene.compositing.integrates_light();
         let wanted = caster.classification == Classification::Table && lights;
@@ -108,11 +113,12 @@ impl<R: Real> Instruments<R> {
             }
         });
         let kept = last.and_then(|i| i.classifier.table.clone());
+        let leaping = caster.leaping != Leaping::None;
         let pace = |error: f64| {
             last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
                 let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
                 let map =
-                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, true);
+                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, leaping);
                 Arc::new(map)
             })
         };
@@ -138,7 +144,11 @@ impl<R: Real> Instruments<R> {
             }
             _ => None,
         };
-        Self { classifier, shader, pace, homogeneity }
+        let empty_space = match of_scene {
+            Some((_, last)) => last.empty_space.clone(),
+            None => EmptySpace::new(caster, scene, volume, &classifier, of_field),
+        };
+        Self { classifier, shader, pace, homogeneity, empty_space }
     }
 
     /// How bright the medium can be.

@@ -115,6 +115,7 @@ impl<R: Real> Plain<'_, R> {
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),
+            empty_space: self.instruments.empty_space.as_ref(),
             view: self.view,
             rays: Rays::new(self.view)?,
             operator,
