@@ -184,9 +184,13 @@ impl<'a> Integral<'a> {
             return;
         }
         let (low, high) = part.cubic.hull();
-        let before = -libm::expm1(-self.deepest(extremes, cell, part, noise));
-        let (width, spread) = (extremes.source_width(), high - low + 2.0 * noise);
-        self.account.doubt(Doubtful { step, before, width, spread }, part.s + part.length);
+        let before = if self.optics.emits {
+            part.length * extremes.source.iter().map(|s| s[1]).fold(0.0, f64::max)
+        } else {
+            -libm::expm1(-self.deepest(extremes, cell, part, noise)) * extremes.source_width()
+        };
+        let spread = high - low + 2.0 * noise;
+        self.account.doubt(Doubtful { step, before, spread });
     }
 
     /// Cuts a monotone part where it crosses a knot; false where the place cannot be told well.
