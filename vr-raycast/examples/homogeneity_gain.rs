@@ -3,8 +3,8 @@ use std::time::Instant;
 
 use vr_core::phantom::{self, sample};
 use vr_core::*;
-use vr_physics::metrics::{Metrics, subgrid};
 use vr_physics::Reference;
+use vr_physics::metrics::{Metrics, subgrid};
 use vr_raycast::{RayCaster, Step};
 
 fn main() {

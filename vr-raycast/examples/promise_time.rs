@@ -12,7 +12,9 @@ fn main() {
         let phantom = phantom::by_name(name).unwrap();
         let grid = sample::<u8>(&*phantom, [n; 3]).unwrap();
         let volume = Volume::from(grid);
-        let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, phantom::TRANSFER_UNIT_DISTANCE).unwrap();
+        let transfer =
+            TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, phantom::TRANSFER_UNIT_DISTANCE)
+                .unwrap();
         let scene = Scene::new(volume, transfer);
         let camera = Camera::framing(scene.volume.bounds(), 33.0, 21.0, None);
         let view = View::new(camera, [size, size]);

@@ -16,7 +16,9 @@ use crate::tolerance::check_error;
 pub struct RayCaster {
     /// How long steps are.
     pub step: Step,
-    /// Where in its step a sample is taken, which sets the order of convergence.
+    /// What the steps of a ray are.
+    pub traversal: Traversal,
+    /// How the light of a step is found, which sets the order of convergence.
     pub rule: Rule,
     /// From which end the samples of a ray are composited.
     pub order: Order,
@@ -73,14 +75,65 @@ impl Default for Step {
     }
 }
 
-/// Where in its step a sample is taken.
+/// What the steps of a ray are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Traversal {
+    /// Steps of the given length, wherever the cells' faces are.
+    #[default]
+    Samples,
+    /// From cell to cell (3D DDA, Amanatides and Woo 1987): steps end at cell faces, and a cell is cut into equal steps where it is
+    /// longer than a [`Step::Uniform`] (other settings do not cut them). No step has a kink of the trilinear field inside, and so
+    /// rules keep the order that they have on smooth fields.
+    Cells,
+    /// From voxel to voxel (a 26-connected Bresenham line): the field is taken at the samples nearest to the ray, as if it were constant
+    /// around each. The classic discrete approximation: of first order in the size of a voxel, and as there is one step a voxel, none
+    /// makes it better. With [`Rule::Midpoint`] alone.
+    Voxels,
+}
+
+/// How the light of a step is found. The rules differ where light is integrated (over, accumulate); other operators
+/// look at one sample a step, in its middle (or its begin, by [`Rule::Left`]).
+///
+/// The orders hold for smooth fields. A trilinear field has kinks at cell faces, and a step that has one inside is off by the
+/// square of its length under any rule: [`Traversal::Cells`] ends steps there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rule {
-    /// In the middle: order 2.
+    /// By the value in its middle: order 2, and 1 at jumps of the transfer function.
     #[default]
     Midpoint,
-    /// Where the ray enters the step (left rectangles): order 1. For study, not for use.
+    /// By the value where the ray enters the step (left rectangles): order 1. For study, not for use.
     Left,
+    /// By a value that goes linearly from the begin of the step to its end, the transfer function being integrated over all values between
+    /// ([`vr_core::transfer::PreIntegrated`]): order 2, at kinks and jumps of the transfer function, too. One sample a step.
+    Linear,
+    /// By the parabola through the values at begin, middle and end of the step, integrated so: order 4, at kinks of the transfer
+    /// function, too, where Simpson's rule has 2. Two samples a step.
+    Quadratic,
+    /// By the cubic that a trilinear field is along a ray in each cell, to rounding: needs [`Traversal::Cells`], whose steps it does
+    /// not cut further, and the trilinear filter. Four samples a cell, each step integrated in f64: for study.
+    Exact,
+}
+
+impl Rule {
+    /// As options name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Midpoint => "midpoint",
+            Self::Left => "left",
+            Self::Linear => "linear",
+            Self::Quadratic => "quadratic",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// Whether it makes sense for a filter's field: not all values between two labels are on the way from one to the other.
+    pub(crate) fn goes_with(self, filter: Filter) -> bool {
+        match self {
+            Self::Midpoint | Self::Left => true,
+            Self::Linear | Self::Quadratic => filter.is_continuous(),
+            Self::Exact => filter == Filter::Trilinear,
+        }
+    }
 }
 
 /// From which end the samples of a ray are composited under `over`.
@@ -166,7 +219,15 @@ impl RayCaster {
         voxels * volume.placement().spacing().min_element()
     }
 
-    /// Checks the numbers.
+    /// World length that no step of a walk exceeds; +∞: cells are not cut. Nothing is gained by cutting what is exact already.
+    pub(crate) fn longest_step(&self, volume: &UniformVolume) -> f64 {
+        match (self.traversal, self.rule, self.step) {
+            (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Local { .. }) => f64::INFINITY,
+            _ => self.world_step(volume),
+        }
+    }
+
+    /// Checks the numbers, and that they go together.
     pub(crate) fn validate(&self) -> Result<(), ParameterError> {
         match self.step {
             Step::Uniform(step) | Step::Homogeneous { step, .. } if !(step > 0.0 && step <= Self::LONGEST_STEP) => {
@@ -178,7 +239,8 @@ impl RayCaster {
             Step::Tolerance(error) => {
                 check_error(error)?;
                 if self.order != Order::default() || self.rule != Rule::default() {
-                    let allowed = "a promised error leaves rule, order and termination to the caster: they must not be set";
+                    let allowed =
+                        "a promised error leaves rule, order and termination to the caster: they must not be set";
                     return Err(ParameterError::new("render.max_error", error, allowed));
                 }
             }
@@ -186,6 +248,15 @@ impl RayCaster {
                 return Err(ParameterError::new("render.local-error", error, "must be above 0 and at most 1"));
             }
             Step::Uniform(_) | Step::Local { .. } | Step::Homogeneous { .. } => {}
+        }
+        match (self.rule, self.traversal) {
+            (Rule::Exact, Traversal::Samples | Traversal::Voxels) => {
+                return Err(ParameterError::new("render.rule", "exact", "needs traversal = \"cells\""));
+            }
+            (Rule::Left | Rule::Linear | Rule::Quadratic, Traversal::Voxels) => {
+                return Err(ParameterError::new("render.traversal", "voxels", "goes with rule = \"midpoint\" only"));
+            }
+            _ => {}
         }
         match self.order {
             Order::FrontToBack { termination } if !(termination > 0.0 && termination <= 1.0) => {

@@ -81,13 +81,19 @@ impl Homogeneity {
         error: f64,
         last: Option<&Self>,
     ) -> Self {
-        let make = || [0, 1].map(|level| if filter == Filter::Trilinear { bends(volume, Self::EDGE << level) } else { Vec::new() });
+        let make = || {
+            [0, 1]
+                .map(|level| if filter == Filter::Trilinear { bends(volume, Self::EDGE << level) } else { Vec::new() })
+        };
         let bends = last.map_or_else(|| Arc::new(make()), |last| Arc::clone(&last.bends));
         let levels = volume.level_ranges(filter);
         let blocks = levels.blocks();
         let verdicts = Verdicts::new(volume, &levels, filter, transfer, error);
-        let mut nodes: Vec<Range> =
-            levels.ranges().iter().map(|&levels| Range { levels, holed: levels == LevelRanges::NOTHING, bend: f32::INFINITY }).collect();
+        let mut nodes: Vec<Range> = levels
+            .ranges()
+            .iter()
+            .map(|&levels| Range { levels, holed: levels == LevelRanges::NOTHING, bend: f32::INFINITY })
+            .collect();
         note_holes(volume, blocks, &mut nodes);
         let mut bytes = vec![MIXED; nodes.len()];
         let mut size = blocks;
@@ -219,7 +225,8 @@ impl Verdicts {
             let from = if overshoots && first == 0 { f64::NEG_INFINITY } else { levels.stored(first) - room };
             let to = if overshoots && last == u8::MAX { f64::INFINITY } else { levels.stored(last) + room };
             let e: Extremes = optics.extremes(from, to);
-            let bent = if from.is_finite() && to.is_finite() { optics.bent(from, to) } else { [[0.0, f64::INFINITY]; 2] };
+            let bent =
+                if from.is_finite() && to.is_finite() { optics.bent(from, to) } else { [[0.0, f64::INFINITY]; 2] };
             Medium {
                 kappa: e.rate.map(|r| r / optics.unit),
                 width: e.source_width(),
@@ -227,10 +234,8 @@ impl Verdicts {
                 clear: e.rate[1] == 0.0 && (!optics.emits || e.source.iter().all(|s| s[1] == 0.0)),
             }
         };
-        let table = (0..1usize << 16)
-            .into_par_iter()
-            .map(|i| (i >> 8 <= i & 255).then(|| medium(i >> 8, i & 255)))
-            .collect();
+        let table =
+            (0..1usize << 16).into_par_iter().map(|i| (i >> 8 <= i & 255).then(|| medium(i >> 8, i & 255))).collect();
         let block = Homogeneity::EDGE as f64 * volume.placement().spacing().element_sum();
         Self { table, emits: optics.emits, across, block, most: most.max(1.0), error }
     }

@@ -87,10 +87,13 @@ mod leap;
 mod operator;
 mod options;
 mod pace;
+#[allow(dead_code)]
+mod packet;
 mod pipeline;
 mod prepared;
 mod ray_value;
 mod renderer;
+mod rule;
 mod run;
 mod screen;
 mod settings;
@@ -102,4 +105,4 @@ mod tolerance;
 mod tracer;
 mod walk;
 
-pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step};
+pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step, Traversal};

@@ -2,15 +2,15 @@
 
 use rayon::prelude::*;
 use vr_core::transfer::Optical;
-use vr_core::{Calibration, ControlPoint, LevelRanges, TransferFunction};
+use vr_core::{Calibration, LevelRanges, TransferFunction};
 
 use crate::leap::VisibleBlocks;
 
 /// A byte per block of 4³ cells: the step to take in it, or how far it is from anything visible.
 ///
 /// The error of a midpoint step of length h is h²/24 times the second derivative, along the ray, of what is integrated: extinction κ and
-/// emission q. That derivative is of the size D/e², D the greatest change of κ and q within a block of edge e. So the step is h = e·√(ε/D)
-/// where D is the largest of the block's own and those that the step can lead into, ε the error allowed per unit length; it is kept between
+/// emission q. That derivative is of the size D/e², D how much κ and q vary within a block of edge e. So the step is h = e·√(ε/D)
+/// where D (the sum of all rises and falls over the block's range of values) is the largest of the block's own and those that the step can lead into, ε the error allowed per unit length; it is kept between
 /// bounds. Changes beyond an optical depth of about one a voxel do not show: light saturates.
 ///
 /// It is an estimate, not a bound. What it comes to in pictures is measured, and [`crate::Step::Local`] says so.
@@ -148,33 +148,37 @@ struct Classes {
     table: Vec<u8>,
 }
 
-/// Of κ and the three q: the extremes.
+/// Of κ and the three q over a range of values: how much they vary (the sum of all rises and falls), and whether one is ever above 0.
 #[derive(Clone, Copy)]
-struct Extremes {
-    low: [f64; 4],
-    high: [f64; 4],
+struct Variation {
+    total: [f64; 4],
+    visible: bool,
 }
 
-impl Extremes {
-    fn of(values: [f64; 4]) -> Self {
-        Self { low: values, high: values }
-    }
-
-    fn with(self, other: Self) -> Self {
-        Self {
-            low: std::array::from_fn(|c| self.low[c].min(other.low[c])),
-            high: std::array::from_fn(|c| self.high[c].max(other.high[c])),
+impl Variation {
+    /// Of values in order.
+    fn of(path: impl Iterator<Item = [f64; 4]>) -> Self {
+        let mut all = Self { total: [0.0; 4], visible: false };
+        let mut last: Option<[f64; 4]> = None;
+        for here in path {
+            all.visible |= here != [0.0; 4];
+            if let Some(last) = last {
+                for c in 0..4 {
+                    // ∞ − ∞ is no change.
+                    all.total[c] += if here[c] == last[c] { 0.0 } else { (here[c] - last[c]).abs() };
+                }
+            }
+            last = Some(here);
         }
+        all
     }
 
-    fn is_clear(&self) -> bool {
-        self.high == [0.0; 4]
+    fn then(self, next: &Self) -> Self {
+        Self { total: std::array::from_fn(|c| self.total[c] + next.total[c]), visible: self.visible || next.visible }
     }
 
-    /// The greatest change of one of them; +∞ − ∞ is as much as there can be.
-    fn change(&self) -> f64 {
-        let change = |c: usize| self.high[c] - self.low[c];
-        (0..4).map(|c| if self.high[c] == f64::INFINITY { f64::INFINITY } else { change(c) }).fold(0.0, f64::max)
+    fn largest(&self) -> f64 {
+        self.total.into_iter().fold(0.0, f64::max)
     }
 }
 
@@ -188,34 +192,33 @@ impl Classes {
     ) -> Self {
         const N: usize = LevelRanges::LAST as usize + 1;
         let value = |level: usize| calibration.value(levels.stored(level as u8));
-        let optics = |value: f64| Extremes::of(optics(transfer, transfer.at(value)));
-        // Of the values between a level and the next, both included. Filters may overshoot the last levels.
-        let between: Vec<Extremes> = (0..N)
+        let at = |value: f64| optics(transfer, &transfer.at(value));
+        // From a level to the next, both included, with the points between them: all of a jump counts.
+        let between: Vec<Variation> = (0..N - 1)
             .map(|level| {
-                let (a, b) = (value(level), value((level + 1).min(N - 1)));
+                let (a, b) = (value(level), value(level + 1));
                 let (a, b) = (a.min(b), a.max(b));
-                let knots = transfer.points().iter().filter(|p| p.value >= a && p.value <= b);
-                // The points themselves, so that both sides of a jump count.
-                let at_knots = knots.map(|p| Extremes::of(optics_of_point(transfer, p)));
-                at_knots.fold(optics(a).with(optics(b)), Extremes::with)
+                let points = transfer.points().iter().filter(|p| p.value >= a && p.value <= b);
+                let points = points.map(|p| optics(transfer, &Optical::of(p)));
+                Variation::of(std::iter::once(at(a.next_down())).chain(points).chain([at(b)]))
             })
             .collect();
-        let class = |extremes: &Extremes| {
-            if extremes.is_clear() {
+        let class = |variation: &Variation| {
+            if !variation.visible {
                 return CLEAR;
             }
-            let change = (extremes.change() * voxel).min(SATURATION);
+            let change = (variation.largest() * voxel).min(SATURATION);
             let voxels = if change > 0.0 { PaceMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
             class_of(voxels)
         };
         // An empty range (all vacuum) is clear.
         let mut table = vec![CLEAR; N * N];
         for low in 0..N {
-            let mut extremes = optics(value(low));
-            table[low * N + low] = class(&extremes);
+            let mut variation = Variation::of(std::iter::once(at(value(low))));
+            table[low * N + low] = class(&variation);
             for high in low + 1..N {
-                extremes = extremes.with(between[high - 1]);
-                table[low * N + high] = class(&extremes);
+                variation = variation.then(&between[high - 1]);
+                table[low * N + high] = class(&variation);
             }
         }
         Self { table }
@@ -227,7 +230,7 @@ impl Classes {
 }
 
 /// κ, and q of red, green and blue.
-fn optics(transfer: &TransferFunction, at: Optical) -> [f64; 4] {
+fn optics(transfer: &TransferFunction, at: &Optical) -> [f64; 4] {
     let kappa = transfer.extinction(at.opacity);
     // κ·c with κ = ∞ and c = 0 would be NaN: an opaque wall that shines nowhere.
     let q = |c: usize| match () {
@@ -236,11 +239,6 @@ fn optics(transfer: &TransferFunction, at: Optical) -> [f64; 4] {
         () => kappa * at.color[c],
     };
     [kappa, q(0), q(1), q(2)]
-}
-
-fn optics_of_point(transfer: &TransferFunction, p: &ControlPoint) -> [f64; 4] {
-    let at = Optical { opacity: p.opacity, color: p.color, emission: p.emission.unwrap_or_default() };
-    optics(transfer, at)
 }
 
 /// The least byte among those of each block and the blocks up to `radius` around it.
@@ -280,7 +278,7 @@ fn least_around(bytes: &[u8], [nx, ny, nz]: [usize; 3], radius: usize) -> Vec<u8
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vr_core::{Filter, OpacityRule, Placement, UniformGrid, Volume};
+    use vr_core::{ControlPoint, Filter, OpacityRule, Placement, UniformGrid, Volume};
 
     fn map(dims: [usize; 3], error: f64, leaping: bool, f: impl Fn(usize, usize, usize) -> u8) -> PaceMap {
         let at = |i: usize| f(i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1]));

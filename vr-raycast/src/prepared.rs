@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
 
-use crate::caster::{Order, Precision, RayCaster, Rule, Step};
+use crate::caster::{Order, Precision, RayCaster, Rule, Step, Traversal};
 use crate::instruments::{Instruments, Kernel};
 use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
+use crate::packet::LocalFrame;
 use crate::pipeline::Pipeline;
 use crate::screen::every_pixel;
 use crate::tolerance::{Promise, Promised};
@@ -98,7 +99,16 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
     }
-    if matches!(caster.step, Step::Local { .. }) {
+    if caster.rule == Rule::Exact {
+        if !scene.compositing.integrates_light() {
+            return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
+        }
+    }
+    let filter = caster.filter_of(scene);
+    if !caster.rule.goes_with(filter) {
+        return Err(unsupported(format!("the filter '{filter}' by the rule '{}'", caster.rule.name())));
+    }
+    if matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples {
         if !scene.compositing.integrates_light() {
             return Err(unsupported(format!(
                 "compositing '{}' in steps that follow the light",
@@ -132,6 +142,10 @@ impl PreparedCaster {
         control: &Control,
     ) -> Result<Rendered, RenderError> {
         let volume = check(&self.caster, &self.scene)?;
+        if let Some(engine) = &instruments.vector {
+            let frame = LocalFrame { engine, volume, rays: Rays::new(view)?, view };
+            return every_pixel(&frame, view, control);
+        }
         let transfer = || Arc::clone(&self.scene.transfer);
         let calibration = volume.calibration();
         let plain = Plain { prepared: self, volume, instruments, view, control };
@@ -164,14 +178,12 @@ impl<R: Real> Plain<'_, R> {
         let pipeline = Pipeline {
             volume: self.volume,
             filter: caster.filter_of(&self.prepared.scene),
+            traversal: caster.traversal,
             voxel: self.volume.placement().spacing().min_element(),
-            step: caster.world_step(self.volume),
+            step: caster.longest_step(self.volume),
             pace: self.instruments.pace.as_deref(),
             homogeneity: self.instruments.homogeneity.as_deref(),
-            offset: match caster.rule {
-                Rule::Midpoint => 0.5,
-                Rule::Left => 0.0,
-            },
+            offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),
             view: self.view,

@@ -60,7 +60,9 @@ fn vacuum_is_not_averaged_away() {
 
 #[test]
 fn phantoms_within_their_bound_in_fewer_steps() {
-    for (name, size, gain_of_coarse, gain_of_fine) in [("fog", 128, 3.0, 1.0), ("blobs", 64, 4.0, 4.0), ("shells", 64, 1.5, 1.5)] {
+    for (name, size, gain_of_coarse, gain_of_fine) in
+        [("fog", 128, 3.0, 1.0), ("blobs", 64, 4.0, 4.0), ("shells", 64, 1.5, 1.5)]
+    {
         let phantom = phantom::by_name(name).unwrap();
         let grid = sample::<u8>(&*phantom, [size; 3]).unwrap();
         let points = phantom.transfer_points();
@@ -74,7 +76,9 @@ fn phantoms_within_their_bound_in_fewer_steps() {
             let picture = render(&long(0.5, error), &scene, &view);
             let found = max_error(&picture.frame, &want);
             let gain = plain.stats.counts.samples as f64 / picture.stats.counts.samples as f64;
-            println!("{name} homogeneity {error}: error {found:.1e} (all short: {own:.1e}), {gain:.1} times fewer steps");
+            println!(
+                "{name} homogeneity {error}: error {found:.1e} (all short: {own:.1e}), {gain:.1} times fewer steps"
+            );
             assert!(found <= error + 2.0 * own + 1e-4, "{name} {error}: {found}");
             assert!(gain >= least_gain, "{name} {error}: {gain}");
         }
@@ -112,6 +116,9 @@ fn what_has_no_bound_is_refused() {
     assert!(refuses(&RayCaster { rule: Rule::Left, ..caster }, &scene));
     for (step, error) in [(0.0, 0.1), (0.5, 0.0), (0.5, f64::NAN), (0.5, 2.0)] {
         let caster = RayCaster { step: Step::Homogeneous { step, error }, ..RayCaster::default() };
-        assert!(matches!(caster.prepare(&scene, &Control::default()), Err(RenderError::Parameter(_))), "{step} {error}");
+        assert!(
+            matches!(caster.prepare(&scene, &Control::default()), Err(RenderError::Parameter(_))),
+            "{step} {error}"
+        );
     }
 }

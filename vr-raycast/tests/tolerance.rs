@@ -62,7 +62,8 @@ fn judge(caster: &RayCaster, scene: &Scene, view: &View, error: f64) -> Option<J
 
 fn scenes(seed: u64, count: usize, strategy: impl Strategy<Value = TestScene>) -> Vec<TestScene> {
     let rng_seed = RngSeed::Fixed(seed);
-    let config = Config { rng_algorithm: RngAlgorithm::ChaCha, rng_seed, failure_persistence: None, ..Config::default() };
+    let config =
+        Config { rng_algorithm: RngAlgorithm::ChaCha, rng_seed, failure_persistence: None, ..Config::default() };
     let mut runner = TestRunner::new(config);
     (0..count).map(|_| strategy.new_tree(&mut runner).unwrap().current()).collect()
 }

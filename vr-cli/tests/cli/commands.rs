@@ -213,13 +213,15 @@ fn a_reader_that_goes_away_is_no_failure() {
 fn a_promised_error_is_kept_and_told() {
     let vr = Vr::new();
     for promise in [1e-2, 1e-4] {
-        let arguments = format!("render --phantom marschner-lobb --phantom-size 33 --size 48 --max-error {promise} --json");
+        let arguments =
+            format!("render --phantom marschner-lobb --phantom-size 33 --size 48 --max-error {promise} --json");
         let render = vr.run(&arguments).succeeded().json();
         assert!(render["error"]["max"].as_f64().unwrap() <= promise, "{render}");
         assert_eq!(render["unbounded"].as_u64(), Some(0), "{render}");
     }
     // A scene file may ask for it, too.
-    std::fs::write(vr.folder().join("p.toml"), "[volume]\nphantom = \"fog\"\nsize = 9\n[render]\nmax_error = 0.001\n").unwrap();
+    std::fs::write(vr.folder().join("p.toml"), "[volume]\nphantom = \"fog\"\nsize = 9\n[render]\nmax_error = 0.001\n")
+        .unwrap();
     let render = vr.run("render --scene p.toml --size 24 --json").succeeded().json();
     assert!(render["error"]["max"].as_f64().unwrap() <= 1e-3, "{render}");
     // There is no bound for shading.

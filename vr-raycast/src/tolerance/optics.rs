@@ -147,8 +147,7 @@ impl Piece {
 impl Optics {
     /// Of a transfer function, for stored numbers of at most `largest`.
     pub(crate) fn new(transfer: &TransferFunction, calibration: Calibration, largest: f64) -> Self {
-        let mut pieces: Vec<Piece> =
-            transfer.segments().iter().map(|s| Piece::new(s, calibration, transfer)).collect();
+        let mut pieces: Vec<Piece> = transfer.segments().iter().map(|s| Piece::new(s, calibration, transfer)).collect();
         if calibration.slope < 0.0 {
             pieces.reverse();
         }
@@ -160,9 +159,7 @@ impl Optics {
                 p.steepest_opacity = p.steepest_opacity.max(opacity);
                 p.steepest_source = p.steepest_source.max(source);
             }
-            let joins = |other: &Piece, mine: usize, theirs: usize| {
-                p.ends[mine] == other.ends[theirs] && !other.opaque
-            };
+            let joins = |other: &Piece, mine: usize, theirs: usize| p.ends[mine] == other.ends[theirs] && !other.opaque;
             if i > 0 && joins(&lines[i - 1], 0, 1) {
                 p.joined[0] = lines[i - 1].to - lines[i - 1].from;
             }
@@ -206,10 +203,11 @@ impl Optics {
     /// Whether nothing absorbs and nothing shines over a closed range.
     pub(crate) fn is_clear(&self, low: f64, high: f64) -> bool {
         self.meeting(low, high).iter().all(|p| {
-            p.clear || [low, high].iter().all(|&v| {
-                let v = v.clamp(p.from, p.to);
-                p.opacity_at(v) == 0.0 && (!self.emits || p.source_at(v) == [0.0; 3])
-            })
+            p.clear
+                || [low, high].iter().all(|&v| {
+                    let v = v.clamp(p.from, p.to);
+                    p.opacity_at(v) == 0.0 && (!self.emits || p.source_at(v) == [0.0; 3])
+                })
         })
     }
 
@@ -329,6 +327,7 @@ impl Optics {
 }
 
 fn brightest(transfer: &TransferFunction) -> f64 {
-    let all = |p: &vr_core::ControlPoint| if transfer.has_emission() { p.emission.unwrap_or_default() } else { p.color };
+    let all =
+        |p: &vr_core::ControlPoint| if transfer.has_emission() { p.emission.unwrap_or_default() } else { p.color };
     transfer.points().iter().flat_map(all).fold(0.0, f64::max)
 }

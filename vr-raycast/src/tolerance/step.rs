@@ -116,7 +116,8 @@ pub(super) fn smooth<R: Real>(
         k1 = x1;
         k2 = x2 + real(0.5) * x1 * x1;
         k3 = x3 + x1 * x2 + x1 * x1 * x1 * real(1.0 / 3.0);
-        let square = x1 * x1 * real(1.0 / 3.0) + (x2 * x2 + real(2.0) * x1 * x3) * real(0.2) + x3 * x3 * real(1.0 / 7.0);
+        let square =
+            x1 * x1 * real(1.0 / 3.0) + (x2 * x2 + real(2.0) * x1 * x3) * real(0.2) + x3 * x3 * real(1.0 / 7.0);
         let cube = real(0.6) * x1 * x1 * x2
             + (x2 * x2 * x2 + real(6.0) * x1 * x2 * x3) * real(1.0 / 7.0)
             + x2 * x3 * x3 * real(1.0 / 3.0);
@@ -125,7 +126,8 @@ pub(super) fn smooth<R: Real>(
         let rest = s2 + s3;
         let (r2, r4) = (rho * rho, rho * rho * rho * rho);
         mean_error = rest * (rho + s1) * (r2 + s1 * s1) / 24.0 + rest * r4 / 7.0 + r4 * r2 / (42.0 * (1.0 - rho));
-        tail = 0.5 * (s2 * s2 + s3 * s3) + s3 * (s1 + s2)
+        tail = 0.5 * (s2 * s2 + s3 * s3)
+            + s3 * (s1 + s2)
             + rest * (r2 + rho * s1 + s1 * s1) / 3.0
             + r4 / (4.0 * (1.0 - rho));
         rate_error = off / (clearness * (1.0 - rho) - off);
@@ -209,15 +211,9 @@ pub(super) fn smooth<R: Real>(
         return Some(step);
     }
     // κ·unit·P/P₀ = g₀ + g₁t + g₂t² + g₃t³ + …
-    let g = [
-        k0,
-        k1 + k0 * p1,
-        k2 + k1 * p1 + k0 * p2,
-        k3 + k2 * p1 + k1 * p2 + k0 * p3,
-    ];
-    let weight = c1 * (g[1] * third + g[3] * fifth)
-        + c2 * (g[0] * third + g[2] * fifth)
-        + c3 * (g[1] * fifth + g[3] * seventh);
+    let g = [k0, k1 + k0 * p1, k2 + k1 * p1 + k0 * p2, k3 + k2 * p1 + k1 * p2 + k0 * p3];
+    let weight =
+        c1 * (g[1] * third + g[3] * fifth) + c2 * (g[0] * third + g[2] * fifth) + c3 * (g[1] * fifth + g[3] * seventh);
     let weight = per_rate * (first * weight).to_f64();
     let size = rate + m_k1 + m_k2 + m_k3;
     let [m_p1, m_p2, m_p3] = [p1, p2, p3].map(|p| p.abs().to_f64());
@@ -342,7 +338,13 @@ mod tests {
         };
         let all = ratios::<f64>(crude);
         let broken = |i: usize| all.iter().filter(|r| r[i] > 1.0).count();
-        assert!(broken(0) > all.len() / 10 && broken(1) > all.len() / 10, "{} {} of {}", broken(0), broken(1), all.len());
+        assert!(
+            broken(0) > all.len() / 10 && broken(1) > all.len() / 10,
+            "{} {} of {}",
+            broken(0),
+            broken(1),
+            all.len()
+        );
     }
 
     #[test]

@@ -72,16 +72,8 @@ fn trilinear<R: Real, T: Voxel>(
     let corner = |i: usize| samples[i].to_f32();
     // The last one first: its check covers the others.
     let c7 = corner(slice + row + 1);
-    let c = [
-        corner(0),
-        corner(1),
-        corner(row),
-        corner(row + 1),
-        corner(slice),
-        corner(slice + 1),
-        corner(slice + row),
-        c7,
-    ];
+    let c =
+        [corner(0), corner(1), corner(row), corner(row + 1), corner(slice), corner(slice + 1), corner(slice + row), c7];
     let (low, high) = c.iter().fold((c[0], c[0]), |(l, h), &x| (l.min(x), h.max(x)));
     let base = f64::from(c[0]);
     if low == high {
