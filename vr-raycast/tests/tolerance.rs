@@ -12,7 +12,7 @@ use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
 use vr_core::*;
 use vr_physics::check::{TestScene, strategies};
 use vr_physics::{Certainty, Reference, cases};
-use vr_raycast::{Order, Precision, RayCaster, Rule, Step};
+use vr_raycast::{Order, Precision, RayCaster, Rule, Step, Traversal};
 
 const ERRORS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 
@@ -236,6 +236,7 @@ fn what_has_no_bound_at_all_is_refused() {
     // What the promise decides by itself.
     for caster in [
         RayCaster { rule: Rule::Left, ..promising(0.1) },
+        RayCaster { traversal: Traversal::Cells, ..promising(0.1) },
         RayCaster { order: Order::BackToFront, ..promising(0.1) },
         RayCaster { order: Order::FrontToBack { termination: 0.5 }, ..promising(0.1) },
     ] {
