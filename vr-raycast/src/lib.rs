@@ -79,7 +79,7 @@
 //! samples at distances tell too little. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
 //!
 //! # What it does not do yet
-//! It leaps over no empty space, has no vector kernels, no pre-integration, no step that follows the data. It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
+//! It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 mod caster;
 mod chord;

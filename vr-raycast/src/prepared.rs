@@ -22,7 +22,7 @@ pub(crate) struct PreparedCaster {
 /// What draws.
 enum Engine {
     /// Steps as the settings say.
-    Plain(Kernel),
+    Plain(Box<Kernel>),
     /// Steps as a promised error asks for.
     Promise(Box<Promise>),
 }
@@ -40,10 +40,10 @@ impl Engine {
             return Ok(Self::Promise(Box::new(promise)));
         }
         let last = match last {
-            Some((scene, Self::Plain(kernel))) => Some((scene, kernel)),
+            Some((scene, Self::Plain(kernel))) => Some((scene, &**kernel)),
             _ => None,
         };
-        Ok(Self::Plain(Kernel::new(caster, scene, volume, last)))
+        Ok(Self::Plain(Box::new(Kernel::new(caster, scene, volume, last))))
     }
 }
 
@@ -69,8 +69,10 @@ impl Prepared for PreparedCaster {
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
         match &self.engine {
-            Engine::Plain(Kernel::F32(instruments)) => self.render_with(instruments, view, control),
-            Engine::Plain(Kernel::F64(instruments)) => self.render_with(instruments, view, control),
+            Engine::Plain(kernel) => match &**kernel {
+                Kernel::F32(instruments) => self.render_with(instruments, view, control),
+                Kernel::F64(instruments) => self.render_with(instruments, view, control),
+            },
             Engine::Promise(promise) => {
                 let volume = check(&self.caster, &self.scene)?;
                 let single = self.caster.precision == Precision::F32;
@@ -99,10 +101,8 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
     }
-    if caster.rule == Rule::Exact {
-        if !scene.compositing.integrates_light() {
-            return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
-        }
+    if caster.rule == Rule::Exact && !scene.compositing.integrates_light() {
+        return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
     }
     let filter = caster.filter_of(scene);
     if !caster.rule.goes_with(filter) {

@@ -183,8 +183,8 @@ impl Account {
 
     /// Whether the bound is above what is promised.
     pub(super) fn is_over(&self) -> bool {
-        // False also for NaN.
-        !(self.error + self.unseen <= self.budget())
+        let error = self.error + self.unseen;
+        error > self.budget() || error.is_nan()
     }
 
     /// What is left at the end of the ray.

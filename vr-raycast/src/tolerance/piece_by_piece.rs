@@ -50,12 +50,13 @@ impl<'a> Integral<'a> {
 
     /// Whether nothing more is to be done.
     pub(super) fn is_done(&self) -> bool {
-        self.account.ended || (self.gives_up && (self.account.is_over() || self.account.steps > MOST_STEPS_FIRST))
+        self.account.ended || (self.gives_up && !self.is_kept())
     }
 
     /// Whether the promise is kept.
     pub(super) fn is_kept(&self) -> bool {
-        !self.account.is_over() && !(self.gives_up && self.account.steps > MOST_STEPS_FIRST)
+        let too_long = self.gives_up && self.account.steps > MOST_STEPS_FIRST;
+        !(too_long || self.account.is_over())
     }
 
     /// A stretch of one stored number.
