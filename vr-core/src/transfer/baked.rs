@@ -89,6 +89,16 @@ impl<R: Real> BakedTransfer<R> {
         &self.entries
     }
 
+    /// The stored number of the first entry.
+    pub fn origin(&self) -> R {
+        self.origin
+    }
+
+    /// Entries per stored unit.
+    pub fn per_unit(&self) -> R {
+        self.per_unit
+    }
+
     /// Where a stored number, which is not NaN, lies among the entries: at entry i + t for an index i and a fraction t.
     ///
     /// It grows with the stored number, rounding included; numbers beyond the ends lie at the ends.

@@ -1,14 +1,22 @@
 //! Walks: how the part of a ray inside the volume is cut into steps. One small file each.
 
+mod cells;
+mod homogeneous;
 mod lattice;
+mod listed;
 mod local;
 mod vicinity;
 mod visible_steps;
+mod voxels;
 
+pub(crate) use cells::cell_walk;
+pub(crate) use homogeneous::HomogeneousWalk;
 pub(crate) use lattice::{Lattice, LatticeWalk};
+pub(crate) use listed::ListedWalk;
 pub(crate) use local::LocalWalk;
 pub(crate) use vicinity::{Vicinity, VicinityFlags};
 pub(crate) use visible_steps::VisibleSteps;
+pub(crate) use voxels::voxel_walk;
 
 use crate::run::Steps;
 
@@ -18,6 +26,10 @@ pub(crate) enum Walk<'a> {
     Lattice(LatticeWalk<'a>),
     /// Steps as long as what is in each place allows.
     Local(LocalWalk<'a>),
+    /// Cells or voxels, found beforehand.
+    Listed(ListedWalk),
+    /// Long steps where the medium is nearly the same.
+    Homogeneous(HomogeneousWalk<'a>),
 }
 
 impl Walk<'_> {
@@ -26,6 +38,16 @@ impl Walk<'_> {
         match self {
             Self::Lattice(walk) => walk.next(steps),
             Self::Local(walk) => walk.next(steps),
+            Self::Listed(walk) => walk.next(steps),
+            Self::Homogeneous(walk) => walk.next(steps),
+        }
+    }
+
+    /// Index-space positions of the last run's samples, where they do not lie on the ray.
+    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
+        match self {
+            Self::Lattice(_) | Self::Local(_) | Self::Homogeneous(_) => None,
+            Self::Listed(walk) => walk.places(),
         }
     }
 
@@ -33,7 +55,7 @@ impl Walk<'_> {
     pub(crate) fn skipped(&self) -> u64 {
         match self {
             Self::Lattice(walk) => walk.skipped(),
-            Self::Local(_) => 0,
+            Self::Local(_) | Self::Listed(_) | Self::Homogeneous(_) => 0,
         }
     }
 }

@@ -1,0 +1,247 @@
+//! The vector engine behind the seam that both engines stand behind.
+
+use std::sync::Arc;
+
+use fearless_simd::{Level, Simd};
+use vr_core::filter::Lattice;
+use vr_core::image_order::Spot;
+use vr_core::transfer::BakedTransfer;
+use vr_core::{Compositing, Counts, Filter, Rays, Scene, UniformVolume, View, with_grid};
+
+use super::field::{Field, Pairs, Stage};
+use super::lanes::{LANES, Lanes};
+use super::leap::Distances;
+use super::level::{self, Vectorized};
+use super::local::{LocalPace, by_byte};
+use super::march::{Medium, Pace, march};
+use super::setup::{FrameSetup, Packet};
+use super::table::{OpticsTable, Rows};
+use crate::caster::{Classification, Order, RayCaster, Rule, Step, Traversal};
+use crate::instruments::Instruments;
+use crate::leap::Visibility;
+use crate::operator::Brightest;
+use crate::pace::PaceMap;
+use crate::table_range::{resolves, table_range};
+use crate::tracer::{Traced, Tracer};
+
+/// What the vector engine keeps from frame to frame.
+#[derive(Clone, Debug)]
+pub(crate) struct PacketEngine {
+    pub(crate) level: Level,
+    pub(crate) steps: PacketSteps,
+    /// For steps of any length, in units of `step`.
+    optics: OpticsTable,
+    /// Length of a step in world units; with steps that follow the data, the unit of their lengths.
+    step: f64,
+    /// From a step's begin to its sample, as a fraction of the step.
+    offset: f64,
+    /// A ray ends when no more than this could be added to any component.
+    negligible: f64,
+    brightest: Brightest,
+}
+
+/// How the packets' rays move.
+#[derive(Clone, Debug)]
+pub(crate) enum PacketSteps {
+    /// In steps of one length.
+    Lattice {
+        /// For whole steps.
+        table: Arc<BakedTransfer<f32>>,
+        /// `None`: nothing is leaped over.
+        distances: Option<Distances>,
+    },
+    /// In steps of the length that each place asks for.
+    Local {
+        map: Arc<PaceMap>,
+        /// See [`by_byte`].
+        by_byte: Box<[f32; 256]>,
+    },
+}
+
+/// Steps of a ray that f32 still counts one by one, with room to spare.
+const MOST_STEPS: f64 = (1 << 22) as f64;
+
+/// Cells along the edge of a block that is leaped over.
+pub(crate) const EDGE: usize = 8;
+
+impl PacketEngine {
+    /// What the vector engine needs to draw a scene with a caster's settings; `None` where it cannot, and the plain one must.
+    pub(crate) fn new(
+        caster: &RayCaster,
+        scene: &Scene,
+        volume: &UniformVolume,
+        instruments: &Instruments<f32>,
+    ) -> Option<Self> {
+        let level = level::of(caster.vector)?;
+        let Order::FrontToBack { termination } = caster.order else { return None };
+        let common = scene.compositing == Compositing::Over
+            && scene.shading.is_none()
+            && caster.traversal == Traversal::Samples
+            && caster.filter_of(scene) == Filter::Trilinear
+            && caster.classification == Classification::Table;
+        let step = caster.world_step(volume);
+        let corners = volume.corners();
+        let extent = corners.iter().map(|c| c.distance(corners[0])).fold(0.0, f64::max);
+        let counted = 2.0 * extent / step < MOST_STEPS;
+        let offsets_fit = volume.dims().iter().product::<usize>() <= i32::MAX as usize;
+        let missing = volume.vacuum_cells().is_some() || volume.census().range.is_none();
+        if !common || !counted || !offsets_fit || missing {
+            return None;
+        }
+        let offset = match caster.rule {
+            Rule::Midpoint => 0.5,
+            Rule::Left => 0.0,
+            Rule::Linear | Rule::Quadratic | Rule::Exact => return None,
+        };
+        let (table, steps) = match (caster.step, &instruments.pace) {
+            (Step::Uniform(_), _) => {
+                let table = Arc::clone(&instruments.classifier.table.as_ref()?.0);
+                let distances = Self::distances(volume, scene, &table, EDGE);
+                (Arc::clone(&table), PacketSteps::Lattice { table, distances })
+            }
+            (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint => {
+                let table = Arc::new(places(scene, volume, step)?);
+                (table, PacketSteps::Local { map: Arc::clone(map), by_byte: Box::new(by_byte(map, step)) })
+            }
+            _ => return None,
+        };
+        Some(Self {
+            level,
+            steps,
+            optics: OpticsTable::new(&table, &scene.transfer, volume.calibration(), step),
+            step,
+            offset,
+            negligible: 1.0 - termination,
+            brightest: instruments.brightest(),
+        })
+    }
+
+    /// Distances to what is visible, in blocks of `edge`³ cells; `None` where all is.
+    pub(crate) fn distances(
+        volume: &UniformVolume,
+        scene: &Scene,
+        table: &Arc<BakedTransfer<f32>>,
+        edge: usize,
+    ) -> Option<Distances> {
+        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table));
+        Distances::new(&volume.range_blocks(Filter::Trilinear, edge), &visibility)
+    }
+}
+
+/// A table whose entries lie close enough together for a scene, if there is one.
+fn places(scene: &Scene, volume: &UniformVolume, step: f64) -> Option<BakedTransfer<f32>> {
+    let range = table_range(volume, Filter::Trilinear, &scene.transfer);
+    let integer = volume.voxel_type().is_integer();
+    let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
+    resolves(&table, volume, Filter::Trilinear, &scene.transfer).then_some(table)
+}
+
+/// The vector engine with a view.
+pub(crate) struct PacketFrame<'a> {
+    pub(crate) engine: &'a PacketEngine,
+    pub(crate) volume: &'a UniformVolume,
+    pub(crate) rays: Rays,
+    pub(crate) view: &'a View,
+}
+
+impl Tracer for PacketFrame<'_> {
+    fn trace(&self, spots: &[Spot], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+        with_grid!(self.volume.grid(), grid => {
+            let lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
+            let medium = self.medium(&lattice);
+            level::run(self.engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
+        });
+    }
+}
+
+/// A call of [`Tracer::trace`], once the voxel type is known.
+struct Trace<'a, 'f, T> {
+    frame: &'a PacketFrame<'f>,
+    medium: &'a Medium<'a, T>,
+    spots: &'a [Spot],
+    starts: Option<&'a [u32]>,
+    values: &'a mut Vec<Traced>,
+    counts: &'a mut Counts,
+}
+
+impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let setup = self.frame.setup();
+        let mut packet = Packet::EMPTY;
+        let mut stages = [Stage::<T>::new(), Stage::<T>::new()];
+        for (group, spots) in self.spots.chunks(LANES).enumerate() {
+            setup.packet(simd, spots, &mut packet);
+            let mut traced = [Traced::NOTHING; LANES];
+            if packet.hits != 0 {
+                if let Some(starts) = self.starts {
+                    packet.begin_at(&starts[group * LANES..][..spots.len()]);
+                }
+                let most = self.frame.most(&packet);
+                let marched = march(simd, self.medium, &packet, &most, &mut stages);
+                self.counts.rays += u64::from(packet.hits.count_ones());
+                self.counts.samples += u64::from(marched.samples);
+                self.counts.terminated += u64::from(marched.terminated.count_ones());
+                for i in 0..spots.len() {
+                    let steps = packet.middle[i] + f64::from(marched.half.0[i]);
+                    let rgba = &marched.rgba;
+                    traced[i].rgba = [rgba[0].0[i], rgba[1].0[i], rgba[2].0[i], rgba[3].0[i]];
+                    traced[i].depth = (packet.begin[i] + steps * setup.step) as f32;
+                }
+            }
+            if let Some(layer) = setup.layer {
+                for (value, spot) in traced.iter_mut().zip(spots) {
+                    *value = value.over(layer, spot.pixel);
+                }
+            }
+            self.values.extend_from_slice(&traced[..spots.len()]);
+        }
+    }
+}
+
+impl PacketFrame<'_> {
+    fn medium<'m, T: Pairs>(&'m self, lattice: &Lattice<'m, T>) -> Medium<'m, T> {
+        let engine = self.engine;
+        Medium {
+            field: Field::new(lattice),
+            dims: lattice.dims,
+            pace: match &engine.steps {
+                PacketSteps::Lattice { table, distances } => {
+                    Pace::Lattice { rows: Rows::of(table), distances: distances.as_ref() }
+                }
+                PacketSteps::Local { map, by_byte } => Pace::Local(LocalPace::new(map, by_byte)),
+            },
+            optics: &engine.optics,
+            negligible: engine.negligible as f32,
+        }
+    }
+
+    fn setup(&self) -> FrameSetup<'_> {
+        FrameSetup {
+            rays: &self.rays,
+            placement: self.volume.placement(),
+            dims: self.volume.dims(),
+            clip: &self.view.clip,
+            layer: self.view.layer.as_deref(),
+            step: self.engine.step,
+            offset: match &self.engine.steps {
+                PacketSteps::Lattice { .. } => self.engine.offset,
+                // Positions are those of any distance, not of samples.
+                PacketSteps::Local { .. } => 0.0,
+            },
+        }
+    }
+
+    /// Per ray the largest light, or opacity, that can come from behind, by what is left clear.
+    fn most(&self, packet: &Packet) -> Lanes {
+        match self.engine.brightest {
+            Brightest::Radiance(c) => Lanes([c.max(1.0) as f32; LANES]),
+            Brightest::Emission(q) => Lanes(packet.length.map(|length| (q * length).max(1.0) as f32)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,160 @@
+//! Blocks in which nothing can be seen, and how far a ray leaps over them.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+use rayon::prelude::*;
+use vr_core::{BlockRange, RangeBlocks};
+
+use super::field::Cells;
+use super::lanes::{LANES, pick, splat};
+use super::setup::Packet;
+use crate::leap::Visibility;
+
+/// Per block the chessboard distance, in blocks, to the nearest one in which something is visible: 0 in that one.
+///
+/// All blocks nearer than that are invisible, so a ray in the middle of them moves on freely: a proximity cloud (Cohen & Sheffer
+/// 1994, "Proximity clouds, an acceleration technique for 3D grid traversal").
+#[derive(Clone, Debug)]
+pub(crate) struct Distances {
+    pub(crate) shift: u32,
+    blocks: [usize; 3],
+    distance: Vec<u8>,
+}
+
+impl Distances {
+    /// Of the blocks of a volume; `None` where none is invisible, so that there is nothing to leap over.
+    ///
+    /// # Panics
+    /// If the blocks' edge is not a power of two.
+    pub(crate) fn new(ranges: &RangeBlocks, visibility: &Visibility<f32>) -> Option<Self> {
+        assert!(ranges.edge().is_power_of_two(), "blocks are found by shifting");
+        let of = |r: &BlockRange| if visibility.is_visible(r.low, r.high) { 0 } else { u8::MAX };
+        let distance: Vec<u8> = ranges.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
+        if distance.iter().all(|&d| d == 0) {
+            return None;
+        }
+        let mut all = Self { shift: ranges.edge().trailing_zeros(), blocks: ranges.blocks(), distance };
+        all.spread();
+        Some(all)
+    }
+
+    /// Two sweeps over rows, each from the rows before it (Borgefors 1986, "Distance transformations in digital images"): exact for
+    /// the chessboard distance.
+    fn spread(&mut self) {
+        let [nx, ny, nz] = self.blocks;
+        let mut near = vec![u8::MAX; nx];
+        for backwards in [false, true] {
+            for row in 0..ny * nz {
+                let row = if backwards { ny * nz - 1 - row } else { row };
+                let (y, z) = (row % ny, row / ny);
+                near.fill(u8::MAX);
+                // The rows that the sweep has been at: three of the slice before, one of this one.
+                let done = |y: usize, z: usize| (z * ny + y) * nx;
+                let slice = if backwards { (z + 1 < nz).then_some(z + 1) } else { z.checked_sub(1) };
+                let beside = if backwards { (y + 1 < ny).then_some(y + 1) } else { y.checked_sub(1) };
+                let of_slice = (y.saturating_sub(1)..=(y + 1).min(ny - 1)).filter_map(|y| slice.map(|z| done(y, z)));
+                for first in of_slice.chain(beside.map(|y| done(y, z))) {
+                    for (n, &d) in near.iter_mut().zip(&self.distance[first..first + nx]) {
+                        *n = d.min(*n);
+                    }
+                }
+                let here = &mut self.distance[done(y, z)..][..nx];
+                for x in 0..nx {
+                    let around = near[x.saturating_sub(1)].min(near[x]).min(near[(x + 1).min(nx - 1)]);
+                    here[x] = here[x].min(around.saturating_add(1));
+                }
+                for i in 1..nx {
+                    let (from, to) = if backwards { (nx - i, nx - 1 - i) } else { (i - 1, i) };
+                    here[to] = here[to].min(here[from].saturating_add(1));
+                }
+            }
+        }
+    }
+
+    /// The distances, x fastest.
+    #[cfg(test)]
+    pub(crate) fn of_blocks(&self) -> &[u8] {
+        &self.distance
+    }
+
+    /// Distance to what is visible from the blocks of sixteen cells.
+    #[inline(always)]
+    pub(crate) fn at<S: Simd>(&self, simd: S, cells: &Cells<S>) -> i32x16<S> {
+        let index = block_index(cells, self.shift, self.blocks);
+        let mut distance = [0i32; LANES];
+        for i in 0..LANES {
+            distance[i] = i32::from(*self.distance.get(index[i] as u32 as usize).unwrap_or(&0));
+        }
+        i32x16::load_array(simd, distance)
+    }
+}
+
+/// Index of the block of `1 << shift` cells that each cell lies in.
+#[inline(always)]
+pub(crate) fn block_index<S: Simd>(cells: &Cells<S>, shift: u32, blocks: [usize; 3]) -> [i32; LANES] {
+    let [x, y, z] = cells.cell;
+    let (nx, ny) = (blocks[0] as i32, blocks[1] as i32);
+    (((z >> shift) * ny + (y >> shift)) * nx + (x >> shift)).to_array()
+}
+
+/// How a packet's rays leave boxes of blocks.
+pub(crate) struct Leaper<S: Simd> {
+    shift: u32,
+    edge: f32,
+    /// Steps per index unit, axis by axis; a large number where a ray is parallel.
+    per_index: [f32x16<S>; 3],
+    /// +1 where a ray goes up the axis, −1 where it goes down.
+    sign: [f32x16<S>; 3],
+    /// From the block's number to the face that the ray leaves it by, in blocks, but for the distance.
+    face: [f32x16<S>; 3],
+    /// Kept from the face, for positions are rounded.
+    margin: f32,
+}
+
+/// Of the largest index: what positions along a ray can be off by in f32, eight times over.
+const MARGIN: f32 = 1.0 / (1 << 20) as f32;
+
+impl<S: Simd> Leaper<S> {
+    #[inline(always)]
+    /// Out of boxes of blocks of `1 << shift` cells.
+    pub(crate) fn new(simd: S, shift: u32, packet: &Packet, dims: [usize; 3]) -> Self {
+        let one = splat(simd, 1.0);
+        let delta = [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)];
+        let zero = splat(simd, 0.0);
+        let (mut per_index, mut sign, mut face) = ([zero; 3], [zero; 3], [zero; 3]);
+        for a in 0..3 {
+            let up = delta[a].simd_gt(zero);
+            let parallel = delta[a].abs().simd_lt(splat(simd, 1e-30));
+            sign[a] = pick(up, one, -one);
+            face[a] = pick(up, zero, one);
+            per_index[a] = pick(parallel, sign[a] * 1e30, one / pick(parallel, one, delta[a]));
+        }
+        let largest = dims.into_iter().max().unwrap_or(0) as f32;
+        let edge = (1u32 << shift) as f32;
+        Self { shift, edge, per_index, sign, face, margin: largest * MARGIN }
+    }
+
+    /// Steps from a position to where it leaves the box of blocks nearer than `distance` to its own.
+    #[inline(always)]
+    pub(crate) fn exit(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: f32x16<S>) -> f32x16<S> {
+        let mut steps = splat(simd, 1e6);
+        for a in 0..3 {
+            let block: f32x16<S> = (cells.cell[a] >> self.shift).to_float();
+            let face = (block + self.face[a] + self.sign[a] * distance) * self.edge;
+            steps = steps.min((face - position[a]) * self.per_index[a]);
+        }
+        steps.max(splat(simd, 0.0))
+    }
+
+    /// Whole steps, at least one, to the first that can be beyond that box.
+    #[inline(always)]
+    pub(crate) fn steps(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: i32x16<S>) -> f32x16<S> {
+        let kept = [
+            position[0] + self.sign[0] * self.margin,
+            position[1] + self.sign[1] * self.margin,
+            position[2] + self.sign[2] * self.margin,
+        ];
+        let whole: f32x16<S> = self.exit(simd, kept, cells, distance.to_float()).to_int::<i32x16<S>>().to_float();
+        whole + 1.0
+    }
+}

@@ -1,0 +1,191 @@
+//! Packets along their rays.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+use super::field::{Cells, Field, Pairs, Stage, cells, inside};
+use super::lanes::{Lanes, pick, splat};
+use super::leap::{Distances, Leaper};
+use super::local::{LocalPace, local};
+use super::setup::Packet;
+use super::sums::Sums;
+use super::table::{OpticsTable, Rows, light_of};
+
+/// What all packets of a frame march through.
+#[derive(Clone, Copy)]
+pub(crate) struct Medium<'a, T> {
+    pub(crate) field: Field<'a, T>,
+    pub(crate) dims: [usize; 3],
+    pub(crate) pace: Pace<'a>,
+    /// For steps of any length.
+    pub(crate) optics: &'a OpticsTable,
+    /// A ray ends when no more than this could be added to any component.
+    pub(crate) negligible: f32,
+}
+
+/// How rays move.
+#[derive(Clone, Copy)]
+pub(crate) enum Pace<'a> {
+    /// In steps of one length.
+    Lattice {
+        /// For whole steps.
+        rows: Rows<'a>,
+        /// `None`: nothing is leaped over.
+        distances: Option<&'a Distances>,
+    },
+    /// In steps of the length that each place asks for.
+    Local(LocalPace<'a>),
+}
+
+/// What became of a packet's rays.
+pub(crate) struct Marched {
+    pub(crate) rgba: [Lanes; 4],
+    /// Where opacity reaches a half, in steps from the middle one's begin; +∞: nowhere.
+    pub(crate) half: Lanes,
+    pub(crate) samples: u32,
+    /// Bit i: ray i ended before its last step.
+    pub(crate) terminated: u32,
+}
+
+/// Takes the packet's rays to their ends. `most`: the largest light, or opacity, that can come from behind, by what is left clear.
+#[inline(always)]
+pub(crate) fn march<S: Simd, T: Pairs>(
+    simd: S,
+    medium: &Medium<'_, T>,
+    packet: &Packet,
+    most: &Lanes,
+    stages: &mut [Stage<T>; 2],
+) -> Marched {
+    match medium.pace {
+        Pace::Lattice { rows, distances } => lattice(simd, medium, rows, distances, packet, most, stages),
+        Pace::Local(pace) => local(simd, medium, pace, packet, most, stages),
+    }
+}
+
+/// Pairs of steps between two looks for invisible blocks: a look costs a third of a sample.
+const STRIDE: u32 = 2;
+
+/// In steps of one length.
+#[inline(always)]
+fn lattice<S: Simd, T: Pairs>(
+    simd: S,
+    medium: &Medium<'_, T>,
+    rows: Rows<'_>,
+    distances: Option<&Distances>,
+    packet: &Packet,
+    most: &Lanes,
+    stages: &mut [Stage<T>; 2],
+) -> Marched {
+    let ray = Path::new(simd, medium, packet);
+    let never = splat(simd, f32::NEG_INFINITY);
+    let negligible = splat(simd, medium.negligible);
+    let most = most.load(simd);
+    let mut at = packet.first.load(simd);
+    let mut end = packet.end.load(simd);
+    let leaper = match distances {
+        Some(distances) => Some((distances, Leaper::new(simd, distances.shift, packet, medium.dims))),
+        None => None,
+    };
+    let mut sums = Sums::new(simd);
+    let mut samples = 0;
+    let mut until_look = 0;
+    // The last steps of all rays are taken at once, at the end: shorter ones, whose light must be converted.
+    let mut ending = false;
+    loop {
+        // A ray that has gone past its last whole step waits for the others.
+        let mut live = if ending { end.simd_gt(never) } else { at.simd_lt(end) };
+        if let Some((distances, leaper)) = &leaper {
+            if until_look == 0 {
+                until_look = STRIDE;
+                loop {
+                    let (position, cells) = ray.cells(simd, medium, at);
+                    let distance = distances.at(simd, &cells);
+                    let invisible = live & distance.simd_gt(0);
+                    if invisible.all_false() {
+                        break;
+                    }
+                    let visible = live & !invisible;
+                    if ending {
+                        live = visible;
+                        break;
+                    }
+                    at = pick(invisible, at + leaper.steps(simd, position, &cells, distance), at);
+                    live = at.simd_lt(end);
+                    // Rays whose blocks have been seen to be visible outnumber those that have come to unknown ones.
+                    let (known, all) = (visible.to_bitmask().count_ones(), live.to_bitmask().count_ones());
+                    if known * 2 >= all {
+                        break;
+                    }
+                }
+            }
+            until_look -= 1;
+        }
+        let bits = live.to_bitmask();
+        if bits == 0 {
+            if ending {
+                break;
+            }
+            ending = true;
+            at = packet.last.load(simd);
+            until_look = 0;
+            continue;
+        }
+        samples += bits.count_ones();
+        let [now, next] = stages;
+        let (_, cells) = ray.cells(simd, medium, at);
+        medium.field.fetch(simd, &cells, now);
+        if ending {
+            let value = medium.field.value(simd, &cells, now);
+            let ratio = packet.ratio.load(simd);
+            let light = light_of(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
+            sums.add(simd, live, [end, ratio], light);
+            break;
+        }
+        // Two steps at once: while the first waits for its samples, those of the second are fetched.
+        let one = splat(simd, 1.0);
+        let then = at + one;
+        let (_, cells_then) = ray.cells(simd, medium, then);
+        medium.field.fetch(simd, &cells_then, next);
+        let value = medium.field.value(simd, &cells, now);
+        let value_then = medium.field.value(simd, &cells_then, next);
+        let light = rows.at(simd, value);
+        let light_then = rows.at(simd, value_then);
+        sums.add(simd, live, [at, one], light);
+        end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
+        live = then.simd_lt(end);
+        samples += live.to_bitmask().count_ones();
+        sums.add(simd, live, [then, one], light_then);
+        end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
+        at = then + one;
+    }
+    sums.finish(simd, packet, end.simd_le(never), samples)
+}
+
+/// Positions along the rays of a packet.
+pub(crate) struct Path<S: Simd> {
+    base: [f32x16<S>; 3],
+    delta: [f32x16<S>; 3],
+    most: [f32; 3],
+}
+
+impl<S: Simd> Path<S> {
+    #[inline(always)]
+    pub(crate) fn new<T>(simd: S, medium: &Medium<'_, T>, packet: &Packet) -> Self {
+        Self {
+            base: [packet.base[0].load(simd), packet.base[1].load(simd), packet.base[2].load(simd)],
+            delta: [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)],
+            most: medium.dims.map(|n| (n - 1) as f32),
+        }
+    }
+
+    /// Positions, and their cells, so many steps from the middle ones.
+    #[inline(always)]
+    pub(crate) fn cells<T>(&self, simd: S, medium: &Medium<'_, T>, at: f32x16<S>) -> ([f32x16<S>; 3], Cells<S>) {
+        let position = [
+            inside(simd, self.base[0] + at * self.delta[0], self.most[0]),
+            inside(simd, self.base[1] + at * self.delta[1], self.most[1]),
+            inside(simd, self.base[2] + at * self.delta[2], self.most[2]),
+        ];
+        (position, cells(simd, position, medium.field.last_cell))
+    }
+}

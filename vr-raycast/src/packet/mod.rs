@@ -1,0 +1,15 @@
+//! The vector engine: packets of sixteen rays, one a lane, on whatever vectors the machine has.
+
+mod elementary;
+mod engine;
+mod field;
+mod lanes;
+mod leap;
+mod level;
+mod local;
+mod march;
+mod setup;
+mod sums;
+mod table;
+
+pub(crate) use engine::{PacketEngine, PacketFrame};

@@ -1,0 +1,112 @@
+//! What sixteen rays have gathered.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+
+use super::elementary::depth_of_opacity;
+use super::lanes::{LANES, Lanes, pick, splat};
+use super::march::Marched;
+use super::setup::Packet;
+
+/// C ← C + (1 − A)·c, A ← A + (1 − A)·α, front to back, with compensated sums.
+///
+/// Each sum carries what its roundings lost (Kahan 1965, "Further remarks on reducing truncation errors"), so thousands of steps of
+/// α = 10⁻⁷ add up behind an opacity that would swallow each of them. Adding nothing changes nothing, bit for bit: where the
+/// medium is clear, it does not matter whether a sample is taken.
+pub(crate) struct Sums<S: Simd> {
+    /// r, g, b and opacity.
+    sum: [f32x16<S>; 4],
+    /// What was added too much.
+    lost: [f32x16<S>; 4],
+    /// The step in which opacity reaches a half: where it begins, +∞ for none yet; its length; the opacity before it, and its own.
+    half: [f32x16<S>; 4],
+}
+
+impl<S: Simd> Sums<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S) -> Self {
+        let (zero, never) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
+        Self { sum: [zero; 4], lost: [zero; 4], half: [never, zero, zero, zero] }
+    }
+
+    /// What is still seen through.
+    #[inline(always)]
+    pub(crate) fn clear(&self, simd: S) -> f32x16<S> {
+        splat(simd, 1.0) - self.sum[3]
+    }
+
+    /// Adds the light and opacity of one step, which begins at `begin` and is so long, to the live rays.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, simd: S, live: mask32x16<S>, [begin, length]: [f32x16<S>; 2], light: [f32x16<S>; 4]) {
+        let zero = splat(simd, 0.0);
+        let before = self.sum[3];
+        let clear = pick(live, splat(simd, 1.0) - before, zero);
+        for c in 0..4 {
+            let added = clear * light[c] - self.lost[c];
+            let sum = self.sum[c] + added;
+            self.lost[c] = (sum - self.sum[c]) - added;
+            self.sum[c] = sum;
+        }
+        let half = splat(simd, 0.5);
+        let crossing = before.simd_lt(half) & self.sum[3].simd_ge(half) & live;
+        if crossing.any_true() {
+            self.half[0] = pick(crossing, begin, self.half[0]);
+            self.half[1] = pick(crossing, length, self.half[1]);
+            self.half[2] = pick(crossing, before, self.half[2]);
+            self.half[3] = pick(crossing, light[3], self.half[3]);
+        }
+    }
+
+    /// The sums.
+    #[inline(always)]
+    pub(crate) fn rgba(&self) -> [f32x16<S>; 4] {
+        let [r, g, b, a] = self.sum;
+        let lost = &self.lost;
+        [r - lost[0], g - lost[1], b - lost[2], a - lost[3]]
+    }
+
+    /// Where opacity reaches a half, the medium homogeneous within the step in which it does; +∞ where it does not.
+    ///
+    /// (1 − A)(1 − α)^x = ½ at the fraction x of the step.
+    #[inline(always)]
+    pub(crate) fn half(&self, simd: S) -> Lanes {
+        let [begin, length, before, alpha] = self.half;
+        if begin.simd_ge(splat(simd, f32::INFINITY)).all_true() {
+            return Lanes([f32::INFINITY; LANES]);
+        }
+        let mut share = Lanes::ZERO;
+        share_of_half(simd, &Lanes::of(before), &Lanes::of(alpha), &mut share);
+        Lanes::of(begin + length * share.load(simd))
+    }
+}
+
+impl<S: Simd> Sums<S> {
+    /// What became of the rays; those in `ended` ended early.
+    #[inline(always)]
+    pub(crate) fn finish(&self, simd: S, packet: &Packet, ended: mask32x16<S>, samples: u32) -> Marched {
+        let [r, g, b, a] = self.rgba();
+        Marched {
+            rgba: [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)],
+            half: self.half(simd),
+            samples,
+            terminated: packet.hits & ended.to_bitmask() as u32,
+        }
+    }
+}
+
+/// The fraction of a step of opacity `alpha`, behind opacity `before`, at which a half is reached.
+#[inline(never)]
+fn share_of_half<S: Simd>(simd: S, before: &Lanes, alpha: &Lanes, share: &mut Lanes) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let one = splat(simd, 1.0);
+            let (before, alpha) = (before.load(simd), alpha.load(simd));
+            let wanted = (one - splat(simd, 0.5) / (one - before)).max(splat(simd, 0.0));
+            let whole = depth_of_opacity(simd, alpha).max(splat(simd, f32::MIN_POSITIVE));
+            let part = (depth_of_opacity(simd, wanted) / whole).min(one);
+            // An opaque step is so from its first point on.
+            *share = Lanes::of(pick(alpha.simd_ge(one), splat(simd, 0.0), part));
+        },
+    );
+}

@@ -1,0 +1,134 @@
+//! The transfer function's table, looked up for sixteen values at once.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x4, f32x16, i32x16};
+use vr_core::transfer::BakedTransfer;
+use vr_core::{Calibration, TransferFunction};
+
+use super::elementary::opacity_of_depth;
+use super::lanes::{LANES, pick, splat};
+
+/// Colour and extinction over the field's stored numbers, at the same places as a [`BakedTransfer`]: what a step of any length is made
+/// of.
+///
+/// Colours are linear between control points, and so exact; extinction is off by its curvature over one entry. Where emission is
+/// given on its own, it stands in the place of colour.
+#[derive(Clone, Debug)]
+pub(crate) struct OpticsTable {
+    /// (r, g, b, κ), κ per step of length 1.
+    rows: Vec<[f32; 4]>,
+    origin: f32,
+    per_unit: f32,
+    /// Whether the rows hold emission, per step of length 1, and not colour.
+    pub(crate) emits: bool,
+}
+
+/// An extinction that no length of a step brings to infinity, and that is opaque all the same.
+const OPAQUE: f64 = 1e30;
+
+impl OpticsTable {
+    /// At the places of `table`, for lengths in units of `step` world units.
+    pub(crate) fn new(
+        table: &BakedTransfer<f32>,
+        transfer: &TransferFunction,
+        calibration: Calibration,
+        step: f64,
+    ) -> Self {
+        let (origin, spacing, emits) = (f64::from(table.origin()), table.spacing(), transfer.has_emission());
+        let row = |i: usize| {
+            let at = transfer.at(calibration.value(origin + i as f64 * spacing));
+            let light = if emits { at.emission.map(|q| q * step) } else { at.color };
+            let kappa = (transfer.extinction(at.opacity) * step).min(OPAQUE);
+            [light[0] as f32, light[1] as f32, light[2] as f32, kappa as f32]
+        };
+        let intervals = table.entries().len() - 2;
+        // The last row is there twice.
+        let rows = (0..=intervals).chain([intervals]).map(row).collect();
+        Self { rows, origin: table.origin(), per_unit: table.per_unit(), emits }
+    }
+
+    pub(crate) fn rows(&self) -> Rows<'_> {
+        Rows { rows: &self.rows, origin: self.origin, per_unit: self.per_unit, last: (self.rows.len() - 2) as f32 }
+    }
+}
+
+/// Light and opacity of homogeneous steps of any length.
+///
+/// α = 1 − e^(−κh); light is c·α, or q·h·α/τ where the rows hold emission.
+#[inline(always)]
+pub(crate) fn light_of<S: Simd>(simd: S, optics: [f32x16<S>; 4], length: f32x16<S>, emits: bool) -> [f32x16<S>; 4] {
+    let [r, g, b, kappa] = optics;
+    let tau = kappa * length;
+    let alpha = opacity_of_depth(simd, tau);
+    let share = if emits {
+        let clear = tau.simd_le(splat(simd, 0.0));
+        let one = splat(simd, 1.0);
+        length * pick(clear, one, alpha / pick(clear, one, tau))
+    } else {
+        alpha
+    };
+    [r * share, g * share, b * share, alpha]
+}
+
+/// A table of rows of four numbers over the field's stored numbers, interpolated linearly.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows<'a> {
+    /// The last row is there twice, so that index + 1 always exists.
+    rows: &'a [[f32; 4]],
+    origin: f32,
+    per_unit: f32,
+    /// The largest index.
+    last: f32,
+}
+
+impl<'a> Rows<'a> {
+    pub(crate) fn of(table: &'a BakedTransfer<f32>) -> Self {
+        let rows = table.entries();
+        Self { rows, origin: table.origin(), per_unit: table.per_unit(), last: (rows.len() - 2) as f32 }
+    }
+
+    /// The interpolated rows of sixteen values, component by component.
+    ///
+    /// A row is one load into a register: through memory, a wide load would have to wait for the narrow stores before it.
+    #[inline(always)]
+    pub(crate) fn at<S: Simd>(&self, simd: S, value: f32x16<S>) -> [f32x16<S>; 4] {
+        let x = ((value - self.origin) * self.per_unit).max(splat(simd, 0.0)).min(splat(simd, self.last));
+        let index: i32x16<S> = x.to_int();
+        let t = x - index.to_float::<f32x16<S>>();
+        let index = index.to_array();
+        let zero = f32x4::splat(simd, 0.0);
+        let (mut low, mut high) = ([zero; LANES], [zero; LANES]);
+        for j in 0..LANES {
+            let i = index[j] as u32 as usize;
+            let pair = &self.rows[i..i + 2];
+            low[j] = f32x4::load_array_ref(simd, &pair[0]);
+            high[j] = f32x4::load_array_ref(simd, &pair[1]);
+        }
+        let (low, high) = (transpose(low), transpose(high));
+        [
+            low[0] + t * (high[0] - low[0]),
+            low[1] + t * (high[1] - low[1]),
+            low[2] + t * (high[2] - low[2]),
+            low[3] + t * (high[3] - low[3]),
+        ]
+    }
+}
+
+/// Sixteen rows of four into one vector per component.
+#[inline(always)]
+fn transpose<S: Simd>(rows: [f32x4<S>; LANES]) -> [f32x16<S>; 4] {
+    let [r0, r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11, r12, r13, r14, r15] = rows;
+    let a = r0.combine(r1).combine(r2.combine(r3));
+    let b = r4.combine(r5).combine(r6.combine(r7));
+    let c = r8.combine(r9).combine(r10.combine(r11));
+    let d = r12.combine(r13).combine(r14.combine(r15));
+    // Even components and odd ones, then each in two.
+    let (even_low, odd_low) = (a.unzip_low(b), a.unzip_high(b));
+    let (even_high, odd_high) = (c.unzip_low(d), c.unzip_high(d));
+    [
+        even_low.unzip_low(even_high),
+        odd_low.unzip_low(odd_high),
+        even_low.unzip_high(even_high),
+        odd_low.unzip_high(odd_high),
+    ]
+}
