@@ -4,17 +4,37 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Order, Precision, RayCaster, Rule};
+use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Traversal, Vector};
 use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
-const RULES: &[(&str, Rule)] = &[("midpoint", Rule::Midpoint), ("left", Rule::Left)];
+const RULES: &[(&str, Rule)] = &[
+    (Rule::Midpoint.name(), Rule::Midpoint),
+    (Rule::Left.name(), Rule::Left),
+    (Rule::Linear.name(), Rule::Linear),
+    (Rule::Quadratic.name(), Rule::Quadratic),
+    (Rule::Exact.name(), Rule::Exact),
+];
+const TRAVERSALS: &[(&str, Traversal)] =
+    &[("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)];
+const LEAPINGS: &[(&str, Leaping)] = &[
+    ("none", Leaping::None),
+    ("octree", Leaping::Octree),
+    ("pyramid", Leaping::Pyramid),
+    ("exact-cloud", Leaping::ExactCloud),
+    ("chessboard-cloud", Leaping::ChessboardCloud),
+    ("boxes", Leaping::Boxes),
+    ("polyhedron", Leaping::Polyhedron),
+];
 const FRONT_TO_BACK: &str = "front-to-back";
 const BACK_TO_FRONT: &str = "back-to-front";
 const CLASSIFICATIONS: &[(&str, Classification)] =
     &[("table", Classification::Table), ("exact", Classification::Exact)];
 const PRECISIONS: &[(&str, Precision)] = &[("f32", Precision::F32), ("f64", Precision::F64)];
+
+const VECTORS: &[(&str, Vector)] =
+    &[("auto", Vector::Auto), ("avx2", Vector::Avx2), ("baseline", Vector::Baseline), ("off", Vector::Off)];
 
 /// Every option, with the default caster's values.
 pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
@@ -22,9 +42,27 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
     let others = [
         spec(
+            "leaping",
+            OptionKind::Choice(&[
+                "none",
+                "octree",
+                "pyramid",
+                "exact-cloud",
+                "chessboard-cloud",
+                "boxes",
+                "polyhedron",
+            ]),
+            "how rays find out where nothing is visible; changes no pixel",
+        ),
+        spec(
             "rule",
-            OptionKind::Choice(&["midpoint", "left"]),
-            "where in its step a sample is taken: midpoint has order 2, left has order 1",
+            OptionKind::Choice(&["midpoint", "left", "linear", "quadratic", "exact"]),
+            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs cells",
+        ),
+        spec(
+            "traversal",
+            OptionKind::Choice(&["samples", "cells", "voxels"]),
+            "what steps are: of one length, ending at cell faces, or from voxel to voxel",
         ),
         spec(
             "order",
@@ -39,6 +77,11 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         ),
         spec("precision", OptionKind::Choice(&["f32", "f64"]), "precision of the kernels"),
         spec(
+            "vector",
+            OptionKind::Choice(&["auto", "avx2", "baseline", "off"]),
+            "widest instructions of the vector engine; off: the plain engine draws everything",
+        ),
+        spec(
             "termination",
             OptionKind::Number { above: 0.0, most: 1.0 },
             "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
@@ -50,10 +93,13 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
     let options = step_options::to_options(caster.step)
+        .with("leaping", word_of(LEAPINGS, caster.leaping))
         .with("rule", word_of(RULES, caster.rule))
+        .with("traversal", word_of(TRAVERSALS, caster.traversal))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
-        .with("precision", word_of(PRECISIONS, caster.precision));
+        .with("precision", word_of(PRECISIONS, caster.precision))
+        .with("vector", word_of(VECTORS, caster.vector));
     match caster.order {
         Order::FrontToBack { termination } => options.with("order", FRONT_TO_BACK).with("termination", termination),
         Order::BackToFront => options.with("order", BACK_TO_FRONT),
@@ -68,7 +114,9 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
     for (key, value) in set {
         match (key, value) {
             (key, _) if step_options::owns(key) => {}
+            ("leaping", OptionValue::Word(w)) => new.leaping = meaning_of(LEAPINGS, w),
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
+            ("traversal", OptionValue::Word(w)) => new.traversal = meaning_of(TRAVERSALS, w),
             ("order", OptionValue::Word(w)) => {
                 new.order = match (w.as_str(), new.order) {
                     (BACK_TO_FRONT, _) => Order::BackToFront,
@@ -79,6 +127,7 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
             ("filter", OptionValue::Word(w)) => new.filter = Filter::from_name(w),
             ("classification", OptionValue::Word(w)) => new.classification = meaning_of(CLASSIFICATIONS, w),
             ("precision", OptionValue::Word(w)) => new.precision = meaning_of(PRECISIONS, w),
+            ("vector", OptionValue::Word(w)) => new.vector = meaning_of(VECTORS, w),
             ("termination", OptionValue::Number(x)) => {
                 let Order::FrontToBack { termination } = &mut new.order else {
                     return Err(OptionError::Value {
@@ -115,6 +164,10 @@ mod tests {
             RayCaster::exact(0.125),
             RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
+            RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::default() },
+            RayCaster { rule: Rule::Quadratic, traversal: Traversal::Voxels, ..RayCaster::default() },
+            RayCaster { vector: Vector::Off, ..RayCaster::default() },
+            RayCaster { leaping: Leaping::Octree, ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {
@@ -137,6 +190,10 @@ mod tests {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
         }
         assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
+        for (word, leaping) in LEAPINGS {
+            let options = Options::new().with("leaping", *word);
+            assert_eq!(configure(&RayCaster::default(), &options).unwrap().leaping, *leaping);
+        }
         // The numbers of other kinds of steps than the default's choose those.
         let own = to_options(&RayCaster::default());
         for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key)) {
