@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
-use vr_core::transfer::BakedTransfer;
-use vr_core::{Real, Scene, UniformVolume};
+use vr_core::transfer::{BakedTransfer, PreIntegrated};
+use vr_core::{Filter, Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Precision, RayCaster, Step};
+use crate::caster::{Classification, Leaping, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
+use crate::homogeneity::Homogeneity;
+use crate::leap::EmptySpace;
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
+use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::shade::Shader;
-use crate::table_range::{resolves, single_precision_resolves, table_range};
+use crate::table_range::{field_range, resolves, resolves_ramps, single_precision_resolves, table_range};
 
 /// The instruments, in the precision that the scene needs.
 pub(crate) enum Kernel {
@@ -18,12 +21,16 @@ pub(crate) enum Kernel {
     F64(Instruments<f64>),
 }
 
-/// Table and shading.
+/// Table, shading, and what is known of the steps to take.
 pub(crate) struct Instruments<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<Arc<PaceMap>>,
+    /// Where long steps will do.
+    pub(crate) homogeneity: Option<Arc<Homogeneity>>,
+    /// Where nothing is visible; `None`: everything is sampled.
+    pub(crate) empty_space: Option<EmptySpace>,
 }
 
 impl Kernel {
@@ -48,6 +55,28 @@ impl Kernel {
     }
 }
 
+/// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
+fn shape(caster: &RayCaster) -> Option<Shape> {
+    match (caster.rule, caster.traversal) {
+        (Rule::Midpoint | Rule::Left, Traversal::Samples) if matches!(caster.step, Step::Uniform(_)) => None,
+        (Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
+        (Rule::Linear, _) => Some(Shape::Line),
+        (Rule::Quadratic, _) => Some(Shape::Parabola),
+        (Rule::Exact, _) => Some(Shape::Cubic),
+    }
+}
+
+/// A table for steps of all lengths, if one tells apart all that the transfer function does: a small one where the transfer function's
+/// points fit into it, else a large one.
+fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter) -> Option<Arc<PreIntegrated<R>>> {
+    let (low, high) = field_range(volume, filter).unwrap_or((0.0, 0.0));
+    let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), (low as f32, high as f32), entries);
+    let small = table(PreIntegrated::<R>::ENTRIES);
+    let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
+    let resolved = table.is_aligned() || resolves_ramps(table.spacing(), volume, &scene.transfer);
+    resolved.then(|| Arc::new(table))
+}
+
 impl<R: Real> Instruments<R> {
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, last: Option<(&Scene, &Self)>) -> Self {
@@ -62,34 +91,64 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| {
             old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
         };
+        let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
+        let last_of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.homogeneity.clone());
+        let of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.empty_space.as_ref());
+        let of_scene = last.filter(|(old, _)| same(old) && old.compositing == scene.compositing);
         let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
+        let lights = scene.compositing.integrates_light();
+        let wanted = caster.classification == Classification::Table && lights;
+        let profile = shape(caster).filter(|_| lights).map(|shape| {
+            let kept = last.and_then(|i| i.classifier.profile.as_ref());
+            let made = || preintegrated(scene, volume, field);
+            Profile {
+                shape,
+                table: if wanted && shape != Shape::Cubic {
+                    kept.and_then(|p| p.table.clone()).or_else(made)
+                } else {
+                    None
+                },
+                exact: ExactIntegral::new(Arc::clone(&scene.transfer)),
+                calibration: volume.calibration(),
+            }
+        });
         let kept = last.and_then(|i| i.classifier.table.clone());
-        // Steps of many lengths have no table.
-        let wanted = caster.classification == Classification::Table
-            && scene.compositing.integrates_light()
-            && matches!(caster.step, Step::Uniform(_));
+        let leaping = caster.leaping != Leaping::None;
         let pace = |error: f64| {
             last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
                 let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
                 let map =
-                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, true);
+                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, leaping);
                 Arc::new(map)
             })
         };
         let classifier = Classifier {
             transfer: Arc::clone(&scene.transfer),
             calibration: volume.calibration(),
-            table: if wanted { kept.or_else(bake) } else { None },
+            table: if wanted && profile.is_none() { kept.or_else(bake) } else { None },
+            profile,
         };
         let shader = scene
             .shading
             .as_ref()
             .map(|shading| Shader::new(Arc::clone(shading), volume.placement(), volume.calibration().slope));
         let pace = match caster.step {
-            Step::Local { error } => Some(pace(error)),
-            Step::Uniform(_) => None,
+            Step::Local { error } if caster.traversal == Traversal::Samples => Some(pace(error)),
+            _ => None,
         };
-        Self { classifier, shader, pace }
+        let homogeneity = match caster.step {
+            Step::Homogeneous { error, .. } if caster.traversal == Traversal::Samples => {
+                last.and_then(|i| i.homogeneity.clone()).or_else(|| {
+                    Some(Arc::new(Homogeneity::new(volume, field, &scene.transfer, error, last_of_field.as_deref())))
+                })
+            }
+            _ => None,
+        };
+        let empty_space = match of_scene {
+            Some((_, last)) => last.empty_space.clone(),
+            None => EmptySpace::new(caster, scene, volume, &classifier, of_field),
+        };
+        Self { classifier, shader, pace, homogeneity, empty_space }
     }
 
     /// How bright the medium can be.

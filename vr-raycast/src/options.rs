@@ -4,12 +4,29 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Order, Precision, RayCaster, Rule, Vector};
+use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Traversal, Vector};
 use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
-const RULES: &[(&str, Rule)] = &[("midpoint", Rule::Midpoint), ("left", Rule::Left)];
+const RULES: &[(&str, Rule)] = &[
+    (Rule::Midpoint.name(), Rule::Midpoint),
+    (Rule::Left.name(), Rule::Left),
+    (Rule::Linear.name(), Rule::Linear),
+    (Rule::Quadratic.name(), Rule::Quadratic),
+    (Rule::Exact.name(), Rule::Exact),
+];
+const TRAVERSALS: &[(&str, Traversal)] =
+    &[("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)];
+const LEAPINGS: &[(&str, Leaping)] = &[
+    ("none", Leaping::None),
+    ("octree", Leaping::Octree),
+    ("pyramid", Leaping::Pyramid),
+    ("exact-cloud", Leaping::ExactCloud),
+    ("chessboard-cloud", Leaping::ChessboardCloud),
+    ("boxes", Leaping::Boxes),
+    ("polyhedron", Leaping::Polyhedron),
+];
 const FRONT_TO_BACK: &str = "front-to-back";
 const BACK_TO_FRONT: &str = "back-to-front";
 const CLASSIFICATIONS: &[(&str, Classification)] =
@@ -25,9 +42,27 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
     let others = [
         spec(
+            "leaping",
+            OptionKind::Choice(&[
+                "none",
+                "octree",
+                "pyramid",
+                "exact-cloud",
+                "chessboard-cloud",
+                "boxes",
+                "polyhedron",
+            ]),
+            "how rays find out where nothing is visible; changes no pixel",
+        ),
+        spec(
             "rule",
-            OptionKind::Choice(&["midpoint", "left"]),
-            "where in its step a sample is taken: midpoint has order 2, left has order 1",
+            OptionKind::Choice(&["midpoint", "left", "linear", "quadratic", "exact"]),
+            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs cells",
+        ),
+        spec(
+            "traversal",
+            OptionKind::Choice(&["samples", "cells", "voxels"]),
+            "what steps are: of one length, ending at cell faces, or from voxel to voxel",
         ),
         spec(
             "order",
@@ -58,7 +93,9 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
     let options = step_options::to_options(caster.step)
+        .with("leaping", word_of(LEAPINGS, caster.leaping))
         .with("rule", word_of(RULES, caster.rule))
+        .with("traversal", word_of(TRAVERSALS, caster.traversal))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
         .with("precision", word_of(PRECISIONS, caster.precision))
@@ -77,7 +114,9 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
     for (key, value) in set {
         match (key, value) {
             (key, _) if step_options::owns(key) => {}
+            ("leaping", OptionValue::Word(w)) => new.leaping = meaning_of(LEAPINGS, w),
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
+            ("traversal", OptionValue::Word(w)) => new.traversal = meaning_of(TRAVERSALS, w),
             ("order", OptionValue::Word(w)) => {
                 new.order = match (w.as_str(), new.order) {
                     (BACK_TO_FRONT, _) => Order::BackToFront,
@@ -125,7 +164,10 @@ mod tests {
             RayCaster::exact(0.125),
             RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
+            RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::default() },
+            RayCaster { rule: Rule::Quadratic, traversal: Traversal::Voxels, ..RayCaster::default() },
             RayCaster { vector: Vector::Off, ..RayCaster::default() },
+            RayCaster { leaping: Leaping::Octree, ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {
@@ -148,6 +190,10 @@ mod tests {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
         }
         assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
+        for (word, leaping) in LEAPINGS {
+            let options = Options::new().with("leaping", *word);
+            assert_eq!(configure(&RayCaster::default(), &options).unwrap().leaping, *leaping);
+        }
         // The numbers of other kinds of steps than the default's choose those.
         let own = to_options(&RayCaster::default());
         for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key)) {

@@ -4,20 +4,21 @@ use std::sync::Arc;
 
 use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
 
-use crate::caster::{Order, RayCaster, Rule, Step};
+use crate::caster::{Order, Precision, RayCaster, Rule};
+use crate::engine::Engine;
 use crate::instruments::{Instruments, Kernel};
 use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
-use crate::packet::{PacketEngine, PacketFrame};
+use crate::packet::PacketFrame;
 use crate::pipeline::Pipeline;
 use crate::screen::every_pixel;
+use crate::support::check;
+use crate::tolerance::Promised;
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
 pub(crate) struct PreparedCaster {
     caster: RayCaster,
     scene: Scene,
-    kernel: Kernel,
-    /// Where it can draw the scene.
-    packets: Option<PacketEngine>,
+    engine: Engine,
 }
 
 impl PreparedCaster {
@@ -25,17 +26,8 @@ impl PreparedCaster {
         let volume = check(&caster, scene)?;
         control.check()?;
         control.run(|| volume.warm(caster.filter_of(scene)));
-        let kernel = Kernel::new(&caster, scene, volume, None);
-        let packets = control.run(|| packets(&caster, scene, volume, &kernel));
-        Ok(Self { caster, scene: scene.clone(), kernel, packets })
-    }
-}
-
-/// The vector engine, if it can draw the scene.
-fn packets(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, kernel: &Kernel) -> Option<PacketEngine> {
-    match kernel {
-        Kernel::F32(instruments) => PacketEngine::new(caster, scene, volume, instruments),
-        Kernel::F64(_) => None,
+        let engine = control.run(|| Engine::new(&caster, scene, volume, None))?;
+        Ok(Self { caster, scene: scene.clone(), engine })
     }
 }
 
@@ -44,20 +36,25 @@ impl Prepared for PreparedCaster {
         let volume = check(&self.caster, scene)?;
         control.check()?;
         control.run(|| volume.warm(self.caster.filter_of(scene)));
-        self.kernel = Kernel::new(&self.caster, scene, volume, Some((&self.scene, &self.kernel)));
-        self.packets = control.run(|| packets(&self.caster, scene, volume, &self.kernel));
+        self.engine = control.run(|| Engine::new(&self.caster, scene, volume, Some((&self.scene, &self.engine))))?;
         self.scene = scene.clone();
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
-        if let Some(engine) = &self.packets {
-            let volume = check(&self.caster, &self.scene)?;
-            return every_pixel(&PacketFrame { engine, volume, rays: Rays::new(view)?, view }, view, control);
-        }
-        match &self.kernel {
-            Kernel::F32(instruments) => self.render_with(instruments, view, control),
-            Kernel::F64(instruments) => self.render_with(instruments, view, control),
+        match &self.engine {
+            Engine::Plain(Kernel::F32(instruments)) => self.render_with(instruments, view, control),
+            Engine::Plain(Kernel::F64(instruments)) => self.render_with(instruments, view, control),
+            Engine::Packets(engine, _) => {
+                let volume = check(&self.caster, &self.scene)?;
+                every_pixel(&PacketFrame { engine, volume, rays: Rays::new(view)?, view }, view, control)
+            }
+            Engine::Promise(promise) => {
+                let volume = check(&self.caster, &self.scene)?;
+                let single = self.caster.precision == Precision::F32;
+                let tracer = Promised { promise, volume, view, rays: Rays::new(view)?, single };
+                every_pixel(&tracer, view, control)
+            }
         }
     }
 
@@ -67,31 +64,6 @@ impl Prepared for PreparedCaster {
             _ => Model::Canonical,
         }
     }
-}
-
-fn unsupported(feature: String) -> RenderError {
-    RenderError::Unsupported { renderer: RayCaster::NAME, feature }
-}
-
-/// Whether this caster can draw this scene; its volume, if so.
-fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, RenderError> {
-    caster.validate()?;
-    scene.validate()?;
-    if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
-        return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
-    }
-    if matches!(caster.step, Step::Local { .. }) {
-        if !scene.compositing.integrates_light() {
-            return Err(unsupported(format!(
-                "compositing '{}' in steps that follow the light",
-                scene.compositing.name()
-            )));
-        }
-        if caster.order == Order::BackToFront {
-            return Err(unsupported("steps that follow the data, back to front".to_owned()));
-        }
-    }
-    scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
 impl PreparedCaster {
@@ -135,15 +107,15 @@ impl<R: Real> Plain<'_, R> {
         let pipeline = Pipeline {
             volume: self.volume,
             filter: caster.filter_of(&self.prepared.scene),
+            traversal: caster.traversal,
             voxel: self.volume.placement().spacing().min_element(),
-            step: caster.world_step(self.volume),
+            step: caster.longest_step(self.volume),
             pace: self.instruments.pace.as_deref(),
-            offset: match caster.rule {
-                Rule::Midpoint => 0.5,
-                Rule::Left => 0.0,
-            },
+            homogeneity: self.instruments.homogeneity.as_deref(),
+            offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),
+            empty_space: self.instruments.empty_space.as_ref(),
             view: self.view,
             rays: Rays::new(self.view)?,
             operator,

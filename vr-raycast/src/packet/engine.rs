@@ -17,7 +17,7 @@ use super::march::{Medium, Pace, march};
 use super::setup::{FrameSetup, Packet};
 use super::shade::{PacketLights, PacketShading};
 use super::table::{OpticsTable, Rows};
-use crate::caster::{Classification, Order, RayCaster, Rule, Step};
+use crate::caster::{Classification, Leaping, Order, RayCaster, Rule, Step, Traversal};
 use crate::instruments::Instruments;
 use crate::leap::Visibility;
 use crate::operator::Brightest;
@@ -78,6 +78,7 @@ impl PacketEngine {
         let Order::FrontToBack { termination } = caster.order else { return None };
         let common = scene.compositing == Compositing::Over
             && shadable(scene)
+            && caster.traversal == Traversal::Samples
             && caster.filter_of(scene) == Filter::Trilinear
             && caster.classification == Classification::Table;
         let step = caster.world_step(volume);
@@ -92,11 +93,13 @@ impl PacketEngine {
         let offset = match caster.rule {
             Rule::Midpoint => 0.5,
             Rule::Left => 0.0,
+            Rule::Linear | Rule::Quadratic | Rule::Exact => return None,
         };
         let (table, steps) = match (caster.step, &instruments.pace) {
             (Step::Uniform(_), _) => {
                 let table = Arc::clone(&instruments.classifier.table.as_ref()?.0);
-                let distances = Self::distances(volume, scene, &table, EDGE);
+                let leaps = caster.leaping != Leaping::None;
+                let distances = leaps.then(|| Self::distances(volume, scene, &table, EDGE)).flatten();
                 (Arc::clone(&table), PacketSteps::Lattice { table, distances })
             }
             (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint => {
