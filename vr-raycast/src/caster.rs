@@ -34,9 +34,14 @@ pub struct RayCaster {
     pub vector: Vector,
 }
 
-/// Which instructions the vector engine may use. It draws unshaded `over` of the trilinear filter, front to back, in f32 with a table,
-/// where no sample is missing; everything else goes through the plain engine. Pictures do not depend on the instructions, bit for
-/// bit; from the plain engine's they differ by rounding.
+/// Which instructions the vector engine may use.
+///
+/// It draws `over` of the trilinear filter, front to back, in f32 with a table, by the rules `midpoint` and `left` under uniform steps and
+/// by `midpoint` under local ones, unshaded or shaded by central differences, where no sample is missing and opacity does not follow the
+/// gradient. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own, whichever
+/// structure [`Leaping`] names; with [`Leaping::None`], not at all.
+///
+/// Pictures do not depend on the instructions, bit for bit; from the plain engine's they differ by rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Vector {
     /// The widest that the machine has.
