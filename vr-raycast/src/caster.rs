@@ -2,6 +2,8 @@
 
 use vr_core::{Filter, ParameterError, Scene, UniformVolume};
 
+use crate::tolerance::check_error;
+
 /// Casts rays and samples them at equal distances; the crate's front page says how.
 ///
 /// ```
@@ -38,6 +40,24 @@ pub enum Step {
     /// views tested is then further than 1/255 from the truth; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
     /// with the square of the step, time with its inverse: fog is as good at a step of 2.
     Uniform(f64),
+    /// Long where the medium is nearly the same, else as [`Uniform`](Self::Uniform) has it (after Danskin and Hanrahan 1992, *Fast
+    /// algorithms for volume ray tracing*): a block, or a block of blocks, is crossed in one step where no pixel can change for that by
+    /// more than its share of `error`.
+    ///
+    /// The long steps of a ray together are off by at most `error` from the truth, where no source is brighter than 1 (else in
+    /// proportion); the short ones by what short steps are off by. For over, front to back, without shading.
+    Homogeneous {
+        /// The short steps, as a fraction of the smallest voxel edge.
+        step: f64,
+        /// The largest error that long steps may make, all of a ray together.
+        error: f64,
+    },
+    /// As long as a promise allows: no component of a pixel is further than this from the truth, relative to max(1, the picture's
+    /// largest magnitude); at least 10⁻⁶. Rays for which no such bound was found are counted ([`vr_core::Counts::unbounded`]).
+    ///
+    /// For over and accumulate, trilinear and nearest fields, without shading. Rule, order and classification do not apply; in the
+    /// precision f32, rays whose rounding takes too much are done again in f64.
+    Tolerance(f64),
     /// As long as what is in each place allows: short where extinction and emission change much within four voxels, up to sixteen voxels
     /// where they hardly do; and nothing is sampled where nothing is visible.
     ///
@@ -192,8 +212,9 @@ impl RayCaster {
     /// World length of a step.
     pub(crate) fn world_step(&self, volume: &UniformVolume) -> f64 {
         let voxels = match self.step {
-            Step::Uniform(voxels) => voxels,
-            Step::Local { .. } => 1.0,
+            Step::Uniform(voxels) | Step::Homogeneous { step: voxels, .. } => voxels,
+            // They have no one length.
+            Step::Local { .. } | Step::Tolerance(_) => 1.0,
         };
         voxels * volume.placement().spacing().min_element()
     }
@@ -209,13 +230,24 @@ impl RayCaster {
     /// Checks the numbers, and that they go together.
     pub(crate) fn validate(&self) -> Result<(), ParameterError> {
         match self.step {
-            Step::Uniform(step) if !(step > 0.0 && step <= Self::LONGEST_STEP) => {
+            Step::Uniform(step) | Step::Homogeneous { step, .. } if !(step > 0.0 && step <= Self::LONGEST_STEP) => {
                 return Err(ParameterError::new("render.step", step, "must be above 0 and at most 64"));
+            }
+            Step::Homogeneous { error, .. } if !(error > 0.0 && error <= 1.0) => {
+                return Err(ParameterError::new("render.homogeneity", error, "must be above 0 and at most 1"));
+            }
+            Step::Tolerance(error) => {
+                check_error(error)?;
+                if self.order != Order::default() || self.rule != Rule::default() {
+                    let allowed =
+                        "a promised error leaves rule, order and termination to the caster: they must not be set";
+                    return Err(ParameterError::new("render.max_error", error, allowed));
+                }
             }
             Step::Local { error } if !(error > 0.0 && error <= 1.0) => {
                 return Err(ParameterError::new("render.local-error", error, "must be above 0 and at most 1"));
             }
-            Step::Uniform(_) | Step::Local { .. } => {}
+            Step::Uniform(_) | Step::Local { .. } | Step::Homogeneous { .. } => {}
         }
         match (self.rule, self.traversal) {
             (Rule::Exact, Traversal::Samples | Traversal::Voxels) => {

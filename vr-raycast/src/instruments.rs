@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
+use fearless_simd::Level;
 use vr_core::transfer::{BakedTransfer, PreIntegrated};
 use vr_core::{Filter, Real, Scene, UniformVolume};
 
 use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
+use crate::homogeneity::Homogeneity;
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
+use crate::packet::{LocalEngine, supports_local};
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::shade::Shader;
 use crate::table_range::{field_range, resolves, resolves_ramps, single_precision_resolves, table_range};
@@ -25,6 +28,10 @@ pub(crate) struct Instruments<R> {
     pub(crate) shader: Option<Shader<R>>,
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<Arc<PaceMap>>,
+    /// Vector code for it, where there is.
+    pub(crate) vector: Option<LocalEngine>,
+    /// Where long steps will do.
+    pub(crate) homogeneity: Option<Arc<Homogeneity>>,
 }
 
 impl Kernel {
@@ -85,6 +92,8 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| {
             old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
         };
+        let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
+        let last_of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.homogeneity.clone());
         let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
         let lights = scene.compositing.integrates_light();
         let wanted = caster.classification == Classification::Table && lights;
@@ -125,7 +134,21 @@ impl<R: Real> Instruments<R> {
             Step::Local { error } if caster.traversal == Traversal::Samples => Some(pace(error)),
             _ => None,
         };
-        Self { classifier, shader, pace }
+        let homogeneity = match caster.step {
+            Step::Homogeneous { error, .. } if caster.traversal == Traversal::Samples => {
+                last.and_then(|i| i.homogeneity.clone()).or_else(|| {
+                    Some(Arc::new(Homogeneity::new(volume, field, &scene.transfer, error, last_of_field.as_deref())))
+                })
+            }
+            _ => None,
+        };
+        let mut made = Self { classifier, shader, pace, vector: None, homogeneity };
+        if let Some(map) = &made.pace
+            && supports_local(caster, scene, volume)
+        {
+            made.vector = LocalEngine::new(caster, scene, volume, Arc::clone(map), made.brightest(), Level::new());
+        }
+        made
     }
 
     /// How bright the medium can be.

@@ -84,6 +84,7 @@
 mod caster;
 mod chord;
 mod classify;
+mod homogeneity;
 mod instruments;
 // Its own tests use it; the walk along rays will.
 #[allow(dead_code, unused_imports)]
@@ -91,6 +92,8 @@ mod leap;
 mod operator;
 mod options;
 mod pace;
+#[allow(dead_code)]
+mod packet;
 mod pipeline;
 mod prepared;
 mod ray_value;
@@ -101,7 +104,9 @@ mod screen;
 mod settings;
 mod shade;
 mod step_options;
+mod straightness;
 mod table_range;
+mod tolerance;
 mod tracer;
 mod walk;
 

@@ -7,13 +7,14 @@ use vr_core::{Counts, Filter, IndexRay, Ray, RayShading, Rays, Real, UniformVolu
 use crate::caster::Traversal;
 use crate::chord::Chord;
 use crate::classify::Classifier;
+use crate::homogeneity::Homogeneity;
 use crate::operator::Operator;
 use crate::pace::PaceMap;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::tracer::{Traced, Tracer};
-use crate::walk::{Lattice, LatticeWalk, LocalWalk, Walk, cell_walk, voxel_walk};
+use crate::walk::{HomogeneousWalk, Lattice, LatticeWalk, LocalWalk, Walk, cell_walk, voxel_walk};
 
 /// What a frame's rays share.
 ///
@@ -30,6 +31,8 @@ pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) step: f64,
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<&'a PaceMap>,
+    /// Where long steps will do.
+    pub(crate) homogeneity: Option<&'a Homogeneity>,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
@@ -73,11 +76,14 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
             let dims = self.volume.dims();
-            let walk = match (self.traversal, self.pace) {
-                (Traversal::Cells, _) => Walk::Listed(cell_walk(&part, dims, self.step, start, O::BACKWARDS)),
-                (Traversal::Voxels, _) => Walk::Listed(voxel_walk(&part, dims, start, O::BACKWARDS)),
-                (Traversal::Samples, Some(map)) => Walk::Local(LocalWalk::new(map, part, self.voxel)),
-                (Traversal::Samples, None) => {
+            let walk = match (self.traversal, self.pace, self.homogeneity) {
+                (Traversal::Cells, ..) => Walk::Listed(cell_walk(&part, dims, self.step, start, O::BACKWARDS)),
+                (Traversal::Voxels, ..) => Walk::Listed(voxel_walk(&part, dims, start, O::BACKWARDS)),
+                (Traversal::Samples, Some(map), _) => Walk::Local(LocalWalk::new(map, part, self.voxel)),
+                (Traversal::Samples, None, Some(map)) => {
+                    Walk::Homogeneous(HomogeneousWalk::new(map, part, self.step, self.voxel))
+                }
+                (Traversal::Samples, None, None) => {
                     let lattice = Lattice::new(part.start, part.end, self.step);
                     Walk::Lattice(LatticeWalk::new(lattice, start, O::BACKWARDS))
                 }

@@ -4,17 +4,47 @@ use std::sync::Arc;
 
 use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
 
-use crate::caster::{Order, RayCaster, Rule, Step, Traversal};
+use crate::caster::{Order, Precision, RayCaster, Rule, Step, Traversal};
 use crate::instruments::{Instruments, Kernel};
 use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
+use crate::packet::LocalFrame;
 use crate::pipeline::Pipeline;
 use crate::screen::every_pixel;
+use crate::tolerance::{Promise, Promised};
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
 pub(crate) struct PreparedCaster {
     caster: RayCaster,
     scene: Scene,
-    kernel: Kernel,
+    engine: Engine,
+}
+
+/// What draws.
+enum Engine {
+    /// Steps as the settings say.
+    Plain(Kernel),
+    /// Steps as a promised error asks for.
+    Promise(Box<Promise>),
+}
+
+impl Engine {
+    /// Makes what the scene needs, and takes over from `last` what has not changed since.
+    fn new(
+        caster: &RayCaster,
+        scene: &Scene,
+        volume: &UniformVolume,
+        last: Option<(&Scene, &Self)>,
+    ) -> Result<Self, RenderError> {
+        if let Step::Tolerance(error) = caster.step {
+            let promise = Promise::new(error, scene, volume, caster.filter_of(scene))?;
+            return Ok(Self::Promise(Box::new(promise)));
+        }
+        let last = match last {
+            Some((scene, Self::Plain(kernel))) => Some((scene, kernel)),
+            _ => None,
+        };
+        Ok(Self::Plain(Kernel::new(caster, scene, volume, last)))
+    }
 }
 
 impl PreparedCaster {
@@ -22,8 +52,8 @@ impl PreparedCaster {
         let volume = check(&caster, scene)?;
         control.check()?;
         control.run(|| volume.warm(caster.filter_of(scene)));
-        let kernel = Kernel::new(&caster, scene, volume, None);
-        Ok(Self { caster, scene: scene.clone(), kernel })
+        let engine = control.run(|| Engine::new(&caster, scene, volume, None))?;
+        Ok(Self { caster, scene: scene.clone(), engine })
     }
 }
 
@@ -32,15 +62,21 @@ impl Prepared for PreparedCaster {
         let volume = check(&self.caster, scene)?;
         control.check()?;
         control.run(|| volume.warm(self.caster.filter_of(scene)));
-        self.kernel = Kernel::new(&self.caster, scene, volume, Some((&self.scene, &self.kernel)));
+        self.engine = control.run(|| Engine::new(&self.caster, scene, volume, Some((&self.scene, &self.engine))))?;
         self.scene = scene.clone();
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
-        match &self.kernel {
-            Kernel::F32(instruments) => self.render_with(instruments, view, control),
-            Kernel::F64(instruments) => self.render_with(instruments, view, control),
+        match &self.engine {
+            Engine::Plain(Kernel::F32(instruments)) => self.render_with(instruments, view, control),
+            Engine::Plain(Kernel::F64(instruments)) => self.render_with(instruments, view, control),
+            Engine::Promise(promise) => {
+                let volume = check(&self.caster, &self.scene)?;
+                let single = self.caster.precision == Precision::F32;
+                let tracer = Promised { promise, volume, view, rays: Rays::new(view)?, single };
+                every_pixel(&tracer, view, control)
+            }
         }
     }
 
@@ -83,6 +119,17 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
             return Err(unsupported("steps that follow the data, back to front".to_owned()));
         }
     }
+    if matches!(caster.step, Step::Homogeneous { .. }) {
+        if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
+            return Err(unsupported("homogeneous steps under anything but over, front to back".to_owned()));
+        }
+        if caster.rule != Rule::Midpoint {
+            return Err(unsupported("homogeneous steps by another rule than the midpoint's".to_owned()));
+        }
+        if scene.shading.is_some() {
+            return Err(unsupported("homogeneous steps with shading: values do not tell how it changes".to_owned()));
+        }
+    }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
@@ -95,6 +142,10 @@ impl PreparedCaster {
         control: &Control,
     ) -> Result<Rendered, RenderError> {
         let volume = check(&self.caster, &self.scene)?;
+        if let Some(engine) = &instruments.vector {
+            let frame = LocalFrame { engine, volume, rays: Rays::new(view)?, view };
+            return every_pixel(&frame, view, control);
+        }
         let transfer = || Arc::clone(&self.scene.transfer);
         let calibration = volume.calibration();
         let plain = Plain { prepared: self, volume, instruments, view, control };
@@ -131,6 +182,7 @@ impl<R: Real> Plain<'_, R> {
             voxel: self.volume.placement().spacing().min_element(),
             step: caster.longest_step(self.volume),
             pace: self.instruments.pace.as_deref(),
+            homogeneity: self.instruments.homogeneity.as_deref(),
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),
