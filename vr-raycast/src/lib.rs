@@ -46,6 +46,11 @@
 //! | [`Rule::Midpoint`] under over and accumulate: continuous filter, transfer function without jumps | 2 |
 //! | [`Rule::Left`] | 1 |
 //! | either with the nearest filter, or where the transfer function jumps or an opaque wall begins | 1: the place is known to one step |
+//! | [`Rule::Linear`] | 2, at jumps and walls, too |
+//! | [`Rule::Quadratic`], smooth field | 4; at kinks of the transfer function 3.6, at jumps 2 |
+//! | [`Rule::Quadratic`], trilinear field | 2, for its kinks at cell faces, with a quarter to a fifteenth of midpoint's error at the same step; from one step a cell on 10⁻⁶ to 10⁻⁴ with [`Traversal::Cells`] |
+//! | [`Rule::Exact`], [`Traversal::Cells`] | no error but rounding, unless shaded (one gradient a cell) |
+//! | [`Traversal::Voxels`] | 1 in the size of a voxel |
 //! | average, midpoint | 2 |
 //! | maximum, minimum: samples and chord ends | 2 inside a smooth piece; 1 at a kink of the field |
 //! | first | as exact as f32 depth, where the field crosses the threshold once between two samples |

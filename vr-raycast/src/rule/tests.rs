@@ -13,7 +13,7 @@ use crate::walk::{Lattice, LatticeWalk, VisibleSteps, Walk, cell_walk};
 
 fn volume(dims: [usize; 3], placement: Placement, f: impl Fn(f64, f64, f64) -> f64) -> Volume {
     let point = |i: usize| [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])].map(|x| x as f64);
-    let samples = (0..dims.iter().product()).map(|i| point(i)).map(|[x, y, z]| f(x, y, z) as f32).collect::<Vec<_>>();
+    let samples = (0..dims.iter().product()).map(point).map(|[x, y, z]| f(x, y, z) as f32).collect::<Vec<_>>();
     UniformGrid::new(dims, samples, placement, Calibration { slope: -2.0, intercept: 1.5 }).unwrap().into()
 }
 
