@@ -61,8 +61,8 @@ pub enum Step {
     /// The same everywhere: a fraction of the smallest voxel edge, in world distance whatever the spacing. The last step of a ray is
     /// as long as is left, and counts as that.
     ///
-    /// Default ⅕: on the phantoms without jumps, at 64³ and finer and with their own transfer functions, no pixel of the
-    /// views tested is then further than 1/255 from the truth; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
+    /// At ⅕, on the phantoms without jumps, at 64³ and finer and with their own transfer functions, no pixel of the
+    /// views tested is further than 1/255 from the truth; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
     /// with the square of the step, time with its inverse: fog is as good at a step of 2.
     Uniform(f64),
     /// Long where the medium is nearly the same, else as [`Uniform`](Self::Uniform) has it (after Danskin and Hanrahan 1992, *Fast
@@ -102,16 +102,24 @@ pub enum Step {
     /// where they hardly do; and nothing is sampled where nothing is visible.
     ///
     /// Steps are chosen so that the picture's RMSE is about `error`: it is aimed at, not promised ([`Step::Local`] knows the
-    /// size of changes, not their shape). For over and accumulate, front to back.
+    /// size of changes, not their shape). For over and accumulate, front to back: other operators, and rays from back to front, take uniform
+    /// steps of [`Step::OTHERWISE`].
     Local {
         /// RMSE to aim at, in (0, 1].
         error: f64,
     },
 }
 
+impl Step {
+    /// Uniform steps where local ones have nothing to follow, as a fraction of the smallest voxel edge.
+    pub const OTHERWISE: f64 = 0.2;
+    /// The error that local steps aim at by default; the crate's README says how it was chosen.
+    pub const ERROR: f64 = 5e-4;
+}
+
 impl Default for Step {
     fn default() -> Self {
-        Self::Uniform(0.2)
+        Self::Local { error: Self::ERROR }
     }
 }
 
@@ -279,6 +287,15 @@ impl RayCaster {
     /// The filter that makes the field it samples.
     pub(crate) fn filter_of(&self, scene: &Scene) -> Filter {
         self.filter.unwrap_or(scene.filter)
+    }
+
+    /// The caster that draws a scene: where there is no light to follow, or no way to, local steps are uniform ones.
+    pub(crate) fn settled_for(&self, scene: &Scene) -> Self {
+        let follows = scene.compositing.integrates_light() && self.order != Order::BackToFront;
+        match self.step {
+            Step::Local { .. } if !follows => Self { step: Step::Uniform(Step::OTHERWISE), ..self.clone() },
+            _ => self.clone(),
+        }
     }
 
     /// World length of a step.

@@ -89,7 +89,10 @@ impl<R: Real> Instruments<R> {
             resolves(&table, volume, field, &scene.transfer).then(|| (Arc::new(table), step))
         };
         let same = |old: &Scene| {
-            old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
+            old.volume.same(&scene.volume)
+                && old.filter == scene.filter
+                && old.transfer == scene.transfer
+                && old.shading.is_some() == scene.shading.is_some()
         };
         let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
         let last_of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.homogeneity.clone());
@@ -112,20 +115,23 @@ impl<R: Real> Instruments<R> {
                 calibration: volume.calibration(),
             }
         });
-        let kept = last.and_then(|i| i.classifier.table.clone());
+        // Made for the same steps.
+        let step = caster.world_step(volume);
+        let kept = last.and_then(|i| i.classifier.table.clone()).filter(|(_, length)| *length == step);
+        // Local steps are of many lengths, none of which has a table.
+        let follows = matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples;
         let leaping = caster.leaping != Leaping::None;
         let pace = |error: f64| {
             last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
                 let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
-                let map =
-                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, leaping);
+                let map = PaceMap::new(volume.dims(), &levels, scene, volume.calibration(), voxel, error, leaping);
                 Arc::new(map)
             })
         };
         let classifier = Classifier {
             transfer: Arc::clone(&scene.transfer),
             calibration: volume.calibration(),
-            table: if wanted && profile.is_none() { kept.or_else(bake) } else { None },
+            table: if wanted && profile.is_none() && !follows { kept.or_else(bake) } else { None },
             profile,
         };
         let shader = scene
@@ -133,7 +139,7 @@ impl<R: Real> Instruments<R> {
             .as_ref()
             .map(|shading| Shader::new(Arc::clone(shading), volume.placement(), volume.calibration().slope));
         let pace = match caster.step {
-            Step::Local { error } if caster.traversal == Traversal::Samples => Some(pace(error)),
+            Step::Local { error } if follows => Some(pace(error)),
             _ => None,
         };
         let homogeneity = match caster.step {

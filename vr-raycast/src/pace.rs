@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use vr_core::transfer::Optical;
-use vr_core::{Calibration, LevelRanges, TransferFunction};
+use vr_core::{Calibration, LevelRanges, Scene, TransferFunction};
 
 use crate::leap::VisibleBlocks;
 
@@ -47,18 +47,18 @@ impl PaceMap {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
-    /// For a transfer function, and an error of the picture to aim at. `voxel`: world length of the smallest voxel edge. Without `leaping`,
+    /// For a scene, and an error of the picture to aim at. `voxel`: world length of the smallest voxel edge. Without `leaping`,
     /// what is clear is walked through in long steps.
     pub(crate) fn new(
         dims: [usize; 3],
         levels: &LevelRanges,
-        transfer: &TransferFunction,
+        scene: &Scene,
         calibration: Calibration,
         voxel: f64,
         error: f64,
         leaping: bool,
     ) -> Self {
-        let by_range = Classes::new(levels, transfer, calibration, voxel, error);
+        let by_range = Classes::new(levels, scene, calibration, voxel, error);
         let blocks = levels.blocks();
         let mut bytes: Vec<u8> = levels.ranges().par_iter().with_min_len(1 << 12).map(|&r| by_range.of(r)).collect();
         let visible = leaping.then(|| {
@@ -148,20 +148,20 @@ struct Classes {
     table: Vec<u8>,
 }
 
-/// Of κ and the three q over a range of values: how much they vary (the sum of all rises and falls), and whether one is ever above 0.
+/// Of κ and the three q over a range of values: how much they vary (the sum of all rises and falls), and the greatest of each.
 #[derive(Clone, Copy)]
 struct Variation {
     total: [f64; 4],
-    visible: bool,
+    greatest: [f64; 4],
 }
 
 impl Variation {
     /// Of values in order.
     fn of(path: impl Iterator<Item = [f64; 4]>) -> Self {
-        let mut all = Self { total: [0.0; 4], visible: false };
+        let mut all = Self { total: [0.0; 4], greatest: [0.0; 4] };
         let mut last: Option<[f64; 4]> = None;
         for here in path {
-            all.visible |= here != [0.0; 4];
+            all.greatest = std::array::from_fn(|c| all.greatest[c].max(here[c]));
             if let Some(last) = last {
                 for c in 0..4 {
                     // ∞ − ∞ is no change.
@@ -174,22 +174,23 @@ impl Variation {
     }
 
     fn then(self, next: &Self) -> Self {
-        Self { total: std::array::from_fn(|c| self.total[c] + next.total[c]), visible: self.visible || next.visible }
+        Self {
+            total: std::array::from_fn(|c| self.total[c] + next.total[c]),
+            greatest: std::array::from_fn(|c| self.greatest[c].max(next.greatest[c])),
+        }
     }
 
-    fn largest(&self) -> f64 {
-        self.total.into_iter().fold(0.0, f64::max)
+    /// Of the most varying one. Where light is `shaded`, it can go from all to nothing on a few voxels, whatever the values do.
+    fn largest(&self, shaded: bool) -> f64 {
+        let of = |c: usize| self.total[c] + if shaded { self.greatest[c] } else { 0.0 };
+        (0..4).map(of).fold(0.0, f64::max)
     }
 }
 
 impl Classes {
-    fn new(
-        levels: &LevelRanges,
-        transfer: &TransferFunction,
-        calibration: Calibration,
-        voxel: f64,
-        error: f64,
-    ) -> Self {
+    fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
+        let transfer = &*scene.transfer;
+        let shaded = scene.shading.is_some();
         const N: usize = LevelRanges::LAST as usize + 1;
         let value = |level: usize| calibration.value(levels.stored(level as u8));
         let at = |value: f64| optics(transfer, &transfer.at(value));
@@ -204,10 +205,10 @@ impl Classes {
             })
             .collect();
         let class = |variation: &Variation| {
-            if !variation.visible {
+            if variation.greatest == [0.0; 4] {
                 return CLEAR;
             }
-            let change = (variation.largest() * voxel).min(SATURATION);
+            let change = (variation.largest(shaded) * voxel).min(SATURATION);
             let voxels = if change > 0.0 { PaceMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
             class_of(voxels)
         };
@@ -288,7 +289,7 @@ mod tests {
         let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
         let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
         let levels = volume.uniform().unwrap().level_ranges(Filter::Trilinear);
-        PaceMap::new(dims, &levels, &transfer, Calibration::default(), 1.0, error, leaping)
+        PaceMap::new(dims, &levels, &Scene::new(volume, transfer), Calibration::default(), 1.0, error, leaping)
     }
 
     #[test]

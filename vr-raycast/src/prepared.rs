@@ -16,28 +16,33 @@ use crate::tolerance::Promised;
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
 pub(crate) struct PreparedCaster {
+    /// As it was set.
+    asked: RayCaster,
+    /// As it draws the scene.
     caster: RayCaster,
     scene: Scene,
     engine: Engine,
 }
 
 impl PreparedCaster {
-    pub(crate) fn new(caster: RayCaster, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+    pub(crate) fn new(asked: RayCaster, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+        let caster = asked.settled_for(scene);
         let volume = check(&caster, scene)?;
         control.check()?;
         control.run(|| volume.warm(caster.filter_of(scene)));
         let engine = control.run(|| Engine::new(&caster, scene, volume, None))?;
-        Ok(Self { caster, scene: scene.clone(), engine })
+        Ok(Self { asked, caster, scene: scene.clone(), engine })
     }
 }
 
 impl Prepared for PreparedCaster {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
-        let volume = check(&self.caster, scene)?;
+        let caster = self.asked.settled_for(scene);
+        let volume = check(&caster, scene)?;
         control.check()?;
-        control.run(|| volume.warm(self.caster.filter_of(scene)));
-        self.engine = control.run(|| Engine::new(&self.caster, scene, volume, Some((&self.scene, &self.engine))))?;
-        self.scene = scene.clone();
+        control.run(|| volume.warm(caster.filter_of(scene)));
+        self.engine = control.run(|| Engine::new(&caster, scene, volume, Some((&self.scene, &self.engine))))?;
+        (self.caster, self.scene) = (caster, scene.clone());
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use vr_core::{Compositing, RenderError, Scene, UniformVolume};
 
-use crate::caster::{Order, RayCaster, Rule, Step, Traversal};
+use crate::caster::{Order, RayCaster, Rule, Step};
 
 fn unsupported(feature: String) -> RenderError {
     RenderError::Unsupported { renderer: RayCaster::NAME, feature }
@@ -21,17 +21,6 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
     let filter = caster.filter_of(scene);
     if !caster.rule.goes_with(filter) {
         return Err(unsupported(format!("the filter '{filter}' by the rule '{}'", caster.rule.name())));
-    }
-    if matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples {
-        if !scene.compositing.integrates_light() {
-            return Err(unsupported(format!(
-                "compositing '{}' in steps that follow the light",
-                scene.compositing.name()
-            )));
-        }
-        if caster.order == Order::BackToFront {
-            return Err(unsupported("steps that follow the data, back to front".to_owned()));
-        }
     }
     if matches!(caster.step, Step::Homogeneous { .. }) {
         if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
