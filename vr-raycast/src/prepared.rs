@@ -4,47 +4,21 @@ use std::sync::Arc;
 
 use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
 
-use crate::caster::{Order, Precision, RayCaster, Rule, Step, Traversal};
+use crate::caster::{Order, Precision, RayCaster, Rule};
+use crate::engine::Engine;
 use crate::instruments::{Instruments, Kernel};
 use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
-use crate::packet::LocalFrame;
+use crate::packet::PacketFrame;
 use crate::pipeline::Pipeline;
 use crate::screen::every_pixel;
-use crate::tolerance::{Promise, Promised};
+use crate::support::check;
+use crate::tolerance::Promised;
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
 pub(crate) struct PreparedCaster {
     caster: RayCaster,
     scene: Scene,
     engine: Engine,
-}
-
-/// What draws.
-enum Engine {
-    /// Steps as the settings say.
-    Plain(Box<Kernel>),
-    /// Steps as a promised error asks for.
-    Promise(Box<Promise>),
-}
-
-impl Engine {
-    /// Makes what the scene needs, and takes over from `last` what has not changed since.
-    fn new(
-        caster: &RayCaster,
-        scene: &Scene,
-        volume: &UniformVolume,
-        last: Option<(&Scene, &Self)>,
-    ) -> Result<Self, RenderError> {
-        if let Step::Tolerance(error) = caster.step {
-            let promise = Promise::new(error, scene, volume, caster.filter_of(scene))?;
-            return Ok(Self::Promise(Box::new(promise)));
-        }
-        let last = match last {
-            Some((scene, Self::Plain(kernel))) => Some((scene, &**kernel)),
-            _ => None,
-        };
-        Ok(Self::Plain(Box::new(Kernel::new(caster, scene, volume, last))))
-    }
 }
 
 impl PreparedCaster {
@@ -69,10 +43,12 @@ impl Prepared for PreparedCaster {
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
         match &self.engine {
-            Engine::Plain(kernel) => match &**kernel {
-                Kernel::F32(instruments) => self.render_with(instruments, view, control),
-                Kernel::F64(instruments) => self.render_with(instruments, view, control),
-            },
+            Engine::Plain(Kernel::F32(instruments)) => self.render_with(instruments, view, control),
+            Engine::Plain(Kernel::F64(instruments)) => self.render_with(instruments, view, control),
+            Engine::Packets(engine, _) => {
+                let volume = check(&self.caster, &self.scene)?;
+                every_pixel(&PacketFrame { engine, volume, rays: Rays::new(view)?, view }, view, control)
+            }
             Engine::Promise(promise) => {
                 let volume = check(&self.caster, &self.scene)?;
                 let single = self.caster.precision == Precision::F32;
@@ -90,49 +66,6 @@ impl Prepared for PreparedCaster {
     }
 }
 
-fn unsupported(feature: String) -> RenderError {
-    RenderError::Unsupported { renderer: RayCaster::NAME, feature }
-}
-
-/// Whether this caster can draw this scene; its volume, if so.
-fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, RenderError> {
-    caster.validate()?;
-    scene.validate()?;
-    if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
-        return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
-    }
-    if caster.rule == Rule::Exact && !scene.compositing.integrates_light() {
-        return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
-    }
-    let filter = caster.filter_of(scene);
-    if !caster.rule.goes_with(filter) {
-        return Err(unsupported(format!("the filter '{filter}' by the rule '{}'", caster.rule.name())));
-    }
-    if matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples {
-        if !scene.compositing.integrates_light() {
-            return Err(unsupported(format!(
-                "compositing '{}' in steps that follow the light",
-                scene.compositing.name()
-            )));
-        }
-        if caster.order == Order::BackToFront {
-            return Err(unsupported("steps that follow the data, back to front".to_owned()));
-        }
-    }
-    if matches!(caster.step, Step::Homogeneous { .. }) {
-        if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
-            return Err(unsupported("homogeneous steps under anything but over, front to back".to_owned()));
-        }
-        if caster.rule != Rule::Midpoint {
-            return Err(unsupported("homogeneous steps by another rule than the midpoint's".to_owned()));
-        }
-        if scene.shading.is_some() {
-            return Err(unsupported("homogeneous steps with shading: values do not tell how it changes".to_owned()));
-        }
-    }
-    scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
-}
-
 impl PreparedCaster {
     /// Chooses the operator: once a frame.
     fn render_with<R: Real>(
@@ -142,10 +75,6 @@ impl PreparedCaster {
         control: &Control,
     ) -> Result<Rendered, RenderError> {
         let volume = check(&self.caster, &self.scene)?;
-        if let Some(engine) = &instruments.vector {
-            let frame = LocalFrame { engine, volume, rays: Rays::new(view)?, view };
-            return every_pixel(&frame, view, control);
-        }
         let transfer = || Arc::clone(&self.scene.transfer);
         let calibration = volume.calibration();
         let plain = Plain { prepared: self, volume, instruments, view, control };
@@ -186,6 +115,7 @@ impl<R: Real> Plain<'_, R> {
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),
+            empty_space: self.instruments.empty_space.as_ref(),
             view: self.view,
             rays: Rays::new(self.view)?,
             operator,

@@ -41,19 +41,23 @@ pub(crate) struct Packet {
     pub(crate) last: Lanes,
     /// Length of the last step, as a fraction of a whole one.
     pub(crate) ratio: Lanes,
+    /// Where the ray ends, in steps from the middle one's begin; −∞ for one that does not meet the volume.
+    pub(crate) stop: Lanes,
     /// Step number of the middle one.
     pub(crate) middle: [f64; LANES],
     /// World distance from the ray's own origin to the begin of step 0.
     pub(crate) begin: [f64; LANES],
     /// Length of the part in world units.
     pub(crate) length: [f64; LANES],
+    /// Unit vectors along the rays, in the world.
+    pub(crate) directions: [[f64; LANES]; 3],
 }
 
 /// Of a ray's length: a last step shorter than this is rounding. As in `Steps`.
 const SLIVER: f64 = 1e-12;
 
 impl FrameSetup<'_> {
-    /// Sets up to sixteen rays up; missing ones repeat the last. Its own function: the same for all kernels of a level.
+    /// Sets up to sixteen rays up; missing ones meet nothing. Its own function: the same for all kernels of a level.
     #[inline(never)]
     pub(crate) fn packet<S: Simd>(&self, simd: S, spots: &[Spot], packet: &mut Packet) {
         simd.vectorize(
@@ -103,10 +107,12 @@ impl FrameSetup<'_> {
             self.clip(&mut start, &mut end, &from, &along, &offset);
         }
 
+        packet.directions = along;
         packet.hits = 0;
+        let wanted = (1u32 << spots.len().min(LANES)) - 1;
         let per_step = self.step;
         for i in 0..LANES {
-            let hit = start[i] < end[i];
+            let hit = start[i] < end[i] && wanted >> i & 1 == 1;
             packet.hits |= u32::from(hit) << i;
             let chord = if hit { end[i] - start[i] } else { 1.0 };
             let begin = if hit { start[i] } else { 0.0 };
@@ -123,6 +129,7 @@ impl FrameSetup<'_> {
             packet.end.0[i] = if hit { (count - 1.0 - middle) as f32 } else { f32::NEG_INFINITY };
             packet.last.0[i] = (count - 1.0 - middle + self.offset * (last / per_step - 1.0)) as f32;
             packet.ratio.0[i] = (last / per_step) as f32;
+            packet.stop.0[i] = if hit { (chord / per_step - middle) as f32 } else { f32::NEG_INFINITY };
             let s = begin + (middle + self.offset) * per_step;
             for a in 0..3 {
                 packet.base[a].0[i] = if hit { (origin[a][i] + direction[a][i] * s) as f32 } else { 0.0 };
@@ -165,10 +172,20 @@ impl Packet {
         end: Lanes::ZERO,
         last: Lanes::ZERO,
         ratio: Lanes::ZERO,
+        stop: Lanes::ZERO,
         middle: [0.0; LANES],
         begin: [0.0; LANES],
         length: [0.0; LANES],
+        directions: [[0.0; LANES]; 3],
     };
+
+    /// Begins at these steps of the rays, or at their last ones.
+    pub(crate) fn begin_at(&mut self, starts: &[u32]) {
+        for (i, &start) in starts.iter().enumerate() {
+            let last = f64::from(self.end.0[i]).max(0.0 - self.middle[i]);
+            self.first.0[i] = (f64::from(start) - self.middle[i]).min(last) as f32;
+        }
+    }
 }
 
 /// A matrix times sixteen vectors.
