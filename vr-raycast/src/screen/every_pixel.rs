@@ -13,12 +13,16 @@ const BLOCK: u32 = 4;
 /// Traces every ray of a view, tile by tile on all threads. The picture does not depend on their number.
 pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) -> Result<Rendered, RenderError> {
     let mut stats = RenderStats::default();
+    let rays = (view.samples * view.samples) as usize;
     let across = view.size[0].div_ceil(TILE);
     let tiles = across * view.size[1].div_ceil(TILE);
     let results = stats.time("rays", || {
         in_parallel(control, tiles, |t| {
             let pixels = pixels_of_tile(view.size, [t % across * TILE, t / across * TILE]);
-            let spots: Vec<Spot> = pixels.iter().flat_map(|&pixel| spots_of_pixel(view, pixel)).collect();
+            let mut spots = Vec::with_capacity(pixels.len() * rays);
+            for &pixel in &pixels {
+                spots.extend(spots_of_pixel(view, pixel));
+            }
             let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
             tracer.trace(&spots, None, &mut values, &mut counts);
             (pixels, values, counts)
@@ -26,7 +30,6 @@ pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) 
     })?;
     let n = view.size[0] as usize * view.size[1] as usize;
     let (mut rgba, mut depth) = (vec![[0.0; 4]; n], vec![0.0; n]);
-    let rays = (view.samples * view.samples) as usize;
     stats.counts = stats.time("image", || {
         let mut sum = Counts::default();
         for (pixels, values, counts) in results {
