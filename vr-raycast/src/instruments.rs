@@ -58,7 +58,11 @@ impl Kernel {
 /// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
-        (Rule::Midpoint | Rule::Left, Traversal::Samples) if matches!(caster.step, Step::Uniform(_)) => None,
+        (Rule::Midpoint | Rule::Left, Traversal::Samples)
+            if matches!(caster.step, Step::Uniform(_) | Step::Vicinity { .. }) =>
+        {
+            None
+        }
         (Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
         (Rule::Linear, _) => Some(Shape::Line),
         (Rule::Quadratic, _) => Some(Shape::Parabola),

@@ -1,6 +1,8 @@
 //! Which ranges of stored numbers hold something visible.
 
-use vr_core::transfer::{BakedTransfer, Segment};
+use std::sync::Arc;
+
+use vr_core::transfer::{BakedTransfer, PreIntegrated, Segment};
 use vr_core::{BlockRange, Calibration, Real, TransferFunction};
 
 /// Says of a range of stored numbers whether any number in it is visible.
@@ -29,6 +31,8 @@ pub(crate) struct LightVisibility<R> {
     /// Of the transfer function itself: a shorter step at the end of a ray is not looked up.
     visible: Vec<OpenRange>,
     table: Option<SummedEntries<R>>,
+    /// Of the table that rules which integrate between samples look segments up in.
+    segments: Option<SummedRows<R>>,
 }
 
 /// The values between two ends, which are visible but for the upper end, and for the lower end where `open`.
@@ -44,7 +48,15 @@ struct OpenRange {
 struct SummedEntries<R> {
     /// Entry i: visible ones among the first i.
     count: Vec<u32>,
-    table: std::sync::Arc<BakedTransfer<R>>,
+    table: Arc<BakedTransfer<R>>,
+}
+
+/// How many of the first rows of a table of segments are not zero.
+#[derive(Clone, Debug)]
+struct SummedRows<R> {
+    /// Entry i: visible ones among the first i.
+    count: Vec<u32>,
+    table: Arc<PreIntegrated<R>>,
 }
 
 impl<R: Real> Visibility<R> {
@@ -52,10 +64,18 @@ impl<R: Real> Visibility<R> {
     pub(crate) fn of_light(
         transfer: &TransferFunction,
         calibration: Calibration,
-        table: Option<&std::sync::Arc<BakedTransfer<R>>>,
+        table: Option<&Arc<BakedTransfer<R>>>,
     ) -> Self {
         let visible = visible_ranges(transfer.segments());
-        Self::Light(LightVisibility { calibration, visible, table: table.map(SummedEntries::new) })
+        Self::Light(LightVisibility { calibration, visible, table: table.map(SummedEntries::new), segments: None })
+    }
+
+    /// The same where segments between samples are looked up, in this table: what is visible in it is visible, too.
+    pub(crate) fn with_segments(mut self, table: Option<&Arc<PreIntegrated<R>>>) -> Self {
+        if let Self::Light(light) = &mut self {
+            light.segments = table.map(SummedRows::new);
+        }
+        self
     }
 
     /// Of a threshold in calibrated values.
@@ -91,6 +111,11 @@ impl<R: Real> LightVisibility<R> {
         {
             return true;
         }
+        if let Some(table) = &self.segments
+            && table.is_visible(R::from_f32(low), R::from_f32(high))
+        {
+            return true;
+        }
         let (a, b) = (self.calibration.value(low.into()), self.calibration.value(high.into()));
         let (low, high) = (a.min(b), a.max(b));
         // Ranges are disjoint and sorted: the first one that does not end below `low` is the only candidate.
@@ -100,7 +125,7 @@ impl<R: Real> LightVisibility<R> {
 }
 
 impl<R: Real> SummedEntries<R> {
-    fn new(table: &std::sync::Arc<BakedTransfer<R>>) -> Self {
+    fn new(table: &Arc<BakedTransfer<R>>) -> Self {
         let mut count = Vec::with_capacity(table.entries().len() + 1);
         count.push(0);
         let mut sum = 0;
@@ -108,7 +133,7 @@ impl<R: Real> SummedEntries<R> {
             sum += u32::from(*entry != [R::ZERO; 4]);
             count.push(sum);
         }
-        Self { count, table: std::sync::Arc::clone(table) }
+        Self { count, table: Arc::clone(table) }
     }
 
     /// Whether any entry counts that a look-up between two numbers interpolates.
@@ -118,6 +143,27 @@ impl<R: Real> SummedEntries<R> {
         // On an entry, the next one has the weight 0.
         let past = i1 + if x1 > R::from_index(i1) { 2 } else { 1 };
         self.count[past] > self.count[i0]
+    }
+}
+
+impl<R: Real> SummedRows<R> {
+    fn new(table: &Arc<PreIntegrated<R>>) -> Self {
+        let mut count = vec![0];
+        let mut sum = 0;
+        for row in table.rows() {
+            sum += u32::from(row.start != [R::ZERO; 4] || row.rise != [R::ZERO; 4]);
+            count.push(sum);
+        }
+        Self { count, table: Arc::clone(table) }
+    }
+
+    /// Whether any row counts that a segment between two numbers passes.
+    fn is_visible(&self, low: R, high: R) -> bool {
+        let (a, b) = (self.table.place(low), self.table.place(high));
+        // At the begin of its row, only what the row begins with counts.
+        let begins = b.fraction == R::ZERO && self.table.rows()[b.row].start == [R::ZERO; 4];
+        let past = if begins { b.row } else { b.row + 1 };
+        self.count[past.max(a.row)] > self.count[a.row]
     }
 }
 
@@ -140,7 +186,6 @@ fn visible_ranges(segments: &[Segment]) -> Vec<OpenRange> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use std::sync::Arc;
     use vr_core::{ControlPoint, OpacityRule};
 
     fn transfer(points: &[(f64, f64)]) -> TransferFunction {
@@ -219,11 +264,17 @@ mod tests {
             let table = Arc::new(BakedTransfer::<f32>::new(&transfer, calibration, (0.0, 20.0), integer, step));
             let seen = Visibility::of_light(&transfer, calibration, Some(&table));
             let exact = Visibility::<f32>::of_light(&transfer, calibration, None);
+            let segments = Arc::new(PreIntegrated::<f32>::new(&transfer, calibration, (0.0, 20.0), 64));
+            let integrated = exact.clone().with_segments(Some(&segments));
             for k in 0..=200u16 {
                 let stored = (low + width * f32::from(k) / 200.0).min(high);
                 let value = calibration.value(stored.into());
                 if transfer.step(value, step)[3] > 0.0 {
                     prop_assert!(exact.is_visible(low, high), "{stored}");
+                }
+                if k > 0 {
+                    let light = segments.segment(low, stored, 1.0);
+                    prop_assert!(light == [0.0; 4] || integrated.is_visible(low, high), "{low} to {stored}: {light:?}");
                 }
                 if table.step(stored)[3] > 0.0 || transfer.step(value, step)[3] > 0.0 {
                     prop_assert!(seen.is_visible(low, high), "{stored}");
