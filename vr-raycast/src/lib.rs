@@ -77,8 +77,8 @@
 //! [`Step::Vicinity`] is another way; none changes a picture by a bit, its depths included.
 //!
 //! # What it does not do yet
-//! It has no vector kernels, no pre-integration, and no promise of an
-//! error. It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
+//! Its vector kernels ([`Vector`] says what they draw) know neither pre-integration nor the other filters and operators: those
+//! go ray by ray. It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 mod caster;
 mod chord;
