@@ -15,10 +15,8 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
     }
-    if caster.rule == Rule::Exact {
-        if !scene.compositing.integrates_light() {
-            return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
-        }
+    if caster.rule == Rule::Exact && !scene.compositing.integrates_light() {
+        return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
     }
     let filter = caster.filter_of(scene);
     if !caster.rule.goes_with(filter) {
