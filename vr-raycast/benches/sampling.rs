@@ -1,6 +1,7 @@
-//! Nanoseconds per sample of the plain caster, on one core: what vector kernels have to beat.
+//! Nanoseconds per sample, on one core: of the plain engine, and of the vector one, which has to beat it.
 //!
-//! `average` costs sampling and a sum; `over` adds table and compositing. Both take every sample of every ray of an oblique view,
+//! `average` costs sampling and a sum, in the plain engine alone; `over` adds table and compositing, in both (`packets`: the vector one).
+//! All take every sample of every ray of an oblique view,
 //! at a step of one voxel, through fog that is transparent enough for no ray to end early. The error that belongs to a speed is
 //! in the tests: `convergence.rs` prints it.
 
@@ -10,7 +11,7 @@ use vr_core::{
     Camera, Compositing, Control, ControlPoint, OpacityRule, Renderer, Scene, TransferFunction, UniformGrid, View,
     Volume,
 };
-use vr_raycast::{Order, RayCaster, Step};
+use vr_raycast::{Order, RayCaster, Step, Vector};
 
 /// Fog of `n`³ samples of a type, thin: opacity 10⁻³ a voxel at most.
 fn fog<T: Quantize>(n: usize) -> Scene
@@ -34,16 +35,21 @@ fn samples(c: &mut Criterion) {
     group.sample_size(10).warm_up_time(std::time::Duration::from_millis(300));
     group.measurement_time(std::time::Duration::from_secs(1));
     let control = Control::default().with_threads(1);
-    for n in [128, 256] {
+    for n in [128, 256, 512] {
         for (name, scene) in [("u8", fog::<u8>(n)), ("u16", fog::<u16>(n)), ("f32", fog::<f32>(n))] {
-            for compositing in [Compositing::Average, Compositing::Over] {
+            for (word, compositing, vector) in [
+                ("average", Compositing::Average, Vector::Off),
+                ("over", Compositing::Over, Vector::Off),
+                ("packets", Compositing::Over, Vector::Auto),
+            ] {
                 let scene = Scene { compositing, ..scene.clone() };
-                let caster = RayCaster { step: Step::Uniform(1.0), order: Order::WHOLE_RAY, ..RayCaster::default() };
+                let step = Step::Uniform(1.0);
+                let caster = RayCaster { step, vector, order: Order::WHOLE_RAY, ..RayCaster::default() };
                 let mut prepared = caster.prepare(&scene, &control).expect("a uniform grid");
                 let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [64, 64]);
                 let counts = prepared.render(&view, &control).expect("a valid view").stats.counts;
                 group.throughput(Throughput::Elements(counts.samples));
-                let id = BenchmarkId::new(format!("{}/{name}", compositing.name()), n);
+                let id = BenchmarkId::new(format!("{word}/{name}"), n);
                 group.bench_function(id, |b| b.iter(|| prepared.render(&view, &control).expect("a valid view")));
             }
         }

@@ -88,7 +88,8 @@
 //! samples at distances tell too little. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
 //!
 //! # What it does not do yet
-//! It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
+//! Its vector kernels ([`Vector`] says what they draw) know neither pre-integration nor the other filters and operators: those go ray by
+//! ray. It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 mod caster;
 mod chord;

@@ -13,7 +13,7 @@ use super::lanes::{LANES, Lanes};
 use super::leap::Distances;
 use super::level::{self, Vectorized};
 use super::local::{LocalPace, by_byte};
-use super::march::{Medium, Pace, march};
+use super::march::{LatticePace, Medium, Pace, march};
 use super::setup::{FrameSetup, Packet};
 use super::shade::{PacketLights, PacketShading};
 use super::table::{OpticsTable, Rows};
@@ -226,7 +226,7 @@ impl PacketFrame<'_> {
             dims: lattice.dims,
             pace: match &engine.steps {
                 PacketSteps::Lattice { table, distances } => {
-                    Pace::Lattice { rows: Rows::of(table), distances: distances.as_ref() }
+                    Pace::Lattice(LatticePace { rows: Rows::of(table), distances: distances.as_ref() })
                 }
                 PacketSteps::Local { map, by_byte } => Pace::Local(LocalPace::new(map, by_byte)),
             },

@@ -23,7 +23,6 @@ type TwoRows<T> = [[[T; 2]; LANES]; 2];
 
 /// The pairs of the faces z and z + 1; staged, for there is one load a pair and no gather.
 #[repr(align(64))]
-#[derive(Clone)]
 pub(crate) struct Stage<T>([TwoRows<T>; 2]);
 
 impl<T: Voxel> Stage<T> {

@@ -30,14 +30,18 @@ pub(crate) struct Medium<'a, T> {
 #[derive(Clone, Copy)]
 pub(crate) enum Pace<'a> {
     /// In steps of one length.
-    Lattice {
-        /// For whole steps.
-        rows: Rows<'a>,
-        /// `None`: nothing is leaped over.
-        distances: Option<&'a Distances>,
-    },
+    Lattice(LatticePace<'a>),
     /// In steps of the length that each place asks for.
     Local(LocalPace<'a>),
+}
+
+/// Steps of one length.
+#[derive(Clone, Copy)]
+pub(crate) struct LatticePace<'a> {
+    /// For whole steps.
+    pub(crate) rows: Rows<'a>,
+    /// `None`: nothing is leaped over.
+    pub(crate) distances: Option<&'a Distances>,
 }
 
 /// What became of a packet's rays.
@@ -61,7 +65,7 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     stages: &mut [Stage<T>; 2],
 ) -> Marched {
     match medium.pace {
-        Pace::Lattice { rows, distances } => lattice(simd, medium, rows, distances, packet, most, lights, stages),
+        Pace::Lattice(pace) => lattice(simd, medium, pace, packet, most, lights, stages),
         Pace::Local(pace) => local(simd, medium, pace, packet, most, lights, stages),
     }
 }
@@ -74,8 +78,7 @@ const STRIDE: u32 = 2;
 fn lattice<S: Simd, T: Pairs>(
     simd: S,
     medium: &Medium<'_, T>,
-    rows: Rows<'_>,
-    distances: Option<&Distances>,
+    LatticePace { rows, distances }: LatticePace<'_>,
     packet: &Packet,
     most: &Lanes,
     lights: &PacketLights,
@@ -87,6 +90,8 @@ fn lattice<S: Simd, T: Pairs>(
     let most = most.load(simd);
     let mut at = packet.first.load(simd);
     let mut end = packet.end.load(simd);
+    // A closure would not be inlined for certain.
+    #[allow(clippy::manual_map)]
     let leaper = match distances {
         Some(distances) => Some((distances, Leaper::new(simd, distances.shift, packet, medium.dims))),
         None => None,

@@ -126,8 +126,8 @@ impl Shade<'_> {
             let highlight = ln(simd, along(&seen.half).max(splat(simd, f32::MIN_POSITIVE))).min(zero) * -power;
             let highlight = (one - opacity_of_depth(simd, highlight)) * specular;
             for c in 0..3 {
-                factor[c] = factor[c] + facing * seen.color[c];
-                added[c] = added[c] + highlight * seen.color[c];
+                factor[c] += facing * seen.color[c];
+                added[c] += highlight * seen.color[c];
             }
         }
         let alpha = light[3].load(simd);
@@ -177,7 +177,7 @@ fn gradient<S: Simd, T: Pairs>(
             let (lone_low, lone_high) = if sign > 0.0 { (zero, both) } else { (both, zero) };
             let mut weights = [[one - t[0], t[0]], [one - t[1], t[1]], [one - t[2], t[2]]];
             weights[a] = [pick(beyond, lone_low, back), pick(beyond, lone_high, on)];
-            gradient[a] = gradient[a] + field.weighted(simd, &weights, stage) * sign;
+            gradient[a] += field.weighted(simd, &weights, stage) * sign;
         }
     }
     gradient

@@ -120,7 +120,7 @@ fn view_of(
     if cut & 8 != 0 {
         let distance = (camera.target - camera.eye).length() as f32;
         let pixel = |i: u32| {
-            ([0.1, 0.2, 0.3], if i % 3 == 0 { f32::INFINITY } else { distance * (0.8 + 0.1 * (i % 5) as f32) })
+            ([0.1, 0.2, 0.3], if i.is_multiple_of(3) { f32::INFINITY } else { distance * (0.8 + 0.1 * (i % 5) as f32) })
         };
         view.layer = Some(Arc::new(Layer { pixels: (0..size[0] * size[1]).map(pixel).collect() }));
     }
