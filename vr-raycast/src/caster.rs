@@ -273,6 +273,11 @@ impl RayCaster {
     /// The longest step that is taken, in voxels.
     pub const LONGEST_STEP: f64 = 64.0;
 
+    /// The default caster, but for steps of one length: a fraction of the smallest voxel edge.
+    pub fn uniform(step: f64) -> Self {
+        Self { step: Step::Uniform(step), ..Self::default() }
+    }
+
     /// The caster that comes nearest to the limit of its step: exact classification in f64 along whole rays.
     pub fn exact(step: f64) -> Self {
         Self {

@@ -31,7 +31,7 @@ fn homogeneous_slab_at_any_step() {
     for step in [0.25, 0.3, 0.5, 0.77, 1.0, 1.7, 2.0, 4.0, 8.0] {
         for order in [Order::default(), Order::BackToFront] {
             for rule in [Rule::Midpoint, Rule::Left] {
-                for caster in kernels(&RayCaster { step: Step::Uniform(step), order, rule, ..RayCaster::default() }) {
+                for caster in kernels(&RayCaster { step: Step::Uniform(step), order, rule, ..RayCaster::uniform(0.2) }) {
                     let (rgba, d) = pixel(&caster, &scene, &down(1.0, 1.2));
                     // A constant field has no discretisation error: what is left is the rounding of up to 20 steps.
                     assert_close(rgba, want, 20.0 * F32, &format!("{caster:?}"));
@@ -49,7 +49,7 @@ fn thin_media_keep_their_digits() {
         let scene = Scene::new(volume([2, 2, 4097], |_, _, _| 0.0), homogeneous(alpha));
         let exact = -(4096.0 * (-alpha).ln_1p()).exp_m1();
         for order in [Order::default(), Order::BackToFront] {
-            let caster = RayCaster { step: Step::Uniform(1.0), order, ..RayCaster::default() };
+            let caster = RayCaster { step: Step::Uniform(1.0), order, ..RayCaster::uniform(0.2) };
             let mut view = down(0.5, 0.5);
             view.camera.eye.z = 5000.0;
             view.camera.target.z = 0.0;
@@ -93,7 +93,7 @@ fn pure_emission_and_pure_absorption() {
         |opacity, emission| ControlPoint { emission: Some(emission), ..ControlPoint::new(0.0, [1.0; 3], opacity) };
     let scene = |p| Scene::new(ramp(1.0, 0.0), TransferFunction::new(vec![p], OpacityRule::Power, 1.0).unwrap());
     for step in [0.3, 0.5, 3.0] {
-        for caster in kernels(&RayCaster { step: Step::Uniform(step), ..RayCaster::default() }) {
+        for caster in kernels(&RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) }) {
             let (rgba, depth) = pixel(&caster, &scene(point(0.0, [1e6, 0.25, 0.0])), &down(0.5, 0.5));
             assert!((f64::from(rgba[0]) / 16e6 - 1.0).abs() < 16.0 * F32, "{rgba:?}");
             assert_close([0.0, rgba[1], rgba[2], rgba[3]], [0.0, 4.0, 0.0, 0.0], 4e-6, "pure emission");
@@ -109,7 +109,7 @@ fn opaque_walls_end_the_ray() {
     // Clear up to the value 8, opaque from there on: 8 units before a wall of colour c.
     let wall = transfer(&[(8.0, [0.0; 3], 0.0), (8.0, [0.25, 0.5, 1.0], 1.0)], 1.0);
     let scene = Scene::new(ramp(0.0, 1.0), wall);
-    for caster in kernels(&RayCaster { step: Step::Uniform(0.25), ..RayCaster::default() }) {
+    for caster in kernels(&RayCaster { step: Step::Uniform(0.25), ..RayCaster::uniform(0.2) }) {
         let picture = render(&caster, &scene, &down(0.5, 0.5));
         assert_eq!(picture.frame.pixels()[0], [0.25, 0.5, 1.0, 1.0], "{caster:?}");
         // A wall's place is known to one step.
@@ -121,7 +121,7 @@ fn opaque_walls_end_the_ray() {
     let lamp = transfer(&[(8.0, [0.0; 3], 0.0), (8.0, [0.5; 3], 1.0), (9.0, [0.5; 3], 1.0), (9.1, [1e6; 3], 0.9)], 1.0);
     for order in [Order::default(), Order::BackToFront] {
         let (rgba, _) = pixel(
-            &RayCaster { order, ..RayCaster::default() },
+            &RayCaster { order, ..RayCaster::uniform(0.2) },
             &Scene::new(ramp(0.0, 1.0), lamp.clone()),
             &down(0.5, 0.5),
         );
@@ -130,7 +130,7 @@ fn opaque_walls_end_the_ray() {
     // Where emission is given on its own, an opaque medium sends nothing.
     let dark = ControlPoint { emission: Some([5.0; 3]), ..ControlPoint::new(0.0, [1.0; 3], 1.0) };
     let dark = TransferFunction::new(vec![dark], OpacityRule::Power, 1.0).unwrap();
-    for caster in kernels(&RayCaster::default()) {
+    for caster in kernels(&RayCaster::uniform(0.2)) {
         assert_eq!(pixel(&caster, &Scene::new(ramp(0.0, 1.0), dark.clone()), &down(0.5, 0.5)).0, [0.0, 0.0, 0.0, 1.0]);
     }
 }
@@ -142,7 +142,7 @@ fn short_last_steps_of_dense_media() {
     scene.compositing = Compositing::Over;
     let mut view = down(0.5, 0.5);
     view.clip.crop = Some((DVec3::ZERO, DVec3::new(1.0, 1.0, 0.01)));
-    for caster in kernels(&RayCaster { step: Step::Uniform(1.0), ..RayCaster::default() }) {
+    for caster in kernels(&RayCaster { step: Step::Uniform(1.0), ..RayCaster::uniform(0.2) }) {
         let (rgba, _) = pixel(&caster, &scene, &view);
         let alpha = 1.0 - 1e-8f64.powf(0.01);
         assert_close(rgba, [alpha; 4], 2.0 * F32, &format!("{caster:?}"));
@@ -154,7 +154,7 @@ fn accumulate_stops_at_its_level() {
     let mut scene = Scene::new(ramp(1.0, 0.0), transfer(&[(0.0, [0.5, 1.0, 0.0], 0.3)], 1.0));
     for level in [0.1, 0.5, 0.9, 0.99] {
         scene.compositing = Compositing::Accumulate { level };
-        for caster in kernels(&RayCaster::default()) {
+        for caster in kernels(&RayCaster::uniform(0.2)) {
             let picture = render(&caster, &scene, &down(0.5, 0.5));
             assert_close(picture.frame.pixels()[0], [0.5 * level, level, 0.0, level], 2.0 * F32, "level");
         }
@@ -163,7 +163,7 @@ fn accumulate_stops_at_its_level() {
     for level in [0.999, 1.0] {
         scene.compositing = Compositing::Accumulate { level };
         let alpha = 1.0 - 0.7f64.powi(16);
-        let (rgba, _) = pixel(&RayCaster::default(), &scene, &down(0.5, 0.5));
+        let (rgba, _) = pixel(&RayCaster::uniform(0.2), &scene, &down(0.5, 0.5));
         assert_close(rgba, [0.5 * alpha, alpha, 0.0, alpha], 32.0 * F32, "level");
     }
 }
@@ -174,7 +174,7 @@ fn first_hits_are_refined() {
     let mut scene = Scene::new(ramp(0.0, 1.0), colors.clone());
     for threshold in [0.123, 5.0, 7.77, 15.99, 16.0] {
         scene.compositing = Compositing::First { threshold };
-        for caster in kernels(&RayCaster { step: Step::Uniform(0.9), ..RayCaster::default() }) {
+        for caster in kernels(&RayCaster { step: Step::Uniform(0.9), ..RayCaster::uniform(0.2) }) {
             let (rgba, depth) = pixel(&caster, &scene, &down(0.5, 0.5));
             let c = (threshold / 10.0).min(1.0);
             assert_close(rgba, [c, 0.5 * c, 0.0, 1.0], F32, "colour");
@@ -185,12 +185,12 @@ fn first_hits_are_refined() {
     // The entry point counts, what is never reached is nothing.
     scene.volume = ramp(3.0, 1.0);
     scene.compositing = Compositing::First { threshold: -1.0 };
-    let (rgba, depth) = pixel(&RayCaster::default(), &scene, &down(0.5, 0.5));
+    let (rgba, depth) = pixel(&RayCaster::uniform(0.2), &scene, &down(0.5, 0.5));
     assert_close(rgba, [0.3, 0.15, 0.0, 1.0], F32, "the colour of what is met at the entry");
     assert_eq!(depth, 984.0);
     scene.volume = ramp(0.0, 1.0);
     scene.compositing = Compositing::First { threshold: 16.01 };
-    assert_eq!(pixel(&RayCaster::default(), &scene, &down(0.5, 0.5)), ([0.0; 4], f32::INFINITY));
+    assert_eq!(pixel(&RayCaster::uniform(0.2), &scene, &down(0.5, 0.5)), ([0.0; 4], f32::INFINITY));
     // With a negative slope, stored numbers fall where values rise.
     let samples = (0..68).map(|i| (i / 4) as u8).collect::<Vec<_>>();
     let calibration = Calibration { slope: -2.0, intercept: 40.0 };
@@ -198,7 +198,7 @@ fn first_hits_are_refined() {
     scene = Scene::new(grid.unwrap().into(), colors);
     // From z = 16 downwards: 40 − 2 z.
     scene.compositing = Compositing::First { threshold: 25.0 };
-    assert!((pixel(&RayCaster::default(), &scene, &down(0.5, 0.5)).1 - (1000.0 - 7.5)).abs() < 6.2e-5);
+    assert!((pixel(&RayCaster::uniform(0.2), &scene, &down(0.5, 0.5)).1 - (1000.0 - 7.5)).abs() < 6.2e-5);
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn mean_and_extremes() {
     let grey = transfer(&[(0.0, [1.0; 3], 0.0), (32.0, [1.0; 3], 1.0)], 1.0);
     let mut scene = Scene::new(ramp(3.0, 1.0), grey.clone());
     for step in [0.5, 0.7, 5.0, 40.0] {
-        for caster in kernels(&RayCaster { step: Step::Uniform(step), ..RayCaster::default() }) {
+        for caster in kernels(&RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) }) {
             for (compositing, value, depth) in [
                 (Compositing::Average, 11.0, f32::INFINITY),
                 (Compositing::Maximum, 19.0, 1000.0),
@@ -226,7 +226,7 @@ fn mean_and_extremes() {
     scene = Scene::new(grid.unwrap().into(), grey);
     for (compositing, value) in [(Compositing::Maximum, 20.0), (Compositing::Minimum, 4.0)] {
         scene.compositing = compositing;
-        assert_close(pixel(&RayCaster::default(), &scene, &down(0.5, 0.5)).0, [value / 32.0; 4], F32, "negative slope");
+        assert_close(pixel(&RayCaster::uniform(0.2), &scene, &down(0.5, 0.5)).0, [value / 32.0; 4], F32, "negative slope");
     }
 }
 
@@ -237,7 +237,7 @@ fn vacuum_is_left_out() {
     let mut scene = Scene::new(holed, transfer(&[(0.0, [1.0; 3], 0.0), (16.0, [1.0; 3], 0.5)], 1.0));
     let alpha = 1.0 - 0.75f64.powi(14);
     // Steps of a whole fraction of a cell meet the faces of the hole.
-    for caster in kernels(&RayCaster { order: Order::WHOLE_RAY, ..RayCaster::default() }) {
+    for caster in kernels(&RayCaster { order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) }) {
         scene.compositing = Compositing::Over;
         assert_close(pixel(&caster, &scene, &down(0.5, 0.5)).0, [alpha; 4], 16.0 * F32, "over");
         scene.compositing = Compositing::Average;
@@ -253,6 +253,6 @@ fn vacuum_is_left_out() {
         Compositing::Accumulate { level: 0.5 },
     ] {
         let scene = Scene { compositing, ..Scene::new(nothing.clone(), homogeneous(0.5)) };
-        assert_eq!(pixel(&RayCaster::default(), &scene, &down(1.0, 1.0)), ([0.0; 4], f32::INFINITY), "{compositing:?}");
+        assert_eq!(pixel(&RayCaster::uniform(0.2), &scene, &down(1.0, 1.0)), ([0.0; 4], f32::INFINITY), "{compositing:?}");
     }
 }

@@ -98,7 +98,7 @@ fn default_step_cannot_be_seen_on_smooth_phantoms() {
                 let truth = truth(&scene, &view);
                 let error = |caster: RayCaster| max_error(&render(&caster, &scene, &view).frame, &truth);
                 let at = [2.0, 1.0, 0.5, 0.2]
-                    .map(|step| error(RayCaster { step: Step::Uniform(step), ..RayCaster::default() }));
+                    .map(|step| error(RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) }));
                 println!("{name} {n}³ from {azimuth}°: max error at steps 2, 1, ½, ⅕: {}", listed(&at));
                 assert!(at[3] <= 1.0 / 255.0, "{name}");
             }
@@ -116,7 +116,7 @@ fn floor_of_single_precision() {
         let single = floor(RayCaster { precision: Precision::F32, ..exact.clone() });
         let table = floor(RayCaster { classification: Classification::Table, ..exact.clone() });
         let termination = floor(RayCaster { order: Order::default(), ..exact.clone() });
-        let all = floor(RayCaster::default());
+        let all = floor(RayCaster::uniform(0.2));
         println!("{name}: f32 {single:.1e}, table {table:.1e}, termination {termination:.1e}, all {all:.1e}");
         // The floor that the settings state.
         assert!(all <= 3e-4, "{name}: {all}");
@@ -134,7 +134,7 @@ fn local_steps_come_near_the_error_they_aim_at() {
         let mut samples = Vec::new();
         for aim in [1e-2, 2e-3, 5e-4] {
             let picture =
-                render(&RayCaster { step: Step::Local { error: aim }, ..RayCaster::default() }, &scene, &view);
+                render(&RayCaster { step: Step::Local { error: aim }, ..RayCaster::uniform(0.2) }, &scene, &view);
             let error = rms(&picture.frame, &truth);
             println!("{name}: aimed at {aim:.0e}, RMSE {error:.1e}, {} samples", picture.stats.counts.samples);
             // An estimate: twice as much would say that it is none.

@@ -20,7 +20,7 @@ const LEAPINGS: [Leaping; 6] = [
 
 /// The plain engine, which leaps as it is told; the vector engine has a way of its own.
 fn plain() -> RayCaster {
-    RayCaster { leaping: Leaping::None, vector: Vector::Off, step: Step::Uniform(0.2), ..RayCaster::default() }
+    RayCaster { leaping: Leaping::None, vector: Vector::Off, step: Step::Uniform(0.2), ..RayCaster::uniform(0.2) }
 }
 
 /// Every way to leap, and coarse steps of several lengths.
@@ -145,7 +145,7 @@ proptest! {
             },
             classification: if exact { Classification::Exact } else { Classification::Table },
             precision: if double { Precision::F64 } else { Precision::F32 },
-            ..RayCaster::default()
+            ..RayCaster::uniform(0.2)
         };
         let want = render(&plain, &scene, &view);
         prop_assert_eq!(want.stats.counts.skipped, 0);

@@ -37,20 +37,20 @@ proptest! {
 
     #[test]
     fn front_to_back_is_back_to_front((scene, view) in scenes(), step in 0.05f64..3.0) {
-        let forwards = render(&RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::default() }, &scene, &view).frame;
-        let backwards = render(&RayCaster { step: Step::Uniform(step), order: Order::BackToFront, ..RayCaster::default() }, &scene, &view).frame;
+        let forwards = render(&RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) }, &scene, &view).frame;
+        let backwards = render(&RayCaster { step: Step::Uniform(step), order: Order::BackToFront, ..RayCaster::uniform(0.2) }, &scene, &view).frame;
         prop_assert!(max_error(&forwards, &backwards) <= TWO_SUMS, "{}", max_error(&forwards, &backwards));
     }
 
     #[test]
     fn opacity_is_one_and_termination_keeps_its_promise((scene, view) in scenes(), step in 0.05f64..3.0, level in 0.5f64..1.0) {
-        let whole = render(&RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::default() }, &scene, &view).frame;
+        let whole = render(&RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) }, &scene, &view).frame;
         for p in whole.pixels() {
             prop_assert!((0.0..=1.0).contains(&p[3]), "{p:?}");
             // Colours in [0, 1] are a density emitter's: light does not exceed opacity, but for its own rounding.
             prop_assert!(p[..3].iter().all(|&c| c >= 0.0 && c <= p[3] + 1e-5), "{p:?}");
         }
-        let early = RayCaster { step: Step::Uniform(step), order: Order::FrontToBack { termination: level }, ..RayCaster::default() };
+        let early = RayCaster { step: Step::Uniform(step), order: Order::FrontToBack { termination: level }, ..RayCaster::uniform(0.2) };
         let early = render(&early, &scene, &view).frame;
         prop_assert!(max_error(&early, &whole) <= 1.0 - level + TWO_SUMS);
     }
@@ -58,7 +58,7 @@ proptest! {
     #[test]
     fn powers_of_two_change_no_bit((scene, view) in scenes(), exponent in -40i32..40) {
         let (small, small_view) = scaled(&scene, &view, 2f64.powi(exponent));
-        let caster = RayCaster::default();
+        let caster = RayCaster::uniform(0.2);
         let (one, other) = (render(&caster, &scene, &view).frame, render(&caster, &small, &small_view).frame);
         prop_assert_eq!(one.pixels(), other.pixels());
     }
@@ -68,7 +68,7 @@ proptest! {
         prop_assume!(!scene.transfer.has_jumps() && scene.transfer.points().iter().all(|p| p.opacity < 0.95));
         // Control points nearer to each other than two entries are a jump to the table.
         prop_assume!(scene.transfer.points().windows(2).all(|w| w[1].value - w[0].value > 1e-2));
-        let exact = RayCaster { classification: vr_raycast::Classification::Exact, order: Order::WHOLE_RAY, ..RayCaster::default() };
+        let exact = RayCaster { classification: vr_raycast::Classification::Exact, order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let table = RayCaster { classification: vr_raycast::Classification::Table, ..exact.clone() };
         let (a, b) = (render(&exact, &scene, &view).frame, render(&table, &scene, &view).frame);
         prop_assert!(max_error(&a, &b) <= 2e-4, "{}", max_error(&a, &b));
@@ -85,7 +85,7 @@ proptest! {
         ] {
             for shading in [None, Some(Arc::new(Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 2.0)], ..Shading::default() }))] {
                 let scene = Scene { compositing, shading, ..scene.clone() };
-                let frame = render(&RayCaster::default(), &scene, &view).frame;
+                let frame = render(&RayCaster::uniform(0.2), &scene, &view).frame;
                 for (p, &d) in frame.pixels().iter().zip(frame.depth().unwrap()) {
                     prop_assert!(p.iter().all(|c| c.is_finite()) && (0.0..=1.0).contains(&p[3]), "{compositing:?}: {p:?}");
                     prop_assert!(d >= 0.0, "{compositing:?}: depth {d}");
@@ -133,7 +133,7 @@ fn neither_threads_nor_a_second_look_change_a_bit() {
     let view = View { samples: 2, ..oblique(&scene, 40) };
     let one = Control::default().with_threads(1);
     let two = Control::default().with_threads(2);
-    let mut prepared = RayCaster::default().prepare(&scene, &one).unwrap();
+    let mut prepared = RayCaster::uniform(0.2).prepare(&scene, &one).unwrap();
     let first = prepared.render(&view, &one).unwrap();
     prepared.render(&oblique(&scene, 16), &one).unwrap();
     assert_eq!(first.frame, prepared.render(&view, &two).unwrap().frame);
@@ -159,7 +159,7 @@ fn turned_by_ninety_degrees() {
         ..view.camera
     };
     let turned = Scene { volume: turned, ..scene.clone() };
-    let caster = RayCaster::default();
+    let caster = RayCaster::uniform(0.2);
     let error =
         max_error(&render(&caster, &scene, &view).frame, &render(&caster, &turned, &View { camera, ..view }).frame);
     // Positions are rounded to f32 differently (10⁻⁶ of a voxel), and steps begin elsewhere by as little.
@@ -175,7 +175,7 @@ fn radiance_is_linear_in_emission() {
         let transfer = TransferFunction::new(points.collect(), OpacityRule::Power, 1.0).unwrap();
         scene.transfer = Arc::new(transfer);
         let view = oblique(&scene, 16);
-        render(&RayCaster { order: Order::WHOLE_RAY, ..RayCaster::default() }, &scene, &view).frame
+        render(&RayCaster { order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) }, &scene, &view).frame
     };
     let (a, b, sum) =
         (with_emission([1.0, 0.0, 0.25]), with_emission([0.5, 3.0, 0.0]), with_emission([1.5, 3.0, 0.25]));
@@ -197,7 +197,7 @@ fn far_origins_and_flat_voxels() {
     let grid = UniformGrid::new(grid.dims(), grid.samples().to_vec(), placement, grid.calibration()).unwrap();
     let far = Scene { volume: grid.into(), ..small.clone() };
     let camera = Camera { eye: view.camera.eye + away, target: view.camera.target + away, ..view.camera };
-    let caster = RayCaster::default();
+    let caster = RayCaster::uniform(0.2);
     let there = render(&caster, &far, &View { camera, ..view.clone() }).frame;
     let error = max_error(&render(&caster, &small, &view).frame, &there);
     assert!(error < 1e-4, "{error}");
@@ -221,7 +221,7 @@ fn from_inside() {
     let projection = Projection::Perspective { fov: 60.0 };
     let view = View::new(Camera { eye, target: eye - DVec3::Z, up: DVec3::Y, projection }, [1, 1]);
     assert_close(
-        pixel(&RayCaster::default(), &scene, &view).0,
+        pixel(&RayCaster::uniform(0.2), &scene, &view).0,
         [1.0 - 0.8f64.powi(4); 4],
         1e-6,
         "four units to the face",
@@ -234,14 +234,14 @@ fn layers_hide_and_are_seen_through() {
     let layer =
         |depth| View { layer: Some(Arc::new(Layer { pixels: vec![([0.0, 0.8, 0.0], depth)] })), ..down(4.0, 4.0) };
     // Two units of the volume lie before the layer.
-    let (rgba, depth) = pixel(&RayCaster::default(), &scene, &layer(994.0));
+    let (rgba, depth) = pixel(&RayCaster::uniform(0.2), &scene, &layer(994.0));
     assert_close(rgba, [0.75, 0.75 + 0.25 * 0.8, 0.75, 1.0], 1e-6, "two units before the layer");
     assert!((depth - 993.0).abs() < 1e-3, "half way at one unit: {depth}");
     // All of it, and the layer before it.
-    assert_eq!(pixel(&RayCaster::default(), &scene, &layer(10.0)), ([0.0, 0.8, 0.0, 1.0], 10.0));
+    assert_eq!(pixel(&RayCaster::uniform(0.2), &scene, &layer(10.0)), ([0.0, 0.8, 0.0, 1.0], 10.0));
     assert_eq!(
-        pixel(&RayCaster::default(), &scene, &layer(f32::INFINITY)).0,
-        pixel(&RayCaster::default(), &scene, &down(4.0, 4.0)).0
+        pixel(&RayCaster::uniform(0.2), &scene, &layer(f32::INFINITY)).0,
+        pixel(&RayCaster::uniform(0.2), &scene, &down(4.0, 4.0)).0
     );
 }
 
@@ -259,33 +259,33 @@ fn update_is_prepare() {
         Scene { volume: volume([5; 3], |x, y, z| 0.1 * (x + y + z)), ..old.clone() },
         old.clone(),
     ];
-    let mut prepared = RayCaster::default().prepare(&old, &control).unwrap();
+    let mut prepared = RayCaster::uniform(0.2).prepare(&old, &control).unwrap();
     for new in &variants {
         prepared.update(new, &control).unwrap();
-        assert_eq!(prepared.render(&view, &control).unwrap().frame, render(&RayCaster::default(), new, &view).frame);
+        assert_eq!(prepared.render(&view, &control).unwrap().frame, render(&RayCaster::uniform(0.2), new, &view).frame);
     }
 }
 
 #[test]
 fn what_cannot_be_drawn_is_said() {
     let control = Control::default();
-    let backwards = RayCaster { order: Order::BackToFront, ..RayCaster::default() };
+    let backwards = RayCaster { order: Order::BackToFront, ..RayCaster::uniform(0.2) };
     let scene = Scene { compositing: Compositing::Maximum, ..bumpy() };
     let error = backwards.prepare(&scene, &control).err().unwrap();
     assert!(matches!(error, RenderError::Unsupported { renderer: "raycast", .. }), "{error}");
     for step in [0.0, -1.0, f64::NAN, 65.0] {
-        let caster = RayCaster { step: Step::Uniform(step), ..RayCaster::default() };
+        let caster = RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) };
         assert!(matches!(caster.prepare(&bumpy(), &control), Err(RenderError::Parameter(_))), "{step}");
     }
     control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);
-    assert!(matches!(RayCaster::default().prepare(&bumpy(), &control), Err(RenderError::Cancelled)));
+    assert!(matches!(RayCaster::uniform(0.2).prepare(&bumpy(), &control), Err(RenderError::Cancelled)));
 }
 
 #[test]
 fn another_filter_is_another_model() {
     let scene = bumpy();
     let model = |filter| {
-        let prepared = RayCaster { filter, ..RayCaster::default() }.prepare(&scene, &Control::default()).unwrap();
+        let prepared = RayCaster { filter, ..RayCaster::uniform(0.2) }.prepare(&scene, &Control::default()).unwrap();
         prepared.model(&oblique(&scene, 4))
     };
     assert!(matches!(model(None), Model::Canonical));
@@ -305,9 +305,9 @@ fn shaded_ramps() {
         let shaded = c.map(|c| c * 0.9 + 0.3);
         let alpha = 1.0 - 0.6f64.powi(4);
         let want = [shaded[0] * alpha, shaded[1] * alpha, shaded[2] * alpha, alpha];
-        assert_close(pixel(&RayCaster::default(), &scene, &down(1.0, 1.0)).0, want, 1e-6, "over");
+        assert_close(pixel(&RayCaster::uniform(0.2), &scene, &down(1.0, 1.0)).0, want, 1e-6, "over");
         scene.compositing = Compositing::First { threshold: 0.55 };
-        let (rgba, _) = pixel(&RayCaster::default(), &scene, &down(1.0, 1.0));
+        let (rgba, _) = pixel(&RayCaster::uniform(0.2), &scene, &down(1.0, 1.0));
         assert_close(rgba, [shaded[0], shaded[1], shaded[2], 1.0], 1e-6, "first");
         // The slope is 0.2 a world unit: a factor of 0.25 on κ, whatever classifies.
         let faint = Shading { gradient_opacity: vec![(0.0, 0.0), (0.8, 1.0)], ..shading };
@@ -315,7 +315,7 @@ fn shaded_ramps() {
         scene.compositing = Compositing::Over;
         let alpha = 1.0 - 0.6f64;
         let want = [shaded[0] * alpha, shaded[1] * alpha, shaded[2] * alpha, alpha];
-        for caster in [RayCaster::default(), RayCaster::exact(0.3)] {
+        for caster in [RayCaster::uniform(0.2), RayCaster::exact(0.3)] {
             assert_close(pixel(&caster, &scene, &down(1.0, 1.0)).0, want, 1e-5, "gradient opacity");
         }
     }

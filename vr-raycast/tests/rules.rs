@@ -16,7 +16,7 @@ const FINE: Step = Step::Uniform(0.2);
 const VOXEL: Step = Step::Uniform(1.0);
 
 fn caster(rule: Rule, step: Step) -> RayCaster {
-    RayCaster { rule, step, ..RayCaster::default() }
+    RayCaster { rule, step, ..RayCaster::uniform(0.2) }
 }
 
 fn cells(rule: Rule) -> RayCaster {

@@ -10,9 +10,10 @@ use super::setup::Packet;
 
 /// C ← C + (1 − A)·c, A ← A + (1 − A)·α, front to back, with compensated sums.
 ///
-/// Each sum carries what its roundings lost (Kahan 1965, "Further remarks on reducing truncation errors"), so thousands of steps of
-/// α = 10⁻⁷ add up behind an opacity that would swallow each of them. Adding nothing changes nothing, bit for bit: where the
-/// medium is clear, it does not matter whether a sample is taken.
+/// Beside each sum goes the sum of what its roundings lost (Neumaier 1974, "Rundungsfehleranalyse einiger Verfahren zur Summation
+/// endlicher Summen"), so thousands of steps of α = 10⁻⁷ add up behind an opacity that would swallow each of them. Adding nothing changes
+/// nothing, bit for bit: where the medium is clear, it does not matter whether a sample is taken. (Kahan's sum, which feeds what was lost
+/// into the next addition, does not have that: where exactly half a unit in the last place is left, nothing may round it in.)
 pub(crate) struct Sums<S: Simd> {
     /// r, g, b and opacity.
     sum: [f32x16<S>; 4],
@@ -32,23 +33,28 @@ impl<S: Simd> Sums<S> {
     /// What is still seen through.
     #[inline(always)]
     pub(crate) fn clear(&self, simd: S) -> f32x16<S> {
-        splat(simd, 1.0) - self.sum[3]
+        splat(simd, 1.0) - self.opacity()
+    }
+
+    #[inline(always)]
+    fn opacity(&self) -> f32x16<S> {
+        self.sum[3] - self.lost[3]
     }
 
     /// Adds the light and opacity of one step, which begins at `begin` and is so long, to the live rays.
     #[inline(always)]
     pub(crate) fn add(&mut self, simd: S, live: mask32x16<S>, [begin, length]: [f32x16<S>; 2], light: [f32x16<S>; 4]) {
         let zero = splat(simd, 0.0);
-        let before = self.sum[3];
+        let before = self.opacity();
         let clear = pick(live, splat(simd, 1.0) - before, zero);
         for c in 0..4 {
-            let added = clear * light[c] - self.lost[c];
+            let added = clear * light[c];
             let sum = self.sum[c] + added;
-            self.lost[c] = (sum - self.sum[c]) - added;
+            self.lost[c] += (sum - self.sum[c]) - added;
             self.sum[c] = sum;
         }
         let half = splat(simd, 0.5);
-        let crossing = before.simd_lt(half) & self.sum[3].simd_ge(half) & live;
+        let crossing = before.simd_lt(half) & self.opacity().simd_ge(half) & live;
         if crossing.any_true() {
             self.half[0] = pick(crossing, begin, self.half[0]);
             self.half[1] = pick(crossing, length, self.half[1]);

@@ -219,7 +219,7 @@ proptest! {
     #[test]
     fn draws_what_the_plain_engine_draws((scene, view) in scenes(0.9), step in 0.1f64..2.5, left in any::<bool>()) {
         let rule = if left { Rule::Left } else { Rule::Midpoint };
-        let caster = RayCaster { step: Step::Uniform(step), rule, order: Order::WHOLE_RAY, ..RayCaster::default() };
+        let caster = RayCaster { step: Step::Uniform(step), rule, order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let plain = plain(&caster, &scene, &view);
         let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
@@ -229,7 +229,7 @@ proptest! {
 
     #[test]
     fn walks_as_the_plain_engine_walks((scene, view) in scenes(0.9), error in 1e-4f64..1e-2) {
-        let caster = RayCaster { step: Step::Local { error }, order: Order::WHOLE_RAY, ..RayCaster::default() };
+        let caster = RayCaster { step: Step::Local { error }, order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
         let plain = plain(&caster, &scene, &view);
@@ -251,7 +251,7 @@ proptest! {
         let direction = side.then(|| DVec3::new(0.3, -0.8, 0.5));
         let lights = vec![Light::default(), Light { direction, color: [0.5, 1.0, 0.2] }];
         let scene = Scene { shading: Some(Arc::new(Shading { power, lights, ..Shading::default() })), ..scene };
-        let caster = RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::default() };
+        let caster = RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let plain = plain(&caster, &scene, &view);
         let (values, _) = trace(&engine, &scene, &view, &row_by_row(&view), None);
@@ -260,7 +260,7 @@ proptest! {
 
     #[test]
     fn no_bit_depends_on_leaping_level_company_or_start((scene, view) in scenes(1.0), step in 0.1f64..2.5, edge in 0u32..4) {
-        let caster = RayCaster { step: Step::Uniform(step), ..RayCaster::default() };
+        let caster = RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) };
         let Some(mut engine) = engine(&caster, &scene) else { return Ok(()) };
         set_edge(&mut engine, &scene, None);
         let mut spots = row_by_row(&view);
@@ -300,7 +300,7 @@ fn thousands_of_faint_steps_add_up() {
         projection: vr_core::Projection::Orthographic { height: 1.0 },
     };
     let view = View::new(camera, [1, 1]);
-    let caster = RayCaster { step: Step::Uniform(1.0), order: Order::WHOLE_RAY, ..RayCaster::default() };
+    let caster = RayCaster { step: Step::Uniform(1.0), order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
     let engine = engine(&caster, &scene).unwrap();
     let alpha = trace(&engine, &scene, &view, &row_by_row(&view), None).0[0].rgba[3];
     // Midpoint: a whole step of 0.75, one of the ramp's middle, and 4094 faint ones.
@@ -318,7 +318,7 @@ fn distances_are_chessboard_distances() {
     let points = vec![ControlPoint::new(0.1, [1.0; 3], 0.0), ControlPoint::new(1.0, [1.0; 3], 0.5)];
     let scene = Scene::new(volume, TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap());
     let volume = scene.volume.uniform().unwrap();
-    let mut engine = engine(&RayCaster::default(), &scene).unwrap();
+    let mut engine = engine(&RayCaster::uniform(0.2), &scene).unwrap();
     set_edge(&mut engine, &scene, Some(2));
     let PacketSteps::Lattice { distances: Some(distances), .. } = &engine.steps else { panic!("most of it is empty") };
     let ranges = volume.range_blocks(Filter::Trilinear, 2);
