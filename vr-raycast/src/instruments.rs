@@ -8,6 +8,7 @@ use vr_core::{Real, Scene, UniformVolume};
 use crate::caster::{Classification, Precision, RayCaster};
 use crate::classify::Classifier;
 use crate::operator::Brightest;
+use crate::screen::{Sight, VisibleRanges};
 use crate::shade::Shader;
 use crate::table_range::{resolves, single_precision_resolves, table_range};
 
@@ -45,7 +46,24 @@ impl Kernel {
     }
 }
 
+impl Kernel {
+    /// What can be seen of a field.
+    pub(crate) fn sight(&self) -> Sight {
+        match self {
+            Self::F32(instruments) => instruments.sight(),
+            Self::F64(instruments) => instruments.sight(),
+        }
+    }
+}
+
 impl<R: Real> Instruments<R> {
+    fn sight(&self) -> Sight {
+        let classifier = &self.classifier;
+        let slack = classifier.table.as_ref().map_or(0.0, |(table, _)| table.spacing());
+        let ranges = VisibleRanges::new(&classifier.transfer, classifier.calibration, slack);
+        Arc::new(move |low, high| ranges.meet(low, high))
+    }
+
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, last: Option<(&Scene, &Self)>) -> Self {
         let field = caster.filter_of(scene);

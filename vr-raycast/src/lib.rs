@@ -94,4 +94,4 @@ mod table_range;
 mod tracer;
 mod walk;
 
-pub use caster::{Classification, Order, Precision, RayCaster, Rule, Step};
+pub use caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step};

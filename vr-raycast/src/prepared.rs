@@ -4,17 +4,19 @@ use std::sync::Arc;
 
 use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
 
-use crate::caster::{Order, RayCaster, Rule};
+use crate::caster::{Order, RayCaster, Rule, Screen, Step};
 use crate::instruments::{Instruments, Kernel};
 use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
 use crate::pipeline::Pipeline;
-use crate::screen::every_pixel;
+use crate::screen::{CoherenceBuffer, Stage};
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
 pub(crate) struct PreparedCaster {
     caster: RayCaster,
     scene: Scene,
     kernel: Kernel,
+    /// What the coherent screen keeps from picture to picture.
+    coherence: Option<CoherenceBuffer>,
 }
 
 impl PreparedCaster {
@@ -23,7 +25,8 @@ impl PreparedCaster {
         control.check()?;
         control.run(|| volume.warm(caster.filter_of(scene)));
         let kernel = Kernel::new(&caster, scene, volume, None);
-        Ok(Self { caster, scene: scene.clone(), kernel })
+        let coherence = coherence(&caster, scene, volume, &kernel, control);
+        Ok(Self { caster, scene: scene.clone(), kernel, coherence })
     }
 }
 
@@ -33,15 +36,24 @@ impl Prepared for PreparedCaster {
         control.check()?;
         control.run(|| volume.warm(self.caster.filter_of(scene)));
         self.kernel = Kernel::new(&self.caster, scene, volume, Some((&self.scene, &self.kernel)));
+        let then = &self.scene;
+        let same = then.volume.same(&scene.volume) && then.filter == scene.filter && then.transfer == scene.transfer;
+        if !same {
+            self.coherence = coherence(&self.caster, scene, volume, &self.kernel, control);
+        }
         self.scene = scene.clone();
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
-        match &self.kernel {
-            Kernel::F32(instruments) => self.render_with(instruments, view, control),
-            Kernel::F64(instruments) => self.render_with(instruments, view, control),
-        }
+        // Taken out for the while, so that the rest can be shared.
+        let mut coherence = self.coherence.take();
+        let rendered = match &self.kernel {
+            Kernel::F32(instruments) => self.render_with(instruments, coherence.as_mut(), view, control),
+            Kernel::F64(instruments) => self.render_with(instruments, coherence.as_mut(), view, control),
+        };
+        self.coherence = coherence;
+        rendered
     }
 
     fn model(&self, _: &View) -> Model {
@@ -50,6 +62,18 @@ impl Prepared for PreparedCaster {
             _ => Model::Canonical,
         }
     }
+}
+
+/// What the coherent screen knows before its first picture; `None` for the others.
+fn coherence(
+    caster: &RayCaster,
+    scene: &Scene,
+    volume: &UniformVolume,
+    kernel: &Kernel,
+    control: &Control,
+) -> Option<CoherenceBuffer> {
+    (caster.screen == Screen::Coherent)
+        .then(|| control.run(|| CoherenceBuffer::new(volume, caster.filter_of(scene), kernel.sight())))
 }
 
 fn unsupported(feature: String) -> RenderError {
@@ -63,6 +87,13 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
     }
+    let name = scene.compositing.name();
+    if caster.screen == Screen::Coherent && !scene.compositing.integrates_light() {
+        return Err(unsupported(format!("compositing '{name}' with the screen 'coherent'")));
+    }
+    if caster.screen == Screen::Coherent && !matches!(caster.step, Step::Uniform(_)) {
+        return Err(unsupported("steps that are not uniform with the screen 'coherent'".to_owned()));
+    }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
@@ -71,13 +102,15 @@ impl PreparedCaster {
     fn render_with<R: Real>(
         &self,
         instruments: &Instruments<R>,
+        coherence: Option<&mut CoherenceBuffer>,
         view: &View,
         control: &Control,
     ) -> Result<Rendered, RenderError> {
         let volume = check(&self.caster, &self.scene)?;
         let transfer = || Arc::clone(&self.scene.transfer);
         let calibration = volume.calibration();
-        let plain = Plain { prepared: self, volume, instruments, view, control };
+        let stage = Stage { screen: self.caster.screen, coherence, volume, step: self.caster.world_step(volume), view, control };
+        let plain = Plain { prepared: self, volume, instruments, view, stage };
         match (self.scene.compositing, self.caster.order) {
             (Compositing::Over, Order::BackToFront) => plain.draw(OverBackToFront::default),
             (Compositing::Over, Order::FrontToBack { termination }) => {
@@ -98,7 +131,7 @@ struct Plain<'a, R> {
     volume: &'a UniformVolume,
     instruments: &'a Instruments<R>,
     view: &'a View,
-    control: &'a Control,
+    stage: Stage<'a>,
 }
 
 impl<R: Real> Plain<'_, R> {
@@ -118,6 +151,6 @@ impl<R: Real> Plain<'_, R> {
             rays: Rays::new(self.view)?,
             operator,
         };
-        every_pixel(&pipeline, self.view, self.control)
+        self.stage.draw(&pipeline)
     }
 }

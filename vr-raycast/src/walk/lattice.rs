@@ -48,6 +48,8 @@ impl Lattice {
 #[derive(Clone, Debug)]
 pub(crate) struct LatticeWalk {
     lattice: Lattice,
+    /// The first step.
+    first: u32,
     /// Runs not yet walked.
     runs: std::ops::Range<u32>,
     backwards: bool,
@@ -56,7 +58,8 @@ pub(crate) struct LatticeWalk {
 impl LatticeWalk {
     /// From step `first` on, before which nothing is visible, to the end; or from the far end back to it.
     pub(crate) fn new(lattice: Lattice, first: u32, backwards: bool) -> Self {
-        Self { lattice, runs: first / RUN as u32..lattice.count.div_ceil(RUN as u32), backwards }
+        let end = if first < lattice.count { lattice.count.div_ceil(RUN as u32) } else { 0 };
+        Self { lattice, first, runs: first / RUN as u32..end, backwards }
     }
 
     /// Fills the next run; false where all are walked.
@@ -64,7 +67,7 @@ impl LatticeWalk {
         let Some(run) = (if self.backwards { self.runs.next_back() } else { self.runs.next() }) else { return false };
         let first = run * RUN as u32;
         steps.len = 0;
-        for k in first..(first + RUN as u32).min(self.lattice.count) {
+        for k in first.max(self.first)..(first + RUN as u32).min(self.lattice.count) {
             steps.push(self.lattice.begin(k), self.lattice.length_of(k), k);
         }
         true
@@ -110,9 +113,13 @@ mod tests {
             assert_eq!(runs.concat(), (0..71).collect::<Vec<_>>());
             assert!(runs.iter().all(|r| r[0] % RUN as u32 == 0));
         }
-        // Runs are the same whatever step is the first.
+        // Runs end at the same steps whatever the first one is.
         let (mut walk, mut steps) = (LatticeWalk::new(lattice, 40, false), Steps::new());
         assert!(walk.next(&mut steps));
-        assert_eq!(steps.number[0], 32);
+        assert_eq!((steps.number[0], steps.number[steps.len - 1]), (40, 63));
+        for first in [70, 71, u32::MAX] {
+            let mut walk = LatticeWalk::new(lattice, first, false);
+            assert_eq!(walk.next(&mut steps), first == 70);
+        }
     }
 }
