@@ -2,13 +2,18 @@
 
 use std::sync::Arc;
 
-use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
+use vr_core::transfer::BakedTransfer;
+use vr_core::{
+    Compositing, Control, Filter, Model, Prepared, Projection, Rays, Real, RenderError, Rendered, Scene, UniformVolume,
+    View,
+};
 
-use crate::caster::{Order, RayCaster, Rule, Screen, Step};
+use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step};
 use crate::instruments::{Instruments, Kernel};
-use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
+use crate::operator::{Accumulate, Brightest, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
 use crate::pipeline::Pipeline;
-use crate::screen::{CoherenceBuffer, Stage};
+use crate::screen::{CoherenceBuffer, Stage, Template};
+use crate::table_range::table_range;
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
 pub(crate) struct PreparedCaster {
@@ -87,17 +92,74 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
     }
-    let name = scene.compositing.name();
-    if caster.screen == Screen::Coherent && !scene.compositing.integrates_light() {
-        return Err(unsupported(format!("compositing '{name}' with the screen 'coherent'")));
-    }
-    if caster.screen == Screen::Coherent && !matches!(caster.step, Step::Uniform(_)) {
-        return Err(unsupported("steps that are not uniform with the screen 'coherent'".to_owned()));
+    if let Some(what) = beyond_screen(caster, scene) {
+        return Err(unsupported(what));
     }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
+/// What this caster's screen has no answer to.
+fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
+    let compositing = format!("compositing '{}'", scene.compositing.name());
+    match caster.screen {
+        Screen::EveryPixel | Screen::Adaptive { .. } => None,
+        Screen::Coherent => {
+            let what = [
+                (!scene.compositing.integrates_light()).then_some(compositing),
+                (!matches!(caster.step, Step::Uniform(_))).then_some("steps that are not uniform".to_owned()),
+            ];
+            what.into_iter().flatten().next().map(|what| format!("{what} with the screen 'coherent'"))
+        }
+        Screen::Template { connectivity } => {
+            let filter = caster.filter_of(scene);
+            let own_values = connectivity == Connectivity::Discrete && filter == Filter::Nearest;
+            let what = [
+                (scene.compositing != Compositing::Over).then_some(compositing),
+                scene.shading.is_some().then_some("shading".to_owned()),
+                (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
+                (caster.order == Order::BackToFront).then_some("compositing back to front".to_owned()),
+                (!matches!(caster.step, Step::Uniform(_))).then_some("steps that are not uniform".to_owned()),
+                (caster.rule != Rule::Midpoint).then_some("a rule other than midpoint".to_owned()),
+                (caster.precision == Precision::F64).then_some("64-bit precision".to_owned()),
+                (caster.classification == Classification::Exact).then_some("exact classification".to_owned()),
+            ];
+            what.into_iter().flatten().next().map(|what| format!("{what} with a template screen"))
+        }
+    }
+}
+
 impl PreparedCaster {
+    /// Draws by a template.
+    fn render_template<R: Real>(
+        &self,
+        connectivity: Connectivity,
+        instruments: &Instruments<R>,
+        view: &View,
+        control: &Control,
+    ) -> Result<Rendered, RenderError> {
+        if !matches!(view.camera.projection, Projection::Orthographic { .. }) {
+            return Err(unsupported("perspective with a template screen".to_owned()));
+        }
+        if view.layer.is_some() {
+            return Err(unsupported("opaque layers with a template screen".to_owned()));
+        }
+        let volume = check(&self.caster, &self.scene)?;
+        let Order::FrontToBack { termination } = self.caster.order else {
+            return Err(unsupported("compositing back to front with a template screen".to_owned()));
+        };
+        let (low, high) = self.scene.volume.bounds();
+        let most = match instruments.brightest() {
+            Brightest::Radiance(c) => c.max(1.0),
+            Brightest::Emission(q) => (q * low.distance(high)).max(1.0),
+        };
+        let step = self.caster.world_step(volume);
+        let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
+        let range = table_range(volume, self.caster.filter_of(&self.scene), &self.scene.transfer);
+        let integer = volume.voxel_type().is_integer();
+        let bake = |length| BakedTransfer::new(&self.scene.transfer, volume.calibration(), range, integer, length);
+        template.draw(bake, view, control)
+    }
+
     /// Chooses the operator: once a frame.
     fn render_with<R: Real>(
         &self,
@@ -106,6 +168,9 @@ impl PreparedCaster {
         view: &View,
         control: &Control,
     ) -> Result<Rendered, RenderError> {
+        if let Screen::Template { connectivity } = self.caster.screen {
+            return self.render_template(connectivity, instruments, view, control);
+        }
         let volume = check(&self.caster, &self.scene)?;
         let transfer = || Arc::clone(&self.scene.transfer);
         let calibration = volume.calibration();

@@ -1,12 +1,10 @@
 //! The coherence buffer: what can be seen first, kept from picture to picture.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 use rayon::prelude::*;
 use vr_core::{Control, Filter, RenderError, UniformVolume, View};
 
-use super::cells::{CellMask, EDGE, OuterCells, Sight};
+use super::cells::{CellMask, EDGE, LookInto, Sight};
 use super::projection::{Footprint, Projection, TILE};
 
 /// Blocks along the edge of a group: what hides a group hides all of its blocks at once.
@@ -27,10 +25,15 @@ pub(crate) struct CoherenceBuffer {
     blocks: [usize; 3],
     kinds: Vec<Kind>,
     groups: Vec<[usize; 3]>,
-    known: HashMap<u32, CellMask>,
+    /// Per block, the place of its mask, or [`UNKNOWN`].
+    known: Vec<u32>,
+    masks: Vec<CellMask>,
     /// Blocks that the last picture met first, and of which no more is known yet.
     met: Vec<u32>,
 }
+
+/// A block that nobody has looked into.
+const UNKNOWN: u32 = u32::MAX;
 
 /// What can be seen of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,7 +96,8 @@ impl CoherenceBuffer {
         groups.sort_unstable_by_key(|g| [g[2], g[1], g[0]]);
         groups.dedup();
         let cells = volume.dims().map(|n| n - 1);
-        Self { sight, filter, cells, blocks, kinds, groups, known: HashMap::new(), met: Vec::new() }
+        let known = vec![UNKNOWN; kinds.len()];
+        Self { sight, filter, cells, blocks, kinds, groups, known, masks: Vec::new(), met: Vec::new() }
     }
 
     /// Projects what can be seen: the near depths of a view.
@@ -138,9 +142,12 @@ impl CoherenceBuffer {
             return;
         }
         let blocks: Vec<[usize; 3]> = met.iter().map(|&i| self.place(i)).collect();
-        let outer = OuterCells { blocks: &blocks, sight: &self.sight };
-        let masks = control.run(|| volume.with_sampler(self.filter, outer));
-        self.known.extend(met.into_iter().zip(masks));
+        let look = LookInto { blocks: &blocks, sight: &self.sight };
+        let masks = control.run(|| volume.with_sampler(self.filter, look));
+        for (block, mask) in met.into_iter().zip(masks) {
+            self.known[block as usize] = self.masks.len() as u32;
+            self.masks.push(mask);
+        }
     }
 
     fn place(&self, block: u32) -> [usize; 3] {
@@ -207,38 +214,25 @@ impl CoherenceBuffer {
                 let is_whole = (0..3).all(|a| first[a] + EDGE <= self.cells[a]);
                 let own = if is_whole { whole } else { projection.stencil(half) };
                 let Some(footprint) = projection.footprint(&own, centre).filter(|f| band.shows(f)) else { continue };
-                match self.known.get(&(index as u32)) {
-                    Some(mask) if !inside => {
-                        let corner = centre - half + (MARGIN + 0.5);
-                        for p in cells_of(mask) {
-                            if let Some(footprint) = projection.footprint(&cell, corner + p) {
-                                band.put(&footprint);
-                            }
-                        }
+                if inside || self.known[index] == UNKNOWN {
+                    band.put(&footprint);
+                    if kind == Kind::Partial && !inside {
+                        met.push(index as u32);
                     }
-                    known => {
+                    continue;
+                }
+                let corner = centre - half + (MARGIN + 0.5);
+                let sides = projection.sides(centre, half);
+                for p in self.masks[self.known[index] as usize].front(sides) {
+                    let centre = corner + DVec3::from_array(p.map(|i| i as f64));
+                    if let Some(footprint) = projection.footprint(&cell, centre) {
                         band.put(&footprint);
-                        if kind == Kind::Partial && known.is_none() && !inside {
-                            met.push(index as u32);
-                        }
                     }
                 }
             }
         }
         met
     }
-}
-
-/// The cells of a mask, as index steps from the first one.
-fn cells_of(mask: &CellMask) -> impl Iterator<Item = DVec3> + '_ {
-    mask.iter().enumerate().flat_map(|(z, &word)| {
-        let mut rest = word;
-        std::iter::from_fn(move || {
-            let bit = (rest != 0).then(|| rest.trailing_zeros() as usize)?;
-            rest &= rest - 1;
-            Some(DVec3::new((bit % EDGE) as f64, (bit / EDGE) as f64, z as f64))
-        })
-    })
 }
 
 /// Some rows of tiles.

@@ -19,12 +19,15 @@
 //! * All others begin at the step of their own lattice in which their tile's depth lies, and give the same sums as without.
 //! * Blocks that stood in front as boxes are looked into before the next picture.
 //!
-//! **Why this is exact.** Let a ray meet its first visible point in cell c of block b. If b is known, c is one of its outer cells or the
-//! ray met an outer cell of b before; else b's box contains the point. Blocks are left out where all six neighbours are solid
-//! (visible whatever their cells): a ray met one of them before. So every tile holds a depth at or before each of its
-//! rays' first visible points. Boxes are widened by 1/32 of a cell, so that no rounding of a kernel's positions matters, and
-//! quotients are bounded outwards. Where a depth lies before a ray's entry, the ray begins at its entry: clips and layers need no
-//! care. With the eye inside the volume, cells and neighbours prove nothing, and all visible blocks are projected as boxes.
+//! **Why this is exact.** All boxes, of cells and of blocks, are widened by 1/32 of a cell: a kernel's rounded position lies in the
+//! widened box of a visible cell wherever it can see anything. Take the first widened box of something visible that a ray
+//! enters. If it is a cell of a known block, the neighbour at the side where the ray enters cannot be seen: its widened box contains the
+//! point of entry, too, and so the ray would have been in it before. Hence it is enough to project the cells with such a
+//! neighbour on one of the sides that rays come from. In the same way a block behind six solid ones (drawn as boxes always) is never
+//! first. Everything else that can be seen is in a projected box. So every tile holds a depth at or before each of its rays' first
+//! visible points; quotients are bounded outwards. Where a depth lies before a ray's entry, the ray begins at its entry:
+//! clips and layers need no care. With the eye inside the volume, neighbours prove nothing, and all visible blocks are projected as
+//! boxes.
 //!
 //! **What it gains.** Over no leaping: what lies before the first visible cell of a ray, and all rays that see nothing. Over leaping by
 //! blocks of 8³ cells: the walk through clear blocks up to that cell, and the samples that a ray takes inside blocks of which it

@@ -3,6 +3,8 @@
 use glam::DVec3;
 use vr_core::{ParameterError, Placement, Projection as Kind, View};
 
+use super::cells::Sides;
+
 /// Pixels along the edge of the tiles in which depths are kept: those of one packet of rays.
 pub(crate) const TILE: u32 = 4;
 
@@ -36,7 +38,20 @@ pub(crate) struct Projection {
     /// What is not negative inside the picture's right and bottom edge.
     far_edges: [Affine; 2],
     size: [u32; 2],
+    rays: Rays,
 }
+
+/// The rays in index space.
+#[derive(Clone, Copy, Debug)]
+enum Rays {
+    /// Parallel to a unit vector.
+    Along(DVec3),
+    /// From a point.
+    From(DVec3),
+}
+
+/// Of a unit vector, a component that may be rounding.
+const PARALLEL: f64 = 1e-9;
 
 /// Tiles of the picture that a box may cover, ends included, and the least depth along the view that it may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,12 +92,25 @@ impl Projection {
         // w·size − x.
         let negative = |row: Affine| Affine { at_zero: -row.at_zero, per_step: -row.per_step };
         let far_edges = [(width, x), (height, y)].map(|(size, at)| negative(at.minus(size, &w)));
-        Ok(Self { rows: [x, y, w, z], far_edges, size: view.size })
+        let rays = match view.camera.projection {
+            Kind::Orthographic { .. } => Rays::Along((placement.inverse_axes() * frame.z_axis).normalize()),
+            Kind::Perspective { .. } => Rays::From(placement.to_index(view.camera.eye)),
+        };
+        Ok(Self { rows: [x, y, w, z], far_edges, size: view.size, rays })
     }
 
     /// Which way depth grows, per index step.
     pub(crate) fn forward(&self) -> DVec3 {
         self.rows[3].per_step
+    }
+
+    /// From which sides rays come to the points of a box, per axis from below and from above.
+    pub(crate) fn sides(&self, centre: DVec3, half: DVec3) -> Sides {
+        std::array::from_fn(|a| match self.rays {
+            // Where rays go across the axis, rounding included, from both.
+            Rays::Along(direction) => [direction[a] > -PARALLEL, direction[a] < PARALLEL],
+            Rays::From(eye) => [eye[a] < centre[a] + half[a], eye[a] > centre[a] - half[a]],
+        })
     }
 
     /// For boxes of given half edges.
