@@ -9,6 +9,9 @@ use vr_physics::{Certainty, Reference};
 
 use crate::number;
 
+/// Rows and columns of the subgrid of pixels on which a picture's error is measured where not every pixel is.
+pub const SUBGRID: u32 = 64;
+
 /// The exact solution of some pixels.
 pub struct Exact {
     pixels: Vec<[u32; 2]>,

@@ -4,6 +4,8 @@
 //! `vr-physics` knows the exact solution.
 
 mod args;
+mod bench;
+mod bench_report;
 mod camera_flags;
 mod canvas;
 mod compare;
@@ -19,6 +21,7 @@ mod judge;
 mod number;
 mod output_file;
 mod overrides;
+mod process;
 mod progress;
 mod render;
 mod renderers;
@@ -56,6 +59,7 @@ fn run() -> Result<(), Failure> {
     control.run(|| match &command {
         Command::Render(args) => render::run(args, console, &control),
         Command::Compare(args) => compare::run(args, console, &control),
+        Command::Bench(args) => bench::run(args, console, &control),
         Command::Info(args) => info::run(args, console),
     })
 }

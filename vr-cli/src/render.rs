@@ -11,13 +11,10 @@ use vr_physics::metrics::{Metrics, subgrid};
 use crate::args::{ErrorMeasure, RenderArgs};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::judge::{ErrorJson, Exact};
+use crate::judge::{ErrorJson, Exact, SUBGRID};
 use crate::progress::under_bar;
 use crate::scene_setup::Setup;
 use crate::{number, output_file};
-
-/// Rows and columns of the subgrid of pixels whose error is measured.
-const SUBGRID: u32 = 64;
 
 /// Renders, writes, measures, tells.
 ///

@@ -64,6 +64,14 @@ impl Setup {
     /// # Errors
     /// An unknown renderer, an option that it does not have or take, or a promise that it cannot make.
     pub fn renderer(&self, args: &RendererArgs) -> Result<Box<dyn Renderer>, Failure> {
+        self.renderer_and_options(args).map(|(renderer, _)| renderer)
+    }
+
+    /// The same renderer, and the options that were set to make it; all others are at their defaults.
+    ///
+    /// # Errors
+    /// As [`Self::renderer`].
+    pub fn renderer_and_options(&self, args: &RendererArgs) -> Result<(Box<dyn Renderer>, Options), Failure> {
         let complaint = |by_flag: bool, message: String| match &self.origin.scene_file {
             Some(path) if !by_flag => Failure::failed(format!("{}: {message}", path.display())),
             _ => Failure::usage(message),
@@ -77,7 +85,7 @@ impl Setup {
             options = renderers::promise(&*renderer, options, max_error)
                 .map_err(|e| complaint(args.max_error.is_some() || args.renderer.is_some(), e.to_string()))?;
         }
-        renderer.configure(&options).map_err(|e| {
+        let configured = renderer.configure(&options).map_err(|e| {
             let by_flag = match &e {
                 OptionError::Unknown { key, .. } | OptionError::Value { key, .. } => {
                     args.renderer.is_some() || args.set.iter().any(|(k, _)| k == key)
@@ -85,7 +93,8 @@ impl Setup {
                 _ => false,
             };
             complaint(by_flag, e.to_string())
-        })
+        })?;
+        Ok((configured, options))
     }
 
     /// Why there is no picture.

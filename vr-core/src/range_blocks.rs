@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::filter::{Filter, Reconstruction};
+use crate::missing::VacuumCells;
 use crate::sampler::Sampler;
 use crate::volume::{SamplerVisitor, UniformVolume};
 use crate::voxel::Voxel;
@@ -38,10 +39,8 @@ impl BlockRange {
 
 impl RangeBlocks {
     pub(crate) fn of_field(volume: &UniformVolume, filter: Filter, edge: usize) -> Self {
-        assert!(edge > 0, "blocks have at least one cell");
-        let cells = volume.dims().map(|n| n - 1);
-        let blocks = cells.map(|n| n.div_ceil(edge));
-        volume.with_sampler(filter, Builder { edge, cells, blocks })
+        let (blocks, ranges) = block_ranges(volume, filter, edge, |range| range);
+        Self { edge, blocks, ranges }
     }
 
     /// Cells along the edge of a block.
@@ -65,68 +64,143 @@ impl RangeBlocks {
     }
 }
 
-struct Builder {
+/// Blocks along x, y, z of `edge`³ cells, and what `keep` keeps of the range of each, x fastest: a row of them at a time is all that
+/// is held in full.
+pub(crate) fn block_ranges<K: Copy + Send>(
+    volume: &UniformVolume,
+    filter: Filter,
+    edge: usize,
+    keep: impl Fn(BlockRange) -> K + Sync,
+) -> ([usize; 3], Vec<K>) {
+    assert!(edge > 0, "blocks have at least one cell");
+    let cells = volume.dims().map(|n| n - 1);
+    let blocks = cells.map(|n| n.div_ceil(edge));
+    (blocks, volume.with_sampler(filter, Builder { edge, cells, blocks, keep }))
+}
+
+struct Builder<F> {
     edge: usize,
     cells: [usize; 3],
     blocks: [usize; 3],
+    keep: F,
 }
 
-impl SamplerVisitor for Builder {
-    type Output = RangeBlocks;
+impl<K: Copy + Send, Keep: Fn(BlockRange) -> K + Sync> SamplerVisitor for Builder<Keep> {
+    type Output = Vec<K>;
 
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> RangeBlocks {
-        let [bx, by, _] = self.blocks;
-        let ranges = (0..self.blocks.iter().product::<usize>())
-            .into_par_iter()
-            .map(|b| self.range(&sampler, [b % bx, b / bx % by, b / (bx * by)]))
-            .collect();
-        RangeBlocks { edge: self.edge, blocks: self.blocks, ranges }
-    }
-}
-
-impl Builder {
-    fn range<T: Voxel, F: Reconstruction>(&self, sampler: &Sampler<'_, T, F>, block: [usize; 3]) -> BlockRange {
-        let first: [usize; 3] = block.map(|b| b * self.edge);
-        let end: [usize; 3] = std::array::from_fn(|a| (first[a] + self.edge).min(self.cells[a]));
-        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-        let mut vacuum = false;
-        let mut widen = |cell_first: [usize; 3], cell_end: [usize; 3]| {
-            let (l, h) = corner_range(sampler, cell_first, cell_end);
-            low = low.min(l);
-            high = high.max(h);
-        };
-        match sampler.vacuum() {
-            None => widen(first, end),
-            // Cell by cell, the vacuum left out.
-            Some(cells) => {
-                for z in first[2]..end[2] {
-                    for y in first[1]..end[1] {
-                        for x in first[0]..end[0] {
-                            if cells.is_vacuum([x, y, z]) {
-                                vacuum = true;
-                            } else {
-                                widen([x, y, z], [x + 1, y + 1, z + 1]);
-                            }
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Vec<K> {
+        let [bx, by, bz] = self.blocks;
+        let nothing = BlockRange { low: f32::INFINITY, high: f32::NEG_INFINITY, vacuum: true };
+        let mut kept = vec![(self.keep)(nothing); bx * by * bz];
+        // A row of blocks along x is a task.
+        kept.par_chunks_mut(bx).enumerate().for_each_init(
+            || vec![nothing; bx],
+            |ranges, (row, kept)| {
+                let (y, z) = (row % by, row / by);
+                match sampler.vacuum() {
+                    None => self.row(&sampler, [y, z], ranges),
+                    Some(vacuum) => {
+                        for (x, range) in ranges.iter_mut().enumerate() {
+                            *range = self.with_vacuum(&sampler, vacuum, [x, y, z]);
                         }
                     }
                 }
-            }
-        }
-        BlockRange { low, high, vacuum }
+                for (kept, &range) in kept.iter_mut().zip(ranges.iter()) {
+                    *kept = (self.keep)(range);
+                }
+            },
+        );
+        kept
     }
 }
 
-/// Bounds of the field over the closed cells `first .. end`.
-fn corner_range<T: Voxel, F: Reconstruction>(
-    sampler: &Sampler<'_, T, F>,
-    first: [usize; 3],
-    end: [usize; 3],
-) -> (f32, f32) {
-    let lattice = sampler.lattice();
+impl<Keep> Builder<Keep> {
+    /// The first cell of a block along an axis, and the one behind its last.
+    fn cells_of(&self, axis: usize, block: usize) -> (usize, usize) {
+        let first = block * self.edge;
+        (first, (first + self.edge).min(self.cells[axis]))
+    }
+
+    /// The ranges of a row of blocks without vacuum: first over y and z, sample by sample along x, which is vector code in the samples'
+    /// own type; then over the x of each block.
+    fn row<T: Voxel, F: Reconstruction>(
+        &self,
+        sampler: &Sampler<'_, T, F>,
+        [y, z]: [usize; 2],
+        out: &mut [BlockRange],
+    ) {
+        let lattice = sampler.lattice();
+        let width = lattice.dims[0];
+        let span = |axis: usize, block: usize| {
+            let (first, end) = self.cells_of(axis, block);
+            support::<F>(first, end, lattice.dims[axis])
+        };
+        let (mut low, mut high): (Vec<T>, Vec<T>) = (Vec::new(), Vec::new());
+        for z in span(2, z) {
+            for y in span(1, y) {
+                let start = lattice.offset(0, y, z);
+                let samples = &lattice.samples[start..start + width];
+                if low.is_empty() {
+                    low.extend_from_slice(samples);
+                    high.extend_from_slice(samples);
+                    continue;
+                }
+                for ((low, high), &s) in low.iter_mut().zip(&mut high).zip(samples) {
+                    *low = if s < *low { s } else { *low };
+                    *high = if s > *high { s } else { *high };
+                }
+            }
+        }
+        for (x, range) in out.iter_mut().enumerate() {
+            let span = span(0, x);
+            let least = low[span.clone()].iter().fold(f32::INFINITY, |a, s| a.min(s.to_f32()));
+            let most = high[span].iter().fold(f32::NEG_INFINITY, |a, s| a.max(s.to_f32()));
+            let (low, high) = bounds::<F>(least, most);
+            *range = BlockRange { low, high, vacuum: false };
+        }
+    }
+
+    /// The range of a block of a volume with holes: cell by cell, the vacuum left out.
+    fn with_vacuum<T: Voxel, F: Reconstruction>(
+        &self,
+        sampler: &Sampler<'_, T, F>,
+        vacuum: &VacuumCells,
+        block: [usize; 3],
+    ) -> BlockRange {
+        let [xs, ys, zs] = std::array::from_fn(|a| {
+            let (first, end) = self.cells_of(a, block[a]);
+            first..end
+        });
+        let mut range = BlockRange { low: f32::INFINITY, high: f32::NEG_INFINITY, vacuum: false };
+        for z in zs {
+            for y in ys.clone() {
+                for x in xs.clone() {
+                    if vacuum.is_vacuum([x, y, z]) {
+                        range.vacuum = true;
+                        continue;
+                    }
+                    let (low, high) = bounds_of_cell(sampler, [x, y, z]);
+                    range.low = range.low.min(low);
+                    range.high = range.high.max(high);
+                }
+            }
+        }
+        range
+    }
+}
+
+/// The samples of an axis that the field in the cells `first .. end` depends on.
+///
+/// Mirrored and repeated samples beyond the box are among them, too: one step mirrors into the box.
+fn support<F: Reconstruction>(first: usize, end: usize, samples: usize) -> std::ops::Range<usize> {
     let reach = F::FILTER.reach();
+    first.saturating_sub(reach)..(end + reach + 1).min(samples)
+}
+
+fn bounds_of_cell<T: Voxel, F: Reconstruction>(sampler: &Sampler<'_, T, F>, cell: [usize; 3]) -> (f32, f32) {
+    let lattice = sampler.lattice();
+    let span = |a: usize| support::<F>(cell[a], cell[a] + 1, lattice.dims[a]);
     let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-    // Mirrored and repeated samples beyond the box are inside the clamped range, too: one step mirrors into it.
-    let span = |a: usize| first[a].saturating_sub(reach)..=(end[a] + reach).min(lattice.dims[a] - 1);
     for z in span(2) {
         for y in span(1) {
             for x in span(0) {
@@ -136,14 +210,23 @@ fn corner_range<T: Voxel, F: Reconstruction>(
             }
         }
     }
-    // Σ|w| of one axis: 1 where no weight is negative, at most 5/4 for Catmull-Rom (at t = ½).
-    let gain: f32 = if F::FILTER == Filter::CatmullRom { 1.25 * 1.25 * 1.25 } else { 1.0 };
-    let (centre, radius) = (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low);
+    bounds::<F>(low, high)
+}
+
+/// Bounds of a field whose support has the least and the largest sample given.
+fn bounds<F: Reconstruction>(low: f32, high: f32) -> (f32, f32) {
     // Kernels in f32 round: a few units in the last place of the largest sample, 64 products deep.
     let slack = 16.0 * f32::EPSILON * low.abs().max(high.abs());
-    if gain == 1.0 && F::FILTER.reach() == 0 {
-        (low - slack, high + slack)
-    } else {
-        (centre - gain * radius - slack, centre + gain * radius + slack)
+    match F::FILTER {
+        // What is the same everywhere stays what it is: a + t·(b − a) rounds nothing where a = b. So air that is one stored number is clear
+        // under a ramp that begins there.
+        Filter::Nearest | Filter::Trilinear if low == high => (low, high),
+        Filter::Nearest | Filter::Trilinear => (low - slack, high + slack),
+        filter => {
+            // Σ|w| of one axis: 1 where no weight is negative, at most 5/4 for Catmull-Rom (at t = ½).
+            let gain: f32 = if filter == Filter::CatmullRom { 1.25 * 1.25 * 1.25 } else { 1.0 };
+            let (centre, radius) = (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low);
+            (centre - gain * radius - slack, centre + gain * radius + slack)
+        }
     }
 }

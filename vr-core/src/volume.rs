@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::filter::{BSpline, Filter, Lattice, Reconstruction, interpolation_coefficients};
 use crate::filter::{CatmullRom, Gaussian, Nearest, Trilinear};
 use crate::grid::{Calibration, Census, UniformGrid};
+use crate::level_ranges::LevelRanges;
 use crate::missing::{VacuumCells, fill_missing};
 use crate::placement::Placement;
 use crate::range_blocks::RangeBlocks;
@@ -137,11 +138,18 @@ pub struct UniformVolume {
     filled: OnceLock<Option<(UniformGrid<f32>, VacuumCells)>>,
     coefficients: OnceLock<Vec<f32>>,
     blocks: Mutex<HashMap<(Filter, usize), Arc<RangeBlocks>>>,
+    levels: Mutex<HashMap<Filter, Arc<LevelRanges>>>,
 }
 
 impl UniformVolume {
     fn new(grid: AnyGrid) -> Self {
-        Self { grid, filled: OnceLock::new(), coefficients: OnceLock::new(), blocks: Mutex::default() }
+        Self {
+            grid,
+            filled: OnceLock::new(),
+            coefficients: OnceLock::new(),
+            blocks: Mutex::default(),
+            levels: Mutex::default(),
+        }
     }
 
     /// The samples.
@@ -263,6 +271,12 @@ impl UniformVolume {
         let mut blocks = self.blocks.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let made = blocks.entry((filter, edge)).or_insert_with(|| Arc::new(RangeBlocks::of_field(self, filter, edge)));
         Arc::clone(made)
+    }
+
+    /// Ranges of the field of a filter in small blocks, in two bytes each; made once and kept.
+    pub fn level_ranges(&self, filter: Filter) -> Arc<LevelRanges> {
+        let mut levels = self.levels.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        Arc::clone(levels.entry(filter).or_insert_with(|| Arc::new(LevelRanges::of_field(self, filter))))
     }
 }
 

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use vr_core::transfer::BakedTransfer;
 use vr_core::{Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Precision, RayCaster};
+use crate::caster::{Classification, Precision, RayCaster, Step};
 use crate::classify::Classifier;
+use crate::leap::Visibility;
 use crate::operator::Brightest;
-use crate::screen::{Sight, VisibleRanges};
+use crate::pace::PaceMap;
+use crate::screen::Sight;
 use crate::shade::Shader;
 use crate::table_range::{resolves, single_precision_resolves, table_range};
 
@@ -22,6 +24,8 @@ pub(crate) enum Kernel {
 pub(crate) struct Instruments<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
+    /// How long steps are, where they follow the data.
+    pub(crate) pace: Option<Arc<PaceMap>>,
 }
 
 impl Kernel {
@@ -58,10 +62,9 @@ impl Kernel {
 
 impl<R: Real> Instruments<R> {
     fn sight(&self) -> Sight {
-        let classifier = &self.classifier;
-        let slack = classifier.table.as_ref().map_or(0.0, |(table, _)| table.spacing());
-        let ranges = VisibleRanges::new(&classifier.transfer, classifier.calibration, slack);
-        Arc::new(move |low, high| ranges.meet(low, high))
+        let Classifier { transfer, calibration, table } = &self.classifier;
+        let visibility = Visibility::of_light(transfer, *calibration, table.as_ref().map(|(table, _)| table));
+        Arc::new(move |low, high| visibility.is_visible(low, high))
     }
 
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
@@ -77,8 +80,20 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| {
             old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
         };
-        let kept = last.filter(|(old, _)| same(old)).and_then(|(_, i)| i.classifier.table.clone());
-        let wanted = caster.classification == Classification::Table && scene.compositing.integrates_light();
+        let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
+        let kept = last.and_then(|i| i.classifier.table.clone());
+        // Steps of many lengths have no table.
+        let wanted = caster.classification == Classification::Table
+            && scene.compositing.integrates_light()
+            && matches!(caster.step, Step::Uniform(_));
+        let pace = |error: f64| {
+            last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
+                let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
+                let map =
+                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, true);
+                Arc::new(map)
+            })
+        };
         let classifier = Classifier {
             transfer: Arc::clone(&scene.transfer),
             calibration: volume.calibration(),
@@ -88,7 +103,11 @@ impl<R: Real> Instruments<R> {
             .shading
             .as_ref()
             .map(|shading| Shader::new(Arc::clone(shading), volume.placement(), volume.calibration().slope));
-        Self { classifier, shader }
+        let pace = match caster.step {
+            Step::Local { error } => Some(pace(error)),
+            Step::Uniform(_) => None,
+        };
+        Self { classifier, shader, pace }
     }
 
     /// How bright the medium can be.

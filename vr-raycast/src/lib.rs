@@ -80,8 +80,12 @@ mod caster;
 mod chord;
 mod classify;
 mod instruments;
+// Its own tests use it; the walk along rays will.
+#[allow(dead_code, unused_imports)]
+mod leap;
 mod operator;
 mod options;
+mod pace;
 mod pipeline;
 mod prepared;
 mod ray_value;
@@ -90,6 +94,7 @@ mod run;
 mod screen;
 mod settings;
 mod shade;
+mod step_options;
 mod table_range;
 mod tracer;
 mod walk;

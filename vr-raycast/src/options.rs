@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step};
+use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen};
+use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
@@ -30,12 +31,7 @@ const THRESHOLD: f64 = 0.002;
 pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let defaults = to_options(&RayCaster::default());
     let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
-    vec![
-        spec(
-            "step",
-            OptionKind::Number { above: 0.0, most: RayCaster::LONGEST_STEP },
-            "distance between samples, as a fraction of the smallest voxel edge",
-        ),
+    let others = [
         spec(
             "rule",
             OptionKind::Choice(&["midpoint", "left"]),
@@ -69,14 +65,13 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
             default: OptionValue::Number(THRESHOLD),
             help: "adaptive screen: the largest difference of colour that is interpolated",
         },
-    ]
+    ];
+    step_options::specs().into_iter().chain(others).collect()
 });
 
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
-    let Step::Uniform(step) = caster.step;
-    let options = Options::new()
-        .with("step", step)
+    let options = step_options::to_options(caster.step)
         .with("rule", word_of(RULES, caster.rule))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
@@ -93,11 +88,12 @@ pub(crate) fn to_options(caster: &RayCaster) -> Options {
 
 /// A caster with options set.
 pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCaster, OptionError> {
-    let mut new = caster.clone();
+    let set = options.check(RayCaster::NAME, &SPECS)?;
+    let mut new = RayCaster { step: step_options::step_of(caster.step, options)?, ..caster.clone() };
     // In the order of the list: `order` is set before `termination`.
-    for (key, value) in options.check(RayCaster::NAME, &SPECS)? {
+    for (key, value) in set {
         match (key, value) {
-            ("step", OptionValue::Number(x)) => new.step = Step::Uniform(*x),
+            (key, _) if step_options::owns(key) => {}
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
             ("order", OptionValue::Word(w)) => {
                 new.order = match (w.as_str(), new.order) {
@@ -197,7 +193,9 @@ mod tests {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
         }
         assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
-        for spec in SPECS.iter() {
+        // The numbers of other kinds of steps than the default's choose those.
+        let own = to_options(&RayCaster::default());
+        for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key) || s.key == "screen-threshold") {
             // A threshold by itself is an error, by default.
             let adaptive = RayCaster { screen: Screen::Adaptive { threshold: THRESHOLD }, ..RayCaster::default() };
             let caster = if spec.key == "screen-threshold" { adaptive } else { RayCaster::default() };

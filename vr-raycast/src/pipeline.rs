@@ -7,11 +7,12 @@ use vr_core::{Counts, Filter, IndexRay, Ray, RayShading, Rays, Real, UniformVolu
 use crate::chord::Chord;
 use crate::classify::Classifier;
 use crate::operator::Operator;
+use crate::pace::PaceMap;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::tracer::{Traced, Tracer};
-use crate::walk::{Lattice, LatticeWalk, Walk};
+use crate::walk::{Lattice, LatticeWalk, LocalWalk, Walk};
 
 /// What a frame's rays share.
 ///
@@ -21,8 +22,12 @@ use crate::walk::{Lattice, LatticeWalk, Walk};
 pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) volume: &'a UniformVolume,
     pub(crate) filter: Filter,
-    /// Length of a step in world units.
+    /// World length of the smallest voxel edge.
+    pub(crate) voxel: f64,
+    /// World length of a step, where all are alike.
     pub(crate) step: f64,
+    /// How long steps are, where they follow the data.
+    pub(crate) pace: Option<&'a PaceMap>,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
@@ -65,8 +70,13 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
-            let lattice = Lattice::new(part.start, part.end, self.step);
-            let walk = Walk::Lattice(LatticeWalk::new(lattice, start, O::BACKWARDS));
+            let walk = match self.pace {
+                Some(map) => Walk::Local(LocalWalk::new(map, part, self.voxel)),
+                None => {
+                    let lattice = Lattice::new(part.start, part.end, self.step);
+                    Walk::Lattice(LatticeWalk::new(lattice, start, O::BACKWARDS))
+                }
+            };
             let chord = Chord { volume: self.volume, filter: self.filter, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });
@@ -78,7 +88,7 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         scratch: &mut Scratch<R, O>,
         ray: &Ray,
         chord: &Chord<'_>,
-        mut walk: Walk,
+        mut walk: Walk<'_>,
         counts: &mut Counts,
     ) -> RayValue {
         let Scratch { operator, run, lights } = scratch;

@@ -10,7 +10,7 @@ use vr_core::{
 
 use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step};
 use crate::instruments::{Instruments, Kernel};
-use crate::operator::{Accumulate, Brightest, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
+use crate::operator::{Accumulate, Average, Brightest, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
 use crate::pipeline::Pipeline;
 use crate::screen::{CoherenceBuffer, Stage, Template};
 use crate::table_range::table_range;
@@ -95,6 +95,17 @@ fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, 
     if let Some(what) = beyond_screen(caster, scene) {
         return Err(unsupported(what));
     }
+    if matches!(caster.step, Step::Local { .. }) {
+        if !scene.compositing.integrates_light() {
+            return Err(unsupported(format!(
+                "compositing '{}' in steps that follow the light",
+                scene.compositing.name()
+            )));
+        }
+        if caster.order == Order::BackToFront {
+            return Err(unsupported("steps that follow the data, back to front".to_owned()));
+        }
+    }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
@@ -174,7 +185,14 @@ impl PreparedCaster {
         let volume = check(&self.caster, &self.scene)?;
         let transfer = || Arc::clone(&self.scene.transfer);
         let calibration = volume.calibration();
-        let stage = Stage { screen: self.caster.screen, coherence, volume, step: self.caster.world_step(volume), view, control };
+        let stage = Stage {
+            screen: self.caster.screen,
+            coherence,
+            volume,
+            step: self.caster.world_step(volume),
+            view,
+            control,
+        };
         let plain = Plain { prepared: self, volume, instruments, view, stage };
         match (self.scene.compositing, self.caster.order) {
             (Compositing::Over, Order::BackToFront) => plain.draw(OverBackToFront::default),
@@ -205,7 +223,9 @@ impl<R: Real> Plain<'_, R> {
         let pipeline = Pipeline {
             volume: self.volume,
             filter: caster.filter_of(&self.prepared.scene),
+            voxel: self.volume.placement().spacing().min_element(),
             step: caster.world_step(self.volume),
+            pace: self.instruments.pace.as_deref(),
             offset: match caster.rule {
                 Rule::Midpoint => 0.5,
                 Rule::Left => 0.0,

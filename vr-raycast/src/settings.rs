@@ -10,38 +10,37 @@ const FLOOR_F32: f64 = 3e-4;
 /// Rounding of f64 sums.
 const FLOOR_F64: f64 = 1e-12;
 
-/// Steps for both rules; the default step for every filter; and the f64 instance, which shows what the floor is made of.
+/// Steps for both rules; steps that follow the data; the default step for every filter; and the f64 instance, which shows what the
+/// floor is made of.
 pub(crate) fn settings() -> Vec<NamedSetting> {
     let default = RayCaster::default;
-    let steps = |rule, steps: &[f64]| {
-        steps.iter().map(|&step| RayCaster { step: Step::Uniform(step), rule, ..default() }).collect::<Vec<_>>()
+    let named = |name: String, caster: RayCaster, order: Option<f64>, error_floor: f64| NamedSetting {
+        name,
+        options: to_options(&caster),
+        order,
+        error_floor,
     };
-    let midpoint = steps(Rule::Midpoint, &[4.0, 2.0, 1.0, 0.5, 0.2, 0.1]);
-    let left = steps(Rule::Left, &[1.0, 0.2]);
-    let filters = Filter::ALL.map(|filter| RayCaster { filter: Some(filter), ..default() });
-    let exact = [1.0, 0.2].map(RayCaster::exact);
-    let named = |prefix: &'static str, floor: f64| {
-        move |caster: RayCaster| {
-            let Step::Uniform(step) = caster.step;
-            let name = match caster.filter {
-                Some(filter) => format!("{prefix} {filter} {step}"),
-                None => format!("{prefix} {step}"),
-            };
-            // A field that jumps, as the nearest sample's does, leaves order 1 to every rule.
-            let order = match (caster.rule, caster.filter) {
-                (Rule::Left, _) | (_, Some(Filter::Nearest)) => 1.0,
-                (Rule::Midpoint, _) => 2.0,
-            };
-            NamedSetting { name, options: to_options(&caster), order: Some(order), error_floor: floor }
-        }
+    let uniform = |rule: Rule, word: &str, order: f64, steps: &[f64]| -> Vec<NamedSetting> {
+        let caster = |step| RayCaster { step: Step::Uniform(step), rule, ..default() };
+        steps.iter().map(|&step| named(format!("{word} {step}"), caster(step), Some(order), FLOOR_F32)).collect()
     };
-    midpoint
-        .into_iter()
-        .chain(filters)
-        .map(named("midpoint", FLOOR_F32))
-        .chain(left.into_iter().map(named("left", FLOOR_F32)))
-        .chain(exact.into_iter().map(named("midpoint f64", FLOOR_F64)))
-        .collect()
+    let local = [1e-2, 2e-3, 5e-4].map(|error| {
+        named(format!("local {error}"), RayCaster { step: Step::Local { error }, ..default() }, None, FLOOR_F32)
+    });
+    let filters = Filter::ALL.map(|filter| {
+        // A field that jumps, as the nearest sample's does, leaves order 1 to every rule.
+        let order = if filter == Filter::Nearest { 1.0 } else { 2.0 };
+        let caster = RayCaster { filter: Some(filter), step: Step::Uniform(0.2), ..default() };
+        named(format!("midpoint {filter} 0.2"), caster, Some(order), FLOOR_F32)
+    });
+    let exact =
+        [1.0, 0.2].map(|step| named(format!("midpoint f64 {step}"), RayCaster::exact(step), Some(2.0), FLOOR_F64));
+    let mut all = uniform(Rule::Midpoint, "midpoint", 2.0, &[4.0, 2.0, 1.0, 0.5, 0.2, 0.1]);
+    all.extend(local);
+    all.extend(filters);
+    all.extend(uniform(Rule::Left, "left", 1.0, &[1.0, 0.2]));
+    all.extend(exact);
+    all
 }
 
 #[cfg(test)]

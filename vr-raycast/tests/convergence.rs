@@ -125,3 +125,22 @@ fn floor_of_single_precision() {
         assert!(single <= 2e-5, "{name}: {single}");
     }
 }
+
+#[test]
+fn local_steps_come_near_the_error_they_aim_at() {
+    for (name, scene) in phantom_scenes(64) {
+        let view = oblique(&scene, 64);
+        let truth = truth(&scene, &view);
+        let mut samples = Vec::new();
+        for aim in [1e-2, 2e-3, 5e-4] {
+            let picture =
+                render(&RayCaster { step: Step::Local { error: aim }, ..RayCaster::default() }, &scene, &view);
+            let error = rms(&picture.frame, &truth);
+            println!("{name}: aimed at {aim:.0e}, RMSE {error:.1e}, {} samples", picture.stats.counts.samples);
+            // An estimate: twice as much would say that it is none.
+            assert!(error <= 2.0 * aim, "{name}: {error} where {aim} was aimed at");
+            samples.push(picture.stats.counts.samples);
+        }
+        assert!(samples.windows(2).all(|w| w[0] < w[1]), "smaller errors take more samples: {samples:?}");
+    }
+}

@@ -5,8 +5,8 @@ mod common;
 use common::{max_error, transfer};
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
-use vr_core::*;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
+use vr_core::*;
 use vr_raycast::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step};
 
 fn caster(screen: Screen) -> RayCaster {
@@ -95,8 +95,7 @@ fn cameras() -> impl Strategy<Value = Camera> {
         "a direction",
         |(direction, distance, target, fov, height)| {
             let eye = target + direction.try_normalize()? * distance;
-            let projection =
-                fov.map_or(Projection::Orthographic { height }, |fov| Projection::Perspective { fov });
+            let projection = fov.map_or(Projection::Orthographic { height }, |fov| Projection::Perspective { fov });
             let camera = Camera { eye, target: 0.3 * target, up: DVec3::new(0.1, 1.0, 0.2), projection };
             camera.frame().ok().map(|_| camera)
         },
@@ -104,9 +103,8 @@ fn cameras() -> impl Strategy<Value = Camera> {
 }
 
 fn placements() -> impl Strategy<Value = DMat3> {
-    prop::array::uniform9(-0.4..0.4f64).prop_map(|m| {
-        DMat3::from_cols_array(&m) + DMat3::from_diagonal(DVec3::new(1.0, 0.8, 1.5))
-    })
+    prop::array::uniform9(-0.4..0.4f64)
+        .prop_map(|m| DMat3::from_cols_array(&m) + DMat3::from_diagonal(DVec3::new(1.0, 0.8, 1.5)))
 }
 
 proptest! {
@@ -161,8 +159,10 @@ fn of_phantom(name: &str, n: usize) -> Scene {
     Scene::new(phantom::sample::<f32>(&*phantom, [n; 3]).unwrap().into(), transfer.unwrap())
 }
 
+/// No law bounds what lies between rays that agree; on these pictures, of features wider than the first rays' distance, it is within
+/// four times the threshold, and mostly nothing.
 #[test]
-fn adaptive_pictures_are_within_their_threshold_or_nearly() {
+fn adaptive_pictures_are_near_their_threshold() {
     for name in phantom::NAMES {
         let scene = of_phantom(name, 33);
         for fov in [None, Some(30.0)] {
@@ -171,7 +171,11 @@ fn adaptive_pictures_are_within_their_threshold_or_nearly() {
             for threshold in [0.002, 0.01, 0.05] {
                 let got = common::render(&caster(Screen::Adaptive { threshold }), &scene, &view);
                 let error = max_error(&got.frame, &want.frame);
-                eprintln!("{name} {fov:?} {threshold}: {error:.1e} = {:.1} t, {:.2}", error/threshold, got.stats.counts.rays as f64 / want.stats.counts.rays as f64);
+                assert!(error <= 4.0 * threshold, "{name}, {fov:?}, threshold {threshold}: {error}");
+                let share = got.stats.counts.rays as f64 / want.stats.counts.rays as f64;
+                // Fog and Marschner-Lobb change everywhere: all that a low threshold can do there is trace every pixel.
+                let most = if matches!(*name, "fog" | "marschner-lobb") { 1.0 } else { 0.65 };
+                assert!(share <= most, "{name}, {fov:?}, threshold {threshold}: {share} of the rays");
             }
         }
     }
@@ -200,18 +204,24 @@ fn rms(got: &Frame, want: &Frame) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
+/// The error against each pixel's own ray falls with the square of the voxel's size where templates are sampled between voxels. Nearest
+/// voxels leave the first order, but err to both sides alike: along a smooth ray little of it is left.
 #[test]
 fn templates_converge_with_the_voxel() {
-    for (connectivity, _order) in [(Connectivity::Continuous, 2.0), (Connectivity::Discrete, 1.0)] {
+    for (connectivity, least_order, largest) in
+        [(Connectivity::Continuous, 1.8, 2e-4), (Connectivity::Discrete, 1.5, 4e-4)]
+    {
         for (azimuth, elevation) in [(33.0, 21.0), (100.0, -40.0), (200.0, 5.0)] {
-            let errors = [17, 33, 65].map(|n| {
+            let errors = [17, 65].map(|n| {
                 let scene = bump(n);
                 let view = View::new(Camera::framing(scene.volume.bounds(), azimuth, elevation, None), [64, 64]);
-                let fine = 0.2;
-                let want = common::render(&RayCaster { step: Step::Uniform(fine), ..RayCaster::default() }, &scene, &view);
-                rms(&common::render(&template(connectivity, fine), &scene, &view).frame, &want.frame)
+                let plain = RayCaster { step: Step::Uniform(0.2), ..RayCaster::default() };
+                let want = common::render(&plain, &scene, &view).frame;
+                rms(&common::render(&template(connectivity, 0.2), &scene, &view).frame, &want)
             });
-            eprintln!("{connectivity:?} {azimuth} {:.2e} {:.2e} {:.2e} {:.2} {:.2}", errors[0],errors[1],errors[2], (errors[0]/errors[1]).log2(), (errors[1]/errors[2]).log2());
+            let order = (errors[0] / errors[1]).log2() / 2.0;
+            assert!(order >= least_order, "{connectivity:?} from {azimuth}: order {order}");
+            assert!(errors[1] <= largest, "{connectivity:?} from {azimuth}: {}", errors[1]);
         }
     }
 }
@@ -304,16 +314,21 @@ fn templates_keep_clips_and_holes() {
         }
     }
     let grid = UniformGrid::new([n; 3], samples, Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default());
-    let scene = Scene::new(grid.unwrap().into(), transfer(&[(0.0, [1.0, 0.5, 0.0], 0.02), (1.0, [0.0, 0.5, 1.0], 0.05)], 1.0));
+    let scene =
+        Scene::new(grid.unwrap().into(), transfer(&[(0.0, [1.0, 0.5, 0.0], 0.02), (1.0, [0.0, 0.5, 1.0], 0.05)], 1.0));
     for (azimuth, elevation) in [(20.0, 30.0), (-75.0, 10.0)] {
         let mut view = View::new(Camera::framing(scene.volume.bounds(), azimuth, elevation, None), [80, 80]);
         view.clip.crop = Some((DVec3::new(3.0, 5.0, -9.0), DVec3::new(35.0, 60.0, 38.0)));
         view.clip.planes.push(Plane { normal: DVec3::new(1.0, 1.0, 1.0), offset: 30.0 });
         let want = common::render(&caster(Screen::EveryPixel), &scene, &view).frame;
-        for connectivity in [Connectivity::Continuous, Connectivity::Discrete] {
+        // Faces of the clip and of the hole are known to a step and to a voxel, of which these have several per cent of opacity;
+        // twice what was measured.
+        for (connectivity, largest, mean) in
+            [(Connectivity::Continuous, 0.13, 9e-3), (Connectivity::Discrete, 0.3, 3.2e-2)]
+        {
             let got = common::render(&template(connectivity, 0.5), &scene, &view).frame;
-            let (largest, mean) = (max_error(&got, &want), rms(&got, &want));
-            eprintln!("{connectivity:?} {azimuth}: {largest:.2e} {mean:.2e}");
+            let found = (max_error(&got, &want), rms(&got, &want));
+            assert!(found.0 <= largest && found.1 <= mean, "{connectivity:?} from {azimuth}: {found:?}");
         }
     }
 }

@@ -53,6 +53,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Render one scene with every renderer, and compare time and error
     Compare(Box<CompareArgs>),
+    /// Time a renderer: frames of a turning camera, after one preparation
+    Bench(Box<BenchArgs>),
     /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try
     Info(Box<InfoArgs>),
 }
@@ -139,6 +141,38 @@ pub struct CompareArgs {
     pub output: PathBuf,
 }
 
+/// `vr bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The renderer and its options.
+    #[command(flatten)]
+    pub renderer: RendererArgs,
+    /// What is timed.
+    #[command(flatten)]
+    pub timing: TimingArgs,
+}
+
+/// What is timed.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Timing")]
+pub struct TimingArgs {
+    /// Time this many frames
+    #[arg(long, value_name = "N", default_value = "9", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: u32,
+    /// Turn the camera about its target by this from frame to frame; frame 0 is the scene's own view
+    #[arg(long, value_name = "DEGREES", default_value = "10", value_parser = value::angle, allow_hyphen_values = true)]
+    pub azimuth_step: f64,
+    /// Draw this many frames first that are not timed: those that lead up to frame 0
+    #[arg(long, value_name = "N", default_value = "2", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    pub warm_up: u32,
+    /// Compare frame 0 with the exact solution on a 64x64 subgrid of its pixels
+    #[arg(long)]
+    pub error: bool,
+}
+
 /// `vr info`.
 #[derive(Debug, Args)]
 pub struct InfoArgs {
@@ -154,7 +188,9 @@ impl Cli {
     /// [`Failure::Usage`] for anything else that is no command.
     pub fn from_command_line() -> Result<Self, Failure> {
         let options = renderers::option_help();
-        let command = Self::command().mut_subcommand("render", |render| render.after_help(options));
+        let command = Self::command()
+            .mut_subcommand("render", |render| render.after_help(options.clone()))
+            .mut_subcommand("bench", |bench| bench.after_help(options));
         match command.try_get_matches().and_then(|matches| Self::from_arg_matches(&matches)) {
             Ok(cli) => Ok(cli),
             Err(e)

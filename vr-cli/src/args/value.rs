@@ -53,6 +53,12 @@ pub fn point(text: &str) -> Result<[f64; 5], String> {
     list(text, ',').map_err(|_| "expected value, red, green, blue and opacity: five numbers".to_owned())
 }
 
+/// Degrees, not more than a turn either way.
+pub fn angle(text: &str) -> Result<f64, String> {
+    let degrees = text.trim().parse().map_err(|_| "expected a number of degrees".to_owned())?;
+    if (-360.0..=360.0).contains(&degrees) { Ok(degrees) } else { Err("must be from -360 to 360 degrees".to_owned()) }
+}
+
 /// `key=value`.
 pub fn key_value(text: &str) -> Result<(String, String), String> {
     let (key, value) = text.split_once('=').ok_or("expected KEY=VALUE")?;
@@ -80,6 +86,8 @@ mod tests {
         assert!(triple::<f64>("1,2").is_err());
         assert_eq!(corners("0,0,0,1,2,3"), Ok([[0.0; 3], [1.0, 2.0, 3.0]]));
         assert_eq!(plane("0,0,1,64"), Ok(([0.0, 0.0, 1.0], 64.0)));
+        assert_eq!((angle("-7.5"), angle("360")), (Ok(-7.5), Ok(360.0)));
+        assert!(angle("nan").is_err() && angle("360.5").is_err() && angle("-inf").is_err() && angle("x").is_err());
         assert_eq!(word::<Filter>("catmull-rom"), Ok(Filter::CatmullRom));
         assert!(word::<Filter>("linear").unwrap_err().contains("`trilinear`"));
     }

@@ -84,13 +84,26 @@ impl<R: Real> BakedTransfer<R> {
         1.0 / self.per_unit.to_f64()
     }
 
+    /// The entries (r, g, b, α), evenly spaced; the last one is there twice.
+    pub fn entries(&self) -> &[[R; 4]] {
+        &self.entries
+    }
+
+    /// Where a stored number, which is not NaN, lies among the entries: at entry i + t for an index i and a fraction t.
+    ///
+    /// It grows with the stored number, rounding included; numbers beyond the ends lie at the ends.
+    #[inline(always)]
+    pub fn position(&self, stored: R) -> R {
+        ((stored - self.origin) * self.per_unit).max(R::ZERO).min(self.last)
+    }
+
     /// Light and opacity of one whole step at a stored number; nothing for NaN.
     #[inline(always)]
     pub fn step(&self, stored: R) -> [R; 4] {
         if stored.is_nan() {
             return [R::ZERO; 4];
         }
-        let x = ((stored - self.origin) * self.per_unit).max(R::ZERO).min(self.last);
+        let x = self.position(stored);
         let i = x.to_index();
         let t = x - R::from_index(i);
         let (a, b) = (self.entries[i], self.entries[i + 1]);

@@ -62,7 +62,8 @@ pub struct Optical {
 }
 
 impl Optical {
-    fn of(p: &ControlPoint) -> Self {
+    /// The properties at a point.
+    pub fn of(p: &ControlPoint) -> Self {
         Self { opacity: p.opacity, color: p.color, emission: p.emission.unwrap_or_default() }
     }
 

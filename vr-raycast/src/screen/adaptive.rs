@@ -9,8 +9,8 @@ use vr_core::{Control, Counts, Frame, Layer, RenderError, RenderStats, Rendered,
 use super::every_pixel::{every_pixel, spots_of_pixel};
 use crate::tracer::{Traced, Tracer};
 
-/// Pixels between the first rays. What is smaller than this and lies between them is missed, whatever the threshold: 8 is where the
-
+/// Pixels between the first rays. What is smaller than this and lies between them is missed, whatever the threshold. With 8 instead, a
+/// twentieth of the rays was saved at most, and more was missed.
 const COARSE: u32 = 4;
 /// Pixels that one task traces.
 const BATCH: usize = 512;

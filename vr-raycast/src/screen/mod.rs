@@ -4,11 +4,9 @@ mod adaptive;
 mod coherent;
 mod every_pixel;
 mod template;
-mod visible_ranges;
 
 pub(crate) use coherent::{CoherenceBuffer, Sight};
 pub(crate) use template::Template;
-pub(crate) use visible_ranges::VisibleRanges;
 
 use vr_core::{Control, RenderError, Rendered, UniformVolume, View};
 

@@ -83,7 +83,8 @@ impl CoherenceBuffer {
         let place = |i: usize| [i % blocks[0], i / blocks[0] % blocks[1], i / (blocks[0] * blocks[1])];
         let buried = |b: [usize; 3]| {
             (0..3).all(|a| {
-                let stands = |k: usize| kinds[at(std::array::from_fn(|i| if i == a { k } else { b[i] }))] == Kind::Solid;
+                let stands =
+                    |k: usize| kinds[at(std::array::from_fn(|i| if i == a { k } else { b[i] }))] == Kind::Solid;
                 b[a] > 0 && b[a] + 1 < blocks[a] && stands(b[a] - 1) && stands(b[a] + 1)
             })
         };

@@ -33,7 +33,8 @@ impl CellMask {
     pub(crate) fn front(&self, sides: Sides) -> impl Iterator<Item = [usize; 3]> + '_ {
         (1..=EDGE).flat_map(move |z| {
             let layer = self.0[z];
-            let neighbours = [[layer << 1, layer >> 1], [layer << KNOWN, layer >> KNOWN], [self.0[z - 1], self.0[z + 1]]];
+            let neighbours =
+                [[layer << 1, layer >> 1], [layer << KNOWN, layer >> KNOWN], [self.0[z - 1], self.0[z + 1]]];
             let mut behind = u128::MAX;
             for axis in 0..3 {
                 for side in 0..2 {
@@ -114,8 +115,8 @@ fn visible_cells<T: Voxel>(lattice: &Lattice<'_, T>, block: [usize; 3], sight: &
         for y in y0..y1 {
             for x in x0..x1 {
                 let (low, high) = join(layers[0][y][x], layers[1][y][x]);
-                // What a kernel's interpolation rounds by, as in the ranges of blocks.
-                let slack = 16.0 * f32::EPSILON * low.abs().max(high.abs());
+                // What a kernel's interpolation rounds by, as in the ranges of blocks; between equal numbers it does not.
+                let slack = if low == high { 0.0 } else { 16.0 * f32::EPSILON * low.abs().max(high.abs()) };
                 mask[z - 1] |= u128::from(sight(low - slack, high + slack)) << (KNOWN * y + x);
             }
         }

@@ -77,17 +77,14 @@ impl Projection {
         let frame = view.camera.frame()?;
         let eye = placement.origin() - view.camera.eye;
         // In world units per direction of the camera.
-        let along =
-            |axis: DVec3| Affine { at_zero: axis.dot(eye), per_step: placement.axes().transpose() * axis };
+        let along = |axis: DVec3| Affine { at_zero: axis.dot(eye), per_step: placement.axes().transpose() * axis };
         let z = along(frame.z_axis);
         let [width, height] = view.size.map(f64::from);
         let (w, pixel) = match view.camera.projection {
             Kind::Orthographic { height: world } => (Affine { at_zero: 1.0, per_step: DVec3::ZERO }, world / height),
             Kind::Perspective { fov } => (z, 2.0 * libm::tan(0.5 * fov.to_radians()) / height),
         };
-        let from_middle = |axis: DVec3, size: f64| {
-            along(axis / pixel).minus(-0.5 * size, &w)
-        };
+        let from_middle = |axis: DVec3, size: f64| along(axis / pixel).minus(-0.5 * size, &w);
         let (x, y) = (from_middle(frame.x_axis, width), from_middle(-frame.y_axis, height));
         // w·size − x.
         let negative = |row: Affine| Affine { at_zero: -row.at_zero, per_step: -row.per_step };

@@ -45,7 +45,13 @@ impl BasePlane {
         let forward = view.camera.frame()?.z_axis;
         let direction = placement.inverse_axes() * forward;
         let speed = direction.abs();
-        let w = if speed.x >= speed.y && speed.x >= speed.z { 0 } else if speed.y >= speed.z { 1 } else { 2 };
+        let w = if speed.x >= speed.y && speed.x >= speed.z {
+            0
+        } else if speed.y >= speed.z {
+            1
+        } else {
+            2
+        };
         let axes = [usize::from(w == 0), if w == 2 { 1 } else { 2 }, w];
         let dims = axes.map(|a| samples[a]);
         let slope = [0, 1].map(|k| direction[axes[k]] / speed[w]);
@@ -144,9 +150,11 @@ mod tests {
         let placement = Placement::from_spacing([1.0, 2.0, 0.5]).unwrap();
         let plane = |d| BasePlane::new(&looking_along(d), &placement, [10, 6, 30]).unwrap();
         // In index steps: (1, 0.1, 0.8), (0.2, −1, 0), (0, 0.5, 2).
-        for (d, axes, reversed) in
-            [([1.0, 0.2, 0.4], [1, 2, 0], false), ([0.4, -4.0, 0.0], [0, 2, 1], true), ([0.0, 1.0, 1.0], [0, 1, 2], false)]
-        {
+        for (d, axes, reversed) in [
+            ([1.0, 0.2, 0.4], [1, 2, 0], false),
+            ([0.4, -4.0, 0.0], [0, 2, 1], true),
+            ([0.0, 1.0, 1.0], [0, 1, 2], false),
+        ] {
             let p = plane(d);
             assert_eq!((p.axes, p.reversed), (axes, reversed));
             assert!(p.slope.iter().all(|s| s.abs() <= 1.0));

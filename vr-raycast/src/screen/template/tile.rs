@@ -131,7 +131,10 @@ impl<T: Voxel> TemplateRays<'_, T> {
             counts.rays += (across * down) as u64;
         }
         let rows = (0..down).flat_map(|row| row * ACROSS..row * ACROSS + across);
-        Tile { rgba: rows.clone().map(|i| total[i].map(|x| x as f32)).collect(), depth: rows.map(|i| depth[i]).collect() }
+        Tile {
+            rgba: rows.clone().map(|i| total[i].map(|x| x as f32)).collect(),
+            depth: rows.map(|i| depth[i]).collect(),
+        }
     }
 
     /// How far rays have moved along u and v in slice t.

@@ -1,0 +1,134 @@
+//! `vr bench`.
+
+use std::time::{Duration, Instant};
+
+use vr_core::{Control, Counts, Frame, Model, Prepared, RenderError, Renderer, View};
+use vr_physics::metrics::subgrid;
+
+use crate::args::{BenchArgs, TimingArgs};
+use crate::bench_report::Report;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::judge::{Exact, SUBGRID};
+use crate::process;
+use crate::progress::under_bar;
+use crate::scene_setup::Setup;
+
+/// Prepares once, draws frame after frame, tells what they took.
+///
+/// # Errors
+/// Whatever goes wrong with the command line, the volume, or the scene.
+pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    let setup = Setup::new(&args.scene, console)?;
+    let (renderer, options) = setup.renderer_and_options(&args.renderer)?;
+    let measured =
+        under_bar(console, control, "timing", |told| measure(&*renderer, &setup, args.timing, control, told))
+            .map_err(|e| setup.render_failure(e))?;
+    // Before the exact solution, which uses memory of its own.
+    let peak_bytes = process::peak_bytes();
+    let error = args.timing.error.then(|| judge(&setup, &measured.first, console, control)).transpose()?;
+    let report = Report {
+        setup: &setup,
+        renderer: &*renderer,
+        options: &options,
+        timing: args.timing,
+        threads: control.threads(),
+        measured: &measured,
+        peak_bytes,
+        error: error.as_ref().map(|exact| (exact.judge(&measured.first), exact)),
+    };
+    console.result(&report.text(), &report.json())
+}
+
+/// What was measured.
+pub struct Measured {
+    /// Time of the preparation.
+    pub prepare: Duration,
+    /// Every timed frame, in order.
+    pub frames: Vec<Timed>,
+    /// The picture of frame 0: the scene's own view.
+    first: Frame,
+}
+
+/// What one frame took.
+pub struct Timed {
+    /// Wall-clock time.
+    pub wall: Duration,
+    /// CPU time of all threads, where the system tells it.
+    pub cpu: Option<Duration>,
+    /// Work.
+    pub counts: Counts,
+}
+
+/// `control` runs what is timed, and tells nobody how far it is: drawing the bar would be timed, too. `told` does, between frames.
+fn measure(
+    renderer: &dyn Renderer,
+    setup: &Setup,
+    timing: TimingArgs,
+    control: &Control,
+    told: &Control,
+) -> Result<Measured, RenderError> {
+    let start = Instant::now();
+    let mut prepared = renderer.prepare(&setup.scene, control)?;
+    let prepare = start.elapsed();
+    let of_turn = |frame: i64| turned(&setup.view, frame, timing.azimuth_step);
+    // Views that no timed frame repeats, and from which the first of those follows as each follows from the one before.
+    for frame in -i64::from(timing.warm_up)..0 {
+        prepared.render(&of_turn(frame), control)?;
+    }
+    let (frame_0, first) = timed(&mut *prepared, &setup.view, control)?;
+    let mut frames = vec![frame_0];
+    for frame in 1..timing.frames {
+        told.report(f64::from(frame) / f64::from(timing.frames));
+        frames.push(timed(&mut *prepared, &of_turn(frame.into()), control)?.0);
+    }
+    Ok(Measured { prepare, frames, first })
+}
+
+/// The view of a frame: the scene's own, turned about the camera's target.
+fn turned(view: &View, frame: i64, step: f64) -> View {
+    View { camera: view.camera.orbit(frame as f64 * step, 0.0), ..view.clone() }
+}
+
+fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<(Timed, Frame), RenderError> {
+    let (start, cpu) = (Instant::now(), process::cpu_time());
+    let rendered = prepared.render(view, control)?;
+    let (wall, cpu) =
+        (start.elapsed(), process::cpu_time().zip(cpu).map(|(after, before)| after.saturating_sub(before)));
+    Ok((Timed { wall, cpu, counts: rendered.stats.counts }, rendered.frame))
+}
+
+/// The exact solution that the first frame is compared with.
+fn judge(setup: &Setup, frame: &Frame, console: Console, control: &Control) -> Result<Exact, Failure> {
+    let pixels = subgrid(SUBGRID, frame.size());
+    under_bar(console, control, "measuring the error", |control| {
+        Exact::solve((&setup.scene, &setup.view), &Model::Canonical, pixels, control)
+    })
+    .map_err(|e| setup.render_failure(e))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use vr_core::Camera;
+
+    use super::*;
+
+    #[test]
+    fn frames_turn_about_the_target_and_frame_0_is_the_own_view() {
+        let bounds = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(5.0, 4.0, 6.0));
+        let view = View::new(Camera::framing(bounds, 30.0, 20.0, Some(30.0)), [4, 4]);
+        let arm = |v: &View| v.camera.eye - v.camera.target;
+        assert!((arm(&turned(&view, 0, 10.0)) - arm(&view)).length() < 1e-12 * arm(&view).length());
+        let quarter = turned(&view, 9, 10.0);
+        assert_eq!(quarter.camera.target, view.camera.target);
+        assert!((arm(&quarter).length() / arm(&view).length() - 1.0).abs() < 1e-12);
+        // About the up vector: what lies along it stays.
+        let up = view.camera.up.normalize();
+        let across = |v: &View| arm(v) - up * arm(v).dot(up);
+        assert!((arm(&quarter) - arm(&view)).dot(up).abs() < 1e-12 * arm(&view).length());
+        assert!(across(&quarter).dot(across(&view)).abs() < 1e-12 * arm(&view).length_squared());
+        // Backwards and forwards.
+        assert!((arm(&turned(&quarter, -9, 10.0)) - arm(&view)).length() < 1e-12 * arm(&view).length());
+    }
+}

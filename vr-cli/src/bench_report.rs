@@ -1,0 +1,186 @@
+//! What `vr bench` prints.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use serde::Serialize;
+use vr_core::{OptionValue, Options, Renderer};
+use vr_physics::metrics::Metrics;
+
+use crate::args::TimingArgs;
+use crate::bench::{Measured, Timed};
+use crate::judge::{ErrorJson, Exact};
+use crate::number;
+use crate::scene_setup::Setup;
+use crate::table::Table;
+
+/// What there is to tell.
+pub struct Report<'a> {
+    /// The scene.
+    pub setup: &'a Setup,
+    /// The renderer.
+    pub renderer: &'a dyn Renderer,
+    /// The options that were set.
+    pub options: &'a Options,
+    /// What was asked for.
+    pub timing: TimingArgs,
+    /// On how many threads.
+    pub threads: usize,
+    /// What was measured.
+    pub measured: &'a Measured,
+    /// Largest resident set in bytes.
+    pub peak_bytes: Option<u64>,
+    /// How far frame 0 is from the exact solution.
+    pub error: Option<(Metrics, &'a Exact)>,
+}
+
+/// One object, for scripts. What the system does not tell is `null`.
+#[derive(Serialize)]
+pub struct Json {
+    renderer: &'static str,
+    /// Every option of the renderer, at its default if not set.
+    settings: BTreeMap<&'static str, OptionValue>,
+    threads: usize,
+    prepare_ms: f64,
+    /// Wall-clock time of each frame.
+    frames_ms: Vec<f64>,
+    median_ms: f64,
+    min_ms: f64,
+    max_ms: f64,
+    /// CPU time of a frame, all threads together: the median.
+    cpu_ms: Option<f64>,
+    /// Samples of the field in a frame: the mean.
+    samples: u64,
+    peak_bytes: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<ErrorJson>,
+}
+
+impl Report<'_> {
+    /// For scripts.
+    pub fn json(&self) -> Json {
+        let frames = &self.measured.frames;
+        let [min, median, max] = self.spread();
+        Json {
+            renderer: self.renderer.name(),
+            settings: self.settings().collect(),
+            threads: self.threads,
+            prepare_ms: ms(self.measured.prepare),
+            frames_ms: frames.iter().map(|f| ms(f.wall)).collect(),
+            median_ms: ms(median),
+            min_ms: ms(min),
+            max_ms: ms(max),
+            cpu_ms: self.cpu().map(ms),
+            samples: self.samples(),
+            peak_bytes: self.peak_bytes,
+            error: self.error.as_ref().map(|(metrics, exact)| ErrorJson::new(metrics, exact)),
+        }
+    }
+
+    /// For people.
+    pub fn text(&self) -> String {
+        let [w, h] = self.setup.view.size;
+        let TimingArgs { azimuth_step, warm_up, .. } = self.timing;
+        let mut table = Table::new(&["frame", "azimuth", "time", "CPU time", "samples"]);
+        for (k, Timed { wall, cpu, counts }) in self.measured.frames.iter().enumerate() {
+            table.row([
+                k.to_string(),
+                number::value(k as f64 * azimuth_step),
+                number::time(*wall),
+                cpu.map_or_else(|| "-".to_owned(), number::time),
+                number::count(counts.samples),
+            ]);
+        }
+        let [min, median, max] = self.spread().map(number::time);
+        let settings: Vec<String> = self.settings().map(|(key, value)| format!("{key}={value}")).collect();
+        let mut text = format!("scene    {}, {w}x{h} pixels, {}\n", self.setup.title, self.renderer.name());
+        text += &format!("settings {}\n\n{table}\n", settings.join(" "));
+        text +=
+            &format!("frame    median {median}, least {min}, most {max} on {}", counted(self.threads as u64, "thread"));
+        text += &match warm_up {
+            0 => " (no warm-up frame was drawn before)\n".to_owned(),
+            n => format!(" (after {}, which count nowhere)\n", counted(n.into(), "warm-up frame")),
+        };
+        text += &format!("prepare  {}\n", number::time(self.measured.prepare));
+        let per_second = self.samples() as f64 / self.spread()[1].as_secs_f64().max(f64::MIN_POSITIVE);
+        text += &format!(
+            "work     {} samples a frame, {} a second",
+            number::count(self.samples()),
+            number::count(per_second as u64)
+        );
+        text +=
+            &self.cpu().map_or_else(|| "\n".to_owned(), |cpu| format!("; CPU time {} a frame\n", number::time(cpu)));
+        if let Some(peak) = self.peak_bytes {
+            text += &format!("memory   {} at the peak, the volume included\n", number::bytes(peak));
+        }
+        if let Some((metrics, exact)) = &self.error {
+            text += &format!("error    {metrics}\n");
+            text += &format!(
+                "         of frame 0, on {} of its pixels, against the exact solution ({}; {})\n",
+                exact.count(),
+                exact.certainty_text(),
+                number::time(exact.time)
+            );
+        }
+        text
+    }
+
+    /// Every option, in the renderer's order.
+    fn settings(&self) -> impl Iterator<Item = (&'static str, OptionValue)> + '_ {
+        let value = |key: &str, default: &OptionValue| self.options.0.get(key).unwrap_or(default).clone();
+        self.renderer.options().iter().map(move |spec| (spec.key, value(spec.key, &spec.default)))
+    }
+
+    /// Least, median and greatest time of a frame.
+    fn spread(&self) -> [Duration; 3] {
+        let mut walls: Vec<Duration> = self.measured.frames.iter().map(|f| f.wall).collect();
+        let median = median(&mut walls);
+        [walls[0], median, walls[walls.len() - 1]]
+    }
+
+    fn cpu(&self) -> Option<Duration> {
+        self.measured.frames.iter().map(|f| f.cpu).collect::<Option<Vec<_>>>().map(|mut cpus| median(&mut cpus))
+    }
+
+    fn samples(&self) -> u64 {
+        let frames = &self.measured.frames;
+        let sum: u128 = frames.iter().map(|f| u128::from(f.counts.samples)).sum();
+        (sum / frames.len() as u128) as u64
+    }
+}
+
+/// Sorts, and takes the middle one; the mean of the two in the middle where there are two. There is one at least.
+fn median(durations: &mut [Duration]) -> Duration {
+    durations.sort_unstable();
+    let n = durations.len();
+    (durations[(n - 1) / 2] + durations[n / 2]) / 2
+}
+
+/// Milliseconds to the nanosecond.
+fn ms(duration: Duration) -> f64 {
+    duration.as_nanos() as f64 / 1e6
+}
+
+/// `1 thread`, `2 threads`.
+fn counted(n: u64, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_the_middle() {
+        let of = |times: &[u64]| {
+            let mut durations: Vec<Duration> = times.iter().map(|&t| Duration::from_millis(t)).collect();
+            ms(median(&mut durations))
+        };
+        assert_eq!((of(&[7]), of(&[9, 1]), of(&[9, 1, 2]), of(&[4, 9, 1, 2])), (7.0, 5.0, 2.0, 3.0));
+    }
+
+    #[test]
+    fn numerals_agree() {
+        assert_eq!((counted(1, "thread"), counted(2, "thread")), ("1 thread".into(), "2 threads".into()));
+    }
+}

@@ -1,0 +1,122 @@
+//! Ranges of the field in small blocks, in two bytes each.
+
+use crate::filter::Filter;
+use crate::range_blocks::{BlockRange, block_ranges};
+use crate::volume::UniformVolume;
+
+/// Smallest and largest value of the field in each block of [`LevelRanges::EDGE`]³ cells, rounded outward to 256 levels.
+///
+/// Two bytes a block are 3 % of a volume of bytes, where [`crate::RangeBlocks`] of such small blocks would be a fifth of it. And there are
+/// so few different ranges that what follows from one can be looked up in a table over both ends. Integers that span no more than 255 are
+/// levels themselves.
+///
+/// A range may fall short of the field by [`LevelRanges::SLACK`] of a level: it serves decisions that cost a little where they err, not proofs.
+#[derive(Clone, Debug)]
+pub struct LevelRanges {
+    blocks: [usize; 3],
+    origin: f64,
+    spacing: f64,
+    ranges: Vec<[u8; 2]>,
+}
+
+impl LevelRanges {
+    /// Cells along the edge of a block.
+    pub const EDGE: usize = 4;
+    /// The last level.
+    pub const LAST: u8 = u8::MAX;
+    /// Part of a level by which a range may fall short: bounds are widened for rounding in f32, which must not cost a whole level.
+    pub const SLACK: f64 = 0.01;
+
+    pub(crate) fn of_field(volume: &UniformVolume, filter: Filter) -> Self {
+        let last = f64::from(Self::LAST);
+        // Filters may overshoot the samples: levels end where these do, and what lies beyond belongs to the last one.
+        let (low, high) = volume.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
+        let span = high - low;
+        let spacing = if span <= last && volume.voxel_type().is_integer() || span == 0.0 { 1.0 } else { span / last };
+        let level = |stored: f32| (f64::from(stored) - low) / spacing;
+        let keep = |range: BlockRange| {
+            if range.is_empty() {
+                return Self::NOTHING;
+            }
+            // `as` saturates.
+            [(level(range.low) + Self::SLACK).floor() as u8, (level(range.high) - Self::SLACK).ceil() as u8]
+        };
+        let (blocks, ranges) = block_ranges(volume, filter, Self::EDGE, keep);
+        Self { blocks, origin: low, spacing, ranges }
+    }
+
+    /// The range of a block that is vacuum throughout: its ends are the wrong way round.
+    pub const NOTHING: [u8; 2] = [u8::MAX, 0];
+
+    /// Blocks along x, y, z.
+    pub fn blocks(&self) -> [usize; 3] {
+        self.blocks
+    }
+
+    /// Lower and upper level of each block, x fastest.
+    pub fn ranges(&self) -> &[[u8; 2]] {
+        &self.ranges
+    }
+
+    /// The stored number of a level.
+    pub fn stored(&self, level: u8) -> f64 {
+        self.origin + f64::from(level) * self.spacing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::{Calibration, UniformGrid};
+    use crate::placement::Placement;
+    use crate::volume::Volume;
+    use crate::voxel::Voxel;
+
+    fn volume<T: Voxel>(dims: [usize; 3], samples: Vec<T>) -> Volume
+    where
+        Volume: From<UniformGrid<T>>,
+    {
+        UniformGrid::new(dims, samples, Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default())
+            .unwrap()
+            .into()
+    }
+
+    #[test]
+    fn bytes_are_their_own_levels() {
+        let samples: Vec<u8> = (0..9 * 5 * 5).map(|i| (i * 37 % 200) as u8 + 20).collect();
+        let volume = volume([9, 5, 5], samples.clone());
+        let ranges = volume.uniform().unwrap().level_ranges(Filter::Trilinear);
+        assert_eq!(ranges.blocks(), [2, 1, 1]);
+        let of = |xs: std::ops::RangeInclusive<usize>| {
+            let all = (0..25).flat_map(|row| xs.clone().map(move |x| row * 9 + x)).map(|i| samples[i]);
+            [all.clone().min().unwrap(), all.max().unwrap()]
+        };
+        let stored = ranges.ranges().iter().map(|r| r.map(|l| ranges.stored(l) as u8)).collect::<Vec<_>>();
+        assert_eq!(stored, [of(0..=4), of(4..=8)]);
+    }
+
+    #[test]
+    fn ranges_enclose_the_field() {
+        for filter in Filter::ALL {
+            let samples: Vec<f32> = (0..216).map(|i| ((i * i) as f32 * 0.7).sin() * 1e4 + 3e4).collect();
+            let volume = volume([6, 6, 6], samples);
+            let volume = volume.uniform().unwrap();
+            let (exact, rounded) = (volume.range_blocks(filter, LevelRanges::EDGE), volume.level_ranges(filter));
+            for (exact, levels) in exact.ranges().iter().zip(rounded.ranges()) {
+                let slack = LevelRanges::SLACK * rounded.spacing;
+                let [low, high] = levels.map(|l| rounded.stored(l));
+                // Overshoot falls to the levels at the ends.
+                let (least, most) = (rounded.stored(0), rounded.stored(LevelRanges::LAST));
+                assert!(
+                    low <= f64::from(exact.low).max(least) + slack && high >= f64::from(exact.high).min(most) - slack
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn vacuum_is_nothing() {
+        let volume = volume([2, 2, 2], vec![f32::NAN; 8]);
+        assert_eq!(volume.uniform().unwrap().level_ranges(Filter::Trilinear).ranges(), [LevelRanges::NOTHING]);
+    }
+}

@@ -1,0 +1,76 @@
+//! Proximity clouds in the chessboard metric.
+
+use vr_core::IndexRay;
+
+use super::beam::{Region, Regions, next_interval};
+use super::visible_blocks::BlockGrid;
+use super::{Leaper, VisibleBlocks};
+
+/// Each block stores how far the nearest block of the other kind is, as a king moves: max(|Δx|, |Δy|, |Δz|). All in the cube around it up
+/// to there is of its own kind (Cohen & Sheffer 1994, "Proximity clouds: an acceleration technique for 3D grid traversal"; there
+/// the distance is from empty to filled voxels).
+///
+/// The distances are found by growing one kind, a layer at a time, 64 blocks to a word.
+#[derive(Clone, Debug)]
+pub(crate) struct ChessboardCloud {
+    grid: BlockGrid,
+    /// A block's distance, and [`VISIBLE`] where it can be seen.
+    distances: Vec<u8>,
+}
+
+/// Set in what is stored for a block that can be seen.
+const VISIBLE: u8 = 0x80;
+/// The largest distance that is told from larger ones: shorter than it is does no harm.
+const FAR: u8 = 0x7f;
+
+impl ChessboardCloud {
+    /// Over visible and clear blocks.
+    pub(crate) fn new(blocks: &VisibleBlocks) -> Self {
+        let grid = blocks.grid();
+        let mut distances = vec![FAR; grid.len()];
+        let clear = blocks.inverted();
+        // Far blocks keep what is written here.
+        blocks.for_each_beyond(&clear, |i| distances[i] = VISIBLE | FAR);
+        for (kind, flag) in [(blocks.clone(), 0), (clear, VISIBLE)] {
+            let mut grown = kind;
+            for distance in 1..FAR {
+                let larger = grown.dilated();
+                if !larger.for_each_beyond(&grown, |i| distances[i] = flag | distance) {
+                    break;
+                }
+                grown = larger;
+            }
+        }
+        Self { grid, distances }
+    }
+
+    /// How far a block is from the nearest visible one, in blocks as a king moves; 0 if it is visible itself. At most 127.
+    #[cfg(test)]
+    pub(crate) fn distance(&self, block: [usize; 3]) -> u8 {
+        let stored = self.distances[self.grid.index(block)];
+        if stored & VISIBLE == 0 { stored } else { 0 }
+    }
+}
+
+impl Regions for ChessboardCloud {
+    #[inline(always)]
+    fn is_visible(&self, index: usize) -> bool {
+        self.distances[index] & VISIBLE != 0
+    }
+
+    #[inline(always)]
+    fn around(&self, block: [usize; 3], index: usize) -> Region {
+        let distance = usize::from(self.distances[index] & FAR);
+        Region::Cube { low: block.map(|b| (b + 1).saturating_sub(distance)), high: block.map(|b| b + distance) }
+    }
+}
+
+impl Leaper for ChessboardCloud {
+    fn next(&self, ray: &IndexRay, from: f64) -> Option<(f64, f64)> {
+        next_interval(self.grid, self, ray, from)
+    }
+
+    fn bytes(&self) -> usize {
+        self.distances.len()
+    }
+}

@@ -1,0 +1,69 @@
+//! Empty-space leaping: where along a ray something can be visible.
+//!
+//! The field's range is known per block of cells ([`vr_core::RangeBlocks`], made once). When the transfer function changes,
+//! [`Visibility`] says of each block whether anything in it can be visible ([`VisibleBlocks`]), and from those one structure is
+//! made that rays are sent through:
+//!
+//! | structure | per block | a ray goes on by | source |
+//! |---|---|---|---|
+//! | [`Octree`] | 0.14 of a node more | the largest node all of one kind, found from the root | Levoy 1990; Wilhelms & Van Gelder 1992 |
+//! | [`Pyramid`] | 1 byte | the same node, whose level is stored in the block | Yagel & Shi 1993 |
+//! | [`ChessboardCloud`] | 1 byte | the cube up to the nearest block of the other kind | Cohen & Sheffer 1994 |
+//! | [`ExactCloud`] | 2 bytes | the ball up to the nearest block of the other kind | Cohen & Sheffer 1994 |
+//! | [`Boxes`] | none | up to 8 boxes | |
+//! | [`Polyhedron`] | none | one convex polyhedron of 26 faces | Avila, Sobierajski & Kaufman 1992 |
+//!
+//! The first four cut a ray exactly at the faces of visible blocks, the last two where their hulls begin and end. "Of one kind" is
+//! clear or visible: what is visible throughout is crossed as fast as what is clear throughout, and so a structure costs
+//! next to nothing in a fog that it cannot help.
+//!
+//! # What is promised
+//! Kernels round positions: a sample that lies in a clear block may be taken on the other side of its face. So a ray is a beam, a
+//! little thicker than that rounding ([`reach`]), and all of the ray where the beam touches a visible block lies in an interval. A ray that
+//! lies in a face touches the blocks on both sides, one that runs through a corner all eight.
+
+mod beam;
+mod boxes;
+mod chessboard_cloud;
+mod exact_cloud;
+mod octree;
+mod polyhedron;
+mod pyramid;
+mod visibility;
+mod visible_blocks;
+
+#[cfg(test)]
+mod tests;
+
+pub(crate) use boxes::Boxes;
+pub(crate) use chessboard_cloud::ChessboardCloud;
+pub(crate) use exact_cloud::ExactCloud;
+pub(crate) use octree::Octree;
+pub(crate) use polyhedron::Polyhedron;
+pub(crate) use pyramid::Pyramid;
+pub(crate) use visibility::Visibility;
+pub(crate) use visible_blocks::VisibleBlocks;
+
+use vr_core::IndexRay;
+
+/// Where along a ray something can be visible.
+pub(crate) trait Leaper: Send + Sync {
+    /// The first interval of the ray, in world distances like the ray's own, that ends behind `from` and may hold something visible; cut
+    /// off at `from` and at the ray's end. `None`: all the rest is clear.
+    ///
+    /// Asked again from the end of the last answer on, it gives disjoint intervals in order, and all that is visible lies in
+    /// them, ends included.
+    fn next(&self, ray: &IndexRay, from: f64) -> Option<(f64, f64)>;
+
+    /// Bytes that it takes, beyond the ranges of the blocks.
+    fn bytes(&self) -> usize;
+}
+
+/// Half the width of the beam that stands for a ray, in cells: how far from the ray a kernel may take its sample, per axis.
+///
+/// In f32 a position is x₀ + j·δ: three roundings of numbers up to the largest index, a relative 2⁻²⁴ each, make 2⁻²² of that index. It
+/// is twice that, so that roundings of the leapers themselves, in f64, are covered many times over.
+pub(crate) fn reach(dims: [usize; 3]) -> f64 {
+    const PER_INDEX: f64 = 1.0 / (1u64 << 21) as f64;
+    dims.into_iter().max().unwrap_or_default() as f64 * PER_INDEX
+}
