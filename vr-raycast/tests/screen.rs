@@ -91,7 +91,7 @@ fn a_changed_transfer_function_is_seen() {
 
 fn cameras() -> impl Strategy<Value = Camera> {
     let point = || prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from);
-    (point(), 0.2..3.0f64, point(), prop::option::of(20.0..100.0f64), 0.4..2.5f64).prop_filter_map(
+    (point(), 0.2..8.0f64, point(), prop::option::of(20.0..100.0f64), 0.4..2.5f64).prop_filter_map(
         "a direction",
         |(direction, distance, target, fov, height)| {
             let eye = target + direction.try_normalize()? * distance;
@@ -119,9 +119,9 @@ proptest! {
         cameras in prop::collection::vec(cameras(), 1..4),
         size in prop::array::uniform2(1u32..48),
         samples in 1u32..3,
-        crop in prop::option::of((prop::array::uniform3(-1.0..0.0f64), prop::array::uniform3(0.0..1.0f64))),
-        plane in prop::option::of(prop::array::uniform3(-1.0..1.0f64)),
-        layered in prop::option::of(0.5..4.0f32),
+        crop in prop::option::weighted(0.25, (prop::array::uniform3(-1.0..0.0f64), prop::array::uniform3(0.0..1.0f64))),
+        plane in prop::option::weighted(0.25, prop::array::uniform3(-1.0..1.0f64)),
+        layered in prop::option::weighted(0.25, 0.5..8.0f32),
         backwards in any::<bool>(),
     ) {
         // The box is about as large as the cameras' world.
@@ -130,17 +130,22 @@ proptest! {
         let placement = Placement::new(-0.5 * (axes * last), axes).unwrap();
         let mut scene = balls(seed, dims, placement);
         scene.transfer = transfer(&[(0.05, [1.0, 0.5, 0.2], 0.0), (0.9, [1.0; 3], 0.95)], 0.1).into();
-        let views: Vec<View> = cameras.into_iter().map(|camera| {
-            let mut view = View::new(camera, size);
-            view.samples = samples;
-            view.clip.crop = crop.map(|(low, high)| (DVec3::from(low) * 0.7, DVec3::from(high) * 0.7 + 0.01));
-            view.clip.planes.extend(plane.map(|n| Plane { normal: DVec3::from(n) + 0.01, offset: -0.1 }));
-            view.layer = layered.map(|depth| {
-                let pixel = |i: u32| ([0.1, 0.2, 0.3], if i % 3 == 0 { f32::INFINITY } else { depth });
-                std::sync::Arc::new(Layer { pixels: (0..size[0] * size[1]).map(pixel).collect() })
-            });
-            view
-        }).collect();
+        let views: Vec<View> = cameras
+            .into_iter()
+            // Each twice, a little turned: what the first one met is known to the second.
+            .flat_map(|camera| [camera, camera.orbit(4.0, 2.0)])
+            .map(|camera| {
+                let mut view = View::new(camera, size);
+                view.samples = samples;
+                view.clip.crop = crop.map(|(low, high)| (DVec3::from(low) * 0.7, DVec3::from(high) * 0.7 + 0.01));
+                view.clip.planes.extend(plane.map(|n| Plane { normal: DVec3::from(n) + 0.01, offset: -0.1 }));
+                view.layer = layered.map(|depth| {
+                    let pixel = |i: u32| ([0.1, 0.2, 0.3], if i % 3 == 0 { f32::INFINITY } else { depth });
+                    std::sync::Arc::new(Layer { pixels: (0..size[0] * size[1]).map(pixel).collect() })
+                });
+                view
+            })
+            .collect();
         assert_coherent(&scene, &views, if backwards { Order::BackToFront } else { Order::default() });
     }
 }
