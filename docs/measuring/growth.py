@@ -11,11 +11,13 @@ Memory beyond the volume is the process's peak, less that of the same run on a v
 voxels. The volume is mapped from its file: its pages count where they were touched, and all are. Needs numpy.
 """
 import argparse
-import json
 import os
-import subprocess
+import sys
 
 import numpy as np
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from vr import Vr
 
 EDGE = 1024.0  # world length of the cube
 BLOBS = [  # centre in [0, 1]^3, standard deviation, amplitude
@@ -87,16 +89,13 @@ def main():
     parser.add_argument("--vr", default="target/release/vr")
     parser.add_argument("--sizes", nargs="+", type=int, default=[128, 256, 512, 1024])
     parser.add_argument("--kinds", nargs="+", choices=list(POINTS), default=list(POINTS))
-    parser.add_argument("--threads", default="2")
-    parser.add_argument("--frames", default="5")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--frames", type=int, default=5)
     given, flags = parser.parse_known_args()
-    flags = [w for flag in flags for w in (["--set", flag] if "=" in flag and not flag.startswith("--") else [flag])]
     os.makedirs(given.work, exist_ok=True)
 
     def bench(kind, n):
-        command = [given.vr, "bench", "--scene", scene(given.work, kind, n), "--frames", given.frames, "--threads", given.threads,
-                   "--set", "step=1", *flags, "--json", "--quiet"]
-        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+        return Vr(given.vr, scene(given.work, kind, n)).bench(" ".join(["step=1", *flags]), given.threads, given.frames, 10)
 
     print("| volume | voxels | prepare, ms | frame, ms | CPU, ms | samples | CPU ns a sample | memory beyond, MB | of the volume |")
     print("|---|--:|--:|--:|--:|--:|--:|--:|--:|", flush=True)

@@ -2,8 +2,9 @@
 
     vtk_worker.py PEERS SCENE.json VOLUMES THREADS      (started by against_vtk.py)
 
-Reads lines `STEP FRAMES` or `STEP save FILE.npy`; answers each with a line of JSON: milliseconds of each frame, wall-clock and CPU. Frame k
-is the peers' camera frame k, which is the k-th frame of `vr bench --azimuth-step 0.7`. One thread is pinned to a processor.
+Reads lines `STEP FRAMES` or `STEP save FILE.npy`; answers each with a line of JSON: milliseconds of each frame, wall-clock and CPU, of the
+whole frame and of its core, the casting of rays without the display of the picture. Frame k is the peers' camera frame k, which is the k-th
+frame of `vr bench --azimuth-step 0.7`. One thread is pinned to a processor.
 """
 import json
 import sys
@@ -36,12 +37,19 @@ def main():
     mapper, volume = vtk_bench.build(scene, common.load_volume(scene, volumes))
     renderer.AddVolume(volume)
 
+    def clocks():
+        return np.array([time.perf_counter(), time.process_time()]) * 1e3
+
+    begin, core = [None], [None]
+    mapper.AddObserver("VolumeMapperRenderStartEvent", lambda *_: begin.__setitem__(0, clocks()))
+    mapper.AddObserver("VolumeMapperRenderEndEvent", lambda *_: core.__setitem__(0, clocks() - begin[0]))
+
     def draw(frame):
         vtk_bench.set_camera(renderer, scene, frame)
-        wall, cpu = time.perf_counter(), time.process_time()
+        start = clocks()
         window.Render()
         window.WaitForCompletion()
-        return 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - cpu)
+        return [*(clocks() - start), *core[0]]
 
     print(json.dumps({"version": vtk.vtkVersion.GetVTKVersion()}), flush=True)
     for line in sys.stdin:
@@ -56,7 +64,7 @@ def main():
             answer = {"image": kind}
         else:
             times = [draw(frame) for frame in range(int(what[0]))]
-            answer = {"wall": [t[0] for t in times], "cpu": [t[1] for t in times]}
+            answer = dict(zip(("wall", "cpu", "core_wall", "core_cpu"), map(list, zip(*times))))
         print(json.dumps(answer), flush=True)
 
 

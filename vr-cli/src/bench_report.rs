@@ -1,10 +1,9 @@
 //! What `vr bench` prints.
 
-use std::collections::BTreeMap;
 use std::time::Duration;
 
 use serde::Serialize;
-use vr_core::{OptionValue, Options, Renderer};
+use vr_core::{Options, Renderer};
 use vr_physics::metrics::Metrics;
 
 use crate::args::TimingArgs;
@@ -36,10 +35,10 @@ pub struct Report<'a> {
 
 /// One object, for scripts. What the system does not tell is `null`.
 #[derive(Serialize)]
-pub struct Json {
+pub struct Json<'a> {
     renderer: &'static str,
-    /// Every option of the renderer, at its default if not set.
-    settings: BTreeMap<&'static str, OptionValue>,
+    /// The options that were set; all others are at their defaults.
+    settings: &'a Options,
     threads: usize,
     prepare_ms: f64,
     /// Wall-clock time of each frame.
@@ -58,12 +57,12 @@ pub struct Json {
 
 impl Report<'_> {
     /// For scripts.
-    pub fn json(&self) -> Json {
+    pub fn json(&self) -> Json<'_> {
         let frames = &self.measured.frames;
         let [min, median, max] = self.spread();
         Json {
             renderer: self.renderer.name(),
-            settings: self.settings().collect(),
+            settings: self.options,
             threads: self.threads,
             prepare_ms: ms(self.measured.prepare),
             frames_ms: frames.iter().map(|f| ms(f.wall)).collect(),
@@ -92,9 +91,11 @@ impl Report<'_> {
             ]);
         }
         let [min, median, max] = self.spread().map(number::time);
-        let settings: Vec<String> = self.settings().map(|(key, value)| format!("{key}={value}")).collect();
+        let settings =
+            self.options.0.iter().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(", ");
+        let settings = if settings.is_empty() { "all at their defaults" } else { &settings };
         let mut text = format!("scene    {}, {w}x{h} pixels, {}\n", self.setup.title, self.renderer.name());
-        text += &format!("settings {}\n\n{table}\n", settings.join(" "));
+        text += &format!("settings {settings}\n\n{table}\n");
         text +=
             &format!("frame    median {median}, least {min}, most {max} on {}", counted(self.threads as u64, "thread"));
         text += &match warm_up {
@@ -123,12 +124,6 @@ impl Report<'_> {
             );
         }
         text
-    }
-
-    /// Every option, in the renderer's order.
-    fn settings(&self) -> impl Iterator<Item = (&'static str, OptionValue)> + '_ {
-        let value = |key: &str, default: &OptionValue| self.options.0.get(key).unwrap_or(default).clone();
-        self.renderer.options().iter().map(move |spec| (spec.key, value(spec.key, &spec.default)))
     }
 
     /// Least, median and greatest time of a frame.

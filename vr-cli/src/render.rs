@@ -91,6 +91,8 @@ struct Json<'a> {
     samples: u64,
     skipped: u64,
     terminated: u64,
+    unbounded: u64,
+    repeated: u64,
     error: Option<ErrorJson>,
     outputs: &'a [PathBuf],
     notes: &'a [String],
@@ -98,7 +100,7 @@ struct Json<'a> {
 
 impl Done<'_> {
     fn text(&self) -> String {
-        let Counts { rays, samples, skipped, terminated } = self.counts;
+        let Counts { rays, samples, skipped, terminated, unbounded, repeated } = self.counts;
         let [w, h] = self.setup.view.size;
         let mut text = format!("scene    {}, {w}x{h} pixels, {}\n", self.setup.title, self.renderer);
         text += &format!("time     prepare {}, render {}\n", number::time(self.prepare), number::time(self.render));
@@ -109,6 +111,16 @@ impl Done<'_> {
             number::count(skipped),
             number::count(terminated)
         );
+        if repeated > 0 {
+            text += &format!("         {} rays done again in higher precision\n", number::count(repeated));
+        }
+        if unbounded > 0 {
+            text += &format!(
+                "promise  not kept for {} of {} rays: no bound within it was found there (the truth jumps, or nearly)\n",
+                number::count(unbounded),
+                number::count(rays)
+            );
+        }
         if let Some((metrics, exact)) = &self.error {
             let all = u64::from(w) * u64::from(h);
             text += &format!("error    {metrics}\n");
@@ -124,7 +136,7 @@ impl Done<'_> {
     }
 
     fn json(&self) -> Json<'_> {
-        let Counts { rays, samples, skipped, terminated } = self.counts;
+        let Counts { rays, samples, skipped, terminated, unbounded, repeated } = self.counts;
         Json {
             volume: &self.setup.title,
             renderer: self.renderer,
@@ -135,6 +147,8 @@ impl Done<'_> {
             samples,
             skipped,
             terminated,
+            unbounded,
+            repeated,
             error: self.error.as_ref().map(|(metrics, exact)| ErrorJson::new(metrics, exact)),
             outputs: self.outputs,
             notes: &self.setup.notes,

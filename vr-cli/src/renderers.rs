@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use vr_core::{OptionValue, Options, ParameterError, RenderError, Renderer};
+use vr_core::{OptionKind, OptionValue, Options, ParameterError, RenderError, Renderer};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 
@@ -32,28 +32,31 @@ pub fn with_flags(mut options: Options, flags: &[(String, String)]) -> Options {
     options
 }
 
-/// Options under which a renderer promises a largest error: those that can have an option `tolerance`, in which the promise
-/// is expressed; the others refuse.
+/// Options under which a renderer promises a largest error: those that have an option `max-error` are told it; for those that have
+/// `tolerance`, half of it leaves room for storing pixels as f32; the others refuse.
 ///
 /// # Errors
 /// A renderer that cannot promise, or a promise that no picture can keep.
 pub fn promise(renderer: &dyn Renderer, options: Options, max_error: f64) -> Result<Options, RenderError> {
     /// Frames are f32: rounding is half of this at most.
     const LEAST: f64 = 1e-6;
-    const MOST: f64 = 1e-2;
-    if !renderer.options().iter().any(|option| option.key == TOLERANCE) {
+    let option = |key: &str| renderer.options().iter().find(|option| option.key == key);
+    let Some(option) = option(MAX_ERROR).or_else(|| option(TOLERANCE)) else {
         let feature = "max_error: it cannot promise one".to_owned();
         return Err(RenderError::Unsupported { renderer: renderer.name(), feature });
-    }
+    };
     if max_error.is_nan() || max_error < LEAST {
         return Err(
             ParameterError::new("render.max_error", max_error, "must be at least 1e-6: pictures are f32").into()
         );
     }
-    Ok(options.with(TOLERANCE, (0.5 * max_error).min(MOST)))
+    let wanted = if option.key == TOLERANCE { 0.5 * max_error } else { max_error };
+    let most = if let OptionKind::Number { most, .. } = option.kind { most } else { wanted };
+    Ok(options.with(option.key, wanted.min(most)))
 }
 
-/// The option in which a promise is expressed.
+/// The options in which a promise is expressed.
+const MAX_ERROR: &str = "max-error";
 const TOLERANCE: &str = "tolerance";
 
 /// What `--set` takes, for the help text.

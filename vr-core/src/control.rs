@@ -76,3 +76,15 @@ impl Control {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_runs_on_as_many_threads_as_it_says() {
+        let control = Control::default().with_threads(3);
+        assert_eq!((control.threads(), control.run(rayon::current_num_threads)), (3, 3));
+        assert_eq!(Control::default().threads(), rayon::current_num_threads());
+    }
+}

@@ -80,7 +80,7 @@ pub use model::{ContinuousModel, DiscreteModel, Medium, MediumBounds, Model, Seg
 pub use options::{OptionKind, OptionSpec, OptionValue, Options};
 pub use placement::Placement;
 pub use range_blocks::{BlockRange, RangeBlocks};
-pub use ray::{IndexRay, Ray, Rays};
+pub use ray::{IndexRay, Ray, RayPacket, Rays};
 pub use real::Real;
 pub use renderer::{NamedSetting, Prepared, Rendered, Renderer};
 pub use sampler::Sampler;

@@ -57,6 +57,55 @@ impl Rays {
     }
 }
 
+/// `N` rays, component by component: what vector code wants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayPacket<const N: usize> {
+    /// x, y and z of where the rays start.
+    pub origin: [[f64; N]; 3],
+    /// x, y and z of their unit vectors.
+    pub direction: [[f64; N]; 3],
+}
+
+impl Rays {
+    /// The rays through `N` points of the image at once: the same bits as from [`Rays::at`].
+    #[inline(always)]
+    pub fn packet<const N: usize>(&self, x: &[f64; N], y: &[f64; N]) -> RayPacket<N> {
+        let [eye, to_right, to_up, ahead] =
+            [self.eye, self.frame.x_axis, self.frame.y_axis, self.frame.z_axis].map(|v| v.to_array());
+        let (middle_x, middle_y) = (0.5 * f64::from(self.size[0]), 0.5 * f64::from(self.size[1]));
+        let mut offset = [[0.0; N]; 3];
+        for axis in 0..3 {
+            for i in 0..N {
+                let right = (x[i] - middle_x) * self.pixel;
+                let up = (middle_y - y[i]) * self.pixel;
+                offset[axis][i] = to_right[axis] * right + to_up[axis] * up;
+            }
+        }
+        let (mut origin, mut direction) = ([[0.0; N]; 3], [[0.0; N]; 3]);
+        match self.projection {
+            Projection::Orthographic { .. } => {
+                for axis in 0..3 {
+                    for i in 0..N {
+                        origin[axis][i] = eye[axis] + offset[axis][i];
+                        direction[axis][i] = ahead[axis];
+                    }
+                }
+            }
+            Projection::Perspective { .. } => {
+                for i in 0..N {
+                    let d: [f64; 3] = std::array::from_fn(|axis| ahead[axis] + offset[axis][i]);
+                    let length_recip = 1.0 / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+                    for axis in 0..3 {
+                        origin[axis][i] = eye[axis];
+                        direction[axis][i] = d[axis] * length_recip;
+                    }
+                }
+            }
+        }
+        RayPacket { origin, direction }
+    }
+}
+
 /// The part of a ray inside a uniform grid's box and the clip, in index space.
 ///
 /// The origin is moved along the ray to the point nearest the middle of the box, so that indices stay small numbers and keep
@@ -187,6 +236,22 @@ mod tests {
         let r = IndexRay::new(&ray([2.0, 2.0, 50.0], [0.0, 0.0, -1.0]), &unit_box(), [5; 3], &clip, f64::INFINITY);
         let r = r.unwrap();
         assert_eq!((r.at(r.start).z, r.at(r.end).z), (3.5, 2.5));
+    }
+
+    #[test]
+    fn packets_are_the_same_rays() {
+        for projection in [Projection::Orthographic { height: 3.0 }, Projection::Perspective { fov: 50.0 }] {
+            let camera =
+                Camera { eye: DVec3::new(3.0, -5.0, 7.0), target: DVec3::new(0.1, 0.2, 0.3), up: DVec3::Y, projection };
+            let rays = Rays::new(&View::new(camera, [7, 5])).unwrap();
+            let (x, y) = ([0.5, 1.5, 6.5, 3.25], [0.5, 4.5, 2.5, 3.75]);
+            let packet = rays.packet(&x, &y);
+            for i in 0..4 {
+                let one = rays.at(x[i], y[i]);
+                assert_eq!(packet.origin.map(|a| a[i]), one.origin.to_array());
+                assert_eq!(packet.direction.map(|a| a[i]), one.direction.to_array());
+            }
+        }
     }
 
     #[test]

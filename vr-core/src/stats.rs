@@ -13,6 +13,10 @@ pub struct Counts {
     pub skipped: u64,
     /// Rays that ended early.
     pub terminated: u64,
+    /// Rays whose error no bound within the promise was found for, where one was promised: the truth jumps there, or nearly.
+    pub unbounded: u64,
+    /// Rays that a more precise kernel did again.
+    pub repeated: u64,
 }
 
 impl std::ops::AddAssign for Counts {
@@ -21,6 +25,8 @@ impl std::ops::AddAssign for Counts {
         self.samples += other.samples;
         self.skipped += other.skipped;
         self.terminated += other.terminated;
+        self.unbounded += other.unbounded;
+        self.repeated += other.repeated;
     }
 }
 

@@ -2,6 +2,8 @@
 
 use vr_core::{Filter, ParameterError, Scene, UniformVolume};
 
+use crate::tolerance::check_error;
+
 /// Casts rays and samples them at equal distances; the crate's front page says how.
 ///
 /// ```
@@ -14,7 +16,9 @@ use vr_core::{Filter, ParameterError, Scene, UniformVolume};
 pub struct RayCaster {
     /// How long steps are.
     pub step: Step,
-    /// Where in its step a sample is taken, which sets the order of convergence.
+    /// What the steps of a ray are.
+    pub traversal: Traversal,
+    /// How the light of a step is found, which sets the order of convergence.
     pub rule: Rule,
     /// From which end the samples of a ray are composited.
     pub order: Order,
@@ -38,6 +42,24 @@ pub enum Step {
     /// views tested is then further than 1/255 from the truth; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
     /// with the square of the step, time with its inverse: fog is as good at a step of 2.
     Uniform(f64),
+    /// Long where the medium is nearly the same, else as [`Uniform`](Self::Uniform) has it (after Danskin and Hanrahan 1992, *Fast
+    /// algorithms for volume ray tracing*): a block, or a block of blocks, is crossed in one step where no pixel can change for that by
+    /// more than its share of `error`.
+    ///
+    /// The long steps of a ray together are off by at most `error` from the truth, where no source is brighter than 1 (else in
+    /// proportion); the short ones by what short steps are off by. For over, front to back, without shading.
+    Homogeneous {
+        /// The short steps, as a fraction of the smallest voxel edge.
+        step: f64,
+        /// The largest error that long steps may make, all of a ray together.
+        error: f64,
+    },
+    /// As long as a promise allows: no component of a pixel is further than this from the truth, relative to max(1, the picture's
+    /// largest magnitude); at least 10⁻⁶. Rays for which no such bound was found are counted ([`vr_core::Counts::unbounded`]).
+    ///
+    /// For over and accumulate, trilinear and nearest fields, without shading. Rule, order and classification do not apply; in the
+    /// precision f32, rays whose rounding takes too much are done again in f64.
+    Tolerance(f64),
     /// As long as what is in each place allows: short where extinction and emission change much within four voxels, up to sixteen voxels
     /// where they hardly do; and nothing is sampled where nothing is visible.
     ///
@@ -55,14 +77,65 @@ impl Default for Step {
     }
 }
 
-/// Where in its step a sample is taken.
+/// What the steps of a ray are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Traversal {
+    /// Steps of the given length, wherever the cells' faces are.
+    #[default]
+    Samples,
+    /// From cell to cell (3D DDA, Amanatides and Woo 1987): steps end at cell faces, and a cell is cut into equal steps where it is
+    /// longer than a [`Step::Uniform`] (other settings do not cut them). No step has a kink of the trilinear field inside, and so
+    /// rules keep the order that they have on smooth fields.
+    Cells,
+    /// From voxel to voxel (a 26-connected Bresenham line): the field is taken at the samples nearest to the ray, as if it were constant
+    /// around each. The classic discrete approximation: of first order in the size of a voxel, and as there is one step a voxel, none
+    /// makes it better. With [`Rule::Midpoint`] alone.
+    Voxels,
+}
+
+/// How the light of a step is found. The rules differ where light is integrated (over, accumulate); other operators
+/// look at one sample a step, in its middle (or its begin, by [`Rule::Left`]).
+///
+/// The orders hold for smooth fields. A trilinear field has kinks at cell faces, and a step that has one inside is off by the
+/// square of its length under any rule: [`Traversal::Cells`] ends steps there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rule {
-    /// In the middle: order 2.
+    /// By the value in its middle: order 2, and 1 at jumps of the transfer function.
     #[default]
     Midpoint,
-    /// Where the ray enters the step (left rectangles): order 1. For study, not for use.
+    /// By the value where the ray enters the step (left rectangles): order 1. For study, not for use.
     Left,
+    /// By a value that goes linearly from the begin of the step to its end, the transfer function being integrated over all values between
+    /// ([`vr_core::transfer::PreIntegrated`]): order 2, at kinks and jumps of the transfer function, too. One sample a step.
+    Linear,
+    /// By the parabola through the values at begin, middle and end of the step, integrated so: order 4, at kinks of the transfer
+    /// function, too, where Simpson's rule has 2. Two samples a step.
+    Quadratic,
+    /// By the cubic that a trilinear field is along a ray in each cell, to rounding: needs [`Traversal::Cells`], whose steps it does
+    /// not cut further, and the trilinear filter. Four samples a cell, each step integrated in f64: for study.
+    Exact,
+}
+
+impl Rule {
+    /// As options name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Midpoint => "midpoint",
+            Self::Left => "left",
+            Self::Linear => "linear",
+            Self::Quadratic => "quadratic",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// Whether it makes sense for a filter's field: not all values between two labels are on the way from one to the other.
+    pub(crate) fn goes_with(self, filter: Filter) -> bool {
+        match self {
+            Self::Midpoint | Self::Left => true,
+            Self::Linear | Self::Quadratic => filter.is_continuous(),
+            Self::Exact => filter == Filter::Trilinear,
+        }
+    }
 }
 
 /// From which end the samples of a ray are composited under `over`.
@@ -130,7 +203,8 @@ pub enum Screen {
     },
     /// Every pixel's, each begun where its part of the view can show something first. That is projected for each view from what
     /// earlier pictures met first (a C-buffer; Yagel and Shi, *Accelerating volume animation by space-leaping*, 1993). The picture is that
-    /// of [`Screen::EveryPixel`], bit for bit. For steps of one length, under over and accumulate.
+    /// of [`Screen::EveryPixel`], bit for bit. For samples at equal distances by the rules
+    /// midpoint and left, under over and accumulate.
     Coherent,
     /// Parallel rays that all step through the voxels alike, cast from the face of the volume that looks at the eye most; what they
     /// show there is stretched onto the screen (Yagel and Kaufman, *Template-based volume viewing*, 1992). Not exact, and for unshaded
@@ -139,6 +213,19 @@ pub enum Screen {
         /// What the template is made of.
         connectivity: Connectivity,
     },
+}
+
+impl Screen {
+    /// As options name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::EveryPixel => "every-pixel",
+            Self::Adaptive { .. } => "adaptive",
+            Self::Coherent => "coherent",
+            Self::Template { connectivity: Connectivity::Discrete } => "template-discrete",
+            Self::Template { connectivity: Connectivity::Continuous } => "template-continuous",
+        }
+    }
 }
 
 /// What a ray template is made of.
@@ -175,22 +262,51 @@ impl RayCaster {
     /// World length of a step.
     pub(crate) fn world_step(&self, volume: &UniformVolume) -> f64 {
         let voxels = match self.step {
-            Step::Uniform(voxels) => voxels,
-            Step::Local { .. } => 1.0,
+            Step::Uniform(voxels) | Step::Homogeneous { step: voxels, .. } => voxels,
+            // They have no one length.
+            Step::Local { .. } | Step::Tolerance(_) => 1.0,
         };
         voxels * volume.placement().spacing().min_element()
     }
 
-    /// Checks the numbers.
+    /// World length that no step of a walk exceeds; +∞: cells are not cut. Nothing is gained by cutting what is exact already.
+    pub(crate) fn longest_step(&self, volume: &UniformVolume) -> f64 {
+        match (self.traversal, self.rule, self.step) {
+            (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Local { .. }) => f64::INFINITY,
+            _ => self.world_step(volume),
+        }
+    }
+
+    /// Checks the numbers, and that they go together.
     pub(crate) fn validate(&self) -> Result<(), ParameterError> {
         match self.step {
-            Step::Uniform(step) if !(step > 0.0 && step <= Self::LONGEST_STEP) => {
+            Step::Uniform(step) | Step::Homogeneous { step, .. } if !(step > 0.0 && step <= Self::LONGEST_STEP) => {
                 return Err(ParameterError::new("render.step", step, "must be above 0 and at most 64"));
+            }
+            Step::Homogeneous { error, .. } if !(error > 0.0 && error <= 1.0) => {
+                return Err(ParameterError::new("render.homogeneity", error, "must be above 0 and at most 1"));
+            }
+            Step::Tolerance(error) => {
+                check_error(error)?;
+                if self.order != Order::default() || self.rule != Rule::default() {
+                    let allowed =
+                        "a promised error leaves rule, order and termination to the caster: they must not be set";
+                    return Err(ParameterError::new("render.max_error", error, allowed));
+                }
             }
             Step::Local { error } if !(error > 0.0 && error <= 1.0) => {
                 return Err(ParameterError::new("render.local-error", error, "must be above 0 and at most 1"));
             }
-            Step::Uniform(_) | Step::Local { .. } => {}
+            Step::Uniform(_) | Step::Local { .. } | Step::Homogeneous { .. } => {}
+        }
+        match (self.rule, self.traversal) {
+            (Rule::Exact, Traversal::Samples | Traversal::Voxels) => {
+                return Err(ParameterError::new("render.rule", "exact", "needs traversal = \"cells\""));
+            }
+            (Rule::Left | Rule::Linear | Rule::Quadratic, Traversal::Voxels) => {
+                return Err(ParameterError::new("render.traversal", "voxels", "goes with rule = \"midpoint\" only"));
+            }
+            _ => {}
         }
         if let Screen::Adaptive { threshold } = self.screen
             && !(threshold >= 0.0 && threshold.is_finite())

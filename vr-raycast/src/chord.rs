@@ -33,7 +33,20 @@ impl Chord<'_> {
 
     /// Fills the values of a placed run.
     pub(crate) fn sample<R: Real>(&self, run: &mut Run<R>) {
-        self.volume.with_sampler(self.filter, Values(run));
+        let len = run.len();
+        self.values(run.position.each_ref().map(|p| &p[..len]), &mut run.value[..len]);
+    }
+
+    /// Fills the values at positions, given axis by axis.
+    pub(crate) fn values<R: Real>(&self, position: [&[R]; 3], value: &mut [R]) {
+        self.volume.with_sampler(self.filter, Values { position, value });
+    }
+
+    /// The index-space position at a distance in the kernel's precision, clamped into the box as those of a run are.
+    #[inline(always)]
+    pub(crate) fn position<R: Real>(&self, distance: f64) -> [R; 3] {
+        let (at, dims) = (self.ray.at(distance), self.volume.dims());
+        std::array::from_fn(|a| R::from_f64(at[a].clamp(0.0, (dims[a] - 1) as f64)))
     }
 
     /// Fills the gradients of a placed run, where the opacity is not zero.
@@ -59,7 +72,10 @@ pub(crate) struct Crossing {
     pub(crate) stored: f64,
 }
 
-struct Values<'r, R>(&'r mut Run<R>);
+struct Values<'r, R> {
+    position: [&'r [R]; 3],
+    value: &'r mut [R],
+}
 
 impl<R: Real> SamplerVisitor for Values<'_, R> {
     type Output = ();
@@ -76,10 +92,8 @@ impl<R: Real> SamplerVisitor for Values<'_, R> {
 impl<R: Real> Values<'_, R> {
     #[inline(always)]
     fn fill(self, value_at: impl Fn([R; 3]) -> R) {
-        let len = self.0.len();
-        let [x, y, z] = &self.0.position;
-        let positions = x[..len].iter().zip(&y[..len]).zip(&z[..len]);
-        for (value, ((&x, &y), &z)) in self.0.value[..len].iter_mut().zip(positions) {
+        let [x, y, z] = self.position;
+        for (value, ((&x, &y), &z)) in self.value.iter_mut().zip(x.iter().zip(y).zip(z)) {
             *value = value_at([x, y, z]);
         }
     }

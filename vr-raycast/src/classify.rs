@@ -6,6 +6,7 @@ use vr_core::optics::{depth_of_opacity, opacity_of_depth};
 use vr_core::transfer::BakedTransfer;
 use vr_core::{Calibration, Real, TransferFunction};
 
+use crate::rule::Profile;
 use crate::run::Run;
 
 /// The transfer function as a kernel uses it.
@@ -15,6 +16,8 @@ pub(crate) struct Classifier<R> {
     pub(crate) calibration: Calibration,
     /// A table, and the length of the steps that it is for; `None`: everything is evaluated exactly.
     pub(crate) table: Option<(Arc<BakedTransfer<R>>, f64)>,
+    /// The rule that integrates over all values of a step; `None`: one sample stands for a step.
+    pub(crate) profile: Option<Profile<R>>,
 }
 
 /// A step's opacity up to which its optical depth follows from it in f32 to better than 10⁻⁵; above, 1 − α has lost its digits.
@@ -26,6 +29,10 @@ impl<R: Real> Classifier<R> {
     /// A step of another length than the table's is evaluated exactly: an entry of a dense step says too little of a short one. On a
     /// lattice there is only one a ray, the last.
     pub(crate) fn classify(&self, run: &mut Run<R>) {
+        if let Some(profile) = &self.profile {
+            profile.classify(run);
+            return;
+        }
         let len = run.len();
         if let Some((table, step)) = &self.table {
             for (light, &value) in run.light[..len].iter_mut().zip(&run.value[..len]) {
@@ -51,8 +58,12 @@ impl<R: Real> Classifier<R> {
         self.transfer.step(self.calibration.value(stored.to_f64()), length).map(R::from_f64)
     }
 
-    /// Light and opacity of a step whose extinction is multiplied by `factor`, from those of the unmodified step.
-    pub(crate) fn with_extinction_times(&self, step: [R; 4], factor: f64, stored: R, length: f64) -> [R; 4] {
+    /// Light and opacity of a classified step whose extinction is multiplied by `factor`.
+    pub(crate) fn with_extinction_times(&self, run: &Run<R>, j: usize, factor: f64) -> [R; 4] {
+        if let Some(profile) = &self.profile {
+            return profile.with_extinction_times(run, j, factor);
+        }
+        let (step, stored, length) = (run.light[j], run.value[j], run.steps.length[j]);
         let opacity = step[3].to_f64();
         let value = self.calibration.value(stored.to_f64());
         let emits = self.transfer.has_emission();

@@ -2,17 +2,21 @@
 
 use std::sync::Arc;
 
-use vr_core::transfer::BakedTransfer;
-use vr_core::{Real, Scene, UniformVolume};
+use fearless_simd::Level;
+use vr_core::transfer::{BakedTransfer, PreIntegrated};
+use vr_core::{Filter, Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Precision, RayCaster, Step};
+use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
+use crate::homogeneity::Homogeneity;
 use crate::leap::Visibility;
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
+use crate::packet::{LocalEngine, supports_local};
+use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::screen::Sight;
 use crate::shade::Shader;
-use crate::table_range::{resolves, single_precision_resolves, table_range};
+use crate::table_range::{field_range, resolves, resolves_ramps, single_precision_resolves, table_range};
 
 /// The instruments, in the precision that the scene needs.
 pub(crate) enum Kernel {
@@ -26,6 +30,10 @@ pub(crate) struct Instruments<R> {
     pub(crate) shader: Option<Shader<R>>,
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<Arc<PaceMap>>,
+    /// Vector code for it, where there is.
+    pub(crate) vector: Option<LocalEngine>,
+    /// Where long steps will do.
+    pub(crate) homogeneity: Option<Arc<Homogeneity>>,
 }
 
 impl Kernel {
@@ -60,9 +68,31 @@ impl Kernel {
     }
 }
 
+/// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
+fn shape(caster: &RayCaster) -> Option<Shape> {
+    match (caster.rule, caster.traversal) {
+        (Rule::Midpoint | Rule::Left, Traversal::Samples) if matches!(caster.step, Step::Uniform(_)) => None,
+        (Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
+        (Rule::Linear, _) => Some(Shape::Line),
+        (Rule::Quadratic, _) => Some(Shape::Parabola),
+        (Rule::Exact, _) => Some(Shape::Cubic),
+    }
+}
+
+/// A table for steps of all lengths, if one tells apart all that the transfer function does: a small one where the transfer function's
+/// points fit into it, else a large one.
+fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter) -> Option<Arc<PreIntegrated<R>>> {
+    let (low, high) = field_range(volume, filter).unwrap_or((0.0, 0.0));
+    let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), (low as f32, high as f32), entries);
+    let small = table(PreIntegrated::<R>::ENTRIES);
+    let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
+    let resolved = table.is_aligned() || resolves_ramps(table.spacing(), volume, &scene.transfer);
+    resolved.then(|| Arc::new(table))
+}
+
 impl<R: Real> Instruments<R> {
     fn sight(&self) -> Sight {
-        let Classifier { transfer, calibration, table } = &self.classifier;
+        let Classifier { transfer, calibration, table, .. } = &self.classifier;
         let visibility = Visibility::of_light(transfer, *calibration, table.as_ref().map(|(table, _)| table));
         Arc::new(move |low, high| visibility.is_visible(low, high))
     }
@@ -80,12 +110,26 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| {
             old.volume.same(&scene.volume) && old.filter == scene.filter && old.transfer == scene.transfer
         };
+        let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
+        let last_of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.homogeneity.clone());
         let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
+        let lights = scene.compositing.integrates_light();
+        let wanted = caster.classification == Classification::Table && lights;
+        let profile = shape(caster).filter(|_| lights).map(|shape| {
+            let kept = last.and_then(|i| i.classifier.profile.as_ref());
+            let made = || preintegrated(scene, volume, field);
+            Profile {
+                shape,
+                table: if wanted && shape != Shape::Cubic {
+                    kept.and_then(|p| p.table.clone()).or_else(made)
+                } else {
+                    None
+                },
+                exact: ExactIntegral::new(Arc::clone(&scene.transfer)),
+                calibration: volume.calibration(),
+            }
+        });
         let kept = last.and_then(|i| i.classifier.table.clone());
-        // Steps of many lengths have no table.
-        let wanted = caster.classification == Classification::Table
-            && scene.compositing.integrates_light()
-            && matches!(caster.step, Step::Uniform(_));
         let pace = |error: f64| {
             last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
                 let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
@@ -97,17 +141,32 @@ impl<R: Real> Instruments<R> {
         let classifier = Classifier {
             transfer: Arc::clone(&scene.transfer),
             calibration: volume.calibration(),
-            table: if wanted { kept.or_else(bake) } else { None },
+            table: if wanted && profile.is_none() { kept.or_else(bake) } else { None },
+            profile,
         };
         let shader = scene
             .shading
             .as_ref()
             .map(|shading| Shader::new(Arc::clone(shading), volume.placement(), volume.calibration().slope));
         let pace = match caster.step {
-            Step::Local { error } => Some(pace(error)),
-            Step::Uniform(_) => None,
+            Step::Local { error } if caster.traversal == Traversal::Samples => Some(pace(error)),
+            _ => None,
         };
-        Self { classifier, shader, pace }
+        let homogeneity = match caster.step {
+            Step::Homogeneous { error, .. } if caster.traversal == Traversal::Samples => {
+                last.and_then(|i| i.homogeneity.clone()).or_else(|| {
+                    Some(Arc::new(Homogeneity::new(volume, field, &scene.transfer, error, last_of_field.as_deref())))
+                })
+            }
+            _ => None,
+        };
+        let mut made = Self { classifier, shader, pace, vector: None, homogeneity };
+        if let Some(map) = &made.pace
+            && supports_local(caster, scene, volume)
+        {
+            made.vector = LocalEngine::new(caster, scene, volume, Arc::clone(map), made.brightest(), Level::new());
+        }
+        made
     }
 
     /// How bright the medium can be.

@@ -79,6 +79,7 @@
 mod caster;
 mod chord;
 mod classify;
+mod homogeneity;
 mod instruments;
 // Its own tests use it; the walk along rays will.
 #[allow(dead_code, unused_imports)]
@@ -86,17 +87,22 @@ mod leap;
 mod operator;
 mod options;
 mod pace;
+#[allow(dead_code)]
+mod packet;
 mod pipeline;
 mod prepared;
 mod ray_value;
 mod renderer;
+mod rule;
 mod run;
 mod screen;
 mod settings;
 mod shade;
 mod step_options;
+mod straightness;
 mod table_range;
+mod tolerance;
 mod tracer;
 mod walk;
 
-pub use caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step};
+pub use caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step, Traversal};

@@ -4,12 +4,20 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen};
+use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Traversal};
 use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
 const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
-const RULES: &[(&str, Rule)] = &[("midpoint", Rule::Midpoint), ("left", Rule::Left)];
+const RULES: &[(&str, Rule)] = &[
+    (Rule::Midpoint.name(), Rule::Midpoint),
+    (Rule::Left.name(), Rule::Left),
+    (Rule::Linear.name(), Rule::Linear),
+    (Rule::Quadratic.name(), Rule::Quadratic),
+    (Rule::Exact.name(), Rule::Exact),
+];
+const TRAVERSALS: &[(&str, Traversal)] =
+    &[("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)];
 const FRONT_TO_BACK: &str = "front-to-back";
 const BACK_TO_FRONT: &str = "back-to-front";
 const CLASSIFICATIONS: &[(&str, Classification)] =
@@ -34,8 +42,13 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let others = [
         spec(
             "rule",
-            OptionKind::Choice(&["midpoint", "left"]),
-            "where in its step a sample is taken: midpoint has order 2, left has order 1",
+            OptionKind::Choice(&["midpoint", "left", "linear", "quadratic", "exact"]),
+            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs cells",
+        ),
+        spec(
+            "traversal",
+            OptionKind::Choice(&["samples", "cells", "voxels"]),
+            "what steps are: of one length, ending at cell faces, or from voxel to voxel",
         ),
         spec(
             "order",
@@ -73,6 +86,7 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
     let options = step_options::to_options(caster.step)
         .with("rule", word_of(RULES, caster.rule))
+        .with("traversal", word_of(TRAVERSALS, caster.traversal))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
         .with("precision", word_of(PRECISIONS, caster.precision));
@@ -95,6 +109,7 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
         match (key, value) {
             (key, _) if step_options::owns(key) => {}
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
+            ("traversal", OptionValue::Word(w)) => new.traversal = meaning_of(TRAVERSALS, w),
             ("order", OptionValue::Word(w)) => {
                 new.order = match (w.as_str(), new.order) {
                     (BACK_TO_FRONT, _) => Order::BackToFront,
@@ -162,6 +177,8 @@ mod tests {
             RayCaster { screen: Screen::Adaptive { threshold: 0.125 }, ..RayCaster::default() },
             RayCaster { screen: Screen::Coherent, ..RayCaster::default() },
             RayCaster { screen: Screen::Template { connectivity: Connectivity::Continuous }, ..RayCaster::default() },
+            RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::default() },
+            RayCaster { rule: Rule::Quadratic, traversal: Traversal::Voxels, ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {

@@ -4,15 +4,17 @@ use glam::DVec3;
 use vr_core::image_order::Spot;
 use vr_core::{Counts, Filter, IndexRay, Ray, RayShading, Rays, Real, UniformVolume, View};
 
+use crate::caster::Traversal;
 use crate::chord::Chord;
 use crate::classify::Classifier;
+use crate::homogeneity::Homogeneity;
 use crate::operator::Operator;
 use crate::pace::PaceMap;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::tracer::{Traced, Tracer};
-use crate::walk::{Lattice, LatticeWalk, LocalWalk, Walk};
+use crate::walk::{HomogeneousWalk, Lattice, LatticeWalk, LocalWalk, Walk, cell_walk, voxel_walk};
 
 /// What a frame's rays share.
 ///
@@ -22,12 +24,15 @@ use crate::walk::{Lattice, LatticeWalk, LocalWalk, Walk};
 pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) volume: &'a UniformVolume,
     pub(crate) filter: Filter,
+    pub(crate) traversal: Traversal,
     /// World length of the smallest voxel edge.
     pub(crate) voxel: f64,
-    /// World length of a step, where all are alike.
+    /// World length of a step, where all are alike; the longest, where steps end at cell faces; +∞: they end there only.
     pub(crate) step: f64,
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<&'a PaceMap>,
+    /// Where long steps will do.
+    pub(crate) homogeneity: Option<&'a Homogeneity>,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
@@ -70,9 +75,15 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
-            let walk = match self.pace {
-                Some(map) => Walk::Local(LocalWalk::new(map, part, self.voxel)),
-                None => {
+            let dims = self.volume.dims();
+            let walk = match (self.traversal, self.pace, self.homogeneity) {
+                (Traversal::Cells, ..) => Walk::Listed(cell_walk(&part, dims, self.step, start, O::BACKWARDS)),
+                (Traversal::Voxels, ..) => Walk::Listed(voxel_walk(&part, dims, start, O::BACKWARDS)),
+                (Traversal::Samples, Some(map), _) => Walk::Local(LocalWalk::new(map, part, self.voxel)),
+                (Traversal::Samples, None, Some(map)) => {
+                    Walk::Homogeneous(HomogeneousWalk::new(map, part, self.step, self.voxel))
+                }
+                (Traversal::Samples, None, None) => {
                     let lattice = Lattice::new(part.start, part.end, self.step);
                     Walk::Lattice(LatticeWalk::new(lattice, start, O::BACKWARDS))
                 }
@@ -109,8 +120,16 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         }
         while !ended && walk.next(&mut run.steps) {
             chord.place(run, self.offset);
-            chord.sample(run);
-            counts.samples += run.len() as u64;
+            if let Some(places) = walk.places() {
+                run.place_at(places);
+            }
+            counts.samples += match &self.classifier.profile {
+                Some(profile) if O::LIGHT => profile.sample(chord, run),
+                _ => {
+                    chord.sample(run);
+                    run.len() as u64
+                }
+            };
             if O::LIGHT {
                 self.classifier.classify(run);
                 if let Some((shader, lights)) = shader {

@@ -2,6 +2,8 @@
 
 use vr_core::{IndexRay, Real};
 
+use crate::rule::Points;
+
 /// Steps in a run. Enough to spread the passes' dispatch thin; few enough that all of a run stays in the first-level cache
 /// and that its sum in the kernel's precision keeps its digits.
 pub(crate) const RUN: usize = 32;
@@ -56,6 +58,10 @@ pub(crate) struct Run<R> {
     pub(crate) position: [[R; RUN]; 3],
     /// The field in stored units; NaN in vacuum.
     pub(crate) value: [R; RUN],
+    /// Where a rule samples a step at several points: the values there, from front to back.
+    pub(crate) profile: [[R; RUN]; 4],
+    /// Those points.
+    pub(crate) points: Points<R>,
     /// Light (r, g, b) and opacity of each step.
     pub(crate) light: [[R; 4]; RUN],
     /// Gradients per index step; only where a later pass asks for them.
@@ -69,6 +75,8 @@ impl<R: Real> Run<R> {
             offset: 0.0,
             position: [[R::ZERO; RUN]; 3],
             value: [R::ZERO; RUN],
+            profile: [[R::ZERO; RUN]; 4],
+            points: Points::new(),
             light: [[R::ZERO; 4]; RUN],
             gradient: [[R::ZERO; 3]; RUN],
         }
@@ -82,6 +90,15 @@ impl<R: Real> Run<R> {
     /// Distance of a sample.
     pub(crate) fn distance(&self, j: usize) -> f64 {
         self.steps.begin[j] + self.offset * self.steps.length[j]
+    }
+
+    /// Takes over positions that do not lie on the ray.
+    pub(crate) fn place_at(&mut self, places: &[[f64; 3]]) {
+        for (j, place) in places.iter().enumerate() {
+            for axis in 0..3 {
+                self.position[axis][j] = R::from_f64(place[axis]);
+            }
+        }
     }
 
     /// Position of a sample in the kernel's precision.

@@ -38,6 +38,9 @@ pub(crate) fn settings() -> Vec<NamedSetting> {
     let mut all = uniform(Rule::Midpoint, "midpoint", 2.0, &[4.0, 2.0, 1.0, 0.5, 0.2, 0.1]);
     all.extend(local);
     all.extend(filters);
+    // Of the trilinear field, whose kinks at cell faces leave no rule a higher order.
+    all.extend(uniform(Rule::Linear, "linear", 2.0, &[4.0, 2.0, 1.0, 0.5]));
+    all.extend(uniform(Rule::Quadratic, "quadratic", 2.0, &[4.0, 2.0, 1.0, 0.5]));
     all.extend(uniform(Rule::Left, "left", 1.0, &[1.0, 0.2]));
     all.extend(exact);
     all

@@ -79,8 +79,7 @@ impl<R: Real> Shader<R> {
             let world = self.world(run.gradient[j]);
             if modulates {
                 let factor = self.shading.modulation(self.magnitude(world));
-                run.light[j] =
-                    classifier.with_extinction_times(run.light[j], factor, run.value[j], run.steps.length[j]);
+                run.light[j] = classifier.with_extinction_times(run, j, factor);
             }
             if reflects {
                 let (factor, added) = lights.reflect(world);

@@ -7,14 +7,23 @@ use crate::caster::{RayCaster, Step};
 const STEPS: &str = "steps";
 const STEP: &str = "step";
 const LOCAL_ERROR: &str = "local-error";
+const HOMOGENEITY: &str = "homogeneity";
+const MAX_ERROR: &str = "max-error";
 
 /// Every kind of steps, and the numbers that it takes.
-const KINDS: &[(&str, &[&str])] = &[("uniform", &[STEP]), ("local", &[LOCAL_ERROR])];
+const KINDS: &[(&str, &[&str])] = &[
+    ("uniform", &[STEP]),
+    ("local", &[LOCAL_ERROR]),
+    ("homogeneous", &[STEP, HOMOGENEITY]),
+    ("tolerance", &[MAX_ERROR]),
+];
 
 /// The numbers: the largest allowed, what they are where none is given, and help.
 const NUMBERS: &[(&str, f64, f64, &str)] = &[
     (STEP, RayCaster::LONGEST_STEP, 0.2, "length of a step, as a fraction of the smallest voxel edge"),
     (LOCAL_ERROR, 1.0, 2e-3, "RMSE that local steps aim at"),
+    (HOMOGENEITY, 1.0, 1e-2, "largest error that all the long ones of homogeneous steps may make together on a ray"),
+    (MAX_ERROR, 1.0, 4e-3, "largest error of the picture that steps of a tolerance promise; 1e-6 at the least"),
 ];
 
 /// The kind of a step and its numbers, in the order of [`KINDS`].
@@ -22,6 +31,8 @@ fn parts(step: Step) -> (&'static str, Vec<f64>) {
     match step {
         Step::Uniform(step) => ("uniform", vec![step]),
         Step::Local { error } => ("local", vec![error]),
+        Step::Homogeneous { step, error } => ("homogeneous", vec![step, error]),
+        Step::Tolerance(error) => ("tolerance", vec![error]),
     }
 }
 
@@ -30,6 +41,8 @@ fn build(kind: &str, number: impl Fn(&str) -> f64) -> Step {
     match kind {
         "uniform" => Step::Uniform(number(STEP)),
         "local" => Step::Local { error: number(LOCAL_ERROR) },
+        "homogeneous" => Step::Homogeneous { step: number(STEP), error: number(HOMOGENEITY) },
+        "tolerance" => Step::Tolerance(number(MAX_ERROR)),
         _ => unreachable!("checked against the list"),
     }
 }
@@ -48,9 +61,9 @@ fn held(step: Step) -> Vec<(&'static str, f64)> {
 pub(crate) fn specs() -> Vec<OptionSpec> {
     let kind = OptionSpec {
         key: STEPS,
-        kind: OptionKind::Choice(&["uniform", "local"]),
+        kind: OptionKind::Choice(&["uniform", "local", "homogeneous", "tolerance"]),
         default: parts(Step::default()).0.into(),
-        help: "how long steps are: all alike, or as what is in each place allows",
+        help: "how long steps are: all alike; as what is in each place allows; long where it is nearly the same; as a promised error asks for",
     };
     let default = held(Step::default());
     let number = |&(key, most, otherwise, help): &(&'static str, f64, f64, &'static str)| {
@@ -139,5 +152,9 @@ mod tests {
         let error = step(Options::new().with(STEPS, "uniform").with(LOCAL_ERROR, 0.5)).unwrap_err().to_string();
         assert!(error.contains(LOCAL_ERROR) && error.contains("uniform"), "{error}");
         assert!(step(Options::new().with(STEP, 0.5).with(LOCAL_ERROR, 0.5)).is_err());
+        assert_eq!(step(Options::new().with(MAX_ERROR, 0.01)).unwrap(), Step::Tolerance(0.01));
+        let homogeneous = Step::Homogeneous { step: 0.5, error: 0.1 };
+        assert_eq!(step(Options::new().with(STEP, 0.5).with(HOMOGENEITY, 0.1)).unwrap(), homogeneous);
+        assert!(step(Options::new().with(STEP, 0.5).with(MAX_ERROR, 0.1)).is_err());
     }
 }

@@ -66,10 +66,15 @@ pub(crate) fn resolves<R: Real>(
     if filter == Filter::Nearest && volume.voxel_type().is_integer() && table.spacing() <= 1.0 {
         return true;
     }
+    resolves_ramps(table.spacing(), volume, transfer)
+}
+
+/// Whether entries so many stored units apart tell apart all that the transfer function does.
+pub(crate) fn resolves_ramps(spacing: f64, volume: &UniformVolume, transfer: &TransferFunction) -> bool {
     let slope = volume.calibration().slope.abs();
     let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
     // Spacings of 1/16 and the like come back rounded from f32.
-    let least = ENTRIES_PER_RAMP * table.spacing() * (1.0 - 1e-6);
+    let least = ENTRIES_PER_RAMP * spacing * (1.0 - 1e-6);
     ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= least)
 }
 

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
-use vr_raycast::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step};
+use vr_raycast::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step, Traversal};
 
 fn caster(screen: Screen) -> RayCaster {
     RayCaster { screen, step: Step::Uniform(0.5), ..RayCaster::default() }
@@ -295,6 +295,10 @@ fn what_templates_cannot_do_is_said() {
     refuses(&RayCaster { rule: Rule::Left, ..good.clone() }, &scene, "rule");
     let coherent = caster(Screen::Coherent);
     refuses(&coherent, &Scene { compositing: Compositing::Average, ..scene.clone() }, "compositing");
+    refuses(&RayCaster { rule: Rule::Linear, ..coherent.clone() }, &scene, "rule 'linear'");
+    refuses(&RayCaster { traversal: Traversal::Cells, ..coherent }, &scene, "steps");
+    let adaptive = caster(Screen::Adaptive { threshold: 0.1 });
+    refuses(&RayCaster { step: Step::Tolerance(0.01), ..adaptive }, &scene, "promised");
     let mut prepared = good.prepare(&scene, &control).unwrap();
     let view = |fov| View::new(Camera::framing(scene.volume.bounds(), 0.0, 0.0, fov), [4, 4]);
     let layer = Layer { pixels: vec![([0.0; 3], 1.0); 16] };
@@ -375,5 +379,25 @@ proptest! {
         for p in one.frame.pixels() {
             prop_assert!(p.iter().all(|x| x.is_finite() && (0.0..=1.0 + 1e-5).contains(x)), "{:?}", p);
         }
+    }
+}
+
+#[test]
+fn adaptive_refines_whatever_traces() {
+    let scene = of_phantom("hydrogen", 33);
+    let view = View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, None), [120, 120]);
+    for (step, traversal, rule) in [
+        (Step::Uniform(1.0), Traversal::Cells, Rule::Quadratic),
+        (Step::Uniform(1.0), Traversal::Voxels, Rule::Midpoint),
+        (Step::Local { error: 0.002 }, Traversal::Samples, Rule::Midpoint),
+    ] {
+        let draw = |screen| {
+            common::render(&RayCaster { screen, step, traversal, rule, ..RayCaster::default() }, &scene, &view)
+        };
+        let want = draw(Screen::EveryPixel);
+        let got = draw(Screen::Adaptive { threshold: 0.01 });
+        assert!(max_error(&got.frame, &want.frame) <= 0.04, "{step:?} {traversal:?}");
+        assert!(2 * got.stats.counts.rays < want.stats.counts.rays, "{step:?} {traversal:?}");
+        assert_same(&draw(Screen::Adaptive { threshold: 0.0 }).frame, &want.frame, "threshold 0");
     }
 }

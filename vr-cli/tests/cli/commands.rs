@@ -208,3 +208,23 @@ fn a_reader_that_goes_away_is_no_failure() {
     drop(child.stdout.take());
     assert_eq!(child.wait().unwrap().code(), Some(0));
 }
+
+#[test]
+fn a_promised_error_is_kept_and_told() {
+    let vr = Vr::new();
+    for promise in [1e-2, 1e-4] {
+        let arguments =
+            format!("render --phantom marschner-lobb --phantom-size 33 --size 48 --max-error {promise} --json");
+        let render = vr.run(&arguments).succeeded().json();
+        assert!(render["error"]["max"].as_f64().unwrap() <= promise, "{render}");
+        assert_eq!(render["unbounded"].as_u64(), Some(0), "{render}");
+    }
+    // A scene file may ask for it, too.
+    std::fs::write(vr.folder().join("p.toml"), "[volume]\nphantom = \"fog\"\nsize = 9\n[render]\nmax_error = 0.001\n")
+        .unwrap();
+    let render = vr.run("render --scene p.toml --size 24 --json").succeeded().json();
+    assert!(render["error"]["max"].as_f64().unwrap() <= 1e-3, "{render}");
+    // There is no bound for shading.
+    let refused = vr.run("render --phantom fog --phantom-size 9 --ambient 0.5 --max-error 0.01");
+    assert!(refused.failed(1).stderr.contains("shading"));
+}

@@ -84,7 +84,7 @@ impl<R: Real> BakedTransfer<R> {
         1.0 / self.per_unit.to_f64()
     }
 
-    /// The entries (r, g, b, α), evenly spaced; the last one is there twice.
+    /// The entries, for code that looks up many at once: (r, g, b, α). The last is there twice.
     pub fn entries(&self) -> &[[R; 4]] {
         &self.entries
     }
@@ -95,6 +95,16 @@ impl<R: Real> BakedTransfer<R> {
     #[inline(always)]
     pub fn position(&self, stored: R) -> R {
         ((stored - self.origin) * self.per_unit).max(R::ZERO).min(self.last)
+    }
+
+    /// The stored number of the first entry.
+    pub fn origin(&self) -> R {
+        self.origin
+    }
+
+    /// Entries per stored unit.
+    pub fn per_unit(&self) -> R {
+        self.per_unit
     }
 
     /// Light and opacity of one whole step at a stored number; nothing for NaN.

@@ -4,6 +4,7 @@ mod baked;
 mod colormap;
 mod lab;
 mod msh;
+mod preintegrated;
 mod presets;
 mod srgb;
 
@@ -11,6 +12,7 @@ pub use baked::{BakedTransfer, TableError};
 pub use colormap::{cool_warm, inferno, viridis};
 pub use lab::Lab;
 pub use msh::{Msh, diverging};
+pub use preintegrated::{PreIntegrated, PreIntegratedRow, TablePlace, WALL_DEPTH};
 pub use presets::{Preset, is_hounsfield};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 

@@ -1,10 +1,18 @@
 //! Walks: how the part of a ray inside the volume is cut into steps. One small file each.
 
+mod cells;
+mod homogeneous;
 mod lattice;
+mod listed;
 mod local;
+mod voxels;
 
+pub(crate) use cells::cell_walk;
+pub(crate) use homogeneous::HomogeneousWalk;
 pub(crate) use lattice::{Lattice, LatticeWalk};
+pub(crate) use listed::ListedWalk;
 pub(crate) use local::LocalWalk;
+pub(crate) use voxels::voxel_walk;
 
 use crate::run::Steps;
 
@@ -15,6 +23,10 @@ pub(crate) enum Walk<'a> {
     Lattice(LatticeWalk),
     /// Steps as long as what is in each place allows.
     Local(LocalWalk<'a>),
+    /// Cells or voxels, found beforehand.
+    Listed(ListedWalk),
+    /// Long steps where the medium is nearly the same.
+    Homogeneous(HomogeneousWalk<'a>),
 }
 
 impl Walk<'_> {
@@ -23,6 +35,16 @@ impl Walk<'_> {
         match self {
             Self::Lattice(walk) => walk.next(steps),
             Self::Local(walk) => walk.next(steps),
+            Self::Listed(walk) => walk.next(steps),
+            Self::Homogeneous(walk) => walk.next(steps),
+        }
+    }
+
+    /// Index-space positions of the last run's samples, where they do not lie on the ray.
+    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
+        match self {
+            Self::Lattice(_) | Self::Local(_) | Self::Homogeneous(_) => None,
+            Self::Listed(walk) => walk.places(),
         }
     }
 }

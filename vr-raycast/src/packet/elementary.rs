@@ -1,0 +1,105 @@
+//! Logarithm and exponential of sixteen numbers, by our own polynomials: the same bits on every machine.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+
+use super::lanes::{pick, splat};
+
+/// ln 2 in two parts, the first with so few bits that a small whole multiple of it is exact (Cody & Waite 1980).
+const LN2_HIGH: f32 = 0.693_359_375;
+const LN2_LOW: f32 = -2.121_944_4e-4;
+
+/// ln x for normal positive x, to 10⁻⁷ relative to max(1, |ln x|).
+///
+/// x = 2^e·m with m in [√½, √2); ln m by the polynomial of Cephes' `logf` (Moshier 1989).
+#[inline(always)]
+fn ln<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+    // Exponent and mantissa, split at √½ rather than at 1.
+    let bits: i32x16<S> = x.bitcast();
+    let shifted = bits - 0x3f35_04f3;
+    let e = shifted >> 23;
+    let m: f32x16<S> = (bits - (e << 23)).bitcast();
+    let e: f32x16<S> = e.to_float();
+    let f = m - 1.0;
+    let z = f * f;
+    let mut p = splat(simd, 7.037_683_6e-2);
+    for c in [
+        -1.151_461e-1,
+        1.167_699_9e-1,
+        -1.242_014_1e-1,
+        1.424_932_3e-1,
+        -1.666_805_8e-1,
+        2.000_071_5e-1,
+        -2.499_999_4e-1,
+        3.333_333_1e-1,
+    ] {
+        p = p * f + c;
+    }
+    let y = p * f * z + e * LN2_LOW - z * 0.5;
+    (f + y) + e * LN2_HIGH
+}
+
+/// −ln(1 − α) for α in [0, 1): the optical depth of an opacity, to a few units in the last place down to the smallest.
+///
+/// 1 − α is rounded; the quotient makes up for that (Kahan's method).
+#[inline(always)]
+pub(crate) fn depth_of_opacity<S: Simd>(simd: S, alpha: f32x16<S>) -> f32x16<S> {
+    let one = splat(simd, 1.0);
+    let clear = one - alpha;
+    let rounded = one - clear;
+    let tiny = rounded.simd_eq(splat(simd, 0.0));
+    let divisor = pick(tiny, one, rounded);
+    let tau = -ln(simd, clear.max(splat(simd, f32::MIN_POSITIVE))) * (alpha / divisor);
+    pick(tiny, alpha, tau)
+}
+
+/// 1 − e^(−τ) for τ ≥ 0: the opacity of an optical depth, to a few units in the last place down to the smallest.
+///
+/// e^(−τ) = 2^n·e^f with |f| ≤ ½ ln 2, and e^f − 1 by a polynomial: so nothing cancels where τ is small.
+#[inline(always)]
+pub(crate) fn opacity_of_depth<S: Simd>(simd: S, tau: f32x16<S>) -> f32x16<S> {
+    // Beyond 2⁻²⁵ nothing of the exponential is left.
+    let tau = tau.min(splat(simd, 20.0));
+    let n = (tau * std::f32::consts::LOG2_E + 0.5).to_int::<i32x16<S>>();
+    let whole: f32x16<S> = n.to_float();
+    // f = n ln 2 − τ
+    let f = (whole * LN2_HIGH - tau) + whole * LN2_LOW;
+    let mut p = splat(simd, 1.987_569_1e-4);
+    for c in [1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 0.5] {
+        p = p * f + c;
+    }
+    let grown = p * (f * f) + f;
+    let scale: f32x16<S> = ((i32x16::splat(simd, 127) - n) << 23).bitcast();
+    (splat(simd, 1.0) - scale) - scale * grown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn opacity_and_depth_are_good_to_the_last_bits() {
+        let (mut worst_opacity, mut worst_depth) = (0.0f64, 0.0f64);
+        for i in 0..40_000 {
+            let tau = libm::exp(f64::from(i) * 1e-3 - 36.0) as f32;
+            let [alpha, back] = dispatch!(Level::new(), simd => {
+                let tau = splat(simd, tau);
+                let alpha = opacity_of_depth(simd, tau);
+                [alpha[3], depth_of_opacity(simd, alpha)[5]]
+            });
+            let exact = -libm::expm1(-f64::from(tau));
+            worst_opacity = worst_opacity.max((f64::from(alpha) - exact).abs() / exact);
+            if alpha < 0.9 {
+                let exact = -libm::log1p(-f64::from(alpha));
+                worst_depth = worst_depth.max((f64::from(back) - exact).abs() / exact);
+            }
+        }
+        // Four units in the last place.
+        assert!(worst_opacity < 2.5e-7 && worst_depth < 2.5e-7, "{worst_opacity:e} {worst_depth:e}");
+        let none = dispatch!(Level::new(), simd => [
+            opacity_of_depth(simd, splat(simd, 0.0))[0], depth_of_opacity(simd, splat(simd, 0.0))[0],
+        ]);
+        assert_eq!(none, [0.0, 0.0]);
+    }
+}

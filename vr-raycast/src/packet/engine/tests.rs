@@ -1,0 +1,3 @@
+use super::*;
+#[path = "speed.rs"]
+mod speed;

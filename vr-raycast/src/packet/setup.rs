@@ -1,0 +1,210 @@
+//! Sixteen rays at once from the image into the volume: in f64, in loops that the compiler makes vector code of.
+
+use fearless_simd::Simd;
+use glam::{DMat3, DVec3};
+use vr_core::image_order::Spot;
+use vr_core::{Clip, Layer, Placement, Rays};
+
+use super::lanes::{LANES, Lanes};
+
+/// What the rays of a frame share.
+#[derive(Clone, Debug)]
+pub(crate) struct FrameSetup<'a> {
+    pub(crate) rays: &'a Rays,
+    pub(crate) placement: &'a Placement,
+    pub(crate) dims: [usize; 3],
+    pub(crate) clip: &'a Clip,
+    pub(crate) layer: Option<&'a Layer>,
+    /// Length of a step in world units.
+    pub(crate) step: f64,
+    /// From a step's begin to its sample, as a fraction of the step.
+    pub(crate) offset: f64,
+}
+
+/// Sixteen rays in index space, cut into steps: the same parts and the same steps as `vr_core::IndexRay` and `Steps` make of each.
+///
+/// Steps are counted from the one in the middle of each ray, so that positions, a base and so many times a difference in f32, are as
+/// exact as they can be: what the difference was rounded by is multiplied by half as many steps.
+#[derive(Clone, Debug)]
+pub(crate) struct Packet {
+    /// Bit i: ray i meets the volume.
+    pub(crate) hits: u32,
+    /// Position of the sample of the middle step, axis by axis.
+    pub(crate) base: [Lanes; 3],
+    /// From one sample to the next.
+    pub(crate) delta: [Lanes; 3],
+    /// Where the first sample is, in steps from the middle.
+    pub(crate) first: Lanes,
+    /// The number of the last step, which may be a shorter one; −∞ for a ray that does not meet the volume.
+    pub(crate) end: Lanes,
+    /// Where the sample of the last step is, in steps from the middle.
+    pub(crate) last: Lanes,
+    /// Length of the last step, as a fraction of a whole one.
+    pub(crate) ratio: Lanes,
+    /// Step number of the middle one.
+    pub(crate) middle: [f64; LANES],
+    /// World distance from the ray's own origin to the begin of step 0.
+    pub(crate) begin: [f64; LANES],
+    /// Length of the part in world units.
+    pub(crate) length: [f64; LANES],
+}
+
+/// Of a ray's length: a last step shorter than this is rounding. As in `Steps`.
+const SLIVER: f64 = 1e-12;
+
+impl FrameSetup<'_> {
+    /// Sets up to sixteen rays up; missing ones repeat the last. Its own function: the same for all kernels of a level.
+    #[inline(never)]
+    pub(crate) fn packet<S: Simd>(&self, simd: S, spots: &[Spot], packet: &mut Packet) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.fill(spots, packet),
+        );
+    }
+
+    #[inline(always)]
+    fn fill(&self, spots: &[Spot], packet: &mut Packet) {
+        let (mut x, mut y, mut far) = ([0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
+        for i in 0..LANES {
+            let spot = &spots[i.min(spots.len() - 1)];
+            (x[i], y[i]) = (spot.x, spot.y);
+            if let Some(layer) = self.layer {
+                far[i] = layer.depth(spot.pixel);
+            }
+        }
+        let rays = self.rays.packet(&x, &y);
+        let (from, along) = (rays.origin, rays.direction);
+        let corner = self.placement.origin().to_array();
+        let extent = self.dims.map(|n| (n - 1) as f64);
+        let to_middle = (self.placement.axes() * (0.5 * DVec3::from_array(extent))).to_array();
+
+        // The origin moves to the point nearest the middle of the box.
+        let (mut offset, mut base) = ([0.0; LANES], [[0.0; LANES]; 3]);
+        for i in 0..LANES {
+            let m: [f64; 3] = std::array::from_fn(|a| (corner[a] - from[a][i]) + to_middle[a]);
+            offset[i] = m[0] * along[0][i] + m[1] * along[1][i] + m[2] * along[2][i];
+        }
+        for a in 0..3 {
+            for i in 0..LANES {
+                base[a][i] = (from[a][i] - corner[a]) + along[a][i] * offset[i];
+            }
+        }
+        let inverse = self.placement.inverse_axes();
+        let (origin, direction) = (times(&inverse, &base), times(&inverse, &along));
+
+        let (mut start, mut end) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            (start[i], end[i]) = (-offset[i], far[i] - offset[i]);
+        }
+        for a in 0..3 {
+            keep_between(&mut start, &mut end, &origin[a], &direction[a], 0.0, extent[a]);
+        }
+        if self.clip.crop.is_some() || !self.clip.planes.is_empty() {
+            self.clip(&mut start, &mut end, &from, &along, &offset);
+        }
+
+        packet.hits = 0;
+        let per_step = self.step;
+        for i in 0..LANES {
+            let hit = start[i] < end[i];
+            packet.hits |= u32::from(hit) << i;
+            let chord = if hit { end[i] - start[i] } else { 1.0 };
+            let begin = if hit { start[i] } else { 0.0 };
+            let sliver = SLIVER * chord;
+            let count = ((chord - sliver) / per_step).ceil();
+            let count = if count > 1.0 { count } else { 1.0 };
+            let rest = chord - (count - 1.0) * per_step;
+            let last = if rest + sliver >= per_step { per_step } else { rest };
+            let middle = (0.5 * count).floor();
+            packet.middle[i] = middle;
+            packet.begin[i] = offset[i] + begin;
+            packet.length[i] = chord;
+            packet.first.0[i] = -middle as f32;
+            packet.end.0[i] = if hit { (count - 1.0 - middle) as f32 } else { f32::NEG_INFINITY };
+            packet.last.0[i] = (count - 1.0 - middle + self.offset * (last / per_step - 1.0)) as f32;
+            packet.ratio.0[i] = (last / per_step) as f32;
+            let s = begin + (middle + self.offset) * per_step;
+            for a in 0..3 {
+                packet.base[a].0[i] = if hit { (origin[a][i] + direction[a][i] * s) as f32 } else { 0.0 };
+                packet.delta[a].0[i] = if hit { (direction[a][i] * per_step) as f32 } else { 0.0 };
+            }
+        }
+    }
+
+    fn clip(
+        &self,
+        start: &mut [f64; LANES],
+        end: &mut [f64; LANES],
+        from: &[[f64; LANES]; 3],
+        along: &[[f64; LANES]; 3],
+        offset: &[f64; LANES],
+    ) {
+        let world: [[f64; LANES]; 3] =
+            std::array::from_fn(|a| std::array::from_fn(|i| from[a][i] + along[a][i] * offset[i]));
+        if let Some((low, high)) = self.clip.crop {
+            for a in 0..3 {
+                keep_between(start, end, &world[a], &along[a], low[a], high[a]);
+            }
+        }
+        for plane in &self.clip.planes {
+            let n = plane.normal.to_array();
+            let dot = |v: &[[f64; LANES]; 3], i: usize| n[0] * v[0][i] + n[1] * v[1][i] + n[2] * v[2][i];
+            let at = std::array::from_fn(|i| dot(&world, i) - plane.offset);
+            let slope = std::array::from_fn(|i| dot(along, i));
+            keep_between(start, end, &at, &slope, 0.0, f64::INFINITY);
+        }
+    }
+}
+
+impl Packet {
+    pub(crate) const EMPTY: Self = Self {
+        hits: 0,
+        base: [Lanes::ZERO; 3],
+        delta: [Lanes::ZERO; 3],
+        first: Lanes::ZERO,
+        end: Lanes::ZERO,
+        last: Lanes::ZERO,
+        ratio: Lanes::ZERO,
+        middle: [0.0; LANES],
+        begin: [0.0; LANES],
+        length: [0.0; LANES],
+    };
+}
+
+/// A matrix times sixteen vectors.
+#[inline(always)]
+fn times(matrix: &DMat3, v: &[[f64; LANES]; 3]) -> [[f64; LANES]; 3] {
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.to_array());
+    let mut product = [[0.0; LANES]; 3];
+    for a in 0..3 {
+        for i in 0..LANES {
+            product[a][i] = x[a] * v[0][i] + y[a] * v[1][i] + z[a] * v[2][i];
+        }
+    }
+    product
+}
+
+/// Keeps the s with low ≤ x + s·slope ≤ high, ray by ray; a ray parallel to the slab stays whole or goes whole.
+#[inline(always)]
+fn keep_between(
+    start: &mut [f64; LANES],
+    end: &mut [f64; LANES],
+    x: &[f64; LANES],
+    slope: &[f64; LANES],
+    low: f64,
+    high: f64,
+) {
+    for i in 0..LANES {
+        let parallel = slope[i] == 0.0;
+        let divisor = if parallel { 1.0 } else { slope[i] };
+        let (a, b) = ((low - x[i]) / divisor, (high - x[i]) / divisor);
+        let inside = low <= x[i] && x[i] <= high;
+        let enter = if a < b { a } else { b };
+        let leave = if a < b { b } else { a };
+        let enter = if parallel { f64::NEG_INFINITY } else { enter };
+        let outside = if inside { f64::INFINITY } else { f64::NEG_INFINITY };
+        let leave = if parallel { outside } else { leave };
+        start[i] = if enter > start[i] { enter } else { start[i] };
+        end[i] = if leave < end[i] { leave } else { end[i] };
+    }
+}

@@ -1,0 +1,189 @@
+//! What a ray has gathered, what it may still be off by, and when that is too much.
+
+use super::step::Step;
+
+/// Everything of a view that bounds a ray's error.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// The largest error, relative to max(1, the ray's own radiance).
+    pub(super) error: f64,
+    /// Opacity at which the ray is cut; 1: never.
+    pub(super) level: f64,
+    /// The largest source, and whether it is emission given on its own.
+    pub(super) brightest: f64,
+    pub(super) emits: bool,
+}
+
+/// A ray's sum, from the eye into the depth, and its bound.
+///
+/// The sum is a telescope: each step in turn takes the place of the truth, the steps in front of it being those computed and the medium
+/// behind it the true one. So the pixel is off by at most Σ T̂ₖ (eₖ + aₖ M): what step k is off by, dimmed by the transmittance *computed*
+/// in front of it, M being the largest radiance that can come from behind.
+#[derive(Clone, Debug)]
+pub(super) struct Account {
+    limits: Limits,
+    start: f64,
+    end: f64,
+    /// The largest component of what stands behind the volume.
+    backdrop: f64,
+    pub(super) transmittance: f64,
+    pub(super) light: [f64; 3],
+    pub(super) error: f64,
+    /// Where opacity reached ½.
+    pub(super) half_way: f64,
+    pub(super) steps: u64,
+    /// Nothing that follows matters.
+    pub(super) ended: bool,
+    /// A place that may be a wall, until what follows tells.
+    doubtful: Option<Doubtful>,
+}
+
+/// A short step that may hold the beginning of a wall.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Doubtful {
+    pub(super) step: Step,
+    /// The most that it absorbs before a wall begins.
+    pub(super) before: f64,
+    /// The largest difference of two of its sources, the wall's included.
+    pub(super) width: f64,
+    /// The largest difference of two of its values.
+    pub(super) spread: f64,
+}
+
+impl Account {
+    pub(super) fn new(limits: Limits, start: f64, end: f64, backdrop: f64) -> Self {
+        Self {
+            limits,
+            start,
+            end,
+            backdrop,
+            transmittance: 1.0,
+            light: [0.0; 3],
+            error: 0.0,
+            half_way: f64::INFINITY,
+            steps: 0,
+            ended: false,
+            doubtful: None,
+        }
+    }
+
+    /// The largest radiance, or opacity, that can come from behind a distance.
+    fn most(&self, s: f64) -> f64 {
+        let medium = if self.limits.emits {
+            self.limits.brightest * (self.end - s).max(0.0) + self.backdrop
+        } else {
+            self.limits.brightest.max(self.backdrop)
+        };
+        medium.max(1.0)
+    }
+
+    /// What may be spent altogether: the picture's largest magnitude is at least this ray's.
+    fn budget(&self) -> f64 {
+        let light = self.light.into_iter().fold(0.0, f64::max);
+        self.limits.error * (light - self.error).max(1.0)
+    }
+
+    /// What may have been spent by the time the ray is at `s` with the transmittance `left`: half of it in proportion to the distance,
+    /// half to the opacity.
+    fn share(&self, s: f64, left: f64) -> f64 {
+        let length = (s - self.start) / (self.end - self.start);
+        self.budget() * (0.45 * length + 0.45 * (1.0 - left))
+    }
+
+    /// What a step at `s` may be off by, before it is dimmed: a hint for choosing it.
+    pub(super) fn enough(&self, s: f64) -> f64 {
+        let left = self.share(s, self.transmittance) - self.error;
+        (0.25 * left / self.transmittance.max(1e-300)).max(0.0)
+    }
+
+    /// Whether a step from `s` on is good enough.
+    pub(super) fn fits(&self, step: &Step, s: f64) -> bool {
+        let left = self.transmittance * (1.0 - step.opacity);
+        let cut = if 1.0 - left >= self.limits.level { step.opacity * step.variation } else { 0.0 };
+        let cost = self.transmittance * (step.light_error + step.opacity_error * self.most(s) + cut);
+        self.error + cost <= self.share(s + step.length, left)
+    }
+
+    /// Whether shorter steps would do no better: most of the error is rounding.
+    pub(super) fn is_rounding(&self, step: &Step, s: f64) -> bool {
+        let most = self.most(s);
+        let rounding = step.rounding[1] + step.rounding[0] * most;
+        step.light_error + step.opacity_error * most <= 2.0 * rounding
+    }
+
+    /// Takes a step from `s` on.
+    pub(super) fn take(&mut self, step: &Step, s: f64) {
+        self.settle(s);
+        self.add(step, s);
+    }
+
+    fn add(&mut self, step: &Step, s: f64) {
+        self.steps += 1;
+        let (front, level) = (self.transmittance, self.limits.level);
+        let behind = front * (1.0 - step.opacity);
+        self.error += front * (step.light_error + step.opacity_error * self.most(s));
+        let cut = level < 1.0 && 1.0 - behind >= level;
+        // Of a step that is cut, light goes with opacity.
+        let share = if cut { ((front - (1.0 - level)) / (front * step.opacity)).clamp(0.0, 1.0) } else { 1.0 };
+        for (sum, light) in self.light.iter_mut().zip(step.light) {
+            *sum += front * share * light;
+        }
+        if self.half_way == f64::INFINITY && behind <= 0.5 {
+            let part = libm::log(2.0 * front) / -libm::log1p(-step.opacity);
+            self.half_way = s + step.length * if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.0 };
+        }
+        self.transmittance = behind;
+        if cut {
+            self.error += front * step.opacity * step.variation;
+            self.transmittance = 1.0 - level;
+            self.ended = true;
+            return;
+        }
+        let rest = behind * self.most(s + step.length);
+        if self.error + rest <= 0.95 * self.budget() {
+            self.error += rest;
+            self.ended = true;
+        }
+    }
+
+    /// Takes a step that may hold the beginning of a wall: nobody knows before what follows is seen.
+    pub(super) fn doubt(&mut self, doubtful: Doubtful, s: f64) {
+        self.settle(s);
+        self.doubtful = Some(doubtful);
+    }
+
+    /// What was in doubt was no wall, or one that a ray only touches: it costs what it can cost.
+    fn settle(&mut self, s: f64) {
+        if let Some(doubtful) = self.doubtful.take() {
+            self.add(&doubtful.step, s - doubtful.step.length);
+        }
+    }
+
+    /// A wall begins at `s`: its light, how far off that is, and how fast it changes with the value. The place in doubt before it, if
+    /// any, is part of it.
+    pub(super) fn wall(&mut self, light: [f64; 3], error: f64, steepness: f64, s: f64) {
+        let doubt = self.doubtful.take().map_or(0.0, |d| d.before * d.width + steepness * d.spread);
+        let step = Step { opacity: 1.0, light, light_error: error + doubt, ..Step::default() };
+        self.add(&step, s);
+        self.ended = true;
+    }
+
+    /// Whether the bound is above what is promised.
+    pub(super) fn is_over(&self) -> bool {
+        // False also for NaN.
+        !(self.error <= self.budget())
+    }
+
+    /// What is left at the end of the ray.
+    pub(super) fn finish(&mut self) {
+        self.settle(self.end);
+        // A few additions and products a step.
+        let light = self.light.into_iter().fold(1.0, f64::max);
+        self.error += 4.0 * f64::EPSILON * self.steps as f64 * light;
+    }
+
+    /// Opacity.
+    pub(super) fn opacity(&self) -> f64 {
+        1.0 - self.transmittance
+    }
+}

@@ -1,0 +1,74 @@
+//! What the medium can be, block by block.
+
+use vr_core::{Filter, UniformVolume};
+
+use super::optics::{Extremes, Optics};
+
+/// Cells along the edge of a block: large enough that all blocks together are a few hundredths of a volume of bytes.
+pub(super) const EDGE: usize = 8;
+
+/// The range of the field in every block, and what of it is clear under the current transfer function.
+#[derive(Clone, Debug)]
+pub(super) struct Blocks {
+    counts: [usize; 3],
+    /// Stored numbers; low above high: all vacuum.
+    ranges: Vec<[f32; 2]>,
+    states: Vec<State>,
+}
+
+/// What is known of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum State {
+    /// Nothing to see.
+    Clear,
+    /// Something, everywhere in it a field.
+    Filled,
+    /// Something, and some vacuum.
+    Holed,
+}
+
+impl Blocks {
+    pub(super) fn new(volume: &UniformVolume, filter: Filter, optics: &Optics) -> Self {
+        let blocks = volume.range_blocks(filter, EDGE);
+        let is_clear = |b: &vr_core::BlockRange| {
+            if b.low == b.high {
+                let (rate, source) = optics.exactly(b.low.into());
+                return rate == 0.0 && (!optics.emits || source == [0.0; 3]);
+            }
+            optics.is_clear(widened(b.low, -1.0, optics), widened(b.high, 1.0, optics))
+        };
+        let state = |b: &vr_core::BlockRange| {
+            if b.is_empty() || is_clear(b) {
+                State::Clear
+            } else if b.vacuum {
+                State::Holed
+            } else {
+                State::Filled
+            }
+        };
+        Self {
+            counts: blocks.blocks(),
+            ranges: blocks.ranges().iter().map(|b| [b.low, b.high]).collect(),
+            states: blocks.ranges().iter().map(state).collect(),
+        }
+    }
+
+    pub(super) fn index(&self, block: [usize; 3]) -> usize {
+        (block[2] * self.counts[1] + block[1]) * self.counts[0] + block[0]
+    }
+
+    pub(super) fn state(&self, index: usize) -> State {
+        self.states[index]
+    }
+
+    /// What the medium can be in a block that is filled.
+    pub(super) fn extremes(&self, index: usize, optics: &Optics) -> Extremes {
+        let [low, high] = self.ranges[index];
+        optics.extremes(widened(low, -1.0, optics), widened(high, 1.0, optics))
+    }
+}
+
+/// A bound with room for where knots may lie.
+fn widened(bound: f32, sign: f64, optics: &Optics) -> f64 {
+    f64::from(bound) + sign * optics.knot_error
+}

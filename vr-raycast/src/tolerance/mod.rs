@@ -1,0 +1,192 @@
+//! Steps that meet an error target: see the README beside this file for what is promised, and why it holds.
+
+mod account;
+mod blocks;
+mod cubic;
+pub(crate) mod optics;
+mod piece_by_piece;
+mod step;
+mod walk;
+
+use vr_core::filter::Reconstruction;
+use vr_core::image_order::Spot;
+use vr_core::{
+    Compositing, Counts, Filter, IndexRay, ParameterError, Rays, Real, RenderError, Sampler, SamplerVisitor, Scene,
+    UniformVolume, View, Voxel,
+};
+
+use crate::caster::RayCaster;
+use crate::tracer::{Traced, Tracer};
+use account::{Account, Limits};
+use blocks::Blocks;
+use optics::Optics;
+use piece_by_piece::Integral;
+
+/// The smallest error that can be promised: pixels are stored as f32, whose rounding is a sixteenth of it.
+pub(crate) const LEAST_ERROR: f64 = 1e-6;
+
+/// What a scene's rays look things up in, whatever the error.
+#[derive(Clone, Debug)]
+pub(crate) struct Promise {
+    optics: Optics,
+    blocks: Blocks,
+    error: f64,
+    level: f64,
+    filter: Filter,
+}
+
+impl Promise {
+    /// Prepares a scene for pictures of a largest error.
+    ///
+    /// # Errors
+    /// [`RenderError::Parameter`] for an error below [`LEAST_ERROR`]; [`RenderError::Unsupported`] for what there is no bound for: other
+    /// operators than over and accumulate, other filters than trilinear and nearest, shading, and emission given on its own under
+    /// accumulate.
+    pub(crate) fn new(error: f64, scene: &Scene, volume: &UniformVolume, filter: Filter) -> Result<Self, RenderError> {
+        check_error(error)?;
+        let without = |what: String| {
+            let feature = format!("a promised error (max-error) {what}");
+            Err(RenderError::Unsupported { renderer: RayCaster::NAME, feature })
+        };
+        let level = match scene.compositing {
+            Compositing::Over => 1.0,
+            Compositing::Accumulate { level } => level,
+            other => return without(format!("under compositing '{}'", other.name())),
+        };
+        if !matches!(filter, Filter::Trilinear | Filter::Nearest) {
+            return without(format!("with the filter '{filter}'"));
+        }
+        if scene.shading.is_some() {
+            return without("with shading".to_owned());
+        }
+        if level < 1.0 && scene.transfer.has_emission() {
+            return without("with emission given on its own under compositing 'accumulate'".to_owned());
+        }
+        let (low, high) = volume.census().range.unwrap_or_default();
+        let largest = f64::from(low.abs().max(high.abs()));
+        let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
+        let blocks = Blocks::new(volume, filter, &optics);
+        Ok(Self { optics, blocks, error, level, filter })
+    }
+
+    fn limits(&self) -> Limits {
+        // What storing a pixel as f32 takes.
+        let error = self.error * (1.0 - 1e-3) - f64::from(f32::EPSILON);
+        Limits {
+            // A ray that is cut: see the README.
+            error: if self.level < 1.0 { error / 3.0 } else { error },
+            level: self.level,
+            brightest: self.optics.brightest,
+            emits: self.optics.emits,
+        }
+    }
+}
+
+/// Whether an error can be promised at all.
+pub(crate) fn check_error(error: f64) -> Result<(), ParameterError> {
+    if error >= LEAST_ERROR && error.is_finite() {
+        return Ok(());
+    }
+    Err(ParameterError::new("render.max_error", error, "must be at least 1e-6: pictures are f32"))
+}
+
+/// Traces the rays of one view within the promise.
+pub(crate) struct Promised<'a> {
+    pub(crate) promise: &'a Promise,
+    pub(crate) volume: &'a UniformVolume,
+    pub(crate) view: &'a View,
+    pub(crate) rays: Rays,
+    /// Whether f32 is tried first.
+    pub(crate) single: bool,
+}
+
+impl Tracer for Promised<'_> {
+    fn trace(&self, spots: &[Spot], _: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+        let mut stages = Stages::default();
+        for spot in spots {
+            values.push(self.ray(spot, &mut stages, counts));
+        }
+    }
+}
+
+/// How the rays of a group fared in f32 so far.
+#[derive(Default)]
+struct Stages {
+    tried: u32,
+    failed: u32,
+}
+
+impl Stages {
+    /// Where most rays have to be done again, f32 is a waste.
+    fn is_single_worth_while(&self) -> bool {
+        self.tried < 8 || 2 * self.failed < self.tried
+    }
+}
+
+impl Promised<'_> {
+    fn ray(&self, spot: &Spot, stages: &mut Stages, counts: &mut Counts) -> Traced {
+        let layer = self.view.layer.as_deref();
+        let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
+        let ray = self.rays.at(spot.x, spot.y);
+        let part = IndexRay::new(&ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
+        let backdrop = layer.filter(|_| far < f64::INFINITY).map_or(0.0, |l| {
+            let color = l.pixels[spot.pixel].0;
+            color.into_iter().map(f64::from).fold(0.0, f64::max)
+        });
+        let value = part.map_or(Traced::NOTHING, |part| {
+            counts.rays += 1;
+            let account = self.both_stages(part, backdrop, stages, counts);
+            counts.terminated += u64::from(account.ended);
+            let [r, g, b] = account.light;
+            Traced {
+                rgba: [r, g, b, account.opacity()].map(|x| x as f32),
+                depth: (account.half_way + part.offset) as f32,
+            }
+        });
+        layer.map_or(value, |l| value.over(l, spot.pixel))
+    }
+
+    fn both_stages(&self, ray: IndexRay, backdrop: f64, stages: &mut Stages, counts: &mut Counts) -> Account {
+        if self.single && stages.is_single_worth_while() {
+            stages.tried += 1;
+            let (account, kept) = self.volume.with_sampler(self.promise.filter, self.job::<f32>(ray, backdrop));
+            counts.samples += account.steps;
+            if kept {
+                return account;
+            }
+            stages.failed += 1;
+        }
+        counts.repeated += u64::from(self.single);
+        let (account, kept) = self.volume.with_sampler(self.promise.filter, self.job::<f64>(ray, backdrop));
+        counts.unbounded += u64::from(!kept);
+        counts.samples += account.steps;
+        account
+    }
+
+    fn job<R: Real>(&self, ray: IndexRay, backdrop: f64) -> Job<'_, R> {
+        Job { promise: self.promise, ray, backdrop, precision: std::marker::PhantomData }
+    }
+}
+
+/// One ray in one precision.
+struct Job<'a, R> {
+    promise: &'a Promise,
+    ray: IndexRay,
+    backdrop: f64,
+    precision: std::marker::PhantomData<R>,
+}
+
+impl<R: Real> SamplerVisitor for Job<'_, R> {
+    type Output = (Account, bool);
+
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Self::Output {
+        let account = Account::new(self.promise.limits(), self.ray.start, self.ray.end, self.backdrop);
+        // Only f32 has something better to turn to.
+        let gives_up = R::ROUNDOFF > f64::EPSILON;
+        let mut integral = Integral::new(&self.promise.optics, account, gives_up);
+        walk::along::<R, T, F>(&sampler, &self.ray, &self.promise.blocks, &mut integral);
+        integral.account.finish();
+        let kept = integral.is_kept();
+        (integral.account, kept)
+    }
+}

@@ -1,0 +1,270 @@
+//! From a cubic along a piece of the ray to steps: as long as the error allows, cut where the transfer function has a knot.
+
+use vr_core::Real;
+
+use super::account::{Account, Doubtful};
+use super::cubic::Cubic;
+use super::optics::{Extremes, Optics, Piece};
+use super::step::{Step, coarse, constant, smooth};
+
+/// Halvings of a cell after which a step is taken as it is.
+const MOST_HALVINGS: u32 = 44;
+/// Steps of a ray after which they are taken as they are: no scene may hang the renderer.
+const MOST_STEPS: u64 = 1 << 16;
+/// Steps after which a ray is better done again in higher precision.
+const MOST_STEPS_FIRST: u64 = 1 << 13;
+
+/// A ray that is being integrated.
+pub(super) struct Integral<'a> {
+    pub(super) optics: &'a Optics,
+    pub(super) account: Account,
+    /// Whether to stop once the bound is above the promise: another instance will do the ray again.
+    pub(super) gives_up: bool,
+}
+
+/// A field along a cell: what does not change while it is cut.
+struct Cell<R> {
+    base: f64,
+    /// Largest distance of a corner from `base`.
+    reach: f64,
+    /// What the positions are off by, as a fraction of the cell.
+    misplaced: f64,
+    whole: Cubic<R>,
+    length: f64,
+}
+
+/// A part of a cell.
+#[derive(Clone, Copy)]
+struct Part<R> {
+    cubic: Cubic<R>,
+    /// Where it begins.
+    s: f64,
+    length: f64,
+    cuts: u32,
+}
+
+impl<'a> Integral<'a> {
+    pub(super) fn new(optics: &'a Optics, account: Account, gives_up: bool) -> Self {
+        Self { optics, account, gives_up }
+    }
+
+    /// Whether nothing more is to be done.
+    pub(super) fn is_done(&self) -> bool {
+        self.account.ended || (self.gives_up && (self.account.is_over() || self.account.steps > MOST_STEPS_FIRST))
+    }
+
+    /// Whether the promise is kept.
+    pub(super) fn is_kept(&self) -> bool {
+        !self.account.is_over() && !(self.gives_up && self.account.steps > MOST_STEPS_FIRST)
+    }
+
+    /// A stretch of one stored number.
+    pub(super) fn constant(&mut self, stored: f64, s: f64, length: f64) {
+        let (rate, source) = self.optics.exactly(stored);
+        if rate == f64::INFINITY {
+            let light = if self.optics.emits { [0.0; 3] } else { source };
+            self.account.wall(light, 0.0, 0.0, s);
+        } else if rate > 0.0 || (self.optics.emits && source != [0.0; 3]) {
+            self.account.take(&constant(self.optics, rate, source, length), s);
+        }
+    }
+
+    /// Whether a step over all values of a range will do; takes it if so.
+    pub(super) fn coarse(&mut self, extremes: &Extremes, s: f64, length: f64) -> bool {
+        if extremes.wall {
+            return false;
+        }
+        let step = coarse(self.optics, extremes, length, f64::INFINITY);
+        let fits = self.account.fits(&step, s);
+        if fits {
+            self.account.take(&step, s);
+        }
+        fits
+    }
+
+    /// A cell, along which the field is `base` + `cubic`. `reach` bounds |corner − base|; positions are off by at most `misplaced` of
+    /// the cell.
+    pub(super) fn cell<R: Real>(
+        &mut self,
+        cubic: Cubic<R>,
+        base: f64,
+        reach: f64,
+        misplaced: f64,
+        s: f64,
+        length: f64,
+    ) {
+        let cell = Cell { base, reach, misplaced, whole: cubic, length };
+        self.part(&cell, Part { cubic, s, length, cuts: 0 });
+    }
+
+    fn part<R: Real>(&mut self, cell: &Cell<R>, part: Part<R>) {
+        if self.is_done() || part.length <= 0.0 {
+            return;
+        }
+        let noise = self.noise(cell, part.cuts);
+        let (low, high) = part.cubic.hull();
+        let (low, high) = (cell.base + low, cell.base + high);
+        if self.optics.is_clear(low - noise, high + noise) {
+            return;
+        }
+        let optics = self.optics;
+        let piece = optics.piece_at(0.5 * (low + high));
+        let single = piece.holds(low, high, noise);
+        if single && piece.opaque {
+            let entry = cell.base + part.cubic.0[0].to_f64();
+            let light = if optics.emits { [0.0; 3] } else { piece.source_at(entry) };
+            let steepness = if optics.emits { 0.0 } else { piece.source_steepness() };
+            self.account.wall(light, steepness * 5.0 * noise, steepness, part.s);
+            return;
+        }
+        if single && let Some(step) = self.smooth(piece, cell, &part, noise) {
+            let account = &self.account;
+            if account.fits(&step, part.s) || account.is_rounding(&step, part.s) || self.is_enough(&part) {
+                self.account.take(&step, part.s);
+                return;
+            }
+        } else {
+            let extremes = optics.extremes(low - noise, high + noise);
+            let step = self.coarse_part(&extremes, cell, &part, noise);
+            // Shorter parts would hold the same values, for all that is known.
+            let blurred = high - low <= 4.0 * noise;
+            if (!extremes.wall && self.account.fits(&step, part.s)) || blurred || self.is_enough(&part) {
+                self.take_anyway(&extremes, step, cell, &part, noise);
+                return;
+            }
+            if !single && part.cubic.is_monotone() && self.cut(cell, &part, noise) {
+                return;
+            }
+        }
+        let (front, back) = part.cubic.split(R::from_f64(0.5));
+        let (half, cuts) = (0.5 * part.length, part.cuts + 1);
+        self.part(cell, Part { cubic: front, length: half, cuts, ..part });
+        self.part(cell, Part { cubic: back, s: part.s + half, length: half, cuts });
+    }
+
+    /// How far values are off: the corners' differences, three rounds of interpolation and what each cut adds, all of numbers up to
+    /// `reach`; the place; and the knots that they are compared with.
+    fn noise<R: Real>(&self, cell: &Cell<R>, cuts: u32) -> f64 {
+        let u = 2.0 * R::ROUNDOFF;
+        cell.reach * (u * (16.0 + 4.0 * f64::from(cuts)) + 3.0 * cell.misplaced) + self.optics.knot_error
+    }
+
+    fn smooth<R: Real>(&self, piece: &Piece, cell: &Cell<R>, part: &Part<R>, noise: f64) -> Option<Step> {
+        let enough = self.account.enough(part.s + part.length);
+        smooth(self.optics, piece, &part.cubic, cell.base, noise, part.length, enough)
+    }
+
+    fn coarse_part<R: Real>(&self, extremes: &Extremes, cell: &Cell<R>, part: &Part<R>, noise: f64) -> Step {
+        let deepest = if extremes.wall { f64::INFINITY } else { self.deepest(extremes, cell, part, noise) };
+        coarse(self.optics, extremes, part.length, deepest)
+    }
+
+    /// A bound on the optical depth of a part, walls left aside.
+    fn deepest<R: Real>(&self, extremes: &Extremes, cell: &Cell<R>, part: &Part<R>, noise: f64) -> f64 {
+        if extremes.before_wall.is_finite() {
+            return extremes.before_wall * part.length / self.optics.unit;
+        }
+        let (low, high) = part.cubic.hull();
+        let farthest = |v: f64| {
+            let at = |t: f64| (cell.base + cell.whole.at(R::from_f64(t)).to_f64() - v).abs() - noise;
+            [0.0, 0.25, 0.5, 0.75, 1.0].map(at).into_iter().fold(0.0, f64::max)
+        };
+        let (low, high) = (cell.base + low - noise, cell.base + high + noise);
+        self.optics.depth_at_touch(low, high, farthest, part.length, cell.length)
+    }
+
+    /// Whether a part is not to be cut any more, whatever its error.
+    fn is_enough<R: Real>(&self, part: &Part<R>) -> bool {
+        part.cuts >= MOST_HALVINGS || self.account.steps >= MOST_STEPS
+    }
+
+    fn take_anyway<R: Real>(&mut self, extremes: &Extremes, step: Step, cell: &Cell<R>, part: &Part<R>, noise: f64) {
+        if !extremes.wall {
+            self.account.take(&step, part.s);
+            return;
+        }
+        let (low, high) = part.cubic.hull();
+        let before = -libm::expm1(-self.deepest(extremes, cell, part, noise));
+        let (width, spread) = (extremes.source_width(), high - low + 2.0 * noise);
+        self.account.doubt(Doubtful { step, before, width, spread }, part.s + part.length);
+    }
+
+    /// Cuts a monotone part where it crosses a knot; false where the place cannot be told well.
+    ///
+    /// The crossing is known up to a short part, which is taken with all that the medium can be in it. Before and behind it, the
+    /// Bernstein coefficients themselves prove on which side of the knot the field is.
+    fn cut<R: Real>(&mut self, cell: &Cell<R>, part: &Part<R>, noise: f64) -> bool {
+        let [first, .., last] = part.cubic.0;
+        let (first, last) = (first.to_f64(), last.to_f64());
+        let rising = last > first;
+        let Some(knot) = self.optics.knot_between(cell.base + first.min(last), cell.base + first.max(last)) else {
+            return false;
+        };
+        let knot = knot - cell.base;
+        let t = crossing(&part.cubic, R::from_f64(knot), rising);
+        let steepness = part.cubic.slope(t).abs().to_f64();
+        let mut apart = (3.0 * noise / steepness).max(4.0 * R::ROUNDOFF);
+        for _ in 0..3 {
+            if apart.is_nan() || apart > 0.125 {
+                return false;
+            }
+            let [t0, t1] = [(t.to_f64() - apart).max(0.0), (t.to_f64() + apart).min(1.0)].map(R::from_f64);
+            let (front, _) = part.cubic.split(t0);
+            let (rest, back) = part.cubic.split(t1);
+            let beyond = |x: R| if rising { x.to_f64() - knot } else { knot - x.to_f64() };
+            let noise = self.noise(cell, part.cuts + 1);
+            // A little more, so that the same comparison with the piece's end holds after rounding, too.
+            let clear = 1.01 * noise;
+            let before = t0 == R::ZERO || beyond(front.0[3]) <= -clear;
+            let behind = t1 == R::ONE || beyond(back.0[0]) >= clear;
+            if before && behind {
+                let (d0, d1) = (t0.to_f64() * part.length, t1.to_f64() * part.length);
+                let cuts = part.cuts + 1;
+                self.part(cell, Part { cubic: front, length: d0, cuts, ..*part });
+                let middle = if t1 == R::ZERO { rest } else { rest.split(t0 / t1).1 };
+                self.across(cell, Part { cubic: middle, s: part.s + d0, length: d1 - d0, cuts: cuts + 1 });
+                self.part(cell, Part { cubic: back, s: part.s + d1, length: part.length - d1, cuts });
+                return true;
+            }
+            apart *= 4.0;
+        }
+        false
+    }
+
+    /// The short part across a knot.
+    fn across<R: Real>(&mut self, cell: &Cell<R>, part: Part<R>) {
+        if self.is_done() || part.length <= 0.0 {
+            return;
+        }
+        let noise = self.noise(cell, part.cuts);
+        let (low, high) = part.cubic.hull();
+        let extremes = self.optics.extremes(cell.base + low - noise, cell.base + high + noise);
+        let step = self.coarse_part(&extremes, cell, &part, noise);
+        self.take_anyway(&extremes, step, cell, &part, noise);
+    }
+}
+
+/// Where a monotone cubic takes a value that lies between its ends: Newton's steps, halving where they leave the bracket.
+fn crossing<R: Real>(cubic: &Cubic<R>, value: R, rising: bool) -> R {
+    let half = R::from_f64(0.5);
+    let (mut a, mut b) = (R::ZERO, R::ONE);
+    let mut t = half;
+    for _ in 0..60 {
+        let off = cubic.at(t) - value;
+        if off == R::ZERO {
+            break;
+        }
+        if (off < R::ZERO) == rising {
+            a = t;
+        } else {
+            b = t;
+        }
+        let newton = t - off / cubic.slope(t);
+        let next = if newton > a && newton < b { newton } else { (a + b) * half };
+        if next == t || b - a <= R::from_f64(R::ROUNDOFF) {
+            break;
+        }
+        t = next;
+    }
+    t
+}

@@ -1,0 +1,179 @@
+//! Along a ray through the blocks and cells of a grid.
+
+use vr_core::filter::{Lattice, Reconstruction};
+use vr_core::{Filter, IndexRay, Real, Sampler, Voxel};
+
+use super::blocks::{Blocks, EDGE, State};
+use super::cubic::Cubic;
+use super::piece_by_piece::Integral;
+
+/// Integrates along a ray: over clear blocks at once, over others in one step where that is good enough, else cell by cell.
+pub(super) fn along<R: Real, T: Voxel, F: Reconstruction>(
+    sampler: &Sampler<'_, T, F>,
+    ray: &IndexRay,
+    blocks: &Blocks,
+    integral: &mut Integral<'_>,
+) {
+    let nearest = F::FILTER == Filter::Nearest;
+    let shifts: &[f64] = match (nearest, sampler.vacuum()) {
+        (false, _) => &[0.0],
+        (true, None) => &[0.5],
+        // Constant around each sample; vacuum begins at the lattice.
+        (true, Some(_)) => &[0.0, 0.5],
+    };
+    let mut planes = Planes::new(ray, shifts);
+    let lattice = sampler.lattice();
+    let cells = lattice.dims.map(|n| n - 1);
+    let misplaced = misplaced(ray, lattice.dims);
+    let (mut s, mut last) = (ray.start, usize::MAX);
+    while s < ray.end && !integral.is_done() {
+        let next = planes.next(s).min(ray.end);
+        let middle = ray.at(0.5 * (s + next)).to_array();
+        let cell: [usize; 3] = std::array::from_fn(|a| lattice.cell(a, middle[a]).0);
+        let block = cell.map(|c| c / EDGE);
+        let index = blocks.index(block);
+        if index != last {
+            let state = blocks.state(index);
+            let end = end_of_block(ray, block, cells).min(ray.end);
+            if end > s {
+                if state == State::Clear
+                    || state == State::Filled && integral.coarse(&blocks.extremes(index, integral.optics), s, end - s)
+                {
+                    s = end;
+                    continue;
+                }
+                last = index;
+            }
+        }
+        let from = s;
+        s = next;
+        if next <= from || sampler.vacuum().is_some_and(|v| v.contains(middle)) {
+            continue;
+        }
+        if nearest {
+            integral.constant(F::value(lattice, middle), from, next - from);
+        } else {
+            trilinear::<R, T>(lattice, cell, ray, [from, next], misplaced, integral);
+        }
+    }
+}
+
+fn trilinear<R: Real, T: Voxel>(
+    lattice: &Lattice<'_, T>,
+    cell: [usize; 3],
+    ray: &IndexRay,
+    [from, to]: [f64; 2],
+    misplaced: f64,
+    integral: &mut Integral<'_>,
+) {
+    let [row, slice] = [lattice.dims[0], lattice.dims[0] * lattice.dims[1]];
+    let o = lattice.offset(cell[0], cell[1], cell[2]);
+    let samples = &lattice.samples[o..];
+    let corner = |i: usize| samples[i].to_f32();
+    // The last one first: its check covers the others.
+    let c7 = corner(slice + row + 1);
+    let c =
+        [corner(0), corner(1), corner(row), corner(row + 1), corner(slice), corner(slice + 1), corner(slice + row), c7];
+    let (low, high) = c.iter().fold((c[0], c[0]), |(l, h), &x| (l.min(x), h.max(x)));
+    let base = f64::from(c[0]);
+    if low == high {
+        integral.constant(base, from, to - from);
+        return;
+    }
+    // Knots may lie a little off: the cut will look at that.
+    let room = integral.optics.knot_error;
+    if integral.optics.is_clear(f64::from(low) - room, f64::from(high) + room) {
+        return;
+    }
+    let reach = (f64::from(high) - base).max(base - f64::from(low));
+    let start = R::from_f32(c[0]);
+    let mut v = c.map(|x| R::from_f32(x) - start);
+    let ends = [ray.at(from).to_array(), ray.at(to).to_array()];
+    // The same function, seen from the box between the two ends.
+    for axis in 0..3 {
+        let t = [0, 1].map(|e| R::from_f64((ends[e][axis] - cell[axis] as f64).clamp(0.0, 1.0)));
+        for i in (0..8).filter(|i| i >> axis & 1 == 0) {
+            let j = i | 1 << axis;
+            let (a, b) = (v[i], v[j]);
+            v[i] = a + t[0] * (b - a);
+            v[j] = a + t[1] * (b - a);
+        }
+    }
+    integral.cell(Cubic::of_trilinear(&v), base, reach, misplaced, from, to - from);
+}
+
+/// How far positions along a ray may be off, in cells: a few units in the last place of the largest numbers that they are made of.
+fn misplaced(ray: &IndexRay, dims: [usize; 3]) -> f64 {
+    let most = dims.iter().fold(1.0f64, |m, &n| m.max(n as f64));
+    let far = ray.start.abs().max(ray.end.abs());
+    let size = (ray.direction * far).abs().max_element().max(ray.origin.abs().max_element());
+    4.0 * f64::EPSILON * most.max(size)
+}
+
+/// Where a ray leaves a block.
+fn end_of_block(ray: &IndexRay, block: [usize; 3], cells: [usize; 3]) -> f64 {
+    let mut end = f64::INFINITY;
+    for a in 0..3 {
+        let d = ray.direction[a];
+        if d != 0.0 {
+            let first = block[a] * EDGE;
+            let plane = if d > 0.0 { (first + EDGE).min(cells[a]) } else { first };
+            end = end.min((plane as f64 - ray.origin[a]) / d);
+        }
+    }
+    end
+}
+
+/// The planes that a ray crosses next, per axis and family.
+struct Planes {
+    families: [Family; 6],
+    count: usize,
+}
+
+/// Parallel planes at unit distance.
+#[derive(Clone, Copy, Default)]
+struct Family {
+    origin: f64,
+    inverse: f64,
+    /// The next plane.
+    plane: f64,
+    /// Where the ray crosses it.
+    s: f64,
+    forward: f64,
+}
+
+impl Planes {
+    fn new(ray: &IndexRay, shifts: &[f64]) -> Self {
+        let mut planes = Self { families: [Family::default(); 6], count: 0 };
+        for &shift in shifts {
+            for a in 0..3 {
+                let (origin, d) = (ray.origin[a] - shift, ray.direction[a]);
+                if d == 0.0 {
+                    continue;
+                }
+                let (inverse, forward) = (1.0 / d, d.signum());
+                let mut plane = (origin + d * ray.start).floor() - forward;
+                while (plane - origin) * inverse <= ray.start {
+                    plane += forward;
+                }
+                let s = (plane - origin) * inverse;
+                planes.families[planes.count] = Family { origin, inverse, plane, s, forward };
+                planes.count += 1;
+            }
+        }
+        planes
+    }
+
+    /// The first crossing behind `s`.
+    fn next(&mut self, s: f64) -> f64 {
+        let mut first = f64::INFINITY;
+        for f in &mut self.families[..self.count] {
+            while f.s <= s {
+                f.plane += f.forward;
+                f.s = (f.plane - f.origin) * f.inverse;
+            }
+            first = first.min(f.s);
+        }
+        first
+    }
+}

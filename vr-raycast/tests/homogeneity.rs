@@ -1,0 +1,124 @@
+//! Long steps where the medium is nearly the same: what they may cost, and what they save.
+
+mod common;
+
+use common::*;
+use proptest::prelude::*;
+use vr_core::phantom::{self, sample};
+use vr_core::*;
+use vr_physics::check::strategies;
+use vr_raycast::{Order, RayCaster, Rule, Step};
+
+fn short(step: f64) -> RayCaster {
+    RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::default() }
+}
+
+fn long(step: f64, error: f64) -> RayCaster {
+    RayCaster { step: Step::Homogeneous { step, error }, ..short(step) }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Long steps err by `error` at most; short ones by what the same steps everywhere err by, on either side of a long one (twice that);
+    /// and rounding in f32.
+    #[test]
+    fn long_steps_keep_their_bound(test in strategies::scene(), exponent in -4.0f64..-0.5) {
+        let scene = Scene { compositing: Compositing::Over, shading: None, ..test.scene };
+        let (step, error) = (1.0 / 16.0, 10f64.powf(exponent));
+        let want = truth(&scene, &test.view);
+        let uniform = max_error(&render(&short(step), &scene, &test.view).frame, &want);
+        let found = max_error(&render(&long(step, error), &scene, &test.view).frame, &want);
+        // A jump of the medium within a short step, or a wall, moves with the steps.
+        prop_assume!(uniform < 0.02);
+        prop_assert!(found <= error + 2.0 * uniform + 1e-4, "{found} > {error} + 2·{uniform}");
+    }
+}
+
+#[test]
+fn a_homogeneous_volume_is_one_step() {
+    let scene = Scene::new(volume([33; 3], |_, _, _| 0.5), homogeneous(0.01));
+    let view = oblique(&scene, 16);
+    let picture = render(&long(0.2, 1e-3), &scene, &view);
+    assert_eq!(picture.stats.counts.samples, picture.stats.counts.rays);
+    assert!(max_error(&picture.frame, &truth(&scene, &view)) < 1e-6);
+}
+
+#[test]
+fn vacuum_is_not_averaged_away() {
+    // One missing sample: eight cells of vacuum in the middle of a constant field.
+    let scene = Scene::new(
+        volume([33; 3], |x, y, z| if (x, y, z) == (16.0, 16.0, 16.0) { f64::NAN } else { 0.5 }),
+        homogeneous(0.02),
+    );
+    let view = down(15.3, 16.4);
+    let (got, _) = pixel(&long(0.01, 1e-1), &scene, &view);
+    let tau = -(30.0 * 0.98f64.ln());
+    let want = 1.0 - (-tau).exp();
+    assert_close(got, [want; 4], 1e-4, "30 of 32 cells");
+}
+
+#[test]
+fn phantoms_within_their_bound_in_fewer_steps() {
+    for (name, size, gain_of_coarse, gain_of_fine) in
+        [("fog", 128, 3.0, 1.0), ("blobs", 64, 4.0, 4.0), ("shells", 64, 1.5, 1.5)]
+    {
+        let phantom = phantom::by_name(name).unwrap();
+        let grid = sample::<u8>(&*phantom, [size; 3]).unwrap();
+        let points = phantom.transfer_points();
+        let transfer = TransferFunction::new(points, OpacityRule::Power, phantom::TRANSFER_UNIT_DISTANCE).unwrap();
+        let scene = Scene::new(grid.into(), transfer);
+        let view = oblique(&scene, 24);
+        let want = truth(&scene, &view);
+        let plain = render(&short(0.5), &scene, &view);
+        let own = max_error(&plain.frame, &want);
+        for (error, least_gain) in [(0.5, gain_of_coarse), (0.05, gain_of_fine), (0.005, gain_of_fine)] {
+            let picture = render(&long(0.5, error), &scene, &view);
+            let found = max_error(&picture.frame, &want);
+            let gain = plain.stats.counts.samples as f64 / picture.stats.counts.samples as f64;
+            println!(
+                "{name} homogeneity {error}: error {found:.1e} (all short: {own:.1e}), {gain:.1} times fewer steps"
+            );
+            assert!(found <= error + 2.0 * own + 1e-4, "{name} {error}: {found}");
+            assert!(gain >= least_gain, "{name} {error}: {gain}");
+        }
+    }
+}
+
+#[test]
+fn a_changed_transfer_function_is_taken_over() {
+    let field = |x: f64, y: f64, z: f64| 0.5 + 0.4 * (0.2 * x).sin() * (0.15 * y).cos() + 0.1 * (0.1 * z).sin();
+    let (volume, control) = (volume([33; 3], field), Control::default());
+    let scene = |alpha: f64| {
+        let points = [(0.0, [0.2, 0.9, 0.1], 0.01), (1.0, [0.3, 0.1, 0.9], alpha)];
+        Scene::new(volume.clone(), transfer(&points, 1.0))
+    };
+    let view = oblique(&scene(0.1), 16);
+    let mut prepared = long(0.5, 0.3).prepare(&scene(0.1), &control).unwrap();
+    prepared.update(&scene(0.02), &control).unwrap();
+    let fresh = render(&long(0.5, 0.3), &scene(0.02), &view);
+    let updated = prepared.render(&view, &control).unwrap();
+    assert_eq!(updated.frame, fresh.frame);
+    assert_eq!(updated.stats.counts, fresh.stats.counts);
+}
+
+#[test]
+fn what_has_no_bound_is_refused() {
+    let scene = Scene::new(volume([5; 3], |x, _, _| x / 4.0), homogeneous(0.1));
+    let refuses = |caster: &RayCaster, scene: &Scene| {
+        matches!(caster.prepare(scene, &Control::default()), Err(RenderError::Unsupported { .. }))
+    };
+    let caster = RayCaster { step: Step::Homogeneous { step: 0.5, error: 0.01 }, ..RayCaster::default() };
+    assert!(!refuses(&caster, &scene));
+    assert!(refuses(&caster, &Scene { compositing: Compositing::Maximum, ..scene.clone() }));
+    assert!(refuses(&caster, &Scene { shading: Some(Default::default()), ..scene.clone() }));
+    assert!(refuses(&RayCaster { order: Order::BackToFront, ..caster.clone() }, &scene));
+    assert!(refuses(&RayCaster { rule: Rule::Left, ..caster }, &scene));
+    for (step, error) in [(0.0, 0.1), (0.5, 0.0), (0.5, f64::NAN), (0.5, 2.0)] {
+        let caster = RayCaster { step: Step::Homogeneous { step, error }, ..RayCaster::default() };
+        assert!(
+            matches!(caster.prepare(&scene, &Control::default()), Err(RenderError::Parameter(_))),
+            "{step} {error}"
+        );
+    }
+}
