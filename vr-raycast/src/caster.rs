@@ -18,6 +18,8 @@ pub struct RayCaster {
     pub step: Step,
     /// What the steps of a ray are.
     pub traversal: Traversal,
+    /// How empty space is leapt over.
+    pub leaping: Leaping,
     /// How the light of a step is found, which sets the order of convergence.
     pub rule: Rule,
     /// From which end the samples of a ray are composited.
@@ -30,6 +32,24 @@ pub struct RayCaster {
     pub precision: Precision,
     /// Which rays the picture is made of.
     pub screen: Screen,
+    /// Whether rays go in packets of sixteen, by vector instructions, where a scene allows it.
+    pub vector: Vector,
+}
+
+/// Which instructions the vector engine may use. It draws unshaded `over` of the trilinear filter, front to back, in f32 with a table,
+/// where no sample is missing; everything else goes through the plain engine. Pictures do not depend on the instructions, bit for
+/// bit; from the plain engine's they differ by rounding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Vector {
+    /// The widest that the machine has.
+    #[default]
+    Auto,
+    /// At most AVX2.
+    Avx2,
+    /// Those that every machine of the architecture has: SSE2, NEON.
+    Baseline,
+    /// The plain engine draws everything.
+    Off,
 }
 
 /// How long steps are.
@@ -60,6 +80,21 @@ pub enum Step {
     /// For over and accumulate, trilinear and nearest fields, without shading. Rule, order and classification do not apply; in the
     /// precision f32, rays whose rounding takes too much are done again in f64.
     Tolerance(f64),
+    /// Adaptive ray traversal (Yagel & Shi 1993, "Accelerating volume animation by space-leaping"): coarse steps that look at nothing but a
+    /// flag, and fine ones in the vicinity of what is visible, where the flag is set.
+    ///
+    /// The flag is kept per block of as many cells along its edge as a coarse step has voxels, and set where the block, or one of the
+    /// 26 around it, holds something visible. A coarse step moves by at most one block along each axis (a 26-connected ray), and so
+    /// passes nothing that is visible from where the flag is not set. Fine steps are those of [`Step::Uniform`]: the picture is the same,
+    /// bit for bit. Coarse steps are a whole number of fine ones.
+    ///
+    /// It finds the empty space itself, and so [`Leaping`] must be `None`.
+    Vicinity {
+        /// Length of coarse steps: above `fine`, at most 64, in voxels.
+        coarse: f64,
+        /// Length of fine steps: a fraction of the smallest voxel edge.
+        fine: f64,
+    },
     /// As long as what is in each place allows: short where extinction and emission change much within four voxels, up to sixteen voxels
     /// where they hardly do; and nothing is sampled where nothing is visible.
     ///
@@ -75,6 +110,38 @@ impl Default for Step {
     fn default() -> Self {
         Self::Uniform(0.2)
     }
+}
+
+/// How rays find out where nothing is visible. On steps of one length, no choice changes a picture by a bit: those are dropped in which
+/// nothing is visible.
+///
+/// It applies to `over`, `accumulate` and `first`. An average, a maximum or a minimum depends on what is transparent, too: these
+/// sample everything, whatever is chosen.
+///
+/// Visible is a block of 8³ cells whose range of values holds anything that the transfer function, and the table made of it, do not
+/// make perfectly clear (under `first`: that reaches the threshold). Each structure is made anew when the transfer function changes.
+///
+/// [`Step::Local`] leaps by its own map of smaller blocks: to it, all choices but `None` are the same, and without leaping its steps lie
+/// elsewhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Leaping {
+    /// All steps are sampled.
+    None,
+    /// An octree of minima and maxima, from the root down.
+    Octree,
+    /// The same nodes, each block storing the level of the largest one around it that is all clear, or all visible.
+    Pyramid,
+    /// Balls: each block stores its exact Euclidean distance to the nearest block of the other kind.
+    ///
+    /// The default: fastest, or within a hundredth of it, on sparse blobs, thin shells, a scan and fog (`benches/leaping.rs`).
+    #[default]
+    ExactCloud,
+    /// Cubes: each block stores its distance to the nearest block of the other kind as a king moves on a chessboard.
+    ChessboardCloud,
+    /// Up to eight boxes around the visible blocks.
+    Boxes,
+    /// One convex polyhedron of 26 faces around the visible blocks.
+    Polyhedron,
 }
 
 /// What the steps of a ray are.
@@ -262,7 +329,9 @@ impl RayCaster {
     /// World length of a step.
     pub(crate) fn world_step(&self, volume: &UniformVolume) -> f64 {
         let voxels = match self.step {
-            Step::Uniform(voxels) | Step::Homogeneous { step: voxels, .. } => voxels,
+            Step::Uniform(voxels) | Step::Vicinity { fine: voxels, .. } | Step::Homogeneous { step: voxels, .. } => {
+                voxels
+            }
             // They have no one length.
             Step::Local { .. } | Step::Tolerance(_) => 1.0,
         };
@@ -280,8 +349,18 @@ impl RayCaster {
     /// Checks the numbers, and that they go together.
     pub(crate) fn validate(&self) -> Result<(), ParameterError> {
         match self.step {
-            Step::Uniform(step) | Step::Homogeneous { step, .. } if !(step > 0.0 && step <= Self::LONGEST_STEP) => {
+            Step::Uniform(step) | Step::Vicinity { fine: step, .. } | Step::Homogeneous { step, .. }
+                if !(step > 0.0 && step <= Self::LONGEST_STEP) =>
+            {
                 return Err(ParameterError::new("render.step", step, "must be above 0 and at most 64"));
+            }
+            Step::Vicinity { coarse, fine } if !(coarse > fine && coarse <= Self::LONGEST_STEP) => {
+                let allowed = "must be longer than the fine step, and at most 64";
+                return Err(ParameterError::new("render.coarse", coarse, allowed));
+            }
+            Step::Vicinity { .. } if self.leaping != Leaping::None => {
+                let allowed = "coarse steps find the empty space themselves: must be none";
+                return Err(ParameterError::new("render.leaping", self.leaping, allowed));
             }
             Step::Homogeneous { error, .. } if !(error > 0.0 && error <= 1.0) => {
                 return Err(ParameterError::new("render.homogeneity", error, "must be above 0 and at most 1"));
@@ -297,7 +376,11 @@ impl RayCaster {
             Step::Local { error } if !(error > 0.0 && error <= 1.0) => {
                 return Err(ParameterError::new("render.local-error", error, "must be above 0 and at most 1"));
             }
-            Step::Uniform(_) | Step::Local { .. } | Step::Homogeneous { .. } => {}
+            Step::Uniform(_) | Step::Vicinity { .. } | Step::Local { .. } | Step::Homogeneous { .. } => {}
+        }
+        if self.traversal != Traversal::Samples && !matches!(self.step, Step::Uniform(_) | Step::Local { .. }) {
+            let allowed = "steps of this kind follow the medium, not cells or voxels: must be samples";
+            return Err(ParameterError::new("render.traversal", self.traversal, allowed));
         }
         match (self.rule, self.traversal) {
             (Rule::Exact, Traversal::Samples | Traversal::Voxels) => {

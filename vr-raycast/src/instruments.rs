@@ -2,17 +2,15 @@
 
 use std::sync::Arc;
 
-use fearless_simd::Level;
 use vr_core::transfer::{BakedTransfer, PreIntegrated};
 use vr_core::{Filter, Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
+use crate::caster::{Classification, Leaping, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
 use crate::homogeneity::Homogeneity;
-use crate::leap::Visibility;
+use crate::leap::{EmptySpace, Visibility};
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
-use crate::packet::{LocalEngine, supports_local};
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::screen::Sight;
 use crate::shade::Shader;
@@ -24,16 +22,16 @@ pub(crate) enum Kernel {
     F64(Instruments<f64>),
 }
 
-/// Table and shading.
+/// Table, shading, and what is known of the steps to take.
 pub(crate) struct Instruments<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<Arc<PaceMap>>,
-    /// Vector code for it, where there is.
-    pub(crate) vector: Option<LocalEngine>,
     /// Where long steps will do.
     pub(crate) homogeneity: Option<Arc<Homogeneity>>,
+    /// Where nothing is visible; `None`: everything is sampled.
+    pub(crate) empty_space: Option<EmptySpace>,
 }
 
 impl Kernel {
@@ -59,6 +57,14 @@ impl Kernel {
 }
 
 impl Kernel {
+    /// How bright the medium can be.
+    pub(crate) fn brightest(&self) -> Brightest {
+        match self {
+            Self::F32(instruments) => instruments.brightest(),
+            Self::F64(instruments) => instruments.brightest(),
+        }
+    }
+
     /// What can be seen of a field.
     pub(crate) fn sight(&self) -> Sight {
         match self {
@@ -112,6 +118,8 @@ impl<R: Real> Instruments<R> {
         };
         let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
         let last_of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.homogeneity.clone());
+        let of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.empty_space.as_ref());
+        let of_scene = last.filter(|(old, _)| same(old) && old.compositing == scene.compositing);
         let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
         let lights = scene.compositing.integrates_light();
         let wanted = caster.classification == Classification::Table && lights;
@@ -130,11 +138,12 @@ impl<R: Real> Instruments<R> {
             }
         });
         let kept = last.and_then(|i| i.classifier.table.clone());
+        let leaping = caster.leaping != Leaping::None;
         let pace = |error: f64| {
             last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
                 let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
                 let map =
-                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, true);
+                    PaceMap::new(volume.dims(), &levels, &scene.transfer, volume.calibration(), voxel, error, leaping);
                 Arc::new(map)
             })
         };
@@ -160,13 +169,11 @@ impl<R: Real> Instruments<R> {
             }
             _ => None,
         };
-        let mut made = Self { classifier, shader, pace, vector: None, homogeneity };
-        if let Some(map) = &made.pace
-            && supports_local(caster, scene, volume)
-        {
-            made.vector = LocalEngine::new(caster, scene, volume, Arc::clone(map), made.brightest(), Level::new());
-        }
-        made
+        let empty_space = match of_scene {
+            Some((_, last)) => last.empty_space.clone(),
+            None => EmptySpace::new(caster, scene, volume, &classifier, of_field),
+        };
+        Self { classifier, shader, pace, homogeneity, empty_space }
     }
 
     /// How bright the medium can be.

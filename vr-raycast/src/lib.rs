@@ -72,22 +72,24 @@
 //! | grazing, axis-aligned, inside, far, 1:1:50 | 2·10⁻⁴ | the square of the step |
 //! | κ = 10⁻¹²; 4096 steps of α = 10⁻⁷; constant | 4·10⁻⁵; 2·10⁻⁸; 2·10⁻⁷ | |
 //!
+//! # Empty space
+//! Under over, accumulate and first, steps in which nothing can be visible are not sampled. [`Leaping`] says how rays find them, and
+//! [`Step::Vicinity`] is another way; none changes a picture by a bit, its depths included.
+//!
 //! # What it does not do yet
-//! It leaps over no empty space, has no vector kernels, no pre-integration, no step that follows the data, and no promise of an
+//! It has no vector kernels, no pre-integration, and no promise of an
 //! error. It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 mod caster;
 mod chord;
 mod classify;
+mod engine;
 mod homogeneity;
 mod instruments;
-// Its own tests use it; the walk along rays will.
-#[allow(dead_code, unused_imports)]
 mod leap;
 mod operator;
 mod options;
 mod pace;
-#[allow(dead_code)]
 mod packet;
 mod pipeline;
 mod prepared;
@@ -100,9 +102,12 @@ mod settings;
 mod shade;
 mod step_options;
 mod straightness;
+mod support;
 mod table_range;
 mod tolerance;
 mod tracer;
 mod walk;
 
-pub use caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step, Traversal};
+pub use caster::{
+    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector,
+};

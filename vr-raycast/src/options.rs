@@ -4,7 +4,9 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Traversal};
+use crate::caster::{
+    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Traversal, Vector,
+};
 use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
@@ -18,6 +20,15 @@ const RULES: &[(&str, Rule)] = &[
 ];
 const TRAVERSALS: &[(&str, Traversal)] =
     &[("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)];
+const LEAPINGS: &[(&str, Leaping)] = &[
+    ("none", Leaping::None),
+    ("octree", Leaping::Octree),
+    ("pyramid", Leaping::Pyramid),
+    ("exact-cloud", Leaping::ExactCloud),
+    ("chessboard-cloud", Leaping::ChessboardCloud),
+    ("boxes", Leaping::Boxes),
+    ("polyhedron", Leaping::Polyhedron),
+];
 const FRONT_TO_BACK: &str = "front-to-back";
 const BACK_TO_FRONT: &str = "back-to-front";
 const CLASSIFICATIONS: &[(&str, Classification)] =
@@ -34,12 +45,27 @@ const SCREENS: &[(&str, Screen)] = &[
 ];
 /// What a refined picture may miss by default: half of what an 8-bit picture can show.
 const THRESHOLD: f64 = 0.002;
+const VECTORS: &[(&str, Vector)] =
+    &[("auto", Vector::Auto), ("avx2", Vector::Avx2), ("baseline", Vector::Baseline), ("off", Vector::Off)];
 
 /// Every option, with the default caster's values.
 pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let defaults = to_options(&RayCaster::default());
     let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
     let others = [
+        spec(
+            "leaping",
+            OptionKind::Choice(&[
+                "none",
+                "octree",
+                "pyramid",
+                "exact-cloud",
+                "chessboard-cloud",
+                "boxes",
+                "polyhedron",
+            ]),
+            "how rays find out where nothing is visible; changes no pixel",
+        ),
         spec(
             "rule",
             OptionKind::Choice(&["midpoint", "left", "linear", "quadratic", "exact"]),
@@ -63,6 +89,11 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         ),
         spec("precision", OptionKind::Choice(&["f32", "f64"]), "precision of the kernels"),
         spec(
+            "vector",
+            OptionKind::Choice(&["auto", "avx2", "baseline", "off"]),
+            "widest instructions of the vector engine; off: the plain engine draws everything",
+        ),
+        spec(
             "termination",
             OptionKind::Number { above: 0.0, most: 1.0 },
             "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
@@ -85,11 +116,14 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
 /// All options that say what this caster is.
 pub(crate) fn to_options(caster: &RayCaster) -> Options {
     let options = step_options::to_options(caster.step)
+        .with("leaping", word_of(LEAPINGS, caster.leaping))
         .with("rule", word_of(RULES, caster.rule))
         .with("traversal", word_of(TRAVERSALS, caster.traversal))
         .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
-        .with("precision", word_of(PRECISIONS, caster.precision));
+        .with("precision", word_of(PRECISIONS, caster.precision))
+        .with("vector", word_of(VECTORS, caster.vector));
+
     let options = match caster.screen {
         Screen::Adaptive { threshold } => options.with("screen", ADAPTIVE).with("screen-threshold", threshold),
         screen => options.with("screen", word_of(SCREENS, screen)),
@@ -108,6 +142,7 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
     for (key, value) in set {
         match (key, value) {
             (key, _) if step_options::owns(key) => {}
+            ("leaping", OptionValue::Word(w)) => new.leaping = meaning_of(LEAPINGS, w),
             ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
             ("traversal", OptionValue::Word(w)) => new.traversal = meaning_of(TRAVERSALS, w),
             ("order", OptionValue::Word(w)) => {
@@ -120,6 +155,7 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
             ("filter", OptionValue::Word(w)) => new.filter = Filter::from_name(w),
             ("classification", OptionValue::Word(w)) => new.classification = meaning_of(CLASSIFICATIONS, w),
             ("precision", OptionValue::Word(w)) => new.precision = meaning_of(PRECISIONS, w),
+            ("vector", OptionValue::Word(w)) => new.vector = meaning_of(VECTORS, w),
             ("termination", OptionValue::Number(x)) => {
                 let Order::FrontToBack { termination } = &mut new.order else {
                     return Err(OptionError::Value {
@@ -179,6 +215,8 @@ mod tests {
             RayCaster { screen: Screen::Template { connectivity: Connectivity::Continuous }, ..RayCaster::default() },
             RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::default() },
             RayCaster { rule: Rule::Quadratic, traversal: Traversal::Voxels, ..RayCaster::default() },
+            RayCaster { vector: Vector::Off, ..RayCaster::default() },
+            RayCaster { leaping: Leaping::Octree, ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {
@@ -210,6 +248,10 @@ mod tests {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
         }
         assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
+        for (word, leaping) in LEAPINGS {
+            let options = Options::new().with("leaping", *word);
+            assert_eq!(configure(&RayCaster::default(), &options).unwrap().leaping, *leaping);
+        }
         // The numbers of other kinds of steps than the default's choose those.
         let own = to_options(&RayCaster::default());
         for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key) || s.key == "screen-threshold") {

@@ -8,13 +8,14 @@ use crate::caster::Traversal;
 use crate::chord::Chord;
 use crate::classify::Classifier;
 use crate::homogeneity::Homogeneity;
+use crate::leap::EmptySpace;
 use crate::operator::Operator;
 use crate::pace::PaceMap;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::tracer::{Traced, Tracer};
-use crate::walk::{HomogeneousWalk, Lattice, LatticeWalk, LocalWalk, Walk, cell_walk, voxel_walk};
+use crate::walk::{HomogeneousWalk, Lattice, LatticeWalk, LocalWalk, VisibleSteps, Walk, cell_walk, voxel_walk};
 
 /// What a frame's rays share.
 ///
@@ -33,6 +34,8 @@ pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) pace: Option<&'a PaceMap>,
     /// Where long steps will do.
     pub(crate) homogeneity: Option<&'a Homogeneity>,
+    /// Where nothing is visible, if that is to be left out of steps that are all alike.
+    pub(crate) empty_space: Option<&'a EmptySpace>,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
@@ -85,7 +88,8 @@ impl<R: Real, F> Pipeline<'_, R, F> {
                 }
                 (Traversal::Samples, None, None) => {
                     let lattice = Lattice::new(part.start, part.end, self.step);
-                    Walk::Lattice(LatticeWalk::new(lattice, start, O::BACKWARDS))
+                    let visible = VisibleSteps::new(lattice, start, u32::from(O::BRACKETS), &part, self.empty_space);
+                    Walk::Lattice(LatticeWalk::new(lattice, visible, O::BACKWARDS))
                 }
             };
             let chord = Chord { volume: self.volume, filter: self.filter, ray: part };
@@ -145,6 +149,7 @@ impl<R: Real, F> Pipeline<'_, R, F> {
             // What comes last ends nothing early.
             let _ = operator.take(run, chord);
         }
+        counts.skipped += walk.skipped();
         // Only where something was left.
         counts.terminated += u64::from(ended && walk.next(&mut run.steps));
         let mut value = operator.finish(chord);

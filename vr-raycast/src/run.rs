@@ -38,11 +38,6 @@ impl Steps {
         self.len = 0;
         self.push(distance, 0.0, 0);
     }
-
-    /// Where the last step ends.
-    pub(crate) fn end(&self) -> f64 {
-        self.begin[self.len - 1] + self.length[self.len - 1]
-    }
 }
 
 /// Consecutive steps of one ray, and what the passes make of them.

@@ -9,11 +9,13 @@ const STEP: &str = "step";
 const LOCAL_ERROR: &str = "local-error";
 const HOMOGENEITY: &str = "homogeneity";
 const MAX_ERROR: &str = "max-error";
+const COARSE: &str = "coarse";
 
 /// Every kind of steps, and the numbers that it takes.
 const KINDS: &[(&str, &[&str])] = &[
     ("uniform", &[STEP]),
     ("local", &[LOCAL_ERROR]),
+    ("vicinity", &[STEP, COARSE]),
     ("homogeneous", &[STEP, HOMOGENEITY]),
     ("tolerance", &[MAX_ERROR]),
 ];
@@ -24,6 +26,12 @@ const NUMBERS: &[(&str, f64, f64, &str)] = &[
     (LOCAL_ERROR, 1.0, 2e-3, "RMSE that local steps aim at"),
     (HOMOGENEITY, 1.0, 1e-2, "largest error that all the long ones of homogeneous steps may make together on a ray"),
     (MAX_ERROR, 1.0, 4e-3, "largest error of the picture that steps of a tolerance promise; 1e-6 at the least"),
+    (
+        COARSE,
+        RayCaster::LONGEST_STEP,
+        8.0,
+        "length in voxels of the coarse steps of steps=vicinity, which needs leaping=none",
+    ),
 ];
 
 /// The kind of a step and its numbers, in the order of [`KINDS`].
@@ -33,6 +41,7 @@ fn parts(step: Step) -> (&'static str, Vec<f64>) {
         Step::Local { error } => ("local", vec![error]),
         Step::Homogeneous { step, error } => ("homogeneous", vec![step, error]),
         Step::Tolerance(error) => ("tolerance", vec![error]),
+        Step::Vicinity { coarse, fine } => ("vicinity", vec![fine, coarse]),
     }
 }
 
@@ -43,6 +52,7 @@ fn build(kind: &str, number: impl Fn(&str) -> f64) -> Step {
         "local" => Step::Local { error: number(LOCAL_ERROR) },
         "homogeneous" => Step::Homogeneous { step: number(STEP), error: number(HOMOGENEITY) },
         "tolerance" => Step::Tolerance(number(MAX_ERROR)),
+        "vicinity" => Step::Vicinity { coarse: number(COARSE), fine: number(STEP) },
         _ => unreachable!("checked against the list"),
     }
 }
@@ -61,9 +71,10 @@ fn held(step: Step) -> Vec<(&'static str, f64)> {
 pub(crate) fn specs() -> Vec<OptionSpec> {
     let kind = OptionSpec {
         key: STEPS,
-        kind: OptionKind::Choice(&["uniform", "local", "homogeneous", "tolerance"]),
+        kind: OptionKind::Choice(&["uniform", "local", "vicinity", "homogeneous", "tolerance"]),
         default: parts(Step::default()).0.into(),
-        help: "how long steps are: all alike; as what is in each place allows; long where it is nearly the same; as a promised error asks for",
+        help: "how long steps are: all alike; as what is in each place allows; alike, with coarse ones where nothing is visible; long \
+               where the medium is nearly the same; as a promised error asks for",
     };
     let default = held(Step::default());
     let number = |&(key, most, otherwise, help): &(&'static str, f64, f64, &'static str)| {
@@ -147,6 +158,7 @@ mod tests {
     fn a_number_chooses_its_kind_and_no_other_takes_it() {
         let step = |options: Options| step_of(Step::default(), &options);
         assert_eq!(step(Options::new().with(LOCAL_ERROR, 0.01)).unwrap(), Step::Local { error: 0.01 });
+        assert_eq!(step(Options::new().with(COARSE, 4.0)).unwrap(), Step::Vicinity { coarse: 4.0, fine: 0.2 });
         let local = Step::Local { error: 0.01 };
         assert_eq!(step_of(local, &Options::new().with(STEP, 0.5)).unwrap(), Step::Uniform(0.5));
         let error = step(Options::new().with(STEPS, "uniform").with(LOCAL_ERROR, 0.5)).unwrap_err().to_string();

@@ -7,7 +7,9 @@ use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
-use vr_raycast::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step, Traversal};
+use vr_raycast::{
+    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector,
+};
 
 fn caster(screen: Screen) -> RayCaster {
     RayCaster { screen, step: Step::Uniform(0.5), ..RayCaster::default() }
@@ -42,9 +44,9 @@ fn assert_same(got: &Frame, want: &Frame, what: &str) {
 }
 
 /// Draws views one after the other both ways; returns the samples that either took.
-fn assert_coherent(scene: &Scene, views: &[View], order: Order) -> (u64, u64) {
+fn assert_coherent(scene: &Scene, views: &[View], by: &RayCaster) -> (u64, u64) {
     let control = Control::default();
-    let prepare = |screen| RayCaster { order, ..caster(screen) }.prepare(scene, &control).unwrap();
+    let prepare = |screen| RayCaster { screen, ..by.clone() }.prepare(scene, &control).unwrap();
     let (mut plain, mut coherent) = (prepare(Screen::EveryPixel), prepare(Screen::Coherent));
     let mut samples = (0, 0);
     for (i, view) in views.iter().enumerate() {
@@ -63,8 +65,9 @@ fn coherent_turntables_are_the_same_and_cost_less() {
     for fov in [None, Some(35.0)] {
         let start = Camera::framing(scene.volume.bounds(), 10.0, 25.0, fov);
         let views: Vec<View> = (0..6).map(|k| View::new(start.orbit(10.0 * f64::from(k), 0.0), [61, 47])).collect();
-        let (with, without) = assert_coherent(&scene, &views, Order::default());
-        assert!(5 * with < 4 * without, "{with} of {without} samples");
+        let without_leaping = RayCaster { leaping: Leaping::None, ..caster(Screen::Coherent) };
+        let (with, without) = assert_coherent(&scene, &views, &without_leaping);
+        assert!(10 * with < 9 * without, "{with} of {without} samples");
         // The same view again: what the first picture met is known now, and fewer samples are taken.
         let mut prepared = caster(Screen::Coherent).prepare(&scene, &Control::default()).unwrap();
         let samples = [(); 3].map(|()| prepared.render(&views[0], &Control::default()).unwrap().stats.counts.samples);
@@ -122,7 +125,9 @@ proptest! {
         crop in prop::option::weighted(0.25, (prop::array::uniform3(-1.0..0.0f64), prop::array::uniform3(0.0..1.0f64))),
         plane in prop::option::weighted(0.25, prop::array::uniform3(-1.0..1.0f64)),
         layered in prop::option::weighted(0.25, 0.5..8.0f32),
-        backwards in any::<bool>(),
+        backwards in prop::bool::weighted(0.2),
+        vector in prop::sample::select(vec![Vector::Auto, Vector::Off]),
+        leaping in prop::sample::select(vec![Leaping::None, Leaping::Octree]),
     ) {
         // The box is about as large as the cameras' world.
         let last = DVec3::from_array(dims.map(|n| (n - 1) as f64));
@@ -146,7 +151,8 @@ proptest! {
                 view
             })
             .collect();
-        assert_coherent(&scene, &views, if backwards { Order::BackToFront } else { Order::default() });
+        let order = if backwards { Order::BackToFront } else { Order::default() };
+        assert_coherent(&scene, &views, &RayCaster { order, vector, leaping, ..caster(Screen::Coherent) });
     }
 }
 

@@ -84,17 +84,9 @@ impl<R: Real> BakedTransfer<R> {
         1.0 / self.per_unit.to_f64()
     }
 
-    /// The entries, for code that looks up many at once: (r, g, b, α). The last is there twice.
+    /// The entries (r, g, b, α), evenly spaced; the last one is there twice.
     pub fn entries(&self) -> &[[R; 4]] {
         &self.entries
-    }
-
-    /// Where a stored number, which is not NaN, lies among the entries: at entry i + t for an index i and a fraction t.
-    ///
-    /// It grows with the stored number, rounding included; numbers beyond the ends lie at the ends.
-    #[inline(always)]
-    pub fn position(&self, stored: R) -> R {
-        ((stored - self.origin) * self.per_unit).max(R::ZERO).min(self.last)
     }
 
     /// The stored number of the first entry.
@@ -105,6 +97,14 @@ impl<R: Real> BakedTransfer<R> {
     /// Entries per stored unit.
     pub fn per_unit(&self) -> R {
         self.per_unit
+    }
+
+    /// Where a stored number, which is not NaN, lies among the entries: at entry i + t for an index i and a fraction t.
+    ///
+    /// It grows with the stored number, rounding included; numbers beyond the ends lie at the ends.
+    #[inline(always)]
+    pub fn position(&self, stored: R) -> R {
+        ((stored - self.origin) * self.per_unit).max(R::ZERO).min(self.last)
     }
 
     /// Light and opacity of one whole step at a stored number; nothing for NaN.

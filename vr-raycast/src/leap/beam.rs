@@ -22,6 +22,9 @@ pub(super) enum Region {
     Ball(f64),
 }
 
+/// √3, rounded up: the diagonal of a block.
+const DIAGONAL: f64 = 1.7321;
+
 /// A ray with a thickness on its way through blocks.
 ///
 /// Everything is mirrored so that the beam flies towards larger coordinates along each axis; coordinates are in block edges. At a distance s
@@ -34,8 +37,10 @@ pub(super) struct Beam {
     front: [f64; 3],
     rear: [f64; 3],
     speed: [f64; 3],
-    /// World distance per block edge; +∞ where the beam does not move.
+    /// World distance per block edge along each axis; +∞ where the beam does not move.
     pace: [f64; 3],
+    /// World distance per block edge along the ray.
+    slowness: f64,
     end: f64,
 }
 
@@ -79,6 +84,7 @@ impl Beam {
             rear: std::array::from_fn(|a| at(a) - grid.reach),
             speed,
             pace: speed.map(|v| 1.0 / v),
+            slowness: 1.0 / (speed[0] * speed[0] + speed[1] * speed[1] + speed[2] * speed[2]).sqrt(),
             end: ray.end,
         }
     }
@@ -94,16 +100,14 @@ impl Beam {
     #[inline(always)]
     fn block(&self, axis: usize, edge: f64, s: f64, low: usize, high: usize) -> usize {
         // The cast turns negative coordinates into 0.
-        ((edge + s * self.speed[axis]) as i32 as usize).clamp(low, high - 1)
+        ((edge + s * self.speed[axis]) as i32 as usize).max(low).min(high - 1)
     }
 
-    /// When an edge of the beam reaches the plane before a block; never, if there is no such block or the beam does not move.
+    /// When an edge of the beam reaches the plane before a block that is ahead of it; never, if there is no such block or the beam does not
+    /// move along the axis (an edge that does not move lies in its block and not on a plane ahead: the product is +∞).
     #[inline(always)]
     fn reaches(&self, axis: usize, edge: f64, plane: usize) -> f64 {
-        if plane >= self.grid.blocks[axis] || self.pace[axis] == f64::INFINITY {
-            return f64::INFINITY;
-        }
-        (plane as f64 - edge) * self.pace[axis]
+        if plane < self.grid.blocks[axis] { (plane as i32 as f64 - edge) * self.pace[axis] } else { f64::INFINITY }
     }
 
     /// A mirrored block as it lies in the grid.
@@ -122,7 +126,7 @@ impl Beam {
                 if regions.is_visible(index) != visible {
                     return Some(place.s);
                 }
-                self.leave(regions.around(block, index), place);
+                self.leave(regions.around(block, index), visible, place);
             } else {
                 if self.touches_visible(regions, place) != visible {
                     return Some(place.s);
@@ -166,10 +170,24 @@ impl Beam {
         }
     }
 
-    /// To where the front leaves a region that holds all of the beam.
+    /// To where the front leaves a region that holds all of the beam; or the rear, if what is looked for is the end of a `visible` stretch.
     #[inline(always)]
-    fn leave(&self, region: Region, place: &mut Place) {
+    fn leave(&self, region: Region, visible: bool, place: &mut Place) {
         let here = place.front;
+        if let Region::Ball(radius) = region {
+            // The beam's corners are √3 of its reach away from the ray.
+            let radius = radius - 2.0 * self.grid.reach;
+            // A shorter way may not even leave the block.
+            if radius > DIAGONAL {
+                place.s += radius * self.slowness;
+                for a in 0..3 {
+                    let n = self.grid.blocks[a];
+                    place.rear[a] = self.block(a, self.rear[a], place.s, here[a], n);
+                    place.front[a] = self.block(a, self.front[a], place.s, place.rear[a], n);
+                }
+                return;
+            }
+        }
         let far: [usize; 3] = match region {
             Region::Cube { low, high } => std::array::from_fn(|a| {
                 let n = self.grid.blocks[a];
@@ -177,41 +195,41 @@ impl Beam {
             }),
             Region::Ball(_) => here.map(|b| b + 1),
         };
+        let at: [f64; 3] = std::array::from_fn(|a| self.reaches(a, self.front[a], far[a]));
         let (mut s, mut axis) = (f64::INFINITY, 0);
         for a in 0..3 {
-            let at = self.reaches(a, self.front[a], far[a]);
-            if at < s {
-                (s, axis) = (at, a);
-            }
-        }
-        if let Region::Ball(radius) = region {
-            // The beam's corners are √3 of its reach away from the ray.
-            let radius = radius - 2.0 * self.grid.reach;
-            let [x, y, z] = self.speed;
-            let ball = place.s + radius / (x * x + y * y + z * z).sqrt();
-            if ball > s {
-                place.s = ball;
-                for a in 0..3 {
-                    let n = self.grid.blocks[a];
-                    place.rear[a] = self.block(a, self.rear[a], ball, place.rear[a], n);
-                    place.front[a] = self.block(a, self.front[a], ball, place.rear[a].max(here[a]), n);
-                }
-                return;
+            if at[a] < s {
+                (s, axis) = (at[a], a);
             }
         }
         if s == f64::INFINITY {
             place.s = f64::INFINITY;
             return;
         }
-        place.s = place.s.max(s);
+        // From s on, the beam is on both sides of the plane, until its rear follows. As a rule nothing else happens in between, and both events
+        // are one.
+        let s = place.s.max(s);
+        let after = s + 2.0 * self.grid.reach * self.pace[axis];
+        let mut alone = true;
         for a in 0..3 {
-            if a == axis {
-                place.rear[a] = far[a] - 1;
-                place.front[a] = far[a];
-            } else {
+            if a != axis {
                 place.rear[a] = self.block(a, self.rear[a], s, here[a], far[a]);
+                place.front[a] = self.block(a, self.front[a], after, place.rear[a], far[a]);
+                alone &= place.rear[a] == place.front[a] && at[a] > after;
+            }
+        }
+        place.front[axis] = far[axis];
+        if alone {
+            place.rear[axis] = far[axis];
+            place.s = if visible { after } else { s };
+            return;
+        }
+        place.rear[axis] = far[axis] - 1;
+        for a in 0..3 {
+            if a != axis {
                 place.front[a] = self.block(a, self.front[a], s, place.rear[a], far[a]);
             }
         }
+        place.s = s;
     }
 }

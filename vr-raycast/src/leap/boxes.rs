@@ -182,6 +182,7 @@ impl Leaper for Boxes {
         Some((begin.max(from), end))
     }
 
+    #[cfg(test)]
     fn bytes(&self) -> usize {
         size_of_val(&self.boxes[..])
     }

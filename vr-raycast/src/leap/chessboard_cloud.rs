@@ -70,6 +70,7 @@ impl Leaper for ChessboardCloud {
         next_interval(self.grid, self, ray, from)
     }
 
+    #[cfg(test)]
     fn bytes(&self) -> usize {
         self.distances.len()
     }

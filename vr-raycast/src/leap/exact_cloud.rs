@@ -120,6 +120,7 @@ impl Leaper for ExactCloud {
         next_interval(self.grid, self, ray, from)
     }
 
+    #[cfg(test)]
     fn bytes(&self) -> usize {
         size_of_val(&self.distances[..])
     }

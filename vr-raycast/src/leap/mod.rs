@@ -25,6 +25,7 @@
 mod beam;
 mod boxes;
 mod chessboard_cloud;
+mod empty_space;
 mod exact_cloud;
 mod octree;
 mod polyhedron;
@@ -33,16 +34,19 @@ mod visibility;
 mod visible_blocks;
 
 #[cfg(test)]
+mod speed;
+#[cfg(test)]
 mod tests;
 
 pub(crate) use boxes::Boxes;
 pub(crate) use chessboard_cloud::ChessboardCloud;
+pub(crate) use empty_space::EmptySpace;
 pub(crate) use exact_cloud::ExactCloud;
-pub(crate) use octree::Octree;
+pub(crate) use octree::{NodeRanges, Octree};
 pub(crate) use polyhedron::Polyhedron;
 pub(crate) use pyramid::Pyramid;
 pub(crate) use visibility::Visibility;
-pub(crate) use visible_blocks::VisibleBlocks;
+pub(crate) use visible_blocks::{BlockGrid, VisibleBlocks};
 
 use vr_core::IndexRay;
 
@@ -56,13 +60,14 @@ pub(crate) trait Leaper: Send + Sync {
     fn next(&self, ray: &IndexRay, from: f64) -> Option<(f64, f64)>;
 
     /// Bytes that it takes, beyond the ranges of the blocks.
+    #[cfg(test)]
     fn bytes(&self) -> usize;
 }
 
 /// Half the width of the beam that stands for a ray, in cells: how far from the ray a kernel may take its sample, per axis.
 ///
-/// In f32 a position is x₀ + j·δ: three roundings of numbers up to the largest index, a relative 2⁻²⁴ each, make 2⁻²² of that index. It
-/// is twice that, so that roundings of the leapers themselves, in f64, are covered many times over.
+/// Where positions are found as x₀ + j·δ in f32, three roundings of numbers up to the largest index, a relative 2⁻²⁴ each, make 2⁻²² of that
+/// index. It is twice that, so that roundings of the leapers themselves, in f64, are covered many times over.
 pub(crate) fn reach(dims: [usize; 3]) -> f64 {
     const PER_INDEX: f64 = 1.0 / (1u64 << 21) as f64;
     dims.into_iter().max().unwrap_or_default() as f64 * PER_INDEX

@@ -1,5 +1,7 @@
 //! An octree of ranges over the blocks.
 
+use std::sync::Arc;
+
 use vr_core::{IndexRay, RangeBlocks, Real};
 
 use super::beam::{Region, Regions, next_interval};
@@ -7,24 +9,31 @@ use super::visible_blocks::BlockGrid;
 use super::{Leaper, Visibility};
 
 /// A min/max octree over blocks (Wilhelms & Van Gelder 1992, "Octrees for faster isosurface generation"; Levoy 1990, "Efficient ray
-/// tracing of volume data", for a binary one).
+/// tracing of volume data", for one of empty and filled nodes).
 ///
 /// A node of level l is the union of the blocks whose indices agree but for their lowest l bits. Ranges of nodes are made once. When the
 /// transfer function changes, nodes are marked from the root down: below one whose range is clear, nothing is looked at.
 /// A ray descends from the root to the largest node, all of one kind, that holds it, each time it enters one.
 #[derive(Clone, Debug)]
 pub(crate) struct Octree {
+    nodes: Arc<NodeRanges>,
+    /// Of the blocks (level 0) and of the nodes above them, up to the root.
+    kinds: Vec<Vec<Kind>>,
+}
+
+/// The ranges of an octree's nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct NodeRanges {
     grid: BlockGrid,
-    /// From the blocks (level 0) to the root.
     levels: Vec<Level>,
 }
 
 #[derive(Clone, Debug)]
 struct Level {
+    /// Nodes along x, y, z.
     nodes: [usize; 3],
-    /// Of the nodes above level 0; those of blocks are the volume's.
+    /// Least and largest value in each node; of blocks, the volume has them.
     ranges: Vec<[f32; 2]>,
-    kinds: Vec<Kind>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,53 +43,66 @@ enum Kind {
     Mixed,
 }
 
-impl Octree {
+impl NodeRanges {
     /// Over the blocks of a volume with the given samples along x, y, z.
-    pub(crate) fn new<R: Real>(dims: [usize; 3], blocks: &RangeBlocks, visibility: &Visibility<R>) -> Self {
+    pub(crate) fn new(dims: [usize; 3], blocks: &RangeBlocks) -> Self {
         let grid = BlockGrid::new(dims, blocks.edge());
-        let kinds = |n: [usize; 3]| vec![Kind::Clear; n.iter().product()];
-        let mut levels = vec![Level { nodes: grid.blocks, ranges: Vec::new(), kinds: kinds(grid.blocks) }];
         let mut below: Vec<[f32; 2]> = blocks.ranges().iter().map(|r| [r.low, r.high]).collect();
+        let mut levels = vec![Level { nodes: grid.blocks, ranges: Vec::new() }];
         let mut from = grid.blocks;
         while from != [1; 3] {
             let nodes = from.map(|n| n.div_ceil(2));
             let ranges = joined(&below, from, nodes);
             below.clone_from(&ranges);
-            levels.push(Level { nodes, ranges, kinds: kinds(nodes) });
+            levels.push(Level { nodes, ranges });
             from = nodes;
         }
-        let mut made = Self { grid, levels };
-        made.update(blocks, visibility);
-        made
+        Self { grid, levels }
+    }
+}
+
+impl Octree {
+    /// Marks the nodes over the blocks that they were made of.
+    pub(crate) fn new<R: Real>(nodes: Arc<NodeRanges>, blocks: &RangeBlocks, visibility: &Visibility<R>) -> Self {
+        let mut kinds: Vec<_> =
+            nodes.levels.iter().map(|level| vec![Kind::Clear; level.nodes.iter().product()]).collect();
+        let root = nodes.levels.len() - 1;
+        mark(&nodes, &mut kinds, root, [0; 3], blocks, visibility);
+        Self { nodes, kinds }
     }
 
-    /// Marks the nodes anew.
-    pub(crate) fn update<R: Real>(&mut self, blocks: &RangeBlocks, visibility: &Visibility<R>) {
-        for level in &mut self.levels {
-            level.kinds.fill(Kind::Clear);
+    /// What outlives a transfer function.
+    pub(crate) fn nodes(&self) -> Arc<NodeRanges> {
+        Arc::clone(&self.nodes)
+    }
+}
+
+/// Marks a node and what is below it, where all is marked clear yet.
+fn mark<R: Real>(
+    nodes: &NodeRanges,
+    kinds: &mut [Vec<Kind>],
+    level: usize,
+    node: [usize; 3],
+    blocks: &RangeBlocks,
+    visibility: &Visibility<R>,
+) -> Kind {
+    let index = index(node, nodes.levels[level].nodes);
+    let kind = if level == 0 {
+        if visibility.sees(&blocks.ranges()[index]) { Kind::Visible } else { Kind::Clear }
+    } else {
+        let [low, high] = nodes.levels[level].ranges[index];
+        if !visibility.is_visible(low, high) {
+            return Kind::Clear;
         }
-        self.mark(self.levels.len() - 1, [0; 3], blocks, visibility);
-    }
-
-    fn mark<R: Real>(&mut self, level: usize, node: [usize; 3], blocks: &RangeBlocks, seen: &Visibility<R>) -> Kind {
-        let index = index(node, self.levels[level].nodes);
-        let kind = if level == 0 {
-            if seen.sees(&blocks.ranges()[index]) { Kind::Visible } else { Kind::Clear }
-        } else {
-            let [low, high] = self.levels[level].ranges[index];
-            if !seen.is_visible(low, high) {
-                return Kind::Clear;
-            }
-            let mut all: Option<Kind> = None;
-            for child in children(node, self.levels[level - 1].nodes) {
-                let kind = self.mark(level - 1, child, blocks, seen);
-                all = Some(all.map_or(kind, |all| if all == kind { kind } else { Kind::Mixed }));
-            }
-            all.unwrap_or(Kind::Clear)
-        };
-        self.levels[level].kinds[index] = kind;
-        kind
-    }
+        let mut all: Option<Kind> = None;
+        for child in children(node, nodes.levels[level - 1].nodes) {
+            let kind = mark(nodes, kinds, level - 1, child, blocks, visibility);
+            all = Some(all.map_or(kind, |all| if all == kind { kind } else { Kind::Mixed }));
+        }
+        all.unwrap_or(Kind::Clear)
+    };
+    kinds[level][index] = kind;
+    kind
 }
 
 fn index([x, y, z]: [usize; 3], n: [usize; 3]) -> usize {
@@ -109,15 +131,13 @@ fn joined(below: &[[f32; 2]], from: [usize; 3], to: [usize; 3]) -> Vec<[f32; 2]>
 impl Regions for Octree {
     #[inline(always)]
     fn is_visible(&self, index: usize) -> bool {
-        self.levels[0].kinds[index] == Kind::Visible
+        self.kinds[0][index] == Kind::Visible
     }
 
     fn around(&self, block: [usize; 3], _: usize) -> Region {
-        let uniform = |l: &usize| {
-            let level = &self.levels[*l];
-            level.kinds[index(block.map(|b| b >> l), level.nodes)] != Kind::Mixed
-        };
-        let level = (1..self.levels.len()).rev().find(uniform).unwrap_or(0);
+        let uniform =
+            |&l: &usize| self.kinds[l][index(block.map(|b| b >> l), self.nodes.levels[l].nodes)] != Kind::Mixed;
+        let level = (1..self.kinds.len()).rev().find(uniform).unwrap_or(0);
         aligned_cube(block, level)
     }
 }
@@ -130,10 +150,12 @@ pub(super) fn aligned_cube(block: [usize; 3], level: usize) -> Region {
 
 impl Leaper for Octree {
     fn next(&self, ray: &IndexRay, from: f64) -> Option<(f64, f64)> {
-        next_interval(self.grid, self, ray, from)
+        next_interval(self.nodes.grid, self, ray, from)
     }
 
+    #[cfg(test)]
     fn bytes(&self) -> usize {
-        self.levels.iter().map(|l| size_of_val(&l.ranges[..]) + l.kinds.len()).sum()
+        let nodes = &self.nodes.levels;
+        nodes.iter().map(|l| size_of_val(&l.ranges[..])).sum::<usize>() + self.kinds.iter().map(Vec::len).sum::<usize>()
     }
 }

@@ -104,6 +104,7 @@ impl Leaper for Polyhedron {
         (part.0 <= part.1 && part.1 > from).then_some(part)
     }
 
+    #[cfg(test)]
     fn bytes(&self) -> usize {
         0
     }

@@ -96,6 +96,7 @@ impl Leaper for Pyramid {
         next_interval(self.grid, self, ray, from)
     }
 
+    #[cfg(test)]
     fn bytes(&self) -> usize {
         self.levels.len()
     }

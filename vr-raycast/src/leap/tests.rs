@@ -13,7 +13,7 @@ use super::*;
 fn leapers(dims: [usize; 3], ranges: &RangeBlocks, seen: &Visibility<f32>) -> Vec<(&'static str, Box<dyn Leaper>)> {
     let blocks = VisibleBlocks::new(dims, ranges, seen);
     vec![
-        ("octree", Box::new(Octree::new(dims, ranges, seen))),
+        ("octree", Box::new(Octree::new(Arc::new(NodeRanges::new(dims, ranges)), ranges, seen))),
         ("pyramid", Box::new(Pyramid::new(&blocks))),
         ("exact cloud", Box::new(ExactCloud::new(&blocks))),
         ("chessboard cloud", Box::new(ChessboardCloud::new(&blocks))),
@@ -212,5 +212,21 @@ fn chessboard_distances_are_a_kings() {
                 assert_eq!(usize::from(cloud.distance([x, y, z])), seeds.map(king).into_iter().min().unwrap());
             }
         }
+    }
+}
+
+/// Memory beyond an 8-bit volume: at most 15 %, whatever the structure.
+#[test]
+fn structures_are_small() {
+    let dims = [129, 97, 113];
+    let samples: Vec<u8> = (0..dims.iter().product::<usize>()).map(|i| (i % 251) as u8).collect();
+    let placement = Placement::from_spacing([1.0; 3]).unwrap();
+    let volume: Volume = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap().into();
+    let volume = volume.uniform().unwrap();
+    let ranges = volume.range_blocks(Filter::Trilinear, empty_space::EDGE);
+    let seen = Visibility::of_threshold(128.0, Calibration::default());
+    for (name, leaper) in leapers(dims, &ranges, &seen) {
+        let bytes = leaper.bytes() + size_of_val(ranges.ranges());
+        assert!(bytes as f64 <= 0.15 * volume.sample_bytes() as f64, "{name}: {bytes}");
     }
 }

@@ -173,11 +173,6 @@ impl VisibleBlocks {
         }
         any
     }
-
-    /// Bytes that it takes.
-    pub(crate) fn bytes(&self) -> usize {
-        self.words.len() * size_of::<u64>()
-    }
 }
 
 /// Joins each entry with those `stride` before and behind it.

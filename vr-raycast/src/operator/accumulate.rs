@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use vr_core::Real;
 
-use super::{HALF, Operator, distance_of_opacity, steps_of};
+use super::{HALF, Operator, distance_of_opacity, end_of_opacity, steps_of};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -53,7 +53,7 @@ impl<R: Real> Operator<R> for Accumulate {
             }
         }
         if before < HALF && self.rgba[3] >= HALF {
-            self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(run.steps.end());
+            self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(end_of_opacity(run));
         }
         flow
     }

@@ -39,6 +39,7 @@ impl First {
 impl<R: Real> Operator<R> for First {
     const LIGHT: bool = false;
     const ENDS: bool = true;
+    const BRACKETS: bool = true;
     const SURFACE: bool = true;
 
     fn begin(&mut self, _: &Chord<'_>) {

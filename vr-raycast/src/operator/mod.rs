@@ -40,6 +40,8 @@ pub(crate) trait Operator<R: Real> {
     const BACKWARDS: bool = false;
     /// Whether it also wants the two end points of the chord, as runs of one sample and no length.
     const ENDS: bool = false;
+    /// Whether it goes back from a sample to the one before, even if that one is not visible.
+    const BRACKETS: bool = false;
     /// Whether what it finds is a surface, shaded once found.
     const SURFACE: bool = false;
 
@@ -62,7 +64,8 @@ const HALF: f64 = 0.5;
 /// In a step of opacity α that begins behind opacity A: (1 − A)(1 − α)^x = 1 − level at the fraction x of its length.
 fn distance_of_opacity(level: f64, before: f64, steps: impl Iterator<Item = (f64, f64, f64)>) -> Option<f64> {
     let mut clear = 1.0 - before;
-    for (alpha, begin, length) in steps {
+    // A step of no opacity reaches nothing, whatever rounding says.
+    for (alpha, begin, length) in steps.filter(|step| step.0 > 0.0) {
         let behind = clear * (1.0 - alpha);
         if behind <= 1.0 - level {
             let wanted = depth_of_opacity(1.0 - (1.0 - level) / clear);
@@ -78,6 +81,12 @@ fn distance_of_opacity(level: f64, before: f64, steps: impl Iterator<Item = (f64
 /// The steps of a run as [`distance_of_opacity`] wants them.
 fn steps_of<R: Real>(run: &Run<R>) -> impl DoubleEndedIterator<Item = (f64, f64, f64)> + '_ {
     (0..run.len()).map(|j| (run.light[j][3].to_f64(), run.steps.begin[j], run.steps.length[j]))
+}
+
+/// Where the last step of a run ends that has any opacity. (Where a run without such a step ends depends on what was left out.)
+fn end_of_opacity<R: Real>(run: &Run<R>) -> f64 {
+    let last = (0..run.len()).rfind(|&j| run.light[j][3] > R::ZERO).unwrap_or(run.len() - 1);
+    run.steps.begin[last] + run.steps.length[last]
 }
 
 /// The pixel of a single value: (α(v)·c(v), α(v)), α as given.

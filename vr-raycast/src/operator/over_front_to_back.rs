@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use vr_core::Real;
 
-use super::{HALF, Operator, distance_of_opacity, steps_of};
+use super::{HALF, Operator, distance_of_opacity, end_of_opacity, steps_of};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -68,8 +68,7 @@ impl<R: Real> Operator<R> for OverFrontToBack {
         let now = self.rgba[3];
         if before < HALF && now >= HALF {
             // Summed again in f64, the level may lie a rounding further: at the end of the run then.
-            let end = run.steps.end();
-            self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(end);
+            self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(end_of_opacity(run));
         }
         if (1.0 - now) * self.most <= self.negligible { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

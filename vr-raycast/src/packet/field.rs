@@ -13,7 +13,7 @@ pub(crate) struct Field<'a, T> {
     /// Rows (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1): all equally long.
     rows: [&'a [T]; 4],
     /// Samples from one y and one z to the next.
-    pub(crate) stride: [u32; 2],
+    stride: [u32; 2],
     /// The last cell of each axis.
     pub(crate) last_cell: [i32; 3],
 }
@@ -23,6 +23,7 @@ type TwoRows<T> = [[[T; 2]; LANES]; 2];
 
 /// The pairs of the faces z and z + 1; staged, for there is one load a pair and no gather.
 #[repr(align(64))]
+#[derive(Clone)]
 pub(crate) struct Stage<T>([TwoRows<T>; 2]);
 
 impl<T: Voxel> Stage<T> {
@@ -38,15 +39,15 @@ pub(crate) trait Pairs: Voxel {
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2];
 }
 
+// The closures and iterators of std are not inlined for certain, and what is not inlined loses its instructions: hence the plain
+// lines below.
+
 impl Pairs for u8 {
     #[inline(always)]
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
         let pairs: u16x32<S> = u8x64::from_slice(simd, rows.as_flattened().as_flattened()).bitcast();
         let (y0, y1) = pairs.widen();
-        [y0, y1].map(
-            #[inline(always)]
-            |v| [(v & 0xff).bitcast::<i32x16<S>>().to_float(), (v >> 8).bitcast::<i32x16<S>>().to_float()],
-        )
+        [[small(y0 & 0xff), small(y0 >> 8)], [small(y1 & 0xff), small(y1 >> 8)]]
     }
 }
 
@@ -55,52 +56,42 @@ impl Pairs for i8 {
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
         let pairs: i16x32<S> = i8x64::from_slice(simd, rows.as_flattened().as_flattened()).bitcast();
         let (y0, y1) = pairs.widen();
-        [y0, y1].map(
-            #[inline(always)]
-            |v| [((v << 24) >> 24).to_float(), (v >> 8).to_float()],
-        )
+        [[((y0 << 24) >> 24).to_float(), (y0 >> 8).to_float()], [((y1 << 24) >> 24).to_float(), (y1 >> 8).to_float()]]
     }
 }
 
 impl Pairs for u16 {
     #[inline(always)]
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
-        [0, 1].map(
-            #[inline(always)]
-            |y: usize| {
-                let v: u32x16<S> = u16x32::from_slice(simd, rows[y].as_flattened()).bitcast();
-                [(v & 0xffff).bitcast::<i32x16<S>>().to_float(), (v >> 16).bitcast::<i32x16<S>>().to_float()]
-            },
-        )
+        let y0: u32x16<S> = u16x32::from_slice(simd, rows[0].as_flattened()).bitcast();
+        let y1: u32x16<S> = u16x32::from_slice(simd, rows[1].as_flattened()).bitcast();
+        [[small(y0 & 0xffff), small(y0 >> 16)], [small(y1 & 0xffff), small(y1 >> 16)]]
     }
 }
 
 impl Pairs for i16 {
     #[inline(always)]
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
-        [0, 1].map(
-            #[inline(always)]
-            |y: usize| {
-                let v: i32x16<S> = i16x32::from_slice(simd, rows[y].as_flattened()).bitcast();
-                [((v << 16) >> 16).to_float(), (v >> 16).to_float()]
-            },
-        )
+        let y0: i32x16<S> = i16x32::from_slice(simd, rows[0].as_flattened()).bitcast();
+        let y1: i32x16<S> = i16x32::from_slice(simd, rows[1].as_flattened()).bitcast();
+        [[((y0 << 16) >> 16).to_float(), (y0 >> 16).to_float()], [((y1 << 16) >> 16).to_float(), (y1 >> 16).to_float()]]
     }
 }
 
 impl Pairs for f32 {
     #[inline(always)]
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2] {
-        [0, 1].map(
-            #[inline(always)]
-            |y: usize| {
-                let pairs = rows[y].as_flattened();
-                let low = f32x16::from_slice(simd, &pairs[..LANES]);
-                let high = f32x16::from_slice(simd, &pairs[LANES..]);
-                [low.unzip_low(high), low.unzip_high(high)]
-            },
-        )
+        let (y0, y1) = (rows[0].as_flattened(), rows[1].as_flattened());
+        let (a0, b0) = (f32x16::from_slice(simd, &y0[..LANES]), f32x16::from_slice(simd, &y0[LANES..]));
+        let (a1, b1) = (f32x16::from_slice(simd, &y1[..LANES]), f32x16::from_slice(simd, &y1[LANES..]));
+        [[a0.unzip_low(b0), a0.unzip_high(b0)], [a1.unzip_low(b1), a1.unzip_high(b1)]]
     }
+}
+
+/// Numbers below 2³¹: signed conversion is what every machine has.
+#[inline(always)]
+fn small<S: Simd>(x: u32x16<S>) -> f32x16<S> {
+    x.bitcast::<i32x16<S>>().to_float()
 }
 
 /// Positions, cell by cell.
@@ -112,20 +103,17 @@ pub(crate) struct Cells<S: Simd> {
 }
 
 impl<'a, T: Voxel> Field<'a, T> {
-    /// `None` where offsets do not fit into 31 bits.
-    pub(crate) fn new(lattice: &Lattice<'a, T>) -> Option<Self> {
+    /// Of fewer than 2³¹ samples.
+    pub(crate) fn new(lattice: &Lattice<'a, T>) -> Self {
         let [nx, ny, _] = lattice.dims;
         let samples = lattice.samples;
-        if samples.len() > i32::MAX as usize {
-            return None;
-        }
         let (row, slice) = (nx, nx * ny);
         let len = samples.len() - slice - row;
-        Some(Self {
+        Self {
             rows: [0, row, slice, slice + row].map(|o| &samples[o..o + len]),
             stride: [row as u32, slice as u32],
             last_cell: lattice.dims.map(|n| n as i32 - 2),
-        })
+        }
     }
 }
 
@@ -146,27 +134,30 @@ pub(crate) fn cells<S: Simd>(simd: S, position: [f32x16<S>; 3], last_cell: [i32;
 }
 
 impl<T: Pairs> Field<'_, T> {
-    /// The field in cells, by f = Σ w f over their corners.
+    /// Loads the samples around sixteen places into a stage.
     #[inline(always)]
-    pub(crate) fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) -> f32x16<S> {
-        let [tx, ty, tz] = at.fraction;
+    pub(crate) fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) {
         let row = i32x16::splat(simd, self.stride[0] as i32);
         let slice = i32x16::splat(simd, self.stride[1] as i32);
         let offset = (at.cell[2] * slice + at.cell[1] * row + at.cell[0]).to_array();
         let [r0, r1, r2, r3] = self.rows;
+        // Equally long, and said so: one check serves the four.
+        let len = r0.len();
+        let (r1, r2, r3) = (&r1[..len], &r2[..len], &r3[..len]);
         let [[s0, s1], [s2, s3]] = &mut stage.0;
         for i in 0..LANES {
             let o = offset[i] as u32 as usize;
-            // One check: the four rows are equally long.
-            if let (Some(a), Some(b), Some(c), Some(d)) =
-                (r0.get(o..o + 2), r1.get(o..o + 2), r2.get(o..o + 2), r3.get(o..o + 2))
-            {
-                s0[i] = [a[0], a[1]];
-                s1[i] = [b[0], b[1]];
-                s2[i] = [c[0], c[1]];
-                s3[i] = [d[0], d[1]];
-            }
+            s0[i] = [r0[o], r0[o + 1]];
+            s1[i] = [r1[o], r1[o + 1]];
+            s2[i] = [r2[o], r2[o + 1]];
+            s3[i] = [r3[o], r3[o + 1]];
         }
+    }
+
+    /// The field at places whose samples have been staged: f = Σ w f over the corners of their cells.
+    #[inline(always)]
+    pub(crate) fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> f32x16<S> {
+        let [tx, ty, tz] = at.fraction;
         let [[a00, b00], [a10, b10]] = T::split(simd, &stage.0[0]);
         let [[a01, b01], [a11, b11]] = T::split(simd, &stage.0[1]);
         let (f00, f10) = (a00 + tx * (b00 - a00), a10 + tx * (b10 - a10));

@@ -2,12 +2,13 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
-use vr_core::RangeBlocks;
-use vr_core::transfer::BakedTransfer;
+use rayon::prelude::*;
+use vr_core::{BlockRange, RangeBlocks};
 
 use super::field::Cells;
 use super::lanes::{LANES, pick, splat};
 use super::setup::Packet;
+use crate::leap::Visibility;
 
 /// Per block the chessboard distance, in blocks, to the nearest one in which something is visible: 0 in that one.
 ///
@@ -15,50 +16,20 @@ use super::setup::Packet;
 /// 1994, "Proximity clouds, an acceleration technique for 3D grid traversal").
 #[derive(Clone, Debug)]
 pub(crate) struct Distances {
-    shift: u32,
+    pub(crate) shift: u32,
     blocks: [usize; 3],
     distance: Vec<u8>,
 }
 
-/// Visibility of table entries, summed up: a range is asked for with two look-ups.
-struct Visible {
-    /// Visible entries before each one.
-    before: Vec<u32>,
-    origin: f32,
-    per_unit: f32,
-}
-
-impl Visible {
-    fn new(table: &BakedTransfer<f32>) -> Self {
-        let mut before = vec![0];
-        for entry in table.entries() {
-            let visible = entry.iter().any(|&x| x != 0.0);
-            before.push(before[before.len() - 1] + u32::from(visible));
-        }
-        Self { before, origin: table.origin(), per_unit: table.per_unit() }
-    }
-
-    /// Whether the table shows anything for any number in the range, as it rounds and interpolates.
-    fn any(&self, low: f32, high: f32) -> bool {
-        let last = self.before.len() - 2;
-        let index = |stored: f32| ((stored - self.origin) * self.per_unit).max(0.0);
-        // One entry more on both sides: a sample may lie an ulp outside the range of its corners.
-        let from = (index(low) - 0.01).max(0.0) as usize;
-        let to = (index(high) + 1.01) as usize + 1;
-        self.before[to.min(last) + 1] > self.before[from.min(last)]
-    }
-}
-
 impl Distances {
-    /// Of the blocks of a volume under a table; `None` where no block is invisible, so that there is nothing to leap over.
+    /// Of the blocks of a volume; `None` where none is invisible, so that there is nothing to leap over.
     ///
     /// # Panics
     /// If the blocks' edge is not a power of two.
-    pub(crate) fn new(ranges: &RangeBlocks, table: &BakedTransfer<f32>) -> Option<Self> {
+    pub(crate) fn new(ranges: &RangeBlocks, visibility: &Visibility<f32>) -> Option<Self> {
         assert!(ranges.edge().is_power_of_two(), "blocks are found by shifting");
-        let visible = Visible::new(table);
-        let of = |r: &vr_core::BlockRange| if visible.any(r.low, r.high) { 0 } else { u8::MAX };
-        let distance: Vec<u8> = ranges.ranges().iter().map(of).collect();
+        let of = |r: &BlockRange| if visibility.is_visible(r.low, r.high) { 0 } else { u8::MAX };
+        let distance: Vec<u8> = ranges.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
         if distance.iter().all(|&d| d == 0) {
             return None;
         }
@@ -100,24 +71,30 @@ impl Distances {
         }
     }
 
-    /// Bytes that it keeps.
-    pub(crate) fn bytes(&self) -> usize {
-        self.distance.len()
+    /// The distances, x fastest.
+    #[cfg(test)]
+    pub(crate) fn of_blocks(&self) -> &[u8] {
+        &self.distance
     }
 
     /// Distance to what is visible from the blocks of sixteen cells.
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&self, simd: S, cells: &Cells<S>) -> i32x16<S> {
-        let [x, y, z] = cells.cell;
-        let (nx, ny) = (self.blocks[0] as i32, self.blocks[1] as i32);
-        let shift = self.shift;
-        let index = (((z >> shift) * ny + (y >> shift)) * nx + (x >> shift)).to_array();
+        let index = block_index(cells, self.shift, self.blocks);
         let mut distance = [0i32; LANES];
         for i in 0..LANES {
             distance[i] = i32::from(*self.distance.get(index[i] as u32 as usize).unwrap_or(&0));
         }
         i32x16::load_array(simd, distance)
     }
+}
+
+/// Index of the block of `1 << shift` cells that each cell lies in.
+#[inline(always)]
+pub(crate) fn block_index<S: Simd>(cells: &Cells<S>, shift: u32, blocks: [usize; 3]) -> [i32; LANES] {
+    let [x, y, z] = cells.cell;
+    let (nx, ny) = (blocks[0] as i32, blocks[1] as i32);
+    (((z >> shift) * ny + (y >> shift)) * nx + (x >> shift)).to_array()
 }
 
 /// How a packet's rays leave boxes of blocks.
@@ -139,38 +116,45 @@ const MARGIN: f32 = 1.0 / (1 << 20) as f32;
 
 impl<S: Simd> Leaper<S> {
     #[inline(always)]
-    pub(crate) fn new(simd: S, distances: &Distances, packet: &Packet, dims: [usize; 3]) -> Self {
+    /// Out of boxes of blocks of `1 << shift` cells.
+    pub(crate) fn new(simd: S, shift: u32, packet: &Packet, dims: [usize; 3]) -> Self {
         let one = splat(simd, 1.0);
         let delta = [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)];
-        let up = delta.map(
-            #[inline(always)]
-            |d| d.simd_gt(splat(simd, 0.0)),
-        );
         let zero = splat(simd, 0.0);
         let (mut per_index, mut sign, mut face) = ([zero; 3], [zero; 3], [zero; 3]);
         for a in 0..3 {
+            let up = delta[a].simd_gt(zero);
             let parallel = delta[a].abs().simd_lt(splat(simd, 1e-30));
-            sign[a] = pick(up[a], one, -one);
-            face[a] = pick(up[a], zero, one);
+            sign[a] = pick(up, one, -one);
+            face[a] = pick(up, zero, one);
             per_index[a] = pick(parallel, sign[a] * 1e30, one / pick(parallel, one, delta[a]));
         }
         let largest = dims.into_iter().max().unwrap_or(0) as f32;
-        let edge = (1u32 << distances.shift) as f32;
-        Self { shift: distances.shift, edge, per_index, sign, face, margin: largest * MARGIN }
+        let edge = (1u32 << shift) as f32;
+        Self { shift, edge, per_index, sign, face, margin: largest * MARGIN }
     }
 
-    /// Whole steps, at least one, from a position in an invisible block to the first that can be beyond all blocks nearer than
-    /// `distance`.
+    /// Steps from a position to where it leaves the box of blocks nearer than `distance` to its own.
     #[inline(always)]
-    pub(crate) fn steps(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: i32x16<S>) -> f32x16<S> {
-        let distance: f32x16<S> = distance.to_float();
+    pub(crate) fn exit(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: f32x16<S>) -> f32x16<S> {
         let mut steps = splat(simd, 1e6);
         for a in 0..3 {
             let block: f32x16<S> = (cells.cell[a] >> self.shift).to_float();
-            let face = (block + self.face[a] + self.sign[a] * distance) * self.edge - self.sign[a] * self.margin;
+            let face = (block + self.face[a] + self.sign[a] * distance) * self.edge;
             steps = steps.min((face - position[a]) * self.per_index[a]);
         }
-        let whole: f32x16<S> = steps.max(splat(simd, 0.0)).to_int::<i32x16<S>>().to_float();
+        steps.max(splat(simd, 0.0))
+    }
+
+    /// Whole steps, at least one, to the first that can be beyond that box.
+    #[inline(always)]
+    pub(crate) fn steps(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: i32x16<S>) -> f32x16<S> {
+        let kept = [
+            position[0] + self.sign[0] * self.margin,
+            position[1] + self.sign[1] * self.margin,
+            position[2] + self.sign[2] * self.margin,
+        ];
+        let whole: f32x16<S> = self.exit(simd, kept, cells, distance.to_float()).to_int::<i32x16<S>>().to_float();
         whole + 1.0
     }
 }

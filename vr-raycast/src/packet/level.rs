@@ -2,6 +2,22 @@
 
 use fearless_simd::{Level, Simd};
 
+use crate::caster::Vector;
+
+/// The level that a caster asks for; `None`: no vectors.
+pub(crate) fn of(vector: Vector) -> Option<Level> {
+    let best = Level::new();
+    match vector {
+        Vector::Off => None,
+        Vector::Auto => Some(best),
+        Vector::Baseline => Some(Level::baseline()),
+        #[cfg(target_arch = "x86_64")]
+        Vector::Avx2 => Some(best.as_avx2().map_or(best, Level::Avx2)),
+        #[cfg(not(target_arch = "x86_64"))]
+        Vector::Avx2 => Some(best),
+    }
+}
+
 /// Work that is generic over the vectors of a machine.
 pub(crate) trait Vectorized {
     /// What it returns.

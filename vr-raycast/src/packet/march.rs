@@ -1,42 +1,51 @@
 //! Packets along their rays.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
+use fearless_simd::{Simd, f32x16};
 
-use super::elementary::{depth_of_opacity, opacity_of_depth};
 use super::field::{Cells, Field, Pairs, Stage, cells, inside};
-use super::lanes::{LANES, Lanes, pick, splat};
+use super::lanes::{Lanes, pick, splat};
 use super::leap::{Distances, Leaper};
+use super::local::{LocalPace, local};
 use super::setup::Packet;
 use super::sums::Sums;
-use super::table::Rows;
+use super::table::{OpticsTable, Rows, light_of};
 
 /// What all packets of a frame march through.
 #[derive(Clone, Copy)]
 pub(crate) struct Medium<'a, T> {
     pub(crate) field: Field<'a, T>,
     pub(crate) dims: [usize; 3],
-    pub(crate) rows: Rows<'a>,
-    /// `None`: nothing is leaped over.
-    pub(crate) distances: Option<&'a Distances>,
+    pub(crate) pace: Pace<'a>,
+    /// For steps of any length.
+    pub(crate) optics: &'a OpticsTable,
     /// A ray ends when no more than this could be added to any component.
     pub(crate) negligible: f32,
+}
+
+/// How rays move.
+#[derive(Clone, Copy)]
+pub(crate) enum Pace<'a> {
+    /// In steps of one length.
+    Lattice {
+        /// For whole steps.
+        rows: Rows<'a>,
+        /// `None`: nothing is leaped over.
+        distances: Option<&'a Distances>,
+    },
+    /// In steps of the length that each place asks for.
+    Local(LocalPace<'a>),
 }
 
 /// What became of a packet's rays.
 pub(crate) struct Marched {
     pub(crate) rgba: [Lanes; 4],
-    /// Step of the first sample with α > 0, counted from the middle one.
-    pub(crate) first: Lanes,
-    /// Step in which opacity reaches a half, counted from the middle one, and the fraction of it before that.
-    pub(crate) half: [Lanes; 2],
+    /// Where opacity reaches a half, in steps from the middle one's begin; +∞: nowhere.
+    pub(crate) half: Lanes,
     pub(crate) samples: u32,
     /// Bit i: ray i ended before its last step.
     pub(crate) terminated: u32,
 }
-
-/// Steps between two looks for invisible blocks: a look costs a third of a sample.
-const STRIDE: u32 = 4;
 
 /// Takes the packet's rays to their ends. `most`: the largest light, or opacity, that can come from behind, by what is left clear.
 #[inline(always)]
@@ -45,7 +54,27 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     medium: &Medium<'_, T>,
     packet: &Packet,
     most: &Lanes,
-    stage: &mut Stage<T>,
+    stages: &mut [Stage<T>; 2],
+) -> Marched {
+    match medium.pace {
+        Pace::Lattice { rows, distances } => lattice(simd, medium, rows, distances, packet, most, stages),
+        Pace::Local(pace) => local(simd, medium, pace, packet, most, stages),
+    }
+}
+
+/// Pairs of steps between two looks for invisible blocks: a look costs a third of a sample.
+const STRIDE: u32 = 2;
+
+/// In steps of one length.
+#[inline(always)]
+fn lattice<S: Simd, T: Pairs>(
+    simd: S,
+    medium: &Medium<'_, T>,
+    rows: Rows<'_>,
+    distances: Option<&Distances>,
+    packet: &Packet,
+    most: &Lanes,
+    stages: &mut [Stage<T>; 2],
 ) -> Marched {
     let ray = Path::new(simd, medium, packet);
     let never = splat(simd, f32::NEG_INFINITY);
@@ -53,16 +82,17 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     let most = most.load(simd);
     let mut at = packet.first.load(simd);
     let mut end = packet.end.load(simd);
-    let leaper = medium.distances.map(
-        #[inline(always)]
-        |d| (d, Leaper::new(simd, d, packet, medium.dims)),
-    );
+    let leaper = match distances {
+        Some(distances) => Some((distances, Leaper::new(simd, distances.shift, packet, medium.dims))),
+        None => None,
+    };
     let mut sums = Sums::new(simd);
     let mut samples = 0;
     let mut until_look = 0;
     // The last steps of all rays are taken at once, at the end: shorter ones, whose light must be converted.
     let mut ending = false;
     loop {
+        // A ray that has gone past its last whole step waits for the others.
         let mut live = if ending { end.simd_gt(never) } else { at.simd_lt(end) };
         if let Some((distances, leaper)) = &leaper {
             if until_look == 0 {
@@ -101,63 +131,38 @@ pub(crate) fn march<S: Simd, T: Pairs>(
             continue;
         }
         samples += bits.count_ones();
+        let [now, next] = stages;
         let (_, cells) = ray.cells(simd, medium, at);
-        let mut light = medium.rows.at(simd, medium.field.value(simd, &cells, stage));
-        let mut step = at;
+        medium.field.fetch(simd, &cells, now);
         if ending {
-            let mut lanes = light.map(Lanes::of);
-            shorten(simd, &mut lanes, &packet.ratio);
-            light = lanes.map(
-                #[inline(always)]
-                |l| l.load(simd),
-            );
-            step = end;
-        }
-        sums.add(simd, live, step, light);
-        if ending {
+            let value = medium.field.value(simd, &cells, now);
+            let ratio = packet.ratio.load(simd);
+            let light = light_of(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
+            sums.add(simd, live, [end, ratio], light);
             break;
         }
-        let done = (sums.clear(simd) * most).simd_le(negligible);
-        end = pick(done, never, end);
-        at += 1.0;
+        // Two steps at once: while the first waits for its samples, those of the second are fetched.
+        let one = splat(simd, 1.0);
+        let then = at + one;
+        let (_, cells_then) = ray.cells(simd, medium, then);
+        medium.field.fetch(simd, &cells_then, next);
+        let value = medium.field.value(simd, &cells, now);
+        let value_then = medium.field.value(simd, &cells_then, next);
+        let light = rows.at(simd, value);
+        let light_then = rows.at(simd, value_then);
+        sums.add(simd, live, [at, one], light);
+        end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
+        live = then.simd_lt(end);
+        samples += live.to_bitmask().count_ones();
+        sums.add(simd, live, [then, one], light_then);
+        end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
+        at = then + one;
     }
-    let hits = mask32x16::from_bitmask(simd, u64::from(packet.hits));
-    let terminated = (hits & end.simd_le(never)).to_bitmask() as u32;
-    Marched {
-        rgba: sums.rgba().map(Lanes::of),
-        first: Lanes::of(sums.first()),
-        half: sums.half(simd),
-        samples,
-        terminated,
-    }
-}
-
-/// Light and opacity of the part `ratio` of a homogeneous step, from those of the whole.
-///
-/// With τ the optical depth of the whole: α′ = 1 − e^(−ratio·τ), and light, c·α or q·h·α/τ, goes with α. Not part of the loop that calls
-/// it once a packet.
-#[inline(never)]
-fn shorten<S: Simd>(simd: S, light: &mut [Lanes; 4], ratio: &Lanes) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let ratio = ratio.load(simd);
-            let alpha = light[3].load(simd);
-            let part = opacity_of_depth(simd, depth_of_opacity(simd, alpha) * ratio);
-            let nothing = alpha.simd_le(splat(simd, 0.0));
-            let share = pick(nothing, ratio, part / pick(nothing, splat(simd, 1.0), alpha));
-            let is_whole = ratio.simd_ge(splat(simd, 1.0));
-            let share = pick(is_whole, splat(simd, 1.0), share);
-            for c in 0..3 {
-                light[c] = Lanes::of(light[c].load(simd) * share);
-            }
-            light[3] = Lanes::of(pick(is_whole, alpha, part));
-        },
-    );
+    sums.finish(simd, packet, end.simd_le(never), samples)
 }
 
 /// Positions along the rays of a packet.
-struct Path<S: Simd> {
+pub(crate) struct Path<S: Simd> {
     base: [f32x16<S>; 3],
     delta: [f32x16<S>; 3],
     most: [f32; 3],
@@ -165,7 +170,7 @@ struct Path<S: Simd> {
 
 impl<S: Simd> Path<S> {
     #[inline(always)]
-    fn new<T>(simd: S, medium: &Medium<'_, T>, packet: &Packet) -> Self {
+    pub(crate) fn new<T>(simd: S, medium: &Medium<'_, T>, packet: &Packet) -> Self {
         Self {
             base: [packet.base[0].load(simd), packet.base[1].load(simd), packet.base[2].load(simd)],
             delta: [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)],
@@ -175,7 +180,7 @@ impl<S: Simd> Path<S> {
 
     /// Positions, and their cells, so many steps from the middle ones.
     #[inline(always)]
-    fn cells<T>(&self, simd: S, medium: &Medium<'_, T>, at: f32x16<S>) -> ([f32x16<S>; 3], Cells<S>) {
+    pub(crate) fn cells<T>(&self, simd: S, medium: &Medium<'_, T>, at: f32x16<S>) -> ([f32x16<S>; 3], Cells<S>) {
         let position = [
             inside(simd, self.base[0] + at * self.delta[0], self.most[0]),
             inside(simd, self.base[1] + at * self.delta[1], self.most[1]),
@@ -184,10 +189,3 @@ impl<S: Simd> Path<S> {
         (position, cells(simd, position, medium.field.last_cell))
     }
 }
-
-/// Index of a lane's step from its number, counted from the middle one.
-pub(crate) fn step_number(middle: f64, from_middle: f32) -> u32 {
-    (middle + f64::from(from_middle)) as u32
-}
-
-const _: () = assert!(LANES == 16);

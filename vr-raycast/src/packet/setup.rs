@@ -41,6 +41,8 @@ pub(crate) struct Packet {
     pub(crate) last: Lanes,
     /// Length of the last step, as a fraction of a whole one.
     pub(crate) ratio: Lanes,
+    /// Where the ray ends, in steps from the middle one's begin; −∞ for one that does not meet the volume.
+    pub(crate) stop: Lanes,
     /// Step number of the middle one.
     pub(crate) middle: [f64; LANES],
     /// World distance from the ray's own origin to the begin of step 0.
@@ -53,7 +55,7 @@ pub(crate) struct Packet {
 const SLIVER: f64 = 1e-12;
 
 impl FrameSetup<'_> {
-    /// Sets up to sixteen rays up; missing ones repeat the last. Its own function: the same for all kernels of a level.
+    /// Sets up to sixteen rays up; missing ones meet nothing. Its own function: the same for all kernels of a level.
     #[inline(never)]
     pub(crate) fn packet<S: Simd>(&self, simd: S, spots: &[Spot], packet: &mut Packet) {
         simd.vectorize(
@@ -104,9 +106,10 @@ impl FrameSetup<'_> {
         }
 
         packet.hits = 0;
+        let wanted = (1u32 << spots.len().min(LANES)) - 1;
         let per_step = self.step;
         for i in 0..LANES {
-            let hit = start[i] < end[i];
+            let hit = start[i] < end[i] && wanted >> i & 1 == 1;
             packet.hits |= u32::from(hit) << i;
             let chord = if hit { end[i] - start[i] } else { 1.0 };
             let begin = if hit { start[i] } else { 0.0 };
@@ -123,6 +126,7 @@ impl FrameSetup<'_> {
             packet.end.0[i] = if hit { (count - 1.0 - middle) as f32 } else { f32::NEG_INFINITY };
             packet.last.0[i] = (count - 1.0 - middle + self.offset * (last / per_step - 1.0)) as f32;
             packet.ratio.0[i] = (last / per_step) as f32;
+            packet.stop.0[i] = if hit { (chord / per_step - middle) as f32 } else { f32::NEG_INFINITY };
             let s = begin + (middle + self.offset) * per_step;
             for a in 0..3 {
                 packet.base[a].0[i] = if hit { (origin[a][i] + direction[a][i] * s) as f32 } else { 0.0 };
@@ -165,10 +169,20 @@ impl Packet {
         end: Lanes::ZERO,
         last: Lanes::ZERO,
         ratio: Lanes::ZERO,
+        stop: Lanes::ZERO,
         middle: [0.0; LANES],
         begin: [0.0; LANES],
         length: [0.0; LANES],
     };
+
+    /// Begins at these steps of the rays, or at their last ones. Steps are taken in pairs, and rays end between pairs: an odd one begins
+    /// at the step before, so that the pairs stay the same, and with them every bit of the sums.
+    pub(crate) fn begin_at(&mut self, starts: &[u32]) {
+        for (i, &start) in starts.iter().enumerate() {
+            let last = f64::from(self.end.0[i]).max(0.0 - self.middle[i]);
+            self.first.0[i] = (f64::from(start & !1) - self.middle[i]).min(last) as f32;
+        }
+    }
 }
 
 /// A matrix times sixteen vectors.

@@ -4,7 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
 use super::elementary::depth_of_opacity;
-use super::lanes::{Lanes, pick, splat};
+use super::lanes::{LANES, Lanes, pick, splat};
+use super::march::Marched;
+use super::setup::Packet;
 
 /// C ← C + (1 − A)·c, A ← A + (1 − A)·α, front to back, with compensated sums.
 ///
@@ -16,17 +18,15 @@ pub(crate) struct Sums<S: Simd> {
     sum: [f32x16<S>; 4],
     /// What was added too much.
     lost: [f32x16<S>; 4],
-    /// The step of the first sample with α > 0; +∞: none yet.
-    first: f32x16<S>,
-    /// The step in which opacity reaches a half, the opacity before it and its own; +∞: none yet.
-    half: [f32x16<S>; 3],
+    /// The step in which opacity reaches a half: where it begins, +∞ for none yet; its length; the opacity before it, and its own.
+    half: [f32x16<S>; 4],
 }
 
 impl<S: Simd> Sums<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S) -> Self {
         let (zero, never) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
-        Self { sum: [zero; 4], lost: [zero; 4], first: never, half: [never, zero, zero] }
+        Self { sum: [zero; 4], lost: [zero; 4], half: [never, zero, zero, zero] }
     }
 
     /// What is still seen through.
@@ -35,9 +35,9 @@ impl<S: Simd> Sums<S> {
         splat(simd, 1.0) - self.sum[3]
     }
 
-    /// Adds the light and opacity of one step, whose number is `step`, to the live rays. Says in which of them opacity reaches a half.
+    /// Adds the light and opacity of one step, which begins at `begin` and is so long, to the live rays.
     #[inline(always)]
-    pub(crate) fn add(&mut self, simd: S, live: mask32x16<S>, step: f32x16<S>, light: [f32x16<S>; 4]) -> mask32x16<S> {
+    pub(crate) fn add(&mut self, simd: S, live: mask32x16<S>, [begin, length]: [f32x16<S>; 2], light: [f32x16<S>; 4]) {
         let zero = splat(simd, 0.0);
         let before = self.sum[3];
         let clear = pick(live, splat(simd, 1.0) - before, zero);
@@ -47,44 +47,50 @@ impl<S: Simd> Sums<S> {
             self.lost[c] = (sum - self.sum[c]) - added;
             self.sum[c] = sum;
         }
-        let visible = live & light[3].simd_gt(zero);
-        self.first = pick(visible, self.first.min(step), self.first);
         let half = splat(simd, 0.5);
         let crossing = before.simd_lt(half) & self.sum[3].simd_ge(half) & live;
         if crossing.any_true() {
-            for (kept, now) in self.half.iter_mut().zip([step, before, light[3]]) {
-                *kept = pick(crossing, now, *kept);
-            }
+            self.half[0] = pick(crossing, begin, self.half[0]);
+            self.half[1] = pick(crossing, length, self.half[1]);
+            self.half[2] = pick(crossing, before, self.half[2]);
+            self.half[3] = pick(crossing, light[3], self.half[3]);
         }
-        crossing
     }
 
     /// The sums.
     #[inline(always)]
     pub(crate) fn rgba(&self) -> [f32x16<S>; 4] {
-        [0, 1, 2, 3].map(
-            #[inline(always)]
-            |c: usize| self.sum[c] - self.lost[c],
-        )
+        let [r, g, b, a] = self.sum;
+        let lost = &self.lost;
+        [r - lost[0], g - lost[1], b - lost[2], a - lost[3]]
     }
 
-    /// The step of the first sample with α > 0; +∞ where there is none.
-    #[inline(always)]
-    pub(crate) fn first(&self) -> f32x16<S> {
-        self.first
-    }
-
-    /// Where opacity reaches a half: the step, and the fraction of it before that, with the medium homogeneous within the step.
+    /// Where opacity reaches a half, the medium homogeneous within the step in which it does; +∞ where it does not.
     ///
-    /// (1 − A)(1 − α)^x = ½ at the fraction x.
+    /// (1 − A)(1 − α)^x = ½ at the fraction x of the step.
     #[inline(always)]
-    pub(crate) fn half(&self, simd: S) -> [Lanes; 2] {
-        let [step, before, alpha] = self.half;
-        let mut share = Lanes::ZERO;
-        if step.simd_lt(splat(simd, f32::INFINITY)).any_true() {
-            share_of_half(simd, &Lanes::of(before), &Lanes::of(alpha), &mut share);
+    pub(crate) fn half(&self, simd: S) -> Lanes {
+        let [begin, length, before, alpha] = self.half;
+        if begin.simd_ge(splat(simd, f32::INFINITY)).all_true() {
+            return Lanes([f32::INFINITY; LANES]);
         }
-        [Lanes::of(step), share]
+        let mut share = Lanes::ZERO;
+        share_of_half(simd, &Lanes::of(before), &Lanes::of(alpha), &mut share);
+        Lanes::of(begin + length * share.load(simd))
+    }
+}
+
+impl<S: Simd> Sums<S> {
+    /// What became of the rays; those in `ended` ended early.
+    #[inline(always)]
+    pub(crate) fn finish(&self, simd: S, packet: &Packet, ended: mask32x16<S>, samples: u32) -> Marched {
+        let [r, g, b, a] = self.rgba();
+        Marched {
+            rgba: [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)],
+            half: self.half(simd),
+            samples,
+            terminated: packet.hits & ended.to_bitmask() as u32,
+        }
     }
 }
 

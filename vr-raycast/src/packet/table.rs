@@ -3,8 +3,72 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 use vr_core::transfer::BakedTransfer;
+use vr_core::{Calibration, TransferFunction};
 
-use super::lanes::{LANES, splat};
+use super::elementary::opacity_of_depth;
+use super::lanes::{LANES, pick, splat};
+
+/// Colour and extinction over the field's stored numbers, at the same places as a [`BakedTransfer`]: what a step of any length is made
+/// of.
+///
+/// Colours are linear between control points, and so exact; extinction is off by its curvature over one entry. Where emission is
+/// given on its own, it stands in the place of colour.
+#[derive(Clone, Debug)]
+pub(crate) struct OpticsTable {
+    /// (r, g, b, κ), κ per step of length 1.
+    rows: Vec<[f32; 4]>,
+    origin: f32,
+    per_unit: f32,
+    /// Whether the rows hold emission, per step of length 1, and not colour.
+    pub(crate) emits: bool,
+}
+
+/// An extinction that no length of a step brings to infinity, and that is opaque all the same.
+const OPAQUE: f64 = 1e30;
+
+impl OpticsTable {
+    /// At the places of `table`, for lengths in units of `step` world units.
+    pub(crate) fn new(
+        table: &BakedTransfer<f32>,
+        transfer: &TransferFunction,
+        calibration: Calibration,
+        step: f64,
+    ) -> Self {
+        let (origin, spacing, emits) = (f64::from(table.origin()), table.spacing(), transfer.has_emission());
+        let row = |i: usize| {
+            let at = transfer.at(calibration.value(origin + i as f64 * spacing));
+            let light = if emits { at.emission.map(|q| q * step) } else { at.color };
+            let kappa = (transfer.extinction(at.opacity) * step).min(OPAQUE);
+            [light[0] as f32, light[1] as f32, light[2] as f32, kappa as f32]
+        };
+        let intervals = table.entries().len() - 2;
+        // The last row is there twice.
+        let rows = (0..=intervals).chain([intervals]).map(row).collect();
+        Self { rows, origin: table.origin(), per_unit: table.per_unit(), emits }
+    }
+
+    pub(crate) fn rows(&self) -> Rows<'_> {
+        Rows { rows: &self.rows, origin: self.origin, per_unit: self.per_unit, last: (self.rows.len() - 2) as f32 }
+    }
+}
+
+/// Light and opacity of homogeneous steps of any length.
+///
+/// α = 1 − e^(−κh); light is c·α, or q·h·α/τ where the rows hold emission.
+#[inline(always)]
+pub(crate) fn light_of<S: Simd>(simd: S, optics: [f32x16<S>; 4], length: f32x16<S>, emits: bool) -> [f32x16<S>; 4] {
+    let [r, g, b, kappa] = optics;
+    let tau = kappa * length;
+    let alpha = opacity_of_depth(simd, tau);
+    let share = if emits {
+        let clear = tau.simd_le(splat(simd, 0.0));
+        let one = splat(simd, 1.0);
+        length * pick(clear, one, alpha / pick(clear, one, tau))
+    } else {
+        alpha
+    };
+    [r * share, g * share, b * share, alpha]
+}
 
 /// A table of rows of four numbers over the field's stored numbers, interpolated linearly.
 #[derive(Clone, Copy, Debug)]
@@ -36,10 +100,9 @@ impl<'a> Rows<'a> {
         let (mut low, mut high) = ([zero; LANES], [zero; LANES]);
         for j in 0..LANES {
             let i = index[j] as u32 as usize;
-            if let Some([a, b]) = self.rows.get(i..i + 2) {
-                low[j] = f32x4::load_array_ref(simd, a);
-                high[j] = f32x4::load_array_ref(simd, b);
-            }
+            let pair = &self.rows[i..i + 2];
+            low[j] = f32x4::load_array_ref(simd, &pair[0]);
+            high[j] = f32x4::load_array_ref(simd, &pair[1]);
         }
         let (low, high) = (transpose(low), transpose(high));
         [

@@ -1,5 +1,8 @@
 //! Steps of equal length, and one shorter one at the end.
 
+use std::ops::Range;
+
+use super::VisibleSteps;
 use crate::run::{RUN, Steps};
 
 /// A ray's part cut into steps of one length, from where it enters on; the last one ends where the ray does and is as long as is left.
@@ -39,44 +42,117 @@ impl Lattice {
     pub(crate) fn length_of(&self, k: u32) -> f64 {
         if k + 1 == self.count { self.last } else { self.length }
     }
+
+    /// Appends steps to a run.
+    fn push(&self, numbers: Range<u32>, steps: &mut Steps) {
+        for k in numbers {
+            steps.push(self.begin(k), self.length_of(k), k);
+        }
+    }
+
+    /// The steps that an interval of the ray touches.
+    pub(crate) fn steps_in(&self, begin: f64, end: f64) -> Range<u32> {
+        // `as` saturates: what rounding carries below 0 is 0.
+        let step = |s: f64| ((s - self.start) / self.length) as u32;
+        step(begin)..step(end).saturating_add(1).min(self.count)
+    }
 }
 
-/// Walks all steps of a lattice.
+/// Walks the steps of a lattice in which something may be visible.
 ///
 /// Runs begin at every 32nd step of the lattice, whatever is left out: sums are rounded run by run, and so a picture does not change
-/// by a bit where invisible steps are dropped.
-#[derive(Clone, Debug)]
-pub(crate) struct LatticeWalk {
+/// by a bit where invisible steps are dropped. Runs of which nothing is left are passed over.
+pub(crate) struct LatticeWalk<'a> {
     lattice: Lattice,
-    /// The first step.
-    first: u32,
-    /// Runs not yet walked.
-    runs: std::ops::Range<u32>,
-    backwards: bool,
+    order: Order<'a>,
+    /// Steps before the walk's place that it has left out.
+    skipped: u64,
 }
 
-impl LatticeWalk {
-    /// From step `first` on, before which nothing is visible, to the end; or from the far end back to it.
-    pub(crate) fn new(lattice: Lattice, first: u32, backwards: bool) -> Self {
-        let end = if first < lattice.count { lattice.count.div_ceil(RUN as u32) } else { 0 };
-        Self { lattice, first, runs: first / RUN as u32..end, backwards }
+/// In which order runs are walked.
+enum Order<'a> {
+    Forwards {
+        visible: VisibleSteps<'a>,
+        /// Of the last range asked for: what is not walked yet.
+        ahead: Range<u32>,
+        /// Where the walk is.
+        at: u32,
+    },
+    Backwards {
+        /// What is not walked yet, in order along the ray.
+        left: Vec<Range<u32>>,
+    },
+}
+
+impl<'a> LatticeWalk<'a> {
+    /// From front to back, or from the far end.
+    pub(crate) fn new(lattice: Lattice, mut visible: VisibleSteps<'a>, backwards: bool) -> Self {
+        if backwards {
+            let left: Vec<_> = std::iter::from_fn(|| visible.next()).collect();
+            let walked = left.iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
+            // All of the ray is walked, and so all that is not is skipped.
+            return Self { lattice, order: Order::Backwards { left }, skipped: u64::from(lattice.count) - walked };
+        }
+        Self { lattice, order: Order::Forwards { visible, ahead: 0..0, at: 0 }, skipped: 0 }
+    }
+
+    /// Steps left out so far.
+    pub(crate) fn skipped(&self) -> u64 {
+        self.skipped
     }
 
     /// Fills the next run; false where all are walked.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
-        let Some(run) = (if self.backwards { self.runs.next_back() } else { self.runs.next() }) else { return false };
-        let first = run * RUN as u32;
         steps.len = 0;
-        for k in first.max(self.first)..(first + RUN as u32).min(self.lattice.count) {
-            steps.push(self.lattice.begin(k), self.lattice.length_of(k), k);
+        let Self { lattice, order, skipped } = self;
+        match order {
+            Order::Forwards { visible, ahead, at } => {
+                let mut end_of_run = None;
+                loop {
+                    if ahead.start >= ahead.end {
+                        let Some(range) = visible.next() else {
+                            *skipped += u64::from(lattice.count - *at);
+                            *at = lattice.count;
+                            break;
+                        };
+                        *ahead = range;
+                    }
+                    let end_of_run =
+                        *end_of_run.get_or_insert((ahead.start / RUN as u32 + 1).saturating_mul(RUN as u32));
+                    if ahead.start >= end_of_run {
+                        break;
+                    }
+                    *skipped += u64::from(ahead.start - *at);
+                    *at = ahead.end.min(end_of_run);
+                    lattice.push(ahead.start..*at, steps);
+                    ahead.start = *at;
+                }
+            }
+            Order::Backwards { left } => {
+                if let Some(last) = left.last() {
+                    let begin_of_run = (last.end - 1) / RUN as u32 * RUN as u32;
+                    let inside = left.partition_point(|range| range.end <= begin_of_run);
+                    for range in &left[inside..] {
+                        lattice.push(range.start.max(begin_of_run)..range.end, steps);
+                    }
+                    let reaches_on = left[inside].start < begin_of_run;
+                    left[inside].end = begin_of_run;
+                    left.truncate(inside + usize::from(reaches_on));
+                }
+            }
         }
-        true
+        steps.len > 0
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::leap::{EmptySpace, Pyramid, VisibleBlocks};
+    use glam::DVec3;
+    use proptest::prelude::*;
+    use std::sync::Arc;
+    use vr_core::IndexRay;
 
     #[test]
     fn the_last_step_is_what_is_left() {
@@ -99,27 +175,86 @@ mod tests {
         }
     }
 
+    /// Along a ray of one cell per world unit, in a volume of one block per cell, each visible or not.
+    fn walked(
+        lattice: Lattice,
+        first: u32,
+        before: u32,
+        visible: Option<&[bool]>,
+        backwards: bool,
+    ) -> (Vec<Vec<u32>>, u64) {
+        let ray = IndexRay {
+            origin: DVec3::new(0.0, 0.5, 0.5),
+            direction: DVec3::X,
+            start: lattice.start,
+            end: lattice.begin(lattice.count - 1) + lattice.last,
+            offset: 0.0,
+        };
+        let pyramid = visible.map(|visible| {
+            let blocks = VisibleBlocks::from_fn([visible.len() + 1, 2, 2], 1, |[x, _, _]| visible[x]);
+            EmptySpace::Leaper(Arc::new(Pyramid::new(&blocks)))
+        });
+        let visible = VisibleSteps::new(lattice, first, before, &ray, pyramid.as_ref());
+        let (mut walk, mut steps, mut runs) = (LatticeWalk::new(lattice, visible, backwards), Steps::new(), Vec::new());
+        while walk.next(&mut steps) {
+            runs.push(steps.number[..steps.len].to_vec());
+        }
+        if backwards {
+            runs.reverse();
+        }
+        (runs, walk.skipped())
+    }
+
     #[test]
     fn walks_every_step_once_both_ways() {
         let lattice = Lattice::new(0.0, 70.5, 1.0);
         for backwards in [false, true] {
-            let (mut walk, mut steps, mut runs) = (LatticeWalk::new(lattice, 0, backwards), Steps::new(), Vec::new());
-            while walk.next(&mut steps) {
-                runs.push(steps.number[..steps.len].to_vec());
-            }
-            if backwards {
-                runs.reverse();
-            }
+            let (runs, skipped) = walked(lattice, 0, 0, None, backwards);
             assert_eq!(runs.concat(), (0..71).collect::<Vec<_>>());
-            assert!(runs.iter().all(|r| r[0] % RUN as u32 == 0));
+            assert!(runs.iter().all(|r| r[0] % RUN as u32 == 0) && skipped == 0);
         }
-        // Runs end at the same steps whatever the first one is.
-        let (mut walk, mut steps) = (LatticeWalk::new(lattice, 40, false), Steps::new());
-        assert!(walk.next(&mut steps));
-        assert_eq!((steps.number[0], steps.number[steps.len - 1]), (40, 63));
-        for first in [70, 71, u32::MAX] {
-            let mut walk = LatticeWalk::new(lattice, first, false);
-            assert_eq!(walk.next(&mut steps), first == 70);
+        // Runs end where they do, whatever step is the first.
+        let (runs, skipped) = walked(lattice, 40, 0, None, false);
+        assert_eq!((runs[0][0], runs[1][0], skipped), (40, 64, 40));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// Steps that touch a visible cell are walked, once and in order, and all others (but for rounding at their ends) are skipped; none
+        /// shares a run with steps of another run of the lattice.
+        #[test]
+        fn drops_what_touches_nothing_visible(
+            visible in prop::collection::vec(prop::bool::weighted(0.1), 2..90),
+            step in 0.1f64..3.0,
+            before in 0u32..2,
+            first in 0u32..40,
+            backwards in any::<bool>(),
+        ) {
+            let n = visible.len();
+            let lattice = Lattice::new(0.0, n as f64, step);
+            let first = first.min(lattice.count - 1);
+            let (runs, skipped) = walked(lattice, first, before, Some(&visible), backwards);
+            let all = runs.concat();
+            prop_assert!(all.windows(2).all(|w| w[0] < w[1]));
+            prop_assert_eq!(skipped + all.len() as u64, u64::from(lattice.count));
+            for run in &runs {
+                prop_assert_eq!(run[0] / RUN as u32, run[run.len() - 1] / RUN as u32);
+            }
+            prop_assert!(runs.windows(2).all(|w| w[0][0] / RUN as u32 != w[1][0] / RUN as u32));
+            let touches = |k: u32, margin: f64| {
+                let (begin, end) = (lattice.begin(k) - margin, lattice.begin(k) + lattice.length_of(k) + margin);
+                (begin.max(0.0) as usize..=(end as usize).min(n - 1)).any(|x| visible[x])
+            };
+            for k in first..lattice.count {
+                let walked = all.binary_search(&k).is_ok();
+                let wanted = |margin: f64| {
+                    (k..=(k + before).min(lattice.count - 1)).any(|k| touches(k, margin))
+                };
+                prop_assert!(walked || !wanted(0.0), "step {} is missing", k);
+                // The beam's reach.
+                prop_assert!(!walked || wanted(1e-3), "step {} is walked in vain", k);
+            }
         }
     }
 }

@@ -5,6 +5,8 @@ mod homogeneous;
 mod lattice;
 mod listed;
 mod local;
+mod vicinity;
+mod visible_steps;
 mod voxels;
 
 pub(crate) use cells::cell_walk;
@@ -12,15 +14,16 @@ pub(crate) use homogeneous::HomogeneousWalk;
 pub(crate) use lattice::{Lattice, LatticeWalk};
 pub(crate) use listed::ListedWalk;
 pub(crate) use local::LocalWalk;
+pub(crate) use vicinity::{Vicinity, VicinityFlags};
+pub(crate) use visible_steps::VisibleSteps;
 pub(crate) use voxels::voxel_walk;
 
 use crate::run::Steps;
 
 /// A walk along one ray.
-#[derive(Clone, Debug)]
 pub(crate) enum Walk<'a> {
-    /// Steps of one length.
-    Lattice(LatticeWalk),
+    /// Steps of one length, but for those in which nothing is visible.
+    Lattice(LatticeWalk<'a>),
     /// Steps as long as what is in each place allows.
     Local(LocalWalk<'a>),
     /// Cells or voxels, found beforehand.
@@ -45,6 +48,14 @@ impl Walk<'_> {
         match self {
             Self::Lattice(_) | Self::Local(_) | Self::Homogeneous(_) => None,
             Self::Listed(walk) => walk.places(),
+        }
+    }
+
+    /// Steps left out so far because nothing in them is visible; 0 where nobody knows how many there would have been.
+    pub(crate) fn skipped(&self) -> u64 {
+        match self {
+            Self::Lattice(walk) => walk.skipped(),
+            Self::Local(_) | Self::Listed(_) | Self::Homogeneous(_) => 0,
         }
     }
 }

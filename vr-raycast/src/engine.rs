@@ -1,0 +1,49 @@
+//! What draws a scene.
+
+use vr_core::{RenderError, Scene, UniformVolume};
+
+use crate::caster::{RayCaster, Step};
+use crate::instruments::Kernel;
+use crate::packet::PacketEngine;
+use crate::tolerance::Promise;
+
+/// What draws a scene.
+pub(crate) enum Engine {
+    /// One ray after another, by any settings.
+    Plain(Kernel),
+    /// Sixteen rays at once, where vector code knows the scene and the settings.
+    Packets(Box<PacketEngine>, Kernel),
+    /// In steps that a promised error asks for.
+    Promise(Box<Promise>),
+}
+
+impl Engine {
+    /// Makes what the scene needs, and takes over from `last` what has not changed since.
+    ///
+    /// # Errors
+    /// A promised error that cannot be kept.
+    pub(crate) fn new(
+        caster: &RayCaster,
+        scene: &Scene,
+        volume: &UniformVolume,
+        last: Option<(&Scene, &Self)>,
+    ) -> Result<Self, RenderError> {
+        if let Step::Tolerance(error) = caster.step {
+            let promise = Promise::new(error, scene, volume, caster.filter_of(scene))?;
+            return Ok(Self::Promise(Box::new(promise)));
+        }
+        let last = match last {
+            Some((scene, Self::Plain(kernel) | Self::Packets(_, kernel))) => Some((scene, kernel)),
+            _ => None,
+        };
+        let kernel = Kernel::new(caster, scene, volume, last);
+        let packets = match &kernel {
+            Kernel::F32(instruments) => PacketEngine::new(caster, scene, volume, instruments),
+            Kernel::F64(_) => None,
+        };
+        Ok(match packets {
+            Some(packets) => Self::Packets(Box::new(packets), kernel),
+            None => Self::Plain(kernel),
+        })
+    }
+}

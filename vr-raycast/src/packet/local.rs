@@ -1,0 +1,128 @@
+//! Packets in steps of the length that each place asks for.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+use super::field::{Cells, Pairs, Stage};
+use super::lanes::{LANES, Lanes, pick, splat};
+use super::leap::{Leaper, block_index};
+use super::march::{Marched, Medium, Path};
+use super::setup::Packet;
+use super::sums::Sums;
+use super::table::light_of;
+use crate::pace::{CLEAR, PaceMap};
+
+/// A [`PaceMap`] as packets read it. Distances are in smallest voxel edges, which are the packet's steps.
+#[derive(Clone, Copy)]
+pub(crate) struct LocalPace<'a> {
+    bytes: &'a [u8],
+    blocks: [usize; 3],
+    /// By byte: the step to take; below 0 where a block is clear, by one more than as many blocks around as are, too.
+    by_byte: &'a [f32; 256],
+}
+
+/// What [`LocalPace`] looks bytes up in.
+pub(crate) fn by_byte(map: &PaceMap, voxel: f64) -> [f32; 256] {
+    std::array::from_fn(|b| match map.steps().get(b) {
+        Some(&step) => (f64::from(step) / voxel) as f32,
+        None => -(b.saturating_sub(usize::from(CLEAR)) as f32) - 1.0,
+    })
+}
+
+/// Looked ahead from where a step begins, so that it begins in the block that it leads into: beyond what rounding does to a position.
+const NUDGE: f32 = 1.0 / 1024.0;
+
+/// A rest of a ray that is not worth a step: below the rounding of a position.
+const REST: f32 = 1e-5;
+
+impl<'a> LocalPace<'a> {
+    pub(crate) fn new(map: &'a PaceMap, by_byte: &'a [f32; 256]) -> Self {
+        Self { bytes: map.bytes(), blocks: map.blocks(), by_byte }
+    }
+
+    /// What is to be done in the blocks of sixteen cells: see `by_byte`.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, cells: &Cells<S>) -> f32x16<S> {
+        let index = block_index(cells, PaceMap::EDGE.trailing_zeros(), self.blocks);
+        let mut lanes = Lanes::ZERO;
+        for i in 0..LANES {
+            lanes.0[i] = self.by_byte[usize::from(self.bytes[index[i] as u32 as usize])];
+        }
+        lanes.load(simd)
+    }
+}
+
+/// Each ray walks on its own: over what is clear to where it ends, and through the rest in steps of the length that the block of their
+/// begin asks for. Rays that are in clear blocks leap while those in visible ones wait, but only as long as they are more.
+#[inline(always)]
+pub(crate) fn local<S: Simd, T: Pairs>(
+    simd: S,
+    medium: &Medium<'_, T>,
+    pace: LocalPace<'_>,
+    packet: &Packet,
+    most: &Lanes,
+    stages: &mut [Stage<T>; 2],
+) -> Marched {
+    let ray = Path::new(simd, medium, packet);
+    let leaper = Leaper::new(simd, PaceMap::EDGE.trailing_zeros(), packet, medium.dims);
+    let (zero, never) = (splat(simd, 0.0), splat(simd, f32::NEG_INFINITY));
+    let negligible = splat(simd, medium.negligible);
+    let most = most.load(simd);
+    let rows = medium.optics.rows();
+    let mut at = packet.first.load(simd);
+    let mut stop = packet.stop.load(simd);
+    let mut sums = Sums::new(simd);
+    let mut samples = 0;
+    loop {
+        let mut live = at.simd_lt(stop - REST);
+        let mut length;
+        loop {
+            let (position, cells) = ray.cells(simd, medium, at + NUDGE);
+            length = pace.at(simd, &cells);
+            let clear = live & length.simd_lt(zero);
+            if clear.all_false() {
+                break;
+            }
+            let visible = live & !clear;
+            let exit: f32x16<S> = at + NUDGE + leaper.exit(simd, position, &cells, -length);
+            at = pick(clear, exit, at);
+            live = visible;
+            let walking = at.simd_lt(stop - REST);
+            let (known, all) = (visible.to_bitmask().count_ones(), walking.to_bitmask().count_ones());
+            if known * 2 >= all {
+                break;
+            }
+            live = walking;
+        }
+        let bits = live.to_bitmask();
+        if bits == 0 {
+            break;
+        }
+        samples += bits.count_ones();
+        let [now, next] = stages;
+        // What is not live may have any length.
+        length = length.max(zero).min(stop - at).max(zero);
+        let (_, cells) = ray.cells(simd, medium, at + length * 0.5);
+        medium.field.fetch(simd, &cells, now);
+        // The next step of those that go on in a visible block: while the first waits for its samples, those of the second are fetched.
+        let then = pick(live, at + length, at);
+        let (_, ahead) = ray.cells(simd, medium, then + NUDGE);
+        let length_then = pace.at(simd, &ahead);
+        let visible = live & length_then.simd_ge(zero);
+        let length_then = length_then.max(zero).min(stop - then).max(zero);
+        let (_, cells_then) = ray.cells(simd, medium, then + length_then * 0.5);
+        medium.field.fetch(simd, &cells_then, next);
+        let optics = rows.at(simd, medium.field.value(simd, &cells, now));
+        let optics_then = rows.at(simd, medium.field.value(simd, &cells_then, next));
+        let light = light_of(simd, optics, length, medium.optics.emits);
+        let light_then = light_of(simd, optics_then, length_then, medium.optics.emits);
+        sums.add(simd, live, [at, length], light);
+        stop = pick((sums.clear(simd) * most).simd_le(negligible), never, stop);
+        live = visible & then.simd_lt(stop - REST);
+        samples += live.to_bitmask().count_ones();
+        sums.add(simd, live, [then, length_then], light_then);
+        stop = pick((sums.clear(simd) * most).simd_le(negligible), never, stop);
+        at = pick(live, then + length_then, then);
+    }
+    sums.finish(simd, packet, stop.simd_le(never), samples)
+}

@@ -1,0 +1,89 @@
+//! What the caster can draw, and what it says of the rest.
+
+use vr_core::{Compositing, Filter, RenderError, Scene, UniformVolume};
+
+use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step, Traversal};
+
+pub(crate) fn unsupported(feature: String) -> RenderError {
+    RenderError::Unsupported { renderer: RayCaster::NAME, feature }
+}
+
+/// Whether this caster can draw this scene; its volume, if so.
+pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, RenderError> {
+    caster.validate()?;
+    scene.validate()?;
+    if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
+        return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
+    }
+    if let Some(what) = beyond_screen(caster, scene) {
+        return Err(unsupported(what));
+    }
+    if caster.rule == Rule::Exact {
+        if !scene.compositing.integrates_light() {
+            return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
+        }
+    }
+    let filter = caster.filter_of(scene);
+    if !caster.rule.goes_with(filter) {
+        return Err(unsupported(format!("the filter '{filter}' by the rule '{}'", caster.rule.name())));
+    }
+    if matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples {
+        if !scene.compositing.integrates_light() {
+            return Err(unsupported(format!(
+                "compositing '{}' in steps that follow the light",
+                scene.compositing.name()
+            )));
+        }
+        if caster.order == Order::BackToFront {
+            return Err(unsupported("steps that follow the data, back to front".to_owned()));
+        }
+    }
+    if matches!(caster.step, Step::Homogeneous { .. }) {
+        if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
+            return Err(unsupported("homogeneous steps under anything but over, front to back".to_owned()));
+        }
+        if caster.rule != Rule::Midpoint {
+            return Err(unsupported("homogeneous steps by another rule than the midpoint's".to_owned()));
+        }
+        if scene.shading.is_some() {
+            return Err(unsupported("homogeneous steps with shading: values do not tell how it changes".to_owned()));
+        }
+    }
+    scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
+}
+
+/// What this caster's screen has no answer to.
+fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
+    let compositing = format!("compositing '{}'", scene.compositing.name());
+    let filter = caster.filter_of(scene);
+    let uneven = !matches!(caster.step, Step::Uniform(_)) || caster.traversal != Traversal::Samples;
+    let uneven = uneven.then_some("steps that are not all of one length".to_owned());
+    let found = match caster.screen {
+        Screen::EveryPixel => vec![],
+        // A promise for each pixel is none for what lies between them.
+        Screen::Adaptive { .. } => {
+            vec![matches!(caster.step, Step::Tolerance(_)).then_some("a promised error".to_owned())]
+        }
+        Screen::Coherent => vec![
+            (!scene.compositing.integrates_light()).then_some(compositing),
+            uneven,
+            // What a table of segments shows cannot be told from the values at their ends.
+            (!matches!(caster.rule, Rule::Midpoint | Rule::Left)).then(|| format!("the rule '{}'", caster.rule.name())),
+        ],
+        Screen::Template { connectivity } => {
+            let own_values = connectivity == Connectivity::Discrete && filter == Filter::Nearest;
+            vec![
+                (scene.compositing != Compositing::Over).then_some(compositing),
+                scene.shading.is_some().then_some("shading".to_owned()),
+                (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
+                (caster.order == Order::BackToFront).then_some("compositing back to front".to_owned()),
+                uneven,
+                (caster.rule != Rule::Midpoint).then(|| format!("the rule '{}'", caster.rule.name())),
+                (caster.precision == Precision::F64).then_some("64-bit precision".to_owned()),
+                (caster.classification == Classification::Exact).then_some("exact classification".to_owned()),
+            ]
+        }
+    };
+    let what = found.into_iter().flatten().next()?;
+    Some(format!("{what} with the screen '{}'", caster.screen.name()))
+}
