@@ -95,7 +95,7 @@ def main():
     os.makedirs(given.work, exist_ok=True)
 
     def bench(kind, n):
-        return Vr(given.vr, scene(given.work, kind, n)).bench(" ".join(["step=1", *flags]), given.threads, given.frames, 10)
+        return Vr(given.vr, scene(given.work, kind, n)).bench(" ".join(flags or ["step=1"]), given.threads, given.frames, 10)
 
     print("| volume | voxels | prepare, ms | frame, ms | CPU, ms | samples | CPU ns a sample | memory beyond, MB | of the volume |")
     print("|---|--:|--:|--:|--:|--:|--:|--:|--:|", flush=True)

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # Instructions per sample: a figure that does not depend on the machine's mood. Needs valgrind and python3.
 #
-#   instructions.sh [VR] [FLAG ...]        VR: target/release/vr if absent; FLAGs go to `vr bench`, KEY=VALUE as --set KEY=VALUE
+#   instructions.sh [VR [FLAG ...]]
+#
+# VR: target/release/vr if absent. FLAGs go to `vr bench`, KEY=VALUE as --set KEY=VALUE; step=1 if absent.
 #
 # Callgrind counts the instructions of one frame and of three frames of the same view, on one thread; half the difference is one frame:
 # set-up of rays, sampling, table, compositing, without reading and preparation. It is divided by the samples taken. Valgrind knows
 # instructions up to AVX2 and hides AVX-512, so run-time dispatch takes the AVX2 kernels here, whatever the processor has.
 #
-# The scenes: a dense fog in which no ray ends early, u8 and f32, of 64 samples along each edge; all steps are one voxel long.
+# The scenes: a dense fog in which no ray ends early, u8 and f32, of 64 samples along each edge.
 set -euo pipefail
 vr=${1:-target/release/vr}
 shift || true
@@ -15,6 +17,7 @@ flags=()
 for flag in "$@"; do
     case $flag in -*) flags+=("$flag") ;; *=*) flags+=(--set "$flag") ;; *) flags+=("$flag") ;; esac
 done
+[ ${#flags[@]} -gt 0 ] || flags=(--set step=1)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -51,12 +54,14 @@ PYTHON
 # Instructions of a run of so many frames, and the samples of one of them.
 run() {
     valgrind --tool=callgrind --callgrind-out-file=/dev/null "$vr" bench --scene "$work/$1.toml" --frames "$2" --warm-up 0 --azimuth-step 0 \
-        --threads 1 --json --quiet --set step=1 ${flags[@]+"${flags[@]}"} >"$work/out" 2>"$work/log" || { cat "$work/log" >&2; exit 1; }
+        --threads 1 --json --quiet "${flags[@]}" >"$work/out" 2>"$work/log" || { cat "$work/log" >&2; return 1; }
     echo "$(sed -n 's/.*Collected *: *\([0-9]*\).*/\1/p' "$work/log") $(sed -n 's/.*"samples": *\([0-9]*\).*/\1/p' "$work/out")"
 }
 for kind in u8 f32; do
-    read -r one samples <<<"$(run $kind 1)"
-    read -r three again <<<"$(run $kind 3)"
+    one=$(run $kind 1)
+    three=$(run $kind 3)
+    read -r one samples <<<"$one"
+    read -r three again <<<"$three"
     [ "$samples" = "$again" ] || { echo "the same view took $samples and $again samples" >&2; exit 1; }
     awk -v k=$kind -v a="$one" -v b="$three" -v s="$samples" \
         'BEGIN { printf "%-4s %8.2f instructions a sample (%.1f M a frame, %d samples)\n", k, (b - a) / 2 / s, (b - a) / 2e6, s }'

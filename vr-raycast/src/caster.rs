@@ -36,9 +36,14 @@ pub struct RayCaster {
     pub vector: Vector,
 }
 
-/// Which instructions the vector engine may use. It draws unshaded `over` of the trilinear filter, front to back, in f32 with a table,
-/// where no sample is missing; everything else goes through the plain engine. Pictures do not depend on the instructions, bit for
-/// bit; from the plain engine's they differ by rounding.
+/// Which instructions the vector engine may use.
+///
+/// It draws `over` of the trilinear filter, front to back, in f32 with a table, by the rules `midpoint` and `left` under uniform steps and
+/// by `midpoint` under local ones, unshaded or shaded by central differences, where no sample is missing and opacity does not follow the
+/// gradient. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own, whichever
+/// structure [`Leaping`] names; with [`Leaping::None`], not at all.
+///
+/// Pictures do not depend on the instructions, bit for bit; from the plain engine's they differ by rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Vector {
     /// The widest that the machine has.
@@ -77,8 +82,8 @@ pub enum Step {
     /// As long as a promise allows: no component of a pixel is further than this from the truth, relative to max(1, the picture's
     /// largest magnitude); at least 10⁻⁶. Rays for which no such bound was found are counted ([`vr_core::Counts::unbounded`]).
     ///
-    /// For over and accumulate, trilinear and nearest fields, without shading. Rule, order and classification do not apply; in the
-    /// precision f32, rays whose rounding takes too much are done again in f64.
+    /// For over and accumulate, trilinear and nearest fields, without shading. Rule, traversal and order are the caster's own choice, and
+    /// the transfer function is always evaluated exactly; in the precision f32, rays whose rounding takes too much are done again in f64.
     Tolerance(f64),
     /// Adaptive ray traversal (Yagel & Shi 1993, "Accelerating volume animation by space-leaping"): coarse steps that look at nothing but a
     /// flag, and fine ones in the vicinity of what is visible, where the flag is set.
@@ -133,7 +138,7 @@ pub enum Leaping {
     Pyramid,
     /// Balls: each block stores its exact Euclidean distance to the nearest block of the other kind.
     ///
-    /// The default: fastest, or within a hundredth of it, on sparse blobs, thin shells, a scan and fog (`benches/leaping.rs`).
+    /// The default: the fastest of all on sparse blobs, thin shells and a real scan; a fog loses nothing by it (`benches/leaping.rs`).
     #[default]
     ExactCloud,
     /// Cubes: each block stores its distance to the nearest block of the other kind as a king moves on a chessboard.
@@ -367,9 +372,9 @@ impl RayCaster {
             }
             Step::Tolerance(error) => {
                 check_error(error)?;
-                if self.order != Order::default() || self.rule != Rule::default() {
-                    let allowed =
-                        "a promised error leaves rule, order and termination to the caster: they must not be set";
+                let own = (self.order, self.rule, self.traversal);
+                if own != (Order::default(), Rule::default(), Traversal::default()) {
+                    let allowed = "a promised error leaves rule, traversal, order and termination to the caster: they must not be set";
                     return Err(ParameterError::new("render.max_error", error, allowed));
                 }
             }

@@ -46,6 +46,11 @@
 //! | [`Rule::Midpoint`] under over and accumulate: continuous filter, transfer function without jumps | 2 |
 //! | [`Rule::Left`] | 1 |
 //! | either with the nearest filter, or where the transfer function jumps or an opaque wall begins | 1: the place is known to one step |
+//! | [`Rule::Linear`] | 2, at jumps and walls, too |
+//! | [`Rule::Quadratic`], smooth field | 4; at kinks of the transfer function 3.6, at jumps 2 |
+//! | [`Rule::Quadratic`], trilinear field | 2, for its kinks at cell faces, with a quarter to a fifteenth of midpoint's error at the same step; from one step a cell on 10⁻⁶ to 10⁻⁴ with [`Traversal::Cells`] |
+//! | [`Rule::Exact`], [`Traversal::Cells`] | no error but rounding, unless shaded (one gradient a cell) |
+//! | [`Traversal::Voxels`] | 1 in the size of a voxel |
 //! | average, midpoint | 2 |
 //! | maximum, minimum: samples and chord ends | 2 inside a smooth piece; 1 at a kink of the field |
 //! | first | as exact as f32 depth, where the field crosses the threshold once between two samples |
@@ -76,9 +81,14 @@
 //! Under over, accumulate and first, steps in which nothing can be visible are not sampled. [`Leaping`] says how rays find them, and
 //! [`Step::Vicinity`] is another way; none changes a picture by a bit, its depths included.
 //!
+//! # A promised error
+//! [`Step::Tolerance`] takes no step of a given length, but as long ones as an error allows: no component of a pixel is further from
+//! the truth than asked for, or else its ray is counted ([`vr_core::Counts::unbounded`]). Every step comes with a bound; the README in
+//! `src/tolerance` derives them. It is what to use where an error must not be exceeded, and for thin shells, walls and noise, of which
+//! samples at distances tell too little. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
+//!
 //! # What it does not do yet
-//! It has no vector kernels, no pre-integration, and no promise of an
-//! error. It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
+//! It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 mod caster;
 mod chord;

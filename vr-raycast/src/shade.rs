@@ -7,6 +7,7 @@ use vr_core::{GradientMethod, Placement, RayShading, Real, Shading};
 
 use crate::chord::Chord;
 use crate::classify::Classifier;
+use crate::packet::PacketShading;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
@@ -32,6 +33,12 @@ impl<R: Real> Shader<R> {
     /// The shading itself.
     pub(crate) fn shading(&self) -> &Shading {
         &self.shading
+    }
+
+    /// What the vector engine needs of it.
+    pub(crate) fn for_packets(&self) -> PacketShading {
+        let to_world = self.to_world.map(|row| row.map(|x| x.to_f64() as f32));
+        PacketShading { shading: Arc::clone(&self.shading), to_world }
     }
 
     /// The most that shading can make of a colour's largest component: ka + kd Σ L, and ks Σ L on top.

@@ -18,10 +18,8 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
     if let Some(what) = beyond_screen(caster, scene) {
         return Err(unsupported(what));
     }
-    if caster.rule == Rule::Exact {
-        if !scene.compositing.integrates_light() {
-            return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
-        }
+    if caster.rule == Rule::Exact && !scene.compositing.integrates_light() {
+        return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
     }
     let filter = caster.filter_of(scene);
     if !caster.rule.goes_with(filter) {

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use vr_core::phantom::{self, sample};
 use vr_core::*;
 use vr_physics::check::strategies;
-use vr_raycast::{Order, RayCaster, Rule, Step};
+use vr_raycast::{Order, RayCaster, Rule, Step, Traversal};
 
 fn short(step: f64) -> RayCaster {
     RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::default() }
@@ -113,7 +113,9 @@ fn what_has_no_bound_is_refused() {
     assert!(refuses(&caster, &Scene { compositing: Compositing::Maximum, ..scene.clone() }));
     assert!(refuses(&caster, &Scene { shading: Some(Default::default()), ..scene.clone() }));
     assert!(refuses(&RayCaster { order: Order::BackToFront, ..caster.clone() }, &scene));
-    assert!(refuses(&RayCaster { rule: Rule::Left, ..caster }, &scene));
+    assert!(refuses(&RayCaster { rule: Rule::Left, ..caster.clone() }, &scene));
+    let cells = RayCaster { traversal: Traversal::Cells, ..caster };
+    assert!(matches!(cells.prepare(&scene, &Control::default()), Err(RenderError::Parameter(_))));
     for (step, error) in [(0.0, 0.1), (0.5, 0.0), (0.5, f64::NAN), (0.5, 2.0)] {
         let caster = RayCaster { step: Step::Homogeneous { step, error }, ..RayCaster::default() };
         assert!(

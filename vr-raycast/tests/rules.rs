@@ -83,7 +83,8 @@ fn exact_bound(case: &Case) -> f64 {
 #[test]
 fn survives_hard_cases() {
     let exact = RayCaster { precision: Precision::F64, ..cells(Rule::Exact) };
-    let rules: [(RayCaster, fn(&Case) -> f64); 4] = [
+    type Bound = fn(&Case) -> f64;
+    let rules: [(RayCaster, Bound); 4] = [
         (caster(Rule::Linear, FINE), linear_bound),
         (caster(Rule::Quadratic, FINE), quadratic_bound),
         (cells(Rule::Quadratic), quadratic_cells_bound),

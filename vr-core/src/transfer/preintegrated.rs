@@ -41,6 +41,8 @@ pub struct PreIntegrated<R> {
     quantum: [R; 4],
     /// Ranges of α = 1 in entries, ascending, with the colour at their lower and upper end.
     walls: Vec<Wall<R>>,
+    /// Entries by which a wall must be entered: what is less is rounding, and only touches it.
+    touch: R,
     /// The largest colour, channel by channel: no stretch shines brighter. Absent where emission is given on its own.
     brightest: Option<[R; 3]>,
     aligned: bool,
@@ -92,8 +94,9 @@ impl<R: Real> PreIntegrated<R> {
         knots.sort_by(f64::total_cmp);
         let field = (f64::from(range.0), f64::from(range.1));
         let ends = (knots[0], knots[knots.len() - 1]);
-        let (low, high) = (ends.0.clamp(field.0, field.1), ends.1.clamp(field.0, field.1));
-        let (mut low, mut high, entries) = (low, high, entries.max(2));
+        // Not `clamp`, which panics where there is no range.
+        let inside = |x: f64| x.max(field.0).min(field.1);
+        let (mut low, mut high, entries) = (inside(ends.0), inside(ends.1), entries.max(2));
         let (mut intervals, mut aligned) = find_intervals(&knots, low, high, entries);
         if !aligned && ends.1 - ends.0 <= MOST_EXCESS * (high - low) {
             // From the first point to the last, though the field does not go so far, they may fit.
@@ -134,14 +137,23 @@ impl<R: Real> PreIntegrated<R> {
         let brightest = |c: usize| transfer.points().iter().map(|p| p.color[c]).fold(0.0, f64::max);
         let last = intervals + 1;
         // At a jump the later point holds: a value on it must not be rounded onto the other side.
-        let nudge = R::ROUNDOFF * 4.0 * last as f64 * spacing * calibration.slope.signum();
+        let nudge = R::ROUNDOFF * 4.0 * last as f64;
+        let origin = low - spacing - nudge * spacing * calibration.slope.signum();
+        let mut walls = walls(transfer, calibration, low, spacing);
+        let constant = transfer.at(calibration.value(low));
+        if field.0 == field.1 && transfer.rule() == OpacityRule::Power && constant.opacity == 1.0 {
+            // A constant field on a value where α only touches 1 has α = 1 over a length, too.
+            let color = constant.color.map(R::from_f64);
+            walls = vec![Wall { from: -R::ONE / R::ZERO, to: R::ONE / R::ZERO, color: [color; 2] }];
+        }
         Self {
             rows,
-            origin: R::from_f64(low - spacing - nudge),
+            origin: R::from_f64(origin),
             per_unit: R::from_f64(1.0 / spacing),
             last: R::from_index(last),
             quantum: quantum.map(R::from_f64),
-            walls: walls(transfer, calibration, low, spacing),
+            walls,
+            touch: R::from_f64(4.0 * nudge),
             brightest: (!transfer.has_emission()).then(|| std::array::from_fn(|c| R::from_f64(brightest(c)))),
             aligned,
         }
@@ -269,7 +281,10 @@ impl<R: Real> PreIntegrated<R> {
         if raise.is_nan() {
             return [R::ZERO; 4];
         }
-        let [front, middle, back] = [front, middle, back].map(|v| self.place(v + raise));
+        let samples = [front, middle, back];
+        // A parabola may leave the range of the field's values; into a wall it must not.
+        let raise = if !self.walls.is_empty() && self.overshoots(samples, raise) { R::ZERO } else { raise };
+        let [front, middle, back] = samples.map(|v| self.place(v + raise));
         let half = R::from_f64(0.5) * length;
         behind(self.segment_between(front, middle, half), self.segment_between(middle, back, half))
     }
@@ -289,6 +304,10 @@ impl<R: Real> PreIntegrated<R> {
     #[inline(always)]
     fn open_segment(&self, front: TablePlace<R>, back: TablePlace<R>, length: R) -> [R; 4] {
         let mean = self.mean_between(front, back);
+        // Most of a typical scan is air.
+        if mean == [R::ZERO; 4] {
+            return mean;
+        }
         let tau = mean[3] * length;
         let alpha = opacity_of_depth(tau);
         let weight = if tau == R::ZERO { R::ONE } else { alpha / tau };
@@ -307,6 +326,25 @@ impl<R: Real> PreIntegrated<R> {
         [light(0), light(1), light(2), alpha]
     }
 
+    /// Whether values from `low` to `high`, in entries, get into a wall.
+    fn enters(&self, wall: &Wall<R>, low: R, high: R) -> bool {
+        high > wall.from + self.touch && low < wall.to - self.touch
+    }
+
+    /// Whether the two chords of a parabola get into a wall that its samples do not touch.
+    #[cold]
+    fn overshoots(&self, samples: [R; 3], raise: R) -> bool {
+        let x = |stored: R| {
+            let p = self.place(stored);
+            R::from_index(p.row) + p.fraction
+        };
+        let places = samples.map(x);
+        let (low, high) = (places[0].min(places[1]).min(places[2]), places[0].max(places[1]).max(places[2]));
+        let raise = raise * self.per_unit;
+        let (lowest, highest) = (low + raise.min(R::ZERO), high + raise.max(R::ZERO));
+        self.walls.iter().any(|w| self.enters(w, lowest, highest) && !self.enters(w, low, high))
+    }
+
     /// A stretch that meets a wall: what lies before it, and the wall's own colour. `None` if it meets none.
     #[cold]
     fn segment_to_wall(&self, front: TablePlace<R>, back: TablePlace<R>, length: R) -> Option<[R; 4]> {
@@ -314,8 +352,8 @@ impl<R: Real> PreIntegrated<R> {
         let (from, to) = (x(front), x(back));
         let rising = from <= to;
         let met = |w: &&Wall<R>| {
-            // Half open: on its upper end the value belongs to what follows.
-            if rising { from < w.to && (to > w.from || to == w.from && from == to) } else { to < w.to && from > w.from }
+            // A constant value is in or out, the upper end being out; a value that changes must get inside.
+            if from == to { w.from <= from && from < w.to } else { self.enters(w, from.min(to), from.max(to)) }
         };
         let wall = if rising { self.walls.iter().find(met)? } else { self.walls.iter().rev().find(met)? };
         let entry = if rising { from.max(wall.from) } else { from.min(wall.to) };
@@ -389,14 +427,9 @@ impl Cell {
     /// What holds at a single value: that of a constant field, on which α = 1 is opaque, whatever it is beside.
     fn at(transfer: &TransferFunction, calibration: Calibration, stored: f64) -> Self {
         let value = calibration.value(stored);
-        let mut at = properties(transfer, transfer.segment_at(value), value);
-        if at[3] == f64::INFINITY {
-            at[3] = WALL_DEPTH / transfer.unit_distance();
-            if !transfer.has_emission() {
-                let [r, g, b] = transfer.at(value).color.map(|c| at[3] * c);
-                at = [r, g, b, at[3]];
-            }
-        }
+        let at = properties(transfer, transfer.segment_at(value), value);
+        // Infinite: a wall, which is looked for first.
+        let at = if at[3].is_finite() { at } else { [0.0, 0.0, 0.0, WALL_DEPTH / transfer.unit_distance()] };
         Self::constant(at)
     }
 
@@ -500,9 +533,9 @@ fn mean_of(transfer: &TransferFunction, segment: &Segment, a: f64, b: f64) -> [f
 /// rule with 8 points misses less than 10⁻¹² of it.
 fn gauss_mean(f: impl Fn(f64) -> [f64; 4], a: f64, b: f64) -> [f64; 4] {
     const NODES: [(f64, f64); 4] = [
-        (0.183_434_642_495_649_8, 0.362_683_783_378_361_98),
-        (0.525_532_409_916_329, 0.313_706_645_877_887_29),
-        (0.796_666_477_413_626_7, 0.222_381_034_453_374_47),
+        (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+        (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+        (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
         (0.960_289_856_497_536_2, 0.101_228_536_290_376_26),
     ];
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
@@ -656,10 +689,23 @@ mod tests {
         assert_eq!(table.mean(49.9, 49.9)[3], kappa[0]);
         assert_eq!(table.mean(50.0, 50.0)[3], kappa[1]);
         assert!((table.mean(40.0, 60.0)[3] - 0.5 * (kappa[0] + kappa[1])).abs() < 1e-8);
-        // Where α touches 1, a constant field is opaque.
+        // Where α touches 1, a constant field is opaque, and one that only passes by is not.
         let t = wild(OpacityRule::Power, false);
         let table = Table::new(&t, Calibration::default(), (60.0, 60.0), 1024);
-        assert!((table.segment(60.0, 60.0, 1.0)[3] - 1.0).abs() < 1e-15);
+        assert_eq!(table.segment(60.0, 60.0, 1e-6)[3], 1.0);
+        for points in [[(10.0, 0.0), (60.0, 1.0), (70.0, 0.0)], [(10.0, 0.0), (60.0, 1.0), (60.0, 1.0)]] {
+            let t = transfer(&points, OpacityRule::Power, false);
+            for calibration in [Calibration::default(), Calibration { slope: -0.3, intercept: 70.0 }] {
+                let table = PreIntegrated::<f32>::new(&t, calibration, (0.0, 255.0), 1024);
+                let stored = |value: f64| calibration.stored(value) as f32;
+                // Up to 60 and no further: the mean of −ln(1 − α) over a ramp from ½ to 1, which is 1 + ln 2, per 0.7.
+                let alpha = -libm::expm1f(-1.693_147 / 0.7);
+                assert!((table.segment(stored(35.0), stored(60.0), 1.0)[3] - alpha).abs() < 1e-3, "{calibration:?}");
+                assert!((table.segment(stored(60.0), stored(35.0), 1.0)[3] - alpha).abs() < 1e-3, "{calibration:?}");
+                // Nor does a parabola get there that its samples do not.
+                assert!(table.segment3(stored(20.0), stored(55.0), stored(60.0), 0.01)[3] < 0.1);
+            }
+        }
     }
 
     #[test]

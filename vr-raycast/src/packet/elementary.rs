@@ -13,7 +13,7 @@ const LN2_LOW: f32 = -2.121_944_4e-4;
 ///
 /// x = 2^e·m with m in [√½, √2); ln m by the polynomial of Cephes' `logf` (Moshier 1989).
 #[inline(always)]
-fn ln<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+pub(crate) fn ln<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     // Exponent and mantissa, split at √½ rather than at 1.
     let bits: i32x16<S> = x.bitcast();
     let shifted = bits - 0x3f35_04f3;

@@ -6,7 +6,7 @@ use fearless_simd::{Level, Simd};
 use vr_core::filter::Lattice;
 use vr_core::image_order::Spot;
 use vr_core::transfer::BakedTransfer;
-use vr_core::{Compositing, Counts, Filter, Rays, Scene, UniformVolume, View, with_grid};
+use vr_core::{Compositing, Counts, Filter, GradientMethod, Rays, Scene, UniformVolume, View, with_grid};
 
 use super::field::{Field, Pairs, Stage};
 use super::lanes::{LANES, Lanes};
@@ -15,8 +15,9 @@ use super::level::{self, Vectorized};
 use super::local::{LocalPace, by_byte};
 use super::march::{Medium, Pace, march};
 use super::setup::{FrameSetup, Packet};
+use super::shade::{PacketLights, PacketShading};
 use super::table::{OpticsTable, Rows};
-use crate::caster::{Classification, Order, RayCaster, Rule, Step, Traversal};
+use crate::caster::{Classification, Leaping, Order, RayCaster, Rule, Step, Traversal};
 use crate::instruments::Instruments;
 use crate::leap::Visibility;
 use crate::operator::Brightest;
@@ -38,6 +39,7 @@ pub(crate) struct PacketEngine {
     /// A ray ends when no more than this could be added to any component.
     negligible: f64,
     brightest: Brightest,
+    shading: Option<PacketShading>,
 }
 
 /// How the packets' rays move.
@@ -75,7 +77,7 @@ impl PacketEngine {
         let level = level::of(caster.vector)?;
         let Order::FrontToBack { termination } = caster.order else { return None };
         let common = scene.compositing == Compositing::Over
-            && scene.shading.is_none()
+            && shadable(scene)
             && caster.traversal == Traversal::Samples
             && caster.filter_of(scene) == Filter::Trilinear
             && caster.classification == Classification::Table;
@@ -96,7 +98,8 @@ impl PacketEngine {
         let (table, steps) = match (caster.step, &instruments.pace) {
             (Step::Uniform(_), _) => {
                 let table = Arc::clone(&instruments.classifier.table.as_ref()?.0);
-                let distances = Self::distances(volume, scene, &table, EDGE);
+                let leaps = caster.leaping != Leaping::None;
+                let distances = leaps.then(|| Self::distances(volume, scene, &table, EDGE)).flatten();
                 (Arc::clone(&table), PacketSteps::Lattice { table, distances })
             }
             (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint => {
@@ -113,6 +116,8 @@ impl PacketEngine {
             offset,
             negligible: 1.0 - termination,
             brightest: instruments.brightest(),
+            // Emission given on its own is light, not a surface.
+            shading: instruments.shader.as_ref().filter(|_| !scene.transfer.has_emission()).map(|s| s.for_packets()),
         })
     }
 
@@ -126,6 +131,14 @@ impl PacketEngine {
         let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table));
         Distances::new(&volume.range_blocks(Filter::Trilinear, edge), &visibility)
     }
+}
+
+/// Whether the scene's shading, if it has any, is of the kind that packets know.
+fn shadable(scene: &Scene) -> bool {
+    scene
+        .shading
+        .as_ref()
+        .is_none_or(|s| s.gradient == GradientMethod::CentralDifferences && s.gradient_opacity.is_empty())
 }
 
 /// A table whose entries lie close enough together for a scene, if there is one.
@@ -171,6 +184,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
     fn run<S: Simd>(self, simd: S) {
         let setup = self.frame.setup();
         let mut packet = Packet::EMPTY;
+        let mut lights = PacketLights::default();
         let mut stages = [Stage::<T>::new(), Stage::<T>::new()];
         for (group, spots) in self.spots.chunks(LANES).enumerate() {
             setup.packet(simd, spots, &mut packet);
@@ -180,7 +194,10 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
                     packet.begin_at(&starts[group * LANES..][..spots.len()]);
                 }
                 let most = self.frame.most(&packet);
-                let marched = march(simd, self.medium, &packet, &most, &mut stages);
+                if let Some(shading) = &self.frame.engine.shading {
+                    lights.look_along(&shading.shading, &packet.directions);
+                }
+                let marched = march(simd, self.medium, &packet, &most, &lights, &mut stages);
                 self.counts.rays += u64::from(packet.hits.count_ones());
                 self.counts.samples += u64::from(marched.samples);
                 self.counts.terminated += u64::from(marched.terminated.count_ones());
@@ -214,6 +231,7 @@ impl PacketFrame<'_> {
                 PacketSteps::Local { map, by_byte } => Pace::Local(LocalPace::new(map, by_byte)),
             },
             optics: &engine.optics,
+            shading: engine.shading.as_ref(),
             negligible: engine.negligible as f32,
         }
     }

@@ -168,6 +168,19 @@ impl<T: Pairs> Field<'_, T> {
     }
 }
 
+impl<T: Pairs> Field<'_, T> {
+    /// Staged samples, with weights of one's own.
+    #[inline(always)]
+    pub(crate) fn weighted<S: Simd>(&self, simd: S, weights: &[[f32x16<S>; 2]; 3], stage: &Stage<T>) -> f32x16<S> {
+        let [[x0, x1], [y0, y1], [z0, z1]] = *weights;
+        let [[a00, b00], [a10, b10]] = T::split(simd, &stage.0[0]);
+        let [[a01, b01], [a11, b11]] = T::split(simd, &stage.0[1]);
+        let low = (a00 * x0 + b00 * x1) * y0 + (a10 * x0 + b10 * x1) * y1;
+        let high = (a01 * x0 + b01 * x1) * y0 + (a11 * x0 + b11 * x1) * y1;
+        low * z0 + high * z1
+    }
+}
+
 /// Clamps positions into the box: rounding may carry them past a face.
 #[inline(always)]
 pub(crate) fn inside<S: Simd>(simd: S, position: f32x16<S>, most: f32) -> f32x16<S> {

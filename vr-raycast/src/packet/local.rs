@@ -6,8 +6,9 @@ use fearless_simd::{Simd, f32x16};
 use super::field::{Cells, Pairs, Stage};
 use super::lanes::{LANES, Lanes, pick, splat};
 use super::leap::{Leaper, block_index};
-use super::march::{Marched, Medium, Path};
+use super::march::{Marched, Medium, Path, shaded};
 use super::setup::Packet;
+use super::shade::PacketLights;
 use super::sums::Sums;
 use super::table::light_of;
 use crate::pace::{CLEAR, PaceMap};
@@ -61,6 +62,7 @@ pub(crate) fn local<S: Simd, T: Pairs>(
     pace: LocalPace<'_>,
     packet: &Packet,
     most: &Lanes,
+    lights: &PacketLights,
     stages: &mut [Stage<T>; 2],
 ) -> Marched {
     let ray = Path::new(simd, medium, packet);
@@ -115,7 +117,9 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         let optics = rows.at(simd, medium.field.value(simd, &cells, now));
         let optics_then = rows.at(simd, medium.field.value(simd, &cells_then, next));
         let light = light_of(simd, optics, length, medium.optics.emits);
+        let light = shaded(simd, medium, lights, live, &cells, light, now);
         let light_then = light_of(simd, optics_then, length_then, medium.optics.emits);
+        let light_then = shaded(simd, medium, lights, live, &cells_then, light_then, next);
         sums.add(simd, live, [at, length], light);
         stop = pick((sums.clear(simd) * most).simd_le(negligible), never, stop);
         live = visible & then.simd_lt(stop - REST);

@@ -1,13 +1,14 @@
 //! Packets along their rays.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x16, mask32x16};
 
 use super::field::{Cells, Field, Pairs, Stage, cells, inside};
 use super::lanes::{Lanes, pick, splat};
 use super::leap::{Distances, Leaper};
 use super::local::{LocalPace, local};
 use super::setup::Packet;
+use super::shade::{PacketLights, PacketShading, Shade};
 use super::sums::Sums;
 use super::table::{OpticsTable, Rows, light_of};
 
@@ -19,6 +20,8 @@ pub(crate) struct Medium<'a, T> {
     pub(crate) pace: Pace<'a>,
     /// For steps of any length.
     pub(crate) optics: &'a OpticsTable,
+    /// `None`: unshaded.
+    pub(crate) shading: Option<&'a PacketShading>,
     /// A ray ends when no more than this could be added to any component.
     pub(crate) negligible: f32,
 }
@@ -54,11 +57,12 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     medium: &Medium<'_, T>,
     packet: &Packet,
     most: &Lanes,
+    lights: &PacketLights,
     stages: &mut [Stage<T>; 2],
 ) -> Marched {
     match medium.pace {
-        Pace::Lattice { rows, distances } => lattice(simd, medium, rows, distances, packet, most, stages),
-        Pace::Local(pace) => local(simd, medium, pace, packet, most, stages),
+        Pace::Lattice { rows, distances } => lattice(simd, medium, rows, distances, packet, most, lights, stages),
+        Pace::Local(pace) => local(simd, medium, pace, packet, most, lights, stages),
     }
 }
 
@@ -74,6 +78,7 @@ fn lattice<S: Simd, T: Pairs>(
     distances: Option<&Distances>,
     packet: &Packet,
     most: &Lanes,
+    lights: &PacketLights,
     stages: &mut [Stage<T>; 2],
 ) -> Marched {
     let ray = Path::new(simd, medium, packet);
@@ -138,6 +143,7 @@ fn lattice<S: Simd, T: Pairs>(
             let value = medium.field.value(simd, &cells, now);
             let ratio = packet.ratio.load(simd);
             let light = light_of(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
+            let light = shaded(simd, medium, lights, live, &cells, light, now);
             sums.add(simd, live, [end, ratio], light);
             break;
         }
@@ -148,8 +154,8 @@ fn lattice<S: Simd, T: Pairs>(
         medium.field.fetch(simd, &cells_then, next);
         let value = medium.field.value(simd, &cells, now);
         let value_then = medium.field.value(simd, &cells_then, next);
-        let light = rows.at(simd, value);
-        let light_then = rows.at(simd, value_then);
+        let light = shaded(simd, medium, lights, live, &cells, rows.at(simd, value), now);
+        let light_then = shaded(simd, medium, lights, live, &cells_then, rows.at(simd, value_then), next);
         sums.add(simd, live, [at, one], light);
         end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
         live = then.simd_lt(end);
@@ -159,6 +165,31 @@ fn lattice<S: Simd, T: Pairs>(
         at = then + one;
     }
     sums.finish(simd, packet, end.simd_le(never), samples)
+}
+
+/// Light after shading, where something is shaded; `stage` is used up.
+#[inline(always)]
+pub(crate) fn shaded<S: Simd, T: Pairs>(
+    simd: S,
+    medium: &Medium<'_, T>,
+    lights: &PacketLights,
+    live: mask32x16<S>,
+    at: &Cells<S>,
+    light: [f32x16<S>; 4],
+    stage: &mut Stage<T>,
+) -> [f32x16<S>; 4] {
+    let Some(shading) = medium.shading else { return light };
+    let [r, g, b, alpha] = light;
+    if (live & alpha.simd_gt(splat(simd, 0.0))).all_false() {
+        return light;
+    }
+    let [x, y, z] = at.cell;
+    let cell = [Lanes::of(x.to_float()), Lanes::of(y.to_float()), Lanes::of(z.to_float())];
+    let [x, y, z] = at.fraction;
+    let fraction = [Lanes::of(x), Lanes::of(y), Lanes::of(z)];
+    let mut lanes = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(alpha)];
+    Shade { shading, lights }.apply(simd, &medium.field, &[cell, fraction], &mut lanes, stage);
+    [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
 }
 
 /// Positions along the rays of a packet.

@@ -9,7 +9,9 @@ mod level;
 mod local;
 mod march;
 mod setup;
+mod shade;
 mod sums;
 mod table;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};
+pub(crate) use shade::PacketShading;

@@ -49,6 +49,8 @@ pub(crate) struct Packet {
     pub(crate) begin: [f64; LANES],
     /// Length of the part in world units.
     pub(crate) length: [f64; LANES],
+    /// Unit vectors along the rays, in the world.
+    pub(crate) directions: [[f64; LANES]; 3],
 }
 
 /// Of a ray's length: a last step shorter than this is rounding. As in `Steps`.
@@ -105,6 +107,7 @@ impl FrameSetup<'_> {
             self.clip(&mut start, &mut end, &from, &along, &offset);
         }
 
+        packet.directions = along;
         packet.hits = 0;
         let wanted = (1u32 << spots.len().min(LANES)) - 1;
         let per_step = self.step;
@@ -173,6 +176,7 @@ impl Packet {
         middle: [0.0; LANES],
         begin: [0.0; LANES],
         length: [0.0; LANES],
+        directions: [[0.0; LANES]; 3],
     };
 
     /// Begins at these steps of the rays, or at their last ones. Steps are taken in pairs, and rays end between pairs: an odd one begins

@@ -48,6 +48,16 @@ impl ExactIntegral {
         &self.transfer
     }
 
+    fn is_wall(&self, segment: &Segment) -> bool {
+        segment.is_opaque() && self.transfer.rule() == OpacityRule::Power
+    }
+
+    /// Whether a value that goes from `low` to `high` would get into a wall if it went on by `more` to either side.
+    pub(crate) fn wall_is_near(&self, low: f64, high: f64, more: f64) -> bool {
+        let mut walls = self.transfer.segments().iter().filter(|s| self.is_wall(s));
+        walls.any(|w| high + more > w.from && low - more < w.to && !(high > w.from && low < w.to))
+    }
+
     /// Light (r, g, b) and opacity of a step of `length` world units.
     pub(crate) fn step(&self, value: Cubic, length: f64) -> [f64; 4] {
         if value.is_constant() {
@@ -65,7 +75,13 @@ impl ExactIntegral {
             }
             let segment = self.transfer.segment_at(value.at(0.5 * (from + to)));
             if !segment.is_clear() {
-                if segment.is_opaque() && self.transfer.rule() == OpacityRule::Power {
+                if self.is_wall(segment) {
+                    let middle = value.at(0.5 * (from + to));
+                    if middle - segment.from <= touch(segment.from) || segment.to - middle <= touch(segment.to) {
+                        // Touched up to rounding, not entered.
+                        from = to;
+                        continue;
+                    }
                     let at = segment.at(value.at(from));
                     let color = if self.transfer.has_emission() { [0.0; 3] } else { at.color };
                     total = total.before(Gain { depth: f64::INFINITY, light: color });
@@ -82,6 +98,11 @@ impl ExactIntegral {
         let [r, g, b] = total.light;
         [r, g, b, -libm::expm1(-total.depth)]
     }
+}
+
+/// By how much a value must exceed the border of a wall to be in it, and not only beside it up to rounding.
+fn touch(border: f64) -> f64 {
+    if border.is_finite() { 1e-13 * border.abs() } else { 0.0 }
 }
 
 impl Gain {
@@ -265,6 +286,21 @@ mod tests {
         let inside = 0.6f64.sqrt() - 0.4f64.sqrt();
         let alpha = -libm::expm1(-inside * 7.0);
         assert_close(shell.step(Cubic::parabola(0.0, 1.0, 0.0), 7.0), [0.5 * alpha, 0.25 * alpha, alpha, alpha]);
+    }
+
+    #[test]
+    fn a_wall_is_entered_or_not() {
+        let t = integral(&[(0.0, [0.5; 3], 0.0), (255.0, [1.0; 3], 1.0)], OpacityRule::Power);
+        // Up to a rounding above 255, where the wall begins that has no end; and well into it.
+        let touched = t.step(Cubic::line(250.0, 255.0f64.next_up()), 1e-3);
+        assert!(touched[3] < 0.01, "{touched:?}");
+        assert_eq!(t.step(Cubic::line(250.0, 256.0), 1e-3)[3], 1.0);
+        assert_eq!(t.step(Cubic::line(300.0, 256.0), 1e-3), [1.0; 4]);
+        assert!(
+            t.wall_is_near(200.0, 255.0, 3.0)
+                && !t.wall_is_near(200.0, 250.0, 3.0)
+                && !t.wall_is_near(250.0, 256.0, 3.0)
+        );
     }
 
     #[test]

@@ -73,15 +73,24 @@ impl<R: Real> Profile<R> {
     }
 
     fn parabola(&self, front: R, middle: R, back: R, length: f64) -> [R; 4] {
-        if front.is_nan() || middle.is_nan() || back.is_nan() {
+        let as_lines = || {
             let halves = (self.line(front, middle, 0.5 * length), self.line(middle, back, 0.5 * length));
             let clear = R::ONE - halves.0[3];
-            return std::array::from_fn(|c| halves.0[c] + clear * halves.1[c]);
+            std::array::from_fn(|c| halves.0[c] + clear * halves.1[c])
+        };
+        if front.is_nan() || middle.is_nan() || back.is_nan() {
+            return as_lines();
         }
         match &self.table {
             Some(table) => table.segment3(front, middle, back, R::from_f64(length)),
             None => {
                 let [front, middle, back] = [front, middle, back].map(|v| self.value(v));
+                // A parabola may leave the range of the field's values, by a quarter of its sagitta; into a wall it must not.
+                let more = 0.25 * (middle - 0.5 * (front + back)).abs();
+                let (low, high) = (front.min(middle).min(back), front.max(middle).max(back));
+                if self.exact.wall_is_near(low, high, more) {
+                    return as_lines();
+                }
                 self.exactly(Cubic::parabola(front, middle, back), length)
             }
         }

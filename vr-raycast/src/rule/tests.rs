@@ -9,11 +9,11 @@ use crate::chord::Chord;
 use crate::instruments::Kernel;
 use crate::operator::{Operator, OverBackToFront};
 use crate::run::Run;
-use crate::walk::{Lattice, LatticeWalk, Walk, cell_walk};
+use crate::walk::{Lattice, LatticeWalk, VisibleSteps, Walk, cell_walk};
 
 fn volume(dims: [usize; 3], placement: Placement, f: impl Fn(f64, f64, f64) -> f64) -> Volume {
     let point = |i: usize| [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])].map(|x| x as f64);
-    let samples = (0..dims.iter().product()).map(|i| point(i)).map(|[x, y, z]| f(x, y, z) as f32).collect::<Vec<_>>();
+    let samples = (0..dims.iter().product()).map(point).map(|[x, y, z]| f(x, y, z) as f32).collect::<Vec<_>>();
     UniformGrid::new(dims, samples, placement, Calibration { slope: -2.0, intercept: 1.5 }).unwrap().into()
 }
 
@@ -85,7 +85,10 @@ fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
         let step = caster.longest_step(volume);
         let mut walk = match caster.traversal {
             Traversal::Cells => Walk::Listed(cell_walk(&part, dims, step, 0, true)),
-            _ => Walk::Lattice(LatticeWalk::new(Lattice::new(part.start, part.end, step), 0, true)),
+            _ => {
+                let lattice = Lattice::new(part.start, part.end, step);
+                Walk::Lattice(LatticeWalk::new(lattice, VisibleSteps::new(lattice, 0, 0, &part, None), true))
+            }
         };
         let (mut run, mut over) = (Run::<f64>::new(), OverBackToFront::default());
         Operator::<f64>::begin(&mut over, &chord);

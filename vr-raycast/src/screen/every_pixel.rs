@@ -15,7 +15,10 @@ pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) 
     let mut stats = RenderStats::default();
     let rays = (view.samples * view.samples) as usize;
     let frame = by_tiles(view, control, &mut stats, |pixels| {
-        let spots: Vec<Spot> = pixels.iter().flat_map(|&pixel| spots_of_pixel(view, pixel)).collect();
+        let mut spots: Vec<Spot> = Vec::with_capacity(pixels.len() * rays);
+        for &pixel in pixels {
+            spots.extend(spots_of_pixel(view, pixel));
+        }
         let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
         tracer.trace(&spots, None, &mut values, &mut counts);
         (values.chunks_exact(rays).map(Traced::mean).collect(), counts)

@@ -29,6 +29,8 @@ pub(super) struct Account {
     pub(super) transmittance: f64,
     pub(super) light: [f64; 3],
     pub(super) error: f64,
+    /// What the part of the ray that was not looked at can be worth.
+    unseen: f64,
     /// Where opacity reached ½.
     pub(super) half_way: f64,
     pub(super) steps: u64,
@@ -42,10 +44,8 @@ pub(super) struct Account {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doubtful {
     pub(super) step: Step,
-    /// The most that it absorbs before a wall begins.
+    /// What it can be worth before a wall begins.
     pub(super) before: f64,
-    /// The largest difference of two of its sources, the wall's included.
-    pub(super) width: f64,
     /// The largest difference of two of its values.
     pub(super) spread: f64,
 }
@@ -60,6 +60,7 @@ impl Account {
             transmittance: 1.0,
             light: [0.0; 3],
             error: 0.0,
+            unseen: 0.0,
             half_way: f64::INFINITY,
             steps: 0,
             ended: false,
@@ -77,7 +78,8 @@ impl Account {
         medium.max(1.0)
     }
 
-    /// What may be spent altogether: the picture's largest magnitude is at least this ray's.
+    /// What may be spent altogether: the picture's largest magnitude is at least that of this ray's true radiance, and what was not looked
+    /// at can only add to that.
     fn budget(&self) -> f64 {
         let light = self.light.into_iter().fold(0.0, f64::max);
         self.limits.error * (light - self.error).max(1.0)
@@ -140,16 +142,27 @@ impl Account {
             return;
         }
         let rest = behind * self.most(s + step.length);
-        if self.error + rest <= 0.95 * self.budget() {
-            self.error += rest;
+        if self.error + rest <= 0.99 * self.budget() {
+            self.unseen = rest;
             self.ended = true;
         }
     }
 
-    /// Takes a step that may hold the beginning of a wall: nobody knows before what follows is seen.
-    pub(super) fn doubt(&mut self, doubtful: Doubtful, s: f64) {
-        self.settle(s);
-        self.doubtful = Some(doubtful);
+    /// Takes a step, ending at `s`, that may hold the beginning of a wall: nobody knows before what follows is seen. Doubts that follow each
+    /// other are one.
+    pub(super) fn doubt(&mut self, doubtful: Doubtful) {
+        let Some(last) = &mut self.doubtful else {
+            self.doubtful = Some(doubtful);
+            return;
+        };
+        let (a, b) = (&mut last.step, &doubtful.step);
+        let brightest = b.light.into_iter().fold(0.0, f64::max);
+        a.length += b.length;
+        (a.opacity, a.opacity_error) = (0.5, 0.5);
+        a.light_error += b.light_error + brightest;
+        a.variation = a.variation.max(b.variation);
+        last.before += doubtful.before;
+        last.spread += doubtful.spread;
     }
 
     /// What was in doubt was no wall, or one that a ray only touches: it costs what it can cost.
@@ -162,7 +175,7 @@ impl Account {
     /// A wall begins at `s`: its light, how far off that is, and how fast it changes with the value. The place in doubt before it, if
     /// any, is part of it.
     pub(super) fn wall(&mut self, light: [f64; 3], error: f64, steepness: f64, s: f64) {
-        let doubt = self.doubtful.take().map_or(0.0, |d| d.before * d.width + steepness * d.spread);
+        let doubt = self.doubtful.take().map_or(0.0, |d| d.before + steepness * d.spread);
         let step = Step { opacity: 1.0, light, light_error: error + doubt, ..Step::default() };
         self.add(&step, s);
         self.ended = true;
@@ -170,8 +183,8 @@ impl Account {
 
     /// Whether the bound is above what is promised.
     pub(super) fn is_over(&self) -> bool {
-        // False also for NaN.
-        !(self.error <= self.budget())
+        let error = self.error + self.unseen;
+        error > self.budget() || error.is_nan()
     }
 
     /// What is left at the end of the ray.

@@ -50,12 +50,13 @@ impl<'a> Integral<'a> {
 
     /// Whether nothing more is to be done.
     pub(super) fn is_done(&self) -> bool {
-        self.account.ended || (self.gives_up && (self.account.is_over() || self.account.steps > MOST_STEPS_FIRST))
+        self.account.ended || (self.gives_up && !self.is_kept())
     }
 
     /// Whether the promise is kept.
     pub(super) fn is_kept(&self) -> bool {
-        !self.account.is_over() && !(self.gives_up && self.account.steps > MOST_STEPS_FIRST)
+        let too_long = self.gives_up && self.account.steps > MOST_STEPS_FIRST;
+        !(too_long || self.account.is_over())
     }
 
     /// A stretch of one stored number.
@@ -184,9 +185,13 @@ impl<'a> Integral<'a> {
             return;
         }
         let (low, high) = part.cubic.hull();
-        let before = -libm::expm1(-self.deepest(extremes, cell, part, noise));
-        let (width, spread) = (extremes.source_width(), high - low + 2.0 * noise);
-        self.account.doubt(Doubtful { step, before, width, spread }, part.s + part.length);
+        let before = if self.optics.emits {
+            part.length * extremes.source.iter().map(|s| s[1]).fold(0.0, f64::max)
+        } else {
+            -libm::expm1(-self.deepest(extremes, cell, part, noise)) * extremes.source_width()
+        };
+        let spread = high - low + 2.0 * noise;
+        self.account.doubt(Doubtful { step, before, spread });
     }
 
     /// Cuts a monotone part where it crosses a knot; false where the place cannot be told well.

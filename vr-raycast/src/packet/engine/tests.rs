@@ -6,8 +6,8 @@ use fearless_simd::Level;
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::{
-    Calibration, Camera, Clip, Control, ControlPoint, Layer, OpacityRule, Placement, Plane, Rendered, Renderer,
-    TransferFunction, UniformGrid, Volume,
+    Calibration, Camera, Clip, Control, ControlPoint, Layer, Light, OpacityRule, Placement, Plane, Rendered, Renderer,
+    Shading, TransferFunction, UniformGrid, Volume,
 };
 
 use super::*;
@@ -205,6 +205,10 @@ fn same(values: &[Traced], plain: &Rendered, tolerance: f32) -> Result<(), TestC
 /// ramps turn that into ten times as much opacity at each of some dozen samples.
 const TWO_ENGINES: f32 = 3e-5;
 
+/// Where the gradient is small, its direction is what rounding makes of it, and so is what a surface there reflects. (The noise of these
+/// volumes keeps it from being small everywhere.)
+const TWO_SHADINGS: f32 = 2e-3;
+
 /// What they may differ by in steps that follow the data: where a ray grazes an edge of blocks, f32 and f64 may see different ones, and
 /// so take different steps. (The plain one classifies exactly, besides.)
 const TWO_WALKS: f32 = 0.02;
@@ -240,6 +244,18 @@ proptest! {
         }
         let one = |s: &Spot| bits(&trace(&engine, &scene, &view, &[*s], None).0)[0];
         prop_assert_eq!(&row_by_row(&view).iter().map(one).collect::<Vec<_>>(), &want);
+    }
+
+    #[test]
+    fn shades_as_the_plain_engine_shades((scene, view) in scenes(0.9), step in 0.1f64..2.5, power in 0.0f64..40.0, side in any::<bool>()) {
+        let direction = side.then(|| DVec3::new(0.3, -0.8, 0.5));
+        let lights = vec![Light::default(), Light { direction, color: [0.5, 1.0, 0.2] }];
+        let scene = Scene { shading: Some(Arc::new(Shading { power, lights, ..Shading::default() })), ..scene };
+        let caster = RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::default() };
+        let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
+        let plain = plain(&caster, &scene, &view);
+        let (values, _) = trace(&engine, &scene, &view, &row_by_row(&view), None);
+        same(&values, &plain, TWO_SHADINGS)?;
     }
 
     #[test]

@@ -1,0 +1,184 @@
+//! Shading of sixteen samples: gradients by central differences, and what they reflect.
+
+use std::sync::Arc;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+use glam::DVec3;
+use vr_core::Shading;
+
+use super::elementary::{ln, opacity_of_depth};
+use super::field::{Cells, Field, Pairs, Stage};
+use super::lanes::{LANES, Lanes, pick, splat};
+
+/// Shading, the same for all rays.
+#[derive(Clone, Debug)]
+pub(crate) struct PacketShading {
+    pub(crate) shading: Arc<Shading>,
+    /// From gradients per index step to world gradients, but for their length.
+    pub(crate) to_world: [[f32; 3]; 3],
+}
+
+/// The lights as the rays of a packet see them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PacketLights {
+    lights: Vec<PacketLight>,
+    /// What they were made for.
+    directions: Option<[[f64; LANES]; 3]>,
+}
+
+#[derive(Clone, Debug)]
+struct PacketLight {
+    /// Unit vectors towards the light.
+    to_light: [Lanes; 3],
+    /// Unit vectors between light and eye; zero where they are opposite.
+    half: [Lanes; 3],
+    color: [f32; 3],
+}
+
+impl PacketLights {
+    /// Makes them for rays of these (unit) directions, unless they are for those already.
+    pub(crate) fn look_along(&mut self, shading: &Shading, directions: &[[f64; LANES]; 3]) {
+        if self.directions.as_ref() == Some(directions) {
+            return;
+        }
+        self.directions = Some(*directions);
+        self.lights.clear();
+        self.lights.extend(shading.lights.iter().map(|light| {
+            let mut seen = PacketLight {
+                to_light: [Lanes::ZERO; 3],
+                half: [Lanes::ZERO; 3],
+                color: light.color.map(|c| c as f32),
+            };
+            for i in 0..LANES {
+                let to_eye = -DVec3::new(directions[0][i], directions[1][i], directions[2][i]);
+                let to_light = light.direction.map_or(to_eye, DVec3::normalize);
+                let half = (to_light + to_eye).normalize_or_zero();
+                for a in 0..3 {
+                    seen.to_light[a].0[i] = to_light[a] as f32;
+                    seen.half[a].0[i] = half[a] as f32;
+                }
+            }
+            seen
+        }));
+    }
+}
+
+/// What shades the samples of a packet.
+#[derive(Clone, Copy)]
+pub(crate) struct Shade<'a> {
+    pub(crate) shading: &'a PacketShading,
+    pub(crate) lights: &'a PacketLights,
+}
+
+impl Shade<'_> {
+    /// Shades light of sixteen samples: c becomes c·(ka + kd Σ L|n·l|), and ks Σ L|n·h|^p times opacity is added. Where the gradient is
+    /// zero, it stays. Its own function: there are samples that need no shading, and instances of it for each kernel would be many.
+    #[inline(never)]
+    pub(crate) fn apply<S: Simd, T: Pairs>(
+        &self,
+        simd: S,
+        field: &Field<'_, T>,
+        at: &[[Lanes; 3]; 2],
+        light: &mut [Lanes; 4],
+        stage: &mut Stage<T>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.apply_here(simd, field, at, light, stage),
+        );
+    }
+
+    #[inline(always)]
+    fn apply_here<S: Simd, T: Pairs>(
+        &self,
+        simd: S,
+        field: &Field<'_, T>,
+        at: &[[Lanes; 3]; 2],
+        light: &mut [Lanes; 4],
+        stage: &mut Stage<T>,
+    ) {
+        let g = gradient(simd, field, at, stage);
+        let m = &self.shading.to_world;
+        let world = |row: [f32; 3]| g[0] * row[0] + g[1] * row[1] + g[2] * row[2];
+        let w = [world(m[0]), world(m[1]), world(m[2])];
+        // Scaled by its largest component, so that the square neither underflows nor overflows.
+        let zero = splat(simd, 0.0);
+        let largest = w[0].abs().max(w[1].abs()).max(w[2].abs());
+        let flat = largest.simd_le(zero);
+        let one = splat(simd, 1.0);
+        let scale = one / pick(flat, one, largest);
+        let n = [w[0] * scale, w[1] * scale, w[2] * scale];
+        let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+        let norm = one / pick(flat, one, square).sqrt();
+        let shading = &self.shading.shading;
+        let (ambient, diffuse) = (shading.ambient as f32, shading.diffuse as f32);
+        let (specular, power) = (shading.specular as f32, shading.power as f32);
+        let mut factor = [splat(simd, ambient); 3];
+        let mut added = [zero; 3];
+        for seen in &self.lights.lights {
+            let along = |v: &[Lanes; 3]| {
+                let dot = n[0] * v[0].load(simd) + n[1] * v[1].load(simd) + n[2] * v[2].load(simd);
+                (dot * norm).abs().min(one)
+            };
+            let facing = along(&seen.to_light) * diffuse;
+            // x^p = e^(p ln x).
+            let highlight = ln(simd, along(&seen.half).max(splat(simd, f32::MIN_POSITIVE))).min(zero) * -power;
+            let highlight = (one - opacity_of_depth(simd, highlight)) * specular;
+            for c in 0..3 {
+                factor[c] = factor[c] + facing * seen.color[c];
+                added[c] = added[c] + highlight * seen.color[c];
+            }
+        }
+        let alpha = light[3].load(simd);
+        for c in 0..3 {
+            let old = light[c].load(simd);
+            light[c] = Lanes::of(pick(flat, old, old * factor[c] + added[c] * alpha));
+        }
+    }
+}
+
+/// Gradients per index step: central differences at the samples, one-sided at the faces of the box, interpolated trilinearly. `at`:
+/// numbers of the cells (whole numbers), and fractions in them.
+///
+/// Interpolation commutes with shifts by whole samples. So a component is the difference of two interpolations, a sample on and a sample
+/// back, with weights (1 − t)/w₀ and t/w₁ along the axis, w the samples that each difference spans; beyond a face lies the last sample
+/// again.
+#[inline(always)]
+fn gradient<S: Simd, T: Pairs>(
+    simd: S,
+    field: &Field<'_, T>,
+    [cell, fraction]: &[[Lanes; 3]; 2],
+    stage: &mut Stage<T>,
+) -> [f32x16<S>; 3] {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let cell = [cell[0].load(simd), cell[1].load(simd), cell[2].load(simd)];
+    let t = [fraction[0].load(simd), fraction[1].load(simd), fraction[2].load(simd)];
+    let mut gradient = [zero; 3];
+    for a in 0..3 {
+        let last = splat(simd, field.last_cell[a] as f32);
+        let (first, at_last) = (cell[a].simd_le(zero), cell[a].simd_ge(last));
+        let half = splat(simd, 0.5);
+        let (back, on) = ((one - t[a]) * pick(first, one, half), t[a] * pick(at_last, one, half));
+        let both = back + on;
+        for (shift, beyond, sign) in [(1.0, at_last, 1.0), (-1.0, first, -1.0)] {
+            let mut shifted = cell;
+            shifted[a] = (cell[a] + shift).max(zero).min(last);
+            let cells = Cells {
+                cell: [
+                    shifted[0].to_int::<i32x16<S>>(),
+                    shifted[1].to_int::<i32x16<S>>(),
+                    shifted[2].to_int::<i32x16<S>>(),
+                ],
+                fraction: t,
+            };
+            field.fetch(simd, &cells, stage);
+            // Beyond the upper face the upper sample is there twice, beyond the lower one the lower.
+            let (lone_low, lone_high) = if sign > 0.0 { (zero, both) } else { (both, zero) };
+            let mut weights = [[one - t[0], t[0]], [one - t[1], t[1]], [one - t[2], t[2]]];
+            weights[a] = [pick(beyond, lone_low, back), pick(beyond, lone_high, on)];
+            gradient[a] = gradient[a] + field.weighted(simd, &weights, stage) * sign;
+        }
+    }
+    gradient
+}
