@@ -44,7 +44,7 @@ fn samples(c: &mut Criterion) {
             ] {
                 let scene = Scene { compositing, ..scene.clone() };
                 let step = Step::Uniform(1.0);
-                let caster = RayCaster { step, vector, order: Order::WHOLE_RAY, ..RayCaster::default() };
+                let caster = RayCaster { step, vector, order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
                 let mut prepared = caster.prepare(&scene, &control).expect("a uniform grid");
                 let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [64, 64]);
                 let counts = prepared.render(&view, &control).expect("a valid view").stats.counts;
@@ -63,7 +63,7 @@ fn frames(c: &mut Criterion) {
     let scene = fog::<u8>(128);
     for threads in [1, 2] {
         let control = Control::default().with_threads(threads);
-        let mut prepared = RayCaster::default().prepare(&scene, &control).expect("a uniform grid");
+        let mut prepared = RayCaster::uniform(0.2).prepare(&scene, &control).expect("a uniform grid");
         let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, Some(30.0)), [256, 256]);
         group.bench_function(BenchmarkId::new("fog 128 u8, 256x256, threads", threads), |b| {
             b.iter(|| prepared.render(&view, &control).expect("a valid view"));

@@ -18,9 +18,9 @@ fn main() {
         let scene = Scene::new(volume, transfer);
         let camera = Camera::framing(scene.volume.bounds(), 33.0, 21.0, None);
         let view = View::new(camera, [size, size]);
-        let mut casters = vec![("step 0.2".to_owned(), RayCaster::default())];
+        let mut casters = vec![("step 0.2".to_owned(), RayCaster::uniform(0.2))];
         for e in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
-            casters.push((format!("promise {e:e}"), RayCaster { step: Step::Tolerance(e), ..RayCaster::default() }));
+            casters.push((format!("promise {e:e}"), RayCaster { step: Step::Tolerance(e), ..RayCaster::uniform(0.2) }));
         }
         for (what, caster) in casters {
             let start = Instant::now();

@@ -8,10 +8,11 @@ use vr_core::{Filter, Real, Scene, UniformVolume};
 use crate::caster::{Classification, Leaping, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
 use crate::homogeneity::Homogeneity;
-use crate::leap::EmptySpace;
+use crate::leap::{EmptySpace, Visibility};
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
+use crate::screen::Sight;
 use crate::shade::Shader;
 use crate::table_range::{field_range, resolves, resolves_ramps, single_precision_resolves, table_range};
 
@@ -55,6 +56,24 @@ impl Kernel {
     }
 }
 
+impl Kernel {
+    /// How bright the medium can be.
+    pub(crate) fn brightest(&self) -> Brightest {
+        match self {
+            Self::F32(instruments) => instruments.brightest(),
+            Self::F64(instruments) => instruments.brightest(),
+        }
+    }
+
+    /// What can be seen of a field.
+    pub(crate) fn sight(&self) -> Sight {
+        match self {
+            Self::F32(instruments) => instruments.sight(),
+            Self::F64(instruments) => instruments.sight(),
+        }
+    }
+}
+
 /// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
@@ -82,6 +101,12 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter)
 }
 
 impl<R: Real> Instruments<R> {
+    fn sight(&self) -> Sight {
+        let Classifier { transfer, calibration, table, .. } = &self.classifier;
+        let visibility = Visibility::of_light(transfer, *calibration, table.as_ref().map(|(table, _)| table));
+        Arc::new(move |low, high| visibility.is_visible(low, high))
+    }
+
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, last: Option<(&Scene, &Self)>) -> Self {
         let field = caster.filter_of(scene);

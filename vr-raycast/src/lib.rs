@@ -119,4 +119,6 @@ mod tolerance;
 mod tracer;
 mod walk;
 
-pub use caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Step, Traversal, Vector};
+pub use caster::{
+    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector,
+};

@@ -4,7 +4,9 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options};
 
-use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Traversal, Vector};
+use crate::caster::{
+    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Traversal, Vector,
+};
 use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
@@ -33,6 +35,16 @@ const CLASSIFICATIONS: &[(&str, Classification)] =
     &[("table", Classification::Table), ("exact", Classification::Exact)];
 const PRECISIONS: &[(&str, Precision)] = &[("f32", Precision::F32), ("f64", Precision::F64)];
 
+const ADAPTIVE: &str = "adaptive";
+/// Those without a number of their own.
+const SCREENS: &[(&str, Screen)] = &[
+    ("every-pixel", Screen::EveryPixel),
+    ("coherent", Screen::Coherent),
+    ("template-discrete", Screen::Template { connectivity: Connectivity::Discrete }),
+    ("template-continuous", Screen::Template { connectivity: Connectivity::Continuous }),
+];
+/// What a refined picture may miss by default: half of what an 8-bit picture can show.
+const THRESHOLD: f64 = 0.002;
 const VECTORS: &[(&str, Vector)] =
     &[("auto", Vector::Auto), ("avx2", Vector::Avx2), ("baseline", Vector::Baseline), ("off", Vector::Off)];
 
@@ -86,6 +98,17 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
             OptionKind::Number { above: 0.0, most: 1.0 },
             "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
         ),
+        spec(
+            "screen",
+            OptionKind::Choice(&["every-pixel", ADAPTIVE, "coherent", "template-discrete", "template-continuous"]),
+            "which rays are cast: all, where colours differ, from where the last view saw something, or by a template",
+        ),
+        OptionSpec {
+            key: "screen-threshold",
+            kind: OptionKind::Number { above: 0.0, most: 1.0 },
+            default: OptionValue::Number(THRESHOLD),
+            help: "adaptive screen: the largest difference of colour that is interpolated",
+        },
     ];
     step_options::specs().into_iter().chain(others).collect()
 });
@@ -100,6 +123,11 @@ pub(crate) fn to_options(caster: &RayCaster) -> Options {
         .with("classification", word_of(CLASSIFICATIONS, caster.classification))
         .with("precision", word_of(PRECISIONS, caster.precision))
         .with("vector", word_of(VECTORS, caster.vector));
+
+    let options = match caster.screen {
+        Screen::Adaptive { threshold } => options.with("screen", ADAPTIVE).with("screen-threshold", threshold),
+        screen => options.with("screen", word_of(SCREENS, screen)),
+    };
     match caster.order {
         Order::FrontToBack { termination } => options.with("order", FRONT_TO_BACK).with("termination", termination),
         Order::BackToFront => options.with("order", BACK_TO_FRONT),
@@ -139,6 +167,24 @@ pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCast
                 };
                 *termination = *x;
             }
+            ("screen", OptionValue::Word(w)) => {
+                new.screen = match (w.as_str(), new.screen) {
+                    (ADAPTIVE, adaptive @ Screen::Adaptive { .. }) => adaptive,
+                    (ADAPTIVE, _) => Screen::Adaptive { threshold: THRESHOLD },
+                    (word, _) => meaning_of(SCREENS, word),
+                }
+            }
+            ("screen-threshold", OptionValue::Number(x)) => {
+                let Screen::Adaptive { threshold } = &mut new.screen else {
+                    return Err(OptionError::Value {
+                        renderer: RayCaster::NAME,
+                        key: key.to_owned(),
+                        found: x.to_string(),
+                        allowed: "only the screen 'adaptive' interpolates: must be absent".to_owned(),
+                    });
+                };
+                *threshold = *x;
+            }
             _ => unreachable!("checked against the list"),
         }
     }
@@ -164,6 +210,9 @@ mod tests {
             RayCaster::exact(0.125),
             RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
+            RayCaster { screen: Screen::Adaptive { threshold: 0.125 }, ..RayCaster::default() },
+            RayCaster { screen: Screen::Coherent, ..RayCaster::default() },
+            RayCaster { screen: Screen::Template { connectivity: Connectivity::Continuous }, ..RayCaster::default() },
             RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::default() },
             RayCaster { rule: Rule::Quadratic, traversal: Traversal::Voxels, ..RayCaster::default() },
             RayCaster { vector: Vector::Off, ..RayCaster::default() },
@@ -185,6 +234,15 @@ mod tests {
     }
 
     #[test]
+    fn a_threshold_is_for_the_adaptive_screen_alone() {
+        let options = Options::new().with("screen", "coherent").with("screen-threshold", 0.1);
+        let error = configure(&RayCaster::default(), &options).unwrap_err().to_string();
+        assert!(error.contains("screen-threshold") && error.contains("adaptive"), "{error}");
+        let adaptive = configure(&RayCaster::default(), &Options::new().with("screen", ADAPTIVE)).unwrap();
+        assert_eq!(adaptive.screen, Screen::Adaptive { threshold: THRESHOLD });
+    }
+
+    #[test]
     fn the_lists_name_what_the_options_take() {
         for filter in Filter::ALL {
             assert!(FILTERS.contains(&filter.name()), "{filter}");
@@ -196,9 +254,12 @@ mod tests {
         }
         // The numbers of other kinds of steps than the default's choose those.
         let own = to_options(&RayCaster::default());
-        for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key)) {
+        for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key) || s.key == "screen-threshold") {
+            // A threshold by itself is an error, by default.
+            let adaptive = RayCaster { screen: Screen::Adaptive { threshold: THRESHOLD }, ..RayCaster::default() };
+            let caster = if spec.key == "screen-threshold" { adaptive } else { RayCaster::default() };
             let set = Options([(spec.key.to_owned(), spec.default.clone())].into());
-            assert_eq!(configure(&RayCaster::default(), &set).unwrap(), RayCaster::default(), "{}", spec.key);
+            assert_eq!(configure(&caster, &set).unwrap(), caster, "{}", spec.key);
         }
     }
 }

@@ -2,16 +2,20 @@
 
 use std::sync::Arc;
 
-use vr_core::{Compositing, Control, Model, Prepared, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View};
+use vr_core::transfer::BakedTransfer;
+use vr_core::{
+    Compositing, Control, Model, Prepared, Projection, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View,
+};
 
-use crate::caster::{Order, Precision, RayCaster, Rule};
+use crate::caster::{Connectivity, Order, Precision, RayCaster, Rule, Screen};
 use crate::engine::Engine;
 use crate::instruments::{Instruments, Kernel};
-use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
+use crate::operator::{Accumulate, Average, Brightest, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
 use crate::packet::PacketFrame;
 use crate::pipeline::Pipeline;
-use crate::screen::every_pixel;
-use crate::support::check;
+use crate::screen::{CoherenceBuffer, Stage, Template};
+use crate::support::{check, unsupported};
+use crate::table_range::table_range;
 use crate::tolerance::Promised;
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
@@ -22,6 +26,8 @@ pub(crate) struct PreparedCaster {
     caster: RayCaster,
     scene: Scene,
     engine: Engine,
+    /// What the coherent screen keeps from picture to picture.
+    coherence: Option<CoherenceBuffer>,
 }
 
 impl PreparedCaster {
@@ -31,7 +37,8 @@ impl PreparedCaster {
         control.check()?;
         control.run(|| volume.warm(caster.filter_of(scene)));
         let engine = control.run(|| Engine::new(&caster, scene, volume, None))?;
-        Ok(Self { asked, caster, scene: scene.clone(), engine })
+        let coherence = control.run(|| coherence(&caster, scene, volume, &engine));
+        Ok(Self { asked, caster, scene: scene.clone(), engine, coherence })
     }
 }
 
@@ -42,25 +49,22 @@ impl Prepared for PreparedCaster {
         control.check()?;
         control.run(|| volume.warm(caster.filter_of(scene)));
         self.engine = control.run(|| Engine::new(&caster, scene, volume, Some((&self.scene, &self.engine))))?;
+        let then = &self.scene;
+        let same = then.volume.same(&scene.volume) && then.filter == scene.filter && then.transfer == scene.transfer;
+        // Compositing decides what a table is needed for, and so what can be seen.
+        if !same || then.compositing != scene.compositing {
+            self.coherence = control.run(|| coherence(&caster, scene, volume, &self.engine));
+        }
         (self.caster, self.scene) = (caster, scene.clone());
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
-        match &self.engine {
-            Engine::Plain(Kernel::F32(instruments)) => self.render_with(instruments, view, control),
-            Engine::Plain(Kernel::F64(instruments)) => self.render_with(instruments, view, control),
-            Engine::Packets(engine, _) => {
-                let volume = check(&self.caster, &self.scene)?;
-                every_pixel(&PacketFrame { engine, volume, rays: Rays::new(view)?, view }, view, control)
-            }
-            Engine::Promise(promise) => {
-                let volume = check(&self.caster, &self.scene)?;
-                let single = self.caster.precision == Precision::F32;
-                let tracer = Promised { promise, volume, view, rays: Rays::new(view)?, single };
-                every_pixel(&tracer, view, control)
-            }
-        }
+        // Taken out for the while, so that the rest can be shared.
+        let mut coherence = self.coherence.take();
+        let rendered = self.draw(coherence.as_mut(), view, control);
+        self.coherence = coherence;
+        rendered
     }
 
     fn model(&self, _: &View) -> Model {
@@ -71,18 +75,80 @@ impl Prepared for PreparedCaster {
     }
 }
 
+/// What the coherent screen knows before its first picture; `None` for the others.
+fn coherence(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, engine: &Engine) -> Option<CoherenceBuffer> {
+    match engine {
+        Engine::Plain(kernel) | Engine::Packets(_, kernel) if caster.screen == Screen::Coherent => {
+            Some(CoherenceBuffer::new(volume, caster.filter_of(scene), kernel.sight()))
+        }
+        _ => None,
+    }
+}
+
 impl PreparedCaster {
-    /// Chooses the operator: once a frame.
-    fn render_with<R: Real>(
+    /// Chooses the engine.
+    fn draw(
         &self,
-        instruments: &Instruments<R>,
+        coherence: Option<&mut CoherenceBuffer>,
         view: &View,
         control: &Control,
     ) -> Result<Rendered, RenderError> {
         let volume = check(&self.caster, &self.scene)?;
+        if let (Screen::Template { connectivity }, Engine::Plain(kernel) | Engine::Packets(_, kernel)) =
+            (self.caster.screen, &self.engine)
+        {
+            return self.draw_by_template(connectivity, kernel.brightest(), view, control);
+        }
+        let step = self.caster.world_step(volume);
+        let stage = Stage { screen: self.caster.screen, coherence, volume, step, view, control };
+        match &self.engine {
+            Engine::Plain(Kernel::F32(instruments)) => self.render_with(instruments, stage),
+            Engine::Plain(Kernel::F64(instruments)) => self.render_with(instruments, stage),
+            Engine::Packets(engine, _) => stage.draw(&PacketFrame { engine, volume, rays: Rays::new(view)?, view }),
+            Engine::Promise(promise) => {
+                let single = self.caster.precision == Precision::F32;
+                stage.draw(&Promised { promise, volume, view, rays: Rays::new(view)?, single })
+            }
+        }
+    }
+
+    /// Draws by a template.
+    fn draw_by_template(
+        &self,
+        connectivity: Connectivity,
+        brightest: Brightest,
+        view: &View,
+        control: &Control,
+    ) -> Result<Rendered, RenderError> {
+        if !matches!(view.camera.projection, Projection::Orthographic { .. }) {
+            return Err(unsupported("perspective with a template screen".to_owned()));
+        }
+        if view.layer.is_some() {
+            return Err(unsupported("opaque layers with a template screen".to_owned()));
+        }
+        let volume = check(&self.caster, &self.scene)?;
+        let Order::FrontToBack { termination } = self.caster.order else {
+            return Err(unsupported("compositing back to front with a template screen".to_owned()));
+        };
+        let (low, high) = self.scene.volume.bounds();
+        let most = match brightest {
+            Brightest::Radiance(c) => c.max(1.0),
+            Brightest::Emission(q) => (q * low.distance(high)).max(1.0),
+        };
+        let step = self.caster.world_step(volume);
+        let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
+        let range = table_range(volume, self.caster.filter_of(&self.scene), &self.scene.transfer);
+        let integer = volume.voxel_type().is_integer();
+        let bake = |length| BakedTransfer::new(&self.scene.transfer, volume.calibration(), range, integer, length);
+        template.draw(bake, view, control)
+    }
+
+    /// Chooses the operator: once a frame.
+    fn render_with<R: Real>(&self, instruments: &Instruments<R>, stage: Stage<'_>) -> Result<Rendered, RenderError> {
+        let volume = stage.volume;
         let transfer = || Arc::clone(&self.scene.transfer);
         let calibration = volume.calibration();
-        let plain = Plain { prepared: self, volume, instruments, view, control };
+        let plain = Plain { prepared: self, volume, instruments, stage };
         match (self.scene.compositing, self.caster.order) {
             (Compositing::Over, Order::BackToFront) => plain.draw(OverBackToFront::default),
             (Compositing::Over, Order::FrontToBack { termination }) => {
@@ -102,8 +168,7 @@ struct Plain<'a, R> {
     prepared: &'a PreparedCaster,
     volume: &'a UniformVolume,
     instruments: &'a Instruments<R>,
-    view: &'a View,
-    control: &'a Control,
+    stage: Stage<'a>,
 }
 
 impl<R: Real> Plain<'_, R> {
@@ -121,10 +186,10 @@ impl<R: Real> Plain<'_, R> {
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),
             empty_space: self.instruments.empty_space.as_ref(),
-            view: self.view,
-            rays: Rays::new(self.view)?,
+            view: self.stage.view,
+            rays: Rays::new(self.stage.view)?,
             operator,
         };
-        every_pixel(&pipeline, self.view, self.control)
+        self.stage.draw(&pipeline)
     }
 }

@@ -1,10 +1,10 @@
 //! What the caster can draw, and what it says of the rest.
 
-use vr_core::{Compositing, RenderError, Scene, UniformVolume};
+use vr_core::{Compositing, Filter, RenderError, Scene, UniformVolume};
 
-use crate::caster::{Order, RayCaster, Rule, Step};
+use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step, Traversal};
 
-fn unsupported(feature: String) -> RenderError {
+pub(crate) fn unsupported(feature: String) -> RenderError {
     RenderError::Unsupported { renderer: RayCaster::NAME, feature }
 }
 
@@ -14,6 +14,9 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
     scene.validate()?;
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
+    }
+    if let Some(what) = beyond_screen(caster, scene) {
+        return Err(unsupported(what));
     }
     if caster.rule == Rule::Exact && !scene.compositing.integrates_light() {
         return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
@@ -34,4 +37,40 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
         }
     }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
+}
+
+/// What this caster's screen has no answer to.
+fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
+    let compositing = format!("compositing '{}'", scene.compositing.name());
+    let filter = caster.filter_of(scene);
+    let uneven = !matches!(caster.step, Step::Uniform(_)) || caster.traversal != Traversal::Samples;
+    let uneven = uneven.then_some("steps that are not all of one length (set a step, in voxels)".to_owned());
+    let found = match caster.screen {
+        Screen::EveryPixel => vec![],
+        // A promise for each pixel is none for what lies between them.
+        Screen::Adaptive { .. } => {
+            vec![matches!(caster.step, Step::Tolerance(_)).then_some("a promised error".to_owned())]
+        }
+        Screen::Coherent => vec![
+            (!scene.compositing.integrates_light()).then_some(compositing),
+            uneven,
+            // What a table of segments shows cannot be told from the values at their ends.
+            (!matches!(caster.rule, Rule::Midpoint | Rule::Left)).then(|| format!("the rule '{}'", caster.rule.name())),
+        ],
+        Screen::Template { connectivity } => {
+            let own_values = connectivity == Connectivity::Discrete && filter == Filter::Nearest;
+            vec![
+                (scene.compositing != Compositing::Over).then_some(compositing),
+                scene.shading.is_some().then_some("shading".to_owned()),
+                (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
+                (caster.order == Order::BackToFront).then_some("compositing back to front".to_owned()),
+                uneven,
+                (caster.rule != Rule::Midpoint).then(|| format!("the rule '{}'", caster.rule.name())),
+                (caster.precision == Precision::F64).then_some("64-bit precision".to_owned()),
+                (caster.classification == Classification::Exact).then_some("exact classification".to_owned()),
+            ]
+        }
+    };
+    let what = found.into_iter().flatten().next()?;
+    Some(format!("{what} with the screen '{}'", caster.screen.name()))
 }

@@ -31,7 +31,8 @@ fn homogeneous_slab_at_any_step() {
     for step in [0.25, 0.3, 0.5, 0.77, 1.0, 1.7, 2.0, 4.0, 8.0] {
         for order in [Order::default(), Order::BackToFront] {
             for rule in [Rule::Midpoint, Rule::Left] {
-                for caster in kernels(&RayCaster { step: Step::Uniform(step), order, rule, ..RayCaster::uniform(0.2) }) {
+                for caster in kernels(&RayCaster { step: Step::Uniform(step), order, rule, ..RayCaster::uniform(0.2) })
+                {
                     let (rgba, d) = pixel(&caster, &scene, &down(1.0, 1.2));
                     // A constant field has no discretisation error: what is left is the rounding of up to 20 steps.
                     assert_close(rgba, want, 20.0 * F32, &format!("{caster:?}"));
@@ -226,7 +227,12 @@ fn mean_and_extremes() {
     scene = Scene::new(grid.unwrap().into(), grey);
     for (compositing, value) in [(Compositing::Maximum, 20.0), (Compositing::Minimum, 4.0)] {
         scene.compositing = compositing;
-        assert_close(pixel(&RayCaster::uniform(0.2), &scene, &down(0.5, 0.5)).0, [value / 32.0; 4], F32, "negative slope");
+        assert_close(
+            pixel(&RayCaster::uniform(0.2), &scene, &down(0.5, 0.5)).0,
+            [value / 32.0; 4],
+            F32,
+            "negative slope",
+        );
     }
 }
 
@@ -253,6 +259,10 @@ fn vacuum_is_left_out() {
         Compositing::Accumulate { level: 0.5 },
     ] {
         let scene = Scene { compositing, ..Scene::new(nothing.clone(), homogeneous(0.5)) };
-        assert_eq!(pixel(&RayCaster::uniform(0.2), &scene, &down(1.0, 1.0)), ([0.0; 4], f32::INFINITY), "{compositing:?}");
+        assert_eq!(
+            pixel(&RayCaster::uniform(0.2), &scene, &down(1.0, 1.0)),
+            ([0.0; 4], f32::INFINITY),
+            "{compositing:?}"
+        );
     }
 }

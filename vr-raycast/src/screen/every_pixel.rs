@@ -14,17 +14,31 @@ const BLOCK: u32 = 4;
 pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) -> Result<Rendered, RenderError> {
     let mut stats = RenderStats::default();
     let rays = (view.samples * view.samples) as usize;
+    let frame = by_tiles(view, control, &mut stats, |pixels| {
+        let mut spots: Vec<Spot> = Vec::with_capacity(pixels.len() * rays);
+        for &pixel in pixels {
+            spots.extend(spots_of_pixel(view, pixel));
+        }
+        let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
+        tracer.trace(&spots, None, &mut values, &mut counts);
+        (values.chunks_exact(rays).map(Traced::mean).collect(), counts)
+    })?;
+    Ok(Rendered { frame, stats })
+}
+
+/// Draws a view tile by tile on all threads: `draw` is handed the pixels of a tile and returns one value for each.
+pub(crate) fn by_tiles(
+    view: &View,
+    control: &Control,
+    stats: &mut RenderStats,
+    draw: impl Fn(&[[u32; 2]]) -> (Vec<Traced>, Counts) + Sync,
+) -> Result<Frame, RenderError> {
     let across = view.size[0].div_ceil(TILE);
     let tiles = across * view.size[1].div_ceil(TILE);
     let results = stats.time("rays", || {
         in_parallel(control, tiles, |t| {
             let pixels = pixels_of_tile(view.size, [t % across * TILE, t / across * TILE]);
-            let mut spots = Vec::with_capacity(pixels.len() * rays);
-            for &pixel in &pixels {
-                spots.extend(spots_of_pixel(view, pixel));
-            }
-            let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
-            tracer.trace(&spots, None, &mut values, &mut counts);
+            let (values, counts) = draw(&pixels);
             (pixels, values, counts)
         })
     })?;
@@ -34,15 +48,14 @@ pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) 
         let mut sum = Counts::default();
         for (pixels, values, counts) in results {
             sum += counts;
-            for ([x, y], values) in pixels.into_iter().zip(values.chunks_exact(rays)) {
-                let mean = Traced::mean(values);
+            for ([x, y], value) in pixels.into_iter().zip(values) {
                 let pixel = y as usize * view.size[0] as usize + x as usize;
-                (rgba[pixel], depth[pixel]) = (mean.rgba, mean.depth);
+                (rgba[pixel], depth[pixel]) = (value.rgba, value.depth);
             }
         }
         sum
     });
-    Ok(Rendered { frame: Frame::new(view.size, rgba, Some(depth)), stats })
+    Ok(Frame::new(view.size, rgba, Some(depth)))
 }
 
 /// The pixels of a tile, block by block.

@@ -1,0 +1,273 @@
+//! The coherence buffer: what can be seen first, kept from picture to picture.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use vr_core::{Control, Filter, RenderError, UniformVolume, View};
+
+use super::cells::{CellMask, EDGE, LookInto, Sight};
+use super::projection::{Footprint, Projection, TILE};
+
+/// Blocks along the edge of a group: what hides a group hides all of its blocks at once.
+const GROUP: usize = 4;
+
+/// Rows of tiles that one task fills.
+const BAND: u32 = 8;
+
+/// Of a cell's edge, by which boxes are widened: more than a kernel's f32 positions can be off on grids of up to 2¹⁵ samples a side.
+const MARGIN: f64 = 1.0 / 32.0;
+
+/// What is known of the blocks of 8³ cells under one transfer function: which can be seen and, of those that earlier pictures met
+/// first, which of their cells.
+pub(crate) struct CoherenceBuffer {
+    sight: Sight,
+    filter: Filter,
+    cells: [usize; 3],
+    blocks: [usize; 3],
+    kinds: Vec<Kind>,
+    groups: Vec<[usize; 3]>,
+    /// Per block, the place of its mask, or [`UNKNOWN`].
+    known: Vec<u32>,
+    masks: Vec<CellMask>,
+    /// Blocks that the last picture met first, and of which no more is known yet.
+    met: Vec<u32>,
+}
+
+/// A block that nobody has looked into.
+const UNKNOWN: u32 = u32::MAX;
+
+/// What can be seen of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Nothing.
+    Clear,
+    /// Something, behind six solid neighbours.
+    Buried,
+    /// Everything, as far as its largest and smallest number tell; or it cannot be told. Never looked into.
+    Solid,
+    /// Something.
+    Partial,
+}
+
+/// Depths along the view before which nothing can be seen, per tile of 4×4 pixels; +∞ where nothing can at all.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct NearDepths {
+    across: u32,
+    depth: Vec<f64>,
+}
+
+impl NearDepths {
+    /// The depth of the tile of a pixel.
+    pub(crate) fn at(&self, [x, y]: [u32; 2]) -> f64 {
+        self.depth[(y / TILE * self.across + x / TILE) as usize]
+    }
+}
+
+impl CoherenceBuffer {
+    /// A buffer that knows the ranges of the blocks alone. It holds as long as volume, filter and sight do.
+    pub(crate) fn new(volume: &UniformVolume, filter: Filter, sight: Sight) -> Self {
+        let ranges = volume.range_blocks(filter, EDGE);
+        let blocks = ranges.blocks();
+        // The field of the wider filters depends on more than a cell's corners: their blocks stay whole.
+        let divisible = filter.reach() == 0;
+        let seen = |range: &vr_core::BlockRange| {
+            if range.is_empty() || !sight(range.low, range.high) {
+                Kind::Clear
+            } else if divisible && !(sight(range.low, range.low) && sight(range.high, range.high)) {
+                Kind::Partial
+            } else {
+                Kind::Solid
+            }
+        };
+        let kinds: Vec<Kind> = ranges.ranges().par_iter().map(seen).collect();
+        let at = |b: [usize; 3]| (b[2] * blocks[1] + b[1]) * blocks[0] + b[0];
+        let place = |i: usize| [i % blocks[0], i / blocks[0] % blocks[1], i / (blocks[0] * blocks[1])];
+        let buried = |b: [usize; 3]| {
+            (0..3).all(|a| {
+                let stands =
+                    |k: usize| kinds[at(std::array::from_fn(|i| if i == a { k } else { b[i] }))] == Kind::Solid;
+                b[a] > 0 && b[a] + 1 < blocks[a] && stands(b[a] - 1) && stands(b[a] + 1)
+            })
+        };
+        let kinds: Vec<Kind> = (0..kinds.len())
+            .into_par_iter()
+            .map(|i| if kinds[i] != Kind::Clear && buried(place(i)) { Kind::Buried } else { kinds[i] })
+            .collect();
+        let mut groups: Vec<[usize; 3]> =
+            (0..kinds.len()).filter(|&i| kinds[i] != Kind::Clear).map(|i| place(i).map(|b| b / GROUP)).collect();
+        groups.sort_unstable_by_key(|g| [g[2], g[1], g[0]]);
+        groups.dedup();
+        let cells = volume.dims().map(|n| n - 1);
+        let known = vec![UNKNOWN; kinds.len()];
+        Self { sight, filter, cells, blocks, kinds, groups, known, masks: Vec::new(), met: Vec::new() }
+    }
+
+    /// Projects what can be seen: the near depths of a view.
+    ///
+    /// Whatever the buffer knows, every point that can be seen lies at or behind the depth of its tile; the more it knows, the nearer.
+    ///
+    /// # Errors
+    /// A camera that makes no sense, or [`RenderError::Cancelled`].
+    pub(crate) fn project(
+        &mut self,
+        volume: &UniformVolume,
+        view: &View,
+        control: &Control,
+    ) -> Result<NearDepths, RenderError> {
+        control.check()?;
+        self.learn(volume, control);
+        let projection = Projection::new(view, volume.placement())?;
+        let across = view.size[0].div_ceil(TILE);
+        let down = view.size[1].div_ceil(TILE);
+        // With the eye in the volume, rays begin inside blocks, and any cell may be the first.
+        let all = self.box_of([0; 3], self.cells);
+        let inside = projection.footprint(&projection.stencil(all.1), all.0).is_some_and(|f| f.depth == 0.0);
+        let groups = self.groups_front_to_back(&projection);
+        let mut depth = vec![f64::INFINITY; (across * down) as usize];
+        let this = &*self;
+        let fill = |(i, depth): (usize, &mut [f64])| {
+            let mut band = Band { first: i as u32 * BAND, across, depth };
+            this.fill(&mut band, &projection, &groups, inside)
+        };
+        let met: Vec<Vec<u32>> =
+            control.run(|| depth.par_chunks_mut((across * BAND) as usize).enumerate().map(fill).collect());
+        self.met = met.concat();
+        self.met.sort_unstable();
+        self.met.dedup();
+        Ok(NearDepths { across, depth })
+    }
+
+    /// Looks into the blocks that the last picture met first.
+    fn learn(&mut self, volume: &UniformVolume, control: &Control) {
+        let met = std::mem::take(&mut self.met);
+        if met.is_empty() {
+            return;
+        }
+        let blocks: Vec<[usize; 3]> = met.iter().map(|&i| self.place(i)).collect();
+        let look = LookInto { blocks: &blocks, sight: &self.sight };
+        let masks = control.run(|| volume.with_sampler(self.filter, look));
+        for (block, mask) in met.into_iter().zip(masks) {
+            self.known[block as usize] = self.masks.len() as u32;
+            self.masks.push(mask);
+        }
+    }
+
+    fn place(&self, block: u32) -> [usize; 3] {
+        let i = block as usize;
+        [i % self.blocks[0], i / self.blocks[0] % self.blocks[1], i / (self.blocks[0] * self.blocks[1])]
+    }
+
+    /// Centre and half edges of the box of some cells, widened by the margin.
+    fn box_of(&self, first: [usize; 3], count: [usize; 3]) -> (DVec3, DVec3) {
+        let low: [f64; 3] = first.map(|i| i as f64);
+        let high: [f64; 3] = std::array::from_fn(|a| (first[a] + count[a]).min(self.cells[a]) as f64);
+        let (low, high) = (DVec3::from(low), DVec3::from(high));
+        (0.5 * (low + high), 0.5 * (high - low) + MARGIN)
+    }
+
+    /// The groups that the picture may show, nearer ones rather before farther ones.
+    fn groups_front_to_back(&self, projection: &Projection) -> Vec<([usize; 3], Footprint)> {
+        let edge = GROUP * EDGE;
+        let mut seen: Vec<_> = self
+            .groups
+            .iter()
+            .filter_map(|&g| {
+                let (centre, half) = self.box_of(g.map(|i| i * edge), [edge; 3]);
+                Some((g, projection.footprint(&projection.stencil(half), centre)?))
+            })
+            .collect();
+        seen.sort_by(|a, b| a.1.depth.total_cmp(&b.1.depth));
+        seen
+    }
+
+    /// Fills a band of tiles; returns the blocks that stand in front there without being known any better.
+    fn fill(
+        &self,
+        band: &mut Band<'_>,
+        projection: &Projection,
+        groups: &[([usize; 3], Footprint)],
+        inside: bool,
+    ) -> Vec<u32> {
+        let forward = projection.forward();
+        let whole = projection.stencil(DVec3::splat(0.5 * EDGE as f64 + MARGIN));
+        let cell = projection.stencil(DVec3::splat(0.5 + MARGIN));
+        let mut met = Vec::new();
+        for (group, footprint) in groups {
+            if !band.shows(footprint) {
+                continue;
+            }
+            for k in 0..GROUP.pow(3) {
+                // Front to back within the group, too.
+                let step = [k % GROUP, k / GROUP % GROUP, k / GROUP.pow(2)];
+                let block: [usize; 3] = std::array::from_fn(|a| {
+                    let step = if forward[a] < 0.0 { GROUP - 1 - step[a] } else { step[a] };
+                    group[a] * GROUP + step
+                });
+                if (0..3).any(|a| block[a] >= self.blocks[a]) {
+                    continue;
+                }
+                let index = (block[2] * self.blocks[1] + block[1]) * self.blocks[0] + block[0];
+                let kind = self.kinds[index];
+                if kind == Kind::Clear || (kind == Kind::Buried && !inside) {
+                    continue;
+                }
+                let first = block.map(|b| b * EDGE);
+                let (centre, half) = self.box_of(first, [EDGE; 3]);
+                let is_whole = (0..3).all(|a| first[a] + EDGE <= self.cells[a]);
+                let own = if is_whole { whole } else { projection.stencil(half) };
+                let Some(footprint) = projection.footprint(&own, centre).filter(|f| band.shows(f)) else { continue };
+                if inside || self.known[index] == UNKNOWN {
+                    band.put(&footprint);
+                    if kind == Kind::Partial && !inside {
+                        met.push(index as u32);
+                    }
+                    continue;
+                }
+                let corner = centre - half + (MARGIN + 0.5);
+                let sides = projection.sides(centre, half);
+                for p in self.masks[self.known[index] as usize].front(sides) {
+                    let centre = corner + DVec3::from_array(p.map(|i| i as f64));
+                    if let Some(footprint) = projection.footprint(&cell, centre) {
+                        band.put(&footprint);
+                    }
+                }
+            }
+        }
+        met
+    }
+}
+
+/// Some rows of tiles.
+struct Band<'a> {
+    /// The first row.
+    first: u32,
+    across: u32,
+    depth: &'a mut [f64],
+}
+
+impl Band<'_> {
+    /// The rows of a footprint in the band, counted from its first.
+    fn rows(&self, footprint: &Footprint) -> std::ops::Range<u32> {
+        let end = self.first + self.depth.len() as u32 / self.across;
+        let low = footprint.low[1].max(self.first);
+        low - self.first..(footprint.high[1] + 1).min(end).max(low) - self.first
+    }
+
+    fn tiles(&self, row: u32, footprint: &Footprint) -> std::ops::Range<usize> {
+        let start = (row * self.across) as usize;
+        start + footprint.low[0] as usize..start + footprint.high[0] as usize + 1
+    }
+
+    /// Whether a box would change anything: not where all tiles have something nearer already. (The test for hidden points.)
+    fn shows(&self, footprint: &Footprint) -> bool {
+        self.rows(footprint).any(|row| self.depth[self.tiles(row, footprint)].iter().any(|&d| d > footprint.depth))
+    }
+
+    fn put(&mut self, footprint: &Footprint) {
+        for row in self.rows(footprint) {
+            let tiles = self.tiles(row, footprint);
+            for depth in &mut self.depth[tiles] {
+                *depth = depth.min(footprint.depth);
+            }
+        }
+    }
+}
