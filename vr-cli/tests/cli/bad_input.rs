@@ -49,7 +49,7 @@ fn flags_that_cannot_be() {
         ("--ambient -1", &["shading.ambient", "-1"]),
         ("--light 0,0,0", &["shading.lights[0]"]),
         ("--max-error 1e-9", &["max_error", "1e-6"]),
-        ("--max-error 0.001 --set step=1", &["step", "tolerance"]),
+        ("--max-error 0.001 --set step=1", &["max-error", "uniform"]),
         ("--threads 0", &["--threads", "0"]),
         ("--sise 9", &["--sise", "--size"]),
         ("-o x.jpg", &["x.jpg", "png", "exr"]),
