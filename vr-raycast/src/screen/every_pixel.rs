@@ -21,7 +21,10 @@ pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) 
         }
         let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
         tracer.trace(&spots, None, &mut values, &mut counts);
-        (values.chunks_exact(rays).map(Traced::mean).collect(), counts)
+        if rays > 1 {
+            values = values.chunks_exact(rays).map(Traced::mean).collect();
+        }
+        (values, counts)
     })?;
     Ok(Rendered { frame, stats })
 }
@@ -65,7 +68,9 @@ fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
     for block_y in (corner[1]..end[1]).step_by(BLOCK as usize) {
         for block_x in (corner[0]..end[0]).step_by(BLOCK as usize) {
             for y in block_y..(block_y + BLOCK).min(end[1]) {
-                pixels.extend((block_x..(block_x + BLOCK).min(end[0])).map(|x| [x, y]));
+                for x in block_x..(block_x + BLOCK).min(end[0]) {
+                    pixels.push([x, y]);
+                }
             }
         }
     }
@@ -73,6 +78,7 @@ fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
 }
 
 /// The n² rays of a pixel.
+#[inline]
 pub(crate) fn spots_of_pixel(view: &View, [x, y]: [u32; 2]) -> impl Iterator<Item = Spot> {
     let n = view.samples;
     let pixel = y as usize * view.size[0] as usize + x as usize;
