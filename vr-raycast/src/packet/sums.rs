@@ -44,7 +44,10 @@ impl<S: Simd> Sums<S> {
         for c in 0..4 {
             let added = clear * light[c] - self.lost[c];
             let sum = self.sum[c] + added;
-            self.lost[c] = (sum - self.sum[c]) - added;
+            // Exact whichever of the two is larger (Knuth's TwoSum). Kahan's own difference is exact for the smaller one only: what it
+            // leaves can be more than half a unit in the last place, and adding nothing then changes the sum.
+            let kept = sum - self.sum[c];
+            self.lost[c] = (sum - kept) - self.sum[c] + (kept - added);
             self.sum[c] = sum;
         }
         let half = splat(simd, 0.5);
