@@ -179,12 +179,11 @@ impl Packet {
         directions: [[0.0; LANES]; 3],
     };
 
-    /// Begins at these steps of the rays, or at their last ones. Steps are taken in pairs, and rays end between pairs: an odd one begins
-    /// at the step before, so that the pairs stay the same, and with them every bit of the sums.
+    /// Begins at these steps of the rays, or at their last ones.
     pub(crate) fn begin_at(&mut self, starts: &[u32]) {
         for (i, &start) in starts.iter().enumerate() {
             let last = f64::from(self.end.0[i]).max(0.0 - self.middle[i]);
-            self.first.0[i] = (f64::from(start & !1) - self.middle[i]).min(last) as f32;
+            self.first.0[i] = (f64::from(start) - self.middle[i]).min(last) as f32;
         }
     }
 }
