@@ -75,8 +75,11 @@ fn casters(step: f64) -> Vec<(&'static str, RayCaster)> {
     let of = |(name, leaping)| {
         (name, RayCaster { step: Step::Uniform(step), leaping, vector: Vector::Off, ..RayCaster::uniform(0.2) })
     };
-    let coarse =
-        RayCaster { step: Step::Vicinity { coarse: 8.0, fine: step }, leaping: Leaping::None, ..RayCaster::uniform(0.2) };
+    let coarse = RayCaster {
+        step: Step::Vicinity { coarse: 8.0, fine: step },
+        leaping: Leaping::None,
+        ..RayCaster::uniform(0.2)
+    };
     LEAPINGS.map(of).into_iter().chain([("vicinity 8", coarse)]).collect()
 }
 

@@ -19,7 +19,8 @@ fn main() {
         let pixels = subgrid(24, view.size);
         let truth = Reference::new(1e-7).solve_pixels(&scene, &view, &Model::Canonical, &pixels, &control).unwrap();
         let truth: Vec<[f64; 4]> = truth.pixels.iter().map(|p| p.rgba).collect();
-        let mut casters = vec![("step 0.5".to_owned(), RayCaster { step: Step::Uniform(0.5), ..RayCaster::uniform(0.2) })];
+        let mut casters =
+            vec![("step 0.5".to_owned(), RayCaster { step: Step::Uniform(0.5), ..RayCaster::uniform(0.2) })];
         for error in [0.5, 0.2, 0.1, 0.05, 0.01] {
             let step = Step::Homogeneous { step: 0.5, error };
             casters.push((format!("homogeneity {error}"), RayCaster { step, ..RayCaster::uniform(0.2) }));

@@ -6,7 +6,7 @@ use vr_physics::cases::Case;
 use vr_physics::check::{self, Effort, Refinement};
 use vr_raycast::{Order, RayCaster};
 
-/// What the default settings may be off by, case by case: the measured error, and half as much again.
+/// What steps of ⅕ may be off by, case by case: the measured error, and half as much again.
 fn bound(case: &Case) -> f64 {
     match case.name {
         // The wall's place is known to a step, and where a ray just passes it or just not, all of it is at stake.
@@ -31,10 +31,29 @@ fn bound(case: &Case) -> f64 {
     }
 }
 
+/// The same of the default's local steps, which aim at an RMSE of 5·10⁻⁴.
+fn bound_of_default(case: &Case) -> f64 {
+    match case.name {
+        "opaque-wall" | "thin-shell" => 0.85,
+        // Walls, holes and ramps much narrower than a step are found as well or as badly as by steps of ⅕.
+        "missing-voxels" => 6e-2,
+        "two-samples" => 2.2e-2,
+        // Twice the error aimed at, in the worst pixel of a smooth field.
+        "anisotropy" | "grazing-rays" | "axis-aligned" | "camera-inside" | "far-origin" | "faint" => 1.2e-3,
+        // The field alternates from voxel to voxel, faster than long steps can see: they meet both values equally often.
+        "many-faint-steps" => 4e-4,
+        _ => bound(case),
+    }
+}
+
 #[test]
 fn survives_hard_cases() {
-    let table = check::survives_hard_cases(&RayCaster::default(), bound, &Reference::new(1e-7));
-    println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
+    for (caster, bound) in
+        [(RayCaster::default(), bound_of_default as fn(&Case) -> f64), (RayCaster::uniform(0.2), bound)]
+    {
+        let table = check::survives_hard_cases(&caster, bound, &Reference::new(1e-7));
+        println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
+    }
 }
 
 #[test]

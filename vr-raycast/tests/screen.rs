@@ -145,7 +145,7 @@ proptest! {
                 view.clip.crop = crop.map(|(low, high)| (DVec3::from(low) * 0.7, DVec3::from(high) * 0.7 + 0.01));
                 view.clip.planes.extend(plane.map(|n| Plane { normal: DVec3::from(n) + 0.01, offset: -0.1 }));
                 view.layer = layered.map(|depth| {
-                    let pixel = |i: u32| ([0.1, 0.2, 0.3], if i % 3 == 0 { f32::INFINITY } else { depth });
+                    let pixel = |i: u32| ([0.1, 0.2, 0.3], if i.is_multiple_of(3) { f32::INFINITY } else { depth });
                     std::sync::Arc::new(Layer { pixels: (0..size[0] * size[1]).map(pixel).collect() })
                 });
                 view
@@ -256,7 +256,8 @@ fn along_an_axis_a_template_is_the_plain_caster() {
         let camera = Camera { eye: middle - 40.0 * direction, target: middle, up, projection };
         for step in [0.3, 1.0, 2.5] {
             let view = View::new(camera, size);
-            let want = common::render(&RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) }, &scene, &view);
+            let want =
+                common::render(&RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) }, &scene, &view);
             let got = common::render(&template(Connectivity::Continuous, step), &scene, &view);
             // Rounding of f32 positions, which the template's weights do not have.
             assert!(max_error(&got.frame, &want.frame) < 2e-5, "{direction} {step}");

@@ -6,7 +6,7 @@ use fearless_simd::{Simd, f32x16, i32x16};
 use super::lanes::{pick, splat};
 
 /// ln 2 in two parts, the first with so few bits that a small whole multiple of it is exact (Cody & Waite 1980).
-const LN2_HIGH: f32 = 0.693_359_375;
+const LN2_HIGH: f32 = 0.693_359_4;
 const LN2_LOW: f32 = -2.121_944_4e-4;
 
 /// ln x for normal positive x, to 10⁻⁷ relative to max(1, |ln x|).
@@ -31,7 +31,7 @@ pub(crate) fn ln<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
         -1.666_805_8e-1,
         2.000_071_5e-1,
         -2.499_999_4e-1,
-        3.333_333_1e-1,
+        0.333_333_3,
     ] {
         p = p * f + c;
     }
