@@ -114,7 +114,12 @@ pub(crate) fn step_of(old: Step, options: &Options) -> Result<Step, OptionError>
     let kind = match options.0.get(STEPS) {
         Some(OptionValue::Word(word)) => word.as_str(),
         _ if takes_all(old_kind) => old_kind,
-        _ => KINDS.iter().map(|(word, _)| *word).find(|word| takes_all(word)).unwrap_or(old_kind),
+        _ => {
+            let kinds = || KINDS.iter().map(|(word, _)| *word);
+            // Where none takes all of them, the first one's, to complain in the name of.
+            let of_first = || kinds().find(|word| given.first().is_some_and(|(key, _)| takes(word, key)));
+            kinds().find(|word| takes_all(word)).or_else(of_first).unwrap_or(old_kind)
+        }
     };
     if let Some((key, x)) = given.iter().find(|(key, _)| !takes(kind, key)) {
         let allowed = format!("steps are '{kind}': must be absent");
