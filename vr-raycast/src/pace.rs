@@ -19,8 +19,6 @@ pub(crate) struct PaceMap {
     blocks: [usize; 3],
     bytes: Vec<u8>,
     steps: [f32; CLASSES],
-    /// First and last block, axis by axis, of the box around what is not clear; `None` where all is.
-    visible: Option<[[usize; 3]; 2]>,
 }
 
 /// What a ray does in a block.
@@ -69,34 +67,12 @@ impl PaceMap {
             VisibleBlocks::from_fn(dims, Self::EDGE, |[x, y, z]| bytes[(z * blocks[1] + y) * blocks[0] + x] != CLEAR)
         });
         bytes.par_iter_mut().with_min_len(1 << 12).for_each(|b| *b = (*b).min(CLASSES as u8 - 1));
-        let mut map =
-            Self { blocks, bytes, steps: std::array::from_fn(|c| (voxel * step_of(c)) as f32), visible: None };
+        let mut map = Self { blocks, bytes, steps: std::array::from_fn(|c| (voxel * step_of(c)) as f32) };
         map.look_around();
         if let Some(visible) = visible {
             map.leap(visible);
         }
-        map.visible = map.box_of_visible();
         map
-    }
-
-    /// Lower and upper corner, in index space, of the box around all blocks that are not clear; `None` where all are.
-    pub(crate) fn visible_box(&self) -> Option<[[f64; 3]; 2]> {
-        let [first, last] = self.visible?;
-        Some([first.map(|b| (b * Self::EDGE) as f64), last.map(|b| ((b + 1) * Self::EDGE) as f64)])
-    }
-
-    fn box_of_visible(&self) -> Option<[[usize; 3]; 2]> {
-        let [nx, ny, _] = self.blocks;
-        let ends = |(row, bytes): (usize, &[u8])| {
-            let first = bytes.iter().position(|&b| b < CLEAR)?;
-            let last = bytes.iter().rposition(|&b| b < CLEAR)?;
-            let (y, z) = (row % ny, row / ny);
-            Some([[first, y, z], [last, y, z]])
-        };
-        let around = |[a, b]: [[usize; 3]; 2], [c, d]: [[usize; 3]; 2]| {
-            [std::array::from_fn(|i| a[i].min(c[i])), std::array::from_fn(|i| b[i].max(d[i]))]
-        };
-        self.bytes.par_chunks(nx).with_min_len(64).enumerate().filter_map(ends).reduce_with(around)
     }
 
     /// Blocks along x, y, z.
@@ -370,13 +346,6 @@ mod tests {
     fn nothing_visible_is_far_everywhere() {
         let map = map([37, 5, 5], 1e-3, true, |_, _, _| 0);
         assert!(map.bytes().iter().all(|&b| b == u8::MAX));
-        assert_eq!(map.visible_box(), None);
-    }
-
-    #[test]
-    fn the_visible_box_is_tight() {
-        let map = map([37, 21, 13], 1e-3, true, |x, y, z| if (x, y, z) == (9, 10, 11) { 255 } else { 0 });
-        assert_eq!(map.visible_box(), Some([[8.0, 8.0, 8.0], [12.0, 12.0, 12.0]]));
     }
 
     #[test]

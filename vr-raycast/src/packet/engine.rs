@@ -237,17 +237,7 @@ impl PacketFrame<'_> {
     }
 
     fn setup(&self) -> FrameSetup<'_> {
-        let last = self.volume.dims().map(|n| (n - 1) as f64);
         FrameSetup {
-            bounds: match &self.engine.steps {
-                // Steps are counted from where a ray enters the volume.
-                PacketSteps::Lattice { .. } => [[0.0; 3], last],
-                PacketSteps::Local { map, .. } => {
-                    // A point outside where nothing is visible: no ray meets it for any length.
-                    let [low, high] = map.visible_box().unwrap_or([[-1.0; 3]; 2]);
-                    [low, std::array::from_fn(|a| high[a].min(last[a]))]
-                }
-            },
             rays: &self.rays,
             placement: self.volume.placement(),
             dims: self.volume.dims(),

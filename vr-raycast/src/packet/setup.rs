@@ -13,8 +13,6 @@ pub(crate) struct FrameSetup<'a> {
     pub(crate) rays: &'a Rays,
     pub(crate) placement: &'a Placement,
     pub(crate) dims: [usize; 3],
-    /// Lower and upper corner of the box, in index space, that rays are cut by: all of the volume, or the part in which something is visible.
-    pub(crate) bounds: [[f64; 3]; 2],
     pub(crate) clip: &'a Clip,
     pub(crate) layer: Option<&'a Layer>,
     /// Length of a step in world units.
@@ -103,7 +101,7 @@ impl FrameSetup<'_> {
             (start[i], end[i]) = (-offset[i], far[i] - offset[i]);
         }
         for a in 0..3 {
-            keep_between(&mut start, &mut end, &origin[a], &direction[a], self.bounds[0][a], self.bounds[1][a]);
+            keep_between(&mut start, &mut end, &origin[a], &direction[a], 0.0, extent[a]);
         }
         if self.clip.crop.is_some() || !self.clip.planes.is_empty() {
             self.clip(&mut start, &mut end, &from, &along, &offset);
