@@ -275,10 +275,12 @@ pub enum Screen {
     /// Those of every pixel.
     #[default]
     EveryPixel,
-    /// Every eighth pixel's first, then those between where the colours differ; the rest is interpolated (Levoy, *Volume rendering by
-    /// adaptive refinement*, 1990). Not exact: see the crate's front page for what was measured.
+    /// Every fourth pixel's first, along x and y, then those between where the colours bend; the rest is interpolated by cubics (after Levoy,
+    /// *Volume rendering by adaptive refinement*, 1990). Not exact: see the crate's README for what was measured.
     Adaptive {
-        /// The largest difference of a component of the premultiplied colours that is not refined, 0 or more; 0: every pixel is traced.
+        /// How far a component of the premultiplied colours may be from the straight lines through its neighbours' along x and y (the sum of
+        /// both second differences), 0 or more, where nothing is refined; 0: every pixel is traced. On all pictures that were measured,
+        /// the largest error of the interpolation is below it, and its RMSE a twentieth.
         threshold: f64,
     },
     /// Every pixel's, each begun where its part of the view can show something first. That is projected for each view from what

@@ -101,13 +101,13 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         spec(
             "screen",
             OptionKind::Choice(&["every-pixel", ADAPTIVE, "coherent", "template-discrete", "template-continuous"]),
-            "which rays are cast: all, where colours differ, from where the last view saw something, or by a template",
+            "which rays are cast: all, those where colours bend, from where the last view saw something, or by a template",
         ),
         OptionSpec {
             key: "screen-threshold",
             kind: OptionKind::Number { above: 0.0, most: 1.0 },
             default: OptionValue::Number(THRESHOLD),
-            help: "adaptive screen: the largest difference of colour that is interpolated",
+            help: "adaptive screen: how far from the straight lines through its neighbours a colour may be where nothing is refined",
         },
     ];
     step_options::specs().into_iter().chain(others).collect()

@@ -170,8 +170,8 @@ fn of_phantom(name: &str, n: usize) -> Scene {
     Scene::new(phantom::sample::<f32>(&*phantom, [n; 3]).unwrap().into(), transfer.unwrap())
 }
 
-/// No law bounds what lies between rays that agree; on these pictures, of features wider than the first rays' distance, it is within
-/// four times the threshold, and mostly nothing.
+/// No law bounds what lies between rays on a line; on these pictures, of features wider than the first rays' distance, it is within
+/// the threshold, and mostly nothing.
 #[test]
 fn adaptive_pictures_are_near_their_threshold() {
     for name in phantom::NAMES {
@@ -179,13 +179,13 @@ fn adaptive_pictures_are_near_their_threshold() {
         for fov in [None, Some(30.0)] {
             let view = View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, fov), [160, 157]);
             let want = common::render(&caster(Screen::EveryPixel), &scene, &view);
-            for threshold in [0.002, 0.01, 0.05] {
+            for threshold in [0.01, 0.05, 0.2] {
                 let got = common::render(&caster(Screen::Adaptive { threshold }), &scene, &view);
                 let error = max_error(&got.frame, &want.frame);
-                assert!(error <= 4.0 * threshold, "{name}, {fov:?}, threshold {threshold}: {error}");
+                assert!(error <= threshold, "{name}, {fov:?}, threshold {threshold}: {error}");
                 let share = got.stats.counts.rays as f64 / want.stats.counts.rays as f64;
                 // Fog and Marschner-Lobb change everywhere: all that a low threshold can do there is trace every pixel.
-                let most = if matches!(*name, "fog" | "marschner-lobb") { 1.0 } else { 0.65 };
+                let most = if matches!(*name, "fog" | "marschner-lobb") { 1.0 } else { 0.75 };
                 assert!(share <= most, "{name}, {fov:?}, threshold {threshold}: {share} of the rays");
             }
         }

@@ -3,13 +3,11 @@
 use vr_core::image_order::{Spot, in_parallel};
 use vr_core::{Control, Counts, Frame, RenderError, RenderStats, Rendered, View};
 
+use super::blocks::in_blocks;
 use crate::tracer::{Traced, Tracer};
 
 /// Pixels along the edge of a tile: small enough to balance, large enough that a tile's rays share the cache.
 const TILE: u32 = 32;
-/// Pixels along the edge of the blocks that a tile's rays are ordered by: rays of a packet stay close to each other.
-const BLOCK: u32 = 4;
-
 /// Traces every ray of a view, tile by tile on all threads. The picture does not depend on their number.
 pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) -> Result<Rendered, RenderError> {
     let mut stats = RenderStats::default();
@@ -65,15 +63,7 @@ pub(crate) fn by_tiles(
 fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
     let end = [0, 1].map(|a| (corner[a] + TILE).min(size[a]));
     let mut pixels = Vec::with_capacity((TILE * TILE) as usize);
-    for block_y in (corner[1]..end[1]).step_by(BLOCK as usize) {
-        for block_x in (corner[0]..end[0]).step_by(BLOCK as usize) {
-            for y in block_y..(block_y + BLOCK).min(end[1]) {
-                for x in block_x..(block_x + BLOCK).min(end[0]) {
-                    pixels.push([x, y]);
-                }
-            }
-        }
-    }
+    pixels.extend(in_blocks(corner, end));
     pixels
 }
 

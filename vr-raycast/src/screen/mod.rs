@@ -1,6 +1,7 @@
 //! Which rays a picture is made of. One small file each.
 
 mod adaptive;
+mod blocks;
 mod coherent;
 mod every_pixel;
 mod template;

@@ -1,0 +1,233 @@
+//! The picture as far as it is known.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use vr_core::image_order::Spot;
+use vr_core::{Control, Counts, Frame, RenderError, View};
+
+use crate::screen::blocks::in_blocks;
+use crate::screen::every_pixel::spots_of_pixel;
+use crate::tracer::{Traced, Tracer};
+
+/// Pixels that one task traces.
+const BATCH: usize = 256;
+
+/// Points at a distance of one pixel. They begin with the view's pixels, and go on to the right and below until the coarse grid ends: all
+/// cells are whole.
+pub(super) struct Canvas<'a> {
+    view: &'a View,
+    control: &'a Control,
+    /// Points across.
+    across: usize,
+    rows: Vec<Row>,
+    done: AtomicUsize,
+    counts: Counts,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Row {
+    /// Premultiplied.
+    rgba: Vec<[f32; 4]>,
+    /// +∞: nothing is seen.
+    depth: Vec<f32>,
+    traced: Vec<bool>,
+}
+
+impl<'a> Canvas<'a> {
+    /// For a grid of points `coarse` pixels apart, and all finer ones.
+    pub(super) fn new(view: &'a View, control: &'a Control, coarse: usize) -> Self {
+        let [across, down] = view.size.map(|n| (n as usize - 1).div_ceil(coarse).max(1) * coarse + 1);
+        let row = Row { rgba: vec![[0.0; 4]; across], depth: vec![f32::INFINITY; across], traced: vec![false; across] };
+        Self { view, control, across, rows: vec![row; down], done: AtomicUsize::new(0), counts: Counts::default() }
+    }
+
+    pub(super) fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// How many points there are so many pixels apart, across and down.
+    pub(super) fn points(&self, spacing: usize) -> [usize; 2] {
+        [self.across, self.rows.len()].map(|n| (n - 1) / spacing + 1)
+    }
+
+    /// Takes a point, of those so many pixels apart, if no ray has gone through it and none is about to.
+    pub(super) fn claim(&mut self, at: [u32; 2], spacing: usize) -> bool {
+        let [x, y] = at.map(|i| i as usize * spacing);
+        !std::mem::replace(&mut self.rows[y].traced[x], true)
+    }
+
+    /// Takes all of them, in blocks of 4×4.
+    pub(super) fn claim_all(&mut self, spacing: usize) -> Vec<[u32; 2]> {
+        in_blocks([0; 2], self.points(spacing).map(|n| n as u32)).filter(|&at| self.claim(at, spacing)).collect()
+    }
+
+    /// Traces points of those so many pixels apart.
+    pub(super) fn trace(
+        &mut self,
+        tracer: &impl Tracer,
+        points: &[[u32; 2]],
+        spacing: usize,
+    ) -> Result<(), RenderError> {
+        let (view, control, done) = (self.view, self.control, &self.done);
+        let all = (self.across * self.rows.len()) as f64;
+        let rays = (view.samples * view.samples) as usize;
+        let batch = |points: &[[u32; 2]]| {
+            control.check()?;
+            let spots: Vec<Spot> =
+                points.iter().flat_map(|p| spots_of_point(view, p.map(|i| i * spacing as u32))).collect();
+            let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
+            tracer.trace(&spots, None, &mut values, &mut counts);
+            if rays > 1 {
+                values = values.chunks_exact(rays).map(Traced::mean).collect();
+            }
+            let finished = done.fetch_add(points.len(), Ordering::Relaxed) + points.len();
+            control.report(finished as f64 / all);
+            Ok((values, counts))
+        };
+        let batches: Result<Vec<_>, RenderError> =
+            control.run(|| points.par_chunks(BATCH).with_max_len(1).map(batch).collect());
+        for (points, (values, counts)) in points.chunks(BATCH).zip(batches?) {
+            self.counts += counts;
+            for (point, value) in points.iter().zip(values) {
+                let [x, y] = point.map(|i| i as usize * spacing);
+                let row = &mut self.rows[y];
+                (row.rgba[x], row.depth[x]) = (value.rgba, value.depth);
+            }
+        }
+        Ok(())
+    }
+
+    /// Marks the points so many pixels apart at which the picture bends by more than `threshold`, row by row.
+    pub(super) fn bent(&self, spacing: usize, threshold: f32) -> Vec<Vec<bool>> {
+        let rows: Vec<&Row> = self.rows.iter().step_by(spacing).collect();
+        let bent = |y: usize| -> Vec<bool> {
+            let (here, [above, below]) = (&rows[y].rgba, neighbours(y, rows.len()).map(|y| &rows[y].rgba));
+            let last = self.across - 1;
+            let along_x = |x: usize| neighbours(x / spacing, last / spacing + 1).map(|x| here[x * spacing]);
+            (0..=last)
+                .step_by(spacing)
+                .map(|x| {
+                    let ([left, right], [above, below], twice) =
+                        (along_x(x), [above[x], below[x]], here[x].map(|c| 2.0 * c));
+                    let bend =
+                        |c: usize| (left[c] + right[c] - twice[c]).abs() + (above[c] + below[c] - twice[c]).abs();
+                    (0..4).any(|c| bend(c) > threshold)
+                })
+                .collect()
+        };
+        self.control.run(|| (0..rows.len()).into_par_iter().with_min_len(8).map(bent).collect())
+    }
+
+    /// The cells between points so many pixels apart in which an opaque layer shows.
+    pub(super) fn cells_with_layer(&self, spacing: usize) -> Vec<[usize; 2]> {
+        let Some(layer) = self.view.layer.as_deref() else { return Vec::new() };
+        let [w, h] = self.view.size.map(|n| n as usize);
+        let [nx, ny] = self.points(spacing).map(|n| n - 1);
+        let shows = |&[x, y]: &[usize; 2]| {
+            let (x, y) = (x * spacing, y * spacing);
+            let pixels =
+                (y..=(y + spacing).min(h - 1)).flat_map(|y| (x..=(x + spacing).min(w - 1)).map(move |x| [x, y]));
+            pixels.into_iter().any(|[x, y]| layer.depth(y * w + x) < f64::INFINITY)
+        };
+        (0..ny).flat_map(|y| (0..nx).map(move |x| [x, y])).filter(shows).collect()
+    }
+
+    /// Fills the points so many pixels apart through which no ray goes, from those twice as far apart.
+    pub(super) fn interpolate(&mut self, spacing: usize) {
+        let Self { control, rows, .. } = self;
+        control.run(|| {
+            rows.par_iter_mut().step_by(2 * spacing).with_min_len(8).for_each(|row| row.fill_between(spacing));
+            // The rows between are taken out, so that they can be written while the others are read.
+            let step = 2 * spacing;
+            let mut between: Vec<Row> = rows.iter_mut().skip(spacing).step_by(step).map(std::mem::take).collect();
+            let count = rows.len().div_ceil(step);
+            let known = |k: usize| &rows[k * step];
+            between
+                .par_iter_mut()
+                .with_min_len(8)
+                .enumerate()
+                .for_each(|(k, row)| row.fill_from(known, k, count, spacing));
+            rows.iter_mut().skip(spacing).step_by(step).zip(between).for_each(|(place, row)| *place = row);
+        });
+    }
+
+    /// The view's own part.
+    pub(super) fn into_frame(self) -> Frame {
+        let [w, h] = self.view.size.map(|n| n as usize);
+        let (mut rgba, mut depth) = (Vec::with_capacity(w * h), Vec::with_capacity(w * h));
+        for row in &self.rows[..h] {
+            rgba.extend_from_slice(&row.rgba[..w]);
+            depth.extend_from_slice(&row.depth[..w]);
+        }
+        Frame::new(self.view.size, rgba, Some(depth))
+    }
+}
+
+impl Row {
+    /// Fills the points between each two that are twice as far apart, where no ray goes.
+    fn fill_between(&mut self, spacing: usize) {
+        let step = 2 * spacing;
+        let count = self.rgba.len().div_ceil(step);
+        for k in 0..count - 1 {
+            let x = k * step + spacing;
+            if !self.traced[x] {
+                self.rgba[x] = midway(|k| self.rgba[k * step], k, count);
+                self.depth[x] = depth_midway(self.depth[x - spacing], self.depth[x + spacing]);
+            }
+        }
+    }
+
+    /// Fills the points between the rows `k` and `k + 1`, of so many.
+    fn fill_from<'r>(&mut self, rows: impl Fn(usize) -> &'r Self, k: usize, count: usize, spacing: usize) {
+        for x in (0..self.rgba.len()).step_by(spacing) {
+            if !self.traced[x] {
+                self.rgba[x] = midway(|k| rows(k).rgba[x], k, count);
+                self.depth[x] = depth_midway(rows(k).depth[x], rows(k + 1).depth[x]);
+            }
+        }
+    }
+}
+
+/// Rays of a point. Points beyond the view's pixels have what shows in the nearest of those before them.
+fn spots_of_point(view: &View, [x, y]: [u32; 2]) -> impl Iterator<Item = Spot> {
+    let [w, h] = view.size;
+    let pixel = y.min(h - 1) as usize * w as usize + x.min(w - 1) as usize;
+    spots_of_pixel(view, [x, y]).map(move |spot| Spot { pixel, ..spot })
+}
+
+/// The neighbours whose mean tells of a bend: those beside `i`, of so many; at the ends, where there is none, those of the next point's do.
+/// Where there are but two points, any difference is a bend.
+fn neighbours(i: usize, count: usize) -> [usize; 2] {
+    match () {
+        () if count < 3 => [0, count - 1],
+        () if i == 0 || i + 1 == count => [i, i],
+        () => [i - 1, i + 1],
+    }
+}
+
+/// The colour midway between `k` and `k + 1`, of so many at equal distances: on the cubic through those and the next on both sides. Beyond
+/// the ends, it goes on straight.
+///
+/// From the mean of the two it is away by a sixteenth of the sum of the second differences there, so where nothing bends by more than
+/// the threshold by an eighth of that at most. Light and opacity stay what they are: not negative, and no more than opaque.
+fn midway(at: impl Fn(usize) -> [f32; 4], k: usize, count: usize) -> [f32; 4] {
+    let (a, b) = (at(k), at(k + 1));
+    let before = if k > 0 { at(k - 1) } else { straight_on(b, a) };
+    let after = if k + 2 < count { at(k + 2) } else { straight_on(a, b) };
+    let [red, green, blue, opacity] = std::array::from_fn(|c| {
+        let cubic = (9.0 * (a[c] + b[c]) - (before[c] + after[c])) * (1.0 / 16.0);
+        cubic.max(0.0)
+    });
+    [red, green, blue, opacity.min(a[3].max(b[3]).max(1.0))]
+}
+
+/// The next of an arithmetic series.
+fn straight_on(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+    std::array::from_fn(|c| 2.0 * b[c] - a[c])
+}
+
+/// The mean of two depths, or the first.
+fn depth_midway(a: f32, b: f32) -> f32 {
+    if a.is_finite() && b.is_finite() { 0.5 * (a + b) } else { a }
+}

@@ -1,0 +1,125 @@
+//! Which cells of a screen are looked at closer.
+
+use crate::screen::blocks::in_blocks;
+
+/// Some of the cells between the points of a grid.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Cells {
+    across: usize,
+    down: usize,
+    /// Row by row.
+    chosen: Vec<bool>,
+}
+
+impl Cells {
+    /// All cells between so many points across and down.
+    pub(super) fn all(points: [usize; 2]) -> Self {
+        let [across, down] = points.map(|n| n - 1);
+        Self { across, down, chosen: vec![true; across * down] }
+    }
+
+    /// Those of the cells that have a corner among the marked points, which are listed row by row.
+    pub(super) fn within(&self, marked: Vec<Vec<bool>>) -> Self {
+        let mut found = self.clone();
+        for (y, row) in found.rows_mut() {
+            let (above, below) = (&marked[y], &marked[y + 1]);
+            for (x, chosen) in row.iter_mut().enumerate() {
+                *chosen &= above[x] | above[x + 1] | below[x] | below[x + 1];
+            }
+        }
+        found
+    }
+
+    /// Adds the cells of a list that are among others.
+    pub(super) fn include(&mut self, list: &[[usize; 2]], among: &Self) {
+        for &[x, y] in list {
+            let i = y * self.across + x;
+            self.chosen[i] |= among.chosen[i];
+        }
+    }
+
+    /// These and all that touch them, as far as they are among others.
+    pub(super) fn grown(&self, among: &Self) -> Self {
+        let mut wide = self.clone();
+        for (y, row) in wide.rows_mut() {
+            let from = self.row(y);
+            for x in 0..from.len() {
+                let beside = (x > 0 && from[x - 1]) | from.get(x + 1).copied().unwrap_or(false);
+                row[x] |= beside;
+            }
+        }
+        let mut grown = wide.clone();
+        for (y, row) in grown.rows_mut() {
+            let neighbours = [y.checked_sub(1), (y + 1 < self.down).then_some(y + 1)];
+            for from in neighbours.into_iter().flatten().map(|y| wide.row(y)) {
+                row.iter_mut().zip(from).for_each(|(to, &from)| *to |= from);
+            }
+            row.iter_mut().zip(among.row(y)).for_each(|(to, &among)| *to &= among);
+        }
+        grown
+    }
+
+    /// Each in four.
+    pub(super) fn quartered(&self) -> Self {
+        let (across, down) = (2 * self.across, 2 * self.down);
+        let mut quarters = Self { across, down, chosen: vec![false; across * down] };
+        for (y, row) in quarters.rows_mut() {
+            for (pair, &chosen) in row.chunks_exact_mut(2).zip(self.row(y / 2)) {
+                pair.fill(chosen);
+            }
+        }
+        quarters
+    }
+
+    /// The points of the grid twice as fine in these cells and on their sides that `claim` accepts; neighbours together.
+    pub(super) fn points(&self, mut claim: impl FnMut([u32; 2]) -> bool) -> Vec<[u32; 2]> {
+        let mut points = Vec::new();
+        for [x, y] in in_blocks([0; 2], [self.across as u32, self.down as u32]) {
+            if self.chosen[y as usize * self.across + x as usize] {
+                points.extend((0..9).map(|k| [2 * x + k % 3, 2 * y + k / 3]).filter(|&point| claim(point)));
+            }
+        }
+        points
+    }
+
+    fn row(&self, y: usize) -> &[bool] {
+        &self.chosen[y * self.across..][..self.across]
+    }
+
+    fn rows_mut(&mut self) -> impl Iterator<Item = (usize, &mut [bool])> {
+        self.chosen.chunks_exact_mut(self.across).enumerate()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cells(picture: &[&str]) -> Cells {
+        let chosen = picture.iter().flat_map(|row| row.bytes().map(|b| b == b'#')).collect();
+        Cells { across: picture[0].len(), down: picture.len(), chosen }
+    }
+
+    #[test]
+    fn growth_stays_among_the_given_cells() {
+        let seed = cells(&["....", ".#..", "....", "...."]);
+        let among = cells(&["####", "##.#", "####", "####"]);
+        assert_eq!(seed.grown(&among), cells(&["###.", "##..", "###.", "...."]));
+    }
+
+    #[test]
+    fn corners_mark_the_cells_around_them() {
+        let mut marked = vec![vec![false; 4]; 3];
+        marked[1][1] = true;
+        assert_eq!(Cells::all([4, 3]).within(marked), cells(&["##.", "##."]));
+    }
+
+    #[test]
+    fn quarters_and_their_points() {
+        let one = cells(&[".#"]);
+        assert_eq!(one.quartered(), cells(&["..##", "..##"]));
+        let mut points = one.points(|_| true);
+        points.sort_unstable_by_key(|&[x, y]| (y, x));
+        assert_eq!(points, [[2, 0], [3, 0], [4, 0], [2, 1], [3, 1], [4, 1], [2, 2], [3, 2], [4, 2]]);
+    }
+}
