@@ -32,7 +32,7 @@ impl LevelRanges {
         // Filters may overshoot the samples: levels end where these do, and what lies beyond belongs to the last one.
         let (low, high) = volume.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
         let span = high - low;
-        let spacing = if span <= last && volume.voxel_type().is_integer() || span == 0.0 { 1.0 } else { span / last };
+        let spacing = if Self::are_exact(volume) || span == 0.0 { 1.0 } else { span / last };
         let level = |stored: f32| (f64::from(stored) - low) / spacing;
         let keep = |range: BlockRange| {
             if range.is_empty() {
@@ -47,6 +47,13 @@ impl LevelRanges {
 
     /// The range of a block that is vacuum throughout: its ends are the wrong way round.
     pub const NOTHING: [u8; 2] = [u8::MAX, 0];
+
+    /// Whether levels are a volume's own numbers, integers that span no more than 255: a trilinear field's range in a block is then exactly
+    /// what is said of it.
+    pub fn are_exact(volume: &UniformVolume) -> bool {
+        let span = volume.census().range.map_or(0.0, |(low, high)| f64::from(high) - f64::from(low));
+        span <= f64::from(Self::LAST) && volume.voxel_type().is_integer()
+    }
 
     /// Blocks along x, y, z.
     pub fn blocks(&self) -> [usize; 3] {
@@ -87,6 +94,7 @@ mod tests {
         let volume = volume([9, 5, 5], samples.clone());
         let ranges = volume.uniform().unwrap().level_ranges(Filter::Trilinear);
         assert_eq!(ranges.blocks(), [2, 1, 1]);
+        assert!(LevelRanges::are_exact(volume.uniform().unwrap()));
         let of = |xs: std::ops::RangeInclusive<usize>| {
             let all = (0..25).flat_map(|row| xs.clone().map(move |x| row * 9 + x)).map(|i| samples[i]);
             [all.clone().min().unwrap(), all.max().unwrap()]

@@ -36,14 +36,17 @@ impl Engine {
             Some((scene, Self::Plain(kernel) | Self::Packets(_, kernel))) => Some((scene, kernel)),
             _ => None,
         };
-        let kernel = Kernel::new(caster, scene, volume, last);
+        let mut kernel = Kernel::new(caster, scene, volume, last);
         let packets = match &kernel {
             Kernel::F32(instruments) => PacketEngine::new(caster, scene, volume, instruments),
             Kernel::F64(_) => None,
         };
         Ok(match packets {
             Some(packets) => Self::Packets(Box::new(packets), kernel),
-            None => Self::Plain(kernel),
+            None => {
+                kernel.find_empty_space(caster, scene, volume, last);
+                Self::Plain(kernel)
+            }
         })
     }
 }

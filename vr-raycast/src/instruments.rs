@@ -30,7 +30,7 @@ pub(crate) struct Instruments<R> {
     pub(crate) pace: Option<Arc<PaceMap>>,
     /// Where long steps will do.
     pub(crate) homogeneity: Option<Arc<Homogeneity>>,
-    /// Where nothing is visible; `None`: everything is sampled.
+    /// Where nothing is visible; `None`: everything is sampled. Found by [`Kernel::find_empty_space`].
     pub(crate) empty_space: Option<EmptySpace>,
 }
 
@@ -57,6 +57,26 @@ impl Kernel {
 }
 
 impl Kernel {
+    /// Makes what tells of empty space, or takes it over from `last`: for the plain engine, once it is known to draw.
+    pub(crate) fn find_empty_space(
+        &mut self,
+        caster: &RayCaster,
+        scene: &Scene,
+        volume: &UniformVolume,
+        last: Option<(&Scene, &Self)>,
+    ) {
+        match (self, last) {
+            (Self::F32(new), Some((then, Self::F32(last)))) => {
+                new.find_empty_space(caster, scene, volume, Some((then, last)));
+            }
+            (Self::F64(new), Some((then, Self::F64(last)))) => {
+                new.find_empty_space(caster, scene, volume, Some((then, last)));
+            }
+            (Self::F32(new), _) => new.find_empty_space(caster, scene, volume, None),
+            (Self::F64(new), _) => new.find_empty_space(caster, scene, volume, None),
+        }
+    }
+
     /// How bright the medium can be.
     pub(crate) fn brightest(&self) -> Brightest {
         match self {
@@ -100,6 +120,16 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter)
     resolved.then(|| Arc::new(table))
 }
 
+/// Whether two scenes show the same volume through the same filter.
+fn same_field(a: &Scene, b: &Scene) -> bool {
+    a.volume.same(&b.volume) && a.filter == b.filter
+}
+
+/// Whether the same can be seen of two scenes' fields.
+fn same_light(a: &Scene, b: &Scene) -> bool {
+    same_field(a, b) && a.transfer == b.transfer && a.shading.is_some() == b.shading.is_some()
+}
+
 impl<R: Real> Instruments<R> {
     fn sight(&self) -> Sight {
         let Classifier { transfer, calibration, table, .. } = &self.classifier;
@@ -117,17 +147,8 @@ impl<R: Real> Instruments<R> {
             let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
             resolves(&table, volume, field, &scene.transfer).then(|| (Arc::new(table), step))
         };
-        let same = |old: &Scene| {
-            old.volume.same(&scene.volume)
-                && old.filter == scene.filter
-                && old.transfer == scene.transfer
-                && old.shading.is_some() == scene.shading.is_some()
-        };
-        let same_field = |old: &Scene| old.volume.same(&scene.volume) && old.filter == scene.filter;
-        let last_of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.homogeneity.clone());
-        let of_field = last.filter(|(old, _)| same_field(old)).and_then(|(_, i)| i.empty_space.as_ref());
-        let of_scene = last.filter(|(old, _)| same(old) && old.compositing == scene.compositing);
-        let last = last.filter(|(old, _)| same(old)).map(|(_, instruments)| instruments);
+        let last_of_field = last.filter(|(old, _)| same_field(old, scene)).and_then(|(_, i)| i.homogeneity.clone());
+        let last = last.filter(|(old, _)| same_light(old, scene)).map(|(_, instruments)| instruments);
         let lights = scene.compositing.integrates_light();
         let wanted = caster.classification == Classification::Table && lights;
         let profile = shape(caster).filter(|_| lights).map(|shape| {
@@ -179,11 +200,23 @@ impl<R: Real> Instruments<R> {
             }
             _ => None,
         };
-        let empty_space = match of_scene {
-            Some((_, last)) => last.empty_space.clone(),
-            None => EmptySpace::new(caster, scene, volume, &classifier, of_field),
-        };
-        Self { classifier, shader, pace, homogeneity, empty_space }
+        Self { classifier, shader, pace, homogeneity, empty_space: None }
+    }
+
+    /// Makes what tells of empty space, which packets do not need.
+    fn find_empty_space(
+        &mut self,
+        caster: &RayCaster,
+        scene: &Scene,
+        volume: &UniformVolume,
+        last: Option<(&Scene, &Self)>,
+    ) {
+        let of = |same: bool| last.filter(|_| same).and_then(|(_, i)| i.empty_space.as_ref());
+        let same = |old: &Scene| same_light(old, scene) && old.compositing == scene.compositing;
+        self.empty_space = of(last.is_some_and(|(old, _)| same(old))).cloned().or_else(|| {
+            let of_field = of(last.is_some_and(|(old, _)| same_field(old, scene)));
+            EmptySpace::new(caster, scene, volume, &self.classifier, of_field)
+        });
     }
 
     /// How bright the medium can be.

@@ -91,6 +91,11 @@ impl PaceMap {
         &self.steps
     }
 
+    /// Where something is visible, in a volume with the given samples along x, y, z: in blocks of twice the edge.
+    pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
+        VisibleBlocks::of_halves(dims, Self::EDGE, &self.bytes, |b| b < CLEAR)
+    }
+
     /// What a ray does in a block.
     pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> Pace {
         match self.bytes[(z * self.blocks[1] + y) * self.blocks[0] + x] {

@@ -104,7 +104,7 @@ impl PreparedCaster {
         match &self.engine {
             Engine::Plain(Kernel::F32(instruments)) => self.render_with(instruments, stage),
             Engine::Plain(Kernel::F64(instruments)) => self.render_with(instruments, stage),
-            Engine::Packets(engine, _) => stage.draw(&PacketFrame { engine, volume, rays: Rays::new(view)?, view }),
+            Engine::Packets(engine, _) => stage.draw(&PacketFrame::new(engine, volume, view)?),
             Engine::Promise(promise) => {
                 let single = self.caster.precision == Precision::F32;
                 stage.draw(&Promised { promise, volume, view, rays: Rays::new(view)?, single })

@@ -80,6 +80,24 @@ impl VisibleBlocks {
         Self { grid, words: vec![0; grid.blocks[0].div_ceil(64) * grid.blocks[1] * grid.blocks[2]] }
     }
 
+    /// From bytes, x fastest, that say of blocks of half the edge whether they are visible: visible where any of its parts is.
+    pub(crate) fn of_halves(dims: [usize; 3], half: usize, bytes: &[u8], visible: impl Fn(u8) -> bool) -> Self {
+        let [nx, ny, nz] = BlockGrid::new(dims, half).blocks;
+        let parts = |b: usize, n: usize| 2 * b..(2 * b + 2).min(n);
+        Self::from_fn(dims, 2 * half, |[x, y, z]| {
+            let rows = parts(z, nz).flat_map(|z| parts(y, ny).map(move |y| (z * ny + y) * nx));
+            rows.into_iter().any(|row| bytes[row..][parts(x, nx)].iter().any(|&b| visible(b)))
+        })
+    }
+
+    /// Blocks of twice the edge, in a volume with the given samples along x, y, z: visible where any of their parts is.
+    pub(crate) fn coarser(&self, dims: [usize; 3]) -> Self {
+        let parts = |b: usize, a: usize| 2 * b..(2 * b + 2).min(self.grid.blocks[a]);
+        Self::from_fn(dims, 2 * self.grid.edge, |[x, y, z]| {
+            parts(z, 2).any(|z| parts(y, 1).any(|y| parts(x, 0).any(|x| self.at([x, y, z]))))
+        })
+    }
+
     /// How the blocks lie.
     pub(crate) fn grid(&self) -> BlockGrid {
         self.grid

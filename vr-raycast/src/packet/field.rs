@@ -146,10 +146,11 @@ impl<T: Pairs> Field<'_, T> {
         let [[s0, s1], [s2, s3]] = &mut stage.0;
         for i in 0..LANES {
             let o = offset[i] as u32 as usize;
-            s0[i] = [r0[o], r0[o + 1]];
-            s1[i] = [r1[o], r1[o + 1]];
-            s2[i] = [r2[o], r2[o + 1]];
-            s3[i] = [r3[o], r3[o + 1]];
+            // A slice of two: one check, where two indices take two.
+            s0[i].copy_from_slice(&r0[o..o + 2]);
+            s1[i].copy_from_slice(&r1[o..o + 2]);
+            s2[i].copy_from_slice(&r2[o..o + 2]);
+            s3[i].copy_from_slice(&r3[o..o + 2]);
         }
     }
 

@@ -3,12 +3,12 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use rayon::prelude::*;
-use vr_core::{BlockRange, RangeBlocks};
+use vr_core::{BlockRange, LevelRanges, RangeBlocks};
 
 use super::field::Cells;
 use super::lanes::{LANES, pick, splat};
 use super::setup::Packet;
-use crate::leap::Visibility;
+use crate::leap::{Visibility, VisibleBlocks};
 
 /// Per block the chessboard distance, in blocks, to the nearest one in which something is visible: 0 in that one.
 ///
@@ -27,20 +27,45 @@ impl Distances {
     /// # Panics
     /// If the blocks' edge is not a power of two.
     pub(crate) fn new(ranges: &RangeBlocks, visibility: &Visibility<f32>) -> Option<Self> {
-        assert!(ranges.edge().is_power_of_two(), "blocks are found by shifting");
         let of = |r: &BlockRange| if visibility.is_visible(r.low, r.high) { 0 } else { u8::MAX };
-        let distance: Vec<u8> = ranges.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
+        let distance = ranges.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
+        Self::spread(ranges.edge(), ranges.blocks(), distance)
+    }
+
+    /// The same of ranges in bytes, which must be exact: a table tells of all that there are.
+    pub(crate) fn of_levels(levels: &LevelRanges, visibility: &Visibility<f32>) -> Option<Self> {
+        const N: usize = LevelRanges::LAST as usize + 1;
+        let stored = |level: usize| levels.stored(level as u8) as f32;
+        let largest = stored(0).abs().max(stored(N - 1).abs());
+        let mut table = vec![u8::MAX; N * N];
+        for low in 0..N {
+            for high in low..N {
+                // As far as a kernel's rounding may carry a value, but where all samples are the same.
+                let slack = if low == high { 0.0 } else { 16.0 * f32::EPSILON * largest };
+                if visibility.is_visible(stored(low) - slack, stored(high) + slack) {
+                    table[low * N + high] = 0;
+                }
+            }
+        }
+        let of = |&[low, high]: &[u8; 2]| table[usize::from(low) * N + usize::from(high)];
+        let distance = levels.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
+        Self::spread(LevelRanges::EDGE, levels.blocks(), distance)
+    }
+
+    /// From blocks that are 0 where something is visible, and 255 elsewhere.
+    fn spread(edge: usize, blocks: [usize; 3], distance: Vec<u8>) -> Option<Self> {
+        assert!(edge.is_power_of_two(), "blocks are found by shifting");
         if distance.iter().all(|&d| d == 0) {
             return None;
         }
-        let mut all = Self { shift: ranges.edge().trailing_zeros(), blocks: ranges.blocks(), distance };
-        all.spread();
+        let mut all = Self { shift: edge.trailing_zeros(), blocks, distance };
+        all.sweep();
         Some(all)
     }
 
     /// Two sweeps over rows, each from the rows before it (Borgefors 1986, "Distance transformations in digital images"): exact for
     /// the chessboard distance.
-    fn spread(&mut self) {
+    fn sweep(&mut self) {
         let [nx, ny, nz] = self.blocks;
         let mut near = vec![u8::MAX; nx];
         for backwards in [false, true] {
@@ -69,6 +94,11 @@ impl Distances {
                 }
             }
         }
+    }
+
+    /// Where something is visible, in a volume with the given samples along x, y, z: in blocks of twice the edge.
+    pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
+        VisibleBlocks::of_halves(dims, 1 << self.shift, &self.distance, |d| d == 0)
     }
 
     /// The distances, x fastest.

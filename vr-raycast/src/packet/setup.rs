@@ -19,6 +19,8 @@ pub(crate) struct FrameSetup<'a> {
     pub(crate) step: f64,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
+    /// A unit vector: along which depth is measured.
+    pub(crate) forward: DVec3,
 }
 
 /// Sixteen rays in index space, cut into steps: the same parts and the same steps as `vr_core::IndexRay` and `Steps` make of each.
@@ -57,17 +59,18 @@ pub(crate) struct Packet {
 const SLIVER: f64 = 1e-12;
 
 impl FrameSetup<'_> {
-    /// Sets up to sixteen rays up; missing ones meet nothing. Its own function: the same for all kernels of a level.
+    /// Sets up to sixteen rays up; missing ones meet nothing. Their first steps are the last that begin before the depth along the view at
+    /// which they may meet something first; +∞: they meet nothing. Its own function: the same for all kernels of a level.
     #[inline(never)]
-    pub(crate) fn packet<S: Simd>(&self, simd: S, spots: &[Spot], packet: &mut Packet) {
+    pub(crate) fn packet<S: Simd>(&self, simd: S, spots: &[Spot], nearest: &[f64; LANES], packet: &mut Packet) {
         simd.vectorize(
             #[inline(always)]
-            || self.fill(spots, packet),
+            || self.fill(spots, nearest, packet),
         );
     }
 
     #[inline(always)]
-    fn fill(&self, spots: &[Spot], packet: &mut Packet) {
+    fn fill(&self, spots: &[Spot], nearest: &[f64; LANES], packet: &mut Packet) {
         let (mut x, mut y, mut far) = ([0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
         for i in 0..LANES {
             let spot = &spots[i.min(spots.len() - 1)];
@@ -109,15 +112,15 @@ impl FrameSetup<'_> {
 
         packet.directions = along;
         packet.hits = 0;
-        let wanted = (1u32 << spots.len().min(LANES)) - 1;
-        let per_step = self.step;
+        let (per_step, steps_per_length) = (self.step, 1.0 / self.step);
+        let forward = self.forward.to_array();
         for i in 0..LANES {
-            let hit = start[i] < end[i] && wanted >> i & 1 == 1;
+            let hit = start[i] < end[i] && nearest[i] < f64::INFINITY && i < spots.len();
             packet.hits |= u32::from(hit) << i;
             let chord = if hit { end[i] - start[i] } else { 1.0 };
             let begin = if hit { start[i] } else { 0.0 };
             let sliver = SLIVER * chord;
-            let count = ((chord - sliver) / per_step).ceil();
+            let count = ((chord - sliver) * steps_per_length).ceil();
             let count = if count > 1.0 { count } else { 1.0 };
             let rest = chord - (count - 1.0) * per_step;
             let last = if rest + sliver >= per_step { per_step } else { rest };
@@ -125,11 +128,18 @@ impl FrameSetup<'_> {
             packet.middle[i] = middle;
             packet.begin[i] = offset[i] + begin;
             packet.length[i] = chord;
-            packet.first.0[i] = -middle as f32;
+            let cosine = forward[0] * along[0][i] + forward[1] * along[1][i] + forward[2] * along[2][i];
+            let late = if hit { nearest[i] / cosine - (offset[i] + begin) } else { 0.0 };
+            // One step less, for rounding.
+            let skipped = (late * steps_per_length).floor() - 1.0;
+            let skipped = if skipped > 0.0 { skipped } else { 0.0 };
+            let skipped = if skipped < count - 1.0 { skipped } else { count - 1.0 };
+            packet.first.0[i] = (skipped - middle) as f32;
             packet.end.0[i] = if hit { (count - 1.0 - middle) as f32 } else { f32::NEG_INFINITY };
-            packet.last.0[i] = (count - 1.0 - middle + self.offset * (last / per_step - 1.0)) as f32;
-            packet.ratio.0[i] = (last / per_step) as f32;
-            packet.stop.0[i] = if hit { (chord / per_step - middle) as f32 } else { f32::NEG_INFINITY };
+            let ratio = last * steps_per_length;
+            packet.last.0[i] = (count - 1.0 - middle + self.offset * (ratio - 1.0)) as f32;
+            packet.ratio.0[i] = ratio as f32;
+            packet.stop.0[i] = if hit { (chord * steps_per_length - middle) as f32 } else { f32::NEG_INFINITY };
             let s = begin + (middle + self.offset) * per_step;
             for a in 0..3 {
                 packet.base[a].0[i] = if hit { (origin[a][i] + direction[a][i] * s) as f32 } else { 0.0 };
@@ -183,7 +193,8 @@ impl Packet {
     pub(crate) fn begin_at(&mut self, starts: &[u32]) {
         for (i, &start) in starts.iter().enumerate() {
             let last = f64::from(self.end.0[i]).max(0.0 - self.middle[i]);
-            self.first.0[i] = (f64::from(start) - self.middle[i]).min(last) as f32;
+            let first = (f64::from(start) - self.middle[i]).min(last) as f32;
+            self.first.0[i] = first.max(self.first.0[i]);
         }
     }
 }
@@ -213,8 +224,9 @@ fn keep_between(
 ) {
     for i in 0..LANES {
         let parallel = slope[i] == 0.0;
-        let divisor = if parallel { 1.0 } else { slope[i] };
-        let (a, b) = ((low - x[i]) / divisor, (high - x[i]) / divisor);
+        // Divisions are what a packet's set-up waits for.
+        let inverse = 1.0 / if parallel { 1.0 } else { slope[i] };
+        let (a, b) = ((low - x[i]) * inverse, (high - x[i]) * inverse);
         let inside = low <= x[i] && x[i] <= high;
         let enter = if a < b { a } else { b };
         let leave = if a < b { b } else { a };

@@ -6,7 +6,7 @@ mod coherent;
 mod every_pixel;
 mod template;
 
-pub(crate) use coherent::{CoherenceBuffer, Sight};
+pub(crate) use coherent::{CoherenceBuffer, Sides, Sight};
 pub(crate) use template::Template;
 
 use vr_core::{Control, RenderError, Rendered, UniformVolume, View};

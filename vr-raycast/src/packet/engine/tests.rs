@@ -165,7 +165,7 @@ fn trace(
     spots: &[Spot],
     starts: Option<&[u32]>,
 ) -> (Vec<Traced>, Counts) {
-    let frame = PacketFrame { engine, volume: scene.volume.uniform().unwrap(), rays: Rays::new(view).unwrap(), view };
+    let frame = PacketFrame::new(engine, scene.volume.uniform().unwrap(), view).unwrap();
     let (mut values, mut counts) = (Vec::new(), Counts::default());
     frame.trace(spots, starts, &mut values, &mut counts);
     (values, counts)
@@ -223,7 +223,8 @@ proptest! {
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let plain = plain(&caster, &scene, &view);
         let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
-        prop_assert_eq!(counts.rays, plain.stats.counts.rays);
+        // Those that meet nothing visible need not be begun.
+        prop_assert!(counts.rays <= plain.stats.counts.rays);
         same(&values, &plain, TWO_ENGINES)?;
     }
 
@@ -233,7 +234,8 @@ proptest! {
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
         let plain = plain(&caster, &scene, &view);
-        prop_assert_eq!(counts.rays, plain.stats.counts.rays);
+        // Those that meet nothing visible need not be begun.
+        prop_assert!(counts.rays <= plain.stats.counts.rays);
         same(&values, &plain, TWO_WALKS)?;
         // No bit depends on the level or on company.
         let want = bits(&values);
@@ -263,6 +265,7 @@ proptest! {
         let caster = RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) };
         let Some(mut engine) = engine(&caster, &scene) else { return Ok(()) };
         set_edge(&mut engine, &scene, None);
+        let hull = engine.hull.take();
         let mut spots = row_by_row(&view);
         let (values, all) = trace(&engine, &scene, &view, &spots, None);
         let want = bits(&values);
@@ -272,6 +275,7 @@ proptest! {
         }
         engine.level = Level::new();
         set_edge(&mut engine, &scene, Some(1 << edge));
+        engine.hull = hull;
         let (leaping, fewer) = trace(&engine, &scene, &view, &spots, None);
         prop_assert_eq!(&bits(&leaping), &want);
         prop_assert!(fewer.samples <= all.samples);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use vr_core::{Control, Filter, RenderError, UniformVolume, View};
 
 use super::cells::{CellMask, EDGE, LookInto, Sight};
-use super::projection::{Footprint, Projection, TILE};
+use crate::projection::{Footprint, Projection, TILE};
 
 /// Blocks along the edge of a group: what hides a group hides all of its blocks at once.
 const GROUP: usize = 4;

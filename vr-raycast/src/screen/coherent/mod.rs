@@ -36,10 +36,9 @@
 
 mod buffer;
 mod cells;
-mod projection;
 
 pub(crate) use buffer::CoherenceBuffer;
-pub(crate) use cells::Sight;
+pub(crate) use cells::{Sides, Sight};
 
 use vr_core::{Control, Counts, IndexRay, Ray, Rays, RenderError, RenderStats, Rendered, UniformVolume, View};
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use vr_core::{ParameterError, Placement, Projection as Kind, View};
 
-use super::cells::Sides;
+use crate::screen::Sides;
 
 /// Pixels along the edge of the tiles in which depths are kept: those of one packet of rays.
 pub(crate) const TILE: u32 = 4;

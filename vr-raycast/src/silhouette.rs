@@ -1,0 +1,160 @@
+//! Where in a picture something visible can show, and how near.
+
+use glam::DVec3;
+use vr_core::image_order::Spot;
+use vr_core::{ParameterError, Placement, View};
+
+use crate::leap::VisibleBlocks;
+use crate::projection::{Projection, TILE};
+
+/// The outermost of a volume's visible blocks: whoever looks at any visible block from outside sees it behind one of these.
+///
+/// That is the idea of projecting a convex hull of what is visible to find where rays begin and end (Avila, Sobierajski & Kaufman 1992,
+/// "Towards a comprehensive volume visualization system", polygon assisted ray casting), with blocks in the place of its polygons.
+#[derive(Clone, Debug)]
+pub(crate) struct Hull {
+    /// Cells along the edge of a block.
+    edge: usize,
+    blocks: Vec<[u16; 3]>,
+    /// The largest index of the volume.
+    extent: [f64; 3],
+}
+
+/// Blocks that are projected for a view at the most; more are joined to larger ones.
+const MOST: usize = 8192;
+
+/// Cells by which boxes are widened: more than what a kernel's positions are rounded by.
+const WIDER: f64 = 1.0 / 32.0;
+
+impl Hull {
+    /// Of what is visible in a volume with the given samples along x, y, z.
+    pub(crate) fn new(dims: [usize; 3], mut visible: VisibleBlocks) -> Self {
+        let extent = dims.map(|n| (n - 1) as f64);
+        loop {
+            let blocks = outermost(&visible);
+            if blocks.len() <= MOST {
+                return Self { edge: visible.grid().edge, blocks, extent };
+            }
+            visible = visible.coarser(dims);
+        }
+    }
+}
+
+/// The visible blocks that touch a clear one or the end of the grid.
+fn outermost(visible: &VisibleBlocks) -> Vec<[u16; 3]> {
+    let grid = visible.grid();
+    let near_clear = visible.inverted().dilated();
+    let mut blocks = Vec::new();
+    visible.for_each_beyond(&VisibleBlocks::clear(grid), |i| {
+        let [nx, ny, _] = grid.blocks;
+        let at = [i % nx, i / nx % ny, i / (nx * ny)];
+        let at_end = (0..3).any(|a| at[a] == 0 || at[a] + 1 == grid.blocks[a]);
+        if at_end || near_clear.at(at) {
+            blocks.push(at.map(|b| b as u16));
+        }
+    });
+    blocks
+}
+
+/// What a view shows of a [`Hull`]: per tile of 4×4 pixels the least depth of what may show there.
+#[derive(Clone, Debug)]
+pub(crate) struct Silhouette {
+    across: usize,
+    /// Depth along the view, +∞: nothing shows.
+    nearest: Vec<f32>,
+}
+
+impl Silhouette {
+    /// # Errors
+    /// As [`vr_core::Camera::frame`].
+    pub(crate) fn new(hull: &Hull, view: &View, placement: &Placement) -> Result<Self, ParameterError> {
+        let projection = Projection::new(view, placement)?;
+        let [across, down] = view.size.map(|n| n.div_ceil(TILE) as usize);
+        let mut nearest = vec![f32::INFINITY; across * down];
+        let edge = hull.edge as f64;
+        // A ray that begins inside may see what none of these blocks stands before; it leaves by one of them all the same.
+        let half = 0.5 * DVec3::from_array(hull.extent);
+        let outside = projection.footprint(&projection.stencil(half + WIDER), half).is_none_or(|all| all.depth > 0.0);
+        let stencil = projection.stencil(DVec3::splat(0.5 * edge + WIDER));
+        for block in &hull.blocks {
+            let centre = DVec3::from_array(block.map(|b| (f64::from(b) + 0.5) * edge));
+            let Some(seen) = projection.footprint(&stencil, centre) else { continue };
+            let depth = if outside { (seen.depth as f32).next_down() } else { 0.0 };
+            for y in seen.low[1]..=seen.high[1] {
+                let row = &mut nearest[y as usize * across..][seen.low[0] as usize..=seen.high[0] as usize];
+                row.iter_mut().for_each(|d| *d = d.min(depth));
+            }
+        }
+        Ok(Self { across, nearest })
+    }
+
+    /// The least depth of what a ray may meet: +∞ for nothing. Where a ray goes through no pixel, all is possible.
+    pub(crate) fn nearest(&self, spot: &Spot) -> f64 {
+        let tile = [spot.x, spot.y].map(|x| x as usize / TILE as usize);
+        let known = tile[0] < self.across && spot.x >= 0.0 && spot.y >= 0.0;
+        let depth = if known { self.nearest.get(tile[1] * self.across + tile[0]) } else { None };
+        f64::from(depth.copied().unwrap_or(0.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DMat3;
+    use vr_core::{Camera, Rays};
+
+    /// Every point of every visible block is behind the nearest depth of its pixel.
+    #[test]
+    fn nothing_visible_is_left_out_or_nearer() {
+        let dims = [70, 41, 52];
+        let axes = DMat3::from_cols(DVec3::new(1.0, 0.2, 0.0), DVec3::new(0.0, 0.7, 0.1), DVec3::new(0.3, 0.0, 1.5));
+        let placement = Placement::new(DVec3::new(5.0, -7.0, 3.0), axes).unwrap();
+        let seen = |block: [usize; 3]| (block[0] > 5 && block[1] < 3) || block == [0, 4, 6];
+        let hull = Hull::new(dims, VisibleBlocks::from_fn(dims, 8, seen));
+        let (low, high) = {
+            let corner = placement.to_world(DVec3::from_array(dims.map(|n| (n - 1) as f64)));
+            (placement.origin().min(corner), placement.origin().max(corner))
+        };
+        let inside = Camera {
+            eye: placement.to_world(DVec3::new(60.0, 12.0, 30.0)),
+            ..Camera::framing((low, high), 20.0, 9.0, Some(70.0))
+        };
+        for camera in [
+            Camera::framing((low, high), 33.0, 21.0, None),
+            Camera::framing((low, high), 120.0, -40.0, Some(30.0)),
+            inside,
+        ] {
+            let view = View::new(camera, [90, 71]);
+            let silhouette = Silhouette::new(&hull, &view, &placement).unwrap();
+            let rays = Rays::new(&view).unwrap();
+            let (mut empty, mut late) = (0, 0);
+            for pixel in 0..90 * 71 {
+                let spot = Spot { pixel, x: (pixel % 90) as f64 + 0.5, y: (pixel / 90) as f64 + 0.5 };
+                let ray = rays.at(spot.x, spot.y);
+                let nearest = silhouette.nearest(&spot);
+                empty += usize::from(nearest == f64::INFINITY);
+                late += usize::from(nearest > 0.0 && nearest < f64::INFINITY);
+                let cosine = ray.direction.dot(view.camera.frame().unwrap().z_axis);
+                for k in 0..800 {
+                    let s = f64::from(k) * 0.25;
+                    let index = placement.to_index(ray.origin + ray.direction * s);
+                    let within = (0..3).all(|a| index[a] >= 0.0 && index[a] <= (dims[a] - 1) as f64);
+                    let block = [0, 1, 2].map(|a| (index[a] / 8.0) as usize);
+                    if within && seen(block) {
+                        assert!(s * cosine >= nearest, "{pixel}: {} {nearest}", s * cosine);
+                    }
+                }
+            }
+            // From inside a block, that block is everywhere, and near.
+            assert_eq!(empty > 500, camera != inside, "{empty}");
+            assert_eq!(late > 0, camera != inside, "{late}");
+        }
+    }
+
+    #[test]
+    fn many_blocks_are_joined() {
+        let dims = [513; 3];
+        let hull = Hull::new(dims, VisibleBlocks::from_fn(dims, 8, |_| true));
+        assert_eq!((hull.edge, hull.blocks.len()), (16, 32usize.pow(3) - 30usize.pow(3)));
+    }
+}
