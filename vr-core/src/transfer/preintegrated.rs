@@ -105,7 +105,15 @@ impl<R: Real> PreIntegrated<R> {
                 (low, high, intervals, aligned) = (ends.0, ends.1, whole, fits);
             }
         }
-        let spacing = if high > low { (high - low) / intervals as f64 } else { 1.0 };
+        let extent = field.1 - field.0;
+        let spacing = if high > low {
+            (high - low) / intervals as f64
+        } else if (f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&extent) {
+            extent
+        } else {
+            // A single value: anything that rounding tells from it.
+            1.0f64.max(low.abs() / 1024.0)
+        };
 
         // One row more at either end, for what lies beyond: constant, and never left.
         let end = |i: usize| low + i as f64 * spacing;
@@ -114,6 +122,9 @@ impl<R: Real> PreIntegrated<R> {
         cells.push(Cell::beside(transfer, calibration, low, -beyond));
         if high > low {
             cells.extend((0..intervals).map(|i| Cell::new(transfer, calibration, &knots, end(i), end(i + 1))));
+        } else if field.0 < field.1 && knots.contains(&low) {
+            // All that changes over the field changes here. Of two points the later one may hold above or below.
+            cells.push(Cell::beside(transfer, calibration, low, beyond));
         } else {
             cells.push(Cell::at(transfer, calibration, low));
         }
@@ -136,8 +147,8 @@ impl<R: Real> PreIntegrated<R> {
 
         let brightest = |c: usize| transfer.points().iter().map(|p| p.color[c]).fold(0.0, f64::max);
         let last = intervals + 1;
-        // At a jump the later point holds: a value on it must not be rounded onto the other side.
-        let nudge = R::ROUNDOFF * 4.0 * last as f64;
+        // At a jump the later point holds: a value on it must not be rounded onto the other side. Places are rounded, and so is the origin.
+        let nudge = R::ROUNDOFF * (4.0 * last as f64 + low.abs() / spacing);
         let origin = low - spacing - nudge * spacing * calibration.slope.signum();
         let mut walls = walls(transfer, calibration, low, spacing);
         let constant = transfer.at(calibration.value(low));
@@ -689,6 +700,21 @@ mod tests {
         assert_eq!(table.mean(49.9, 49.9)[3], kappa[0]);
         assert_eq!(table.mean(50.0, 50.0)[3], kappa[1]);
         assert!((table.mean(40.0, 60.0)[3] - 0.5 * (kappa[0] + kappa[1])).abs() < 1e-8);
+        // Its stored number falls as the value rises: the earlier point holds above it, and the later one still on it. So in a field that
+        // begins where the points end.
+        let falling = Calibration { slope: -2.0, intercept: 10.0 };
+        let jump = falling.stored(50.0);
+        for last in [50.0, 90.0] {
+            let points = [(50.0, 0.2), (50.0, 0.6), (last, 0.6)];
+            let t = transfer(&points, OpacityRule::Power, false);
+            for range in [(-30.0, 30.0), (-20.5, -19.5), (-20.0, -10.0)] {
+                let table = Table::new(&t, falling, range, 1024);
+                for above in [1e-9, 1e-3, 0.4, 10.0] {
+                    assert_eq!(table.mean(jump + above, jump + above)[3], kappa[0], "{range:?} {above}");
+                }
+                assert!((table.mean(jump, jump)[3] - kappa[1]).abs() < 1e-9, "{range:?}");
+            }
+        }
         // Where α touches 1, a constant field is opaque, and one that only passes by is not.
         let t = wild(OpacityRule::Power, false);
         let table = Table::new(&t, Calibration::default(), (60.0, 60.0), 1024);
@@ -704,6 +730,26 @@ mod tests {
                 assert!((table.segment(stored(60.0), stored(35.0), 1.0)[3] - alpha).abs() < 1e-3, "{calibration:?}");
                 // Nor does a parabola get there that its samples do not.
                 assert!(table.segment3(stored(20.0), stored(55.0), stored(60.0), 0.01)[3] < 0.1);
+            }
+        }
+    }
+
+    #[test]
+    fn the_later_point_holds_on_a_jump_far_from_zero() {
+        for slope in [1.0, -1.0, 0.3, -0.3] {
+            let calibration = Calibration { slope, intercept: 5.0 };
+            for jump in (1..200).map(|i| 171 * i) {
+                let at = calibration.value(f64::from(jump));
+                // On its own, and at the end of a ramp that is narrow against the number.
+                for ramp in [0.0, 0.7 * slope.abs()] {
+                    let points = [(at - ramp, 0.3), (at, 0.2), (at, 0.6), (at + ramp, 0.6)];
+                    let points = points.map(|(value, opacity)| ControlPoint::new(value, [1.0; 3], opacity)).to_vec();
+                    let t = TransferFunction::new(points, OpacityRule::Power, 0.7).unwrap();
+                    let stored = jump as f32;
+                    let table = PreIntegrated::<f32>::new(&t, calibration, (stored - 1.0, stored + 1.0), 1024);
+                    let kappa = f64::from(table.mean(stored, stored)[3]);
+                    assert!((kappa - t.extinction(0.6)).abs() < 0.1, "{slope} {jump} {ramp}: {kappa}");
+                }
             }
         }
     }
