@@ -141,7 +141,6 @@ impl<R: Real> PreIntegrated<R> {
         });
         let rows = rows.collect::<Vec<_>>();
 
-        let brightest = |c: usize| transfer.points().iter().map(|p| p.color[c]).fold(0.0, f64::max);
         let last = intervals + 1;
         // At a jump the later point holds: a value on it must not be rounded onto the other side. Places are rounded, and so is the origin.
         let nudge = R::ROUNDOFF * (4.0 * last as f64 + low.abs() / spacing);
@@ -161,7 +160,7 @@ impl<R: Real> PreIntegrated<R> {
             quantum: quantum.map(R::from_f64),
             walls,
             touch: R::from_f64(4.0 * nudge),
-            brightest: (!transfer.has_emission()).then(|| std::array::from_fn(|c| R::from_f64(brightest(c)))),
+            brightest: (!transfer.has_emission()).then(|| transfer.brightest_color_by_channel().map(R::from_f64)),
             aligned,
         }
     }
