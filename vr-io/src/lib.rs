@@ -71,6 +71,7 @@ mod error;
 mod exr;
 mod file_pattern;
 mod framing;
+mod header_text;
 mod layout;
 mod mapped;
 mod metaimage;

@@ -29,7 +29,7 @@ impl<'a> Optics<'a> {
         if self.transfer.has_emission() {
             return 0.0;
         }
-        let color = self.transfer.points().iter().flat_map(|p| p.color).fold(0.0, f64::max);
+        let color = self.transfer.brightest_color();
         match &self.shading {
             None => color,
             Some((s, _)) => {
@@ -41,7 +41,7 @@ impl<'a> Optics<'a> {
 
     /// Largest emission per world unit, where it is given on its own.
     pub(crate) fn brightest_emission(&self) -> f64 {
-        self.transfer.points().iter().flat_map(|p| p.emission.unwrap_or_default()).fold(0.0, f64::max)
+        self.transfer.brightest_emission()
     }
 
     /// Whether opacity 1 is a wall here.

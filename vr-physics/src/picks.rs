@@ -29,7 +29,7 @@ impl Pick {
             [o.color[0] * o.opacity, o.color[1] * o.opacity, o.color[2] * o.opacity, o.opacity]
         };
         let pixel = rgba(self.value);
-        let brightest = transfer.points().iter().flat_map(|p| p.color).fold(1.0, f64::max);
+        let brightest = transfer.brightest_color().max(1.0);
         // Every segment that the true value may lie in: monotone in opacity and in colour, so its ends there tell how far.
         let (low, high) = (self.value - self.error, self.value + self.error);
         let mut error = 0.0f64;

@@ -72,7 +72,7 @@ pub enum Step {
     /// more than its share of `error`.
     ///
     /// The long steps of a ray together are off by at most `error` from the truth, where no source is brighter than 1 (else in
-    /// proportion); the short ones by what short steps are off by. For over, front to back, without shading, and transfer functions without jumps.
+    /// proportion); the short ones by what short steps are off by. For over, front to back, without shading.
     Homogeneous {
         /// The short steps, as a fraction of the smallest voxel edge.
         step: f64,

@@ -32,9 +32,6 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
         if caster.rule != Rule::Midpoint {
             return Err(unsupported("homogeneous steps by another rule than the midpoint's".to_owned()));
         }
-        if scene.transfer.has_jumps() {
-            return Err(unsupported("homogeneous steps under a transfer function that jumps".to_owned()));
-        }
         if scene.shading.is_some() {
             return Err(unsupported("homogeneous steps with shading: values do not tell how it changes".to_owned()));
         }

@@ -223,8 +223,22 @@ impl TransferFunction {
 
     /// The largest colour or emission component of any point.
     pub fn brightest(&self) -> f64 {
-        let all = |p: &ControlPoint| p.color.into_iter().chain(p.emission.unwrap_or_default());
-        self.points.iter().flat_map(all).fold(0.0, f64::max)
+        self.brightest_color().max(self.brightest_emission())
+    }
+
+    /// The largest colour component of any point.
+    pub fn brightest_color(&self) -> f64 {
+        self.brightest_color_by_channel().into_iter().fold(0.0, f64::max)
+    }
+
+    /// The largest colour of any point, channel by channel.
+    pub(crate) fn brightest_color_by_channel(&self) -> [f64; 3] {
+        std::array::from_fn(|c| self.points.iter().map(|p| p.color[c]).fold(0.0, f64::max))
+    }
+
+    /// The largest emission component of any point, per world unit; 0 where emission is not given on its own.
+    pub fn brightest_emission(&self) -> f64 {
+        self.points.iter().flat_map(|p| p.emission.unwrap_or_default()).fold(0.0, f64::max)
     }
 
     /// Whether it jumps, by two different points at one value.

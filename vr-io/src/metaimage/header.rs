@@ -1,11 +1,10 @@
 //! The text of a header: `Key = value` lines, the last of which says where the voxels are.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use crate::error::{FieldError, ReadError};
+use crate::header_text::HeaderText;
 
 #[derive(Debug, Default)]
 pub(super) struct Header {
@@ -20,28 +19,23 @@ const LAST_KEY: &str = "ElementDataFile";
 
 impl Header {
     pub fn read(path: &Path) -> Result<Self, ReadError> {
-        // Far beyond any header that makes sense, a list of a million files included.
-        const LONGEST: u64 = 1 << 26;
-        let io = |e| ReadError::io(path, e);
-        let mut file = BufReader::new(File::open(path).map_err(io)?).take(LONGEST);
-        let mut text = Vec::new();
+        let mut text = HeaderText::open(path)?;
         loop {
-            let from = text.len();
-            let read = file.read_until(b'\n', &mut text).map_err(io)?;
-            let line = String::from_utf8_lossy(&text[from..]);
+            let line = text.next_line()?;
+            if line.is_empty() {
+                break;
+            }
+            let line = String::from_utf8_lossy(line);
             if let Some((key, value)) = line.split_once('=')
                 && key.trim() == LAST_KEY
             {
                 if value.trim_start().starts_with("LIST") {
-                    file.read_to_end(&mut text).map_err(io)?;
+                    text.read_rest()?;
                 }
                 break;
             }
-            if read == 0 {
-                break;
-            }
         }
-        Self::parse(&text).map_err(|e| e.in_file(path))
+        Self::parse(&text.into_bytes()).map_err(|e| e.in_file(path))
     }
 
     pub fn parse(text: &[u8]) -> Result<Self, FieldError> {

@@ -1,11 +1,10 @@
 //! The text of a header: its fields, and what their words mean.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use crate::error::{FieldError, ReadError};
+use crate::header_text::HeaderText;
 
 /// A header's fields, by their names without spaces (`data file` and `datafile` are the same field).
 #[derive(Debug, Default)]
@@ -53,22 +52,17 @@ const KNOWN_ORIENTATION: [&str; 3] = ["spaceorigin", "spacedirections", "measure
 impl Header {
     /// Reads a file up to the empty line that ends its header.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
-        // Far beyond any header that makes sense, a list of a million files included.
-        const LONGEST: u64 = 1 << 26;
-        let io = |e| ReadError::io(path, e);
-        let mut file = BufReader::new(File::open(path).map_err(io)?).take(LONGEST);
-        let mut text = Vec::new();
+        let mut text = HeaderText::open(path)?;
+        let mut first = true;
         loop {
-            let from = text.len();
-            file.read_until(b'\n', &mut text).map_err(io)?;
-            match &text[from..] {
+            match text.next_line()? {
                 b"" | b"\n" | b"\r\n" => break,
                 // Not even the first line is one of a header: do not look for the end of it.
-                line if from == 0 && !line.starts_with(b"NRRD") => break,
-                _ => {}
+                line if first && !line.starts_with(b"NRRD") => break,
+                _ => first = false,
             }
         }
-        Self::parse(&text).map_err(|e| e.in_file(path))
+        Self::parse(&text.into_bytes()).map_err(|e| e.in_file(path))
     }
 
     pub fn parse(text: &[u8]) -> Result<Self, FieldError> {

@@ -1,24 +1,12 @@
 //! Nanoseconds per ray, for whoever changes a structure: `cargo test --release -p vr-raycast --lib leap::speed -- --ignored --nocapture`.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use vr_core::phantom::{self, Blobs, Fog, Phantom, Shells, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
 
+use super::tests::leapers;
 use super::*;
-
-fn structures(dims: [usize; 3], ranges: &RangeBlocks, seen: &Visibility<f32>) -> Vec<(&'static str, Box<dyn Leaper>)> {
-    let blocks = VisibleBlocks::new(dims, ranges, seen);
-    vec![
-        ("octree", Box::new(Octree::new(Arc::new(NodeRanges::new(dims, ranges)), ranges, seen))),
-        ("pyramid", Box::new(Pyramid::new(&blocks))),
-        ("exact cloud", Box::new(ExactCloud::new(&blocks))),
-        ("chessboard cloud", Box::new(ChessboardCloud::new(&blocks))),
-        ("boxes", Box::new(Boxes::new(&blocks))),
-        ("polyhedron", Box::new(Polyhedron::new(&blocks))),
-    ]
-}
 
 const CHUNK: usize = 256;
 
@@ -42,7 +30,7 @@ fn nanoseconds_per_ray() {
         let parts: Vec<IndexRay> = pixels
             .filter_map(|ray| IndexRay::new(&ray, uniform.placement(), uniform.dims(), &view.clip, f64::INFINITY))
             .collect();
-        for (structure, leaper) in structures(uniform.dims(), &ranges, &seen) {
+        for (structure, leaper) in leapers(uniform.dims(), &ranges, &seen) {
             // Few enough rays at a time for no other program to come in between, at least once.
             let mut best = vec![Duration::MAX; parts.len().div_ceil(CHUNK)];
             let mut intervals = 0;

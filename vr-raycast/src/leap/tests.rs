@@ -10,7 +10,11 @@ use vr_core::*;
 use super::*;
 
 /// All structures over the same blocks.
-fn leapers(dims: [usize; 3], ranges: &RangeBlocks, seen: &Visibility<f32>) -> Vec<(&'static str, Box<dyn Leaper>)> {
+pub(super) fn leapers(
+    dims: [usize; 3],
+    ranges: &RangeBlocks,
+    seen: &Visibility<f32>,
+) -> Vec<(&'static str, Box<dyn Leaper>)> {
     let blocks = VisibleBlocks::new(dims, ranges, seen);
     vec![
         ("octree", Box::new(Octree::new(Arc::new(NodeRanges::new(dims, ranges)), ranges, seen))),

@@ -168,12 +168,13 @@ impl Optics {
             }
         }
         let size = transfer.points().iter().map(|p| p.value.abs()).fold(0.0, f64::max) + calibration.intercept.abs();
+        let emits = transfer.has_emission();
         Self {
             pieces,
             rule: transfer.rule(),
             unit: transfer.unit_distance(),
-            emits: transfer.has_emission(),
-            brightest: brightest(transfer),
+            emits,
+            brightest: if emits { transfer.brightest_emission() } else { transfer.brightest_color() },
             knot_error: 8.0 * f64::EPSILON * (size / calibration.slope.abs()).max(largest),
             transfer: transfer.clone(),
             calibration,
@@ -324,10 +325,4 @@ impl Optics {
         let source = if self.emits { o.emission } else { o.color };
         (self.rate(o.opacity, 1.0 - o.opacity), source)
     }
-}
-
-fn brightest(transfer: &TransferFunction) -> f64 {
-    let all =
-        |p: &vr_core::ControlPoint| if transfer.has_emission() { p.emission.unwrap_or_default() } else { p.color };
-    transfer.points().iter().flat_map(all).fold(0.0, f64::max)
 }

@@ -1,5 +1,6 @@
 //! Walks: how the part of a ray inside the volume is cut into steps. One small file each.
 
+mod block_ray;
 mod cells;
 mod homogeneous;
 mod lattice;

@@ -1,0 +1,42 @@
+//! The text at the begin of a file, before anything of it is understood.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Take};
+use std::path::Path;
+
+use crate::error::ReadError;
+
+/// Reads a header line by line, as far as whoever understands it asks, and keeps what was read.
+pub(crate) struct HeaderText<'p> {
+    path: &'p Path,
+    file: Take<BufReader<File>>,
+    text: Vec<u8>,
+}
+
+impl<'p> HeaderText<'p> {
+    /// Far beyond any header that makes sense, a list of a million files included: there it ends, and so does the file for whoever reads.
+    const LONGEST: u64 = 1 << 26;
+
+    pub fn open(path: &'p Path) -> Result<Self, ReadError> {
+        let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+        Ok(Self { path, file: BufReader::new(file).take(Self::LONGEST), text: Vec::new() })
+    }
+
+    /// The next line, with what ends it; empty at the end of the file.
+    pub fn next_line(&mut self) -> Result<&[u8], ReadError> {
+        let from = self.text.len();
+        self.file.read_until(b'\n', &mut self.text).map_err(|e| ReadError::io(self.path, e))?;
+        Ok(&self.text[from..])
+    }
+
+    /// Reads all the lines that are left.
+    pub fn read_rest(&mut self) -> Result<(), ReadError> {
+        self.file.read_to_end(&mut self.text).map_err(|e| ReadError::io(self.path, e))?;
+        Ok(())
+    }
+
+    /// All that was read, byte for byte.
+    pub fn into_bytes(self) -> Vec<u8> {
+        self.text
+    }
+}

@@ -1,0 +1,77 @@
+//! A ray among blocks of cells: which one it is in, where it leaves some of them, and the steps that it has taken.
+
+use vr_core::IndexRay;
+
+use crate::run::{RUN, Steps};
+
+/// How far a walk from block to block has come.
+#[derive(Clone, Debug)]
+pub(super) struct BlockRay {
+    ray: IndexRay,
+    /// Blocks along x, y, z, and cells along their edge.
+    blocks: [usize; 3],
+    edge: f64,
+    at: f64,
+    /// From here on, what is left of the ray is rounding.
+    end: f64,
+    number: u32,
+    /// A distance that no one sees, and that carries a position across a face that it lies on.
+    nudge: f64,
+}
+
+/// Of a voxel: beyond what rounding does to a position, and far below any step.
+const NUDGE: f64 = 1e-6;
+/// Of a ray's length: a rest shorter than this is rounding.
+const SLIVER: f64 = 1e-12;
+
+impl BlockRay {
+    /// At the begin of a ray whose part in the volume is not empty. `voxel`: world length of the smallest voxel edge.
+    pub(super) fn new(ray: IndexRay, blocks: [usize; 3], edge: usize, voxel: f64) -> Self {
+        let end = ray.end - SLIVER * ray.length();
+        Self { ray, blocks, edge: edge as f64, at: ray.start, end, number: 0, nudge: NUDGE * voxel }
+    }
+
+    /// Whether there is room in a run, and something left of the ray.
+    pub(super) fn goes_on(&self, steps: &Steps) -> bool {
+        steps.len < RUN && self.at < self.end
+    }
+
+    /// The block that the ray is about to cross.
+    pub(super) fn block(&self) -> [usize; 3] {
+        let position = self.ray.at(self.at + self.nudge).to_array();
+        // `as` saturates: below the first block lies the first.
+        std::array::from_fn(|a| ((position[a] / self.edge) as usize).min(self.blocks[a] - 1))
+    }
+
+    /// How far it is to where the ray leaves a box of blocks. `faces`: the lower and the upper one across an axis, in blocks.
+    pub(super) fn to_exit(&self, faces: impl Fn(usize) -> [f64; 2]) -> f64 {
+        self.exit(faces) - self.at
+    }
+
+    /// Goes on to where the ray leaves a box of blocks, without a step.
+    pub(super) fn leap(&mut self, faces: impl Fn(usize) -> [f64; 2]) {
+        self.at = self.exit(faces).max(self.at + self.nudge);
+    }
+
+    /// Takes a step, no further than to the ray's end.
+    pub(super) fn step(&mut self, length: f64, steps: &mut Steps) {
+        let length = length.min(self.ray.end - self.at);
+        steps.push(self.at, length, self.number);
+        self.number += 1;
+        self.at += length;
+    }
+
+    fn exit(&self, faces: impl Fn(usize) -> [f64; 2]) -> f64 {
+        let (origin, direction) = (self.ray.origin.to_array(), self.ray.direction.to_array());
+        let along = |a: usize| {
+            let [lower, upper] = faces(a);
+            let face = match direction[a] {
+                d if d > 0.0 => upper,
+                d if d < 0.0 => lower,
+                _ => return f64::INFINITY,
+            };
+            (face * self.edge - origin[a]) / direction[a]
+        };
+        along(0).min(along(1)).min(along(2))
+    }
+}
