@@ -15,7 +15,7 @@ pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) 
     let frame = by_tiles(view, control, &mut stats, |pixels| {
         let mut spots: Vec<Spot> = Vec::with_capacity(pixels.len() * rays);
         for &pixel in pixels {
-            spots.extend(spots_of_pixel(view, pixel));
+            push_spots(view, pixel, &mut spots);
         }
         let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
         tracer.trace(&spots, None, &mut values, &mut counts);
@@ -63,12 +63,22 @@ pub(crate) fn by_tiles(
 fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
     let end = [0, 1].map(|a| (corner[a] + TILE).min(size[a]));
     let mut pixels = Vec::with_capacity((TILE * TILE) as usize);
-    pixels.extend(in_blocks(corner, end));
+    in_blocks(corner, end, |pixel| pixels.push(pixel));
     pixels
 }
 
-/// The n² rays of a pixel.
+/// Appends the rays of a pixel.
 #[inline]
+pub(crate) fn push_spots(view: &View, [x, y]: [u32; 2], spots: &mut Vec<Spot>) {
+    if view.samples == 1 {
+        let pixel = y as usize * view.size[0] as usize + x as usize;
+        spots.push(Spot { pixel, x: f64::from(x) + 0.5, y: f64::from(y) + 0.5 });
+    } else {
+        spots.extend(spots_of_pixel(view, [x, y]));
+    }
+}
+
+/// The n² rays of a pixel.
 pub(crate) fn spots_of_pixel(view: &View, [x, y]: [u32; 2]) -> impl Iterator<Item = Spot> {
     let n = view.samples;
     let pixel = y as usize * view.size[0] as usize + x as usize;

@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use vr_core::image_order::Spot;
 use vr_core::{Control, Counts, Frame, RenderError, View};
 
+use super::cells::Cells;
 use crate::screen::blocks::in_blocks;
-use crate::screen::every_pixel::spots_of_pixel;
+use crate::screen::every_pixel::push_spots;
 use crate::tracer::{Traced, Tracer};
 
 /// Pixels that one task traces.
@@ -59,7 +60,12 @@ impl<'a> Canvas<'a> {
 
     /// Takes all of them, in blocks of 4×4.
     pub(super) fn claim_all(&mut self, spacing: usize) -> Vec<[u32; 2]> {
-        in_blocks([0; 2], self.points(spacing).map(|n| n as u32)).filter(|&at| self.claim(at, spacing)).collect()
+        let mut points = Vec::new();
+        in_blocks([0; 2], self.points(spacing).map(|n| n as u32), |at| {
+            self.claim(at, spacing);
+            points.push(at);
+        });
+        points
     }
 
     /// Traces points of those so many pixels apart.
@@ -74,8 +80,8 @@ impl<'a> Canvas<'a> {
         let rays = (view.samples * view.samples) as usize;
         let batch = |points: &[[u32; 2]]| {
             control.check()?;
-            let spots: Vec<Spot> =
-                points.iter().flat_map(|p| spots_of_point(view, p.map(|i| i * spacing as u32))).collect();
+            let mut spots = Vec::with_capacity(points.len() * rays);
+            points.iter().for_each(|p| push_spots_of_point(view, p.map(|i| i * spacing as u32), &mut spots));
             let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
             tracer.trace(&spots, None, &mut values, &mut counts);
             if rays > 1 {
@@ -98,25 +104,22 @@ impl<'a> Canvas<'a> {
         Ok(())
     }
 
-    /// Marks the points so many pixels apart at which the picture bends by more than `threshold`, row by row.
-    pub(super) fn bent(&self, spacing: usize, threshold: f32) -> Vec<Vec<bool>> {
-        let rows: Vec<&Row> = self.rows.iter().step_by(spacing).collect();
-        let bent = |y: usize| -> Vec<bool> {
-            let (here, [above, below]) = (&rows[y].rgba, neighbours(y, rows.len()).map(|y| &rows[y].rgba));
-            let last = self.across - 1;
-            let along_x = |x: usize| neighbours(x / spacing, last / spacing + 1).map(|x| here[x * spacing]);
-            (0..=last)
-                .step_by(spacing)
-                .map(|x| {
-                    let ([left, right], [above, below], twice) =
-                        (along_x(x), [above[x], below[x]], here[x].map(|c| 2.0 * c));
-                    let bend =
-                        |c: usize| (left[c] + right[c] - twice[c]).abs() + (above[c] + below[c] - twice[c]).abs();
-                    (0..4).any(|c| bend(c) > threshold)
-                })
-                .collect()
+    /// Marks the corners of cells, which lie so many pixels apart, at which the picture bends by more than `threshold`, row by row.
+    pub(super) fn bent(&self, cells: &Cells, spacing: usize, threshold: f32) -> Vec<Vec<bool>> {
+        let [nx, ny] = self.points(spacing);
+        let row = |y: usize| &self.rows[y * spacing].rgba;
+        let bent = |y: usize| {
+            let mut marks = cells.corners_in_row(y);
+            let (here, [above, below]) = (row(y), neighbours(y, ny).map(row));
+            for (k, mark) in marks.iter_mut().enumerate().filter(|(_, mark)| **mark) {
+                let (x, [left, right]) = (k * spacing, neighbours(k, nx).map(|k| k * spacing));
+                let across = bend(&here[left], &here[x], &here[right]);
+                let down = bend(&above[x], &here[x], &below[x]);
+                *mark = (0..4).any(|c| across[c] + down[c] > threshold);
+            }
+            marks
         };
-        self.control.run(|| (0..rows.len()).into_par_iter().with_min_len(8).map(bent).collect())
+        self.control.run(|| (0..ny).into_par_iter().with_min_len(8).map(bent).collect())
     }
 
     /// The cells between points so many pixels apart in which an opaque layer shows.
@@ -189,11 +192,20 @@ impl Row {
     }
 }
 
-/// Rays of a point. Points beyond the view's pixels have what shows in the nearest of those before them.
-fn spots_of_point(view: &View, [x, y]: [u32; 2]) -> impl Iterator<Item = Spot> {
+/// Appends the rays of a point. Points beyond the view's pixels have the layer of the nearest of those.
+fn push_spots_of_point(view: &View, [x, y]: [u32; 2], spots: &mut Vec<Spot>) {
     let [w, h] = view.size;
-    let pixel = y.min(h - 1) as usize * w as usize + x.min(w - 1) as usize;
-    spots_of_pixel(view, [x, y]).map(move |spot| Spot { pixel, ..spot })
+    let first = spots.len();
+    push_spots(view, [x, y], spots);
+    if x >= w || y >= h {
+        let pixel = y.min(h - 1) as usize * w as usize + x.min(w - 1) as usize;
+        spots[first..].iter_mut().for_each(|spot| spot.pixel = pixel);
+    }
+}
+
+/// How far the middle one of three colours is from the straight line through the others, twice.
+fn bend(a: &[f32; 4], middle: &[f32; 4], b: &[f32; 4]) -> [f32; 4] {
+    std::array::from_fn(|c| (a[c] + b[c] - 2.0 * middle[c]).abs())
 }
 
 /// The neighbours whose mean tells of a bend: those beside `i`, of so many; at the ends, where there is none, those of the next point's do.
@@ -215,12 +227,14 @@ fn midway(at: impl Fn(usize) -> [f32; 4], k: usize, count: usize) -> [f32; 4] {
     let (a, b) = (at(k), at(k + 1));
     let before = if k > 0 { at(k - 1) } else { straight_on(b, a) };
     let after = if k + 2 < count { at(k + 2) } else { straight_on(a, b) };
-    let [red, green, blue, opacity] = std::array::from_fn(|c| {
+    std::array::from_fn(|c| {
         let cubic = (9.0 * (a[c] + b[c]) - (before[c] + after[c])) * (1.0 / 16.0);
-        cubic.max(0.0)
-    });
-    [red, green, blue, opacity.min(a[3].max(b[3]).max(1.0))]
+        cubic.max(0.0).min(MOST[c].max(a[c].max(b[c])))
+    })
 }
+
+/// Light has no limit; opacity is 1 at the most, but for rounding.
+const MOST: [f32; 4] = [f32::INFINITY, f32::INFINITY, f32::INFINITY, 1.0];
 
 /// The next of an arithmetic series.
 fn straight_on(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {

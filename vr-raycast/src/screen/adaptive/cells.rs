@@ -19,7 +19,7 @@ impl Cells {
     }
 
     /// Those of the cells that have a corner among the marked points, which are listed row by row.
-    pub(super) fn within(&self, marked: Vec<Vec<bool>>) -> Self {
+    pub(super) fn within(&self, marked: &[Vec<bool>]) -> Self {
         let mut found = self.clone();
         for (y, row) in found.rows_mut() {
             let (above, below) = (&marked[y], &marked[y + 1]);
@@ -28,6 +28,18 @@ impl Cells {
             }
         }
         found
+    }
+
+    /// Marks the corners of the cells in a row of points.
+    pub(super) fn corners_in_row(&self, y: usize) -> Vec<bool> {
+        let mut corners = vec![false; self.across + 1];
+        for row in [y.checked_sub(1), (y < self.down).then_some(y)].into_iter().flatten().map(|y| self.row(y)) {
+            for (x, &chosen) in row.iter().enumerate() {
+                corners[x] |= chosen;
+                corners[x + 1] |= chosen;
+            }
+        }
+        corners
     }
 
     /// Adds the cells of a list that are among others.
@@ -74,11 +86,15 @@ impl Cells {
     /// The points of the grid twice as fine in these cells and on their sides that `claim` accepts; neighbours together.
     pub(super) fn points(&self, mut claim: impl FnMut([u32; 2]) -> bool) -> Vec<[u32; 2]> {
         let mut points = Vec::new();
-        for [x, y] in in_blocks([0; 2], [self.across as u32, self.down as u32]) {
+        in_blocks([0; 2], [self.across as u32, self.down as u32], |[x, y]| {
             if self.chosen[y as usize * self.across + x as usize] {
-                points.extend((0..9).map(|k| [2 * x + k % 3, 2 * y + k / 3]).filter(|&point| claim(point)));
+                for point in (0..9).map(|k| [2 * x + k % 3, 2 * y + k / 3]) {
+                    if claim(point) {
+                        points.push(point);
+                    }
+                }
             }
-        }
+        });
         points
     }
 
@@ -111,7 +127,16 @@ mod tests {
     fn corners_mark_the_cells_around_them() {
         let mut marked = vec![vec![false; 4]; 3];
         marked[1][1] = true;
-        assert_eq!(Cells::all([4, 3]).within(marked), cells(&["##.", "##."]));
+        assert_eq!(Cells::all([4, 3]).within(&marked), cells(&["##.", "##."]));
+    }
+
+    #[test]
+    fn corners_are_those_of_the_cells() {
+        let one = cells(&["...", ".#."]);
+        assert_eq!(one.corners_in_row(0), [false; 4]);
+        for y in [1, 2] {
+            assert_eq!(one.corners_in_row(y), [false, true, true, false]);
+        }
     }
 
     #[test]

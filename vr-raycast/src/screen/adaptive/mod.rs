@@ -46,7 +46,7 @@ pub(crate) fn adaptive(
     stats.time("rays", || canvas.trace(tracer, &first, spacing))?;
     while spacing > 1 {
         let refined = stats.time("refinement", || {
-            let mut differing = cells.within(canvas.bent(spacing, threshold as f32));
+            let mut differing = cells.within(&canvas.bent(&cells, spacing, threshold as f32));
             differing.include(&canvas.cells_with_layer(spacing), &cells);
             differing.grown(&cells)
         });
