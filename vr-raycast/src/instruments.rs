@@ -174,7 +174,7 @@ impl<R: Real> Instruments<R> {
         let pace = |error: f64| {
             last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
                 let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
-                let map = PaceMap::new(volume.dims(), &levels, scene, volume.calibration(), voxel, error, leaping);
+                let map = PaceMap::new(&levels, scene, volume.calibration(), voxel, error, leaping);
                 Arc::new(map)
             })
         };

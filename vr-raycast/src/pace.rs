@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use vr_core::transfer::Optical;
 use vr_core::{Calibration, LevelRanges, Scene, TransferFunction};
 
-use crate::leap::VisibleBlocks;
+use crate::leap::{VisibleBlocks, chessboard_distances};
 
 /// A byte per block of 4³ cells: the step to take in it, or how far it is from anything visible.
 ///
@@ -52,7 +52,6 @@ impl PaceMap {
     /// For a scene, and an error of the picture to aim at. `voxel`: world length of the smallest voxel edge. Without `leaping`,
     /// what is clear is walked through in long steps.
     pub(crate) fn new(
-        dims: [usize; 3],
         levels: &LevelRanges,
         scene: &Scene,
         calibration: Calibration,
@@ -63,14 +62,16 @@ impl PaceMap {
         let by_range = Classes::new(levels, scene, calibration, voxel, error);
         let blocks = levels.blocks();
         let mut bytes: Vec<u8> = levels.ranges().par_iter().with_min_len(1 << 12).map(|&r| by_range.of(r)).collect();
-        let visible = leaping.then(|| {
-            VisibleBlocks::from_fn(dims, Self::EDGE, |[x, y, z]| bytes[(z * blocks[1] + y) * blocks[0] + x] != CLEAR)
+        let distances = leaping.then(|| {
+            let mut distances: Vec<u8> = bytes.iter().map(|&b| if b == CLEAR { u8::MAX } else { 0 }).collect();
+            chessboard_distances(blocks, &mut distances);
+            distances
         });
         bytes.par_iter_mut().with_min_len(1 << 12).for_each(|b| *b = (*b).min(CLASSES as u8 - 1));
         let mut map = Self { blocks, bytes, steps: std::array::from_fn(|c| (voxel * step_of(c)) as f32) };
         map.look_around();
-        if let Some(visible) = visible {
-            map.leap(visible);
+        if let Some(distances) = distances {
+            map.leap(&distances);
         }
         map
     }
@@ -93,7 +94,7 @@ impl PaceMap {
 
     /// Where something is visible, in a volume with the given samples along x, y, z: in blocks of twice the edge.
     pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
-        VisibleBlocks::of_halves(dims, Self::EDGE, &self.bytes, |b| b < CLEAR)
+        VisibleBlocks::of_halves(dims, Self::EDGE, &self.bytes, CLEAR)
     }
 
     /// What a ray does in a block.
@@ -122,19 +123,13 @@ impl PaceMap {
         }
     }
 
-    /// Writes into clear blocks how many around are clear, too.
-    fn leap(&mut self, visible: VisibleBlocks) {
-        let mut grown = visible;
-        for radius in 0..=u8::MAX - CLEAR {
-            let larger = grown.dilated();
-            if !larger.for_each_beyond(&grown, |i| self.bytes[i] = CLEAR + radius) {
-                break;
+    /// Writes into clear blocks how many around are clear, too, from the distances to what is not.
+    fn leap(&mut self, distances: &[u8]) {
+        for (byte, &distance) in self.bytes.iter_mut().zip(distances) {
+            if distance > 0 {
+                *byte = CLEAR + (distance - 1).min(u8::MAX - CLEAR);
             }
-            grown = larger;
         }
-        // What no layer reached is farther still; and where nothing at all is visible, everything is.
-        let bytes = &mut self.bytes;
-        grown.inverted().for_each_beyond(&VisibleBlocks::clear(grown.grid()), |i| bytes[i] = u8::MAX);
     }
 }
 
@@ -296,7 +291,7 @@ mod tests {
         let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
         let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
         let levels = volume.uniform().unwrap().level_ranges(Filter::Trilinear);
-        PaceMap::new(dims, &levels, &Scene::new(volume, transfer), Calibration::default(), 1.0, error, leaping)
+        PaceMap::new(&levels, &Scene::new(volume, transfer), Calibration::default(), 1.0, error, leaping)
     }
 
     #[test]

@@ -4,13 +4,11 @@ use vr_core::IndexRay;
 
 use super::beam::{Region, Regions, next_interval};
 use super::visible_blocks::BlockGrid;
-use super::{Leaper, VisibleBlocks};
+use super::{Leaper, VisibleBlocks, chessboard_distances};
 
 /// Each block stores how far the nearest block of the other kind is, as a king moves: max(|Δx|, |Δy|, |Δz|). All in the cube around it up
 /// to there is of its own kind (Cohen & Sheffer 1994, "Proximity clouds: an acceleration technique for 3D grid traversal"; there
 /// the distance is from empty to filled voxels).
-///
-/// The distances are found by growing one kind, a layer at a time, 64 blocks to a word.
 #[derive(Clone, Debug)]
 pub(crate) struct ChessboardCloud {
     grid: BlockGrid,
@@ -27,20 +25,16 @@ impl ChessboardCloud {
     /// Over visible and clear blocks.
     pub(crate) fn new(blocks: &VisibleBlocks) -> Self {
         let grid = blocks.grid();
-        let mut distances = vec![FAR; grid.len()];
-        let clear = blocks.inverted();
-        // Far blocks keep what is written here.
-        blocks.for_each_beyond(&clear, |i| distances[i] = VISIBLE | FAR);
-        for (kind, flag) in [(blocks.clone(), 0), (clear, VISIBLE)] {
-            let mut grown = kind;
-            for distance in 1..FAR {
-                let larger = grown.dilated();
-                if !larger.for_each_beyond(&grown, |i| distances[i] = flag | distance) {
-                    break;
-                }
-                grown = larger;
-            }
-        }
+        let to = |kind: &VisibleBlocks| {
+            let mut distances = vec![u8::MAX; grid.len()];
+            kind.for_each_beyond(&VisibleBlocks::clear(grid), |i| distances[i] = 0);
+            chessboard_distances(grid.blocks, &mut distances);
+            distances
+        };
+        let (to_visible, to_clear) = rayon::join(|| to(blocks), || to(&blocks.inverted()));
+        let stored =
+            |(visible, clear): (u8, u8)| if visible == 0 { VISIBLE | clear.min(FAR) } else { visible.min(FAR) };
+        let distances = to_visible.into_iter().zip(to_clear).map(stored).collect();
         Self { grid, distances }
     }
 

@@ -24,6 +24,7 @@
 
 mod beam;
 mod boxes;
+mod chessboard;
 mod chessboard_cloud;
 mod empty_space;
 mod exact_cloud;
@@ -39,6 +40,7 @@ mod speed;
 mod tests;
 
 pub(crate) use boxes::Boxes;
+pub(crate) use chessboard::chessboard_distances;
 pub(crate) use chessboard_cloud::ChessboardCloud;
 pub(crate) use empty_space::EmptySpace;
 pub(crate) use exact_cloud::ExactCloud;

@@ -80,14 +80,27 @@ impl VisibleBlocks {
         Self { grid, words: vec![0; grid.blocks[0].div_ceil(64) * grid.blocks[1] * grid.blocks[2]] }
     }
 
-    /// From bytes, x fastest, that say of blocks of half the edge whether they are visible: visible where any of its parts is.
-    pub(crate) fn of_halves(dims: [usize; 3], half: usize, bytes: &[u8], visible: impl Fn(u8) -> bool) -> Self {
+    /// From bytes, x fastest, of blocks of half the edge, those visible whose bytes are below `limit`: visible where any of its parts is.
+    pub(crate) fn of_halves(dims: [usize; 3], half: usize, bytes: &[u8], limit: u8) -> Self {
         let [nx, ny, nz] = BlockGrid::new(dims, half).blocks;
+        let mut made = Self::clear(BlockGrid::new(dims, 2 * half));
         let parts = |b: usize, n: usize| 2 * b..(2 * b + 2).min(n);
-        Self::from_fn(dims, 2 * half, |[x, y, z]| {
-            let rows = parts(z, nz).flat_map(|z| parts(y, ny).map(move |y| (z * ny + y) * nx));
-            rows.into_iter().any(|row| bytes[row..][parts(x, nx)].iter().any(|&b| visible(b)))
-        })
+        let mut least = vec![u8::MAX; nx];
+        for z in 0..made.grid.blocks[2] {
+            for y in 0..made.grid.blocks[1] {
+                least.fill(u8::MAX);
+                for (z, y) in parts(z, nz).flat_map(|z| parts(y, ny).map(move |y| (z, y))) {
+                    let row = &bytes[(z * ny + y) * nx..][..nx];
+                    least.iter_mut().zip(row).for_each(|(least, &byte)| *least = byte.min(*least));
+                }
+                let start = made.row_start(y, z);
+                for (x, pair) in least.chunks(2).enumerate() {
+                    let visible = pair.iter().any(|&b| b < limit);
+                    made.words[start + x / 64] |= u64::from(visible) << (x % 64);
+                }
+            }
+        }
+        made
     }
 
     /// Blocks of twice the edge, in a volume with the given samples along x, y, z: visible where any of their parts is.

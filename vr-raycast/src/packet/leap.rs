@@ -8,7 +8,7 @@ use vr_core::{BlockRange, LevelRanges, RangeBlocks};
 use super::field::Cells;
 use super::lanes::{LANES, pick, splat};
 use super::setup::Packet;
-use crate::leap::{Visibility, VisibleBlocks};
+use crate::leap::{Visibility, VisibleBlocks, chessboard_distances};
 
 /// Per block the chessboard distance, in blocks, to the nearest one in which something is visible: 0 in that one.
 ///
@@ -53,58 +53,18 @@ impl Distances {
     }
 
     /// From blocks that are 0 where something is visible, and 255 elsewhere.
-    fn spread(edge: usize, blocks: [usize; 3], distance: Vec<u8>) -> Option<Self> {
+    fn spread(edge: usize, blocks: [usize; 3], mut distance: Vec<u8>) -> Option<Self> {
         assert!(edge.is_power_of_two(), "blocks are found by shifting");
         if distance.iter().all(|&d| d == 0) {
             return None;
         }
-        let mut all = Self { shift: edge.trailing_zeros(), blocks, distance };
-        all.sweep();
-        Some(all)
-    }
-
-    /// Two sweeps over rows, each from the rows before it (Borgefors 1986, "Distance transformations in digital images"): exact for
-    /// the chessboard distance.
-    fn sweep(&mut self) {
-        let [nx, ny, nz] = self.blocks;
-        let mut near = vec![u8::MAX; nx];
-        for backwards in [false, true] {
-            for row in 0..ny * nz {
-                let row = if backwards { ny * nz - 1 - row } else { row };
-                let (y, z) = (row % ny, row / ny);
-                near.fill(u8::MAX);
-                // The rows that the sweep has been at: three of the slice before, one of this one.
-                let done = |y: usize, z: usize| (z * ny + y) * nx;
-                let slice = if backwards { (z + 1 < nz).then_some(z + 1) } else { z.checked_sub(1) };
-                let beside = if backwards { (y + 1 < ny).then_some(y + 1) } else { y.checked_sub(1) };
-                let of_slice = (y.saturating_sub(1)..=(y + 1).min(ny - 1)).filter_map(|y| slice.map(|z| done(y, z)));
-                for first in of_slice.chain(beside.map(|y| done(y, z))) {
-                    for (n, &d) in near.iter_mut().zip(&self.distance[first..first + nx]) {
-                        *n = d.min(*n);
-                    }
-                }
-                let here = &mut self.distance[done(y, z)..][..nx];
-                for x in 0..nx {
-                    let around = near[x.saturating_sub(1)].min(near[x]).min(near[(x + 1).min(nx - 1)]);
-                    here[x] = here[x].min(around.saturating_add(1));
-                }
-                for i in 1..nx {
-                    let (from, to) = if backwards { (nx - i, nx - 1 - i) } else { (i - 1, i) };
-                    here[to] = here[to].min(here[from].saturating_add(1));
-                }
-            }
-        }
+        chessboard_distances(blocks, &mut distance);
+        Some(Self { shift: edge.trailing_zeros(), blocks, distance })
     }
 
     /// Where something is visible, in a volume with the given samples along x, y, z: in blocks of twice the edge.
     pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
-        VisibleBlocks::of_halves(dims, 1 << self.shift, &self.distance, |d| d == 0)
-    }
-
-    /// The distances, x fastest.
-    #[cfg(test)]
-    pub(crate) fn of_blocks(&self) -> &[u8] {
-        &self.distance
+        VisibleBlocks::of_halves(dims, 1 << self.shift, &self.distance, 1)
     }
 
     /// Distance to what is visible from the blocks of sixteen cells.

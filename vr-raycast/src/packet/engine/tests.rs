@@ -311,26 +311,3 @@ fn thousands_of_faint_steps_add_up() {
     let want = 1.0 - libm::exp(-(0.75 + 0.5 * (0.75 + 1e-7) + 4094.0 * 1e-7));
     assert!((f64::from(alpha) - want).abs() < 2e-7, "{alpha} {want}");
 }
-
-#[test]
-fn distances_are_chessboard_distances() {
-    let mut samples = vec![0.0; 20 * 18 * 23];
-    for (x, y, z) in [(3, 2, 1), (15, 14, 20), (0, 17, 9)] {
-        samples[(z * 18 + y) * 20 + x] = 1.0;
-    }
-    let volume = grid(0, [20, 18, 23], &samples, Placement::from_spacing([1.0; 3]).unwrap());
-    let points = vec![ControlPoint::new(0.1, [1.0; 3], 0.0), ControlPoint::new(1.0, [1.0; 3], 0.5)];
-    let scene = Scene::new(volume, TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap());
-    let volume = scene.volume.uniform().unwrap();
-    let mut engine = engine(&RayCaster::uniform(0.2), &scene).unwrap();
-    set_edge(&mut engine, &scene, Some(2));
-    let PacketSteps::Lattice { distances: Some(distances), .. } = &engine.steps else { panic!("most of it is empty") };
-    let ranges = volume.range_blocks(Filter::Trilinear, 2);
-    let [nx, ny, nz] = ranges.blocks();
-    let at = |i: usize| [i % nx, i / nx % ny, i / (nx * ny)];
-    let visible: Vec<_> = (0..nx * ny * nz).filter(|&i| ranges.ranges()[i].high > 0.0).map(at).collect();
-    for (i, &got) in distances.of_blocks().iter().enumerate() {
-        let to = |v: &[usize; 3]| (0..3).map(|a| v[a].abs_diff(at(i)[a])).max().unwrap();
-        assert_eq!(usize::from(got), visible.iter().map(to).min().unwrap(), "block {:?}", at(i));
-    }
-}
