@@ -14,8 +14,8 @@ pub enum Classification {
 /// Precision of the kernels. Rays, and sums of more than a few dozen samples, are in f64 always.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// 32-bit floats. Where a ramp of the transfer function is narrower than 1/4096 of the largest stored number, which f32 hardly tells
-    /// apart, 64-bit ones after all.
+    /// 32-bit floats. Where a ramp of the transfer function, or a field in which it jumps, is narrower than 1/4096 of the largest stored
+    /// number, which f32 hardly tells apart, 64-bit ones after all.
     #[default]
     F32,
     /// 64-bit floats: for measuring what the other leaves.
