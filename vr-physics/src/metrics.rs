@@ -159,15 +159,29 @@ impl CompensatedSum {
     }
 }
 
-/// The pixels of a regular subgrid of at most `n` × `n`: ⌊(k + ½)·W/n⌋ across and likewise down, row by row.
+/// One pixel of each part of a picture that is cut into `n` × `n` parts, row by row of the parts.
 ///
-/// A side with fewer than `n` pixels gives all of them, each once.
+/// Where in its part a pixel lies follows a sequence that fills the square evenly and repeats nothing (R2; Roberts 2018, "The unreasonable
+/// effectiveness of quasirandom sequences"): a renderer that traces every fourth pixel and interpolates the rest is not judged
+/// by every fourth pixel. A side with fewer than `n` pixels gives all of them, each once.
 pub fn subgrid(n: u32, size: [u32; 2]) -> Vec<[u32; 2]> {
-    let along = |side: u32| {
-        let n = u64::from(n.min(side));
-        (0..n).map(move |k| ((2 * k + 1) * u64::from(side) / (2 * n)) as u32)
-    };
-    along(size[1]).flat_map(|y| along(size[0]).map(move |x| [x, y])).collect()
+    let parts = size.map(|side| n.min(side));
+    // Powers of the inverse of the plastic number, ρ³ = ρ + 1.
+    const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+    let mut pixels = Vec::with_capacity(parts[0] as usize * parts[1] as usize);
+    for y in 0..parts[1] {
+        for x in 0..parts[0] {
+            let k = pixels.len() as f64;
+            pixels.push([0, 1].map(|a| {
+                let part = u64::from([x, y][a]);
+                let edge = |part: u64| part * u64::from(size[a]) / u64::from(parts[a]);
+                let (low, high) = (edge(part), edge(part + 1));
+                let share = (0.5 + STEP[a] * k).fract();
+                (low + (share * (high - low) as f64) as u64) as u32
+            }));
+        }
+    }
+    pixels
 }
 
 /// For each pixel of a view, row by row: whether its centre lies within [`OUTLINE_REACH`] pixels of a projected edge of the
@@ -315,10 +329,28 @@ mod tests {
     }
 
     #[test]
-    fn subgrid_takes_the_middle_of_each_part() {
-        assert_eq!(subgrid(2, [8, 4]), [[2, 1], [6, 1], [2, 3], [6, 3]]);
-        assert_eq!(subgrid(3, [10, 1]), [[1, 0], [5, 0], [8, 0]], "⌊10/6⌋, ⌊30/6⌋, ⌊50/6⌋");
-        assert_eq!(subgrid(5, [2, 2]), [[0, 0], [1, 0], [0, 1], [1, 1]]);
+    fn subgrid_takes_one_pixel_of_each_part() {
+        for (n, size) in [(64, [512, 512]), (3, [10, 1]), (5, [2, 2]), (u32::MAX, [7, 4]), (10, [101, 33])] {
+            let pixels = subgrid(n, size);
+            let parts = size.map(|side: u32| n.min(side));
+            assert_eq!(pixels.len() as u32, parts[0] * parts[1]);
+            for (k, pixel) in (0..).zip(&pixels) {
+                for (a, part) in [k % parts[0], k / parts[0]].into_iter().enumerate() {
+                    let edge = |part: u32| (u64::from(part) * u64::from(size[a]) / u64::from(parts[a])) as u32;
+                    assert!((edge(part)..edge(part + 1)).contains(&pixel[a]), "{pixel:?} of {n}, {size:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn subgrid_follows_no_pattern() {
+        // Every place in a part of 8×8 is taken about as often as any other: 64 times.
+        let mut taken = [0; 64];
+        for [x, y] in subgrid(64, [512, 512]) {
+            taken[(y % 8 * 8 + x % 8) as usize] += 1;
+        }
+        assert!(taken.iter().all(|n| (58..=70).contains(n)), "{taken:?}");
     }
 
     fn cube(edge: f64) -> Volume {

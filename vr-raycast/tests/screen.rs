@@ -402,8 +402,8 @@ fn adaptive_refines_whatever_traces() {
             common::render(&RayCaster { screen, step, traversal, rule, ..RayCaster::uniform(0.2) }, &scene, &view)
         };
         let want = draw(Screen::EveryPixel);
-        let got = draw(Screen::Adaptive { threshold: 0.01 });
-        assert!(max_error(&got.frame, &want.frame) <= 0.04, "{step:?} {traversal:?}");
+        let got = draw(Screen::Adaptive { threshold: 0.05 });
+        assert!(max_error(&got.frame, &want.frame) <= 0.05, "{step:?} {traversal:?}");
         assert!(2 * got.stats.counts.rays < want.stats.counts.rays, "{step:?} {traversal:?}");
         assert_same(&draw(Screen::Adaptive { threshold: 0.0 }).frame, &want.frame, "threshold 0");
     }

@@ -10,8 +10,9 @@ pub enum Screen {
     /// *Volume rendering by adaptive refinement*, 1990). Not exact: see the crate's README for what was measured.
     Adaptive {
         /// How far a component of the premultiplied colours may be from the straight lines through its neighbours' along x and y (the sum of
-        /// both second differences), 0 or more, where nothing is refined; 0: every pixel is traced. On all pictures that were measured,
-        /// the largest error of the interpolation is below it, and its RMSE a twentieth.
+        /// both second differences), 0 or more, where nothing is refined; 0: every pixel is traced. Where features are wider than four
+        /// pixels, the largest error of the interpolation is below it, and its RMSE a twentieth; what is thinner may be missed, whatever it
+        /// is.
         threshold: f64,
     },
     /// Every pixel's, each begun where its part of the view can show something first. That is projected for each view from what

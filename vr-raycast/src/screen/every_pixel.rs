@@ -1,5 +1,6 @@
 //! Every ray of every pixel.
 
+use rayon::prelude::*;
 use vr_core::image_order::{Spot, in_parallel};
 use vr_core::{Control, Counts, Frame, RenderError, RenderStats, Rendered, View};
 
@@ -43,18 +44,23 @@ pub(crate) fn by_tiles(
             (pixels, values, counts)
         })
     })?;
-    let n = view.size[0] as usize * view.size[1] as usize;
-    let (mut rgba, mut depth) = (vec![[0.0; 4]; n], vec![0.0; n]);
-    stats.counts = stats.time("image", || {
-        let mut sum = Counts::default();
-        for (pixels, values, counts) in results {
-            sum += counts;
-            for ([x, y], value) in pixels.into_iter().zip(values) {
-                let pixel = y as usize * view.size[0] as usize + x as usize;
-                (rgba[pixel], depth[pixel]) = (value.rgba, value.depth);
-            }
-        }
-        sum
+    let [w, h] = view.size.map(|n| n as usize);
+    let (mut rgba, mut depth) = (vec![[0.0; 4]; w * h], vec![0.0; w * h]);
+    results.iter().for_each(|(_, _, counts)| stats.counts += *counts);
+    stats.time("image", || {
+        // Rows of tiles are rows of the picture.
+        let band = w * TILE as usize;
+        let bands = rgba.par_chunks_mut(band).zip(depth.par_chunks_mut(band)).zip(results.par_chunks(across as usize));
+        control.run(|| {
+            bands.enumerate().for_each(|(k, ((rgba, depth), tiles))| {
+                for (pixels, values, _) in tiles {
+                    for (&[x, y], value) in pixels.iter().zip(values) {
+                        let pixel = y as usize * w + x as usize - k * band;
+                        (rgba[pixel], depth[pixel]) = (value.rgba, value.depth);
+                    }
+                }
+            });
+        });
     });
     Ok(Frame::new(view.size, rgba, Some(depth)))
 }

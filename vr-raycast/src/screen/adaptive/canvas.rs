@@ -158,11 +158,14 @@ impl<'a> Canvas<'a> {
     /// The view's own part.
     pub(super) fn into_frame(self) -> Frame {
         let [w, h] = self.view.size.map(|n| n as usize);
-        let (mut rgba, mut depth) = (Vec::with_capacity(w * h), Vec::with_capacity(w * h));
-        for row in &self.rows[..h] {
-            rgba.extend_from_slice(&row.rgba[..w]);
-            depth.extend_from_slice(&row.depth[..w]);
-        }
+        let (mut rgba, mut depth) = (vec![[0.0; 4]; w * h], vec![0.0; w * h]);
+        self.control.run(|| {
+            let rows = rgba.par_chunks_mut(w).zip(depth.par_chunks_mut(w)).zip(&self.rows);
+            rows.with_min_len(32).for_each(|((rgba, depth), row)| {
+                rgba.copy_from_slice(&row.rgba[..w]);
+                depth.copy_from_slice(&row.depth[..w]);
+            });
+        });
         Frame::new(self.view.size, rgba, Some(depth))
     }
 }
