@@ -14,7 +14,7 @@ use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::screen::Sight;
 use crate::shade::Shader;
-use crate::table_range::{field_range, resolves, resolves_ramps, single_precision_resolves, table_range};
+use crate::table_range::{field_range, outwards, resolves, resolves_ramps, single_precision_resolves, table_range};
 
 /// The instruments, in the precision that the scene needs.
 pub(crate) enum Kernel {
@@ -112,8 +112,8 @@ fn shape(caster: &RayCaster) -> Option<Shape> {
 /// A table for steps of all lengths, if one tells apart all that the transfer function does: a small one where the transfer function's
 /// points fit into it, else a large one.
 fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter) -> Option<Arc<PreIntegrated<R>>> {
-    let (low, high) = field_range(volume, filter).unwrap_or((0.0, 0.0));
-    let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), (low as f32, high as f32), entries);
+    let range = outwards(field_range(volume, filter).unwrap_or((0.0, 0.0)));
+    let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), range, entries);
     let small = table(PreIntegrated::<R>::ENTRIES);
     let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
     let resolved = table.is_aligned() || resolves_ramps(table.spacing(), volume, &scene.transfer);

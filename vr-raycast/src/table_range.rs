@@ -48,7 +48,17 @@ pub(crate) fn table_range(volume: &UniformVolume, filter: Filter, transfer: &Tra
     let margin = (extent * MARGIN).max(if integer { 1.0 } else { 0.0 });
     // Both stay inside the field's range, in which a table of no extent is one constant, too.
     let (low, high) = ((first - margin).clamp(low, high), (last + margin).clamp(low, high));
-    if integer { (low.floor() as f32, high.ceil() as f32) } else { (low as f32, high as f32) }
+    outwards(if integer { (low.floor(), high.ceil()) } else { (low, high) })
+}
+
+/// The least range with f32 ends that holds another one. To the nearest, ends would fall onto the knot between them, or cut a ramp,
+/// where the field is only a few f32 numbers wide.
+pub(crate) fn outwards((low, high): (f64, f64)) -> (f32, f32) {
+    let (below, above) = (low as f32, high as f32);
+    (
+        if f64::from(below) > low { below.next_down() } else { below },
+        if f64::from(above) < high { above.next_up() } else { above },
+    )
 }
 
 /// Entries that the narrowest ramp of a transfer function must span. A ramp to α = 1 has most of its extinction at its end, and a
@@ -79,15 +89,27 @@ pub(crate) fn resolves_ramps(spacing: f64, volume: &UniformVolume, transfer: &Tr
 }
 
 /// Of the largest stored number, what the narrowest ramp must span for f32: a value rounded a few times is then known to 10⁻³ of it.
+/// A field in which something jumps must span as much, for the place of the jump to be known to 10⁻³ of the field.
 const RAMP_IN_F32: f64 = 1.0 / 4096.0;
 
-/// Whether f32 tells apart all that the transfer function does. Jumps do not count: no precision has room for them.
+/// Whether f32 tells apart all that the transfer function does. How narrow a jump is does not count: no precision has room for it.
 pub(crate) fn single_precision_resolves(volume: &UniformVolume, transfer: &TransferFunction) -> bool {
     let calibration = volume.calibration();
-    let largest = volume.census().range.map_or(0.0, |(low, high)| f64::from(low.abs().max(high.abs())));
+    let (low, high) = volume.census().range.map_or((0.0, 0.0), |(low, high)| (f64::from(low), f64::from(high)));
+    let least = RAMP_IN_F32 * low.abs().max(high.abs());
+    // A constant is exact in f32.
+    if high > low && high - low < least && jumps_within(volume, transfer, low, high) {
+        return false;
+    }
     let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
     // Ramps beyond the data are never seen, but a few of them do no harm.
-    ramps.map(|s| (s.to - s.from) / calibration.slope.abs()).all(|width| width >= RAMP_IN_F32 * largest)
+    ramps.map(|s| (s.to - s.from) / calibration.slope.abs()).all(|width| width >= least)
+}
+
+/// Whether the transfer function jumps at a stored number of a range, ends included.
+fn jumps_within(volume: &UniformVolume, transfer: &TransferFunction, low: f64, high: f64) -> bool {
+    let jumps = transfer.points().windows(2).filter(|pair| pair[0].value == pair[1].value);
+    jumps.map(|pair| volume.calibration().stored(pair[0].value)).any(|at| low <= at && at <= high)
 }
 
 #[cfg(test)]
@@ -112,5 +134,31 @@ mod tests {
         assert!(!resolved(&[0.0, 30000.0, 30001.0, 65535.0], Filter::Trilinear));
         assert!(resolved(&[29990.0, 30000.0, 30010.0], Filter::Trilinear), "the table covers what the points do");
         assert!(resolved(&[29990.0, 30000.0, 30001.0, 30010.0], Filter::Nearest));
+    }
+
+    #[test]
+    fn ends_are_rounded_outwards() {
+        assert_eq!(outwards((1000.0, 1000.0)), (1000.0, 1000.0));
+        let jump = 1_000.000_123;
+        let (low, high) = outwards((jump - 1e-9, jump + 1e-9));
+        assert!(f64::from(low) < jump && jump < f64::from(high));
+        assert_eq!(low.next_up(), high);
+        assert_eq!(outwards((-f64::from(f32::MAX), f64::from(f32::MAX))), (-f32::MAX, f32::MAX));
+    }
+
+    #[test]
+    fn jumps_in_narrow_fields_need_more_than_f32() {
+        let resolves = |width: f32, jump: f64| {
+            let samples = vec![1000.0, 1000.0 + width, 1000.0, 1000.0, 1000.0, 1000.0, 1000.0, 1000.0];
+            let placement = Placement::from_spacing([1.0; 3]).unwrap();
+            let volume: Volume = UniformGrid::new([2; 3], samples, placement, Calibration::default()).unwrap().into();
+            let points = [0.1, 0.9].map(|opacity| ControlPoint::new(jump, [1.0; 3], opacity));
+            let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
+            single_precision_resolves(volume.uniform().unwrap(), &transfer)
+        };
+        assert!(!resolves(0.2, 1000.1) && !resolves(0.2, 1000.0));
+        assert!(resolves(0.3, 1000.1), "1/4096 of 1000.3 is 0.244");
+        assert!(resolves(0.2, 999.9), "nothing jumps in the field");
+        assert!(resolves(0.0, 1000.0), "a constant");
     }
 }

@@ -1,0 +1,44 @@
+//! What the kernels are made of: tables, precision and instructions.
+
+/// How a value becomes light and opacity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Classification {
+    /// Looked up in a table made for the step's length; see [`vr_core::transfer::BakedTransfer`] for what that adds to the error.
+    /// Where a transfer function tells apart what no table of some thousand entries can, it is evaluated exactly after all.
+    #[default]
+    Table,
+    /// Evaluated at every sample in f64: slow, for study and for transfer functions finer than any table.
+    Exact,
+}
+
+/// Precision of the kernels. Rays, and sums of more than a few dozen samples, are in f64 always.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// 32-bit floats. Where a ramp of the transfer function, or a field in which it jumps, is narrower than 1/4096 of the largest stored
+    /// number, which f32 hardly tells apart, 64-bit ones after all.
+    #[default]
+    F32,
+    /// 64-bit floats: for measuring what the other leaves.
+    F64,
+}
+
+/// Which instructions the vector engine may use.
+///
+/// It draws `over` of the trilinear filter, front to back, in f32 with a table, by the rules `midpoint` and `left` under uniform steps and
+/// by `midpoint` under local ones, unshaded or shaded by central differences, where no sample is missing and opacity does not follow the
+/// gradient. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own, whichever
+/// structure [`Leaping`](super::Leaping) names; with [`Leaping::None`](super::Leaping::None), not at all.
+///
+/// Pictures do not depend on the instructions, bit for bit; from the plain engine's they differ by rounding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Vector {
+    /// The widest that the machine has.
+    #[default]
+    Auto,
+    /// At most AVX2.
+    Avx2,
+    /// Those that every machine of the architecture has: SSE2, NEON.
+    Baseline,
+    /// The plain engine draws everything.
+    Off,
+}

@@ -1,0 +1,168 @@
+//! The ray caster's settings: each in a file of its own, and here what is asked of them together.
+
+mod kernel;
+mod leaping;
+mod order;
+mod rule;
+mod screen;
+mod step;
+mod traversal;
+
+use vr_core::{Filter, ParameterError, Scene, UniformVolume};
+
+use crate::tolerance::check_error;
+
+pub use kernel::{Classification, Precision, Vector};
+pub use leaping::Leaping;
+pub use order::Order;
+pub use rule::Rule;
+pub use screen::{Connectivity, Screen};
+pub use step::Step;
+pub use traversal::Traversal;
+
+/// Casts rays and samples them at equal distances; the crate's front page says how.
+///
+/// ```
+/// use vr_raycast::{Order, RayCaster, Step};
+/// let fine = RayCaster { step: Step::Uniform(0.25), ..RayCaster::default() };
+/// let backwards = RayCaster { order: Order::BackToFront, ..fine };
+/// # assert_eq!(backwards.step, Step::Uniform(0.25));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RayCaster {
+    /// How long steps are.
+    pub step: Step,
+    /// What the steps of a ray are.
+    pub traversal: Traversal,
+    /// How empty space is leapt over.
+    pub leaping: Leaping,
+    /// How the light of a step is found, which sets the order of convergence.
+    pub rule: Rule,
+    /// From which end the samples of a ray are composited.
+    pub order: Order,
+    /// The reconstruction filter; `None`: the scene's.
+    pub filter: Option<Filter>,
+    /// How a value becomes light and opacity.
+    pub classification: Classification,
+    /// Precision of the kernels.
+    pub precision: Precision,
+    /// Which rays the picture is made of.
+    pub screen: Screen,
+    /// Whether rays go in packets of sixteen, by vector instructions, where a scene allows it.
+    pub vector: Vector,
+}
+
+impl RayCaster {
+    /// The name in scene files and on command lines.
+    pub const NAME: &'static str = "raycast";
+    /// The longest step that is taken, in voxels.
+    pub const LONGEST_STEP: f64 = 64.0;
+
+    /// The default caster, but for steps of one length: a fraction of the smallest voxel edge.
+    pub fn uniform(step: f64) -> Self {
+        Self { step: Step::Uniform(step), ..Self::default() }
+    }
+
+    /// The caster that comes nearest to the limit of its step: exact classification in f64 along whole rays.
+    pub fn exact(step: f64) -> Self {
+        Self {
+            step: Step::Uniform(step),
+            order: Order::WHOLE_RAY,
+            classification: Classification::Exact,
+            precision: Precision::F64,
+            ..Self::default()
+        }
+    }
+
+    /// The filter that makes the field it samples.
+    pub(crate) fn filter_of(&self, scene: &Scene) -> Filter {
+        self.filter.unwrap_or(scene.filter)
+    }
+
+    /// The caster that draws a scene: where there is no light to follow, or no way to, local steps are uniform ones.
+    pub(crate) fn settled_for(&self, scene: &Scene) -> Self {
+        let follows = scene.compositing.integrates_light() && self.order != Order::BackToFront;
+        match self.step {
+            Step::Local { .. } if !follows => Self { step: Step::Uniform(Step::OTHERWISE), ..self.clone() },
+            _ => self.clone(),
+        }
+    }
+
+    /// World length of a step.
+    pub(crate) fn world_step(&self, volume: &UniformVolume) -> f64 {
+        let voxels = match self.step {
+            Step::Uniform(voxels) | Step::Vicinity { fine: voxels, .. } | Step::Homogeneous { step: voxels, .. } => {
+                voxels
+            }
+            // They have no one length.
+            Step::Local { .. } | Step::Tolerance(_) => 1.0,
+        };
+        voxels * volume.placement().spacing().min_element()
+    }
+
+    /// World length that no step of a walk exceeds; +∞: cells are not cut. Nothing is gained by cutting what is exact already.
+    pub(crate) fn longest_step(&self, volume: &UniformVolume) -> f64 {
+        match (self.traversal, self.rule, self.step) {
+            (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Local { .. }) => f64::INFINITY,
+            _ => self.world_step(volume),
+        }
+    }
+
+    /// Checks the numbers, and that they go together.
+    pub(crate) fn validate(&self) -> Result<(), ParameterError> {
+        match self.step {
+            Step::Uniform(step) | Step::Vicinity { fine: step, .. } | Step::Homogeneous { step, .. }
+                if !(step > 0.0 && step <= Self::LONGEST_STEP) =>
+            {
+                return Err(ParameterError::new("render.step", step, "must be above 0 and at most 64"));
+            }
+            Step::Vicinity { coarse, fine } if !(coarse > fine && coarse <= Self::LONGEST_STEP) => {
+                let allowed = "must be longer than the fine step, and at most 64";
+                return Err(ParameterError::new("render.coarse", coarse, allowed));
+            }
+            Step::Vicinity { .. } if self.leaping != Leaping::None => {
+                let allowed = "coarse steps find the empty space themselves: must be none";
+                return Err(ParameterError::new("render.leaping", self.leaping, allowed));
+            }
+            Step::Homogeneous { error, .. } if !(error > 0.0 && error <= 1.0) => {
+                return Err(ParameterError::new("render.homogeneity", error, "must be above 0 and at most 1"));
+            }
+            Step::Tolerance(error) => {
+                check_error(error)?;
+                let own = (self.order, self.rule, self.traversal);
+                if own != (Order::default(), Rule::default(), Traversal::default()) {
+                    let allowed = "a promised error leaves rule, traversal, order and termination to the caster: they must not be set";
+                    return Err(ParameterError::new("render.max_error", error, allowed));
+                }
+            }
+            Step::Local { error } if !(error > 0.0 && error <= 1.0) => {
+                return Err(ParameterError::new("render.local-error", error, "must be above 0 and at most 1"));
+            }
+            Step::Uniform(_) | Step::Vicinity { .. } | Step::Local { .. } | Step::Homogeneous { .. } => {}
+        }
+        if self.traversal != Traversal::Samples && !matches!(self.step, Step::Uniform(_) | Step::Local { .. }) {
+            let allowed = "steps of this kind follow the medium, not cells or voxels: must be samples";
+            return Err(ParameterError::new("render.traversal", self.traversal, allowed));
+        }
+        match (self.rule, self.traversal) {
+            (Rule::Exact, Traversal::Samples | Traversal::Voxels) => {
+                return Err(ParameterError::new("render.rule", "exact", "needs traversal = \"cells\""));
+            }
+            (Rule::Left | Rule::Linear | Rule::Quadratic, Traversal::Voxels) => {
+                return Err(ParameterError::new("render.traversal", "voxels", "goes with rule = \"midpoint\" only"));
+            }
+            _ => {}
+        }
+        if let Screen::Adaptive { threshold } = self.screen
+            && !(threshold >= 0.0 && threshold.is_finite())
+        {
+            return Err(ParameterError::new("render.screen-threshold", threshold, "must be 0 or more, and finite"));
+        }
+        match self.order {
+            Order::FrontToBack { termination } if !(termination > 0.0 && termination <= 1.0) => {
+                Err(ParameterError::new("render.termination", termination, "must be above 0 and at most 1"))
+            }
+            _ => Ok(()),
+        }
+    }
+}

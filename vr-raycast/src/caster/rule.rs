@@ -1,0 +1,48 @@
+//! How the light of a step is found.
+
+use vr_core::Filter;
+
+/// How the light of a step is found. The rules differ where light is integrated (over, accumulate); other operators
+/// look at one sample a step, in its middle (or its begin, by [`Rule::Left`]).
+///
+/// The orders hold for smooth fields. A trilinear field has kinks at cell faces, and a step that has one inside is off by the
+/// square of its length under any rule: [`Traversal::Cells`](super::Traversal::Cells) ends steps there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rule {
+    /// By the value in its middle: order 2, and 1 at jumps of the transfer function.
+    #[default]
+    Midpoint,
+    /// By the value where the ray enters the step (left rectangles): order 1. For study, not for use.
+    Left,
+    /// By a value that goes linearly from the begin of the step to its end, the transfer function being integrated over all values between
+    /// ([`vr_core::transfer::PreIntegrated`]): order 2, at kinks and jumps of the transfer function, too. One sample a step.
+    Linear,
+    /// By the parabola through the values at begin, middle and end of the step, integrated so: order 4, at kinks of the transfer
+    /// function, too, where Simpson's rule has 2. Two samples a step.
+    Quadratic,
+    /// By the cubic that a trilinear field is along a ray in each cell, to rounding: needs [`Traversal::Cells`](super::Traversal::Cells), whose
+    /// steps it does not cut further, and the trilinear filter. Four samples a cell, each step integrated in f64: for study.
+    Exact,
+}
+
+impl Rule {
+    /// As options name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Midpoint => "midpoint",
+            Self::Left => "left",
+            Self::Linear => "linear",
+            Self::Quadratic => "quadratic",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// Whether it makes sense for a filter's field: not all values between two labels are on the way from one to the other.
+    pub(crate) fn goes_with(self, filter: Filter) -> bool {
+        match self {
+            Self::Midpoint | Self::Left => true,
+            Self::Linear | Self::Quadratic => filter.is_continuous(),
+            Self::Exact => filter == Filter::Trilinear,
+        }
+    }
+}

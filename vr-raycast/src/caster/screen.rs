@@ -1,0 +1,52 @@
+//! Which rays a picture is made of.
+
+/// Which rays a picture is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Screen {
+    /// Those of every pixel.
+    #[default]
+    EveryPixel,
+    /// Every fourth pixel's first, along x and y, then those between where the colours bend; the rest is interpolated by cubics (after Levoy,
+    /// *Volume rendering by adaptive refinement*, 1990). Not exact: see the crate's README for what was measured.
+    Adaptive {
+        /// How far a component of the premultiplied colours may be from the straight lines through its neighbours' along x and y (the sum of
+        /// both second differences), 0 or more, where nothing is refined; 0: every pixel is traced. Where features are wider than four
+        /// pixels, the largest error of the interpolation is below it, and its RMSE a twentieth; what is thinner may be missed, whatever it
+        /// is.
+        threshold: f64,
+    },
+    /// Every pixel's, each begun where its part of the view can show something first. That is projected for each view from what
+    /// earlier pictures met first (a C-buffer; Yagel and Shi, *Accelerating volume animation by space-leaping*, 1993). The picture is that
+    /// of [`Screen::EveryPixel`], bit for bit. For samples at equal distances by the rules
+    /// midpoint and left, under over and accumulate.
+    Coherent,
+    /// Parallel rays that all step through the voxels alike, cast from the face of the volume that looks at the eye most; what they
+    /// show there is stretched onto the screen (Yagel and Kaufman, *Template-based volume viewing*, 1992). Not exact, and for unshaded
+    /// scenes under over in orthographic views without layers alone.
+    Template {
+        /// What the template is made of.
+        connectivity: Connectivity,
+    },
+}
+
+impl Screen {
+    /// As options name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::EveryPixel => "every-pixel",
+            Self::Adaptive { .. } => "adaptive",
+            Self::Coherent => "coherent",
+            Self::Template { connectivity: Connectivity::Discrete } => "template-discrete",
+            Self::Template { connectivity: Connectivity::Continuous } => "template-continuous",
+        }
+    }
+}
+
+/// What a ray template is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Connectivity {
+    /// Voxels that touch by a face, an edge or a corner (26-connected), one in each slice: their own values, not interpolated.
+    Discrete,
+    /// Points at equal distances, between the voxels: trilinear samples, with the same weights on all rays.
+    Continuous,
+}
