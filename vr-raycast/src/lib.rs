@@ -15,8 +15,9 @@
 //!
 //! Two engines do this. The *plain* one takes every scene and setting: samples go through the passes in runs of 32, each pass generic
 //! code, instantiated for what it depends on and chosen once a run. The *vector* one ([`Vector`]) takes rays in packets of sixteen with
-//! AVX-512, AVX2, SSE2 or NEON, and draws the common scenes: trilinear, over, front to back, shaded or not. It is tested against the
-//! plain one, which is tested against `vr-physics`.
+//! AVX-512, AVX2, SSE2 or NEON, and draws the common scenes: trilinear, over, front to back, shaded or not. Its rays begin where the
+//! outermost visible blocks, projected once a view, say that something can be seen. It is tested against the plain one, which is tested
+//! against `vr-physics`.
 //!
 //! # Example
 //! A homogeneous slab, two units thick, of opacity ½ a unit: the pixel is known.
