@@ -1,7 +1,7 @@
 //! Ranges of the field in small blocks, in two bytes each.
 
-use crate::filter::Filter;
-use crate::range_blocks::{BlockRange, block_ranges};
+use crate::filter::{Filter, Trilinear};
+use crate::range_blocks::{BlockRange, block_ranges, bounds};
 use crate::volume::UniformVolume;
 
 /// Smallest and largest value of the field in each block of [`LevelRanges::EDGE`]³ cells, rounded outward to 256 levels.
@@ -65,6 +65,12 @@ impl LevelRanges {
         &self.ranges
     }
 
+    /// The bounds that [`crate::RangeBlocks`] would give of a trilinear field between two levels, where levels are exact.
+    pub fn bounds(&self, levels: [u8; 2]) -> (f32, f32) {
+        let [low, high] = levels.map(|level| self.stored(level) as f32);
+        bounds::<Trilinear>(low, high)
+    }
+
     /// The stored number of a level.
     pub fn stored(&self, level: u8) -> f64 {
         self.origin + f64::from(level) * self.spacing
@@ -101,6 +107,10 @@ mod tests {
         };
         let stored = ranges.ranges().iter().map(|r| r.map(|l| ranges.stored(l) as u8)).collect::<Vec<_>>();
         assert_eq!(stored, [of(0..=4), of(4..=8)]);
+        let blocks = volume.uniform().unwrap().range_blocks(Filter::Trilinear, LevelRanges::EDGE);
+        for (levels, block) in ranges.ranges().iter().zip(blocks.ranges()) {
+            assert_eq!(ranges.bounds(*levels), (block.low, block.high));
+        }
     }
 
     #[test]

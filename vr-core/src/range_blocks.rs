@@ -214,7 +214,7 @@ fn bounds_of_cell<T: Voxel, F: Reconstruction>(sampler: &Sampler<'_, T, F>, cell
 }
 
 /// Bounds of a field whose support has the least and the largest sample given.
-fn bounds<F: Reconstruction>(low: f32, high: f32) -> (f32, f32) {
+pub(crate) fn bounds<F: Reconstruction>(low: f32, high: f32) -> (f32, f32) {
     // Kernels in f32 round: a few units in the last place of the largest sample, 64 products deep.
     let slack = 16.0 * f32::EPSILON * low.abs().max(high.abs());
     match F::FILTER {

@@ -104,6 +104,7 @@ mod engine;
 mod homogeneity;
 mod instruments;
 mod leap;
+mod near_depths;
 mod operator;
 mod options;
 mod pace;

@@ -8,6 +8,9 @@ use crate::screen::Sides;
 /// Pixels along the edge of the tiles in which depths are kept: those of one packet of rays.
 pub(crate) const TILE: u32 = 4;
 
+/// Of a cell's edge, by which boxes are widened: more than a kernel's f32 positions can be off on grids of up to 2¹⁵ samples a side.
+pub(crate) const MARGIN: f64 = 1.0 / 32.0;
+
 /// An affine function of index space.
 #[derive(Clone, Copy, Debug)]
 struct Affine {

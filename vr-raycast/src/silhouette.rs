@@ -1,11 +1,11 @@
 //! Where in a picture something visible can show, and how near.
 
 use glam::DVec3;
-use vr_core::image_order::Spot;
 use vr_core::{ParameterError, Placement, View};
 
 use crate::leap::VisibleBlocks;
-use crate::projection::{Projection, TILE};
+use crate::near_depths::NearDepths;
+use crate::projection::{Footprint, MARGIN, Projection};
 
 /// The outermost of a volume's visible blocks: whoever looks at any visible block from outside sees it behind one of these.
 ///
@@ -23,9 +23,6 @@ pub(crate) struct Hull {
 /// Blocks that are projected for a view at the most; more are joined to larger ones.
 const MOST: usize = 8192;
 
-/// Cells by which boxes are widened: more than what a kernel's positions are rounded by.
-const WIDER: f64 = 1.0 / 32.0;
-
 impl Hull {
     /// Of what is visible in a volume with the given samples along x, y, z.
     pub(crate) fn new(dims: [usize; 3], mut visible: VisibleBlocks) -> Self {
@@ -37,6 +34,28 @@ impl Hull {
             }
             visible = visible.coarser(dims);
         }
+    }
+
+    /// How near what a view may show of it is.
+    ///
+    /// # Errors
+    /// As [`vr_core::Camera::frame`].
+    pub(crate) fn near_depths(&self, view: &View, placement: &Placement) -> Result<NearDepths, ParameterError> {
+        let projection = Projection::new(view, placement)?;
+        // A ray that begins inside may see what none of these blocks stands before; it leaves by one of them all the same.
+        let half = 0.5 * DVec3::from_array(self.extent);
+        let outside = projection.footprint(&projection.stencil(half + MARGIN), half).is_none_or(|all| all.depth > 0.0);
+        let edge = self.edge as f64;
+        let stencil = projection.stencil(DVec3::splat(0.5 * edge + MARGIN));
+        let mut near = NearDepths::nothing(view.size);
+        let mut tiles = near.whole();
+        for block in &self.blocks {
+            let centre = DVec3::from_array(block.map(|b| (f64::from(b) + 0.5) * edge));
+            if let Some(seen) = projection.footprint(&stencil, centre) {
+                tiles.put(&Footprint { depth: if outside { seen.depth } else { 0.0 }, ..seen });
+            }
+        }
+        Ok(near)
     }
 }
 
@@ -56,51 +75,11 @@ fn outermost(visible: &VisibleBlocks) -> Vec<[u16; 3]> {
     blocks
 }
 
-/// What a view shows of a [`Hull`]: per tile of 4×4 pixels the least depth of what may show there.
-#[derive(Clone, Debug)]
-pub(crate) struct Silhouette {
-    across: usize,
-    /// Depth along the view, +∞: nothing shows.
-    nearest: Vec<f32>,
-}
-
-impl Silhouette {
-    /// # Errors
-    /// As [`vr_core::Camera::frame`].
-    pub(crate) fn new(hull: &Hull, view: &View, placement: &Placement) -> Result<Self, ParameterError> {
-        let projection = Projection::new(view, placement)?;
-        let [across, down] = view.size.map(|n| n.div_ceil(TILE) as usize);
-        let mut nearest = vec![f32::INFINITY; across * down];
-        let edge = hull.edge as f64;
-        // A ray that begins inside may see what none of these blocks stands before; it leaves by one of them all the same.
-        let half = 0.5 * DVec3::from_array(hull.extent);
-        let outside = projection.footprint(&projection.stencil(half + WIDER), half).is_none_or(|all| all.depth > 0.0);
-        let stencil = projection.stencil(DVec3::splat(0.5 * edge + WIDER));
-        for block in &hull.blocks {
-            let centre = DVec3::from_array(block.map(|b| (f64::from(b) + 0.5) * edge));
-            let Some(seen) = projection.footprint(&stencil, centre) else { continue };
-            let depth = if outside { (seen.depth as f32).next_down() } else { 0.0 };
-            for y in seen.low[1]..=seen.high[1] {
-                let row = &mut nearest[y as usize * across..][seen.low[0] as usize..=seen.high[0] as usize];
-                row.iter_mut().for_each(|d| *d = d.min(depth));
-            }
-        }
-        Ok(Self { across, nearest })
-    }
-
-    /// The least depth of what a ray may meet: +∞ for nothing. Where a ray goes through no pixel, all is possible.
-    pub(crate) fn nearest(&self, spot: &Spot) -> f64 {
-        let tile = [spot.x, spot.y].map(|x| x as usize / TILE as usize);
-        let known = tile[0] < self.across && spot.x >= 0.0 && spot.y >= 0.0;
-        let depth = if known { self.nearest.get(tile[1] * self.across + tile[0]) } else { None };
-        f64::from(depth.copied().unwrap_or(0.0))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::DMat3;
+    use vr_core::image_order::Spot;
     use vr_core::{Camera, Rays};
 
     /// Every point of every visible block is behind the nearest depth of its pixel.
@@ -125,13 +104,15 @@ mod tests {
             inside,
         ] {
             let view = View::new(camera, [90, 71]);
-            let silhouette = Silhouette::new(&hull, &view, &placement).unwrap();
+            let near = hull.near_depths(&view, &placement).unwrap();
+            // What lies beyond the picture is not told of, though its tile may be.
+            assert_eq!(near.at_spot(&Spot { pixel: 0, x: 90.5, y: 3.5 }), 0.0);
             let rays = Rays::new(&view).unwrap();
             let (mut empty, mut late) = (0, 0);
             for pixel in 0..90 * 71 {
                 let spot = Spot { pixel, x: (pixel % 90) as f64 + 0.5, y: (pixel / 90) as f64 + 0.5 };
                 let ray = rays.at(spot.x, spot.y);
-                let nearest = silhouette.nearest(&spot);
+                let nearest = near.at_spot(&spot);
                 empty += usize::from(nearest == f64::INFINITY);
                 late += usize::from(nearest > 0.0 && nearest < f64::INFINITY);
                 let cosine = ray.direction.dot(view.camera.frame().unwrap().z_axis);

@@ -24,9 +24,10 @@ use super::table::{OpticsTable, Rows};
 use crate::caster::{Classification, Leaping, Order, RayCaster, Rule, Step, Traversal};
 use crate::instruments::Instruments;
 use crate::leap::{Visibility, VisibleBlocks};
+use crate::near_depths::NearDepths;
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
-use crate::silhouette::{Hull, Silhouette};
+use crate::silhouette::Hull;
 use crate::table_range::{resolves, table_range};
 use crate::tracer::{Traced, Tracer};
 
@@ -179,7 +180,7 @@ pub(crate) struct PacketFrame<'a> {
     rays: Rays,
     view: &'a View,
     /// `None`: rays may meet something wherever they go.
-    silhouette: Option<Silhouette>,
+    near: Option<NearDepths>,
     /// The view's, a unit vector.
     forward: DVec3,
 }
@@ -193,9 +194,8 @@ impl<'a> PacketFrame<'a> {
         view: &'a View,
     ) -> Result<Self, ParameterError> {
         let rays = Rays::new(view)?;
-        let silhouette =
-            engine.hull.as_ref().map(|hull| Silhouette::new(hull, view, volume.placement())).transpose()?;
-        Ok(Self { engine, volume, rays, view, silhouette, forward: view.camera.frame()?.z_axis })
+        let near = engine.hull.as_ref().map(|hull| hull.near_depths(view, volume.placement())).transpose()?;
+        Ok(Self { engine, volume, rays, view, near, forward: view.camera.frame()?.z_axis })
     }
 }
 
@@ -232,7 +232,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
             let mut nearest = [f64::INFINITY; LANES];
             let mut any = false;
             for (nearest, spot) in nearest.iter_mut().zip(spots) {
-                *nearest = self.frame.silhouette.as_ref().map_or(0.0, |s| s.nearest(spot));
+                *nearest = self.frame.near.as_ref().map_or(0.0, |near| near.at_spot(spot));
                 any |= *nearest < f64::INFINITY;
             }
             let mut traced = [Traced::NOTHING; LANES];

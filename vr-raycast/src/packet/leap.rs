@@ -27,7 +27,7 @@ impl Distances {
     /// # Panics
     /// If the blocks' edge is not a power of two.
     pub(crate) fn new(ranges: &RangeBlocks, visibility: &Visibility<f32>) -> Option<Self> {
-        let of = |r: &BlockRange| if visibility.is_visible(r.low, r.high) { 0 } else { u8::MAX };
+        let of = |range: &BlockRange| if visibility.sees(range) { 0 } else { u8::MAX };
         let distance = ranges.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
         Self::spread(ranges.edge(), ranges.blocks(), distance)
     }
@@ -35,15 +35,12 @@ impl Distances {
     /// The same of ranges in bytes, which must be exact: a table tells of all that there are.
     pub(crate) fn of_levels(levels: &LevelRanges, visibility: &Visibility<f32>) -> Option<Self> {
         const N: usize = LevelRanges::LAST as usize + 1;
-        let stored = |level: usize| levels.stored(level as u8) as f32;
-        let largest = stored(0).abs().max(stored(N - 1).abs());
         let mut table = vec![u8::MAX; N * N];
-        for low in 0..N {
-            for high in low..N {
-                // As far as a kernel's rounding may carry a value, but where all samples are the same.
-                let slack = if low == high { 0.0 } else { 16.0 * f32::EPSILON * largest };
-                if visibility.is_visible(stored(low) - slack, stored(high) + slack) {
-                    table[low * N + high] = 0;
+        for low in 0..=LevelRanges::LAST {
+            for high in low..=LevelRanges::LAST {
+                let bounds = levels.bounds([low, high]);
+                if visibility.is_visible(bounds.0, bounds.1) {
+                    table[usize::from(low) * N + usize::from(high)] = 0;
                 }
             }
         }

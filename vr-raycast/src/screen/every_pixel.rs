@@ -9,22 +9,11 @@ use crate::tracer::{Traced, Tracer};
 
 /// Pixels along the edge of a tile: small enough to balance, large enough that a tile's rays share the cache.
 const TILE: u32 = 32;
+
 /// Traces every ray of a view, tile by tile on all threads. The picture does not depend on their number.
 pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) -> Result<Rendered, RenderError> {
     let mut stats = RenderStats::default();
-    let rays = (view.samples * view.samples) as usize;
-    let frame = by_tiles(view, control, &mut stats, |pixels| {
-        let mut spots: Vec<Spot> = Vec::with_capacity(pixels.len() * rays);
-        for &pixel in pixels {
-            push_spots(view, pixel, &mut spots);
-        }
-        let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
-        tracer.trace(&spots, None, &mut values, &mut counts);
-        if rays > 1 {
-            values = values.chunks_exact(rays).map(Traced::mean).collect();
-        }
-        (values, counts)
-    })?;
+    let frame = by_tiles(view, control, &mut stats, |pixels| traced(tracer, view, pixels.iter().copied()))?;
     Ok(Rendered { frame, stats })
 }
 
@@ -73,23 +62,46 @@ fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
     pixels
 }
 
-/// Appends the rays of a pixel.
+/// Traces pixels; returns a value for each.
+pub(crate) fn traced(
+    tracer: &impl Tracer,
+    view: &View,
+    pixels: impl ExactSizeIterator<Item = [u32; 2]>,
+) -> (Vec<Traced>, Counts) {
+    let rays = (view.samples * view.samples) as usize;
+    let mut spots: Vec<Spot> = Vec::with_capacity(pixels.len() * rays);
+    pixels.for_each(|pixel| push_spots(view, pixel, &mut spots));
+    let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
+    tracer.trace(&spots, None, &mut values, &mut counts);
+    if rays > 1 {
+        values = values.chunks_exact(rays).map(Traced::mean).collect();
+    }
+    (values, counts)
+}
+
+/// Appends the rays of a pixel. (For one ray, the division that finds its place in the pixel costs more than all else.)
 #[inline]
-pub(crate) fn push_spots(view: &View, [x, y]: [u32; 2], spots: &mut Vec<Spot>) {
+fn push_spots(view: &View, pixel @ [x, y]: [u32; 2], spots: &mut Vec<Spot>) {
     if view.samples == 1 {
-        let pixel = y as usize * view.size[0] as usize + x as usize;
-        spots.push(Spot { pixel, x: f64::from(x) + 0.5, y: f64::from(y) + 0.5 });
+        spots.push(Spot { pixel: number_of(view, pixel), x: f64::from(x) + 0.5, y: f64::from(y) + 0.5 });
     } else {
-        spots.extend(spots_of_pixel(view, [x, y]));
+        spots.extend(spots_of_pixel(view, pixel));
     }
 }
 
 /// The n² rays of a pixel.
-pub(crate) fn spots_of_pixel(view: &View, [x, y]: [u32; 2]) -> impl Iterator<Item = Spot> {
+pub(crate) fn spots_of_pixel(view: &View, pixel @ [x, y]: [u32; 2]) -> impl Iterator<Item = Spot> {
     let n = view.samples;
-    let pixel = y as usize * view.size[0] as usize + x as usize;
+    let pixel = number_of(view, pixel);
     let centre = move |k: u32| (f64::from(k) + 0.5) / f64::from(n);
     (0..n * n).map(move |k| Spot { pixel, x: f64::from(x) + centre(k % n), y: f64::from(y) + centre(k / n) })
+}
+
+/// The number of a pixel, row by row. Beyond the view's, where a screen may look as well, it is that of the nearest: layers know no other.
+#[inline]
+fn number_of(view: &View, [x, y]: [u32; 2]) -> usize {
+    let [w, h] = view.size;
+    y.min(h - 1) as usize * w as usize + x.min(w - 1) as usize
 }
 
 #[cfg(test)]

@@ -3,13 +3,12 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use vr_core::image_order::Spot;
 use vr_core::{Control, Counts, Frame, RenderError, View};
 
 use super::cells::Cells;
 use crate::screen::blocks::in_blocks;
-use crate::screen::every_pixel::push_spots;
-use crate::tracer::{Traced, Tracer};
+use crate::screen::every_pixel::traced;
+use crate::tracer::Tracer;
 
 /// Pixels that one task traces.
 const BATCH: usize = 256;
@@ -77,19 +76,12 @@ impl<'a> Canvas<'a> {
     ) -> Result<(), RenderError> {
         let (view, control, done) = (self.view, self.control, &self.done);
         let all = (self.across * self.rows.len()) as f64;
-        let rays = (view.samples * view.samples) as usize;
         let batch = |points: &[[u32; 2]]| {
             control.check()?;
-            let mut spots = Vec::with_capacity(points.len() * rays);
-            points.iter().for_each(|p| push_spots_of_point(view, p.map(|i| i * spacing as u32), &mut spots));
-            let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
-            tracer.trace(&spots, None, &mut values, &mut counts);
-            if rays > 1 {
-                values = values.chunks_exact(rays).map(Traced::mean).collect();
-            }
+            let traced = traced(tracer, view, points.iter().map(|p| p.map(|i| i * spacing as u32)));
             let finished = done.fetch_add(points.len(), Ordering::Relaxed) + points.len();
             control.report(finished as f64 / all);
-            Ok((values, counts))
+            Ok(traced)
         };
         let batches: Result<Vec<_>, RenderError> =
             control.run(|| points.par_chunks(BATCH).with_max_len(1).map(batch).collect());
@@ -192,17 +184,6 @@ impl Row {
                 self.depth[x] = depth_midway(rows(k).depth[x], rows(k + 1).depth[x]);
             }
         }
-    }
-}
-
-/// Appends the rays of a point. Points beyond the view's pixels have the layer of the nearest of those.
-fn push_spots_of_point(view: &View, [x, y]: [u32; 2], spots: &mut Vec<Spot>) {
-    let [w, h] = view.size;
-    let first = spots.len();
-    push_spots(view, [x, y], spots);
-    if x >= w || y >= h {
-        let pixel = y.min(h - 1) as usize * w as usize + x.min(w - 1) as usize;
-        spots[first..].iter_mut().for_each(|spot| spot.pixel = pixel);
     }
 }
 

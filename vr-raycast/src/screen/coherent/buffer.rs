@@ -5,16 +5,14 @@ use rayon::prelude::*;
 use vr_core::{Control, Filter, RenderError, UniformVolume, View};
 
 use super::cells::{CellMask, EDGE, LookInto, Sight};
-use crate::projection::{Footprint, Projection, TILE};
+use crate::near_depths::{Band, NearDepths};
+use crate::projection::{Footprint, MARGIN, Projection};
 
 /// Blocks along the edge of a group: what hides a group hides all of its blocks at once.
 const GROUP: usize = 4;
 
 /// Rows of tiles that one task fills.
 const BAND: u32 = 8;
-
-/// Of a cell's edge, by which boxes are widened: more than a kernel's f32 positions can be off on grids of up to 2¹⁵ samples a side.
-const MARGIN: f64 = 1.0 / 32.0;
 
 /// What is known of the blocks of 8³ cells under one transfer function: which can be seen and, of those that earlier pictures met
 /// first, which of their cells.
@@ -46,20 +44,6 @@ enum Kind {
     Solid,
     /// Something.
     Partial,
-}
-
-/// Depths along the view before which nothing can be seen, per tile of 4×4 pixels; +∞ where nothing can at all.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct NearDepths {
-    across: u32,
-    depth: Vec<f64>,
-}
-
-impl NearDepths {
-    /// The depth of the tile of a pixel.
-    pub(crate) fn at(&self, [x, y]: [u32; 2]) -> f64 {
-        self.depth[(y / TILE * self.across + x / TILE) as usize]
-    }
 }
 
 impl CoherenceBuffer {
@@ -116,24 +100,18 @@ impl CoherenceBuffer {
         control.check()?;
         self.learn(volume, control);
         let projection = Projection::new(view, volume.placement())?;
-        let across = view.size[0].div_ceil(TILE);
-        let down = view.size[1].div_ceil(TILE);
         // With the eye in the volume, rays begin inside blocks, and any cell may be the first.
         let all = self.box_of([0; 3], self.cells);
         let inside = projection.footprint(&projection.stencil(all.1), all.0).is_some_and(|f| f.depth == 0.0);
         let groups = self.groups_front_to_back(&projection);
-        let mut depth = vec![f64::INFINITY; (across * down) as usize];
+        let mut near = NearDepths::nothing(view.size);
         let this = &*self;
-        let fill = |(i, depth): (usize, &mut [f64])| {
-            let mut band = Band { first: i as u32 * BAND, across, depth };
-            this.fill(&mut band, &projection, &groups, inside)
-        };
-        let met: Vec<Vec<u32>> =
-            control.run(|| depth.par_chunks_mut((across * BAND) as usize).enumerate().map(fill).collect());
+        let fill = |mut band: Band<'_>| this.fill(&mut band, &projection, &groups, inside);
+        let met: Vec<Vec<u32>> = control.run(|| near.bands(BAND).map(fill).collect());
         self.met = met.concat();
         self.met.sort_unstable();
         self.met.dedup();
-        Ok(NearDepths { across, depth })
+        Ok(near)
     }
 
     /// Looks into the blocks that the last picture met first.
@@ -233,41 +211,5 @@ impl CoherenceBuffer {
             }
         }
         met
-    }
-}
-
-/// Some rows of tiles.
-struct Band<'a> {
-    /// The first row.
-    first: u32,
-    across: u32,
-    depth: &'a mut [f64],
-}
-
-impl Band<'_> {
-    /// The rows of a footprint in the band, counted from its first.
-    fn rows(&self, footprint: &Footprint) -> std::ops::Range<u32> {
-        let end = self.first + self.depth.len() as u32 / self.across;
-        let low = footprint.low[1].max(self.first);
-        low - self.first..(footprint.high[1] + 1).min(end).max(low) - self.first
-    }
-
-    fn tiles(&self, row: u32, footprint: &Footprint) -> std::ops::Range<usize> {
-        let start = (row * self.across) as usize;
-        start + footprint.low[0] as usize..start + footprint.high[0] as usize + 1
-    }
-
-    /// Whether a box would change anything: not where all tiles have something nearer already. (The test for hidden points.)
-    fn shows(&self, footprint: &Footprint) -> bool {
-        self.rows(footprint).any(|row| self.depth[self.tiles(row, footprint)].iter().any(|&d| d > footprint.depth))
-    }
-
-    fn put(&mut self, footprint: &Footprint) {
-        for row in self.rows(footprint) {
-            let tiles = self.tiles(row, footprint);
-            for depth in &mut self.depth[tiles] {
-                *depth = depth.min(footprint.depth);
-            }
-        }
     }
 }

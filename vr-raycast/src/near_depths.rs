@@ -1,0 +1,86 @@
+//! How near the first thing that a view may show is, tile by tile.
+
+use rayon::prelude::*;
+use vr_core::image_order::Spot;
+
+use crate::projection::{Footprint, TILE};
+
+/// Depths along the view before which nothing can be seen, per tile of 4×4 pixels; +∞ where nothing can at all.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct NearDepths {
+    size: [u32; 2],
+    across: u32,
+    depth: Vec<f64>,
+}
+
+impl NearDepths {
+    /// Of a view of so many pixels, in which nothing can be seen yet.
+    pub(crate) fn nothing(size: [u32; 2]) -> Self {
+        let [across, down] = size.map(|n| n.div_ceil(TILE));
+        Self { size, across, depth: vec![f64::INFINITY; (across * down) as usize] }
+    }
+
+    /// The depth of the tile of a pixel.
+    pub(crate) fn at(&self, [x, y]: [u32; 2]) -> f64 {
+        self.depth[(y / TILE * self.across + x / TILE) as usize]
+    }
+
+    /// The same where a ray goes. Beyond the view's pixels anything is possible: nobody has looked there.
+    pub(crate) fn at_spot(&self, spot: &Spot) -> f64 {
+        let within = |x: f64, size: u32| x >= 0.0 && x < f64::from(size);
+        if within(spot.x, self.size[0]) && within(spot.y, self.size[1]) {
+            self.at([spot.x as u32, spot.y as u32])
+        } else {
+            0.0
+        }
+    }
+
+    /// All tiles.
+    pub(crate) fn whole(&mut self) -> Band<'_> {
+        Band { first: 0, across: self.across, depth: &mut self.depth }
+    }
+
+    /// Bands of so many rows of tiles, the last of fewer.
+    pub(crate) fn bands(&mut self, rows: u32) -> impl IndexedParallelIterator<Item = Band<'_>> {
+        let across = self.across;
+        let band = move |(i, depth)| Band { first: i as u32 * rows, across, depth };
+        self.depth.par_chunks_mut((across * rows) as usize).enumerate().map(band)
+    }
+}
+
+/// Some rows of tiles.
+pub(crate) struct Band<'a> {
+    /// The first row.
+    first: u32,
+    across: u32,
+    depth: &'a mut [f64],
+}
+
+impl Band<'_> {
+    /// The rows of a footprint in the band, counted from its first.
+    fn rows(&self, footprint: &Footprint) -> std::ops::Range<u32> {
+        let end = self.first + self.depth.len() as u32 / self.across;
+        let low = footprint.low[1].max(self.first);
+        low - self.first..(footprint.high[1] + 1).min(end).max(low) - self.first
+    }
+
+    fn tiles(&self, row: u32, footprint: &Footprint) -> std::ops::Range<usize> {
+        let start = (row * self.across) as usize;
+        start + footprint.low[0] as usize..start + footprint.high[0] as usize + 1
+    }
+
+    /// Whether a box would change anything: not where all tiles have something nearer already. (The test for hidden points.)
+    pub(crate) fn shows(&self, footprint: &Footprint) -> bool {
+        self.rows(footprint).any(|row| self.depth[self.tiles(row, footprint)].iter().any(|&d| d > footprint.depth))
+    }
+
+    /// A box that something can be seen of.
+    pub(crate) fn put(&mut self, footprint: &Footprint) {
+        for row in self.rows(footprint) {
+            let tiles = self.tiles(row, footprint);
+            for depth in &mut self.depth[tiles] {
+                *depth = depth.min(footprint.depth);
+            }
+        }
+    }
+}
