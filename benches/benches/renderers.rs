@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use vr_benches::{PhantomScene, phantom_scenes};
+use vr_benches::subject::{Subject, phantom_subjects};
 use vr_core::{Control, Renderer};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
@@ -18,9 +18,9 @@ fn frames(c: &mut Criterion) {
     for (renderer, pixels) in renderers {
         let mut group = c.benchmark_group(format!("{} {pixels}x{pixels}", renderer.name()));
         group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
-        for PhantomScene { name, scene, view } in phantom_scenes(64, pixels) {
+        for Subject { name, scene, view, .. } in phantom_subjects(64, [pixels; 2]).expect("enough samples") {
             let mut prepared = renderer.prepare(&scene, &control).expect("every renderer draws phantoms");
-            group.bench_function(name, |b| b.iter(|| prepared.render(&view, &control).expect("a frame")));
+            group.bench_function(&name, |b| b.iter(|| prepared.render(&view, &control).expect("a frame")));
         }
     }
 }

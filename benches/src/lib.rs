@@ -1,10 +1,69 @@
-//! What the benches across renderers have in common. The study of speed against error will live here.
+//! The study of speed against error: what renderers cost, and how wrong they are, on the same scenes.
 //!
-//! The library sees renderers through [`vr_core::Renderer`] alone; the benches name them.
+//! Renderers are known through [`vr_core::Renderer`] alone: each brings the settings that are worth a try
+//! ([`Renderer::settings`](vr_core::Renderer::settings)), the orders of convergence that it documents
+//! ([`orders`](vr_core::Renderer::orders)), and the errors that it allows itself on hard cases
+//! ([`hard_case_error`](vr_core::Renderer::hard_case_error)). A new one joins by being in the list.
+//!
+//! | what | where |
+//! |---|---|
+//! | suites of measurements, and what they found | [`suite`] |
+//! | one subject: times in turns, errors against the exact solution, memory | [`study`] |
+//! | exact pixels, kept on disk | [`exact`] |
+//! | who is beaten by nobody, and who wins for which error | [`front`] |
+//! | orders of convergence, documented and measured | [`convergence`] |
+//! | hard cases | [`stability`] |
+//! | growth with threads, volumes, pictures | [`scaling`] |
+//! | the cheapest setting within an error | [`choose`] |
+//! | what no later version may be worse than | [`baseline`] |
+//! | pages, plots, tables | [`report`] |
+//!
+//! # Example
+//! ```
+//! use vr_benches::exact::ExactCache;
+//! use vr_benches::{contestant::contestants, front::pareto_front, study::Study, subject::phantom_subject};
+//! use vr_core::{Control, Renderer};
+//! use vr_raycast::RayCaster;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let renderers: Vec<Box<dyn Renderer>> = vec![Box::new(RayCaster::default())];
+//! let contestants = contestants(&renderers)?;
+//! let cache = ExactCache::none();
+//! let study = Study { contestants: &contestants, timing: None, subgrid: 4, own_subgrid: 2, cache: &cache, meter: None };
+//! let result = study.measure(&phantom_subject("fog", 8, [16, 16])?, (&Control::default(), &|_| {}))?;
+//!
+//! // By samples instead of times: they are the same on every machine.
+//! let pairs: Vec<(f64, f64)> = result.points.iter().map(|p| (p.counts["samples"] as f64, p.error.rmse)).collect();
+//! assert!(!pareto_front(&pairs).is_empty());
+//! # Ok(())
+//! # }
+//! ```
 
-mod phantom_scene;
+pub mod baseline;
+pub mod choose;
+pub mod contestant;
+pub mod convergence;
+mod error;
+pub mod error_colors;
+pub mod exact;
+pub mod figures;
+pub mod front;
+mod journal;
+pub mod machine;
+pub mod memory;
+mod picture;
+pub mod point;
+mod proving_ground;
+mod refined_grid;
+pub mod report;
+pub mod scaling;
+pub mod stability;
+pub mod study;
+pub mod subject;
+pub mod suite;
+pub mod timing;
 
-pub use phantom_scene::{PhantomScene, phantom_scenes};
+pub use error::StudyError;
 
 /// The examples on the front page, as tests.
 #[cfg(doctest)]

@@ -4,7 +4,9 @@
 use vr_core::Frame;
 
 use crate::canvas::Canvas;
-use crate::{digits, error_colors};
+use vr_benches::error_colors;
+
+use crate::digits;
 
 /// One numbered column of the sheet.
 pub struct Entry<'a> {

@@ -12,8 +12,9 @@ mod compare;
 mod console;
 mod contact_sheet;
 mod digits;
-mod error_colors;
+mod exact_cache;
 mod failure;
+mod heap;
 mod histogram;
 mod info;
 mod interrupt;
@@ -25,8 +26,10 @@ mod process;
 mod progress;
 mod render;
 mod renderers;
+mod report;
 mod scene_setup;
 mod table;
+mod verify;
 mod volume_setup;
 
 use std::process::ExitCode;
@@ -60,6 +63,8 @@ fn run() -> Result<(), Failure> {
         Command::Render(args) => render::run(args, console, &control),
         Command::Compare(args) => compare::run(args, console, &control),
         Command::Bench(args) => bench::run(args, console, &control),
+        Command::Report(args) => report::run(args, console, &control),
+        Command::Verify(args) => verify::run(args, console, &control),
         Command::Info(args) => info::run(args, console),
     })
 }

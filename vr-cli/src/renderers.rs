@@ -6,6 +6,8 @@ use vr_core::{OptionKind, OptionValue, Options, ParameterError, RenderError, Ren
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 
+use crate::failure::Failure;
+
 /// All of them, one line each.
 pub fn all() -> Vec<Box<dyn Renderer>> {
     vec![Box::new(RayCaster::default()), Box::new(Reference::default())]
@@ -22,6 +24,17 @@ pub fn named(name: &str) -> Result<Box<dyn Renderer>, String> {
         .into_iter()
         .find(|r| r.name() == name)
         .ok_or_else(|| format!("render.renderer: found {name:?}; must be one of {names}"))
+}
+
+/// Those of the names; all where there are none.
+///
+/// # Errors
+/// [`Failure::Usage`] for an unknown name.
+pub fn chosen(names: &[String]) -> Result<Vec<Box<dyn Renderer>>, Failure> {
+    match names {
+        [] => Ok(all()),
+        names => names.iter().map(|n| named(n)).collect::<Result<_, _>>().map_err(Failure::usage),
+    }
 }
 
 /// Options with those that the command line sets, as it spells them.

@@ -37,6 +37,7 @@
 
 mod camera;
 mod central_differences;
+mod claim;
 mod compositing;
 mod control;
 mod error;
@@ -68,6 +69,7 @@ mod voxel;
 
 pub use camera::{Camera, Projection};
 pub use central_differences::{gradient_at_sample, gradient_between_samples};
+pub use claim::{OrderClaim, Orders};
 pub use compositing::Compositing;
 pub use control::Control;
 pub use error::{GridError, OptionError, ParameterError, RenderError};

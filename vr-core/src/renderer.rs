@@ -1,5 +1,6 @@
 //! The seam: everything that draws scenes stands behind [`Renderer`].
 
+use crate::claim::OrderClaim;
 use crate::control::Control;
 use crate::error::{OptionError, RenderError};
 use crate::frame::Frame;
@@ -25,6 +26,17 @@ pub trait Renderer: Send + Sync {
 
     /// The settings that a study of speed against error should try.
     fn settings(&self) -> Vec<NamedSetting>;
+
+    /// What its documentation says of convergence, in a form that a program can put to the test.
+    fn orders(&self) -> Vec<OrderClaim> {
+        Vec::new()
+    }
+
+    /// The largest error that it documents, as it is configured, for a hard case of that name (`vr_physics::cases`); `None` where it
+    /// documents none.
+    fn hard_case_error(&self, _case: &str) -> Option<f64> {
+        None
+    }
 
     /// Does all that can be done before the view is known.
     ///

@@ -10,6 +10,15 @@ use crate::error::WriteError;
 pub(crate) trait Output: Write + Seek {}
 impl<T: Write + Seek> Output for T {}
 
+/// Writes a file of any bytes: all of it, or nothing at all.
+///
+/// # Errors
+/// A [`WriteError`] naming the file; what was there before is as it was.
+pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    write_whole(path, |out| out.write_all(bytes).map_err(|source| WriteError::Io { path: path.into(), source }))
+}
+
 /// Writes a file by way of a temporary one in the same folder. When anything fails, nothing is left behind, and a file that
 /// was there before is as it was.
 pub(crate) fn write_whole(

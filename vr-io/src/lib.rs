@@ -88,6 +88,7 @@ mod scalar;
 mod scene;
 mod world;
 
+pub use atomic::write_bytes;
 pub use error::{ReadError, WriteError};
 pub use exr::write_exr;
 pub use framing::{OBLIQUE, framing};
@@ -95,7 +96,7 @@ pub use nifti::Transform;
 pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
 pub use paraview::{ColorMap, ColorMapError, parse_color_maps, read_color_maps};
 pub use picture::write;
-pub use png::{Encode, PngDepth, PngOptions, write_png};
+pub use png::{Encode, PngDepth, PngOptions, encode_png, write_png};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, read};
 pub use scalar::{Endian, ScalarType};

@@ -1,9 +1,10 @@
 //! Frames as PNG: before a background, encoded for a screen, in 8 or 16 bits.
 
+use std::io::Write;
 use std::path::Path;
 
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
 use vr_core::Frame;
 use vr_core::transfer::linear_to_srgb;
 
@@ -56,6 +57,22 @@ pub enum Encode {
 /// A [`WriteError`] naming the file; no part of it is left behind then.
 pub fn write_png(path: impl AsRef<Path>, frame: &Frame, options: &PngOptions) -> Result<(), WriteError> {
     let path = path.as_ref();
+    write_whole(path, |out| {
+        encode(out, frame, options).map_err(|e| WriteError::Encode { path: path.into(), message: e.to_string() })
+    })
+}
+
+/// A frame as the bytes of a PNG.
+///
+/// # Panics
+/// If the frame has no pixels: there is no such PNG.
+pub fn encode_png(frame: &Frame, options: &PngOptions) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    encode(&mut bytes, frame, options).expect("memory takes every picture that has pixels");
+    bytes
+}
+
+fn encode(out: impl Write, frame: &Frame, options: &PngOptions) -> Result<(), ImageError> {
     let [width, height] = frame.size();
     let channels = channels(frame, options);
     let (bytes, color) = match options.depth {
@@ -69,11 +86,7 @@ pub fn write_png(path: impl AsRef<Path>, frame: &Frame, options: &PngOptions) ->
             (channels.flat_map(|x| ((x * 65535.0).round() as u16).to_ne_bytes()).collect(), color)
         }
     };
-    write_whole(path, |out| {
-        PngEncoder::new(out)
-            .write_image(&bytes, width, height, color)
-            .map_err(|e| WriteError::Encode { path: path.into(), message: e.to_string() })
-    })
+    PngEncoder::new(out).write_image(&bytes, width, height, color)
 }
 
 /// The numbers of the file in [0, 1], pixel by pixel; NaN counts as 0.

@@ -64,7 +64,13 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    const EMPTY: Self = Self { rgba: [0.0; 4], depth: f64::INFINITY, certainty: Certainty::Bound(0.0) };
+    pub(crate) const EMPTY: Self = Self { rgba: [0.0; 4], depth: f64::INFINITY, certainty: Certainty::Bound(0.0) };
+
+    /// The pixel of a ray's light; the ray's distances begin `offset` behind its origin.
+    pub(crate) fn emitted(t: &Transport, offset: f64) -> Self {
+        let [r, g, b] = t.radiance;
+        Self { rgba: [r, g, b, t.opacity()], depth: t.half_way + offset, certainty: t.certainty }
+    }
 }
 
 impl PixelValue for Pixel {
@@ -189,8 +195,8 @@ impl<'a> Solver<'a> {
 
     fn volume_pixel(&self, ray: &Ray, spot: Spot, far: f64, counts: &mut Counts) -> Pixel {
         match self.model {
-            Model::Discrete(m) => return emitted(&sum_segments(&m.segments(spot.x, spot.y)), 0.0),
-            Model::Continuous(m) => return emitted(&integrate_continuous(&**m, ray), 0.0),
+            Model::Discrete(m) => return Pixel::emitted(&sum_segments(&m.segments(spot.x, spot.y)), 0.0),
+            Model::Continuous(m) => return Pixel::emitted(&integrate_continuous(&**m, ray), 0.0),
             _ => {}
         }
         let Some(index_ray) = self.index_ray(ray, far) else { return Pixel::EMPTY };
@@ -205,17 +211,11 @@ impl<'a> Solver<'a> {
         match self.volume.with_sampler(self.filter, job) {
             Answer::Transport(t) => {
                 counts.samples += t.pieces;
-                emitted(&t, offset)
+                Pixel::emitted(&t, offset)
             }
             Answer::Pixel(p) => Pixel { depth: p.depth + offset, ..p },
         }
     }
-}
-
-/// The pixel of a ray's light.
-fn emitted(t: &Transport, offset: f64) -> Pixel {
-    let [r, g, b] = t.radiance;
-    Pixel { rgba: [r, g, b, t.opacity()], depth: t.half_way + offset, certainty: t.certainty }
 }
 
 /// What is asked of one ray.
@@ -315,6 +315,11 @@ impl Renderer for Reference {
                 error_floor: tolerance.max(f64::from(f32::EPSILON)),
             })
             .collect()
+    }
+
+    fn hard_case_error(&self, _case: &str) -> Option<f64> {
+        // The picture is f32.
+        Some(self.tolerance + f64::from(f32::EPSILON))
     }
 
     fn prepare(&self, scene: &Scene, _control: &Control) -> Result<Box<dyn Prepared>, RenderError> {

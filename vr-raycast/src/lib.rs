@@ -101,6 +101,7 @@ mod caster;
 mod chord;
 mod classify;
 mod engine;
+mod hard_cases;
 mod homogeneity;
 mod instruments;
 mod leap;

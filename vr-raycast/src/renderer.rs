@@ -1,11 +1,13 @@
 //! The ray caster behind the trait that all renderers stand behind.
 
-use vr_core::{Control, NamedSetting, OptionError, OptionSpec, Options, Prepared, RenderError, Renderer, Scene};
+use vr_core::{
+    Control, NamedSetting, OptionError, OptionSpec, Options, OrderClaim, Prepared, RenderError, Renderer, Scene,
+};
 
 use crate::caster::RayCaster;
 use crate::options::{SPECS, configure};
 use crate::prepared::PreparedCaster;
-use crate::settings::settings;
+use crate::settings::{orders, settings};
 
 impl Renderer for RayCaster {
     fn name(&self) -> &'static str {
@@ -22,6 +24,14 @@ impl Renderer for RayCaster {
 
     fn settings(&self) -> Vec<NamedSetting> {
         settings()
+    }
+
+    fn orders(&self) -> Vec<OrderClaim> {
+        orders()
+    }
+
+    fn hard_case_error(&self, case: &str) -> Option<f64> {
+        self.documented_error(case)
     }
 
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {

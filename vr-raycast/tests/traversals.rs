@@ -6,7 +6,8 @@ use common::*;
 use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::cases::Case;
-use vr_physics::check::{self, Effort, fit_order};
+use vr_physics::check::{self, Effort};
+use vr_physics::fit_order;
 use vr_raycast::{Order, RayCaster, Rule, Step, Traversal};
 
 fn by(traversal: Traversal) -> RayCaster {

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod choices;
+mod report;
 mod scene;
 mod value;
 mod volume;
@@ -11,6 +12,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use vr_io::{Encode, PngDepth, PngOptions};
 
 pub use choices::{Bits, Curve, ErrorMeasure};
+pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use scene::{CameraArgs, CompositingArgs, ImageArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use volume::VolumeArgs;
 
@@ -55,6 +57,10 @@ pub enum Command {
     Compare(Box<CompareArgs>),
     /// Time a renderer: frames of a turning camera, after one preparation
     Bench(Box<BenchArgs>),
+    /// Measure speed against error with every renderer and setting, and write a page about it
+    Report(Box<ReportArgs>),
+    /// Put every documented order of convergence to the test
+    Verify(Box<VerifyArgs>),
     /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try
     Info(Box<InfoArgs>),
 }
@@ -68,9 +74,15 @@ pub struct RenderArgs {
     /// The renderer and its options.
     #[command(flatten)]
     pub renderer: RendererArgs,
+    /// The cheapest picture within an error.
+    #[command(flatten)]
+    pub target: TargetArgs,
     /// What becomes of the picture.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// Exact solutions that are kept.
+    #[command(flatten)]
+    pub cache: CacheArgs,
 }
 
 /// The renderer and its options.
@@ -86,6 +98,15 @@ pub struct RendererArgs {
     /// Have the renderer promise this largest error; those that cannot promise refuse
     #[arg(long, value_name = "E")]
     pub max_error: Option<f64>,
+}
+
+/// The cheapest picture within an error.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Renderer")]
+pub struct TargetArgs {
+    /// Choose the cheapest renderer and setting whose RMSE is at most this, by trying them on the scene
+    #[arg(long, value_name = "E", conflicts_with_all = ["set", "max_error"])]
+    pub target_rmse: Option<f64>,
 }
 
 /// What becomes of the picture.

@@ -11,24 +11,11 @@ use super::outcome::CheckFailure;
 use super::strategies::smooth_scene;
 use super::test_scene::TestScene;
 use crate::Metrics;
+use crate::order::fit_order_above;
 
 const CHECK: &str = "converges at its documented order";
-
-/// The order p of errors C·hᵖ: the slope of the straight line through (ln h, ln error), by least squares.
-///
-/// # Panics
-/// If there are not as many errors as steps, fewer than two, or one that is not positive and finite.
-pub fn fit_order(steps: &[f64], errors: &[f64]) -> f64 {
-    assert!(steps.len() == errors.len() && steps.len() >= 2, "one error per step, at least two");
-    assert!(steps.iter().chain(errors).all(|&x| x > 0.0 && x.is_finite()), "logarithms of {steps:?}, {errors:?}");
-    let log = |xs: &[f64]| xs.iter().map(|&x| libm::log(x)).collect::<Vec<_>>();
-    let (x, y) = (log(steps), log(errors));
-    let n = x.len() as f64;
-    let (mean_x, mean_y) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
-    let covariance: f64 = x.iter().zip(&y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
-    let variance: f64 = x.iter().map(|x| (x - mean_x) * (x - mean_x)).sum();
-    covariance / variance
-}
+/// Errors above the floor that an order is fitted to: four halvings.
+const LEAST_STEPS: usize = 5;
 
 /// How a renderer is refined, and what order it documents.
 #[derive(Clone, Debug)]
@@ -129,7 +116,7 @@ pub fn converges(
         return Err(failure(format!("not one scene was judged: {refused} refused"), None));
     }
     let errors: Vec<f64> = squares.iter().map(|s| (s / f64::from(judged)).sqrt()).collect();
-    let Some(order) = order_above_floor(&steps, &errors, refinement.floor) else {
+    let Some(order) = fit_order_above(refinement.floor, LEAST_STEPS, &steps, &errors) else {
         let reason = format!("errors {errors:.2?} at steps {steps:?}: five above {:.1e} are needed", refinement.floor);
         return Err(failure(reason, None));
     };
@@ -157,12 +144,6 @@ fn errors_of(
     refined.iter().map(|r| error(&**r)).collect::<Result<Vec<_>, _>>().map(Some)
 }
 
-/// The order fitted to the leading errors above the floor; `None` if these are fewer than four halvings.
-fn order_above_floor(steps: &[f64], errors: &[f64], floor: f64) -> Option<f64> {
-    let n = errors.iter().take_while(|&&e| e > floor && e.is_finite()).count();
-    (n >= 5).then(|| fit_order(&steps[..n], &errors[..n]))
-}
-
 /// A shrunk scene whose own order is off by twice the tolerance.
 fn scene_of_wrong_order(
     renderer: &dyn Renderer,
@@ -173,34 +154,11 @@ fn scene_of_wrong_order(
     let steps = refinement.steps();
     let result = effort.over(CHECK, renderer, smooth_scene(), |test| {
         let Some(errors) = errors_of(refined, test, effort)? else { return Ok(Verdict::Skipped) };
-        let Some(order) = order_above_floor(&steps, &errors, refinement.floor) else { return Ok(Verdict::Skipped) };
+        let Some(order) = fit_order_above(refinement.floor, LEAST_STEPS, &steps, &errors) else {
+            return Ok(Verdict::Skipped);
+        };
         let deviation = (order - refinement.order).abs();
         Ok(Verdict::within(deviation, 2.0 * refinement.tolerance, || format!("order {order:.2}, off by")))
     });
     result.err().and_then(|e| e.scene)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fits_the_order_of_a_power() {
-        let steps = [1.0, 0.5, 0.25, 0.125];
-        for p in [0.5, 1.0, 2.0, 3.98] {
-            let errors = steps.map(|h: f64| 7e-3 * h.powf(p));
-            assert!((fit_order(&steps, &errors) - p).abs() < 1e-12);
-        }
-        // By hand: x = 0, 1, 2 (in ln 2), y = 0, 1, 3: slope = ((−1)(−4/3) + 0 + 1·(5/3)) / 2 = 3/2.
-        assert!((fit_order(&[1.0, 2.0, 4.0], &[1.0, 2.0, 8.0]) - 1.5).abs() < 1e-12);
-    }
-
-    #[test]
-    fn errors_at_the_floor_are_not_fitted() {
-        let steps = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
-        let errors = [1e-2, 2.5e-3, 6.25e-4, 1.5625e-4, 3.90625e-5, 3e-5];
-        assert!((order_above_floor(&steps, &errors, 3.5e-5).unwrap() - 2.0).abs() < 1e-12);
-        assert!(order_above_floor(&steps, &errors, 1e-6).unwrap() < 1.9);
-        assert_eq!(order_above_floor(&steps, &errors, 5e-5), None);
-    }
 }

@@ -1,17 +1,20 @@
-//! A plain marcher in f64 that can be told to make one of the classic mistakes: what the checks must tell apart.
+//! A plain marcher in f64 that can be told to make one of the classic mistakes: a check that passes it sees nothing.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use vr_core::filter::Reconstruction;
 use vr_core::optics::{opacity_of_depth, source_weight};
+use vr_core::transfer::Optical;
 use vr_core::{
     Compositing, Control, Frame, IndexRay, Model, NamedSetting, OptionError, OptionKind, OptionSpec, OptionValue,
-    Options, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer, Sampler, SamplerVisitor, Scene, View, Voxel,
+    Options, OrderClaim, Orders, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer, Sampler, SamplerVisitor,
+    Scene, View, Voxel,
 };
 
 /// The classic mistakes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Fault {
+pub enum Fault {
+    /// None: a right renderer.
     None,
     /// Cell-centred where the samples are at lattice points.
     HalfVoxelShift,
@@ -35,17 +38,27 @@ pub(super) enum Fault {
     Memory,
     /// The picture depends on the threads that draw it.
     CountsThreads,
+    /// It panics.
     Panic,
+    /// It says that it cannot draw the scene, whatever the scene is.
     RefusesEverything,
+    /// Samples are classified before they are interpolated.
+    PreClassification,
+    /// Rays go through the corners of pixels.
+    PixelCorners,
 }
 
+/// Marches along every ray, for over, without shading.
 #[derive(Clone)]
-pub(super) struct Marcher {
+pub struct Marcher {
+    /// What it does wrong.
     pub fault: Fault,
+    /// Step, as a fraction of the smallest spacing.
     pub step: f64,
 }
 
 impl Marcher {
+    /// One with a fault, and steps of ⅛.
     pub fn new(fault: Fault) -> Self {
         Self { fault, step: 0.125 }
     }
@@ -83,6 +96,12 @@ impl Renderer for Marcher {
 
     fn settings(&self) -> Vec<NamedSetting> {
         Vec::new()
+    }
+
+    fn orders(&self) -> Vec<OrderClaim> {
+        let orders = Orders { smooth: 2.0, jumps: 1.0, grid: 2.0, pixels: 2.0 };
+        let options = Options::new();
+        vec![OrderClaim { name: "midpoint".to_owned(), options, key: "step", coarsest: 1.0, floor: 3e-7, orders }]
     }
 
     fn prepare(&self, scene: &Scene, _: &Control) -> Result<Box<dyn Prepared>, RenderError> {
@@ -126,7 +145,10 @@ impl Prepared for Marching {
         let pixels = (0..w * h).map(|i| {
             let mut mean = [0.0; 4];
             for k in 0..view.samples * view.samples {
-                let (x, y) = (f64::from(i % w) + centre(k % view.samples), f64::from(i / w) + centre(k / view.samples));
+                let corner =
+                    if self.marcher.fault == Fault::PixelCorners { 0.5 / f64::from(view.samples) } else { 0.0 };
+                let at = |pixel: u32, k: u32| f64::from(pixel) + centre(k) - corner;
+                let (x, y) = (at(i % w, k % view.samples), at(i / w, k / view.samples));
                 let along = IndexRay::new(&rays.at(x, y), volume.placement(), volume.dims(), &view.clip, f64::INFINITY);
                 let March { rgba, .. } =
                     volume.with_sampler(self.scene.filter, March { marching: self, along, rgba: [0.0; 4] });
@@ -191,7 +213,11 @@ impl SamplerVisitor for March<'_> {
             if f64::is_nan(value) {
                 continue;
             }
-            let optical = scene.transfer.at(volume.calibration().value(value));
+            let optical = if fault == Fault::PreClassification {
+                classified_before(&sampler, p, |stored| scene.transfer.at(volume.calibration().value(stored)))
+            } else {
+                scene.transfer.at(volume.calibration().value(value))
+            };
             let length = if fault == Fault::NoOpacityCorrection { scene.transfer.unit_distance() } else { length };
             let tau = scene.transfer.extinction(optical.opacity) * length;
             let alpha = opacity_of_depth(tau);
@@ -208,4 +234,30 @@ impl SamplerVisitor for March<'_> {
         self.rgba[3] = 1.0 - transmittance;
         self
     }
+}
+
+/// The mean of what the corners of a cell are classified as, each weighted as trilinear interpolation weights its value.
+fn classified_before<T: Voxel, F: Reconstruction>(
+    sampler: &Sampler<'_, T, F>,
+    p: [f64; 3],
+    classify: impl Fn(f64) -> Optical,
+) -> Optical {
+    let dims = sampler.lattice().dims;
+    let mut mean = Optical::default();
+    for corner in 0..8 {
+        let (mut at, mut weight) = ([0.0; 3], 1.0);
+        for axis in 0..3 {
+            let low = p[axis].floor().clamp(0.0, (dims[axis] - 2) as f64);
+            let t = p[axis] - low;
+            (at[axis], weight) =
+                if corner >> axis & 1 == 1 { (low + 1.0, weight * t) } else { (low, weight * (1.0 - t)) };
+        }
+        let optical = classify(sampler.value(at));
+        mean.opacity += weight * optical.opacity;
+        for c in 0..3 {
+            mean.color[c] += weight * optical.color[c];
+            mean.emission[c] += weight * optical.emission[c];
+        }
+    }
+    mean
 }

@@ -23,12 +23,14 @@
 //! the [`CheckFailure`] as a scene file, which `vr render --scene` draws. Scenes that a renderer refuses with
 //! [`RenderError::Unsupported`](vr_core::RenderError::Unsupported) are counted, not failed; refusing all of them is a failure.
 //!
-//! [`strategies`] has the random scenes for checks of one's own, [`transformed`] the scenes that must look the same.
+//! [`strategies`] has the random scenes for checks of one's own, [`transformed`] the scenes that must look the same, and
+//! [`faulty_marcher`] a renderer with mistakes, to check checks with.
 
 mod agreement;
 mod convergence;
 mod drawn;
 mod effort;
+pub mod faulty_marcher;
 mod hard_cases;
 pub mod invariants;
 mod outcome;
@@ -37,12 +39,10 @@ mod test_scene;
 pub mod transformed;
 
 #[cfg(test)]
-mod faulty_marcher;
-#[cfg(test)]
 mod tests;
 
 pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_reference_on};
-pub use convergence::{Convergence, Refinement, converges, fit_order};
+pub use convergence::{Convergence, Refinement, converges};
 pub use effort::Effort;
 pub use hard_cases::{CaseOutcome, CaseResult, HardCases, survives_hard_cases};
 pub use invariants::obeys_invariants;

@@ -2,7 +2,7 @@
 
 use vr_core::*;
 use vr_physics::Reference;
-use vr_physics::check::fit_order;
+use vr_physics::fit_order;
 
 use crate::caster::{Classification, RayCaster, Rule, Traversal};
 use crate::chord::Chord;

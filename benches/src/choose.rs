@@ -1,0 +1,245 @@
+//! The cheapest renderer and setting whose picture is within a given RMSE.
+
+use std::time::{Duration, Instant};
+
+use vr_core::{Control, Frame, Model, RenderError, Rendered, Scene, View};
+use vr_physics::metrics::subgrid;
+
+use crate::contestant::Contestant;
+use crate::exact::{Exact, ExactCache};
+
+/// An RMSE from a sample of pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RmseEstimate {
+    /// Of the sample.
+    pub rmse: f64,
+    /// What the RMSE of the whole picture does not exceed, with a confidence of [`CONFIDENCE`].
+    pub upper: f64,
+    /// Pixels in the sample.
+    pub pixels: usize,
+}
+
+/// Of [`RmseEstimate::upper`]: one-sided, by the normal distribution of means, pixels being drawn without replacement.
+///
+/// What lies in a few pixels alone, none of them in the sample, no sample knows of.
+pub const CONFIDENCE: f64 = 0.95;
+/// The quantile of the normal distribution that belongs to it.
+const QUANTILE: f64 = 1.645;
+
+impl RmseEstimate {
+    /// From the exact solution of a sample of a frame's pixels.
+    pub fn of(exact: &Exact, frame: &Frame) -> Self {
+        let peak = exact.rgba().iter().flatten().fold(1.0f64, |peak, c| peak.max(c.abs()));
+        let square = |(&[x, y], truth): (&[u32; 2], &[f64; 4])| {
+            let drawn = frame.pixel(x, y);
+            (0..4).map(|c| ((f64::from(drawn[c]) - truth[c]) / peak).powi(2)).sum::<f64>() / 4.0
+        };
+        let squares: Vec<f64> = exact.pixels().iter().zip(exact.rgba()).map(square).collect();
+        let n = squares.len() as f64;
+        let mean = squares.iter().sum::<f64>() / n;
+        let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        let all = f64::from(frame.size()[0]) * f64::from(frame.size()[1]);
+        let left = (1.0 - n / all).max(0.0);
+        let upper = mean + QUANTILE * (variance / n * left).sqrt();
+        Self { rmse: mean.sqrt(), upper: upper.sqrt(), pixels: squares.len() }
+    }
+}
+
+/// A contestant on a small picture.
+#[derive(Clone, Debug)]
+pub struct Rehearsal {
+    /// Its index.
+    pub contestant: usize,
+    /// The RMSE of the small picture.
+    pub error: RmseEstimate,
+    /// What the whole picture would take, preparation included, if time grew with the pixels.
+    pub expected: Duration,
+}
+
+/// What was chosen.
+pub struct Choice {
+    /// The contestant's index.
+    pub contestant: usize,
+    /// Its picture.
+    pub rendered: Rendered,
+    /// Time of the preparation.
+    pub prepare: Duration,
+    /// Time of the picture.
+    pub render: Duration,
+    /// The RMSE of this picture.
+    pub error: RmseEstimate,
+    /// The exact pixels that it was measured on.
+    pub exact: Exact,
+    /// What the small pictures told.
+    pub rehearsals: Vec<Rehearsal>,
+    /// Contestants whose whole picture did not keep what their small one had promised, and its RMSE.
+    pub disappointed: Vec<(usize, RmseEstimate)>,
+}
+
+/// Why nothing was chosen.
+#[derive(Debug, thiserror::Error)]
+pub enum ChoiceError {
+    /// A scene or view that makes no sense, or cancellation.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Nobody comes so near.
+    #[error("target RMSE: found {target:e}; nobody reaches it here: {best} comes nearest, with {error:.2e}")]
+    OutOfReach {
+        /// What was asked for.
+        target: f64,
+        /// Who comes nearest.
+        best: String,
+        /// How near.
+        error: f64,
+    },
+    /// Nobody draws such scenes.
+    #[error("no renderer can draw this scene")]
+    Nobody,
+}
+
+/// Pixels of the small picture, about.
+const SMALL: f64 = 96.0 * 96.0;
+/// Parts along each side of the small picture that a pixel is taken of, and of the whole one.
+const SMALL_SUBGRID: u32 = 40;
+const SUBGRID: u32 = 64;
+/// No further contestant rehearses after this time.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Draws a small picture with every contestant, then the whole one with the cheapest whose small one was within the target; and
+/// if the whole one is not, with the next.
+///
+/// # Errors
+/// See [`ChoiceError`].
+pub fn draw_within(
+    target: f64,
+    contestants: &[Contestant],
+    (scene, view): (&Scene, &View),
+    cache: &ExactCache,
+    (control, told): (&Control, &dyn Fn(f64)),
+) -> Result<Choice, ChoiceError> {
+    let small = reduced(view);
+    let truth = cache.solve((scene, &small), &Model::Canonical, subgrid(SMALL_SUBGRID, small.size), control)?;
+    let pixels = |v: &View| f64::from(v.size[0]) * f64::from(v.size[1]);
+    let growth = pixels(view) / pixels(&small);
+    let started = Instant::now();
+    let mut rehearsals = Vec::new();
+    for (i, contestant) in contestants.iter().enumerate() {
+        match rehearse(contestant, scene, &small, &truth, growth, control) {
+            Ok((error, expected)) => rehearsals.push(Rehearsal { contestant: i, error, expected }),
+            Err(RenderError::Unsupported { .. }) => {}
+            Err(other) => return Err(other.into()),
+        }
+        told(0.5 * (i + 1) as f64 / contestants.len() as f64);
+        if started.elapsed() > PATIENCE {
+            break;
+        }
+    }
+    let mut order: Vec<&Rehearsal> = rehearsals.iter().filter(|r| r.error.upper <= target).collect();
+    order.sort_by_key(|r| r.expected);
+    let order: Vec<usize> = order.iter().map(|r| r.contestant).collect();
+
+    let exact = cache.solve((scene, view), &Model::Canonical, subgrid(SUBGRID, view.size), control)?;
+    let mut disappointed: Vec<(usize, RmseEstimate)> = Vec::new();
+    for (k, &i) in order.iter().enumerate() {
+        told(0.5 + 0.5 * k as f64 / order.len() as f64);
+        let start = Instant::now();
+        let mut prepared = contestants[i].configured.prepare(scene, control)?;
+        let prepare = start.elapsed();
+        let start = Instant::now();
+        let rendered = prepared.render(view, control)?;
+        let render = start.elapsed();
+        let error = RmseEstimate::of(&exact, &rendered.frame);
+        if error.upper <= target {
+            return Ok(Choice { contestant: i, rendered, prepare, render, error, exact, rehearsals, disappointed });
+        }
+        disappointed.push((i, error));
+    }
+    let small_ones = rehearsals.iter().map(|r| (r.contestant, r.error.upper));
+    let whole_ones = disappointed.iter().map(|(i, e)| (*i, e.upper));
+    let known = whole_ones.chain(small_ones.filter(|(i, _)| disappointed.iter().all(|(d, _)| d != i)));
+    match known.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((i, error)) => Err(ChoiceError::OutOfReach { target, best: contestants[i].name(), error }),
+        None => Err(ChoiceError::Nobody),
+    }
+}
+
+/// The same view in few pixels.
+fn reduced(view: &View) -> View {
+    let [w, h] = view.size.map(f64::from);
+    let factor = (SMALL / (w * h)).sqrt().min(1.0);
+    let size = [w, h].map(|side| ((side * factor).round() as u32).max(1));
+    // A layer belongs to the pixels that it was made for.
+    if view.layer.is_some() { view.clone() } else { View { size, ..view.clone() } }
+}
+
+fn rehearse(
+    contestant: &Contestant,
+    scene: &Scene,
+    small: &View,
+    truth: &Exact,
+    growth: f64,
+    control: &Control,
+) -> Result<(RmseEstimate, Duration), RenderError> {
+    let start = Instant::now();
+    let mut prepared = contestant.configured.prepare(scene, control)?;
+    let prepare = start.elapsed();
+    // The first frame makes what later ones share.
+    let mut rendered = prepared.render(small, control)?;
+    let mut render = Duration::MAX;
+    for _ in 0..2 {
+        let start = Instant::now();
+        rendered = prepared.render(small, control)?;
+        render = render.min(start.elapsed());
+    }
+    Ok((RmseEstimate::of(truth, &rendered.frame), prepare + render.mul_f64(growth)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contestant::contestants;
+    use crate::subject::phantom_subject;
+    use vr_core::Renderer;
+    use vr_physics::Reference;
+    use vr_raycast::RayCaster;
+
+    fn chosen(target: f64) -> Result<(String, Choice), ChoiceError> {
+        let renderers: Vec<Box<dyn Renderer>> = vec![Box::new(RayCaster::default()), Box::new(Reference::default())];
+        let contestants = contestants(&renderers).unwrap();
+        let subject = phantom_subject("blobs", 24, [64, 48]).unwrap();
+        let control = Control::default();
+        let told = (&control, &|_: f64| {} as _);
+        let choice = draw_within(target, &contestants, (&subject.scene, &subject.view), &ExactCache::none(), told)?;
+        Ok((contestants[choice.contestant].name(), choice))
+    }
+
+    #[test]
+    fn what_is_chosen_keeps_the_target_on_every_pixel() {
+        let subject = phantom_subject("blobs", 24, [64, 48]).unwrap();
+        let all = subgrid(u32::MAX, subject.view.size);
+        let truth = Exact::solve((&subject.scene, &subject.view), &Model::Canonical, all, &Control::default()).unwrap();
+        for target in [1e-2, 1e-3, 1e-5] {
+            let (name, choice) = chosen(target).unwrap();
+            let whole = truth.judge(&choice.rendered.frame).rmse;
+            assert!(choice.error.upper <= target && choice.error.rmse <= choice.error.upper, "{name}");
+            assert!(whole <= target, "{name}: {whole:.2e} for {target:.0e}");
+        }
+    }
+
+    #[test]
+    fn what_nobody_reaches_is_said() {
+        let error = chosen(1e-12).map(|(name, _)| name).unwrap_err();
+        assert!(error.to_string().contains("comes nearest"), "{error}");
+    }
+
+    #[test]
+    fn all_pixels_leave_nothing_to_guess() {
+        let subject = phantom_subject("fog", 8, [6, 5]).unwrap();
+        let all = subgrid(u32::MAX, subject.view.size);
+        let view = (&subject.scene, &subject.view);
+        let exact = Exact::solve(view, &Model::Canonical, all, &Control::default()).unwrap();
+        let frame = Frame::new([6, 5], vec![[0.5; 4]; 30], None);
+        let estimate = RmseEstimate::of(&exact, &frame);
+        assert!((estimate.rmse - exact.judge(&frame).rmse).abs() < 1e-12 && estimate.upper == estimate.rmse);
+    }
+}

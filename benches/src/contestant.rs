@@ -1,0 +1,47 @@
+//! Renderers under their settings.
+
+use vr_core::{NamedSetting, OptionError, Options, Renderer};
+
+/// A renderer under one of its settings.
+pub struct Contestant {
+    /// The renderer's name.
+    pub renderer: String,
+    /// The setting's name; `default` where the renderer names none.
+    pub setting: String,
+    /// What makes the setting.
+    pub options: Options,
+    /// Documented order of convergence.
+    pub order: Option<f64>,
+    /// Error that no step goes below, as documented.
+    pub error_floor: f64,
+    /// It, configured.
+    pub configured: Box<dyn Renderer>,
+}
+
+impl Contestant {
+    /// `raycast midpoint 0.5`.
+    pub fn name(&self) -> String {
+        format!("{} {}", self.renderer, self.setting)
+    }
+}
+
+/// Every renderer under every setting that it names.
+///
+/// # Errors
+/// A setting that the renderer itself does not take.
+pub fn contestants(renderers: &[Box<dyn Renderer>]) -> Result<Vec<Contestant>, OptionError> {
+    let mut all = Vec::new();
+    for renderer in renderers {
+        let mut settings = renderer.settings();
+        if settings.is_empty() {
+            let name = "default".to_owned();
+            settings.push(NamedSetting { name, options: Options::new(), order: None, error_floor: 0.0 });
+        }
+        for NamedSetting { name: setting, options, order, error_floor } in settings {
+            let configured = renderer.configure(&options)?;
+            let renderer = renderer.name().to_owned();
+            all.push(Contestant { renderer, setting, options, order, error_floor, configured });
+        }
+    }
+    Ok(all)
+}

@@ -1,0 +1,398 @@
+//! How errors fall as a step, a grid or pixels are refined: the order that is measured beside the one that is documented.
+//!
+//! After Etiene, Jönsson, Ropinski, Scheidegger, Comba, Nonato, Kirby, Ynnerman and Silva 2014, "Verifying volume rendering using
+//! discretization error analysis": refine one thing at a time, and look at the slope of the error, not at the picture.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use serde::{Deserialize, Serialize};
+use vr_core::{Control, Frame, Model, OrderClaim, RenderError, Renderer, Scene, View};
+use vr_physics::fit_order_above;
+use vr_physics::metrics::subgrid;
+
+use crate::error::StudyError;
+use crate::exact::{Exact, ExactCache};
+use crate::proving_ground::{Waves, inner_view, jumping, smooth, view};
+use crate::refined_grid::refined;
+
+/// What is refined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Refined {
+    /// The step, on a smooth field under a continuous transfer function.
+    Step,
+    /// The step, where the transfer function jumps.
+    StepAtJumps,
+    /// The grid of a smooth field, the step being held fixed in voxels.
+    Grid,
+    /// The pixels.
+    Pixels,
+}
+
+impl Refined {
+    /// As tables name it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Step => "step",
+            Self::StepAtJumps => "step, at jumps",
+            Self::Grid => "grid",
+            Self::Pixels => "pixels",
+        }
+    }
+
+    /// How far a fitted order may be from the documented one: where something jumps, errors depend on where samples happen to lie.
+    pub fn tolerance(self) -> f64 {
+        match self {
+            Self::StepAtJumps => 0.4,
+            _ => 0.15,
+        }
+    }
+}
+
+/// A measured convergence.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Convergence {
+    /// The renderer.
+    pub renderer: String,
+    /// Which of its claims.
+    pub claim: String,
+    /// What was refined.
+    pub refined: Refined,
+    /// On what.
+    pub scene: String,
+    /// The documented order.
+    pub expected: f64,
+    /// How far the measured one may be from it.
+    pub tolerance: f64,
+    /// The fitted order; `None` where too few errors lie above the floor.
+    pub measured: Option<f64>,
+    /// Sizes of what was refined, descending: step in voxels, spacing, or pixel.
+    pub sizes: Vec<f64>,
+    /// RMSE at each.
+    pub errors: Vec<f64>,
+    /// RMSE below which rounding decides.
+    pub floor: f64,
+    /// What happened, where there is no picture to judge.
+    pub trouble: Option<String>,
+}
+
+/// What a convergence shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// The order is the documented one.
+    Holds,
+    /// All but the first errors are rounding: nothing is wrong, and no order can be seen.
+    Exact,
+    /// It is another, errors do not fall, or there is no picture.
+    Fails,
+    /// The renderer does not draw such scenes.
+    Refused,
+}
+
+impl Outcome {
+    /// As tables name it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Holds => "held",
+            Self::Exact => "exact to rounding",
+            Self::Fails => "FAILS",
+            Self::Refused => "refused",
+        }
+    }
+}
+
+const REFUSED: &str = "refused: ";
+/// Errors that an order is fitted to at the least.
+const LEAST: usize = 3;
+
+impl Convergence {
+    /// What it shows.
+    pub fn outcome(&self) -> Outcome {
+        match (&self.trouble, self.measured) {
+            (Some(trouble), _) if trouble.starts_with(REFUSED) => Outcome::Refused,
+            (Some(_), _) => Outcome::Fails,
+            (None, Some(order)) if (order - self.expected).abs() <= self.tolerance => Outcome::Holds,
+            (None, Some(_)) => Outcome::Fails,
+            // Rounding may end the fall, but the last error has to be there.
+            (None, None) if self.errors.last().is_some_and(|&e| e <= self.floor) => Outcome::Exact,
+            (None, None) => Outcome::Fails,
+        }
+    }
+}
+
+/// What convergence is measured with.
+pub struct Prover<'a> {
+    /// What was solved before.
+    pub cache: &'a ExactCache,
+    /// Cancellation and threads.
+    pub control: &'a Control,
+}
+
+/// Pixels along each side where the step or the grid is refined.
+const SIDE: u32 = 24;
+/// Samples along each side of the proving ground.
+const SAMPLES: usize = 17;
+/// Steps: divided by the square root of 2 from one to the next.
+const STEPS: i32 = 7;
+
+impl Prover<'_> {
+    /// Everything that a renderer claims, put to the test on scenes that are made for it.
+    ///
+    /// # Errors
+    /// Cancellation; what a renderer does wrong stands in the results.
+    pub fn proving_ground(&self, renderer: &dyn Renderer, told: &dyn Fn(f64)) -> Result<Vec<Convergence>, StudyError> {
+        let claims = renderer.orders();
+        let mut results = Vec::new();
+        for (i, claim) in claims.iter().enumerate() {
+            results.push(self.step(renderer, claim, Refined::Step, ("waves", &smooth(SAMPLES)))?);
+            results.push(self.step(renderer, claim, Refined::StepAtJumps, ("waves, jumps", &jumping(SAMPLES)))?);
+            results.push(self.grid(renderer, claim)?);
+            if i == 0 {
+                results.push(self.pixels(renderer, claim)?);
+            }
+            told((i + 1) as f64 / claims.len() as f64);
+        }
+        Ok(results)
+    }
+
+    /// The step on anybody's scene: halved from a quarter of the coarsest on, for fields that change much from voxel to voxel.
+    ///
+    /// The order at jumps is expected where the transfer function has one, and no more than 2 in any case: fields have kinks at cell faces.
+    ///
+    /// # Errors
+    /// Cancellation.
+    pub fn step_on(
+        &self,
+        renderer: &dyn Renderer,
+        subject: (&str, &Scene, &View),
+    ) -> Result<Vec<Convergence>, StudyError> {
+        let (name, scene, view) = subject;
+        let jumps = scene.transfer.points().windows(2).any(|w| w[0].value == w[1].value);
+        let refined = if jumps { Refined::StepAtJumps } else { Refined::Step };
+        let mut results = Vec::new();
+        for claim in renderer.orders() {
+            let claim = OrderClaim { coarsest: 0.25 * claim.coarsest, ..claim };
+            let view = View { size: [SIDE, SIDE], ..view.clone() };
+            results.push(self.step_in(renderer, &claim, refined, (name, scene), &view)?);
+        }
+        Ok(results)
+    }
+
+    /// The grid of anybody's volume: cells are cut in two, three and four, which leaves a trilinear field as it is; the step, fixed in voxels,
+    /// becomes shorter, and errors fall at the order of the step.
+    ///
+    /// # Errors
+    /// Cancellation.
+    pub fn grid_of(
+        &self,
+        renderer: &dyn Renderer,
+        (name, scene): (&str, &Scene),
+    ) -> Result<Option<Convergence>, StudyError> {
+        let Some(claim) = renderer.orders().into_iter().next() else { return Ok(None) };
+        let mut blank = blank(renderer, &claim, Refined::Grid, name);
+        blank.expected = claim.orders.smooth.min(2.0);
+        let mut sizes = Vec::new();
+        let mut pictures = Vec::new();
+        for parts in 1..=4usize {
+            let Some(scene) = refined(scene, parts) else { return Ok(None) };
+            sizes.push(1.0 / parts as f64);
+            pictures.push((scene, claim.coarsest / 8.0));
+        }
+        let view = view(&pictures[0].0, SIDE);
+        let truth =
+            self.cache.solve((&pictures[0].0, &view), &Model::Canonical, subgrid(SIDE, view.size), self.control)?;
+        let judge = |frame: &Frame, _: &Model, _: usize| Ok(truth.judge(frame).rmse);
+        self.fill(blank, renderer, &claim, sizes, &pictures, |_| view.clone(), judge).map(Some)
+    }
+
+    fn step(
+        &self,
+        renderer: &dyn Renderer,
+        claim: &OrderClaim,
+        refined: Refined,
+        (name, scene): (&str, &Scene),
+    ) -> Result<Convergence, StudyError> {
+        self.step_in(renderer, claim, refined, (name, scene), &view(scene, SIDE))
+    }
+
+    fn step_in(
+        &self,
+        renderer: &dyn Renderer,
+        claim: &OrderClaim,
+        refined: Refined,
+        (name, scene): (&str, &Scene),
+        view: &View,
+    ) -> Result<Convergence, StudyError> {
+        let sizes: Vec<f64> = (0..STEPS).map(|k| claim.coarsest / 2f64.sqrt().powi(k)).collect();
+        let pictures: Vec<(Scene, f64)> = sizes.iter().map(|&step| (scene.clone(), step)).collect();
+        let judge = |frame: &Frame, model: &Model, _: usize| {
+            let truth = self.cache.solve((scene, view), model, subgrid(SIDE, view.size), self.control)?;
+            Ok(truth.judge(frame).rmse)
+        };
+        let blank = blank(renderer, claim, refined, name);
+        self.fill(blank, renderer, claim, sizes, &pictures, |_| view.clone(), judge)
+    }
+
+    fn grid(&self, renderer: &dyn Renderer, claim: &OrderClaim) -> Result<Convergence, StudyError> {
+        let cells = [16usize, 22, 32, 44, 64];
+        let sizes: Vec<f64> = cells.iter().map(|&n| 2.0 / n as f64).collect();
+        let pictures: Vec<(Scene, f64)> = cells.iter().map(|&n| (smooth(n + 1), 0.5 * claim.coarsest)).collect();
+        let view = view(&pictures[0].0, SIDE);
+        let pixels = subgrid(SIDE, view.size);
+        let truth = Exact::solve_phantom(&Waves, (&pictures[0].0, &view), pixels, self.control)?;
+        let judge = |frame: &Frame, _: &Model, _: usize| Ok(truth.judge(frame).rmse);
+        let blank = blank(renderer, claim, Refined::Grid, "waves");
+        self.fill(blank, renderer, claim, sizes, &pictures, |_| view.clone(), judge)
+    }
+
+    fn pixels(&self, renderer: &dyn Renderer, claim: &OrderClaim) -> Result<Convergence, StudyError> {
+        /// Patches along each side, and pixels of the truth along each side of a patch: its own error is a sixteenth of the smallest
+        /// measured.
+        const PATCHES: u32 = 6;
+        const TRUTH: u32 = 24;
+        let parts = [1u32, 2, 3, 4, 6];
+        let scene = smooth(SAMPLES);
+        let at = |parts: u32| inner_view(&scene, PATCHES * parts);
+        let fine = at(TRUTH);
+        let pixels = subgrid(u32::MAX, fine.size);
+        let exact = self.cache.solve((&scene, &fine), &Model::Canonical, pixels, self.control)?;
+        let truth = patches(exact.rgba(), PATCHES, TRUTH);
+        let sizes: Vec<f64> = parts.iter().map(|&n| 1.0 / f64::from(n)).collect();
+        let pictures: Vec<(Scene, f64)> = parts.iter().map(|_| (scene.clone(), claim.coarsest / 16.0)).collect();
+        let judge = |frame: &Frame, _: &Model, k: usize| {
+            let pixels: Vec<[f64; 4]> = frame.pixels().iter().map(|p| p.map(f64::from)).collect();
+            Ok(rms(&patches(&pixels, PATCHES, parts[k]), &truth))
+        };
+        let blank = blank(renderer, claim, Refined::Pixels, "waves");
+        self.fill(blank, renderer, claim, sizes, &pictures, |k| at(parts[k]), judge)
+    }
+
+    /// Draws each picture, judges it, and fits the order.
+    #[allow(clippy::too_many_arguments)]
+    fn fill(
+        &self,
+        mut blank: Convergence,
+        renderer: &dyn Renderer,
+        claim: &OrderClaim,
+        sizes: Vec<f64>,
+        pictures: &[(Scene, f64)],
+        view: impl Fn(usize) -> View,
+        judge: impl Fn(&Frame, &Model, usize) -> Result<f64, RenderError>,
+    ) -> Result<Convergence, StudyError> {
+        for (k, (scene, step)) in pictures.iter().enumerate() {
+            let configured = renderer.configure(&claim.options.clone().with(claim.key, *step))?;
+            let draw = || {
+                let mut prepared = configured.prepare(scene, self.control)?;
+                let view = view(k);
+                let frame = prepared.render(&view, self.control)?.frame;
+                Ok::<_, RenderError>((frame, prepared.model(&view)))
+            };
+            // A renderer that panics is not used again.
+            match catch_unwind(AssertUnwindSafe(draw)) {
+                Ok(Ok((frame, model))) => {
+                    // What a discrete model adds up depends on the step: the limit is the canonical pixel.
+                    let model = if let Model::Filtered(_) = model { model } else { Model::Canonical };
+                    blank.errors.push(judge(&frame, &model, k)?);
+                }
+                Ok(Err(RenderError::Cancelled)) => return Err(RenderError::Cancelled.into()),
+                Ok(Err(RenderError::Unsupported { feature, .. })) => {
+                    blank.trouble = Some(format!("{REFUSED}{feature}"))
+                }
+                Ok(Err(other)) => blank.trouble = Some(other.to_string()),
+                Err(_) => blank.trouble = Some("panics".to_owned()),
+            }
+            if blank.trouble.is_some() {
+                return Ok(blank);
+            }
+        }
+        if let Some(e) = blank.errors.iter().find(|e| !e.is_finite()) {
+            blank.trouble = Some(format!("an error is {e}"));
+        } else {
+            blank.measured = fit_order_above(blank.floor, LEAST, &sizes, &blank.errors);
+        }
+        blank.sizes = sizes;
+        Ok(blank)
+    }
+}
+
+fn blank(renderer: &dyn Renderer, claim: &OrderClaim, refined: Refined, scene: &str) -> Convergence {
+    let orders = claim.orders;
+    let expected = match refined {
+        Refined::Step => orders.smooth,
+        Refined::StepAtJumps => orders.jumps,
+        Refined::Grid => orders.grid,
+        Refined::Pixels => orders.pixels,
+    };
+    Convergence {
+        renderer: renderer.name().to_owned(),
+        claim: claim.name.clone(),
+        refined,
+        scene: scene.to_owned(),
+        expected,
+        tolerance: refined.tolerance(),
+        measured: None,
+        sizes: Vec::new(),
+        errors: Vec::new(),
+        floor: claim.floor,
+        trouble: None,
+    }
+}
+
+/// Mean light of `n`×`n` patches of `parts`×`parts` pixels each.
+fn patches(pixels: &[[f64; 4]], n: u32, parts: u32) -> Vec<[f64; 4]> {
+    let (n, parts) = (n as usize, parts as usize);
+    let side = n * parts;
+    let mut means = vec![[0.0; 4]; n * n];
+    for (i, p) in pixels.iter().enumerate() {
+        let patch = i / side / parts * n + i % side / parts;
+        (0..4).for_each(|c| means[patch][c] += p[c] / (parts * parts) as f64);
+    }
+    means
+}
+
+fn rms(a: &[[f64; 4]], b: &[[f64; 4]]) -> f64 {
+    let sum: f64 = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).powi(2)).sum();
+    (sum / (4 * a.len()) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patches_are_means() {
+        let pixels: Vec<[f64; 4]> = (0..16).map(|i| [f64::from(i); 4]).collect();
+        let found: Vec<f64> = patches(&pixels, 2, 2).iter().map(|p| p[0]).collect();
+        assert_eq!(found, [2.5, 4.5, 10.5, 12.5]);
+        assert_eq!(patches(&pixels, 4, 1), pixels);
+    }
+
+    #[test]
+    fn outcomes() {
+        let of = |measured, errors: &[f64], trouble: Option<&str>| {
+            let sizes = vec![1.0; errors.len()];
+            let trouble = trouble.map(str::to_owned);
+            Convergence {
+                renderer: String::new(),
+                claim: String::new(),
+                refined: Refined::Step,
+                scene: String::new(),
+                expected: 2.0,
+                tolerance: 0.15,
+                measured,
+                sizes,
+                errors: errors.to_vec(),
+                floor: 1e-7,
+                trouble,
+            }
+            .outcome()
+        };
+        assert_eq!(of(Some(1.9), &[1e-2, 1e-3], None), Outcome::Holds);
+        assert_eq!(of(Some(1.0), &[1e-2, 1e-3], None), Outcome::Fails);
+        assert_eq!(of(None, &[1e-8, 1e-8], None), Outcome::Exact);
+        assert_eq!(of(None, &[1e-8, 1e-2], None), Outcome::Fails);
+        assert_eq!(of(None, &[], Some("panics")), Outcome::Fails);
+        assert_eq!(of(None, &[], Some("refused: everything")), Outcome::Refused);
+    }
+}

@@ -1,0 +1,165 @@
+//! Exact solutions on disk, so that a second report does not solve them again.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use sha2::{Digest, Sha256};
+use vr_core::{Control, Model, RenderError, Scene, View};
+use vr_physics::{Certainty, DEFAULT_TOLERANCE, Pixel, Reference, Solution};
+
+use super::Exact;
+use super::fingerprint::fingerprint;
+
+/// A folder of exact solutions, by what they depend on. Without a folder, nothing is kept.
+///
+/// A file that is damaged, or that disagrees with a few of its pixels solved again, is not believed: it is solved anew, and replaced.
+#[derive(Clone, Debug, Default)]
+pub struct ExactCache {
+    folder: Option<PathBuf>,
+}
+
+const MAGIC: &[u8; 8] = b"VREXACT1";
+const KEY: usize = 32;
+/// r, g, b, a, error, and 1 where the error is proven.
+const NUMBERS: usize = 6;
+/// Pixels that are solved again before a file is believed.
+const CHECKED: usize = 4;
+
+impl ExactCache {
+    /// Keeps nothing.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// Keeps solutions in a folder, which is made when first written to.
+    pub fn in_folder(folder: PathBuf) -> Self {
+        Self { folder: Some(folder) }
+    }
+
+    /// Solves pixels of a view, or takes what was solved before.
+    ///
+    /// # Errors
+    /// As [`Exact::solve`]; a folder that cannot be read or written only costs time.
+    pub fn solve(
+        &self,
+        (scene, view): (&Scene, &View),
+        model: &Model,
+        pixels: Vec<[u32; 2]>,
+        control: &Control,
+    ) -> Result<Exact, RenderError> {
+        let key = fingerprint((scene, view), model, &pixels, DEFAULT_TOLERANCE);
+        let Some((folder, key)) = self.folder.as_ref().zip(key) else {
+            return Exact::solve((scene, view), model, pixels, control);
+        };
+        let path = folder.join(key.iter().map(|b| format!("{b:02x}")).collect::<String>() + ".exact");
+        let start = Instant::now();
+        if let Some(kept) = read(&path, &key, pixels.len()) {
+            let some: Vec<usize> = (0..CHECKED.min(kept.len())).map(|i| i * kept.len() / CHECKED).collect();
+            let solve = |i: &usize| pixels[*i];
+            let places: Vec<[u32; 2]> = some.iter().map(solve).collect();
+            let again = Reference::default().solve_pixels(scene, view, model, &places, control)?;
+            if some.iter().zip(&again.pixels).all(|(&i, fresh)| agree(&kept[i], fresh)) {
+                let solution = Solution { pixels: kept, counts: again.counts };
+                return Ok(Exact::new(pixels, &solution, start));
+            }
+        }
+        let solution = Reference::default().solve_pixels(scene, view, model, &pixels, control)?;
+        // A full disk, or none to write to, is no reason to fail: the solution is there.
+        let _ = fs::create_dir_all(folder).map(|()| vr_io::write_bytes(&path, &encode(&key, &solution.pixels)));
+        Ok(Exact::new(pixels, &solution, start))
+    }
+}
+
+fn agree(a: &Pixel, b: &Pixel) -> bool {
+    let allowed = a.certainty.value() + b.certainty.value();
+    // Whatever is allowed, a NaN is not.
+    (0..4).all(|c| (a.rgba[c] - b.rgba[c]).abs() <= allowed)
+}
+
+fn encode(key: &[u8; KEY], pixels: &[Pixel]) -> Vec<u8> {
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(key);
+    bytes.extend((pixels.len() as u64).to_le_bytes());
+    for p in pixels {
+        let proven = matches!(p.certainty, Certainty::Bound(_));
+        let [r, g, b, a] = p.rgba;
+        let numbers: [f64; NUMBERS] = [r, g, b, a, p.certainty.value(), f64::from(u8::from(proven))];
+        bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    }
+    let sum = Sha256::digest(&bytes);
+    bytes.extend(sum);
+    bytes
+}
+
+/// The pixels of a file that is whole and about what is asked; depths are not kept.
+fn read(path: &Path, key: &[u8; KEY], count: usize) -> Option<Vec<Pixel>> {
+    let bytes = fs::read(path).ok()?;
+    let (content, sum) = bytes.split_at_checked(bytes.len().checked_sub(32)?)?;
+    let head = MAGIC.len() + KEY + 8;
+    let expected = head + count * NUMBERS * 8;
+    if content.len() != expected || Sha256::digest(content).as_slice() != sum {
+        return None;
+    }
+    if &content[..8] != MAGIC || content[8..8 + KEY] != key[..] {
+        return None;
+    }
+    let number = |b: &[u8]| f64::from_le_bytes(b.try_into().expect("eight bytes"));
+    let pixel = |p: &[u8]| {
+        let x: Vec<f64> = p.chunks_exact(8).map(number).collect();
+        let certainty = if x[5] == 1.0 { Certainty::Bound(x[4]) } else { Certainty::Estimate(x[4]) };
+        Pixel { rgba: [x[0], x[1], x[2], x[3]], depth: f64::INFINITY, certainty }
+    };
+    Some(content[head..].chunks_exact(NUMBERS * 8).map(pixel).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::subject::phantom_subject;
+    use vr_physics::metrics::subgrid;
+
+    fn files(folder: &Path) -> Vec<PathBuf> {
+        fs::read_dir(folder).unwrap().map(|f| f.unwrap().path()).collect()
+    }
+
+    #[test]
+    fn what_was_solved_comes_back_bit_for_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = ExactCache::in_folder(folder.path().join("deep/down"));
+        let subject = phantom_subject("fog", 8, [16, 12]).unwrap();
+        let pixels = subgrid(5, subject.view.size);
+        let solve = |cache: &ExactCache| {
+            let view = (&subject.scene, &subject.view);
+            cache.solve(view, &Model::Canonical, pixels.clone(), &Control::default()).unwrap()
+        };
+        let first = solve(&cache);
+        assert_eq!(files(&folder.path().join("deep/down")).len(), 1);
+        let second = solve(&cache);
+        assert_eq!((first.rgba(), first.certainty), (second.rgba(), second.certainty));
+        assert_eq!(first.rgba(), solve(&ExactCache::none()).rgba());
+    }
+
+    #[test]
+    fn damaged_and_wrong_files_are_not_believed() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = ExactCache::in_folder(folder.path().into());
+        let subject = phantom_subject("fog", 6, [9, 9]).unwrap();
+        let pixels = subgrid(4, subject.view.size);
+        let view = (&subject.scene, &subject.view);
+        let solve = || cache.solve(view, &Model::Canonical, pixels.clone(), &Control::default()).unwrap();
+        let right = solve();
+        let [path] = &files(folder.path())[..] else { panic!("one file") };
+        let whole = fs::read(path).unwrap();
+        let key: [u8; KEY] = whole[8..8 + KEY].try_into().unwrap();
+        // Whole, and of the right key, but wrong: as an older version might have left it.
+        let lie = Pixel { rgba: [0.9; 4], depth: 0.0, certainty: Certainty::Bound(1e-12) };
+        let mut flipped = whole.clone();
+        flipped[100] ^= 1;
+        for bad in [vec![], whole[..whole.len() - 1].to_vec(), flipped, encode(&key, &vec![lie; pixels.len()])] {
+            fs::write(path, bad).unwrap();
+            assert_eq!(solve().rgba(), right.rgba());
+            assert_eq!(fs::read(path).unwrap(), whole, "replaced");
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! What an exact solution depends on, in 32 bytes.
+
+use sha2::{Digest, Sha256};
+use vr_core::{Model, Scene, View, with_grid};
+
+/// Raised whenever what is kept, or how it is hashed, changes.
+const VERSION: u32 = 1;
+
+/// The hash of everything that pixels of a view depend on: samples and their placement, filter, transfer function, shading,
+/// compositing, view, and which pixels; `None` for models that cannot be told apart.
+pub(super) fn fingerprint(
+    (scene, view): (&Scene, &View),
+    model: &Model,
+    pixels: &[[u32; 2]],
+    tolerance: f64,
+) -> Option<[u8; 32]> {
+    let model = match model {
+        Model::Canonical => scene.filter,
+        Model::Filtered(filter) => *filter,
+        _ => return None,
+    };
+    let volume = scene.volume.uniform()?;
+    let mut hash = Sha256::new();
+    // The shortest digits that give a float back: two texts are equal where the numbers are.
+    let text = format!(
+        "{VERSION} {} {tolerance:e} {model:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {pixels:?}",
+        env!("CARGO_PKG_VERSION"),
+        (volume.dims(), volume.voxel_type(), volume.placement(), volume.calibration()),
+        scene.transfer.points(),
+        (scene.transfer.rule(), scene.transfer.unit_distance()),
+        scene.shading,
+        scene.compositing,
+        view.camera,
+        view.size,
+        view.samples,
+        view.clip,
+        view.layer.as_ref().map(|layer| &layer.pixels),
+    );
+    hash.update((text.len() as u64).to_le_bytes());
+    hash.update(text);
+    with_grid!(volume.grid(), grid => hash.update(bytemuck::cast_slice::<_, u8>(grid.samples())));
+    Some(hash.finalize().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::subject::phantom_subject;
+    use std::sync::Arc;
+    use vr_core::{Compositing, Filter, TransferFunction};
+
+    #[test]
+    fn whatever_changes_a_pixel_changes_the_fingerprint() {
+        let subject = phantom_subject("fog", 4, [3, 3]).unwrap();
+        let (scene, view) = (subject.scene, subject.view);
+        let all = vec![[0, 0], [2, 1]];
+        let of = |scene: &Scene, view: &View, model: &Model, pixels: &[[u32; 2]], tolerance: f64| {
+            fingerprint((scene, view), model, pixels, tolerance).unwrap()
+        };
+        let own = of(&scene, &view, &Model::Canonical, &all, 1e-10);
+        // The same data elsewhere in memory.
+        let again = phantom_subject("fog", 4, [3, 3]).unwrap();
+        assert_eq!(own, of(&again.scene, &again.view, &Model::Filtered(Filter::Trilinear), &all, 1e-10));
+
+        let other_samples = phantom_subject("hydrogen", 4, [3, 3]).unwrap().scene.volume;
+        let mut points = scene.transfer.points().to_vec();
+        points[0].opacity += 1e-15;
+        let transfer = TransferFunction::new(points, scene.transfer.rule(), scene.transfer.unit_distance()).unwrap();
+        let scenes = [
+            Scene { volume: other_samples, ..scene.clone() },
+            Scene { filter: Filter::BSpline, ..scene.clone() },
+            Scene { compositing: Compositing::Maximum, ..scene.clone() },
+            Scene { transfer: Arc::new(transfer), ..scene.clone() },
+        ];
+        let views = [
+            View { size: [3, 4], ..view.clone() },
+            View { samples: 2, ..view.clone() },
+            View { camera: view.camera.orbit(1e-9, 0.0), ..view.clone() },
+        ];
+        let mut seen = vec![own];
+        seen.extend(scenes.iter().map(|s| of(s, &view, &Model::Canonical, &all, 1e-10)));
+        seen.extend(views.iter().map(|v| of(&scene, v, &Model::Canonical, &all, 1e-10)));
+        seen.push(of(&scene, &view, &Model::Filtered(Filter::CatmullRom), &all, 1e-10));
+        seen.push(of(&scene, &view, &Model::Canonical, &all[..1], 1e-10));
+        seen.push(of(&scene, &view, &Model::Canonical, &all, 1e-9));
+        let different: std::collections::BTreeSet<_> = seen.iter().collect();
+        assert_eq!(different.len(), seen.len());
+    }
+}

@@ -1,0 +1,106 @@
+//! Exact pixels, and how far a picture is from them.
+
+mod cache;
+mod fingerprint;
+
+use std::time::{Duration, Instant};
+
+use vr_core::phantom::Phantom;
+use vr_core::{Control, Frame, Model, RenderError, Scene, View};
+use vr_physics::metrics::Metrics;
+use vr_physics::{Certainty, Reference, Solution};
+
+pub use cache::ExactCache;
+
+/// The exact solution of some pixels of a view.
+#[derive(Clone, Debug)]
+pub struct Exact {
+    pixels: Vec<[u32; 2]>,
+    rgba: Vec<[f64; 4]>,
+    /// Largest error of the solution itself, and whether that is proven or estimated.
+    pub certainty: Certainty,
+    /// What it took to solve, or to read.
+    pub time: Duration,
+}
+
+impl Exact {
+    /// Solves pixels of a view in f64.
+    ///
+    /// # Errors
+    /// A view that makes no sense, or cancellation.
+    pub fn solve(
+        (scene, view): (&Scene, &View),
+        model: &Model,
+        pixels: Vec<[u32; 2]>,
+        control: &Control,
+    ) -> Result<Self, RenderError> {
+        let start = Instant::now();
+        let solution = Reference::default().solve_pixels(scene, view, model, &pixels, control)?;
+        Ok(Self::new(pixels, &solution, start))
+    }
+
+    /// Solves pixels of a phantom as the function that it is, under the transfer function of a scene of its samples.
+    ///
+    /// # Errors
+    /// As [`Reference::solve_phantom`].
+    pub fn solve_phantom(
+        phantom: &dyn Phantom,
+        (scene, view): (&Scene, &View),
+        pixels: Vec<[u32; 2]>,
+        control: &Control,
+    ) -> Result<Self, RenderError> {
+        /// Ten thousand times below what can be seen.
+        const TOLERANCE: f64 = 1e-7;
+        let start = Instant::now();
+        let solution = Reference::new(TOLERANCE).solve_phantom(phantom, (scene, view), &pixels, control)?;
+        Ok(Self::new(pixels, &solution, start))
+    }
+
+    fn new(pixels: Vec<[u32; 2]>, solution: &Solution, start: Instant) -> Self {
+        Self {
+            rgba: solution.pixels.iter().map(|p| p.rgba).collect(),
+            certainty: solution.certainty(),
+            pixels,
+            time: start.elapsed(),
+        }
+    }
+
+    /// The error of a frame of the same view.
+    pub fn judge(&self, frame: &Frame) -> Metrics {
+        let drawn: Vec<[f32; 4]> = self.pixels.iter().map(|&[x, y]| frame.pixel(x, y)).collect();
+        Metrics::of(&self.rgba, &drawn)
+    }
+
+    /// Largest error of any component of each pixel, in units of max(1, largest magnitude of the solution).
+    pub fn errors(&self, frame: &Frame) -> Vec<f64> {
+        let scale = self.rgba.iter().flatten().fold(1.0f64, |peak, c| peak.max(c.abs()));
+        let error = |(&[x, y], exact): (&[u32; 2], &[f64; 4])| {
+            let drawn = frame.pixel(x, y);
+            (0..4).map(|c| (f64::from(drawn[c]) - exact[c]).abs() / scale).fold(0.0, f64::max)
+        };
+        self.pixels.iter().zip(&self.rgba).map(error).collect()
+    }
+
+    /// `within 1e-10`, or that it is an estimate.
+    pub fn certainty_text(&self) -> String {
+        match self.certainty {
+            Certainty::Bound(e) => format!("itself proven within {e:.2e}"),
+            Certainty::Estimate(e) => format!("itself within an estimated {e:.2e}"),
+        }
+    }
+
+    /// The pixels that were solved.
+    pub fn pixels(&self) -> &[[u32; 2]] {
+        &self.pixels
+    }
+
+    /// Their exact premultiplied linear RGBA, in the same order.
+    pub fn rgba(&self) -> &[[f64; 4]] {
+        &self.rgba
+    }
+
+    /// How many pixels were solved.
+    pub fn count(&self) -> usize {
+        self.pixels.len()
+    }
+}

@@ -1,0 +1,113 @@
+//! What is done of a long study, on disk, so that it can be taken up again.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+/// Finished parts of a study, one JSON line each, below a line that says which study it is.
+///
+/// A line that was cut short (the machine went down) and all that follow count as not done.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    done: BTreeMap<String, Value>,
+    file: File,
+}
+
+impl Journal {
+    /// Takes up the journal of a study, or begins one: another study's is overwritten.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn open(path: &Path, study: &str) -> io::Result<Self> {
+        let mut done = BTreeMap::new();
+        if let Ok(text) = fs::read_to_string(path) {
+            let mut lines = text.lines().map_while(|line| serde_json::from_str::<(String, Value)>(line).ok());
+            if lines.next().is_some_and(|(word, name)| word == STUDY && name == study) {
+                done.extend(lines);
+            }
+        }
+        let mut file = File::create(path)?;
+        write_line(&mut file, STUDY, &Value::from(study))?;
+        for (part, value) in &done {
+            write_line(&mut file, part, value)?;
+        }
+        Ok(Self { path: path.into(), done, file })
+    }
+
+    /// The result of a part: as it was, or made now and noted.
+    ///
+    /// # Errors
+    /// Whatever `make` fails with, and a file that cannot be written.
+    pub fn part<T, E>(&mut self, name: &str, make: impl FnOnce() -> Result<T, E>) -> Result<T, E>
+    where
+        T: Serialize + DeserializeOwned,
+        E: From<io::Error>,
+    {
+        // What an older program noted in another form is made again.
+        if let Some(Ok(value)) = self.done.get(name).map(|v| serde_json::from_value(v.clone())) {
+            return Ok(value);
+        }
+        let made = make()?;
+        let value = serde_json::to_value(&made).map_err(io::Error::from)?;
+        write_line(&mut self.file, name, &value)?;
+        self.done.insert(name.to_owned(), value);
+        Ok(made)
+    }
+
+    /// The study is done: nothing is to be taken up.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn finish(self) -> io::Result<()> {
+        drop(self.file);
+        fs::remove_file(&self.path)
+    }
+}
+
+const STUDY: &str = "study";
+
+fn write_line(file: &mut File, part: &str, value: &Value) -> io::Result<()> {
+    let mut line = serde_json::to_string(&(part, value))?;
+    line.push('\n');
+    file.write_all(line.as_bytes())?;
+    file.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(path: &Path, study: &str, parts: &[&str]) -> Vec<String> {
+        let mut journal = Journal::open(path, study).unwrap();
+        let mut made = Vec::new();
+        for part in parts {
+            let value: io::Result<Vec<f64>> = journal.part(part, || {
+                made.push((*part).to_owned());
+                Ok(vec![0.1 + 0.2, 1e-300])
+            });
+            assert_eq!(value.unwrap(), [0.1 + 0.2, 1e-300], "bit for bit, kept or not");
+        }
+        made
+    }
+
+    #[test]
+    fn a_study_is_taken_up_where_it_stopped() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal");
+        assert_eq!(run(&path, "one", &["a", "b"]), ["a", "b"]);
+        assert_eq!(run(&path, "one", &["a", "b", "c"]), ["c"]);
+        // Cut in the middle of the last line.
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, &text[..text.len() - 4]).unwrap();
+        assert_eq!(run(&path, "one", &["a", "b", "c"]), ["c"]);
+        assert_eq!(run(&path, "other", &["a"]), ["a"]);
+        Journal::open(&path, "other").unwrap().finish().unwrap();
+        assert!(!path.exists());
+    }
+}

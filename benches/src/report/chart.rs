@@ -1,0 +1,236 @@
+//! A chart with logarithmic axes, as an SVG that takes its ink from the page around it.
+
+use std::ops::Range;
+
+use plotters::coord::combinators::LogCoord;
+use plotters::prelude::*;
+
+use crate::error::StudyError;
+
+/// Colours that people with any kind of colour vision tell apart, on light and on dark (Okabe and Ito 2008, "Color universal design").
+const COLORS: [RGBColor; 6] = [
+    RGBColor(0x00, 0x72, 0xb2),
+    RGBColor(0xd5, 0x5e, 0x00),
+    RGBColor(0x00, 0x9e, 0x73),
+    RGBColor(0xcc, 0x79, 0xa7),
+    RGBColor(0xe6, 0x9f, 0x00),
+    RGBColor(0x56, 0xb4, 0xe9),
+];
+/// Stands for the ink of the page until the SVG is done.
+const INK: RGBColor = RGBColor(1, 2, 3);
+const INK_TEXT: &str = "#010203";
+
+/// What a series is drawn as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Look {
+    /// Single points.
+    Points,
+    /// Points joined by a line.
+    Line,
+    /// A thin line alone: what is expected, not measured.
+    Guide,
+}
+
+/// One series.
+pub(super) struct Series {
+    /// For the legend; empty: not there.
+    pub(super) name: String,
+    /// Its points; those that are not positive and finite have no place on such axes.
+    pub(super) points: Vec<(f64, f64)>,
+    /// A word beside each point; may be fewer.
+    pub(super) labels: Vec<String>,
+    /// Number of its colour and of its marker: the marker alone tells series apart, too.
+    pub(super) color: usize,
+    /// How it is drawn.
+    pub(super) look: Look,
+}
+
+/// A chart.
+pub(super) struct Chart<'a> {
+    pub(super) title: &'a str,
+    pub(super) x: &'a str,
+    pub(super) y: &'a str,
+    pub(super) size: (u32, u32),
+    pub(super) series: &'a [Series],
+    /// Horizontal lines with their names.
+    pub(super) levels: &'a [(f64, &'a str)],
+}
+
+fn plottable(&(x, y): &(f64, f64)) -> bool {
+    x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite()
+}
+
+impl Chart<'_> {
+    /// The SVG, to stand within a page: text and axes are drawn in the page's `currentColor`.
+    pub(super) fn svg(&self) -> Result<String, StudyError> {
+        let mut svg = String::new();
+        self.draw(&mut svg).map_err(|e| StudyError::Plot(e.to_string()))?;
+        Ok(svg.replace(INK_TEXT, "currentColor"))
+    }
+
+    /// The SVG as a file of its own: dark ink on white.
+    pub(super) fn standalone_svg(&self) -> Result<String, StudyError> {
+        let svg = self.svg()?.replace("currentColor", "#24292f");
+        let (w, h) = self.size;
+        // Behind everything: right after the opening tag.
+        let paper = format!("<rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>");
+        let open = svg.find("<svg").and_then(|start| svg[start..].find('>').map(|end| start + end + 1)).unwrap_or(0);
+        Ok(format!("{}{paper}{}", &svg[..open], &svg[open..]))
+    }
+
+    /// The smallest ranges around all points, and a little more.
+    fn ranges(&self) -> (Range<f64>, Range<f64>) {
+        let points = || self.series.iter().flat_map(|s| s.points.iter().copied().filter(plottable));
+        let around = |values: &mut dyn Iterator<Item = f64>| {
+            let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
+            if low > high {
+                return 0.1..10.0;
+            }
+            // A fifteenth of the decades that are there, a sixth of one at the least.
+            let more = 10f64.powf((libm::log10(high / low) / 15.0).max(0.16));
+            low / more..high * more
+        };
+        (around(&mut points().map(|p| p.0)), around(&mut points().map(|p| p.1)))
+    }
+
+    fn draw(&self, svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
+        let root = SVGBackend::with_string(svg, self.size).into_drawing_area();
+        let text = |size: i32| TextStyle::from(("sans-serif", size).into_font()).color(&INK);
+        let (x, y) = self.ranges();
+        let mut chart = ChartBuilder::on(&root)
+            .caption(self.title, text(15))
+            .margin(8)
+            .x_label_area_size(42)
+            .y_label_area_size(64)
+            .build_cartesian_2d(x.clone().log_scale(), y.clone().log_scale())?;
+        chart
+            .configure_mesh()
+            .x_desc(self.x)
+            .y_desc(self.y)
+            .x_label_formatter(&|v| number(*v))
+            .y_label_formatter(&|v| number(*v))
+            .label_style(text(12))
+            .axis_desc_style(text(13))
+            .axis_style(INK.mix(0.6))
+            .bold_line_style(INK.mix(0.16))
+            .light_line_style(INK.mix(0.05))
+            .draw()?;
+        for &(level, name) in self.levels.iter().filter(|(level, _)| y.contains(level)) {
+            let line = [(x.start, level), (x.end, level)];
+            chart.draw_series(DashedLineSeries::new(line, 5, 4, INK.mix(0.45).into()))?;
+            chart.draw_series([Text::new(name.to_owned(), (x.end, level), right_above(&text(11)))])?;
+        }
+        for series in self.series {
+            draw_series(&mut chart, series, &text(11))?;
+        }
+        if self.series.iter().any(|s| !s.name.is_empty()) {
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::UpperRight)
+                .label_font(text(12))
+                .border_style(INK.mix(0.2))
+                .margin(6)
+                .draw()?;
+        }
+        drop(chart);
+        root.present()?;
+        Ok(())
+    }
+}
+
+fn right_above<'a>(style: &TextStyle<'a>) -> TextStyle<'a> {
+    use plotters::style::text_anchor::{HPos, Pos, VPos};
+    style.pos(Pos::new(HPos::Right, VPos::Bottom))
+}
+
+type LogLog<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+
+fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyle<'_>) -> Result<(), String> {
+    let color = COLORS[series.color % COLORS.len()];
+    let points: Vec<(f64, f64)> = series.points.iter().copied().filter(plottable).collect();
+    let mut legend_is_due = !series.name.is_empty();
+    if series.look != Look::Points {
+        let width = if series.look == Look::Guide { 1 } else { 2 };
+        let style =
+            if series.look == Look::Guide { color.mix(0.55).stroke_width(width) } else { color.stroke_width(width) };
+        let drawn = chart.draw_series(LineSeries::new(points.iter().copied(), style)).map_err(|e| e.to_string())?;
+        if legend_is_due {
+            drawn.label(series.name.clone()).legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], style));
+            legend_is_due = false;
+        }
+    }
+    if series.look == Look::Guide {
+        return Ok(());
+    }
+    // Told apart without any colour, too: disc, triangle, cross, square, ring.
+    let (filled, stroke) = (color.filled(), color.stroke_width(2));
+    let at = points.iter().copied();
+    let marker = series.color % 5;
+    let drawn = match marker {
+        0 => chart.draw_series(at.map(|p| Circle::new(p, 4, filled))),
+        1 => chart.draw_series(at.map(|p| TriangleMarker::new(p, 5, filled))),
+        2 => chart.draw_series(at.map(|p| Cross::new(p, 4, stroke))),
+        3 => chart.draw_series(at.map(|p| EmptyElement::at(p) + Rectangle::new([(-4, -4), (4, 4)], filled))),
+        _ => chart.draw_series(at.map(|p| Circle::new(p, 4, stroke))),
+    }
+    .map_err(|e| e.to_string())?;
+    if legend_is_due {
+        let entry = drawn.label(series.name.clone());
+        match marker {
+            0 => entry.legend(move |(x, y)| Circle::new((x + 8, y), 4, filled)),
+            1 => entry.legend(move |(x, y)| TriangleMarker::new((x + 8, y), 5, filled)),
+            2 => entry.legend(move |(x, y)| Cross::new((x + 8, y), 4, stroke)),
+            3 => entry.legend(move |(x, y)| Rectangle::new([(x + 4, y - 4), (x + 12, y + 4)], filled)),
+            _ => entry.legend(move |(x, y)| Circle::new((x + 8, y), 4, stroke)),
+        };
+    }
+    let labelled = series.points.iter().zip(&series.labels).filter(|(p, _)| plottable(p));
+    chart
+        .draw_series(labelled.map(|(&p, word)| EmptyElement::at(p) + Text::new(word.clone(), (6, -12), label.clone())))
+        .map_err(|e| e.to_string())?;
+    Ok(())
+}
+
+/// `0.001`, `1`, `250`, `1e-6`: as short as it can be.
+fn number(x: f64) -> String {
+    if (1e-3..1e5).contains(&x) {
+        let text = format!("{x:.4}");
+        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    format!("{x:.0e}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart(points: Vec<(f64, f64)>) -> String {
+        let series =
+            [Series { name: "one".to_owned(), points, labels: vec!["7".to_owned()], color: 0, look: Look::Line }];
+        let levels = [(1e-3, "a thousandth")];
+        let chart = Chart { title: "t", x: "ms", y: "RMSE", size: (400, 300), series: &series, levels: &levels };
+        chart.svg().unwrap()
+    }
+
+    #[test]
+    fn charts_are_svgs_in_the_ink_of_the_page() {
+        let svg = chart(vec![(1.0, 1e-2), (10.0, 1e-4), (f64::NAN, 1.0), (3.0, 0.0)]);
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{svg}");
+        assert!(svg.contains("currentColor") && !svg.contains(INK_TEXT));
+        assert!(svg.contains("a thousandth") && svg.contains("RMSE") && svg.contains("#0072B2"));
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn nothing_to_draw_is_an_empty_chart() {
+        assert!(chart(Vec::new()).contains("<svg"));
+        assert!(chart(vec![(f64::NAN, f64::INFINITY)]).contains("<svg"));
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (x, text) in [(0.001, "0.001"), (1.0, "1"), (250.0, "250"), (1e-6, "1e-6"), (0.25, "0.25"), (1e6, "1e6")] {
+            assert_eq!(number(x), text);
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! What a front page shows of a study: one plot, one table.
+
+use crate::error::StudyError;
+use crate::front::{THRESHOLDS, fastest_within, pareto_front};
+use crate::study::SubjectResult;
+
+use super::chart::{Chart, Look, Series};
+use super::plots::{LEVELS, place};
+
+/// The fronts of all subjects, all renderers together, as an SVG file.
+///
+/// # Errors
+/// A plot that cannot be drawn.
+pub fn headline_plot(results: &[SubjectResult]) -> Result<String, StudyError> {
+    chart(results, |chart| chart.standalone_svg())
+}
+
+/// The same to stand within a page.
+pub(super) fn inline_plot(results: &[SubjectResult]) -> Result<String, StudyError> {
+    chart(results, |chart| chart.svg())
+}
+
+fn chart(
+    results: &[SubjectResult],
+    finish: impl Fn(&Chart<'_>) -> Result<String, StudyError>,
+) -> Result<String, StudyError> {
+    let series: Vec<Series> = results
+        .iter()
+        .enumerate()
+        .map(|(k, r)| {
+            let places: Vec<(f64, f64)> = r.points.iter().map(place).collect();
+            let points = pareto_front(&places).into_iter().map(|i| places[i]).collect();
+            Series { name: r.name.clone(), points, labels: Vec::new(), color: k, look: Look::Line }
+        })
+        .collect();
+    finish(&Chart {
+        title: "what nothing beats in both time and error",
+        x: "milliseconds a frame",
+        y: "RMSE against the exact solution",
+        size: (860, 440),
+        series: &series,
+        levels: &LEVELS,
+    })
+}
+
+/// The time to reach each error on each subject, and who does, as a table in Markdown.
+pub fn headline_table(results: &[SubjectResult]) -> String {
+    let mut text = String::from("| scene |");
+    for (_, name) in LEVELS {
+        text += &format!(" RMSE ≤ {name} |");
+    }
+    text += "\n|---|";
+    text += &"--:|".repeat(LEVELS.len());
+    text += "\n";
+    for r in results {
+        text += &format!("| {} |", r.name);
+        for cell in reaching(r) {
+            text += &cell.map_or_else(|| " – |".to_owned(), |(ms, who)| format!(" {} ms, {who} |", milliseconds(ms)));
+        }
+        text += "\n";
+    }
+    text
+}
+
+/// For each threshold the least time, and the contestant.
+pub(super) fn reaching(result: &SubjectResult) -> Vec<Option<(f64, String)>> {
+    let pairs: Vec<(f64, f64)> = result.points.iter().map(crate::point::Point::pair).collect();
+    let timed: Vec<(f64, f64)> =
+        pairs.iter().map(|&(t, e)| if t.is_finite() { (t, e) } else { (t, f64::NAN) }).collect();
+    let cell = |&error: &f64| fastest_within(error, &timed).map(|i| (pairs[i].0, result.points[i].contestant()));
+    THRESHOLDS.iter().map(cell).collect()
+}
+
+/// Three digits.
+pub(super) fn milliseconds(ms: f64) -> String {
+    match ms {
+        _ if ms < 10.0 => format!("{ms:.2}"),
+        _ if ms < 100.0 => format!("{ms:.1}"),
+        _ => format!("{ms:.0}"),
+    }
+}

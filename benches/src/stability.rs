@@ -1,0 +1,156 @@
+//! The stability suite: every renderer on every hard case, its error beside the bound that it documents.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use serde::{Deserialize, Serialize};
+use vr_core::{Control, Model, RenderError, Renderer};
+use vr_physics::Certainty;
+use vr_physics::cases::{self, Case};
+use vr_physics::metrics::subgrid;
+
+use crate::contestant::Contestant;
+use crate::exact::{Exact, ExactCache};
+use crate::figures::ErrorFigures;
+
+/// What is to be thought of a contestant on a case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "verdict", rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The error is within the documented bound.
+    Held,
+    /// It is not, and the renderer itself counted the rays that it could not promise anything for.
+    Counted {
+        /// How many.
+        rays: u64,
+    },
+    /// There is no documented bound.
+    Undocumented,
+    /// The reference is less certain than the bound.
+    Unjudged,
+    /// The renderer does not do such scenes.
+    Refused {
+        /// What it does not do.
+        feature: String,
+    },
+    /// An error beyond the bound, a number that is not finite, a panic, or an error on a valid scene.
+    Failed {
+        /// Which.
+        reason: String,
+    },
+}
+
+impl Verdict {
+    /// Whether it is a failure that nobody explained.
+    pub fn is_failure(&self) -> bool {
+        matches!(self, Self::Failed { .. })
+    }
+
+    /// A word or two for a table.
+    pub fn word(&self) -> String {
+        match self {
+            Self::Held => "held".to_owned(),
+            Self::Counted { rays } => format!("{rays} rays counted"),
+            Self::Undocumented => "no bound".to_owned(),
+            Self::Unjudged => "not judged".to_owned(),
+            Self::Refused { .. } => "refused".to_owned(),
+            Self::Failed { .. } => "FAILED".to_owned(),
+        }
+    }
+}
+
+/// One cell of the table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaseResult {
+    /// The hard case.
+    pub case: String,
+    /// What is hard about it.
+    pub summary: String,
+    /// Who.
+    pub contestant: String,
+    /// The largest error that is documented.
+    pub bound: Option<f64>,
+    /// The error, where there is a picture.
+    pub error: Option<ErrorFigures>,
+    /// What is to be thought of it.
+    pub verdict: Verdict,
+}
+
+/// Who takes part: every renderer as it is by default, and under those settings of which a bound is documented.
+pub fn contestants_with_bounds<'a>(
+    renderers: &'a [Box<dyn Renderer>],
+    settings: &'a [Contestant],
+) -> Vec<(String, &'a dyn Renderer)> {
+    let mut all: Vec<(String, &dyn Renderer)> =
+        renderers.iter().map(|r| (format!("{} default", r.name()), &**r)).collect();
+    let documented =
+        |c: &&Contestant| cases::all().iter().any(|case| c.configured.hard_case_error(case.name).is_some());
+    all.extend(settings.iter().filter(documented).map(|c| (c.name(), &*c.configured)));
+    all
+}
+
+/// Draws every case with a contestant.
+///
+/// # Errors
+/// Cancellation alone: all else is a verdict.
+pub fn survey(
+    (name, renderer): (&str, &dyn Renderer),
+    cache: &ExactCache,
+    control: &Control,
+) -> Result<Vec<CaseResult>, RenderError> {
+    cases::all().iter().map(|case| judge((name, renderer), case, cache, control)).collect()
+}
+
+fn judge(
+    (name, renderer): (&str, &dyn Renderer),
+    case: &Case,
+    cache: &ExactCache,
+    control: &Control,
+) -> Result<CaseResult, RenderError> {
+    let bound = renderer.hard_case_error(case.name);
+    let mut result = CaseResult {
+        case: case.name.to_owned(),
+        summary: case.summary.to_owned(),
+        contestant: name.to_owned(),
+        bound,
+        error: None,
+        verdict: Verdict::Unjudged,
+    };
+    let draw = || renderer.prepare(&case.scene, control)?.render(&case.view, control);
+    // A renderer that panics on a case is prepared anew for the next one.
+    let rendered = match catch_unwind(AssertUnwindSafe(draw)) {
+        Ok(Ok(rendered)) => rendered,
+        Ok(Err(RenderError::Cancelled)) => return Err(RenderError::Cancelled),
+        Ok(Err(RenderError::Unsupported { feature, .. })) => {
+            result.verdict = Verdict::Refused { feature };
+            return Ok(result);
+        }
+        Ok(Err(other)) => {
+            result.verdict = Verdict::Failed { reason: other.to_string() };
+            return Ok(result);
+        }
+        Err(_) => {
+            result.verdict = Verdict::Failed { reason: "panics".to_owned() };
+            return Ok(result);
+        }
+    };
+    if let Some(p) = rendered.frame.pixels().iter().find(|p| p.iter().any(|c| !c.is_finite())) {
+        result.verdict = Verdict::Failed { reason: format!("a pixel is {p:?}") };
+        return Ok(result);
+    }
+    let all = subgrid(u32::MAX, case.view.size);
+    let truth: Exact = cache.solve((&case.scene, &case.view), &Model::Canonical, all, control)?;
+    let metrics = truth.judge(&rendered.frame);
+    let scale = metrics.peak_reference.max(1.0);
+    let (Certainty::Bound(uncertainty) | Certainty::Estimate(uncertainty)) = truth.certainty;
+    let uncertainty = uncertainty / scale;
+    result.error = Some(ErrorFigures::new(&metrics, &truth));
+    result.verdict = match bound {
+        None => Verdict::Undocumented,
+        Some(bound) if metrics.max <= bound => Verdict::Held,
+        Some(bound) if metrics.max <= bound + uncertainty && uncertainty > bound => Verdict::Unjudged,
+        Some(bound) if metrics.max <= bound + uncertainty => Verdict::Held,
+        Some(_) if rendered.stats.counts.unbounded > 0 => Verdict::Counted { rays: rendered.stats.counts.unbounded },
+        Some(bound) => Verdict::Failed { reason: format!("{:.2e} beyond the documented {bound:.2e}", metrics.max) },
+    };
+    Ok(result)
+}

@@ -1,0 +1,169 @@
+//! The study: every contestant on every subject.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use vr_core::{Control, Counts, Frame, Model, RenderError};
+use vr_physics::metrics::subgrid;
+
+use crate::contestant::Contestant;
+use crate::exact::{Exact, ExactCache};
+use crate::figures::ErrorFigures;
+use crate::memory::MemoryMeter;
+use crate::picture::{encode_errors, encode_picture};
+use crate::point::{Point, Refusal};
+use crate::subject::Subject;
+use crate::timing::{Drawn, Timing, draw_in_turns};
+
+/// How a study measures.
+pub struct Study<'a> {
+    /// Who takes part.
+    pub contestants: &'a [Contestant],
+    /// What is timed; `None`: nothing, errors and counts alone.
+    pub timing: Option<Timing>,
+    /// Errors are against the exact solution of one pixel of each of so many parts along each side of a picture.
+    pub subgrid: u32,
+    /// The same for errors against a renderer's own model, and against the field as a function.
+    pub own_subgrid: u32,
+    /// What was solved before.
+    pub cache: &'a ExactCache,
+    /// Who counts memory.
+    pub meter: Option<&'a dyn MemoryMeter>,
+}
+
+/// What came out on one subject.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SubjectResult {
+    /// The subject's name.
+    pub name: String,
+    /// What it is.
+    pub title: String,
+    /// Width and height of the pictures.
+    pub size: [u32; 2],
+    /// One for each contestant that can draw it.
+    pub points: Vec<Point>,
+    /// The others.
+    pub refusals: Vec<Refusal>,
+    /// The picture of the contestant with the smallest error.
+    pub picture: Picture,
+    /// Where some contestants are wrong, where every pixel was compared.
+    pub error_maps: Vec<Picture>,
+}
+
+/// A picture as a report holds it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Picture {
+    /// Whose.
+    pub contestant: String,
+    /// A PNG in base 64.
+    pub png: String,
+}
+
+impl Study<'_> {
+    /// Measures every contestant on a subject. `control` runs what is timed, `told` is told how far it is.
+    ///
+    /// # Errors
+    /// What a renderer fails with (but for what it does not do), or cancellation.
+    pub fn measure(
+        &self,
+        subject: &Subject,
+        (control, told): (&Control, &dyn Fn(f64)),
+    ) -> Result<SubjectResult, RenderError> {
+        let view = (&subject.scene, &subject.view);
+        let pixels = subgrid(self.subgrid, subject.view.size);
+        let exact = self.cache.solve(view, &Model::Canonical, pixels, control)?;
+        let few = subgrid(self.own_subgrid, subject.view.size);
+        let function = match &subject.phantom {
+            Some(phantom) => match Exact::solve_phantom(&**phantom, view, few.clone(), control) {
+                Ok(exact) => Some(exact),
+                Err(RenderError::Unsupported { .. }) => None,
+                Err(other) => return Err(other),
+            },
+            None => None,
+        };
+
+        let drawn = draw_in_turns(self.contestants, subject, self.timing, self.meter, (control, told))?;
+        let (mut points, mut refusals, mut frames) = (Vec::new(), Vec::new(), Vec::new());
+        for (contestant, drawn) in self.contestants.iter().zip(drawn) {
+            match drawn {
+                Ok(drawn) => {
+                    let own_error = match &drawn.model {
+                        Model::Canonical => None,
+                        model => {
+                            let own = self.cache.solve(view, model, few.clone(), control)?;
+                            Some(ErrorFigures::new(&own.judge(&drawn.frame), &own))
+                        }
+                    };
+                    let error = ErrorFigures::new(&exact.judge(&drawn.frame), &exact);
+                    let function_error = function.as_ref().map(|f| ErrorFigures::new(&f.judge(&drawn.frame), f));
+                    points.push(point(contestant, subject, &drawn, (error, own_error, function_error)));
+                    frames.push(drawn.frame);
+                }
+                Err(feature) => refusals.push(Refusal { contestant: contestant.name(), feature }),
+            }
+        }
+        let (picture, error_maps) = pictures(&points, &frames, subject, &exact);
+        let Subject { name, title, .. } = subject.clone();
+        Ok(SubjectResult { name, title, size: subject.view.size, points, refusals, picture, error_maps })
+    }
+}
+
+fn point(
+    contestant: &Contestant,
+    subject: &Subject,
+    drawn: &Drawn,
+    (error, own_error, function_error): (ErrorFigures, Option<ErrorFigures>, Option<ErrorFigures>),
+) -> Point {
+    Point {
+        subject: subject.name.clone(),
+        renderer: contestant.renderer.clone(),
+        setting: contestant.setting.clone(),
+        options: contestant.options.clone(),
+        order: contestant.order,
+        error_floor: contestant.error_floor,
+        times: drawn.times,
+        peak_bytes: drawn.peak_bytes,
+        counts: named(drawn.counts),
+        error,
+        own_error,
+        function_error,
+    }
+}
+
+fn named(counts: Counts) -> BTreeMap<String, u64> {
+    let Counts { rays, samples, skipped, terminated, unbounded, repeated } = counts;
+    let all = [
+        ("rays", rays),
+        ("samples", samples),
+        ("skipped", skipped),
+        ("terminated", terminated),
+        ("unbounded", unbounded),
+        ("repeated", repeated),
+    ];
+    all.into_iter().map(|(name, n)| (name.to_owned(), n)).collect()
+}
+
+/// Contestants whose errors are shown at most.
+const MAPS: usize = 4;
+
+/// The most exact picture; and maps of the errors of those on the front, evenly chosen, where every pixel was compared.
+fn pictures(points: &[Point], frames: &[Frame], subject: &Subject, exact: &Exact) -> (Picture, Vec<Picture>) {
+    let [w, h] = subject.view.size;
+    let best = (0..points.len()).min_by(|&a, &b| points[a].error.rmse.total_cmp(&points[b].error.rmse));
+    let picture = best.map_or_else(
+        || Picture { contestant: String::new(), png: String::new() },
+        |i| Picture { contestant: points[i].contestant(), png: encode_picture(&frames[i], subject.scene.background) },
+    );
+    if exact.count() as u64 != u64::from(w) * u64::from(h) {
+        return (picture, Vec::new());
+    }
+    let pairs: Vec<(f64, f64)> = points.iter().map(Point::pair).collect();
+    let front = crate::front::pareto_front(&pairs);
+    let shown = front.len().min(MAPS);
+    let maps = (0..shown).map(|k| {
+        let i = front[if shown > 1 { k * (front.len() - 1) / (shown - 1) } else { 0 }];
+        let errors = exact.errors(&frames[i]);
+        Picture { contestant: points[i].contestant(), png: encode_errors([w, h], &errors) }
+    });
+    (picture, maps.collect())
+}

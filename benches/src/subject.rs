@@ -1,0 +1,73 @@
+//! What renderers are measured on: a scene and a view of it.
+
+use std::sync::Arc;
+
+use vr_core::phantom::{self, Phantom, TRANSFER_UNIT_DISTANCE};
+use vr_core::{Camera, GridError, OpacityRule, Scene, TransferFunction, View};
+
+/// A scene, a view of it, and the name that results go by.
+#[derive(Clone)]
+pub struct Subject {
+    /// Unique within a study.
+    pub name: String,
+    /// What it is, in a few words: `64×64×64 f32, oblique`.
+    pub title: String,
+    /// The scene.
+    pub scene: Scene,
+    /// The view; frames turn from here.
+    pub view: View,
+    /// The field as a function, where it is known as one.
+    pub phantom: Option<Arc<dyn Phantom>>,
+}
+
+impl Subject {
+    /// The same scene seen otherwise.
+    pub fn seen(&self, word: &str, view: View) -> Self {
+        Self { name: format!("{} {word}", self.name), view, ..self.clone() }
+    }
+}
+
+/// A phantom on a grid of `samples`³ under its own transfer function, in pictures of the given size, seen from an oblique direction, all of it.
+///
+/// # Errors
+/// Fewer than two samples.
+///
+/// # Panics
+/// If there is no phantom of the name.
+pub fn phantom_subject(name: &str, samples: usize, size: [u32; 2]) -> Result<Subject, GridError> {
+    let phantom = phantom::by_name(name).expect("the name of a phantom");
+    let grid = phantom::sample::<f32>(&*phantom, [samples; 3])?;
+    let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
+    let scene = Scene::new(grid.into(), transfer.expect("the points of phantoms ascend"));
+    let camera = Camera::framing(scene.volume.bounds(), 30.0, 20.0, None);
+    Ok(Subject {
+        name: name.to_owned(),
+        title: format!("phantom {name}, {samples}³ f32"),
+        view: View::new(camera, size),
+        scene,
+        phantom: Some(phantom.into()),
+    })
+}
+
+/// Every phantom, as [`phantom_subject`] makes it.
+///
+/// # Errors
+/// Fewer than two samples.
+pub fn phantom_subjects(samples: usize, size: [u32; 2]) -> Result<Vec<Subject>, GridError> {
+    phantom::NAMES.iter().map(|name| phantom_subject(name, samples, size)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_phantom_makes_a_subject() {
+        let subjects = phantom_subjects(3, [7, 5]).unwrap();
+        assert_eq!(subjects.len(), phantom::NAMES.len());
+        for Subject { name, scene, view, .. } in subjects {
+            assert!(scene.validate().is_ok() && view.validate().is_ok() && view.camera.frame().is_ok(), "{name}");
+        }
+        assert!(phantom_subjects(1, [2, 2]).is_err());
+    }
+}

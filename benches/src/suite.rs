@@ -1,0 +1,270 @@
+//! Named suites of measurements.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use vr_core::{Camera, Control, Renderer, View};
+
+use crate::contestant::{Contestant, contestants};
+use crate::convergence::{Convergence, Prover};
+use crate::error::StudyError;
+use crate::exact::ExactCache;
+use crate::journal::Journal;
+use crate::machine::Machine;
+use crate::memory::MemoryMeter;
+use crate::scaling::{Grown, Growth, grow};
+use crate::stability::{CaseResult, contestants_with_bounds, survey};
+use crate::study::{Study, SubjectResult};
+use crate::subject::{Subject, phantom_subjects};
+use crate::timing::Timing;
+
+/// Which measurements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Suite {
+    /// Speed against error in small pictures, and the orders of convergence: less than a minute on two cores.
+    Quick,
+    /// Everything: larger volumes and pictures, three views of each, stability, scaling.
+    Full,
+    /// Every renderer on every hard case.
+    Hard,
+    /// How times grow with threads, volumes and pictures.
+    Scaling,
+}
+
+impl Suite {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Quick, Self::Full, Self::Hard, Self::Scaling];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Quick => "quick",
+            Self::Full => "full",
+            Self::Hard => "hard",
+            Self::Scaling => "scaling",
+        }
+    }
+
+    /// The suite of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|s| s.name() == name)
+    }
+
+    fn has(self, part: Part) -> bool {
+        match part {
+            Part::Fronts | Part::Orders => matches!(self, Self::Quick | Self::Full),
+            Part::Stability => matches!(self, Self::Hard | Self::Full),
+            Part::Growth => matches!(self, Self::Scaling | Self::Full),
+        }
+    }
+
+    /// Samples along each side of phantoms, and pixels along each side of their pictures.
+    fn sizes(self) -> (usize, u32) {
+        if self == Self::Quick { (64, 96) } else { (128, 256) }
+    }
+
+    /// Time for the rounds of one of so many subjects: a bit more than half a minute in all for the quick suite.
+    fn timing(self, subjects: usize) -> Timing {
+        let patience = if self == Self::Quick {
+            Duration::from_secs(36) / subjects.max(1) as u32
+        } else {
+            Duration::from_secs(60)
+        };
+        Timing { least_rounds: 3, most_rounds: 9, patience }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Part {
+    Fronts,
+    Orders,
+    Stability,
+    Growth,
+}
+
+/// All that a suite measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Which suite.
+    pub suite: Suite,
+    /// With what.
+    pub machine: Machine,
+    /// Seconds that it took, without what had been done before.
+    pub seconds: f64,
+    /// Speed against error.
+    pub subjects: Vec<SubjectResult>,
+    /// Orders of convergence.
+    pub orders: Vec<Convergence>,
+    /// Hard cases.
+    pub stability: Vec<CaseResult>,
+    /// How times grow.
+    pub growth: Vec<Growth>,
+}
+
+/// How a suite is run.
+pub struct Run<'a> {
+    /// Who takes part.
+    pub renderers: &'a [Box<dyn Renderer>],
+    /// Measured on this, in place of the phantoms.
+    pub own: Option<Subject>,
+    /// Errors and counts alone.
+    pub untimed: bool,
+    /// What was solved before.
+    pub cache: &'a ExactCache,
+    /// Who counts memory.
+    pub meter: Option<&'a dyn MemoryMeter>,
+    /// Where finished parts are noted, so that a run can be taken up again; `None`: nowhere.
+    pub journal: Option<&'a Path>,
+}
+
+/// A piece of work, by name: its weight tells how far a run is.
+struct Piece<'a> {
+    name: String,
+    weight: f64,
+    work: Work<'a>,
+}
+
+enum Work<'a> {
+    Subject(Subject),
+    Orders(&'a dyn Renderer),
+    Stability(String, &'a dyn Renderer),
+    Growth(&'a dyn Renderer, Grown),
+}
+
+impl Run<'_> {
+    /// Runs a suite. `told` is told how far it is.
+    ///
+    /// # Errors
+    /// What a renderer fails with, a journal that cannot be written, or cancellation.
+    pub fn run(&self, suite: Suite, (control, told): (&Control, &dyn Fn(f64))) -> Result<Report, StudyError> {
+        let start = Instant::now();
+        let settings = contestants(self.renderers)?;
+        let pieces = self.pieces(suite, &settings)?;
+        let machine = Machine::here(control.threads());
+        let mut journal =
+            self.journal.map(|path| Journal::open(path, &self.signature(suite, &machine, &settings))).transpose()?;
+        let subjects = pieces.iter().filter(|p| matches!(p.work, Work::Subject(_))).count();
+        let study = Study {
+            contestants: &settings,
+            timing: (!self.untimed).then(|| suite.timing(subjects)),
+            // Every pixel of the small pictures of the quick suite.
+            subgrid: 96,
+            own_subgrid: 24,
+            cache: self.cache,
+            meter: self.meter,
+        };
+        let prover = Prover { cache: self.cache, control };
+        let mut report = Report {
+            suite,
+            machine,
+            seconds: 0.0,
+            subjects: Vec::new(),
+            orders: Vec::new(),
+            stability: Vec::new(),
+            growth: Vec::new(),
+        };
+        let total: f64 = pieces.iter().map(|p| p.weight).sum();
+        let mut done = 0.0;
+        for Piece { name, weight, work } in &pieces {
+            let told = |share: f64| told((done + weight * share) / total);
+            control.check()?;
+            match work {
+                Work::Subject(subject) => {
+                    let result = noted(&mut journal, name, || Ok(study.measure(subject, (control, &told))?))?;
+                    report.subjects.push(result);
+                }
+                Work::Orders(renderer) => {
+                    report.orders.extend(noted(&mut journal, name, || prover.proving_ground(*renderer, &told))?);
+                }
+                Work::Stability(contestant, renderer) => {
+                    let survey = || Ok(survey((contestant, *renderer), self.cache, control)?);
+                    report.stability.extend(noted(&mut journal, name, survey)?);
+                }
+                Work::Growth(renderer, grown) => {
+                    let grow = || grow(*renderer, "blobs", *grown, (control, &told));
+                    report.growth.extend(noted(&mut journal, name, grow)?);
+                }
+            }
+            done += weight;
+        }
+        report.seconds = start.elapsed().as_secs_f64();
+        if let Some(journal) = journal {
+            journal.finish()?;
+        }
+        Ok(report)
+    }
+
+    /// What two runs must share so that one can take up the other.
+    fn signature(&self, suite: Suite, machine: &Machine, settings: &[Contestant]) -> String {
+        let own =
+            self.own.as_ref().map(|s| (&s.title, &s.view, &s.scene.transfer, &s.scene.compositing, &s.scene.shading));
+        let who: Vec<String> = settings.iter().map(Contestant::name).collect();
+        format!("{} {machine:?} {who:?} {own:?} {}", suite.name(), self.untimed)
+    }
+
+    fn pieces<'a>(&'a self, suite: Suite, settings: &'a [Contestant]) -> Result<Vec<Piece<'a>>, StudyError> {
+        let mut pieces = Vec::new();
+        if suite.has(Part::Fronts) {
+            let (samples, pixels) = suite.sizes();
+            let subjects = match &self.own {
+                Some(own) => vec![own.clone()],
+                None => phantom_subjects(samples, [pixels; 2])?,
+            };
+            for subject in subjects {
+                let all = if suite == Suite::Full { three_views(&subject) } else { vec![subject] };
+                let piece =
+                    |s: Subject| Piece { name: format!("subject {}", s.name), weight: 8.0, work: Work::Subject(s) };
+                pieces.extend(all.into_iter().map(piece));
+            }
+        }
+        if suite.has(Part::Orders) {
+            let claiming = self.renderers.iter().filter(|r| !r.orders().is_empty());
+            pieces.extend(claiming.map(|r| Piece {
+                name: format!("orders {}", r.name()),
+                weight: 8.0,
+                work: Work::Orders(&**r),
+            }));
+        }
+        if suite.has(Part::Stability) {
+            pieces.extend(contestants_with_bounds(self.renderers, settings).into_iter().map(|(name, r)| Piece {
+                name: format!("stability {name}"),
+                weight: 1.0,
+                work: Work::Stability(name, r),
+            }));
+        }
+        if suite.has(Part::Growth) {
+            for renderer in self.renderers {
+                pieces.extend(Grown::ALL.into_iter().map(|grown| Piece {
+                    name: format!("growth {} {}", renderer.name(), grown.word()),
+                    weight: 6.0,
+                    work: Work::Growth(&**renderer, grown),
+                }));
+            }
+        }
+        Ok(pieces)
+    }
+}
+
+/// A part's result: noted before, or made now and noted.
+fn noted<T: Serialize + serde::de::DeserializeOwned>(
+    journal: &mut Option<Journal>,
+    name: &str,
+    make: impl FnOnce() -> Result<T, StudyError>,
+) -> Result<T, StudyError> {
+    match journal {
+        Some(journal) => journal.part(name, make),
+        None => make(),
+    }
+}
+
+/// As it is; in perspective from the other side; and along an axis, where rays run in cell faces.
+fn three_views(subject: &Subject) -> Vec<Subject> {
+    let bounds = subject.scene.volume.bounds();
+    let seen = |word: &str, azimuth: f64, elevation: f64, fov: Option<f64>| {
+        let camera = Camera::framing(bounds, azimuth, elevation, fov);
+        subject.seen(word, View { camera, ..subject.view.clone() })
+    };
+    vec![subject.clone(), seen("perspective", 210.0, -15.0, Some(35.0)), seen("along z", 0.0, 0.0, None)]
+}

@@ -1,0 +1,72 @@
+//! `vr report` and `vr verify`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::SceneArgs;
+
+/// Which measurements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SuiteName {
+    /// Speed against error in small pictures, and orders of convergence: less than a minute on two cores.
+    Quick,
+    /// Everything, on larger volumes, in larger pictures, from three sides.
+    Full,
+    /// Every renderer on every hard case.
+    Hard,
+    /// How times grow with threads, volumes and pictures.
+    Scaling,
+}
+
+/// `vr report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Which measurements
+    #[arg(long, value_name = "SUITE", default_value = "quick", help_heading = "Report")]
+    pub suite: SuiteName,
+    /// Folder of the report: index.html, points.csv, report.json, errors.json, and the headline for a front page
+    #[arg(long, short, value_name = "FOLDER", default_value = "vr-report", help_heading = "Report")]
+    pub output: PathBuf,
+    /// Only these renderers; may be repeated
+    #[arg(long = "renderer", value_name = "NAME", help_heading = "Report")]
+    pub renderers: Vec<String>,
+    /// Time nothing: errors and counts alone, which are the same in every run
+    #[arg(long, help_heading = "Report")]
+    pub untimed: bool,
+    /// Fail if errors or counts are worse than in this errors.json
+    #[arg(long, value_name = "FILE", help_heading = "Report")]
+    pub baseline: Option<PathBuf>,
+    /// Exact solutions that are kept.
+    #[command(flatten)]
+    pub cache: CacheArgs,
+}
+
+/// Exact solutions that are kept.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Exact solutions")]
+pub struct CacheArgs {
+    /// Where exact solutions are kept; the user's own folder for caches if absent
+    #[arg(long, value_name = "FOLDER")]
+    pub cache: Option<PathBuf>,
+    /// Keep no exact solutions, and use none that were kept
+    #[arg(long, conflicts_with = "cache")]
+    pub no_cache: bool,
+}
+
+/// `vr verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Only these renderers; may be repeated
+    #[arg(long = "renderer", value_name = "NAME", help_heading = "Verification")]
+    pub renderers: Vec<String>,
+    /// Exact solutions that are kept.
+    #[command(flatten)]
+    pub cache: CacheArgs,
+}

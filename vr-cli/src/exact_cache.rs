@@ -1,0 +1,14 @@
+//! Where exact solutions are kept.
+
+use vr_benches::exact::ExactCache;
+
+use crate::args::CacheArgs;
+
+/// The folder that flags name, or that of the user's caches; nothing is kept where there is neither.
+pub fn open(args: &CacheArgs) -> ExactCache {
+    let users = || dirs::cache_dir().map(|folder| folder.join("vr").join("exact"));
+    match args.cache.clone().or_else(users) {
+        Some(folder) if !args.no_cache => ExactCache::in_folder(folder),
+        _ => ExactCache::none(),
+    }
+}

@@ -1,0 +1,38 @@
+//! How much of the heap is in use.
+
+use peak_alloc::PeakAlloc;
+use vr_benches::memory::MemoryMeter;
+
+/// The system's allocator, counted.
+#[global_allocator]
+static HEAP: PeakAlloc = PeakAlloc;
+
+/// Asks the allocator.
+pub struct Heap;
+
+impl MemoryMeter for Heap {
+    fn current(&self) -> usize {
+        HEAP.current_usage()
+    }
+
+    fn peak(&self) -> usize {
+        HEAP.peak_usage()
+    }
+
+    fn reset(&self) {
+        HEAP.reset_peak_usage();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_in_use_for_a_while_is_seen() {
+        Heap.reset();
+        let before = Heap.current();
+        drop(std::hint::black_box(vec![1u8; 3 << 20]));
+        assert!(Heap.peak() >= before + (3 << 20));
+    }
+}

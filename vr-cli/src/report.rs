@@ -1,0 +1,162 @@
+//! `vr report`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use vr_benches::StudyError;
+use vr_benches::baseline::Baseline;
+use vr_benches::report::{csv, headline_plot, headline_table, page};
+use vr_benches::subject::Subject;
+use vr_benches::suite::{Report, Run, Suite};
+use vr_core::{Control, RenderError};
+
+use crate::args::{ReportArgs, SuiteName};
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::heap::Heap;
+use crate::progress::under_bar;
+use crate::scene_setup::Setup;
+use crate::{exact_cache, renderers};
+
+/// Pixels of the pictures of a user's own scene, where no size was asked for.
+const QUICK_PIXELS: f64 = 128.0 * 128.0;
+const FULL_PIXELS: f64 = 320.0 * 320.0;
+
+/// Measures a suite, writes its page and its tables, tells what matters.
+///
+/// # Errors
+/// Whatever goes wrong with the command line, the volume, the scene, or the folder; figures that are worse than a baseline.
+pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    let suite = match args.suite {
+        SuiteName::Quick => Suite::Quick,
+        SuiteName::Full => Suite::Full,
+        SuiteName::Hard => Suite::Hard,
+        SuiteName::Scaling => Suite::Scaling,
+    };
+    let chosen = renderers::chosen(&args.renderers)?;
+    let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
+    let setup = own_scene(args, console)?;
+    if setup.is_some() && matches!(suite, Suite::Hard | Suite::Scaling) {
+        console.note(&format!("the suite {} has scenes of its own: the one that was named is not used", suite.name()));
+    }
+    fs::create_dir_all(&args.output).map_err(|e| cannot_write(&args.output, &e))?;
+    let journal = args.output.join("journal.jsonl");
+    let cache = exact_cache::open(&args.cache);
+    let run = Run {
+        renderers: &chosen,
+        own: setup.as_ref().map(|setup| subject(setup, args, suite)),
+        untimed: args.untimed,
+        cache: &cache,
+        meter: Some(&Heap),
+        journal: Some(&journal),
+    };
+    let measured =
+        under_bar(console, control, "measuring", |told| run.run(suite, (control, &|share| told.report(share))));
+    let report = measured.map_err(|e| match (e, &setup) {
+        (StudyError::Render(RenderError::Cancelled), _) => {
+            Failure::failed(format!("cancelled; the same command takes it up again ({})", journal.display()))
+        }
+        (StudyError::Render(e), Some(setup)) => setup.render_failure(e),
+        (other, _) => Failure::failed(other),
+    })?;
+
+    let now = Baseline::of(&report.subjects);
+    let files = write(&report, &now, &args.output)?;
+    let worse = baseline.map_or_else(Vec::new, |then| then.regressions(&now));
+    console.result(
+        &text(&report, &files, &worse),
+        &Json { report: &report, files: &files, worse_than_baseline: &worse },
+    )?;
+    match &worse[..] {
+        [] => Ok(()),
+        [first, rest @ ..] => Err(Failure::failed(format!("worse than the baseline: {first}; {} more", rest.len()))),
+    }
+}
+
+/// The scene that flags name; none where they name nothing, and phantoms are measured.
+fn own_scene(args: &ReportArgs, console: Console) -> Result<Option<Setup>, Failure> {
+    let volume = &args.scene.volume;
+    let named = volume.path.is_some() || volume.phantom.is_some() || args.scene.scene.is_some();
+    named.then(|| Setup::new(&args.scene, console)).transpose()
+}
+
+fn subject(setup: &Setup, args: &ReportArgs, suite: Suite) -> Subject {
+    let mut view = setup.view.clone();
+    if args.scene.scene.is_none() && args.scene.image.size.is_none() {
+        let [w, h] = view.size.map(f64::from);
+        let wanted = if suite == Suite::Quick { QUICK_PIXELS } else { FULL_PIXELS };
+        let factor = (wanted / (w * h)).sqrt().min(1.0);
+        view.size = [w, h].map(|side| ((side * factor).round() as u32).max(1));
+    }
+    let name = args.scene.volume.phantom.clone().unwrap_or_else(|| "scene".to_owned());
+    let phantom = args.scene.volume.phantom.as_deref().and_then(vr_core::phantom::by_name).map(Into::into);
+    Subject { name, title: setup.title.clone(), scene: setup.scene.clone(), view, phantom }
+}
+
+fn read_baseline(path: &Path) -> Result<Baseline, Failure> {
+    let failed = |e: &dyn std::fmt::Display| Failure::failed(format!("{}: {e}", path.display()));
+    let text = fs::read_to_string(path).map_err(|e| failed(&e))?;
+    serde_json::from_str(&text).map_err(|e| failed(&e))
+}
+
+fn cannot_write(path: &Path, e: &std::io::Error) -> Failure {
+    Failure::failed(format!("{}: cannot be written: {e}", path.display()))
+}
+
+/// Writes everything; returns what was written, the page first.
+fn write(report: &Report, errors: &Baseline, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = vec![
+        ("index.html", page(report).map_err(Failure::failed)?.into_bytes()),
+        ("report.json", pretty(report)?.into_bytes()),
+    ];
+    if !report.subjects.is_empty() {
+        files.push(("points.csv", csv(&report.subjects).map_err(Failure::failed)?));
+        files.push(("errors.json", (pretty(errors)? + "\n").into_bytes()));
+        files.push(("headline.svg", headline_plot(&report.subjects).map_err(Failure::failed)?.into_bytes()));
+        files.push(("headline.md", headline_table(&report.subjects).into_bytes()));
+    }
+    let write = |(name, bytes): (&str, Vec<u8>)| {
+        let path = folder.join(name);
+        vr_io::write_bytes(&path, &bytes).map_err(Failure::failed)?;
+        Ok(path)
+    };
+    files.into_iter().map(write).collect()
+}
+
+fn pretty(value: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(value).map_err(Failure::failed)
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    #[serde(flatten)]
+    report: &'a Report,
+    files: &'a [PathBuf],
+    worse_than_baseline: &'a [String],
+}
+
+fn text(report: &Report, files: &[PathBuf], worse: &[String]) -> String {
+    let mut text = String::new();
+    if report.subjects.iter().flat_map(|s| &s.points).any(|p| p.times.is_some()) {
+        text += &headline_table(&report.subjects);
+        text += "\n";
+    }
+    if !report.orders.is_empty() {
+        let failing = report.orders.iter().filter(|c| c.outcome() == vr_benches::convergence::Outcome::Fails).count();
+        text += &format!("orders     {} measured, {failing} not as documented\n", report.orders.len());
+    }
+    if !report.stability.is_empty() {
+        let failed = report.stability.iter().filter(|r| r.verdict.is_failure()).count();
+        text += &format!("hard cases {} pictures, {failed} unexplained failures\n", report.stability.len());
+    }
+    for growth in &report.growth {
+        let exponent = growth.exponent.map_or_else(String::new, |p| format!(", exponent {p:.2}"));
+        text += &format!("growth     {} with {}{exponent}\n", growth.renderer, growth.grown.word());
+    }
+    for line in worse {
+        text += &format!("worse      {line}\n");
+    }
+    let names: Vec<String> = files.iter().map(|p| p.display().to_string()).collect();
+    text + &format!("took       {:.1} s\nwrote      {}\n", report.seconds, names.join(", "))
+}

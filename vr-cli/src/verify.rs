@@ -1,0 +1,93 @@
+//! `vr verify`.
+
+use serde::Serialize;
+use vr_benches::StudyError;
+use vr_benches::convergence::{Convergence, Outcome, Prover};
+use vr_core::{Control, Renderer};
+
+use crate::args::VerifyArgs;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::progress::under_bar;
+use crate::scene_setup::Setup;
+use crate::table::Table;
+use crate::{exact_cache, renderers};
+
+/// Puts every documented order of convergence to the test.
+///
+/// # Errors
+/// Whatever goes wrong with the command line, the volume, or the scene; an order that is not as documented.
+pub fn run(args: &VerifyArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    let chosen = renderers::chosen(&args.renderers)?;
+    let chosen: Vec<Box<dyn Renderer>> = chosen.into_iter().filter(|r| !r.orders().is_empty()).collect();
+    if chosen.is_empty() {
+        return Err(Failure::usage("no renderer that was named documents an order of convergence"));
+    }
+    let volume = &args.scene.volume;
+    let named = volume.path.is_some() || volume.phantom.is_some() || args.scene.scene.is_some();
+    let setup = named.then(|| Setup::new(&args.scene, console)).transpose()?;
+    let cache = exact_cache::open(&args.cache);
+    let proven = under_bar(console, control, "verifying", |told| {
+        let prover = Prover { cache: &cache, control };
+        let mut results = Vec::new();
+        for (i, renderer) in chosen.iter().enumerate() {
+            let share = |s: f64| told.report((i as f64 + s) / chosen.len() as f64);
+            match &setup {
+                None => results.extend(prover.proving_ground(&**renderer, &share)?),
+                Some(setup) => {
+                    let Setup { title, scene, view, .. } = setup;
+                    results.extend(prover.step_on(&**renderer, (title, scene, view))?);
+                    share(0.7);
+                    results.extend(prover.grid_of(&**renderer, (title, scene))?);
+                }
+            }
+        }
+        Ok(results)
+    });
+    let results = proven.map_err(|e: StudyError| match (e, &setup) {
+        (StudyError::Render(e), Some(setup)) => setup.render_failure(e),
+        (other, _) => Failure::failed(other),
+    })?;
+    let failing = results.iter().filter(|c| c.outcome() == Outcome::Fails).count();
+    console.result(&text(&results), &json(&results))?;
+    match failing {
+        0 => Ok(()),
+        n => Err(Failure::failed(format!("{n} of {} orders are not as documented", results.len()))),
+    }
+}
+
+fn text(results: &[Convergence]) -> String {
+    let mut table =
+        Table::new(&["renderer, claim", "refined", "documented", "measured", "verdict", "errors, coarse to fine"]);
+    for c in results {
+        let errors: Vec<String> = c.errors.iter().map(|e| format!("{e:.1e}")).collect();
+        table.row([
+            format!("{} {}", c.renderer, c.claim),
+            c.refined.word().to_owned(),
+            format!("{} ± {}", c.expected, c.tolerance),
+            c.measured.map_or_else(|| "-".to_owned(), |m| format!("{m:.2}")),
+            c.trouble.clone().unwrap_or_else(|| c.outcome().word().to_owned()),
+            errors.join(" "),
+        ]);
+    }
+    let scene = results.first().map_or("", |c| c.scene.as_str());
+    let held = results.iter().filter(|c| matches!(c.outcome(), Outcome::Holds | Outcome::Exact)).count();
+    format!("on {scene}\n\n{table}\n{held} of {} orders are as documented\n", results.len())
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    orders: Vec<Entry<'a>>,
+}
+
+#[derive(Serialize)]
+struct Entry<'a> {
+    #[serde(flatten)]
+    convergence: &'a Convergence,
+    outcome: Outcome,
+}
+
+fn json(results: &[Convergence]) -> Json<'_> {
+    let entry = |convergence| Entry { convergence, outcome: Convergence::outcome(convergence) };
+    Json { orders: results.iter().map(entry).collect() }
+}
