@@ -11,9 +11,13 @@ mod canvas;
 mod compare;
 mod console;
 mod contact_sheet;
+mod diff;
 mod digits;
 mod error_colors;
+mod error_map;
+mod error_scale;
 mod failure;
+mod heat_map;
 mod histogram;
 mod info;
 mod interrupt;
@@ -25,6 +29,7 @@ mod process;
 mod progress;
 mod render;
 mod renderers;
+mod scattered;
 mod scene_setup;
 mod table;
 mod volume_setup;
@@ -60,6 +65,7 @@ fn run() -> Result<(), Failure> {
         Command::Render(args) => render::run(args, console, &control),
         Command::Compare(args) => compare::run(args, console, &control),
         Command::Bench(args) => bench::run(args, console, &control),
+        Command::Diff(args) => diff::run(args, console),
         Command::Info(args) => info::run(args, console),
     })
 }

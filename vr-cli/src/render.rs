@@ -10,11 +10,12 @@ use vr_physics::metrics::{Metrics, subgrid};
 
 use crate::args::{ErrorMeasure, RenderArgs};
 use crate::console::Console;
+use crate::error_map::ErrorMap;
 use crate::failure::Failure;
 use crate::judge::{ErrorJson, Exact, SUBGRID};
 use crate::progress::under_bar;
 use crate::scene_setup::Setup;
-use crate::{number, output_file};
+use crate::{error_map, number, output_file};
 
 /// Renders, writes, measures, tells.
 ///
@@ -24,6 +25,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     for path in &args.output.outputs {
         output_file::check(path, &["png", "exr"])?;
     }
+    error_map::check(&args.output)?;
     let setup = Setup::new(&args.scene, console)?;
     let renderer = setup.renderer(&args.renderer)?;
     let (scene, view) = (&setup.scene, &setup.view);
@@ -42,7 +44,8 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     }
 
     // Nobody would see it.
-    let wanted = if console.quiet && !console.json { ErrorMeasure::None } else { args.output.error };
+    let unseen = console.quiet && !console.json && args.output.error_map.is_none();
+    let wanted = if unseen { ErrorMeasure::None } else { args.output.error };
     let pixels = match wanted {
         ErrorMeasure::None => None,
         ErrorMeasure::Subgrid => Some(subgrid(SUBGRID, view.size)),
@@ -56,6 +59,12 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         })
         .transpose()
         .map_err(|e| setup.render_failure(e))?;
+    let map = match (&args.output.error_map, &exact) {
+        (Some(path), Some(exact)) => Some(under_bar(console, control, "error map", |control| {
+            error_map::write(path, &setup, exact, &frame, control)
+        })?),
+        _ => None,
+    };
 
     let done = Done {
         setup: &setup,
@@ -64,6 +73,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         render,
         counts: stats.counts,
         error: exact.map(|exact| (exact.judge(&frame), exact)),
+        map,
         outputs: &args.output.outputs,
     };
     console.result(&done.text(), &done.json())
@@ -77,6 +87,7 @@ struct Done<'a> {
     render: Duration,
     counts: Counts,
     error: Option<(Metrics, Exact)>,
+    map: Option<ErrorMap>,
     outputs: &'a [PathBuf],
 }
 
@@ -94,6 +105,7 @@ struct Json<'a> {
     unbounded: u64,
     repeated: u64,
     error: Option<ErrorJson>,
+    error_map: Option<&'a ErrorMap>,
     outputs: &'a [PathBuf],
     notes: &'a [String],
 }
@@ -131,6 +143,9 @@ impl Done<'_> {
                 number::time(exact.time)
             );
         }
+        if let Some(map) = &self.map {
+            text += &map.text(u64::from(w) * u64::from(h));
+        }
         let outputs: Vec<String> = self.outputs.iter().map(|p| p.display().to_string()).collect();
         text + &format!("wrote    {}\n", outputs.join(", "))
     }
@@ -150,6 +165,7 @@ impl Done<'_> {
             unbounded,
             repeated,
             error: self.error.as_ref().map(|(metrics, exact)| ErrorJson::new(metrics, exact)),
+            error_map: self.map.as_ref(),
             outputs: self.outputs,
             notes: &self.setup.notes,
         }
