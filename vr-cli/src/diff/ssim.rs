@@ -88,6 +88,14 @@ mod tests {
     }
 
     #[test]
+    fn agrees_with_scikit_image() {
+        // structural_similarity(a, b, gaussian_weights=True, sigma=1.5, use_sample_covariance=False, data_range=1.0), version 0.26.
+        let size = [31, 23];
+        let found = ssim(size, &waves(size, 0.0), &waves(size, 0.4)).unwrap();
+        assert!((found - 0.753_883_690_373_972_8).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
     fn one_window_by_its_definition() {
         // A window that fits once: means, variances and covariance as the paper writes them, in two dimensions.
         let size = [11, 11];

@@ -9,7 +9,7 @@ use vr_core::Frame;
 use vr_core::transfer::srgb_to_linear;
 
 use super::error::PictureError;
-use super::{MOST_PIXELS, Origin, Picture, SampleKind};
+use super::{BYTES_PER_BYTE, MOST_PIXELS, Origin, Picture, SampleKind};
 use crate::png::Encode;
 
 /// Reads a picture whose first bytes are not those of EXR.
@@ -44,7 +44,7 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>, encode: Encode) ->
     let decoder = reader.into_decoder().map_err(refuse)?;
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();
-    origin.check([width.into(), height.into()], color.bytes_per_pixel().into())?;
+    origin.check([width.into(), height.into()], color.bytes_per_pixel().into(), BYTES_PER_BYTE)?;
     let image = DynamicImage::from_decoder(decoder).map_err(refuse)?;
     let pixels = linear(&image, encode)
         .ok_or_else(|| PictureError::unsupported(path, format, format!("colours of type {color:?}")))?;
@@ -98,7 +98,7 @@ fn linear(image: &DynamicImage, encode: Encode) -> Option<Vec<[f32; 4]>> {
 fn pixels<T: Copy + Into<f64>, const N: usize>(samples: &[T], light: impl Fn(T) -> f64, opaque: f64) -> Vec<[f32; 4]> {
     let (pixels, _) = samples.as_chunks::<N>();
     let premultiplied = |pixel: &[T; N]| {
-        let alpha = if N % 2 == 0 { pixel[N - 1].into() / opaque } else { 1.0 };
+        let alpha = if N.is_multiple_of(2) { pixel[N - 1].into() / opaque } else { 1.0 };
         let color = |c: usize| (light(pixel[if N < 3 { 0 } else { c }]) * alpha) as f32;
         [color(0), color(1), color(2), alpha as f32]
     };

@@ -8,6 +8,7 @@ use std::io::BufReader;
 use exr::block::UncompressedBlock;
 use exr::block::lines::LineRef;
 use exr::block::reader::ChunksReader;
+use exr::compression::Compression;
 use exr::error::Error;
 use exr::math::Vec2;
 use exr::meta::attribute::{ChannelDescription, SampleType};
@@ -16,9 +17,12 @@ use exr::prelude::f16;
 use vr_core::Frame;
 
 use super::error::PictureError;
-use super::{MOST_PIXELS, Origin, Picture, SampleKind};
+use super::{BYTES_PER_BYTE, MOST_PIXELS, Origin, Picture, SampleKind};
 
 const FORMAT: &str = "EXR";
+
+/// These codecs transform blocks of 64 samples, of which one may be left, and deflate that.
+const DWA_BYTES_PER_BYTE: u64 = 64 * BYTES_PER_BYTE;
 
 /// Reads a file whose first bytes are those of EXR.
 pub(super) fn read(origin: Origin<'_>, file: BufReader<File>) -> Result<Picture, PictureError> {
@@ -41,7 +45,11 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>) -> Result<Picture,
         return Err(unsupported("channels of a lower resolution"));
     }
     let Vec2(width, height) = header.layer_size;
-    origin.check([width as u64, height as u64], header.channels.bytes_per_pixel as u64)?;
+    let bytes_per_byte = match header.compression {
+        Compression::DWAA(_) | Compression::DWAB(_) => DWA_BYTES_PER_BYTE,
+        _ => BYTES_PER_BYTE,
+    };
+    origin.check([width as u64, height as u64], header.channels.bytes_per_pixel as u64, bytes_per_byte)?;
     let window = header.shared_attributes.display_window;
     let Vec2(shown_width, shown_height) = window.size;
     let pixels = (shown_width as u64).saturating_mul(shown_height as u64);
@@ -310,6 +318,19 @@ mod tests {
             part.encoding = encoding;
             let picture = read_back([70, 40], &[part]).unwrap();
             assert!(picture.frame.pixels().iter().zip(&values).all(|(p, &v)| *p == [v, v, v, 1.0]), "{encoding:?}");
+        }
+    }
+
+    #[test]
+    fn a_large_picture_may_take_few_bytes() {
+        let black = [Compression::DWAB(None), Compression::ZIP16].map(|compression| {
+            let mut part = layer([2048, 1024], "", &["R", "G", "B"].map(|c| (c, halves(&[0.0; 2048 * 1024]))));
+            part.encoding = Encoding { compression, ..Encoding::default() };
+            part
+        });
+        for part in black {
+            let picture = read_back([2048, 1024], &[part]).unwrap();
+            assert!(picture.frame.pixels().iter().all(|p| *p == [0.0, 0.0, 0.0, 1.0]));
         }
     }
 }

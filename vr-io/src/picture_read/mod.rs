@@ -17,11 +17,11 @@ pub use error::PictureError;
 /// Pictures with more pixels than this (8192 × 8192) are refused.
 pub const MOST_PIXELS: u64 = 1 << 26;
 
-/// A decoder gives at most this many bytes for one byte of the file; a header that claims more lies.
+/// Most decoders give at most this many bytes for one byte of the file; a header that claims more lies.
 ///
-/// The best that the formats do is about 2700 (LZW) and 1365 (JPEG); Deflate reaches 1032, and the codecs of EXR less. Only a
+/// The best that they do is about 2700 (LZW) and 1365 (JPEG); Deflate reaches 1032, and the lossless codecs of EXR no more. Only a
 /// BMP or a fax-coded TIFF may leave out lines altogether, and such a file, if almost nothing is in it, is refused.
-const MOST_BYTES_PER_BYTE: u64 = 4096;
+const BYTES_PER_BYTE: u64 = 1 << 12;
 
 /// A picture from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,12 +54,12 @@ pub enum SampleKind {
 
 /// Reads a picture as linear light with premultiplied α. The format is told by what the file holds, not by its name.
 ///
-/// * **EXR**: flat pictures in half or full floats, all codecs but DWAA and DWAB, linear and premultiplied as they are. Channels
-///   R, G, B and A (or Y and A) of the first layer that has them, plain ones first; the display window, with nothing (0, 0, 0, 0)
-///   where there are no data.
+/// * **EXR**: flat pictures in half or full floats, scan lines or tiles, all codecs but JPEG 2000 and Zstandard, linear and
+///   premultiplied as they are. Channels R, G, B and A (or Y and A) of the first layer that has them, plain ones first; the
+///   display window, with nothing (0, 0, 0, 0) where there are no data.
 /// * **PNG**, **JPEG**, **TIFF**, **BMP**, **PNM**: grey or RGB, with or without α, in up to 16 bits. `encode` says whether the
-///   integers hold sRGB or linear light; α is linear, and colours are taken as not premultiplied. Floats (TIFF) are linear. Gamma
-///   and colour profiles that a file carries are not looked at.
+///   integers hold sRGB or linear light; α is linear, and colours are taken as not premultiplied. Floats (RGB and RGBA in TIFF) are
+///   linear. Gamma and colour profiles that a file carries are not looked at, and a JPEG that is cut off is grey at the bottom.
 ///
 /// # Errors
 /// A [`PictureError`] naming the file: one that cannot be opened, is of another format, damaged or cut off, claims more than it
@@ -85,9 +85,9 @@ struct Origin<'a> {
 
 impl Origin<'_> {
     /// Holds a header's claim against what is sensible: called before anything is allocated for it.
-    fn check(&self, size: [u64; 2], bytes_per_pixel: u64) -> Result<(), PictureError> {
+    fn check(self, size: [u64; 2], bytes_per_pixel: u64, bytes_per_byte: u64) -> Result<(), PictureError> {
         let pixels = size[0].saturating_mul(size[1]);
-        let most = self.length.saturating_mul(MOST_BYTES_PER_BYTE);
+        let most = self.length.saturating_mul(bytes_per_byte);
         if pixels == 0 || pixels > MOST_PIXELS || pixels.saturating_mul(bytes_per_pixel) > most {
             return Err(PictureError::Size { path: self.path.into(), size, length: self.length });
         }
