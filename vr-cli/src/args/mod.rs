@@ -21,7 +21,7 @@ use crate::renderers;
 
 /// Pictures of volumes, and how far they are from the exact solution.
 ///
-/// Every command works without arguments, on an embedded scene.
+/// Every command but `diff` works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
 #[command(name = "vr", version, args_override_self = true)]
 pub struct Cli {

@@ -28,6 +28,9 @@ use report::{Report, Side};
 pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
     for path in &args.outputs {
         output_file::check(path, &["png", "exr"])?;
+        if [&args.reference, &args.picture].into_iter().any(|input| is_same_file(input, path)) {
+            return Err(Failure::usage(format!("--output: {} is a picture to be compared", path.display())));
+        }
     }
     if !args.background.iter().all(|c| c.is_finite()) {
         return Err(Failure::usage(format!("--background: found {:?}; must be finite", args.background)));
@@ -73,6 +76,11 @@ pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Whether two paths lead to one file that exists.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// The picture of the difference that a name asks for.

@@ -100,6 +100,7 @@ fn what_cannot_be_compared_is_one_line() {
         ("a.png", 2, &["<B>"]),
         ("a.png a.exr -o map.jpg", 2, &["map.jpg", "png or exr"]),
         ("a.png a.exr -o no/map.png", 1, &["no/map.png", "folder"]),
+        ("a.png a.exr -o ./a.exr", 2, &["a.exr", "compared"]),
         ("a.png a.exr --fail-above -1", 2, &["fail-above"]),
         ("a.png a.exr --background nan,0,0", 2, &["background"]),
         ("a.png a.exr --encode gamma", 2, &["encode", "srgb"]),
@@ -110,6 +111,25 @@ fn what_cannot_be_compared_is_one_line() {
         }
     }
     assert_eq!(vr.files(), before);
+}
+
+#[test]
+fn what_is_no_number_is_infinitely_wrong() {
+    let vr = Vr::new();
+    let save = |name: &str, red: f32| {
+        let pixels =
+            image::Rgb32FImage::from_fn(12, 12, |x, y| image::Rgb([if x == 3 && y == 5 { red } else { 0.5 }; 3]));
+        image::DynamicImage::ImageRgb32F(pixels).save(vr.folder().join(name)).unwrap();
+    };
+    save("a.tiff", 0.5);
+    save("b.tiff", f32::NAN);
+    let text = vr.run("diff a.tiff b.tiff -o map.png -o map.exr").succeeded().stdout;
+    for word in ["max inf", "pixel 3, 5", "B NaN, NaN, NaN", "1 of 144 pixels"] {
+        assert!(text.contains(word), "no {word:?} in\n{text}");
+    }
+    let json = vr.run("diff a.tiff b.tiff --json").succeeded().json();
+    assert!(json["error"]["max"].is_null() && json["largest"]["picture"][0].is_null(), "{json}");
+    vr.run("diff a.tiff b.tiff --fail-above 1000").failed(1);
 }
 
 #[test]
