@@ -6,7 +6,7 @@ use vr_core::{Control, Frame, Model, RenderError, Rendered, Scene, View};
 use vr_physics::metrics::subgrid;
 
 use crate::contestant::Contestant;
-use crate::exact::{Exact, ExactCache};
+use crate::exact::{Exact, ExactCache, SUBGRID};
 
 /// An RMSE from a sample of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,9 +99,8 @@ pub enum ChoiceError {
 
 /// Pixels of the small picture, about.
 const SMALL: f64 = 96.0 * 96.0;
-/// Parts along each side of the small picture that a pixel is taken of, and of the whole one.
+/// Parts along each side of the small picture that a pixel is taken of.
 const SMALL_SUBGRID: u32 = 40;
-const SUBGRID: u32 = 64;
 /// No further contestant rehearses after this time.
 const PATIENCE: Duration = Duration::from_secs(20);
 

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use vr_benches::exact::{Exact, SUBGRID};
 use vr_core::{Control, Counts, Frame, Model, Prepared, RenderError, Renderer, View};
 use vr_physics::metrics::subgrid;
 
@@ -9,7 +10,6 @@ use crate::args::{BenchArgs, TimingArgs};
 use crate::bench_report::Report;
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::judge::{Exact, SUBGRID};
 use crate::process;
 use crate::progress::under_bar;
 use crate::scene_setup::Setup;

@@ -3,12 +3,13 @@
 use std::time::Duration;
 
 use serde::Serialize;
+use vr_benches::exact::Exact;
+use vr_benches::figures::ErrorFigures;
 use vr_core::{Options, Renderer};
 use vr_physics::metrics::Metrics;
 
 use crate::args::TimingArgs;
 use crate::bench::{Measured, Timed};
-use crate::judge::{ErrorJson, Exact};
 use crate::number;
 use crate::scene_setup::Setup;
 use crate::table::Table;
@@ -52,7 +53,7 @@ pub struct Json<'a> {
     samples: u64,
     peak_bytes: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    error: Option<ErrorJson>,
+    error: Option<ErrorFigures>,
 }
 
 impl Report<'_> {
@@ -72,7 +73,7 @@ impl Report<'_> {
             cpu_ms: self.cpu().map(ms),
             samples: self.samples(),
             peak_bytes: self.peak_bytes,
-            error: self.error.as_ref().map(|(metrics, exact)| ErrorJson::new(metrics, exact)),
+            error: self.error.as_ref().map(|(metrics, exact)| ErrorFigures::new(metrics, exact)),
         }
     }
 

@@ -3,6 +3,8 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use vr_benches::exact::Exact;
+use vr_benches::figures::ErrorFigures;
 use vr_core::{Control, Model, Prepared, RenderError, Rendered, Renderer, View};
 use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
@@ -11,7 +13,6 @@ use crate::args::CompareArgs;
 use crate::console::Console;
 use crate::contact_sheet::{self, Entry};
 use crate::failure::Failure;
-use crate::judge::{ErrorJson, Exact};
 use crate::progress::under_bar;
 use crate::scene_setup::Setup;
 use crate::table::Table;
@@ -197,7 +198,7 @@ struct RendererJson<'a> {
     prepare_seconds: f64,
     render_seconds: f64,
     samples: u64,
-    error: ErrorJson,
+    error: ErrorFigures,
     own_model_max_error: Option<f64>,
 }
 
@@ -207,7 +208,7 @@ fn json<'a>(setup: &'a Setup, exact: &Exact, results: &[(&'a str, Measured)], ar
         prepare_seconds: m.prepare.as_secs_f64(),
         render_seconds: m.render.as_secs_f64(),
         samples: m.rendered.stats.counts.samples,
-        error: ErrorJson::new(&m.metrics, exact),
+        error: ErrorFigures::new(&m.metrics, exact),
         own_model_max_error: m.own.map(|own| own.max),
     };
     Json {

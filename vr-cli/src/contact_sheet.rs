@@ -1,12 +1,12 @@
 //! The contact sheet of a comparison: each picture above the map of its error, numbered as in the table, and the scale of the
 //! maps below.
 
+use vr_benches::error_colors;
 use vr_core::Frame;
 
 use crate::canvas::Canvas;
-use vr_benches::error_colors;
-
 use crate::digits;
+use crate::error_scale::{self, GAP, INK, PAPER};
 
 /// One numbered column of the sheet.
 pub struct Entry<'a> {
@@ -16,15 +16,8 @@ pub struct Entry<'a> {
     pub errors: &'a [f64],
 }
 
-/// Pixels between tiles.
-const GAP: u32 = 8;
 /// Entries side by side.
 const MOST_COLUMNS: usize = 4;
-/// Dark enough for the maps, light enough to tell it from their black.
-const PAPER: [f32; 3] = [0.03, 0.03, 0.035];
-const INK: [f32; 3] = [0.8; 3];
-/// Height of the bar with the scale.
-const BAR: u32 = 10;
 
 /// Draws the sheet. All frames have the same size; there is at least one.
 pub fn draw(entries: &[Entry<'_>], background: [f32; 3]) -> Frame {
@@ -33,7 +26,7 @@ pub fn draw(entries: &[Entry<'_>], background: [f32; 3]) -> Frame {
     let bands = entries.len().div_ceil(MOST_COLUMNS) as u32;
     let band = digits::HEIGHT + 2 * h + 2 * GAP;
     let width = columns * (w + GAP) + GAP;
-    let height = GAP + bands * band + BAR + GAP + digits::HEIGHT + GAP;
+    let height = GAP + bands * band + error_scale::HEIGHT + GAP;
     let mut canvas = Canvas::new([width, height], PAPER);
     for (k, entry) in entries.iter().enumerate() {
         let x = GAP + (k % MOST_COLUMNS) as u32 * (w + GAP);
@@ -48,26 +41,8 @@ pub fn draw(entries: &[Entry<'_>], background: [f32; 3]) -> Frame {
             canvas.put([px, map + py], error_colors::color(error));
         }
     }
-    scale(&mut canvas, GAP + bands * band, width);
+    error_scale::draw(&mut canvas, [GAP, GAP + bands * band], width - 2 * GAP);
     canvas.into_frame()
-}
-
-/// A bar from the smallest to the largest error of the scale, with the exponents of its decades.
-fn scale(canvas: &mut Canvas, y: u32, sheet_width: u32) {
-    let width = sheet_width - 2 * GAP;
-    for x in 0..width {
-        let color = error_colors::at(f64::from(x) / f64::from(width.max(2) - 1));
-        canvas.fill([GAP + x, y], [1, BAR], color);
-    }
-    let (low, high) = error_colors::DECADES;
-    for decade in low..=high {
-        let place = f64::from(decade - low) / f64::from(high - low);
-        let half = digits::width(decade) / 2;
-        let middle = GAP + (place * f64::from(width)) as u32;
-        let last = (sheet_width - GAP).saturating_sub(2 * half).max(GAP);
-        let x = middle.saturating_sub(half).clamp(GAP, last);
-        digits::draw(canvas, decade, [x, y + BAR + GAP / 2], INK);
-    }
 }
 
 #[cfg(test)]

@@ -11,14 +11,17 @@ mod canvas;
 mod compare;
 mod console;
 mod contact_sheet;
+mod diff;
 mod digits;
+mod error_map;
+mod error_scale;
 mod exact_cache;
 mod failure;
 mod heap;
+mod heat_map;
 mod histogram;
 mod info;
 mod interrupt;
-mod judge;
 mod number;
 mod output_file;
 mod overrides;
@@ -27,8 +30,10 @@ mod progress;
 mod render;
 mod renderers;
 mod report;
+mod scattered;
 mod scene_setup;
 mod table;
+mod target;
 mod verify;
 mod volume_setup;
 
@@ -65,6 +70,7 @@ fn run() -> Result<(), Failure> {
         Command::Bench(args) => bench::run(args, console, &control),
         Command::Report(args) => report::run(args, console, &control),
         Command::Verify(args) => verify::run(args, console, &control),
+        Command::Diff(args) => diff::run(args, console),
         Command::Info(args) => info::run(args, console),
     })
 }

@@ -50,7 +50,9 @@ pub fn triple<T: std::fmt::Display>(v: [T; 3], separator: &str) -> String {
 
 /// A value of the volume: up to six digits, no trailing zeros, an exponent only where it saves room.
 pub fn value(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
+    if !x.is_finite() {
+        x.to_string()
+    } else if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
         let digits = (5 - x.abs().max(1e-300).log10().floor() as i32).clamp(0, 8) as usize;
         let s = format!("{x:.digits$}");
         let s = if s.contains('.') { s.trim_end_matches('0').trim_end_matches('.') } else { &s };
@@ -78,6 +80,7 @@ mod tests {
         }
         assert_eq!(value(-2.4e10), "-2.4e10");
         assert_eq!(value(1e-7), "1e-7");
+        assert_eq!((value(f64::NAN), value(f64::NEG_INFINITY)), ("NaN".to_owned(), "-inf".to_owned()));
         assert_eq!(triple([1, 2, 3], "×"), "1×2×3");
     }
 }

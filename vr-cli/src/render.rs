@@ -4,17 +4,20 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use vr_core::{Control, Counts, Model, Rendered};
+use vr_benches::exact::{Exact, SUBGRID};
+use vr_benches::figures::ErrorFigures;
+use vr_core::{Control, Counts, Frame, Model, Rendered};
 use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
 
-use crate::args::{ErrorMeasure, RenderArgs};
+use crate::args::{ErrorMeasure, RenderArgs, RendererArgs};
 use crate::console::Console;
+use crate::error_map::ErrorMap;
 use crate::failure::Failure;
-use crate::judge::{ErrorJson, Exact, SUBGRID};
 use crate::progress::under_bar;
 use crate::scene_setup::Setup;
-use crate::{number, output_file};
+use crate::target::Chosen;
+use crate::{error_map, exact_cache, number, output_file, target};
 
 /// Renders, writes, measures, tells.
 ///
@@ -24,66 +27,91 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     for path in &args.output.outputs {
         output_file::check(path, &["png", "exr"])?;
     }
+    error_map::check(&args.output)?;
     let setup = Setup::new(&args.scene, console)?;
-    let renderer = setup.renderer(&args.renderer)?;
     let (scene, view) = (&setup.scene, &setup.view);
-
-    let start = Instant::now();
-    let mut prepared = under_bar(console, control, "preparing", |control| renderer.prepare(scene, control))
-        .map_err(|e| setup.render_failure(e))?;
-    let prepare = start.elapsed();
-    let start = Instant::now();
-    let Rendered { frame, stats } = under_bar(console, control, "rendering", |control| prepared.render(view, control))
-        .map_err(|e| setup.render_failure(e))?;
-    let render = start.elapsed();
+    let cache = exact_cache::open(&args.cache);
+    let drawn = match args.target.target_rmse {
+        Some(target) => target::draw(target, &args.renderer, &setup, &cache, console, control)?,
+        None => draw(&args.renderer, &setup, console, control)?,
+    };
+    let frame = &drawn.frame;
     let png = PngOptions { background: scene.background, ..args.output.png() };
     for path in &args.output.outputs {
-        vr_io::write(path, &frame, &png).map_err(Failure::failed)?;
+        vr_io::write(path, frame, &png).map_err(Failure::failed)?;
     }
 
     // Nobody would see it.
-    let wanted = if console.quiet && !console.json { ErrorMeasure::None } else { args.output.error };
+    let unseen = console.quiet && !console.json && args.output.error_map.is_none();
+    let wanted = if unseen { ErrorMeasure::None } else { args.output.error };
     let pixels = match wanted {
         ErrorMeasure::None => None,
         ErrorMeasure::Subgrid => Some(subgrid(SUBGRID, view.size)),
         ErrorMeasure::Full => Some(subgrid(u32::MAX, view.size)),
     };
-    let exact = pixels
-        .map(|pixels| {
-            under_bar(console, control, "measuring the error", |control| {
-                Exact::solve((scene, view), &Model::Canonical, pixels, control)
-            })
-        })
-        .transpose()
-        .map_err(|e| setup.render_failure(e))?;
+    let solve = |pixels| {
+        let solve = |control: &Control| cache.solve((scene, view), &Model::Canonical, pixels, control);
+        under_bar(console, control, "measuring the error", solve)
+    };
+    let exact = pixels.map(solve).transpose().map_err(|e| setup.render_failure(e))?;
+    let map = match (&args.output.error_map, &exact) {
+        (Some(path), Some(exact)) => Some(error_map::write(path, exact, frame)?),
+        _ => None,
+    };
 
     let done = Done {
         setup: &setup,
-        renderer: renderer.name(),
-        prepare,
-        render,
-        counts: stats.counts,
-        error: exact.map(|exact| (exact.judge(&frame), exact)),
+        drawn: &drawn,
+        error: exact.map(|exact| (exact.judge(frame), exact)),
+        map,
         outputs: &args.output.outputs,
     };
     console.result(&done.text(), &done.json())
 }
 
+/// A picture, and what it took.
+pub struct Drawn {
+    /// Who drew it.
+    pub renderer: String,
+    /// The picture.
+    pub frame: Frame,
+    /// The work.
+    pub counts: Counts,
+    /// Time of the preparation.
+    pub prepare: Duration,
+    /// Time of the picture.
+    pub render: Duration,
+    /// How the renderer and its setting were chosen, where an error was asked for.
+    pub chosen: Option<Chosen>,
+}
+
+/// Draws with the renderer that flags or the scene file ask for.
+fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control) -> Result<Drawn, Failure> {
+    let renderer = setup.renderer(args)?;
+    let start = Instant::now();
+    let mut prepared = under_bar(console, control, "preparing", |control| renderer.prepare(&setup.scene, control))
+        .map_err(|e| setup.render_failure(e))?;
+    let prepare = start.elapsed();
+    let start = Instant::now();
+    let Rendered { frame, stats } = under_bar(console, control, "rendering", |c| prepared.render(&setup.view, c))
+        .map_err(|e| setup.render_failure(e))?;
+    let (renderer, render) = (renderer.name().to_owned(), start.elapsed());
+    Ok(Drawn { renderer, frame, counts: stats.counts, prepare, render, chosen: None })
+}
+
 /// What there is to tell.
 struct Done<'a> {
     setup: &'a Setup,
-    renderer: &'static str,
-    prepare: Duration,
-    render: Duration,
-    counts: Counts,
+    drawn: &'a Drawn,
     error: Option<(Metrics, Exact)>,
+    map: Option<ErrorMap>,
     outputs: &'a [PathBuf],
 }
 
 #[derive(Serialize)]
 struct Json<'a> {
     volume: &'a str,
-    renderer: &'static str,
+    renderer: &'a str,
     size: [u32; 2],
     prepare_seconds: f64,
     render_seconds: f64,
@@ -93,17 +121,23 @@ struct Json<'a> {
     terminated: u64,
     unbounded: u64,
     repeated: u64,
-    error: Option<ErrorJson>,
+    chosen: Option<&'a Chosen>,
+    error: Option<ErrorFigures>,
+    error_map: Option<&'a ErrorMap>,
     outputs: &'a [PathBuf],
     notes: &'a [String],
 }
 
 impl Done<'_> {
     fn text(&self) -> String {
-        let Counts { rays, samples, skipped, terminated, unbounded, repeated } = self.counts;
+        let Counts { rays, samples, skipped, terminated, unbounded, repeated } = self.drawn.counts;
         let [w, h] = self.setup.view.size;
-        let mut text = format!("scene    {}, {w}x{h} pixels, {}\n", self.setup.title, self.renderer);
-        text += &format!("time     prepare {}, render {}\n", number::time(self.prepare), number::time(self.render));
+        let mut text = format!("scene    {}, {w}x{h} pixels, {}\n", self.setup.title, self.drawn.renderer);
+        if let Some(chosen) = &self.drawn.chosen {
+            text += &chosen.text();
+        }
+        let Drawn { prepare, render, .. } = *self.drawn;
+        text += &format!("time     prepare {}, render {}\n", number::time(prepare), number::time(render));
         text += &format!(
             "work     {} rays, {} samples, {} skipped, {} rays ended early\n",
             number::count(rays),
@@ -131,25 +165,30 @@ impl Done<'_> {
                 number::time(exact.time)
             );
         }
+        if let Some(map) = &self.map {
+            text += &map.text(u64::from(w) * u64::from(h));
+        }
         let outputs: Vec<String> = self.outputs.iter().map(|p| p.display().to_string()).collect();
         text + &format!("wrote    {}\n", outputs.join(", "))
     }
 
     fn json(&self) -> Json<'_> {
-        let Counts { rays, samples, skipped, terminated, unbounded, repeated } = self.counts;
+        let Counts { rays, samples, skipped, terminated, unbounded, repeated } = self.drawn.counts;
         Json {
             volume: &self.setup.title,
-            renderer: self.renderer,
+            renderer: &self.drawn.renderer,
             size: self.setup.view.size,
-            prepare_seconds: self.prepare.as_secs_f64(),
-            render_seconds: self.render.as_secs_f64(),
+            prepare_seconds: self.drawn.prepare.as_secs_f64(),
+            render_seconds: self.drawn.render.as_secs_f64(),
             rays,
             samples,
             skipped,
             terminated,
             unbounded,
             repeated,
-            error: self.error.as_ref().map(|(metrics, exact)| ErrorJson::new(metrics, exact)),
+            chosen: self.drawn.chosen.as_ref(),
+            error: self.error.as_ref().map(|(metrics, exact)| ErrorFigures::new(metrics, exact)),
+            error_map: self.map.as_ref(),
             outputs: self.outputs,
             notes: &self.setup.notes,
         }

@@ -2,7 +2,8 @@
 //!
 //! [`read`] takes a volume of any supported format, told by its content first and by its name second, and gives a
 //! [`vr_core::Volume`], what the file said about it, and notes on what had to be assumed. [`load_scene`] takes a scene file with
-//! everything that it names. [`write()`](write()), [`write_nrrd`] and [`write_scene`] go the other way.
+//! everything that it names. [`write()`](write()), [`write_nrrd`] and [`write_scene`] go the other way. [`read_picture`] takes
+//! pictures of other programs, and our own, for comparison.
 //!
 //! ```
 //! use vr_io::{NrrdOptions, ReadOptions};
@@ -80,6 +81,7 @@ mod nrrd;
 mod paraview;
 mod payload;
 mod picture;
+mod picture_read;
 mod png;
 mod raw;
 mod read;
@@ -96,6 +98,7 @@ pub use nifti::Transform;
 pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
 pub use paraview::{ColorMap, ColorMapError, parse_color_maps, read_color_maps};
 pub use picture::write;
+pub use picture_read::{MOST_PIXELS, Picture, PictureError, SampleKind, read_picture};
 pub use png::{Encode, PngDepth, PngOptions, encode_png, write_png};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, read};

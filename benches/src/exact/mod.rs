@@ -12,6 +12,9 @@ use vr_physics::{Certainty, Reference, Solution};
 
 pub use cache::ExactCache;
 
+/// Parts along each side of a picture of which a pixel each is compared, where not every pixel is.
+pub const SUBGRID: u32 = 64;
+
 /// The exact solution of some pixels of a view.
 #[derive(Clone, Debug)]
 pub struct Exact {
@@ -71,14 +74,20 @@ impl Exact {
         Metrics::of(&self.rgba, &drawn)
     }
 
-    /// Largest error of any component of each pixel, in units of max(1, largest magnitude of the solution).
-    pub fn errors(&self, frame: &Frame) -> Vec<f64> {
+    /// Frame − solution per component of each pixel, in units of max(1, largest magnitude of the solution).
+    pub fn signed(&self, frame: &Frame) -> Vec<[f64; 4]> {
         let scale = self.rgba.iter().flatten().fold(1.0f64, |peak, c| peak.max(c.abs()));
         let error = |(&[x, y], exact): (&[u32; 2], &[f64; 4])| {
             let drawn = frame.pixel(x, y);
-            (0..4).map(|c| (f64::from(drawn[c]) - exact[c]).abs() / scale).fold(0.0, f64::max)
+            std::array::from_fn(|c| (f64::from(drawn[c]) - exact[c]) / scale)
         };
         self.pixels.iter().zip(&self.rgba).map(error).collect()
+    }
+
+    /// Largest error of any component of each pixel, in the same units; infinite where the frame has no number.
+    pub fn errors(&self, frame: &Frame) -> Vec<f64> {
+        let size = |e: f64| if e.is_nan() { f64::INFINITY } else { e.abs() };
+        self.signed(frame).into_iter().map(|e| e.into_iter().map(size).fold(0.0, f64::max)).collect()
     }
 
     /// `within 1e-10`, or that it is an estimate.
@@ -102,5 +111,23 @@ impl Exact {
     /// How many pixels were solved.
     pub fn count(&self) -> usize {
         self.pixels.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::subject::phantom_subject;
+
+    #[test]
+    fn what_is_no_number_is_infinitely_wrong() {
+        let subject = phantom_subject("fog", 4, [2, 1]).unwrap();
+        let view = (&subject.scene, &subject.view);
+        let exact = Exact::solve(view, &Model::Canonical, vec![[0, 0], [1, 0]], &Control::default()).unwrap();
+        let [r, g, b, a] = exact.rgba()[1].map(|x| x as f32);
+        let frame = Frame::new([2, 1], vec![[f32::NAN, 0.0, 0.0, 0.0], [r, g - 0.25, b, a]], None);
+        let errors = exact.errors(&frame);
+        assert_eq!(errors[0], f64::INFINITY);
+        assert!((errors[1] - 0.25).abs() < 1e-6 && (exact.signed(&frame)[1][1] + 0.25).abs() < 1e-6);
     }
 }

@@ -32,3 +32,12 @@ pub enum Bits {
     #[value(name = "16")]
     Sixteen,
 }
+
+impl From<Curve> for vr_io::Encode {
+    fn from(curve: Curve) -> Self {
+        match curve {
+            Curve::Srgb => Self::Srgb,
+            Curve::None => Self::None,
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod choices;
+mod diff;
 mod report;
 mod scene;
 mod value;
@@ -9,9 +10,10 @@ mod volume;
 use std::path::PathBuf;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use vr_io::{Encode, PngDepth, PngOptions};
+use vr_io::{PngDepth, PngOptions};
 
 pub use choices::{Bits, Curve, ErrorMeasure};
+pub use diff::DiffArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use scene::{CameraArgs, CompositingArgs, ImageArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use volume::VolumeArgs;
@@ -21,7 +23,7 @@ use crate::renderers;
 
 /// Pictures of volumes, and how far they are from the exact solution.
 ///
-/// Every command works without arguments, on an embedded scene.
+/// Every command but `diff` works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
 #[command(name = "vr", version, args_override_self = true)]
 pub struct Cli {
@@ -61,6 +63,8 @@ pub enum Command {
     Report(Box<ReportArgs>),
     /// Put every documented order of convergence to the test
     Verify(Box<VerifyArgs>),
+    /// Compare two pictures from anywhere: error, similarity, heat map
+    Diff(Box<DiffArgs>),
     /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try
     Info(Box<InfoArgs>),
 }
@@ -128,6 +132,9 @@ pub struct OutputArgs {
     /// Which pixels are compared with the exact solution: every one, those of a 64x64 subgrid, or none
     #[arg(long, value_name = "PIXELS", default_value = "subgrid")]
     pub error: ErrorMeasure,
+    /// Where a map of the error goes, interpolated between the compared pixels: .png (heat map) or .exr (signed, in floats)
+    #[arg(long, value_name = "FILE")]
+    pub error_map: Option<PathBuf>,
 }
 
 impl OutputArgs {
@@ -138,10 +145,7 @@ impl OutputArgs {
                 Bits::Eight => PngDepth::Eight,
                 Bits::Sixteen => PngDepth::Sixteen,
             },
-            encode: match self.encode {
-                Curve::Srgb => Encode::Srgb,
-                Curve::None => Encode::None,
-            },
+            encode: self.encode.into(),
             alpha: self.alpha,
             ..PngOptions::default()
         }

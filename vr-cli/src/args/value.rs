@@ -59,6 +59,12 @@ pub fn angle(text: &str) -> Result<f64, String> {
     if (-360.0..=360.0).contains(&degrees) { Ok(degrees) } else { Err("must be from -360 to 360 degrees".to_owned()) }
 }
 
+/// A size of an error: a number that is not below 0.
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    let tolerance: f64 = text.trim().parse().map_err(|_| "expected a number".to_owned())?;
+    if tolerance >= 0.0 { Ok(tolerance) } else { Err("must not be below 0".to_owned()) }
+}
+
 /// `key=value`.
 pub fn key_value(text: &str) -> Result<(String, String), String> {
     let (key, value) = text.split_once('=').ok_or("expected KEY=VALUE")?;
@@ -88,6 +94,8 @@ mod tests {
         assert_eq!(plane("0,0,1,64"), Ok(([0.0, 0.0, 1.0], 64.0)));
         assert_eq!((angle("-7.5"), angle("360")), (Ok(-7.5), Ok(360.0)));
         assert!(angle("nan").is_err() && angle("360.5").is_err() && angle("-inf").is_err() && angle("x").is_err());
+        assert_eq!((tolerance("0"), tolerance("1e-3")), (Ok(0.0), Ok(1e-3)));
+        assert!(tolerance("-1").is_err() && tolerance("nan").is_err() && tolerance("x").is_err());
         assert_eq!(word::<Filter>("catmull-rom"), Ok(Filter::CatmullRom));
         assert!(word::<Filter>("linear").unwrap_err().contains("`trilinear`"));
     }

@@ -1,0 +1,94 @@
+//! `vr diff`: how far one picture is from another, wherever they come from.
+
+mod comparison;
+#[cfg(feature = "flip")]
+mod flip;
+mod report;
+mod screen;
+mod ssim;
+
+use std::path::Path;
+
+use vr_core::Frame;
+use vr_io::{Picture, PngOptions, read_picture};
+
+use crate::args::DiffArgs;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::{heat_map, number, output_file};
+
+use comparison::Comparison;
+use report::{Report, Side};
+
+/// Reads, compares, draws, tells.
+///
+/// # Errors
+/// Whatever goes wrong with the command line, the pictures, or the files to be written; pictures of different sizes; and an RMSE
+/// above the one that is allowed, after everything else is done.
+pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
+    for path in &args.outputs {
+        output_file::check(path, &["png", "exr"])?;
+        if [&args.reference, &args.picture].into_iter().any(|input| is_same_file(input, path)) {
+            return Err(Failure::usage(format!("--output: {} is a picture to be compared", path.display())));
+        }
+    }
+    if !args.background.iter().all(|c| c.is_finite()) {
+        return Err(Failure::usage(format!("--background: found {:?}; must be finite", args.background)));
+    }
+    let read = |path: &Path| read_picture(path, args.encode.into()).map_err(Failure::failed);
+    let (reference, picture) = (read(&args.reference)?, read(&args.picture)?);
+    let [a, b] = [reference.frame.size(), picture.frame.size()];
+    if a != b {
+        return Err(Failure::failed(format!(
+            "pictures of different sizes cannot be compared: {} has {}x{} pixels, {} has {}x{}",
+            args.reference.display(),
+            a[0],
+            a[1],
+            args.picture.display(),
+            b[0],
+            b[1]
+        )));
+    }
+    let comparison = Comparison::new(&reference, &picture, args.background);
+    for path in &args.outputs {
+        vr_io::write(path, &map(path, &comparison), &PngOptions::default()).map_err(Failure::failed)?;
+    }
+    let shown = |p: &Picture| screen::shown(&p.frame, args.background);
+    let [a, b] = [shown(&reference), shown(&picture)];
+    let report = Report {
+        reference: Side::new(&args.reference, &reference, args.encode),
+        picture: Side::new(&args.picture, &picture, args.encode),
+        comparison: &comparison,
+        background: args.background,
+        ssim: ssim::ssim(comparison.size, &screen::luma(&a), &screen::luma(&b)),
+        #[cfg(feature = "flip")]
+        flip: flip::mean(comparison.size, &a, &b),
+        outputs: &args.outputs,
+    };
+    console.result(&report.text(), &report.json())?;
+    let rmse = comparison.metrics.rmse;
+    match args.fail_above {
+        Some(most) if rmse > most => Err(Failure::failed(format!(
+            "{}: RMSE {} is above {}",
+            args.picture.display(),
+            number::small(rmse),
+            number::small(most)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Whether two paths lead to one file that exists.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// The picture of the difference that a name asks for.
+fn map(path: &Path, comparison: &Comparison) -> Frame {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
+        let signed = comparison.differences().map(|e| e.map(|c| c as f32)).collect();
+        Frame::new(comparison.size, signed, None)
+    } else {
+        heat_map::draw(comparison.size, comparison.errors())
+    }
+}

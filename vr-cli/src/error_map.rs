@@ -1,0 +1,79 @@
+//! `vr render --error-map`: where a picture is wrong, and by how much.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use vr_benches::error_colors;
+use vr_benches::exact::{Exact, SUBGRID};
+use vr_core::Frame;
+use vr_io::PngOptions;
+
+use crate::args::{ErrorMeasure, OutputArgs};
+use crate::failure::Failure;
+use crate::scattered::spread;
+use crate::{heat_map, output_file};
+
+/// A map that was written.
+#[derive(Debug, Serialize)]
+pub struct ErrorMap {
+    path: PathBuf,
+    /// At how many pixels the error is known; between them it is interpolated.
+    known_pixels: usize,
+    /// Whether there are others.
+    interpolated: bool,
+}
+
+/// Checks, before the work begins, that the map can be drawn and written.
+///
+/// # Errors
+/// A name that tells no format, a place that cannot be, a picture that goes there, too, or no pixels to compare.
+pub fn check(output: &OutputArgs) -> Result<(), Failure> {
+    let Some(path) = &output.error_map else { return Ok(()) };
+    output_file::check(path, &["png", "exr"])?;
+    if output.error == ErrorMeasure::None {
+        return Err(Failure::usage("--error-map: no pixels are compared; must go with --error subgrid or full"));
+    }
+    if output.outputs.contains(path) {
+        return Err(Failure::usage(format!("--error-map: {} is the picture's place, too", path.display())));
+    }
+    Ok(())
+}
+
+/// Draws and writes the map of a frame's error against its exact solution, which was found on all pixels or on the subgrid.
+///
+/// PNG: the largest error of any component, in units of max(1, largest magnitude of the solution), interpolated on its
+/// logarithmic scale. EXR: frame − solution per component in the same units, interpolated as it is.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(path: &Path, exact: &Exact, frame: &Frame) -> Result<ErrorMap, Failure> {
+    let size = frame.size();
+    let all = size[0] as usize * size[1] as usize;
+    let known = exact.count();
+    // Which of the two it is follows from the number, but where both are the same.
+    let n = if known == all { u32::MAX } else { SUBGRID };
+    let map = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
+        let errors = spread(n, size, &exact.signed(frame)).into_iter().map(|e| e.map(|c| c as f32)).collect();
+        Frame::new(size, errors, None)
+    } else {
+        let (low, high) = error_colors::DECADES;
+        // Beyond the scale there is one colour.
+        let exponent = |error: f64| [error.log10().clamp(low.into(), high.into())];
+        let exponents: Vec<[f64; 1]> = exact.errors(frame).into_iter().map(exponent).collect();
+        heat_map::draw(size, spread(n, size, &exponents).into_iter().map(|[e]| 10f64.powf(e)))
+    };
+    vr_io::write(path, &map, &PngOptions::default()).map_err(Failure::failed)?;
+    Ok(ErrorMap { path: path.into(), known_pixels: known, interpolated: known < all })
+}
+
+impl ErrorMap {
+    /// One line for people.
+    pub fn text(&self, all: u64) -> String {
+        let how = if self.interpolated {
+            format!("interpolated between {} of {all} pixels", self.known_pixels)
+        } else {
+            "at every pixel".to_owned()
+        };
+        format!("map      {}: error {how}\n", self.path.display())
+    }
+}

@@ -1,0 +1,107 @@
+//! `vr render --target-rmse`.
+
+use serde::Serialize;
+use vr_benches::choose::{CONFIDENCE, Choice, ChoiceError, draw_within};
+use vr_benches::contestant::contestants;
+use vr_benches::exact::ExactCache;
+use vr_core::{Control, Options};
+
+use crate::args::RendererArgs;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::number;
+use crate::progress::under_bar;
+use crate::render::Drawn;
+use crate::renderers;
+use crate::scene_setup::Setup;
+
+/// How a renderer and its setting were chosen.
+#[derive(Debug, Serialize)]
+pub struct Chosen {
+    target_rmse: f64,
+    /// The setting's name.
+    setting: String,
+    /// The options that make it.
+    options: Options,
+    /// Settings that were tried on a small picture.
+    tried: usize,
+    /// Of them, those whose small picture was within the target.
+    within: usize,
+    /// Settings whose whole picture was not, though their small one was, and its RMSE.
+    disappointed: Vec<(String, f64)>,
+    /// The RMSE of this picture on a sample of its pixels.
+    rmse: f64,
+    /// What the RMSE of all pixels does not exceed, with the confidence.
+    rmse_at_most: f64,
+    confidence: f64,
+    sample_pixels: usize,
+    pixels: u64,
+}
+
+/// Draws with the cheapest renderer and setting whose RMSE is within the target; of the named renderer alone, if there is one.
+///
+/// # Errors
+/// A target that no picture of floats can keep or that nobody reaches, an unknown renderer, or whatever is wrong with the scene.
+pub fn draw(
+    target: f64,
+    args: &RendererArgs,
+    setup: &Setup,
+    cache: &ExactCache,
+    console: Console,
+    control: &Control,
+) -> Result<Drawn, Failure> {
+    /// Frames are f32.
+    const LEAST: f64 = 1e-7;
+    if !(target >= LEAST && target.is_finite()) {
+        return Err(Failure::usage(format!("--target-rmse: found {target}; must be at least 1e-7: pictures are f32")));
+    }
+    let only: Vec<String> = args.renderer.iter().cloned().collect();
+    let contestants = contestants(&renderers::chosen(&only)?).map_err(Failure::failed)?;
+    let choice = under_bar(console, control, "trying settings", |told| {
+        let told = |share| told.report(share);
+        draw_within(target, &contestants, (&setup.scene, &setup.view), cache, (control, &told))
+    });
+    let choice = choice.map_err(|e| match e {
+        ChoiceError::Render(e) => setup.render_failure(e),
+        other => Failure::failed(other),
+    })?;
+    let Choice { contestant, rendered, prepare, render, error, rehearsals, disappointed, .. } = choice;
+    let winner = &contestants[contestant];
+    let [w, h] = setup.view.size.map(u64::from);
+    let chosen = Chosen {
+        target_rmse: target,
+        setting: winner.setting.clone(),
+        options: winner.options.clone(),
+        tried: rehearsals.len(),
+        within: rehearsals.iter().filter(|r| r.error.upper <= target).count(),
+        disappointed: disappointed.iter().map(|(i, e)| (contestants[*i].name(), e.rmse)).collect(),
+        rmse: error.rmse,
+        rmse_at_most: error.upper,
+        confidence: CONFIDENCE,
+        sample_pixels: error.pixels,
+        pixels: w * h,
+    };
+    let (renderer, counts) = (winner.renderer.clone(), rendered.stats.counts);
+    Ok(Drawn { renderer, frame: rendered.frame, counts, prepare, render, chosen: Some(chosen) })
+}
+
+impl Chosen {
+    /// Lines for people.
+    pub fn text(&self) -> String {
+        let Self { setting, tried, within, rmse, rmse_at_most, sample_pixels, pixels, target_rmse, .. } = self;
+        let mut text = format!(
+            "chosen   {setting}: expected to be the cheapest of the {within} settings that were within RMSE {} on a small picture, \
+             of {tried} tried\n",
+            number::small(*target_rmse)
+        );
+        for (name, rmse) in &self.disappointed {
+            text += &format!("         not {name}: its whole picture has {}\n", number::small(*rmse));
+        }
+        text + &format!(
+            "target   RMSE {} on {sample_pixels} of {pixels} pixels; at most {} for all, with {:.0} % confidence\n",
+            number::small(*rmse),
+            number::small(*rmse_at_most),
+            100.0 * self.confidence
+        )
+    }
+}

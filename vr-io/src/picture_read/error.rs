@@ -1,0 +1,83 @@
+//! What can go wrong between a file and a picture.
+
+use std::fmt::Display;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a file gives no picture. Every message is one line that names the file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureError {
+    /// The file cannot be opened or read.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A format that is not read.
+    #[error("{}: no picture that can be read; supported are EXR, PNG, JPEG, TIFF, BMP and PNM", path.display())]
+    Unrecognised {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// A sound file that holds what is not read: deep data, say.
+    #[error("{}: {format}: not supported: {message}", path.display())]
+    Unsupported {
+        /// Which file.
+        path: PathBuf,
+        /// The format found.
+        format: &'static str,
+        /// What it is that is not read.
+        message: String,
+    },
+    /// A file that is damaged or cut off.
+    #[error("{}: {format}: damaged: {message}", path.display())]
+    Damaged {
+        /// Which file.
+        path: PathBuf,
+        /// The format found.
+        format: &'static str,
+        /// What the decoder says.
+        message: String,
+    },
+    /// A size that no picture of this file can have.
+    #[error(
+        "{}: size: found {}x{} pixels in a file of {length} bytes; at least one, at most {} and no more than such a file holds",
+        path.display(), size[0], size[1], super::MOST_PIXELS
+    )]
+    Size {
+        /// Which file.
+        path: PathBuf,
+        /// Width and height that the header claims.
+        size: [u64; 2],
+        /// Length of the file in bytes.
+        length: u64,
+    },
+    /// An EXR file without colours.
+    #[error("{}: channels: found {found}; R, G and B or Y are needed", path.display())]
+    Channels {
+        /// Which file.
+        path: PathBuf,
+        /// The channels that are there, shortened.
+        found: String,
+    },
+}
+
+impl PictureError {
+    pub(super) fn damaged(path: &Path, format: &'static str, message: impl Display) -> Self {
+        Self::Damaged { path: path.into(), format, message: one_line(&message) }
+    }
+
+    pub(super) fn unsupported(path: &Path, format: &'static str, message: impl Display) -> Self {
+        Self::Unsupported { path: path.into(), format, message: one_line(&message) }
+    }
+}
+
+/// What a library says, on one line and without control characters (it may quote the file).
+fn one_line(message: &impl Display) -> String {
+    let message = message.to_string();
+    let words: Vec<&str> = message.split_whitespace().collect();
+    words.join(" ").chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
+}

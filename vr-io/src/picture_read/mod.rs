@@ -1,0 +1,96 @@
+//! Pictures in: what this and other programs have drawn, as linear light, so that they can be compared.
+
+mod coded;
+mod error;
+mod exr;
+
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
+use std::path::Path;
+
+use vr_core::Frame;
+
+use crate::png::Encode;
+
+pub use error::PictureError;
+
+/// Pictures with more pixels than this (8192 × 8192) are refused.
+pub const MOST_PIXELS: u64 = 1 << 26;
+
+/// Most decoders give at most this many bytes for one byte of the file; a header that claims more lies.
+///
+/// The best that they do is about 2700 (LZW) and 1365 (JPEG); Deflate reaches 1032, and the lossless codecs of EXR no more. Only a
+/// BMP or a fax-coded TIFF may leave out lines altogether, and such a file, if almost nothing is in it, is refused.
+const BYTES_PER_BYTE: u64 = 1 << 12;
+
+/// A picture from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Premultiplied linear RGBA, without depth; α is 1 where the file has none. Floats of a file are kept as they are, also
+    /// those that are not finite.
+    pub frame: Frame,
+    /// Whether the file has an α channel.
+    pub alpha: bool,
+    /// What the file holds per channel, and so how finely it can tell colours apart.
+    pub samples: SampleKind,
+    /// The file's format: `EXR`, `PNG`, `JPEG`, `TIFF`, `BMP` or `PNM`.
+    pub format: &'static str,
+    /// Which layer of an EXR file this is, where it has a name.
+    pub layer: Option<String>,
+}
+
+/// What a file holds per channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SampleKind {
+    /// Integers of up to 8 bits.
+    Eight,
+    /// Integers of 16 bits.
+    Sixteen,
+    /// Floats of 16 bits.
+    Half,
+    /// Floats of 32 bits (or, in an EXR file, integers of 32 bits).
+    Float,
+}
+
+/// Reads a picture as linear light with premultiplied α. The format is told by what the file holds, not by its name.
+///
+/// * **EXR**: flat pictures in half or full floats, scan lines or tiles, all codecs but JPEG 2000 and Zstandard, linear and
+///   premultiplied as they are. Channels R, G, B and A (or Y and A) of the first layer that has them, plain ones first; the
+///   display window, with nothing (0, 0, 0, 0) where there are no data.
+/// * **PNG**, **JPEG**, **TIFF**, **BMP**, **PNM**: grey or RGB, with or without α, in up to 16 bits. `encode` says whether the
+///   integers hold sRGB or linear light; α is linear, and colours are taken as not premultiplied. Floats (RGB and RGBA in TIFF) are
+///   linear. Gamma and colour profiles that a file carries are not looked at, and a JPEG that is cut off is grey at the bottom.
+///
+/// # Errors
+/// A [`PictureError`] naming the file: one that cannot be opened, is of another format, damaged or cut off, claims more than it
+/// can hold or more than [`MOST_PIXELS`], or has no colours.
+pub fn read_picture(path: impl AsRef<Path>, encode: Encode) -> Result<Picture, PictureError> {
+    let path = path.as_ref();
+    let io = |source| PictureError::Io { path: path.into(), source };
+    let mut file = File::open(path).map_err(io)?;
+    let length = file.metadata().map_err(io)?.len();
+    let mut head = Vec::new();
+    (&mut file).take(4).read_to_end(&mut head).map_err(io)?;
+    file.rewind().map_err(io)?;
+    let (origin, file) = (Origin { path, length }, BufReader::new(file));
+    if head == ::exr::meta::magic_number::BYTES { exr::read(origin, file) } else { coded::read(origin, file, encode) }
+}
+
+/// Which file is being read, and how long it is.
+#[derive(Clone, Copy)]
+struct Origin<'a> {
+    path: &'a Path,
+    length: u64,
+}
+
+impl Origin<'_> {
+    /// Holds a header's claim against what is sensible: called before anything is allocated for it.
+    fn check(self, size: [u64; 2], bytes_per_pixel: u64, bytes_per_byte: u64) -> Result<(), PictureError> {
+        let pixels = size[0].saturating_mul(size[1]);
+        let most = self.length.saturating_mul(bytes_per_byte);
+        if pixels == 0 || pixels > MOST_PIXELS || pixels.saturating_mul(bytes_per_pixel) > most {
+            return Err(PictureError::Size { path: self.path.into(), size, length: self.length });
+        }
+        Ok(())
+    }
+}
