@@ -52,6 +52,8 @@ pub struct Rehearsal {
     pub contestant: usize,
     /// The RMSE of the small picture.
     pub error: RmseEstimate,
+    /// What it took.
+    pub time: Duration,
     /// What the whole picture would take, preparation included, if time grew with the pixels.
     pub expected: Duration,
 }
@@ -99,13 +101,17 @@ pub enum ChoiceError {
 
 /// Pixels of the small picture, about.
 const SMALL: f64 = 96.0 * 96.0;
+/// Pixels of the larger one, about.
+const LARGER: f64 = 192.0 * 192.0;
+/// Contestants that draw it at most.
+const FINALISTS: usize = 12;
 /// Parts along each side of the small picture that a pixel is taken of.
 const SMALL_SUBGRID: u32 = 40;
 /// No further contestant rehearses after this time.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Draws a small picture with every contestant, then the whole one with the cheapest whose small one was within the target; and
-/// if the whole one is not, with the next.
+/// Draws a small picture with every contestant, and a larger one with those that were within the target, to see how their time grows; then
+/// the whole one with the cheapest of them; and if that one is not within the target, with the next.
 ///
 /// # Errors
 /// See [`ChoiceError`].
@@ -116,15 +122,18 @@ pub fn draw_within(
     cache: &ExactCache,
     (control, told): (&Control, &dyn Fn(f64)),
 ) -> Result<Choice, ChoiceError> {
-    let small = reduced(view);
+    let small = reduced(view, SMALL);
     let truth = cache.solve((scene, &small), &Model::Canonical, subgrid(SMALL_SUBGRID, small.size), control)?;
     let pixels = |v: &View| f64::from(v.size[0]) * f64::from(v.size[1]);
     let growth = pixels(view) / pixels(&small);
     let started = Instant::now();
     let mut rehearsals = Vec::new();
     for (i, contestant) in contestants.iter().enumerate() {
-        match rehearse(contestant, scene, &small, &truth, growth, control) {
-            Ok((error, expected)) => rehearsals.push(Rehearsal { contestant: i, error, expected }),
+        match timed(contestant, scene, &small, control) {
+            Ok((prepare, time, frame)) => {
+                let error = RmseEstimate::of(&truth, &frame);
+                rehearsals.push(Rehearsal { contestant: i, error, time, expected: prepare + time.mul_f64(growth) });
+            }
             Err(RenderError::Unsupported { .. }) => {}
             Err(other) => return Err(other.into()),
         }
@@ -133,8 +142,20 @@ pub fn draw_within(
             break;
         }
     }
-    let mut order: Vec<&Rehearsal> = rehearsals.iter().filter(|r| r.error.upper <= target).collect();
+    let mut order: Vec<Rehearsal> = rehearsals.iter().filter(|r| r.error.upper <= target).cloned().collect();
     order.sort_by_key(|r| r.expected);
+    let larger = reduced(view, LARGER);
+    if pixels(&larger) > pixels(&small) {
+        order.truncate(FINALISTS);
+        for rehearsal in &mut order {
+            let (prepare, time, _) = timed(&contestants[rehearsal.contestant], scene, &larger, control)?;
+            // A straight line through the two times: what a frame needs once, however large it is, does not grow.
+            let slope = (time.as_secs_f64() - rehearsal.time.as_secs_f64()) / (pixels(&larger) - pixels(&small));
+            let rest = slope.max(0.0) * (pixels(view) - pixels(&larger));
+            rehearsal.expected = prepare + time + Duration::from_secs_f64(rest);
+        }
+        order.sort_by_key(|r| r.expected);
+    }
     let order: Vec<usize> = order.iter().map(|r| r.contestant).collect();
 
     let exact = cache.solve((scene, view), &Model::Canonical, subgrid(SUBGRID, view.size), control)?;
@@ -162,35 +183,34 @@ pub fn draw_within(
     }
 }
 
-/// The same view in few pixels.
-fn reduced(view: &View) -> View {
+/// The same view in about so many pixels, if it has more.
+fn reduced(view: &View, pixels: f64) -> View {
     let [w, h] = view.size.map(f64::from);
-    let factor = (SMALL / (w * h)).sqrt().min(1.0);
+    let factor = (pixels / (w * h)).sqrt().min(1.0);
     let size = [w, h].map(|side| ((side * factor).round() as u32).max(1));
     // A layer belongs to the pixels that it was made for.
     if view.layer.is_some() { view.clone() } else { View { size, ..view.clone() } }
 }
 
-fn rehearse(
+/// Time of the preparation, the smaller time of two frames after one that warms up, and the frame.
+fn timed(
     contestant: &Contestant,
     scene: &Scene,
-    small: &View,
-    truth: &Exact,
-    growth: f64,
+    view: &View,
     control: &Control,
-) -> Result<(RmseEstimate, Duration), RenderError> {
+) -> Result<(Duration, Duration, Frame), RenderError> {
     let start = Instant::now();
     let mut prepared = contestant.configured.prepare(scene, control)?;
     let prepare = start.elapsed();
     // The first frame makes what later ones share.
-    let mut rendered = prepared.render(small, control)?;
+    let mut rendered = prepared.render(view, control)?;
     let mut render = Duration::MAX;
     for _ in 0..2 {
         let start = Instant::now();
-        rendered = prepared.render(small, control)?;
+        rendered = prepared.render(view, control)?;
         render = render.min(start.elapsed());
     }
-    Ok((RmseEstimate::of(truth, &rendered.frame), prepare + render.mul_f64(growth)))
+    Ok((prepare, render, rendered.frame))
 }
 
 #[cfg(test)]

@@ -64,6 +64,8 @@ pub struct Convergence {
     pub expected: f64,
     /// How far the measured one may be from it.
     pub tolerance: f64,
+    /// Whether a higher one is as good: on data that nobody made for it, errors of either sign can even out.
+    pub at_least: bool,
     /// The fitted order; `None` where too few errors lie above the floor.
     pub measured: Option<f64>,
     /// Sizes of what was refined, descending: step in voxels, spacing, or pixel.
@@ -113,6 +115,7 @@ impl Convergence {
             (Some(trouble), _) if trouble.starts_with(REFUSED) => Outcome::Refused,
             (Some(_), _) => Outcome::Fails,
             (None, Some(order)) if (order - self.expected).abs() <= self.tolerance => Outcome::Holds,
+            (None, Some(order)) if order > self.expected && self.at_least => Outcome::Holds,
             (None, Some(_)) => Outcome::Fails,
             // Rounding may end the fall, but the last error has to be there.
             (None, None) if self.errors.last().is_some_and(|&e| e <= self.floor) => Outcome::Exact,
@@ -131,6 +134,8 @@ pub struct Prover<'a> {
 
 /// Pixels along each side where the step or the grid is refined.
 const SIDE: u32 = 24;
+/// The same on anybody's scene, where errors are more erratic.
+const OWN_SIDE: u32 = 32;
 /// Samples along each side of the proving ground.
 const SAMPLES: usize = 17;
 /// Steps: divided by the square root of 2 from one to the next.
@@ -156,31 +161,31 @@ impl Prover<'_> {
         Ok(results)
     }
 
-    /// The step on anybody's scene: halved from a quarter of the coarsest on, for fields that change much from voxel to voxel.
-    ///
-    /// The order at jumps is expected where the transfer function has one, and no more than 2 in any case: fields have kinks at cell faces.
+    /// The step on anybody's scene. Fields change much from voxel to voxel there, and have kinks at cell faces: no order above 2 is expected,
+    /// fitted ones scatter by as much as at jumps, and higher ones are as good.
     ///
     /// # Errors
     /// Cancellation.
     pub fn step_on(
         &self,
         renderer: &dyn Renderer,
-        subject: (&str, &Scene, &View),
+        (name, scene, view): (&str, &Scene, &View),
+        told: &dyn Fn(f64),
     ) -> Result<Vec<Convergence>, StudyError> {
-        let (name, scene, view) = subject;
-        let jumps = scene.transfer.points().windows(2).any(|w| w[0].value == w[1].value);
-        let refined = if jumps { Refined::StepAtJumps } else { Refined::Step };
+        let refined = if jumps(scene) { Refined::StepAtJumps } else { Refined::Step };
+        let view = View { size: [OWN_SIDE, OWN_SIDE], ..view.clone() };
+        let claims = renderer.orders();
         let mut results = Vec::new();
-        for claim in renderer.orders() {
-            let claim = OrderClaim { coarsest: 0.25 * claim.coarsest, ..claim };
-            let view = View { size: [SIDE, SIDE], ..view.clone() };
-            results.push(self.step_in(renderer, &claim, refined, (name, scene), &view)?);
+        for (i, claim) in claims.iter().enumerate() {
+            let blank = of_own(blank(renderer, claim, refined, name));
+            results.push(self.step_in(blank, (renderer, claim), scene, &view)?);
+            told((i + 1) as f64 / claims.len() as f64);
         }
         Ok(results)
     }
 
     /// The grid of anybody's volume: cells are cut in two, three and four, which leaves a trilinear field as it is; the step, fixed in voxels,
-    /// becomes shorter, and errors fall at the order of the step.
+    /// becomes shorter, and errors fall at the order of the step. `None` where the field is another, or has samples missing.
     ///
     /// # Errors
     /// Cancellation.
@@ -190,20 +195,23 @@ impl Prover<'_> {
         (name, scene): (&str, &Scene),
     ) -> Result<Option<Convergence>, StudyError> {
         let Some(claim) = renderer.orders().into_iter().next() else { return Ok(None) };
-        let mut blank = blank(renderer, &claim, Refined::Grid, name);
-        blank.expected = claim.orders.smooth.min(2.0);
+        let mut blank = of_own(blank(renderer, &claim, Refined::Grid, name));
+        // What falls is the error of the step.
+        let orders = claim.orders;
+        blank.expected = if jumps(scene) { orders.jumps } else { orders.smooth }.min(2.0);
         let mut sizes = Vec::new();
         let mut pictures = Vec::new();
         for parts in 1..=4usize {
             let Some(scene) = refined(scene, parts) else { return Ok(None) };
             sizes.push(1.0 / parts as f64);
-            pictures.push((scene, claim.coarsest / 8.0));
+            pictures.push((scene, claim.coarsest));
         }
-        let view = view(&pictures[0].0, SIDE);
-        let truth =
-            self.cache.solve((&pictures[0].0, &view), &Model::Canonical, subgrid(SIDE, view.size), self.control)?;
+        let first = &pictures[0].0;
+        let view = view(first, OWN_SIDE);
+        let pixels = subgrid(OWN_SIDE, view.size);
+        let truth = self.cache.solve((first, &view), &Model::Canonical, pixels, self.control)?;
         let judge = |frame: &Frame, _: &Model, _: usize| Ok(truth.judge(frame).rmse);
-        self.fill(blank, renderer, &claim, sizes, &pictures, |_| view.clone(), judge).map(Some)
+        self.fill(blank, (renderer, &claim), sizes, &pictures, |_| view.clone(), judge).map(Some)
     }
 
     fn step(
@@ -213,25 +221,28 @@ impl Prover<'_> {
         refined: Refined,
         (name, scene): (&str, &Scene),
     ) -> Result<Convergence, StudyError> {
-        self.step_in(renderer, claim, refined, (name, scene), &view(scene, SIDE))
+        self.step_in(blank(renderer, claim, refined, name), (renderer, claim), scene, &view(scene, SIDE))
     }
 
     fn step_in(
         &self,
-        renderer: &dyn Renderer,
-        claim: &OrderClaim,
-        refined: Refined,
-        (name, scene): (&str, &Scene),
+        blank: Convergence,
+        (renderer, claim): (&dyn Renderer, &OrderClaim),
+        scene: &Scene,
         view: &View,
     ) -> Result<Convergence, StudyError> {
         let sizes: Vec<f64> = (0..STEPS).map(|k| claim.coarsest / 2f64.sqrt().powi(k)).collect();
         let pictures: Vec<(Scene, f64)> = sizes.iter().map(|&step| (scene.clone(), step)).collect();
+        // The model is the same at every step: it is the scene's, or that of a filter.
+        let mut truth = None;
         let judge = |frame: &Frame, model: &Model, _: usize| {
-            let truth = self.cache.solve((scene, view), model, subgrid(SIDE, view.size), self.control)?;
-            Ok(truth.judge(frame).rmse)
+            let exact = match truth.take() {
+                Some(exact) => exact,
+                None => self.cache.solve((scene, view), model, subgrid(u32::MAX, view.size), self.control)?,
+            };
+            Ok(truth.insert(exact).judge(frame).rmse)
         };
-        let blank = blank(renderer, claim, refined, name);
-        self.fill(blank, renderer, claim, sizes, &pictures, |_| view.clone(), judge)
+        self.fill(blank, (renderer, claim), sizes, &pictures, |_| view.clone(), judge)
     }
 
     fn grid(&self, renderer: &dyn Renderer, claim: &OrderClaim) -> Result<Convergence, StudyError> {
@@ -243,7 +254,7 @@ impl Prover<'_> {
         let truth = Exact::solve_phantom(&Waves, (&pictures[0].0, &view), pixels, self.control)?;
         let judge = |frame: &Frame, _: &Model, _: usize| Ok(truth.judge(frame).rmse);
         let blank = blank(renderer, claim, Refined::Grid, "waves");
-        self.fill(blank, renderer, claim, sizes, &pictures, |_| view.clone(), judge)
+        self.fill(blank, (renderer, claim), sizes, &pictures, |_| view.clone(), judge)
     }
 
     fn pixels(&self, renderer: &dyn Renderer, claim: &OrderClaim) -> Result<Convergence, StudyError> {
@@ -265,20 +276,18 @@ impl Prover<'_> {
             Ok(rms(&patches(&pixels, PATCHES, parts[k]), &truth))
         };
         let blank = blank(renderer, claim, Refined::Pixels, "waves");
-        self.fill(blank, renderer, claim, sizes, &pictures, |k| at(parts[k]), judge)
+        self.fill(blank, (renderer, claim), sizes, &pictures, |k| at(parts[k]), judge)
     }
 
     /// Draws each picture, judges it, and fits the order.
-    #[allow(clippy::too_many_arguments)]
     fn fill(
         &self,
         mut blank: Convergence,
-        renderer: &dyn Renderer,
-        claim: &OrderClaim,
+        (renderer, claim): (&dyn Renderer, &OrderClaim),
         sizes: Vec<f64>,
         pictures: &[(Scene, f64)],
         view: impl Fn(usize) -> View,
-        judge: impl Fn(&Frame, &Model, usize) -> Result<f64, RenderError>,
+        mut judge: impl FnMut(&Frame, &Model, usize) -> Result<f64, RenderError>,
     ) -> Result<Convergence, StudyError> {
         for (k, (scene, step)) in pictures.iter().enumerate() {
             let configured = renderer.configure(&claim.options.clone().with(claim.key, *step))?;
@@ -331,12 +340,24 @@ fn blank(renderer: &dyn Renderer, claim: &OrderClaim, refined: Refined, scene: &
         scene: scene.to_owned(),
         expected,
         tolerance: refined.tolerance(),
+        at_least: false,
         measured: None,
         sizes: Vec::new(),
         errors: Vec::new(),
         floor: claim.floor,
         trouble: None,
     }
+}
+
+/// Whether the transfer function does.
+fn jumps(scene: &Scene) -> bool {
+    scene.transfer.points().windows(2).any(|w| w[0].value == w[1].value)
+}
+
+/// The same for data that nobody made for it.
+fn of_own(c: Convergence) -> Convergence {
+    let tolerance = Refined::StepAtJumps.tolerance();
+    Convergence { at_least: true, expected: c.expected.min(2.0), tolerance, ..c }
 }
 
 /// Mean light of `n`×`n` patches of `parts`×`parts` pixels each.
@@ -380,6 +401,7 @@ mod tests {
                 scene: String::new(),
                 expected: 2.0,
                 tolerance: 0.15,
+                at_least: false,
                 measured,
                 sizes,
                 errors: errors.to_vec(),

@@ -65,10 +65,10 @@ impl Suite {
         if self == Self::Quick { (64, 96) } else { (128, 256) }
     }
 
-    /// Time for the rounds of one of so many subjects: a bit more than half a minute in all for the quick suite.
+    /// Time for the rounds of one of so many subjects: less than half a minute in all for the quick suite.
     fn timing(self, subjects: usize) -> Timing {
         let patience = if self == Self::Quick {
-            Duration::from_secs(36) / subjects.max(1) as u32
+            Duration::from_secs(24) / subjects.max(1) as u32
         } else {
             Duration::from_secs(60)
         };

@@ -22,8 +22,9 @@ pub struct Timing {
 
 /// Degrees that the camera turns from frame to frame.
 const TURN: f64 = 10.0;
-/// A contestant whose first frame takes this long draws one frame a round, without warming up.
-const HEAVY: Duration = Duration::from_millis(250);
+/// A contestant whose first frame takes this long draws one frame a round, without warming up, and in few rounds.
+const HEAVY: Duration = Duration::from_millis(60);
+const HEAVY_ROUNDS: usize = 2;
 
 /// Milliseconds, the median over the rounds and what lies around it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -119,7 +120,7 @@ pub fn draw_in_turns(
         }
         for (i, contestant) in contestants.iter().enumerate().filter(|&(i, _)| drawn[i].is_ok()) {
             let heavy = rounds[i].frame[0] > HEAVY;
-            if heavy && round >= timing.least_rounds {
+            if heavy && rounds[i].frame.len() >= HEAVY_ROUNDS {
                 continue;
             }
             let (_, _, mut prepared) = prepare(contestant, subject, &mut rounds[i], control)?;

@@ -36,8 +36,7 @@ pub fn run(args: &VerifyArgs, console: Console, control: &Control) -> Result<(),
                 None => results.extend(prover.proving_ground(&**renderer, &share)?),
                 Some(setup) => {
                     let Setup { title, scene, view, .. } = setup;
-                    results.extend(prover.step_on(&**renderer, (title, scene, view))?);
-                    share(0.7);
+                    results.extend(prover.step_on(&**renderer, (title, scene, view), &|s| share(0.8 * s))?);
                     results.extend(prover.grid_of(&**renderer, (title, scene))?);
                 }
             }
@@ -64,7 +63,7 @@ fn text(results: &[Convergence]) -> String {
         table.row([
             format!("{} {}", c.renderer, c.claim),
             c.refined.word().to_owned(),
-            format!("{} ± {}", c.expected, c.tolerance),
+            format!("{} ± {}{}", c.expected, c.tolerance, if c.at_least { ", or more" } else { "" }),
             c.measured.map_or_else(|| "-".to_owned(), |m| format!("{m:.2}")),
             c.trouble.clone().unwrap_or_else(|| c.outcome().word().to_owned()),
             errors.join(" "),

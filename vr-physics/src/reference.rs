@@ -305,7 +305,7 @@ impl Renderer for Reference {
     }
 
     fn settings(&self) -> Vec<NamedSetting> {
-        [1e-4, 1e-7, DEFAULT_TOLERANCE]
+        [1e-5, DEFAULT_TOLERANCE]
             .into_iter()
             .map(|tolerance| NamedSetting {
                 name: format!("tolerance {tolerance:e}"),

@@ -118,7 +118,7 @@ impl Chart<'_> {
         for &(level, name) in self.levels.iter().filter(|(level, _)| y.contains(level)) {
             let line = [(x.start, level), (x.end, level)];
             chart.draw_series(DashedLineSeries::new(line, 5, 4, INK.mix(0.45).into()))?;
-            chart.draw_series([Text::new(name.to_owned(), (x.end, level), right_above(&text(11)))])?;
+            chart.draw_series([Text::new(name.to_owned(), (x.start, level), left_above(&text(11)))])?;
         }
         for series in self.series {
             draw_series(&mut chart, series, &text(11))?;
@@ -138,9 +138,9 @@ impl Chart<'_> {
     }
 }
 
-fn right_above<'a>(style: &TextStyle<'a>) -> TextStyle<'a> {
+fn left_above<'a>(style: &TextStyle<'a>) -> TextStyle<'a> {
     use plotters::style::text_anchor::{HPos, Pos, VPos};
-    style.pos(Pos::new(HPos::Right, VPos::Bottom))
+    style.pos(Pos::new(HPos::Left, VPos::Bottom))
 }
 
 type LogLog<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
@@ -148,19 +148,16 @@ type LogLog<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>
 fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyle<'_>) -> Result<(), String> {
     let color = COLORS[series.color % COLORS.len()];
     let points: Vec<(f64, f64)> = series.points.iter().copied().filter(plottable).collect();
-    let mut legend_is_due = !series.name.is_empty();
-    if series.look != Look::Points {
-        let width = if series.look == Look::Guide { 1 } else { 2 };
-        let style =
-            if series.look == Look::Guide { color.mix(0.55).stroke_width(width) } else { color.stroke_width(width) };
-        let drawn = chart.draw_series(LineSeries::new(points.iter().copied(), style)).map_err(|e| e.to_string())?;
-        if legend_is_due {
-            drawn.label(series.name.clone()).legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], style));
-            legend_is_due = false;
+    match series.look {
+        Look::Points => {}
+        Look::Line => {
+            let line = LineSeries::new(points.iter().copied(), color.stroke_width(2));
+            chart.draw_series(line).map_err(|e| e.to_string())?;
         }
-    }
-    if series.look == Look::Guide {
-        return Ok(());
+        Look::Guide => {
+            let thin = color.mix(0.55).stroke_width(1);
+            return chart.draw_series(LineSeries::new(points, thin)).map(drop).map_err(|e| e.to_string());
+        }
     }
     // Told apart without any colour, too: disc, triangle, cross, square, ring.
     let (filled, stroke) = (color.filled(), color.stroke_width(2));
@@ -174,14 +171,17 @@ fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyl
         _ => chart.draw_series(at.map(|p| Circle::new(p, 4, stroke))),
     }
     .map_err(|e| e.to_string())?;
-    if legend_is_due {
+    if !series.name.is_empty() {
         let entry = drawn.label(series.name.clone());
+        let width = if series.look == Look::Line { 2 } else { 0 };
+        let sample = move |at| EmptyElement::at(at) + PathElement::new([(0, 0), (18, 0)], color.stroke_width(width));
+        let middle = (9, 0);
         match marker {
-            0 => entry.legend(move |(x, y)| Circle::new((x + 8, y), 4, filled)),
-            1 => entry.legend(move |(x, y)| TriangleMarker::new((x + 8, y), 5, filled)),
-            2 => entry.legend(move |(x, y)| Cross::new((x + 8, y), 4, stroke)),
-            3 => entry.legend(move |(x, y)| Rectangle::new([(x + 4, y - 4), (x + 12, y + 4)], filled)),
-            _ => entry.legend(move |(x, y)| Circle::new((x + 8, y), 4, stroke)),
+            0 => entry.legend(move |at| sample(at) + Circle::new(middle, 4, filled)),
+            1 => entry.legend(move |at| sample(at) + TriangleMarker::new(middle, 5, filled)),
+            2 => entry.legend(move |at| sample(at) + Cross::new(middle, 4, stroke)),
+            3 => entry.legend(move |at| sample(at) + Rectangle::new([(5, -4), (13, 4)], filled)),
+            _ => entry.legend(move |at| sample(at) + Circle::new(middle, 4, stroke)),
         };
     }
     let labelled = series.points.iter().zip(&series.labels).filter(|(p, _)| plottable(p));

@@ -1,0 +1,124 @@
+//! `vr report`, `vr verify` and `vr render --target-rmse`.
+
+use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::harness::Vr;
+
+/// The errors that no later version may exceed. A change that makes them better on purpose writes it anew:
+/// `vr report --untimed -o FOLDER`, and FOLDER/errors.json is the file.
+const BASELINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../benches/baseline.json");
+
+fn number(json: &serde_json::Value, path: &str) -> f64 {
+    json.pointer(path).and_then(serde_json::Value::as_f64).unwrap_or_else(|| panic!("{path} in {json}"))
+}
+
+#[test]
+fn errors_of_the_quick_suite_are_not_worse_than_the_baseline() {
+    let vr = Vr::new();
+    let run = vr.run_with(&["report", "--untimed", "--cache", "exact", "-o", "report", "--baseline", BASELINE]);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    assert!(run.stdout.contains(" 0 not as documented"), "{}", run.stdout);
+    for file in ["index.html", "report.json", "points.csv", "errors.json"] {
+        assert!(vr.exists(&format!("report/{file}")), "{file}");
+    }
+    assert!(!vr.exists("report/journal.jsonl"), "nothing is left to take up");
+
+    let page = fs::read_to_string(vr.folder().join("report/index.html")).unwrap();
+    // Nothing from elsewhere: no script, no link but within the page, no picture that is not in it.
+    for outside in ["<script", "src=\"http", "href=\"http", "url("] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    assert!(page.contains("<svg") && page.contains("data:image/png;base64,"));
+
+    let table = fs::read_to_string(vr.folder().join("report/points.csv")).unwrap();
+    let baseline: serde_json::Value = serde_json::from_str(&fs::read_to_string(BASELINE).unwrap()).unwrap();
+    let points: usize = baseline.as_object().unwrap().values().map(|s| s.as_object().unwrap().len()).sum();
+    assert_eq!(table.lines().count(), points + 1, "one row each, and the header");
+}
+
+#[test]
+fn a_baseline_that_was_better_fails() {
+    let vr = Vr::new();
+    let report = "report --phantom fog --phantom-size 12 --size 12x12 --untimed --no-cache --renderer raycast -o r";
+    assert_eq!(vr.run(report).code, 0);
+    let errors = fs::read_to_string(vr.folder().join("r/errors.json")).unwrap();
+    let mut better: serde_json::Value = serde_json::from_str(&errors).unwrap();
+    better["fog"]["raycast midpoint 4"]["rmse"] = 1e-9.into();
+    vr.write("better.json", better.to_string());
+    let run = vr.run(&format!("{report} --baseline better.json"));
+    assert_eq!(run.code, 1, "{}", run.stdout);
+    assert!(run.stderr.contains("fog: raycast midpoint 4: RMSE"), "{}", run.stderr);
+    // What two runs find is the same, to the last bit.
+    assert_eq!(fs::read_to_string(vr.folder().join("r/errors.json")).unwrap(), errors);
+}
+
+#[test]
+fn hard_cases_have_no_unexplained_failure() {
+    let vr = Vr::new();
+    let report = "report --suite hard --no-cache -o r --json";
+    let first = vr.run(report);
+    assert_eq!(first.code, 0, "{}", first.stderr);
+    let json: serde_json::Value = serde_json::from_str(&first.stdout).unwrap();
+    let cells = json["stability"].as_array().unwrap();
+    assert!(cells.len() >= 15 * 5, "all cases, several contestants: {}", cells.len());
+    for cell in cells {
+        assert_ne!(cell["verdict"]["verdict"], "failed", "{cell}");
+    }
+}
+
+#[test]
+fn a_report_that_was_cut_short_is_taken_up() {
+    let vr = Vr::new();
+    let report = ["report", "--suite", "hard", "--no-cache", "-o", "r", "--json"];
+    let mut process = vr.command(&report).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let journal = vr.folder().join("r/journal.jsonl");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    let noted = loop {
+        let text = fs::read_to_string(&journal).unwrap_or_default();
+        if text.lines().count() >= 3 && text.ends_with('\n') {
+            break text;
+        }
+        assert!(Instant::now() < deadline, "nothing is noted");
+        sleep(Duration::from_millis(5));
+    };
+    process.kill().unwrap();
+    process.wait().unwrap();
+    // What was noted is taken as it is, and not made again.
+    let marked = noted.replacen("\"summary\":\"", "\"summary\":\"as noted: ", 1);
+    assert_ne!(marked, noted);
+    fs::write(&journal, marked).unwrap();
+    let run = vr.run_with(&report);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("as noted: "), "{}", run.stdout);
+    assert!(!journal.exists());
+}
+
+#[test]
+fn orders_are_verified_on_a_volume_of_ones_own() {
+    let vr = Vr::new();
+    let run = vr.run("verify --phantom hydrogen --phantom-size 24 --no-cache --json");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let orders = json["orders"].as_array().unwrap();
+    assert!(orders.iter().any(|o| o["refined"] == "step") && orders.iter().any(|o| o["refined"] == "grid"));
+    assert!(vr.run("verify --renderer physics").stderr.contains("no renderer that was named"));
+}
+
+#[test]
+fn a_target_chooses_a_setting_that_keeps_it() {
+    let vr = Vr::new();
+    let render = "render --phantom blobs --phantom-size 32 --size 96x80 --no-cache --error full --json --target-rmse";
+    for target in [1e-2, 1e-4] {
+        let run = vr.run(&format!("{render} {target}"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+        assert!(number(&json, "/error/rmse") <= target, "{json}");
+        assert!(number(&json, "/chosen/rmse_at_most") <= target && number(&json, "/chosen/confidence") == 0.95);
+    }
+    let run = vr.run(&format!("{render} 1e-9"));
+    assert_eq!((run.code, run.stderr.contains("at least 1e-7")), (2, true), "{}", run.stderr);
+    assert_eq!(vr.run(&format!("{render} 1e-2 --set step=1")).code, 2, "settings are what is chosen");
+}
