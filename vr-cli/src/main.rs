@@ -23,6 +23,7 @@ mod output_file;
 mod overrides;
 mod process;
 mod progress;
+mod ray;
 mod render;
 mod renderers;
 mod scene_setup;
@@ -61,5 +62,6 @@ fn run() -> Result<(), Failure> {
         Command::Compare(args) => compare::run(args, console, &control),
         Command::Bench(args) => bench::run(args, console, &control),
         Command::Info(args) => info::run(args, console),
+        Command::Ray(args) => ray::run(args, console, &control),
     })
 }

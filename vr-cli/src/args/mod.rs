@@ -1,6 +1,7 @@
 //! The command line.
 
 mod choices;
+mod ray;
 mod scene;
 mod value;
 mod volume;
@@ -11,6 +12,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use vr_io::{Encode, PngDepth, PngOptions};
 
 pub use choices::{Bits, Curve, ErrorMeasure};
+pub use ray::RayArgs;
 pub use scene::{CameraArgs, CompositingArgs, ImageArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use volume::VolumeArgs;
 
@@ -57,6 +59,8 @@ pub enum Command {
     Bench(Box<BenchArgs>),
     /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try
     Info(Box<InfoArgs>),
+    /// Tell everything about one pixel: what its ray meets, what the renderer made of it, and the exact solution
+    Ray(Box<RayArgs>),
 }
 
 /// `vr render`.
@@ -190,7 +194,8 @@ impl Cli {
         let options = renderers::option_help();
         let command = Self::command()
             .mut_subcommand("render", |render| render.after_help(options.clone()))
-            .mut_subcommand("bench", |bench| bench.after_help(options));
+            .mut_subcommand("bench", |bench| bench.after_help(options.clone()))
+            .mut_subcommand("ray", |ray| ray.after_help(options));
         match command.try_get_matches().and_then(|matches| Self::from_arg_matches(&matches)) {
             Ok(cli) => Ok(cli),
             Err(e)
