@@ -126,7 +126,11 @@ fn cuts<T: Voxel, F: Reconstruction>(
     let mut found = Vec::new();
     for ends in faces.windows(2).filter(|ends| ends[1] > ends[0]) {
         let Some(LineModel { field, .. }) = line.between(ends[0], ends[1]) else { continue };
-        for &value in knots {
+        let (value, reach) = (field.coefficients()[0], field.spread(1.0));
+        // A little more, for rounding: what is not crossed is not found.
+        let reach = reach + 1e-12 * (value.abs() + reach);
+        let near = knots.partition_point(|&v| v < value - reach)..knots.partition_point(|&v| v <= value + reach);
+        for &value in &knots[near] {
             found.clear();
             crossings(&field, &[value], &mut found);
             let place = |t: &f64| 0.5 * (ends[0] + ends[1]) + 0.5 * (ends[1] - ends[0]) * t;

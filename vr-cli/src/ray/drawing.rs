@@ -23,7 +23,7 @@ pub fn text(account: &Account<'_>) -> Result<String, RenderError> {
     let drawing = Drawing::new(account, extent(account, chord))?;
     let mut text = format!("\n{}\n", drawing.legend());
     text += &drawing.values();
-    if account.has_light() {
+    if drawing.shows_light() {
         text += &drawing.opacity();
         text += &drawing.sums();
         if !account.rows.is_empty() {
@@ -65,13 +65,21 @@ impl<'a> Drawing<'a> {
         Ok(Self { account, from, to, segments })
     }
 
+    /// Whether light is integrated, and there is some.
+    fn shows_light(&self) -> bool {
+        let seen = |s: &RaySegment| s.light.is_some_and(|l| l.transparency < 1.0 || l.light != [0.0; 3]);
+        self.account.rows.iter().any(|row| row.light.is_some()) || self.segments.iter().any(seen)
+    }
+
     fn legend(&self) -> String {
         let Account { rows, renderer, .. } = self.account;
         let mut text = "along the ray: the exact solution in dots".to_owned();
         if !rows.is_empty() {
             text += &format!(", × {renderer} where it is elsewhere");
         }
-        if self.account.has_light() {
+        if self.account.has_light() && !self.shows_light() {
+            text += "\n(nothing on the way absorbs or shines)";
+        } else if self.account.has_light() {
             let color = CHANNELS[self.channel()];
             text +=
                 &format!("\n(opacity: of the part under a character; {color} and clear, what comes through: so far");

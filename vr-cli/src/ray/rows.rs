@@ -62,7 +62,8 @@ pub fn rows(scene: &Scene, probe: &Probe, segments: &[RaySegment], channel: usiz
             RowLight { color: color(scene, step), running, depth, exact, exact_depth, error, change }
         });
         let cuts = || inside.iter().flat_map(|segment| &segment.front);
-        let vacuum = within(segments, step).filter(|segment| segment.values[0].is_nan()).count();
+        let within = within(segments, step);
+        let vacuum = within.iter().filter(|segment| segment.values[0].is_nan()).count();
         rows.push(Row {
             number,
             extinction: step.samples.iter().map(|sample| extinction(scene, sample.value)).collect(),
@@ -70,7 +71,7 @@ pub fn rows(scene: &Scene, probe: &Probe, segments: &[RaySegment], channel: usiz
                 .filter_map(|cut| if let Cut::Face { axis, at } = *cut { Some((axis, at)) } else { None })
                 .collect(),
             knots: cuts().filter_map(|cut| if let Cut::Knot { value } = *cut { Some(value) } else { None }).collect(),
-            meets_vacuum: vacuum > 0 && vacuum < within(segments, step).count(),
+            meets_vacuum: vacuum > 0 && vacuum < within.len(),
             light,
             step: step.clone(),
         });
@@ -103,9 +104,9 @@ fn inside<'s>(segments: &'s [RaySegment], step: &ProbedStep) -> &'s [RaySegment]
 }
 
 /// The parts that a step consists of.
-fn within<'s>(segments: &'s [RaySegment], step: &ProbedStep) -> impl Iterator<Item = &'s RaySegment> {
-    let (from, to) = (step.begin, step.end());
-    segments.iter().filter(move |segment| (from..to).contains(&(0.5 * (segment.from + segment.to))))
+fn within<'s>(segments: &'s [RaySegment], step: &ProbedStep) -> &'s [RaySegment] {
+    let before = |s: f64| segments.partition_point(|segment| 0.5 * (segment.from + segment.to) < s);
+    &segments[before(step.begin)..before(step.end())]
 }
 
 fn extinction(scene: &Scene, value: f64) -> f64 {
@@ -115,4 +116,56 @@ fn extinction(scene: &Scene, value: f64) -> f64 {
 fn color(scene: &Scene, step: &ProbedStep) -> [f64; 3] {
     let share = if scene.transfer.has_emission() { step.length } else { 1.0 - step.transparency };
     if share == 0.0 { [0.0; 3] } else { step.light.map(|b| b / share) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vr_core::{
+        Calibration, Camera, Control, ControlPoint, OpacityRule, Placement, Rays, Renderer, TransferFunction,
+        UniformGrid, View,
+    };
+    use vr_physics::Reference;
+    use vr_raycast::RayCaster;
+
+    /// A ramp 0 to 4 along z, seen from the far end, with a knot at 1.5.
+    fn ramp() -> (Scene, View) {
+        let samples: Vec<f32> = (0..20).map(|i| (i / 4) as f32).collect();
+        let grid =
+            UniformGrid::new([2, 2, 5], samples, Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default());
+        let point = |value, opacity| ControlPoint::new(value, [1.0, 0.5, 0.0], opacity);
+        let points = vec![point(0.0, 0.0), point(1.5, 0.5), point(4.0, 0.5)];
+        let transfer = TransferFunction::new(points, OpacityRule::Extinction, 1.0).unwrap();
+        let scene = Scene::new(grid.unwrap().into(), transfer);
+        let view = View::new(Camera::framing(scene.volume.bounds(), 0.0, 0.0, None), [1, 1]);
+        (scene, view)
+    }
+
+    #[test]
+    fn steps_stand_beside_what_is_true_of_them() {
+        let (scene, view) = ramp();
+        let control = Control::default();
+        let probe =
+            RayCaster::exact(1.0).prepare(&scene, &control).unwrap().probe(&view, [0, 0], &control).unwrap().unwrap();
+        assert_eq!(probe.steps.len(), 4);
+        let ray = Rays::new(&view).unwrap().at(0.5, 0.5);
+        let cuts: Vec<f64> = probe.steps.iter().flat_map(|step| [step.begin, step.end()]).collect();
+        let segments = Reference::default().segments(&scene, &view, &ray, &cuts).unwrap();
+        let rows = rows(&scene, &probe, &segments, 3);
+        let faces: Vec<_> = rows.iter().map(|row| row.faces.clone()).collect();
+        // The last one ends where the volume does, which is no face between cells.
+        assert_eq!(faces, [vec![(2, 3.0)], vec![(2, 2.0)], vec![(2, 1.0)], vec![]]);
+        let knots: Vec<_> = rows.iter().map(|row| row.knots.clone()).collect();
+        assert_eq!(knots, [vec![], vec![], vec![1.5], vec![]]);
+        // Constant, then the kink in the middle of a step: κ = 1/2 in front of it, a ramp behind.
+        let light: Vec<RowLight> = rows.iter().map(|row| row.light.unwrap()).collect();
+        for (l, want) in light.iter().zip([0.5, 1.0, 1.25 + 5.0 / 24.0, 1.25 + 9.0 / 24.0]) {
+            assert!((l.exact_depth - want).abs() < 1e-9, "{l:?} {want}");
+        }
+        assert!(light[1].error.abs() < 1e-12 && light[2].error > 1e-3);
+        assert!((light[3].error - light.iter().map(|l| l.change).sum::<f64>()).abs() < 1e-15);
+        assert_eq!(rows[0].extinction, [0.5]);
+        assert!((light[0].color[1] - 0.5).abs() < 1e-15 && light[0].color[2] == 0.0);
+        assert!(exact_until(&segments, segments[0].from).is_none());
+    }
 }

@@ -87,7 +87,7 @@ fn writes_every_step_as_csv() {
 fn a_renderer_that_cannot_tell_still_shows_the_exact_solution() {
     let vr = Vr::new();
     for renderer in ["--renderer physics", "--max-error 0.004"] {
-        let run = vr.run(&format!("ray 12 12 --size 24 {renderer} --csv parts.csv")).succeeded();
+        let run = vr.run(&format!("ray 12 12 --size 24 {renderer} --all --csv parts.csv")).succeeded();
         for word in ["cannot tell", "begins at", "entry", "tau so far", "exact"] {
             assert!(run.stdout.contains(word), "no {word:?} in\n{}", run.stdout);
         }
@@ -114,7 +114,9 @@ fn picked_values_have_no_light() {
 #[test]
 fn rays_that_miss_and_pixels_that_do_not_exist() {
     let vr = Vr::new();
-    let miss = vr.run("ray 0 0 --size 30x20 --csv none.csv").succeeded();
+    let unseen = vr.run("ray 0 0 --size 30x20").succeeded().stdout;
+    assert!(unseen.contains("nothing on the way") && !unseen.contains("clear"), "{unseen}");
+    let miss = vr.run("ray 0 0 --size 30x20 --fov 60 --csv none.csv").succeeded();
     assert!(miss.stdout.contains("misses the volume"), "{}", miss.stdout);
     assert!(vr.run("ray 30 5 --size 30x20").failed(2).contains("X: found 30; must be 0 to 29: the picture is 30x20"));
     assert!(vr.run("ray 3 -1 --size 30x20").failed(2).contains("Y: found -1; must be 0 to 19"));
