@@ -26,6 +26,8 @@ pub struct Account<'a> {
     pub rgba: [f64; 4],
     /// How deep that lies.
     pub depth: Option<f32>,
+    /// What it integrates, where that is not the scene as it is.
+    pub model: Option<String>,
     /// How it did that, if it can tell.
     pub probe: Option<Probe>,
     /// The truth.
@@ -64,6 +66,7 @@ impl<'a> Account<'a> {
             ray,
             rgba,
             depth: seen.depth,
+            model: seen.model,
             probe: None,
             exact,
             segments,

@@ -40,7 +40,8 @@ pub fn lines(account: &Account<'_>) -> Vec<String> {
     for (what, (count, sum, size)) in kinds {
         if count > 0 && size > 0.0 {
             let percent = 100.0 * size / all;
-            lines.push(format!("{percent:3.0} % in {count} steps {what} (together {})", figures::signed(sum)));
+            let steps = if count == 1 { "step" } else { "steps" };
+            lines.push(format!("{percent:3.0} % in {count} {steps} {what} (together {})", figures::signed(sum)));
         }
     }
     if account.left_out() != 0.0 {

@@ -6,7 +6,7 @@ use vr_physics::{Cut, RaySegment, Reference};
 use super::account::{Account, CHANNELS};
 use super::figures;
 use super::plot::{MARGIN, Plot, counts, scale};
-use super::rows::{exact_until, rgba};
+use super::rows::{Row, exact_until, rgba};
 
 /// Characters along the ray, and dots.
 const COLUMNS: usize = 78;
@@ -39,7 +39,7 @@ fn extent(account: &Account<'_>, [from, to]: [f64; 2]) -> [f64; 2] {
     let Some(first) = account.segments.iter().find(seen) else { return [from, to] };
     let hidden = |s: &&RaySegment| s.light.is_some_and(|l| l.opacity() >= HIDDEN);
     let behind = account.segments.iter().find(hidden).or(account.segments.iter().rfind(seen)).map_or(to, |s| s.to);
-    let lit = |row: &&super::rows::Row| row.step.transparency < 1.0;
+    let lit = |row: &&Row| row.step.transparency < 1.0;
     let begin = account.rows.iter().find(lit).map_or(first.from, |row| row.step.begin.min(first.from));
     let end = account.rows.last().map_or(behind, |row| {
         let early = account.probe.as_ref().is_some_and(|probe| probe.ended_early);
@@ -68,7 +68,8 @@ impl<'a> Drawing<'a> {
     /// Whether light is integrated, and there is some.
     fn shows_light(&self) -> bool {
         let seen = |s: &RaySegment| s.light.is_some_and(|l| l.transparency < 1.0 || l.light != [0.0; 3]);
-        self.account.rows.iter().any(|row| row.light.is_some()) || self.segments.iter().any(seen)
+        let drawn = |row: &Row| row.light.is_some_and(|light| light.running != [0.0; 4]);
+        self.account.rows.iter().any(drawn) || self.segments.iter().any(seen)
     }
 
     fn legend(&self) -> String {
@@ -129,7 +130,7 @@ impl<'a> Drawing<'a> {
         let marks: Vec<_> = (0..COLUMNS)
             .map(|x| {
                 let [a, b] = self.character(x);
-                let depth = |row: &super::rows::Row| {
+                let depth = |row: &Row| {
                     let (begin, end) = (row.step.begin, row.step.end());
                     let part = (end.min(b) - begin.max(a)).max(0.0) / row.step.length;
                     if part > 0.0 { row.step.depth() * part } else { 0.0 }
@@ -217,22 +218,26 @@ impl<'a> Drawing<'a> {
 
     /// What the renderer has summed up at the middle of each character.
     fn drawn(&self, of: impl Fn([f64; 4]) -> f64) -> Vec<Option<f64>> {
-        let sum = self.sum_of_steps(of);
+        let rows = &self.account.rows;
+        let running = |k: usize| rows[k].light.map_or([0.0; 4], |light| light.running);
+        let at = |s: f64| {
+            let k = rows.partition_point(|row| row.step.begin <= s);
+            let before = if k > 1 { running(k - 2) } else { [0.0; 4] };
+            let Some(k) = k.checked_sub(1) else { return before };
+            let part = share(rows[k].step.transparency, ((s - rows[k].step.begin) / rows[k].step.length).min(1.0));
+            std::array::from_fn(|c| before[c] + part * (running(k)[c] - before[c]))
+        };
         let middle = |x: usize| self.character(x).iter().sum::<f64>() * 0.5;
-        (0..COLUMNS).map(|x| at(&sum, middle(x))).collect()
+        (0..COLUMNS).map(|x| (!rows.is_empty()).then(|| of(at(middle(x))))).collect()
     }
+}
 
-    /// Distances, and what the renderer has summed up there: straight from the begin of a step to its end.
-    fn sum_of_steps(&self, of: impl Fn([f64; 4]) -> f64) -> Vec<(f64, f64)> {
-        let mut before = of([0.0; 4]);
-        let mut points = Vec::with_capacity(2 * self.account.rows.len());
-        for row in &self.account.rows {
-            let Some(light) = row.light else { continue };
-            points.push((row.step.begin, before));
-            before = of(light.running);
-            points.push((row.step.end(), before));
-        }
-        points
+/// How much of a homogeneous step of transparency θ is seen up to the fraction x of its length: (1 − θˣ) / (1 − θ).
+fn share(transparency: f64, x: f64) -> f64 {
+    match transparency {
+        1.0 => x,
+        0.0 => 1.0,
+        theta => (1.0 - theta.powf(x)) / (1.0 - theta),
     }
 }
 
@@ -275,5 +280,11 @@ mod tests {
         assert_eq!(at(&[], 1.0), None);
         assert_eq!(range([3.0, f64::NAN, 1.0].into_iter()), Some([1.0, 3.0]));
         assert_eq!(mean([3.0, 1.0].into_iter()), Some(2.0));
+    }
+
+    #[test]
+    fn a_dense_step_is_seen_by_its_front() {
+        assert_eq!((share(1.0, 0.25), share(0.0, 0.25), share(0.25, 0.5)), (0.25, 1.0, 0.5 / 0.75));
+        assert!((share(0.5, 1.0) - 1.0).abs() < 1e-15);
     }
 }

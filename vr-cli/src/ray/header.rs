@@ -63,6 +63,9 @@ pub fn text(account: &Account<'_>) -> String {
             }
         }
     }
+    if let Some(model) = &account.model {
+        line("", format!("the field is not the scene's: {renderer} integrates {model}, and the error tells both"));
+    }
     if setup.view.samples > 1 {
         let n = setup.view.samples;
         line("", format!("the picture's pixel is the mean of {n}x{n} rays; this is the one through its centre"));

@@ -74,6 +74,8 @@ pub struct Seen {
     pub depth: Option<f32>,
     /// How it came about; `None` from a renderer that cannot tell.
     pub probe: Option<Probe>,
+    /// What it integrates, where that is not the scene as it is.
+    pub model: Option<String>,
 }
 
 /// Asks the renderer; one that cannot tell draws the picture instead, of which the pixel is taken.
@@ -85,10 +87,14 @@ fn look(
     control: &Control,
 ) -> Result<Seen, RenderError> {
     let mut prepared = renderer.prepare(&setup.scene, control)?;
+    let model = match prepared.model(view) {
+        Model::Canonical => None,
+        other => Some(format!("{other:?}")),
+    };
     if let Some(probe) = prepared.probe(view, pixel, control)? {
-        return Ok(Seen { rgba: probe.rgba, depth: Some(probe.depth), probe: Some(probe) });
+        return Ok(Seen { rgba: probe.rgba, depth: Some(probe.depth), probe: Some(probe), model });
     }
     let frame = prepared.render(view, control)?.frame;
     let depth = frame.depth().map(|depth| depth[y as usize * view.size[0] as usize + x as usize]);
-    Ok(Seen { rgba: frame.pixel(x, y), depth, probe: None })
+    Ok(Seen { rgba: frame.pixel(x, y), depth, probe: None, model })
 }

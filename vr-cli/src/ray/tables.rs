@@ -28,8 +28,26 @@ pub fn text(account: &Account<'_>, all: bool) -> String {
         return text + &format!("\n{}", parts(account, &shown));
     }
     text += &format!("\n{}", samples(account, &shown));
+    text += &remarks(account);
     if account.has_light() {
         text += &format!("\n{}", sums(account, &shown));
+    }
+    text
+}
+
+/// What the numbers of the samples do not say themselves.
+fn remarks(account: &Account<'_>) -> String {
+    let mut text = String::new();
+    if account.rows.iter().any(|row| row.step.samples.iter().any(|sample| sample.value.is_nan())) {
+        text += "-: vacuum\n";
+    }
+    if let Some(shading) = account.setup.scene.shading.as_ref().filter(|_| account.has_light()) {
+        if !account.setup.scene.transfer.has_emission() {
+            text += "colour and light are shaded\n";
+        }
+        if !shading.gradient_opacity.is_empty() {
+            text += "kappa is without the gradient's factor, theta with it\n";
+        }
     }
     text
 }
