@@ -29,9 +29,9 @@ pub fn lines(account: &Account<'_>) -> Vec<String> {
     };
     let knotted = |row: &Row| !row.knots.is_empty();
     let kinds = [
-        ("in which the value crosses a knot of the transfer function", share(&knotted)),
-        ("that reach into vacuum", share(&|row| !knotted(row) && row.meets_vacuum)),
-        ("between knots, in which it bends", share(&|row| !knotted(row) && !row.meets_vacuum)),
+        ("with a knot of the transfer function that the value crosses", share(&knotted)),
+        ("with vacuum in a part of the step", share(&|row| !knotted(row) && row.meets_vacuum)),
+        ("between knots", share(&|row| !knotted(row) && !row.meets_vacuum)),
     ];
     let mut lines = vec![format!(
         "error of {}, the component that is wrong by most, as it grows from step to step:",

@@ -117,7 +117,7 @@ impl<'a> Drawing<'a> {
             })
             .collect();
         let scale = scale(curve.iter().flatten().flatten().copied());
-        Plot { name: "value", rows: 5, scale, curve: &curve, marks: &marks }.text()
+        Plot { name: "value", rows: 5, scale, curve: &curve, bars: false, marks: &marks }.text()
     }
 
     /// Opacity of the part of the ray under each character: κ as far as one can see it.
@@ -141,7 +141,7 @@ impl<'a> Drawing<'a> {
             .collect();
         let values = curve.iter().flatten().flatten().copied().chain(marks.iter().flatten().copied());
         let top = scale(values)[1];
-        Plot { name: "opacity", rows: 4, scale: [0.0, top], curve: &curve, marks: &marks }.text()
+        Plot { name: "opacity", rows: 4, scale: [0.0, top], curve: &curve, bars: true, marks: &marks }.text()
     }
 
     /// Radiance and transmittance so far.
@@ -151,10 +151,11 @@ impl<'a> Drawing<'a> {
         let curve: Vec<_> = exact.iter().map(|rgba| Some([rgba[c]; 2])).collect();
         let marks = self.drawn(|rgba| rgba[c]);
         let top = scale(curve.iter().flatten().flatten().copied().chain(marks.iter().flatten().copied()))[1];
-        let mut text = Plot { name: CHANNELS[c], rows: 5, scale: [0.0, top], curve: &curve, marks: &marks }.text();
+        let mut text =
+            Plot { name: CHANNELS[c], rows: 5, scale: [0.0, top], curve: &curve, bars: false, marks: &marks }.text();
         let curve: Vec<_> = exact.iter().map(|rgba| Some([1.0 - rgba[3]; 2])).collect();
         let marks = self.drawn(|rgba| 1.0 - rgba[3]);
-        text += &Plot { name: "clear", rows: 4, scale: [0.0, 1.0], curve: &curve, marks: &marks }.text();
+        text += &Plot { name: "clear", rows: 4, scale: [0.0, 1.0], curve: &curve, bars: false, marks: &marks }.text();
         text
     }
 
@@ -170,7 +171,7 @@ impl<'a> Drawing<'a> {
         if curve.iter().flatten().all(|e| *e == [0.0; 2]) {
             return String::new();
         }
-        Plot { name: "error", rows: 4, scale, curve: &curve, marks: &[] }.text()
+        Plot { name: "error", rows: 4, scale, curve: &curve, bars: false, marks: &[] }.text()
     }
 
     /// How many steps begin, and how many faces and knots are crossed, under each character.

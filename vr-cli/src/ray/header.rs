@@ -64,7 +64,7 @@ pub fn text(account: &Account<'_>) -> String {
         }
     }
     if let Some(model) = &account.model {
-        line("", format!("the field is not the scene's: {renderer} integrates {model}, and the error tells both"));
+        line("", format!("the field is not the scene's: {renderer} integrates {model}, and the error is of both"));
     }
     if setup.view.samples > 1 {
         let n = setup.view.samples;

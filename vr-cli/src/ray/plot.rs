@@ -19,6 +19,8 @@ pub struct Plot<'a> {
     pub scale: [f64; 2],
     /// Smallest and largest value in each column of dots, two of them a character; `None`: nothing there.
     pub curve: &'a [Option<[f64; 2]>],
+    /// Whether these are bars, of which the top alone tells.
+    pub bars: bool,
     /// One value a character.
     pub marks: &'a [Option<f64>],
 }
@@ -61,9 +63,11 @@ impl Plot<'_> {
             .collect();
         for (x, mark) in self.marks.iter().take(columns).enumerate() {
             let Some(mark) = mark.filter(|mark| !mark.is_nan()) else { continue };
-            let cell = place(mark) / DOTS[1] * columns + x;
-            if cells[cell] == 0 {
-                characters[cell] = '×';
+            let row = place(mark) / DOTS[1];
+            let mut tops = self.curve[DOTS[0] * x..][..DOTS[0]].iter().flatten().map(|[_, top]| place(*top) / DOTS[1]);
+            let met = if self.bars { tops.any(|top| top == row) } else { cells[row * columns + x] != 0 };
+            if !met {
+                characters[row * columns + x] = '×';
             }
         }
         let mut text = String::new();
@@ -100,11 +104,27 @@ mod tests {
     fn a_ramp_rises_and_what_lies_elsewhere_is_marked() {
         let curve: Vec<_> = (0..8).map(|i| Some([f64::from(i); 2])).collect();
         let marks = [Some(0.5), None, None, Some(0.0)];
-        let plot = Plot { name: "ramp", rows: 2, scale: scale((0..8).map(f64::from)), curve: &curve, marks: &marks };
+        let plot = Plot {
+            name: "ramp",
+            rows: 2,
+            scale: scale((0..8).map(f64::from)),
+            curve: &curve,
+            bars: false,
+            marks: &marks,
+        };
         let text = plot.text();
         let lines: Vec<&str> = text.lines().map(|line| line.split_once('│').unwrap().1).collect();
         assert_eq!(lines, ["  ⡠⠊", "⡠⠊ ×"]);
         assert!(text.starts_with("ramp               7│") && text.lines().all(|l| l.chars().count() <= MARGIN + 4));
+    }
+
+    #[test]
+    fn marks_inside_a_bar_are_seen_and_at_its_top_are_not() {
+        let curve = [Some([0.0, 8.0]); 4];
+        let marks = [Some(1.0), Some(7.9)];
+        let text = Plot { name: "bar", rows: 2, scale: [0.0, 8.0], curve: &curve, bars: true, marks: &marks }.text();
+        let lines: Vec<&str> = text.lines().map(|line| line.split_once('│').unwrap().1).collect();
+        assert_eq!(lines, ["⣿⣿", "×⣿"]);
     }
 
     #[test]
