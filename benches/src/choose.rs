@@ -227,7 +227,7 @@ mod tests {
         let contestants = contestants(&renderers).unwrap();
         let subject = phantom_subject("blobs", 24, [64, 48]).unwrap();
         let control = Control::default();
-        let told = (&control, &|_: f64| {} as _);
+        let told: (&Control, &dyn Fn(f64)) = (&control, &|_| {});
         let choice = draw_within(target, &contestants, (&subject.scene, &subject.view), &ExactCache::none(), told)?;
         Ok((contestants[choice.contestant].name(), choice))
     }

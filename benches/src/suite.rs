@@ -127,7 +127,7 @@ struct Piece<'a> {
 }
 
 enum Work<'a> {
-    Subject(Subject),
+    Subject(Box<Subject>),
     Orders(&'a dyn Renderer),
     Stability(String, &'a dyn Renderer),
     Growth(&'a dyn Renderer, Grown),
@@ -214,8 +214,11 @@ impl Run<'_> {
             };
             for subject in subjects {
                 let all = if suite == Suite::Full { three_views(&subject) } else { vec![subject] };
-                let piece =
-                    |s: Subject| Piece { name: format!("subject {}", s.name), weight: 8.0, work: Work::Subject(s) };
+                let piece = |s: Subject| Piece {
+                    name: format!("subject {}", s.name),
+                    weight: 8.0,
+                    work: Work::Subject(Box::new(s)),
+                };
                 pieces.extend(all.into_iter().map(piece));
             }
         }

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use vr_benches::contestant::contestants;
 use vr_benches::exact::Exact;
 use vr_benches::figures::ErrorFigures;
 use vr_core::{Control, Model, Prepared, RenderError, Rendered, Renderer, View};
@@ -33,7 +34,7 @@ const SUBGRID: u32 = 16;
 /// Whatever goes wrong with the command line, the volume, the scene, or the sheet.
 pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<(), Failure> {
     output_file::check(&args.output, &["png"])?;
-    let contestants = contestants(&args.renderers)?;
+    let contestants = contestants(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
     let mut setup = Setup::new(&args.scene, console)?;
     if args.scene.scene.is_none() && args.scene.image.size.is_none() {
         setup.view.size = DEFAULT_SIZE;
@@ -46,10 +47,11 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     .map_err(|e| setup.render_failure(e))?;
 
     let mut results = Vec::new();
-    for Contestant { name, renderer } in &contestants {
-        let result = under_bar(console, control, name, |control| measure(&**renderer, &setup, &exact, control));
-        match result {
-            Ok(measured) => results.push((name.as_str(), measured)),
+    for contestant in &contestants {
+        let name = contestant.name();
+        let measure = |control: &Control| measure(&*contestant.configured, &setup, &exact, control);
+        match under_bar(console, control, &name, measure) {
+            Ok(measured) => results.push((name, measured)),
             Err(e @ RenderError::Unsupported { .. }) => console.note(&format!("{name} is left out: {e}")),
             Err(e) => return Err(setup.render_failure(e)),
         }
@@ -62,34 +64,6 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     let sheet = contact_sheet::draw(&entries, scene.background);
     vr_io::write(&args.output, &sheet, &PngOptions::default()).map_err(Failure::failed)?;
     console.result(&text(&setup, &exact, &results, args), &json(&setup, &exact, &results, args))
-}
-
-/// A renderer under one of its settings.
-struct Contestant {
-    name: String,
-    renderer: Box<dyn Renderer>,
-}
-
-/// Every renderer with every setting that a study would try, or the named ones only.
-fn contestants(only: &[String]) -> Result<Vec<Contestant>, Failure> {
-    let chosen = match only {
-        [] => renderers::all(),
-        names => names.iter().map(|n| renderers::named(n)).collect::<Result<_, _>>().map_err(Failure::usage)?,
-    };
-    let mut contestants = Vec::new();
-    for renderer in chosen {
-        let settings = renderer.settings();
-        for setting in &settings {
-            let name = format!("{} {}", renderer.name(), setting.name);
-            let renderer = renderer.configure(&setting.options).map_err(Failure::failed)?;
-            contestants.push(Contestant { name, renderer });
-        }
-        if settings.is_empty() {
-            let name = renderer.name().to_owned();
-            contestants.push(Contestant { name, renderer });
-        }
-    }
-    Ok(contestants)
 }
 
 /// What one renderer with one setting did.
@@ -143,7 +117,7 @@ fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<
     Ok((start.elapsed(), rendered))
 }
 
-fn text(setup: &Setup, exact: &Exact, results: &[(&str, Measured)], args: &CompareArgs) -> String {
+fn text(setup: &Setup, exact: &Exact, results: &[(String, Measured)], args: &CompareArgs) -> String {
     let mut table = Table::new(&[
         "#  renderer",
         "prepare",
@@ -202,8 +176,8 @@ struct RendererJson<'a> {
     own_model_max_error: Option<f64>,
 }
 
-fn json<'a>(setup: &'a Setup, exact: &Exact, results: &[(&'a str, Measured)], args: &CompareArgs) -> Json<'a> {
-    let renderer = |(name, m): &(&'a str, Measured)| RendererJson {
+fn json<'a>(setup: &'a Setup, exact: &Exact, results: &'a [(String, Measured)], args: &CompareArgs) -> Json<'a> {
+    let renderer = |(name, m): &'a (String, Measured)| RendererJson {
         name,
         prepare_seconds: m.prepare.as_secs_f64(),
         render_seconds: m.render.as_secs_f64(),

@@ -27,6 +27,7 @@ mod output_file;
 mod overrides;
 mod process;
 mod progress;
+mod ray;
 mod render;
 mod renderers;
 mod report;
@@ -72,5 +73,6 @@ fn run() -> Result<(), Failure> {
         Command::Verify(args) => verify::run(args, console, &control),
         Command::Diff(args) => diff::run(args, console),
         Command::Info(args) => info::run(args, console),
+        Command::Ray(args) => ray::run(args, console, &control),
     })
 }

@@ -6,6 +6,7 @@ use crate::error::{OptionError, RenderError};
 use crate::frame::Frame;
 use crate::model::Model;
 use crate::options::{OptionSpec, Options};
+use crate::probe::Probe;
 use crate::scene::Scene;
 use crate::stats::RenderStats;
 use crate::view::View;
@@ -63,6 +64,16 @@ pub trait Prepared: Send {
 
     /// What this renderer integrates: it is judged against the canonical pixel, and against this done exactly.
     fn model(&self, view: &View) -> Model;
+
+    /// What was done for the ray through the centre of pixel (x, y) of a view; `None` from a renderer that cannot tell.
+    ///
+    /// It is about that ray even where the picture's pixel is made otherwise: as a mean of several, or from its neighbours.
+    ///
+    /// # Errors
+    /// As [`Self::render`]; a pixel that the view does not have.
+    fn probe(&mut self, _view: &View, _pixel: [u32; 2], _control: &Control) -> Result<Option<Probe>, RenderError> {
+        Ok(None)
+    }
 }
 
 /// A frame and what it took.

@@ -167,6 +167,36 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         (Some(world), 8.0 * rounding * norm / slope.max(f64::MIN_POSITIVE))
     }
 
+    /// Calls `each` with every place inside the ray where the field goes over to another polynomial: its distance, and axis and index
+    /// coordinate of the face that is crossed there; axis by axis.
+    pub(crate) fn each_face(&self, mut each: impl FnMut(f64, usize, f64)) {
+        let IndexRay { origin, direction, start, end, .. } = self.ray;
+        for a in 0..3 {
+            let (o, d) = (origin[a], direction[a]);
+            if d == 0.0 {
+                continue;
+            }
+            let shifts: &[f64] = match (F::FILTER, self.gradient, self.sampler.vacuum()) {
+                // Constant around each sample; vacuum and the samples' gradients change at the lattice.
+                (Filter::Nearest, GradientSource::None | GradientSource::Analytic, None) => &[0.5],
+                (Filter::Nearest, ..) => &[0.0, 0.5],
+                _ => &[0.0],
+            };
+            for shift in shifts {
+                let (x0, x1) = (o + d * start - shift, o + d * end - shift);
+                let (low, high) = (x0.min(x1).ceil(), x0.max(x1).floor());
+                let mut k = low;
+                while k <= high {
+                    let s = (k + shift - o) / d;
+                    if s > start && s < end {
+                        each(s, a, k + shift);
+                    }
+                    k += 1.0;
+                }
+            }
+        }
+    }
+
     fn middle_and_half(&self, from: f64, to: f64) -> (DVec3, DVec3) {
         (self.ray.at(0.5 * (from + to)), self.ray.direction * (0.5 * (to - from)))
     }
@@ -326,35 +356,11 @@ fn cubics(x: Poly, c: &Cubics) -> [Poly; 4] {
 
 impl<T: Voxel, F: Reconstruction> LineField for GridLine<'_, T, F> {
     fn breakpoints(&self, out: &mut Vec<f64>) {
-        let IndexRay { origin, direction, start, end, .. } = self.ray;
-        out.push(start);
+        out.push(self.ray.start);
         let first = out.len();
-        for a in 0..3 {
-            let (o, d) = (origin[a], direction[a]);
-            if d == 0.0 {
-                continue;
-            }
-            let shifts: &[f64] = match (F::FILTER, self.gradient, self.sampler.vacuum()) {
-                // Constant around each sample; vacuum and the samples' gradients change at the lattice.
-                (Filter::Nearest, GradientSource::None | GradientSource::Analytic, None) => &[0.5],
-                (Filter::Nearest, ..) => &[0.0, 0.5],
-                _ => &[0.0],
-            };
-            for shift in shifts {
-                let (x0, x1) = (o + d * start - shift, o + d * end - shift);
-                let (low, high) = (x0.min(x1).ceil(), x0.max(x1).floor());
-                let mut k = low;
-                while k <= high {
-                    let s = (k + shift - o) / d;
-                    if s > start && s < end {
-                        out.push(s);
-                    }
-                    k += 1.0;
-                }
-            }
-        }
+        self.each_face(|s, _, _| out.push(s));
         out[first..].sort_by(f64::total_cmp);
-        out.push(end);
+        out.push(self.ray.end);
     }
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {

@@ -2,11 +2,11 @@
 
 use vr_core::image_order::{Spot, trace_pixels};
 use vr_core::phantom::Phantom;
-use vr_core::{Compositing, Control, Counts, IndexRay, Ray, RenderError, Scene, View};
+use vr_core::{Control, Counts, IndexRay, Ray, RenderError, Scene, View};
 
 use crate::analytic_line::AnalyticLine;
 use crate::optics::Optics;
-use crate::reference::{Pixel, Reference, Solution};
+use crate::reference::{Pixel, Reference, Solution, level};
 use crate::transport::transport;
 
 impl Reference {
@@ -30,11 +30,8 @@ impl Reference {
             let feature = format!("{feature} of a phantom without samples");
             RenderError::Unsupported { renderer: "physics", feature }
         };
-        let level = match scene.compositing {
-            Compositing::Over => 1.0,
-            Compositing::Accumulate { level } => level,
-            _ => return Err(unsupported("compositing other than over and accumulate")),
-        };
+        let level =
+            level(scene.compositing).ok_or_else(|| unsupported("compositing other than over and accumulate"))?;
         if scene.shading.is_some() {
             return Err(unsupported("shading"));
         }
@@ -69,7 +66,7 @@ mod tests {
     use crate::Certainty;
     use crate::metrics::subgrid;
     use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
-    use vr_core::{Camera, Model, OpacityRule, TransferFunction};
+    use vr_core::{Camera, Compositing, Model, OpacityRule, TransferFunction};
 
     /// Differences to the phantom itself, at grids of 33³ and 65³ samples.
     fn differences(name: &str) -> [f64; 2] {

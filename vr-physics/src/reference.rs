@@ -15,6 +15,7 @@ use crate::line::LineField;
 use crate::model_solvers::{integrate_continuous, sum_segments};
 use crate::optics::Optics;
 use crate::picks;
+use crate::segments::{RaySegment, segments};
 use crate::transport::{Certainty, Transport, transport};
 
 /// Solves the equation of transfer for every pixel.
@@ -151,6 +152,30 @@ impl Reference {
             _ => unreachable!("asked for transport"),
         }
     }
+
+    /// One ray through a scene, front to back, cut at every cell face, wherever its value crosses a knot of the transfer function, and
+    /// at the world distances `cuts` along it (those outside the volume are left out): each part, and the ray up to its end, solved.
+    /// Nothing for a ray that misses the volume.
+    ///
+    /// The last running sum is the pixel that [`solve`](Self::solve) finds for this ray, to what both may be off by.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn segments(
+        &self,
+        scene: &Scene,
+        view: &View,
+        ray: &Ray,
+        cuts: &[f64],
+    ) -> Result<Vec<RaySegment>, RenderError> {
+        let solver = Solver::new(self.tolerance, scene, view, &Model::Canonical)?;
+        let Some(index_ray) = solver.index_ray(ray, f64::INFINITY) else { return Ok(Vec::new()) };
+        let job = Job { solver: &solver, ray, index_ray, want: Want::Segments(cuts) };
+        match solver.volume.with_sampler(solver.filter, job) {
+            Answer::Segments(all) => Ok(all),
+            _ => unreachable!("asked for segments"),
+        }
+    }
 }
 
 /// Everything that the rays of a view share.
@@ -201,10 +226,9 @@ impl<'a> Solver<'a> {
         }
         let Some(index_ray) = self.index_ray(ray, far) else { return Pixel::EMPTY };
         counts.rays += 1;
-        let want = match self.scene.compositing {
-            Compositing::Over => Want::Transport(1.0),
-            Compositing::Accumulate { level } => Want::Transport(level),
-            other => Want::Pick(other),
+        let want = match level(self.scene.compositing) {
+            Some(level) => Want::Transport(level),
+            None => Want::Pick(self.scene.compositing),
         };
         let job = Job { solver: self, ray, index_ray, want };
         let offset = index_ray.offset;
@@ -214,26 +238,39 @@ impl<'a> Solver<'a> {
                 Pixel::emitted(&t, offset)
             }
             Answer::Pixel(p) => Pixel { depth: p.depth + offset, ..p },
+            Answer::Segments(_) => unreachable!("asked for a pixel"),
         }
     }
 }
 
+/// The opacity at which light ends (1: never); `None` where a compositing integrates no light.
+pub(crate) fn level(compositing: Compositing) -> Option<f64> {
+    match compositing {
+        Compositing::Over => Some(1.0),
+        Compositing::Accumulate { level } => Some(level),
+        _ => None,
+    }
+}
+
 /// What is asked of one ray.
-enum Want {
+enum Want<'a> {
     Transport(f64),
     Pick(Compositing),
+    /// With further cuts.
+    Segments(&'a [f64]),
 }
 
 enum Answer {
     Transport(Transport),
     Pixel(Pixel),
+    Segments(Vec<RaySegment>),
 }
 
 struct Job<'a> {
     solver: &'a Solver<'a>,
     ray: &'a Ray,
     index_ray: IndexRay,
-    want: Want,
+    want: Want<'a>,
 }
 
 impl SamplerVisitor for Job<'_> {
@@ -253,6 +290,10 @@ impl SamplerVisitor for Job<'_> {
         match self.want {
             Want::Transport(level) => Answer::Transport(transport(&line, &optics, tolerance, level)),
             Want::Pick(compositing) => Answer::Pixel(pick(&line, &optics, compositing)),
+            Want::Segments(cuts) => {
+                let level = level(scene.compositing);
+                Answer::Segments(segments(&line, &self.index_ray, &optics, tolerance, level, cuts))
+            }
         }
     }
 }

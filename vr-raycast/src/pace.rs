@@ -316,7 +316,7 @@ mod tests {
         assert_eq!((step(0) as f32, step(39) as f32), (LONGEST as f32, LONGEST as f32));
         for x in 0..40 {
             // The change lies in block 19, between the samples 79 and 80: no step from another block reaches past it.
-            let to_change = if x < 19 { (19 - x) as f64 * 4.0 } else { (x - 20 + 1) as f64 * 4.0 };
+            let to_change = if x < 19 { (19 - x) as f64 * 4.0 } else { (x - 19) as f64 * 4.0 };
             assert!(step(x) <= to_change.max(step(19)) + 1e-6, "{x}: {}", step(x));
         }
         // h = e·√(ε/D), down to a class.
@@ -351,7 +351,7 @@ mod tests {
     #[test]
     fn least_around_is_the_least_of_the_cube() {
         let n = [5, 4, 3];
-        let bytes: Vec<u8> = (0..60u32).map(|i| ((i * 2_654_435_761) >> 24) as u8).collect();
+        let bytes: Vec<u8> = (0..60u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
         for radius in 1..3 {
             let fast = least_around(&bytes, n, radius);
             for (i, &found) in fast.iter().enumerate() {

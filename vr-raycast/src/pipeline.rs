@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 use vr_core::image_order::Spot;
-use vr_core::{Counts, Filter, IndexRay, Ray, RayShading, Rays, Real, UniformVolume, View};
+use vr_core::{Counts, Filter, IndexRay, Probe, Ray, RayShading, Rays, Real, UniformVolume, View};
 
 use crate::caster::Traversal;
 use crate::chord::Chord;
 use crate::classify::Classifier;
 use crate::homogeneity::Homogeneity;
 use crate::leap::EmptySpace;
-use crate::operator::Operator;
+use crate::operator::{Operator, Recording};
 use crate::pace::PaceMap;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -61,6 +61,20 @@ impl<R: Real, O: Operator<R>, F: Fn() -> O + Sync> Tracer for Pipeline<'_, R, F>
             let start = starts.map_or(0, |starts| starts[i]);
             self.trace_ray(&mut scratch, &self.rays.at(spot.x, spot.y), spot.pixel, start, counts)
         }));
+    }
+}
+
+impl<R: Real, O: Operator<R>, F: Fn() -> O> Pipeline<'_, R, F> {
+    /// Traces the ray through the centre of a pixel as any other, and tells all that is done for it. `own_kernel`: see [`Probe`].
+    pub(crate) fn probe(&self, [x, y]: [u32; 2], own_kernel: bool) -> Probe {
+        let fractions = self.classifier.profile.as_ref().and_then(|profile| profile.fractions());
+        let operator = Recording::new((self.operator)(), self.volume.calibration(), fractions);
+        let mut scratch = Scratch { operator, run: Run::new(), lights: None };
+        let mut counts = Counts::default();
+        let ray = self.rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let pixel = y as usize * self.view.size[0] as usize + x as usize;
+        let Traced { rgba, depth } = self.trace_ray(&mut scratch, &ray, pixel, 0, &mut counts);
+        Probe { rgba, depth, own_kernel, ended_early: counts.terminated > 0, steps: scratch.operator.into_steps() }
     }
 }
 

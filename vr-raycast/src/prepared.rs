@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use vr_core::transfer::BakedTransfer;
 use vr_core::{
-    Compositing, Control, Model, Prepared, Projection, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View,
+    Compositing, Control, Model, ParameterError, Prepared, Probe, Projection, Rays, Real, RenderError, Rendered, Scene,
+    UniformVolume, View,
 };
 
 use crate::caster::{Connectivity, Order, Precision, RayCaster, Rule, Screen};
@@ -73,6 +74,33 @@ impl Prepared for PreparedCaster {
             _ => Model::Canonical,
         }
     }
+
+    /// `None` from templates, whose rays are not those of pixels, and under a promised error.
+    fn probe(&mut self, view: &View, pixel: [u32; 2], control: &Control) -> Result<Option<Probe>, RenderError> {
+        view.validate()?;
+        if pixel[0] >= view.size[0] || pixel[1] >= view.size[1] {
+            return Err(ParameterError::new("pixel", pixel, "must lie in the picture").into());
+        }
+        if matches!(self.caster.screen, Screen::Template { .. }) {
+            return Ok(None);
+        }
+        let volume = check(&self.caster, &self.scene)?;
+        control.check()?;
+        // Packets have empty space of their own to leap over: the plain kernel is told only now that it draws, too.
+        if let Engine::Packets(_, kernel) = &mut self.engine {
+            control.run(|| kernel.find_empty_space(&self.caster, &self.scene, volume, None));
+        }
+        let (kernel, own_kernel) = match &self.engine {
+            Engine::Plain(kernel) => (kernel, true),
+            Engine::Packets(_, kernel) => (kernel, false),
+            Engine::Promise(_) => return Ok(None),
+        };
+        let probing = Probing { view, pixel, own_kernel };
+        control.run(|| match kernel {
+            Kernel::F32(instruments) => self.by_plain_engine(instruments, probing),
+            Kernel::F64(instruments) => self.by_plain_engine(instruments, probing),
+        })
+    }
 }
 
 /// What the coherent screen knows before its first picture; `None` for the others.
@@ -102,8 +130,8 @@ impl PreparedCaster {
         let step = self.caster.world_step(volume);
         let stage = Stage { screen: self.caster.screen, coherence, volume, step, view, control };
         match &self.engine {
-            Engine::Plain(Kernel::F32(instruments)) => self.render_with(instruments, stage),
-            Engine::Plain(Kernel::F64(instruments)) => self.render_with(instruments, stage),
+            Engine::Plain(Kernel::F32(instruments)) => self.by_plain_engine(instruments, stage),
+            Engine::Plain(Kernel::F64(instruments)) => self.by_plain_engine(instruments, stage),
             Engine::Packets(engine, _) => stage.draw(&PacketFrame::new(engine, volume, view)?),
             Engine::Promise(promise) => {
                 let single = self.caster.precision == Precision::F32;
@@ -143,37 +171,93 @@ impl PreparedCaster {
         template.draw(bake, view, control)
     }
 
-    /// Chooses the operator: once a frame.
-    fn render_with<R: Real>(&self, instruments: &Instruments<R>, stage: Stage<'_>) -> Result<Rendered, RenderError> {
-        let volume = stage.volume;
+    /// Has the plain engine do something: chooses the operator, once a frame.
+    fn by_plain_engine<'v, R: Real, T: PlainTask<'v>>(
+        &self,
+        instruments: &Instruments<R>,
+        task: T,
+    ) -> Result<T::Output, RenderError> {
+        let volume = check(&self.caster, &self.scene)?;
         let transfer = || Arc::clone(&self.scene.transfer);
         let calibration = volume.calibration();
-        let plain = Plain { prepared: self, volume, instruments, stage };
+        let plain = Plain { prepared: self, volume, instruments, task };
         match (self.scene.compositing, self.caster.order) {
-            (Compositing::Over, Order::BackToFront) => plain.draw(OverBackToFront::default),
+            (Compositing::Over, Order::BackToFront) => plain.with(OverBackToFront::default),
             (Compositing::Over, Order::FrontToBack { termination }) => {
-                plain.draw(|| OverFrontToBack::new(termination, instruments.brightest()))
+                plain.with(|| OverFrontToBack::new(termination, instruments.brightest()))
             }
-            (Compositing::Accumulate { level }, _) => plain.draw(|| Accumulate::new(level)),
-            (Compositing::First { threshold }, _) => plain.draw(|| First::new(transfer(), calibration, threshold)),
-            (Compositing::Average, _) => plain.draw(|| Average::new(transfer(), calibration)),
-            (Compositing::Maximum, _) => plain.draw(|| Extreme::new(transfer(), calibration, true)),
-            (Compositing::Minimum, _) => plain.draw(|| Extreme::new(transfer(), calibration, false)),
+            (Compositing::Accumulate { level }, _) => plain.with(|| Accumulate::new(level)),
+            (Compositing::First { threshold }, _) => plain.with(|| First::new(transfer(), calibration, threshold)),
+            (Compositing::Average, _) => plain.with(|| Average::new(transfer(), calibration)),
+            (Compositing::Maximum, _) => plain.with(|| Extreme::new(transfer(), calibration, true)),
+            (Compositing::Minimum, _) => plain.with(|| Extreme::new(transfer(), calibration, false)),
         }
     }
 }
 
-/// A frame by the plain engine, but for its operator.
-struct Plain<'a, R> {
+/// What the plain engine is to do once its operator is chosen.
+trait PlainTask<'v> {
+    type Output;
+
+    /// The view that it is about.
+    fn view(&self) -> &'v View;
+
+    fn done_by<R: Real, O: Operator<R>>(
+        self,
+        pipeline: &Pipeline<'_, R, impl Fn() -> O + Sync>,
+    ) -> Result<Self::Output, RenderError>;
+}
+
+/// A frame.
+impl<'v> PlainTask<'v> for Stage<'v> {
+    type Output = Rendered;
+
+    fn view(&self) -> &'v View {
+        self.view
+    }
+
+    fn done_by<R: Real, O: Operator<R>>(
+        self,
+        pipeline: &Pipeline<'_, R, impl Fn() -> O + Sync>,
+    ) -> Result<Rendered, RenderError> {
+        self.draw(pipeline)
+    }
+}
+
+/// One ray, watched.
+struct Probing<'a> {
+    view: &'a View,
+    pixel: [u32; 2],
+    own_kernel: bool,
+}
+
+impl<'v> PlainTask<'v> for Probing<'v> {
+    type Output = Option<Probe>;
+
+    fn view(&self) -> &'v View {
+        self.view
+    }
+
+    fn done_by<R: Real, O: Operator<R>>(
+        self,
+        pipeline: &Pipeline<'_, R, impl Fn() -> O + Sync>,
+    ) -> Result<Option<Probe>, RenderError> {
+        Ok(Some(pipeline.probe(self.pixel, self.own_kernel)))
+    }
+}
+
+/// The plain engine before a task, but for its operator.
+struct Plain<'a, R, T> {
     prepared: &'a PreparedCaster,
     volume: &'a UniformVolume,
     instruments: &'a Instruments<R>,
-    stage: Stage<'a>,
+    task: T,
 }
 
-impl<R: Real> Plain<'_, R> {
-    fn draw<O: Operator<R>>(self, operator: impl Fn() -> O + Sync) -> Result<Rendered, RenderError> {
+impl<'v, R: Real, T: PlainTask<'v>> Plain<'_, R, T> {
+    fn with<O: Operator<R>>(self, operator: impl Fn() -> O + Sync) -> Result<T::Output, RenderError> {
         let caster = &self.prepared.caster;
+        let view = self.task.view();
         let pipeline = Pipeline {
             volume: self.volume,
             filter: caster.filter_of(&self.prepared.scene),
@@ -186,10 +270,10 @@ impl<R: Real> Plain<'_, R> {
             classifier: &self.instruments.classifier,
             shader: self.instruments.shader.as_ref(),
             empty_space: self.instruments.empty_space.as_ref(),
-            view: self.stage.view,
-            rays: Rays::new(self.stage.view)?,
+            view,
+            rays: Rays::new(view)?,
             operator,
         };
-        self.stage.draw(&pipeline)
+        self.task.done_by(&pipeline)
     }
 }

@@ -93,6 +93,27 @@ impl Chart<'_> {
         (around(&mut points().map(|p| p.0)), around(&mut points().map(|p| p.1)))
     }
 
+    /// The corner with the fewest points, for the legend.
+    fn emptiest_corner(&self) -> SeriesLabelPosition {
+        let (x, y) = self.ranges();
+        // Where on an axis a point lies, from 0 to 1.
+        let share = |v: f64, r: &Range<f64>| libm::log(v / r.start) / libm::log(r.end / r.start);
+        let crowd = |right: bool, upper: bool| {
+            let inside = |&&(px, py): &&(f64, f64)| {
+                let (h, v) = (share(px, &x), share(py, &y));
+                (if right { h > 0.55 } else { h < 0.45 }) && (if upper { v > 0.65 } else { v < 0.35 })
+            };
+            self.series.iter().flat_map(|s| &s.points).filter(|&p| plottable(p)).filter(inside).count()
+        };
+        let corners = [
+            (SeriesLabelPosition::UpperRight, crowd(true, true)),
+            (SeriesLabelPosition::LowerLeft, crowd(false, false)),
+            (SeriesLabelPosition::LowerRight, crowd(true, false)),
+            (SeriesLabelPosition::UpperLeft, crowd(false, true)),
+        ];
+        corners.into_iter().min_by_key(|c| c.1).expect("four corners").0
+    }
+
     fn draw(&self, svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
         let root = SVGBackend::with_string(svg, self.size).into_drawing_area();
         let text = |size: i32| TextStyle::from(("sans-serif", size).into_font()).color(&INK);
@@ -126,9 +147,9 @@ impl Chart<'_> {
         if self.series.iter().any(|s| !s.name.is_empty()) {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
+                .position(self.emptiest_corner())
                 .label_font(text(12))
-                .border_style(INK.mix(0.2))
+                .border_style(INK.mix(0.25))
                 .margin(6)
                 .draw()?;
         }

@@ -2,6 +2,7 @@
 
 mod choices;
 mod diff;
+mod ray;
 mod report;
 mod scene;
 mod value;
@@ -14,6 +15,7 @@ use vr_io::{PngDepth, PngOptions};
 
 pub use choices::{Bits, Curve, ErrorMeasure};
 pub use diff::DiffArgs;
+pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use scene::{CameraArgs, CompositingArgs, ImageArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use volume::VolumeArgs;
@@ -67,6 +69,8 @@ pub enum Command {
     Diff(Box<DiffArgs>),
     /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try
     Info(Box<InfoArgs>),
+    /// Tell everything about one pixel: what its ray meets, what the renderer made of it, and the exact solution
+    Ray(Box<RayArgs>),
 }
 
 /// `vr render`.
@@ -215,7 +219,8 @@ impl Cli {
         let options = renderers::option_help();
         let command = Self::command()
             .mut_subcommand("render", |render| render.after_help(options.clone()))
-            .mut_subcommand("bench", |bench| bench.after_help(options));
+            .mut_subcommand("bench", |bench| bench.after_help(options.clone()))
+            .mut_subcommand("ray", |ray| ray.after_help(options));
         match command.try_get_matches().and_then(|matches| Self::from_arg_matches(&matches)) {
             Ok(cli) => Ok(cli),
             Err(e)

@@ -5,4 +5,5 @@ mod bench;
 mod commands;
 mod diff;
 mod harness;
+mod ray;
 mod report;

@@ -8,6 +8,8 @@
 //! | [`Average`] | values | no | any |
 //! | [`Extreme`] | values | yes | any |
 //! | [`First`] | values | yes | front to back |
+//!
+//! [`Recording`] is any of them, watched.
 
 mod accumulate;
 mod average;
@@ -15,6 +17,7 @@ mod extreme;
 mod first;
 mod over_back_to_front;
 mod over_front_to_back;
+mod recording;
 
 pub(crate) use accumulate::Accumulate;
 pub(crate) use average::Average;
@@ -22,6 +25,7 @@ pub(crate) use extreme::Extreme;
 pub(crate) use first::First;
 pub(crate) use over_back_to_front::OverBackToFront;
 pub(crate) use over_front_to_back::{Brightest, OverFrontToBack};
+pub(crate) use recording::Recording;
 
 use std::ops::ControlFlow;
 

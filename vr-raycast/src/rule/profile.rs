@@ -37,6 +37,11 @@ pub(crate) struct Profile<R> {
 }
 
 impl<R: Real> Profile<R> {
+    /// Where in a step the field is sampled, as fractions of its length; `None`: at the run's own sample of the step.
+    pub(crate) fn fractions(&self) -> Option<&'static [f64]> {
+        (self.shape != Shape::Point).then(|| self.shape.fractions())
+    }
+
     /// Fills the light of a sampled run.
     pub(crate) fn classify(&self, run: &mut Run<R>) {
         for j in 0..run.len() {

@@ -41,7 +41,7 @@ impl<R: Real> Points<R> {
 
 impl Shape {
     /// Where in a step the samples lie, as fractions of its length.
-    fn fractions(self) -> &'static [f64] {
+    pub(super) fn fractions(self) -> &'static [f64] {
         match self {
             Self::Point => &[0.5],
             Self::Line => &[0.0, 1.0],

@@ -1,0 +1,65 @@
+//! Which steps make a pixel wrong, and what happens in them.
+
+use super::account::{Account, CHANNELS};
+use super::figures;
+use super::rows::Row;
+use crate::number;
+
+/// Steps that are named.
+const NAMED: usize = 3;
+/// Errors below this are an f32's rounding: nothing to explain.
+const ROUNDING: f64 = 1e-6;
+
+/// What makes the pixel wrong, in a few lines; none where nothing does, or where nobody knows.
+pub fn lines(account: &Account<'_>) -> Vec<String> {
+    let changes: Vec<(&Row, f64)> =
+        account.rows.iter().filter_map(|row| row.light.map(|light| (row, light.change))).collect();
+    let all: f64 = changes.iter().map(|(_, change)| change.abs()).sum::<f64>() + account.left_out().abs();
+    if all < ROUNDING {
+        return Vec::new();
+    }
+    let share = |of: &dyn Fn(&Row) -> bool| {
+        let (mut count, mut sum, mut size) = (0, 0.0, 0.0);
+        for (_, change) in changes.iter().filter(|(row, _)| of(row)) {
+            count += 1;
+            sum += change;
+            size += change.abs();
+        }
+        (count, sum, size)
+    };
+    let knotted = |row: &Row| !row.knots.is_empty();
+    let kinds = [
+        ("with a knot of the transfer function that the value crosses", share(&knotted)),
+        ("with vacuum in a part of the step", share(&|row| !knotted(row) && row.meets_vacuum)),
+        ("between knots", share(&|row| !knotted(row) && !row.meets_vacuum)),
+    ];
+    let mut lines = vec![format!(
+        "error of {}, the component that is wrong by most, as it grows from step to step:",
+        CHANNELS[account.channel()]
+    )];
+    for (what, (count, sum, size)) in kinds {
+        if count > 0 && size > 0.0 {
+            let percent = 100.0 * size / all;
+            let steps = if count == 1 { "step" } else { "steps" };
+            lines.push(format!("{percent:3.0} % in {count} {steps} {what} (together {})", figures::signed(sum)));
+        }
+    }
+    if account.left_out() != 0.0 {
+        let percent = 100.0 * account.left_out().abs() / all;
+        lines.push(format!("{percent:3.0} % behind the last step ({})", figures::signed(account.left_out())));
+    }
+    let mut largest = changes.clone();
+    largest.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    for (row, change) in largest.into_iter().take(NAMED).filter(|(_, change)| change.abs() > 0.02 * all) {
+        let [from, to] = [row.step.begin, row.step.end()].map(number::value);
+        let mut words = format!("step {}, s = {from} to {to}: {}", row.number, figures::signed(change));
+        if knotted(row) {
+            words += &format!(", knots {}", figures::knots(&row.knots));
+        }
+        if row.meets_vacuum {
+            words += ", vacuum";
+        }
+        lines.push(words);
+    }
+    lines
+}

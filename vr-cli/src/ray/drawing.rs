@@ -1,0 +1,291 @@
+//! The ray drawn in the terminal: what it meets, what it adds up to, and where the renderer leaves the truth.
+
+use vr_core::RenderError;
+use vr_physics::{Cut, RaySegment, Reference};
+
+use super::account::{Account, CHANNELS};
+use super::figures;
+use super::plot::{MARGIN, Plot, counts, scale};
+use super::rows::{Row, exact_until, rgba};
+
+/// Characters along the ray, and dots.
+const COLUMNS: usize = 78;
+const DOTS: usize = 2 * COLUMNS;
+/// Behind this opacity nothing more is drawn, unless the renderer still was there.
+const HIDDEN: f64 = 0.9999;
+
+/// All curves; nothing for a ray that misses the volume.
+///
+/// # Errors
+/// What the reference cannot do.
+pub fn text(account: &Account<'_>) -> Result<String, RenderError> {
+    let Some(chord) = account.chord() else { return Ok(String::new()) };
+    let drawing = Drawing::new(account, extent(account, chord))?;
+    let mut text = format!("\n{}\n", drawing.legend());
+    text += &drawing.values();
+    if drawing.shows_light() {
+        text += &drawing.opacity();
+        text += &drawing.sums();
+        if !account.rows.is_empty() {
+            text += &drawing.error();
+        }
+    }
+    Ok(text + &drawing.marks() + &drawing.axis())
+}
+
+/// The part of the ray that is drawn: where something can be seen, with a margin.
+fn extent(account: &Account<'_>, [from, to]: [f64; 2]) -> [f64; 2] {
+    let seen = |segment: &&RaySegment| segment.light.is_some_and(|l| l.transparency < 1.0 || l.light != [0.0; 3]);
+    let Some(first) = account.segments.iter().find(seen) else { return [from, to] };
+    let hidden = |s: &&RaySegment| s.light.is_some_and(|l| l.opacity() >= HIDDEN);
+    let behind = account.segments.iter().find(hidden).or(account.segments.iter().rfind(seen)).map_or(to, |s| s.to);
+    let lit = |row: &&Row| row.step.transparency < 1.0;
+    let begin = account.rows.iter().find(lit).map_or(first.from, |row| row.step.begin.min(first.from));
+    let end = account.rows.last().map_or(behind, |row| {
+        let early = account.probe.as_ref().is_some_and(|probe| probe.ended_early);
+        if early { row.step.end().max(behind) } else { behind }
+    });
+    let margin = 0.04 * (end - begin);
+    [(begin - margin).max(from), (end + margin).min(to)]
+}
+
+struct Drawing<'a> {
+    account: &'a Account<'a>,
+    from: f64,
+    to: f64,
+    /// The exact solution, cut at the borders of the dots, too.
+    segments: Vec<RaySegment>,
+}
+
+impl<'a> Drawing<'a> {
+    fn new(account: &'a Account<'a>, [from, to]: [f64; 2]) -> Result<Self, RenderError> {
+        let cuts: Vec<f64> = (0..=DOTS).map(|i| border(from, to, DOTS, i)).collect();
+        let scene = &account.setup.scene;
+        let segments = Reference::default().segments(scene, account.view, &account.ray, &cuts)?;
+        Ok(Self { account, from, to, segments })
+    }
+
+    /// Whether light is integrated, and there is some.
+    fn shows_light(&self) -> bool {
+        let seen = |s: &RaySegment| s.light.is_some_and(|l| l.transparency < 1.0 || l.light != [0.0; 3]);
+        let drawn = |row: &Row| row.light.is_some_and(|light| light.running != [0.0; 4]);
+        self.account.rows.iter().any(drawn) || self.segments.iter().any(seen)
+    }
+
+    fn legend(&self) -> String {
+        let Account { rows, renderer, .. } = self.account;
+        let mut text = "along the ray: the exact solution in dots".to_owned();
+        if !rows.is_empty() {
+            text += &format!(", × {renderer} where it is elsewhere");
+        }
+        if self.account.has_light() && !self.shows_light() {
+            text += "\n(nothing on the way absorbs or shines)";
+        } else if self.account.has_light() {
+            let color = CHANNELS[self.channel()];
+            text +=
+                &format!("\n(opacity: of the part under a character; {color} and clear, what comes through: so far");
+            if !rows.is_empty() {
+                text += &format!("; error: of {} so far", CHANNELS[self.account.channel()]);
+            }
+            text += ")";
+        }
+        text
+    }
+
+    /// The parts in each column of dots.
+    fn columns(&self) -> Vec<&[RaySegment]> {
+        let middle = |segment: &RaySegment| 0.5 * (segment.from + segment.to);
+        let up_to = |i: usize| {
+            let s = border(self.from, self.to, DOTS, i);
+            self.segments.partition_point(|segment| middle(segment) < s)
+        };
+        (0..DOTS).map(|i| &self.segments[up_to(i)..up_to(i + 1)]).collect()
+    }
+
+    /// The part of the ray under a character.
+    fn character(&self, x: usize) -> [f64; 2] {
+        [border(self.from, self.to, COLUMNS, x), border(self.from, self.to, COLUMNS, x + 1)]
+    }
+
+    fn values(&self) -> String {
+        let curve: Vec<_> = self.columns().iter().map(|parts| range(parts.iter().flat_map(|p| p.values))).collect();
+        let samples = || self.account.rows.iter().flat_map(|row| &row.step.samples);
+        let marks: Vec<_> = (0..COLUMNS)
+            .map(|x| {
+                let [a, b] = self.character(x);
+                mean(samples().filter(|s| (a..b).contains(&s.at) && !s.value.is_nan()).map(|s| s.value))
+            })
+            .collect();
+        let scale = scale(curve.iter().flatten().flatten().copied());
+        Plot { name: "value", rows: 5, scale, curve: &curve, bars: false, marks: &marks }.text()
+    }
+
+    /// Opacity of the part of the ray under each character: κ as far as one can see it.
+    fn opacity(&self) -> String {
+        let pairs: Vec<_> = self.columns().chunks(2).map(<[_]>::concat).collect();
+        let alpha = |parts: &[RaySegment]| {
+            1.0 - parts.iter().filter_map(|p| p.light).map(|light| light.transparency).product::<f64>()
+        };
+        let curve: Vec<_> = pairs.iter().flat_map(|parts| [Some([0.0, alpha(parts)]); 2]).collect();
+        let marks: Vec<_> = (0..COLUMNS)
+            .map(|x| {
+                let [a, b] = self.character(x);
+                let depth = |row: &Row| {
+                    let (begin, end) = (row.step.begin, row.step.end());
+                    let part = (end.min(b) - begin.max(a)).max(0.0) / row.step.length;
+                    if part > 0.0 { row.step.depth() * part } else { 0.0 }
+                };
+                let depth: f64 = self.account.rows.iter().map(depth).sum();
+                (!self.account.rows.is_empty()).then(|| -(-depth).exp_m1())
+            })
+            .collect();
+        let values = curve.iter().flatten().flatten().copied().chain(marks.iter().flatten().copied());
+        let top = scale(values)[1];
+        Plot { name: "opacity", rows: 4, scale: [0.0, top], curve: &curve, bars: true, marks: &marks }.text()
+    }
+
+    /// Radiance and transmittance so far.
+    fn sums(&self) -> String {
+        let c = self.channel();
+        let exact = self.exact();
+        let curve: Vec<_> = exact.iter().map(|rgba| Some([rgba[c]; 2])).collect();
+        let marks = self.drawn(|rgba| rgba[c]);
+        let top = scale(curve.iter().flatten().flatten().copied().chain(marks.iter().flatten().copied()))[1];
+        let mut text =
+            Plot { name: CHANNELS[c], rows: 5, scale: [0.0, top], curve: &curve, bars: false, marks: &marks }.text();
+        let curve: Vec<_> = exact.iter().map(|rgba| Some([1.0 - rgba[3]; 2])).collect();
+        let marks = self.drawn(|rgba| 1.0 - rgba[3]);
+        text += &Plot { name: "clear", rows: 4, scale: [0.0, 1.0], curve: &curve, bars: false, marks: &marks }.text();
+        text
+    }
+
+    /// How far the renderer's sum is from the exact one: known where steps end, straight from one to the next.
+    fn error(&self) -> String {
+        let first = self.account.rows.first().map(|row| (row.step.begin, 0.0));
+        let ends = self.account.rows.iter().filter_map(|row| Some((row.step.end(), row.light?.error)));
+        let errors: Vec<(f64, f64)> = first.into_iter().chain(ends).collect();
+        let curve: Vec<_> = (0..DOTS)
+            .map(|i| at(&errors, border(self.from, self.to, DOTS, i + 1)).map(|e| [e.min(0.0), e.max(0.0)]))
+            .collect();
+        let scale = scale(curve.iter().flatten().flatten().copied());
+        if curve.iter().flatten().all(|e| *e == [0.0; 2]) {
+            return String::new();
+        }
+        Plot { name: "error", rows: 4, scale, curve: &curve, bars: false, marks: &[] }.text()
+    }
+
+    /// How many steps begin, and how many faces and knots are crossed, under each character.
+    fn marks(&self) -> String {
+        let along = |places: &mut dyn Iterator<Item = f64>| {
+            let mut n = vec![0; COLUMNS];
+            for s in places {
+                let x = ((s - self.from) / (self.to - self.from) * COLUMNS as f64).floor();
+                if (0.0..COLUMNS as f64).contains(&x) {
+                    n[x as usize] += 1;
+                }
+            }
+            n
+        };
+        let cuts = |of: fn(&Cut) -> bool| {
+            let segments = self.account.segments.iter();
+            along(&mut segments.flat_map(move |s| s.front.iter().filter(move |cut| of(cut)).map(|_| s.from)))
+        };
+        let mut text = String::new();
+        if !self.account.rows.is_empty() {
+            text += &counts("steps", &along(&mut self.account.rows.iter().map(|row| row.step.begin)));
+        }
+        text += &counts("faces", &cuts(|cut| matches!(cut, Cut::Face { .. })));
+        text + &counts("knots", &cuts(|cut| matches!(cut, Cut::Knot { .. })))
+    }
+
+    fn axis(&self) -> String {
+        let (from, to) = (figures::long(self.from), figures::long(self.to));
+        let gap = COLUMNS.saturating_sub(from.chars().count());
+        format!("{:>width$}└{}\n{:>width$} {from}{to:>gap$}\n", "", "─".repeat(COLUMNS), "s", width = MARGIN - 1)
+    }
+
+    /// The colour whose sum is drawn: that which is wrong by most, or the brightest.
+    fn channel(&self) -> usize {
+        let exact = self.account.exact.rgba;
+        let brightest = (0..3).max_by(|&a, &b| exact[a].total_cmp(&exact[b])).unwrap_or(0);
+        Some(self.account.channel()).filter(|&c| c < 3 && !self.account.rows.is_empty()).unwrap_or(brightest)
+    }
+
+    /// The exact sum at the end of each column of dots.
+    fn exact(&self) -> Vec<[f64; 4]> {
+        let at = |i: usize| exact_until(&self.segments, border(self.from, self.to, DOTS, i + 1));
+        (0..DOTS).map(|i| at(i).map_or([0.0; 4], |light| rgba(&light))).collect()
+    }
+
+    /// What the renderer has summed up at the middle of each character.
+    fn drawn(&self, of: impl Fn([f64; 4]) -> f64) -> Vec<Option<f64>> {
+        let rows = &self.account.rows;
+        let running = |k: usize| rows[k].light.map_or([0.0; 4], |light| light.running);
+        let at = |s: f64| {
+            let k = rows.partition_point(|row| row.step.begin <= s);
+            let before = if k > 1 { running(k - 2) } else { [0.0; 4] };
+            let Some(k) = k.checked_sub(1) else { return before };
+            let part = share(rows[k].step.transparency, ((s - rows[k].step.begin) / rows[k].step.length).min(1.0));
+            std::array::from_fn(|c| before[c] + part * (running(k)[c] - before[c]))
+        };
+        let middle = |x: usize| self.character(x).iter().sum::<f64>() * 0.5;
+        (0..COLUMNS).map(|x| (!rows.is_empty()).then(|| of(at(middle(x))))).collect()
+    }
+}
+
+/// How much of a homogeneous step of transparency θ is seen up to the fraction x of its length: (1 − θˣ) / (1 − θ).
+fn share(transparency: f64, x: f64) -> f64 {
+    match transparency {
+        1.0 => x,
+        0.0 => 1.0,
+        theta => (1.0 - theta.powf(x)) / (1.0 - theta),
+    }
+}
+
+fn border(from: f64, to: f64, parts: usize, i: usize) -> f64 {
+    from + (to - from) * i as f64 / parts as f64
+}
+
+/// Between points, straight from one to the next; before and behind all of them, as the nearest.
+fn at(points: &[(f64, f64)], s: f64) -> Option<f64> {
+    let next = points.partition_point(|point| point.0 <= s);
+    let (after, before) = (points.get(next), next.checked_sub(1).map(|i| points[i]));
+    match (before, after) {
+        (Some(a), Some(b)) if b.0 > a.0 => Some(a.1 + (s - a.0) / (b.0 - a.0) * (b.1 - a.1)),
+        (Some(a), _) => Some(a.1),
+        (None, b) => b.map(|b| b.1),
+    }
+}
+
+fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    values
+        .filter(|v| v.is_finite())
+        .fold(None, |range: Option<[f64; 2]>, v| Some(range.map_or([v, v], |[low, high]| [low.min(v), high.max(v)])))
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
+    (count > 0.0).then(|| sum / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_between_points_are_straight() {
+        let points = [(1.0, 0.0), (2.0, 4.0), (2.0, 4.0), (3.0, 6.0)];
+        for (s, want) in [(0.0, 0.0), (1.5, 2.0), (2.0, 4.0), (2.5, 5.0), (9.0, 6.0)] {
+            assert_eq!(at(&points, s), Some(want), "{s}");
+        }
+        assert_eq!(at(&[], 1.0), None);
+        assert_eq!(range([3.0, f64::NAN, 1.0].into_iter()), Some([1.0, 3.0]));
+        assert_eq!(mean([3.0, 1.0].into_iter()), Some(2.0));
+    }
+
+    #[test]
+    fn a_dense_step_is_seen_by_its_front() {
+        assert_eq!((share(1.0, 0.25), share(0.0, 0.25), share(0.25, 0.5)), (0.25, 1.0, 0.5 / 0.75));
+        assert!((share(0.5, 1.0) - 1.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,100 @@
+//! `vr ray`.
+
+mod account;
+mod causes;
+mod csv_file;
+mod drawing;
+mod figures;
+mod header;
+mod json;
+mod plot;
+mod rows;
+mod tables;
+
+use vr_core::{Control, Model, Probe, RenderError, Renderer, View};
+use vr_physics::Reference;
+
+use self::account::Account;
+use crate::args::RayArgs;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::output_file;
+use crate::progress::under_bar;
+use crate::scene_setup::Setup;
+
+/// Has the renderer tell of a pixel's ray, solves it exactly, and shows both.
+///
+/// # Errors
+/// Whatever goes wrong with the command line, the volume, the scene, or the file to be written; a pixel that the picture does not have.
+pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    if let Some(path) = &args.csv {
+        output_file::check(path, &["csv"])?;
+    }
+    let setup = Setup::new(&args.scene, console)?;
+    let pixel = pixel(args, setup.view.size)?;
+    let renderer = setup.renderer(&args.renderer)?;
+    // The one ray through the pixel's centre, whatever else the picture's pixel is made of.
+    let view = View { samples: 1, ..setup.view.clone() };
+    let failed = |e: RenderError| setup.render_failure(e);
+    let seen = under_bar(console, control, "looking", |control| look(&*renderer, &setup, &view, pixel, control))
+        .map_err(failed)?;
+    let reference = Reference::default();
+    let exact = reference.solve_pixels(&setup.scene, &view, &Model::Canonical, &[pixel], control).map_err(failed)?;
+    let account = Account::new(&setup, renderer.name(), &view, pixel, seen, exact.pixels[0]).map_err(failed)?;
+    if let Some(path) = &args.csv {
+        csv_file::write(path, &account)?;
+    }
+    let mut text = header::text(&account);
+    // Only for those who read it.
+    if !console.json && !console.quiet {
+        text += &drawing::text(&account).map_err(failed)?;
+        text += &tables::text(&account, args.all);
+        if let Some(path) = &args.csv {
+            text += &format!("\nwrote    {}\n", path.display());
+        }
+    }
+    console.result(&text, &json::Json::new(&account))
+}
+
+/// The pixel asked for.
+fn pixel(args: &RayArgs, [width, height]: [u32; 2]) -> Result<[u32; 2], Failure> {
+    let inside = |name: &str, found: i64, size: u32| {
+        let allowed = || format!("{name}: found {found}; must be 0 to {}: the picture is {width}x{height}", size - 1);
+        u32::try_from(found).ok().filter(|&n| n < size).ok_or_else(|| Failure::usage(allowed()))
+    };
+    // What else is wrong with the size, the renderer says.
+    Ok([inside("X", args.x, width.max(1))?, inside("Y", args.y, height.max(1))?])
+}
+
+/// What a renderer made of a pixel.
+pub struct Seen {
+    /// Premultiplied linear RGBA.
+    pub rgba: [f32; 4],
+    /// World distance along the ray to what is seen; `None` from a renderer that does not tell it.
+    pub depth: Option<f32>,
+    /// How it came about; `None` from a renderer that cannot tell.
+    pub probe: Option<Probe>,
+    /// What it integrates, where that is not the scene as it is.
+    pub model: Option<String>,
+}
+
+/// Asks the renderer; one that cannot tell draws the picture instead, of which the pixel is taken.
+fn look(
+    renderer: &dyn Renderer,
+    setup: &Setup,
+    view: &View,
+    pixel @ [x, y]: [u32; 2],
+    control: &Control,
+) -> Result<Seen, RenderError> {
+    let mut prepared = renderer.prepare(&setup.scene, control)?;
+    let model = match prepared.model(view) {
+        Model::Canonical => None,
+        other => Some(format!("{other:?}")),
+    };
+    if let Some(probe) = prepared.probe(view, pixel, control)? {
+        return Ok(Seen { rgba: probe.rgba, depth: Some(probe.depth), probe: Some(probe), model });
+    }
+    let frame = prepared.render(view, control)?.frame;
+    let depth = frame.depth().map(|depth| depth[y as usize * view.size[0] as usize + x as usize]);
+    Ok(Seen { rgba: frame.pixel(x, y), depth, probe: None, model })
+}

@@ -1,0 +1,248 @@
+//! The reference's own account of one ray: cut wherever something changes, each part solved by itself and all of it so far.
+
+use vr_core::filter::Reconstruction;
+use vr_core::{IndexRay, Voxel};
+
+use crate::crossings::crossings;
+use crate::grid_line::GridLine;
+use crate::line::{LineField, LineModel};
+use crate::optics::Optics;
+use crate::transport::{Certainty, Transport, transport};
+
+/// A part of a ray between two cuts, on which the field is smooth and the transfer function has no knot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RaySegment {
+    /// World distance along the ray at which it begins.
+    pub from: f64,
+    /// World distance along the ray at which it ends; above `from`.
+    pub to: f64,
+    /// What cuts the ray where it begins. Several at once where a ray goes through an edge or a corner.
+    pub front: Vec<Cut>,
+    /// The field's calibrated values where it begins and where it ends; NaN in vacuum.
+    pub values: [f64; 2],
+    /// Its light; `None` where the compositing picks a value and integrates no light.
+    pub light: Option<SegmentLight>,
+}
+
+/// What cuts a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cut {
+    /// The ray enters the volume, or what the clip leaves of it.
+    Entry,
+    /// A face across an index axis, beyond which the field is another polynomial: of a cell or, with the nearest filter, between two samples.
+    Face {
+        /// 0, 1 or 2.
+        axis: usize,
+        /// Its index coordinate on that axis.
+        at: f64,
+    },
+    /// The value crosses, or touches, a knot of the transfer function.
+    Knot {
+        /// The knot's calibrated value.
+        value: f64,
+    },
+    /// A distance that was asked for.
+    Asked,
+}
+
+/// The exact light of a segment, and of the ray up to its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentLight {
+    /// Transparency θ = e^(−τ) of the segment.
+    pub transparency: f64,
+    /// Light b that it sends out at its front: ∫ q e^(−τ) ds, τ counted from there.
+    pub light: [f64; 3],
+    /// How far each of these may be from the truth.
+    pub certainty: Certainty,
+    /// Radiance of the ray from its front to the segment's end, as if nothing came after.
+    pub radiance: [f64; 3],
+    /// Optical depth τ of the ray from its front to the segment's end; +∞ behind a wall.
+    pub depth: f64,
+    /// How far `radiance`, and the opacity 1 − e^(−τ), may be from the truth.
+    pub running: Certainty,
+}
+
+impl SegmentLight {
+    /// Opacity 1 − e^(−τ) of the ray from its front to the segment's end.
+    pub fn opacity(&self) -> f64 {
+        -libm::expm1(-self.depth)
+    }
+}
+
+/// Cuts nearer to each other than this part of the chord are one: rounding.
+const SLIVER: f64 = 1e-12;
+
+/// Cuts a ray, and solves each part. `level` ends the light where opacity reaches it (1: never); `None`: no light is asked for.
+pub(crate) fn segments<T: Voxel, F: Reconstruction>(
+    line: &GridLine<'_, T, F>,
+    ray: &IndexRay,
+    optics: &Optics<'_>,
+    tolerance: f64,
+    level: Option<f64>,
+    asked: &[f64],
+) -> Vec<RaySegment> {
+    let mut running = level.map(|level| Running::new(level, tolerance, ray.length()));
+    let knots = knots(optics);
+    let cuts = cuts(line, ray, &knots, asked);
+    let ends: Vec<f64> = cuts.iter().skip(1).map(|cut| cut.0).chain([ray.end]).collect();
+    let mut all: Vec<RaySegment> = Vec::with_capacity(cuts.len());
+    let mut before = f64::NAN;
+    for ((from, mut front), to) in cuts.into_iter().zip(ends) {
+        let [first, middle, last] =
+            line.between(from, to).map_or([f64::NAN; 3], |model| [-1.0, 0.0, 1.0].map(|t| model.field.at(t)));
+        // At a face the value may jump over a knot, or have it just there.
+        let crossed = knots.iter().filter(|&&v| (before < v && middle >= v) || (before >= v && middle < v));
+        for &value in crossed {
+            let knot = Cut::Knot { value };
+            if !front.contains(&knot) {
+                front.insert(front.iter().take_while(|&&cut| cut != Cut::Asked).count(), knot);
+            }
+        }
+        before = middle;
+        let light = running.as_mut().map(|running| running.add(&Part { line, from, to }, optics));
+        all.push(RaySegment { from: from + ray.offset, to: to + ray.offset, front, values: [first, last], light });
+    }
+    all
+}
+
+/// Values at which the transfer function has a kink or jumps, sorted.
+fn knots(optics: &Optics<'_>) -> Vec<f64> {
+    let mut knots: Vec<f64> = optics.kinks.iter().chain(&optics.jumps).copied().collect();
+    knots.sort_by(f64::total_cmp);
+    knots
+}
+
+/// Every place where the ray is cut, and by what; the first is where it enters.
+fn cuts<T: Voxel, F: Reconstruction>(
+    line: &GridLine<'_, T, F>,
+    ray: &IndexRay,
+    knots: &[f64],
+    asked: &[f64],
+) -> Vec<(f64, Vec<Cut>)> {
+    let mut cuts = vec![(ray.start, Cut::Entry)];
+    line.each_face(|s, axis, at| cuts.push((s, Cut::Face { axis, at })));
+    let mut faces = Vec::new();
+    line.breakpoints(&mut faces);
+    let mut found = Vec::new();
+    for ends in faces.windows(2).filter(|ends| ends[1] > ends[0]) {
+        let Some(LineModel { field, .. }) = line.between(ends[0], ends[1]) else { continue };
+        let (value, reach) = (field.coefficients()[0], field.spread(1.0));
+        // A little more, for rounding: what is not crossed is not found.
+        let reach = reach + 1e-12 * (value.abs() + reach);
+        let near = knots.partition_point(|&v| v < value - reach)..knots.partition_point(|&v| v <= value + reach);
+        for &value in &knots[near] {
+            found.clear();
+            crossings(&field, &[value], &mut found);
+            let place = |t: &f64| 0.5 * (ends[0] + ends[1]) + 0.5 * (ends[1] - ends[0]) * t;
+            cuts.extend(found.iter().map(|t| (place(t), Cut::Knot { value })));
+        }
+    }
+    cuts.extend(asked.iter().map(|s| (s - ray.offset, Cut::Asked)));
+    let sliver = SLIVER * ray.length();
+    cuts.retain(|cut| cut.0 >= ray.start && cut.0 < ray.end - sliver);
+    // Stable: what is at one place keeps the order from above, in which what is asked for comes last.
+    cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut merged: Vec<(f64, Vec<Cut>)> = Vec::with_capacity(cuts.len());
+    for (s, cut) in cuts {
+        match merged.last_mut() {
+            Some((last, here)) if s - *last <= sliver => {
+                if !here.contains(&cut) {
+                    here.push(cut);
+                }
+            }
+            _ => merged.push((s, vec![cut])),
+        }
+    }
+    merged
+}
+
+/// A part of a line.
+struct Part<'a> {
+    line: &'a dyn LineField,
+    from: f64,
+    to: f64,
+}
+
+impl LineField for Part<'_> {
+    fn breakpoints(&self, out: &mut Vec<f64>) {
+        out.extend([self.from, self.to]);
+    }
+
+    fn between(&self, from: f64, to: f64) -> Option<LineModel> {
+        self.line.between(from, to)
+    }
+}
+
+/// The light of a ray so far.
+///
+/// C ← C + T b and T ← T θ. Each of b and θ is off by at most e, C by E and T by δ: then E ← E + T e + δ (b + e) and
+/// δ ← T e + δ (θ + e), and a rounding each.
+struct Running {
+    level: f64,
+    tolerance: f64,
+    length: f64,
+    radiance: [f64; 3],
+    depth: f64,
+    radiance_error: f64,
+    transmittance_error: f64,
+    certain: bool,
+    ended: bool,
+}
+
+impl Running {
+    fn new(level: f64, tolerance: f64, length: f64) -> Self {
+        Self {
+            level,
+            tolerance,
+            length,
+            radiance: [0.0; 3],
+            depth: 0.0,
+            radiance_error: 0.0,
+            transmittance_error: 0.0,
+            certain: true,
+            ended: false,
+        }
+    }
+
+    /// Solves a part, and adds it.
+    fn add(&mut self, part: &Part<'_>, optics: &Optics<'_>) -> SegmentLight {
+        // Each part has its share of what the whole ray may be off by.
+        let tolerance = self.tolerance * ((part.to - part.from) / self.length).max(1e-6);
+        let own = transport(part, optics, tolerance, 1.0);
+        if !self.ended {
+            // The level is reached in here if what is left up to it is less than what is here.
+            let left = -libm::log1p(-self.level) - self.depth;
+            self.ended = self.level < 1.0 && own.depth >= left;
+            let cut = if self.ended { transport(part, optics, tolerance, -libm::expm1(-left)) } else { own };
+            self.join(&cut);
+            if self.ended {
+                self.depth = -libm::log1p(-self.level);
+            }
+        }
+        let opacity_error = self.transmittance_error.min(1.0);
+        SegmentLight {
+            transparency: own.transmittance(),
+            light: own.radiance,
+            certainty: own.certainty,
+            radiance: self.radiance,
+            depth: self.depth,
+            running: Certainty::new(self.radiance_error.max(opacity_error), self.certain),
+        }
+    }
+
+    fn join(&mut self, part: &Transport) {
+        let in_front = libm::exp(-self.depth);
+        let error = part.certainty.value();
+        let brightest = part.radiance.into_iter().fold(0.0, f64::max);
+        for c in 0..3 {
+            self.radiance[c] += in_front * part.radiance[c];
+        }
+        let size = self.radiance.into_iter().fold(0.0, f64::max);
+        self.radiance_error +=
+            in_front * error + self.transmittance_error * (brightest + error) + 4.0 * f64::EPSILON * size;
+        self.transmittance_error =
+            in_front * error + self.transmittance_error * (part.transmittance() + error) + 2.0 * f64::EPSILON;
+        self.depth += part.depth;
+        self.certain &= matches!(part.certainty, Certainty::Bound(_));
+    }
+}
