@@ -62,6 +62,7 @@ pub mod study;
 pub mod subject;
 pub mod suite;
 pub mod timing;
+mod yardstick;
 
 pub use error::StudyError;
 

@@ -65,13 +65,10 @@ impl Suite {
         if self == Self::Quick { (64, 96) } else { (128, 256) }
     }
 
-    /// Time for the rounds of one of so many subjects: less than half a minute in all for the quick suite.
+    /// Time for the rounds of one of so many subjects: half a minute in all for the quick suite.
     fn timing(self, subjects: usize) -> Timing {
-        let patience = if self == Self::Quick {
-            Duration::from_secs(24) / subjects.max(1) as u32
-        } else {
-            Duration::from_secs(60)
-        };
+        let quick = Duration::from_secs(30) / subjects.max(1) as u32;
+        let patience = if self == Self::Quick { quick } else { Duration::from_secs(20) };
         Timing { least_rounds: 3, most_rounds: 9, patience }
     }
 }
@@ -151,7 +148,7 @@ impl Run<'_> {
             timing: (!self.untimed).then(|| suite.timing(subjects)),
             // Every pixel of the small pictures of the quick suite.
             subgrid: 96,
-            own_subgrid: 24,
+            own_subgrid: 16,
             cache: self.cache,
             meter: self.meter,
         };

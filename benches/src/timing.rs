@@ -8,11 +8,12 @@ use vr_core::{Control, Counts, Frame, Model, Prepared, RenderError, Scene, View,
 use crate::contestant::Contestant;
 use crate::memory::{MemoryMeter, peak_of};
 use crate::subject::Subject;
+use crate::yardstick::Yardstick;
 
 /// How much is timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
-    /// Rounds at the least: in each, every contestant prepares the scene and draws two frames.
+    /// Rounds at the least: in each, every contestant prepares the scene and draws frames of a turning camera.
     pub least_rounds: u32,
     /// Rounds at most.
     pub most_rounds: u32,
@@ -22,9 +23,13 @@ pub struct Timing {
 
 /// Degrees that the camera turns from frame to frame.
 const TURN: f64 = 10.0;
-/// A contestant whose first frame takes this long draws one frame a round, without warming up, and in few rounds.
-const HEAVY: Duration = Duration::from_millis(60);
+/// A contestant whose frames take this long draws one a round, without warming up.
+const HEAVY: Duration = Duration::from_millis(40);
+/// Rounds that are enough for those, when time gets short.
 const HEAVY_ROUNDS: usize = 2;
+/// The others draw two views in turns, for this long or so often.
+const STRETCH: Duration = Duration::from_millis(12);
+const PAIRS: usize = 6;
 
 /// Milliseconds, the median over the rounds and what lies around it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,9 +43,8 @@ pub struct Milliseconds {
 }
 
 impl Milliseconds {
-    /// Of at least one duration.
-    fn of(times: &[Duration]) -> Self {
-        let mut ms: Vec<f64> = times.iter().map(|t| t.as_nanos() as f64 / 1e6).collect();
+    /// Of at least one number.
+    fn of(mut ms: Vec<f64>) -> Self {
         ms.sort_by(f64::total_cmp);
         let n = ms.len();
         Self { median: 0.5 * (ms[(n - 1) / 2] + ms[n / 2]), least: ms[0], most: ms[n - 1] }
@@ -72,17 +76,34 @@ pub struct Drawn {
     pub peak_bytes: Option<u64>,
 }
 
-/// The durations so far.
+/// What was timed so far.
 #[derive(Default)]
 struct Rounds {
-    prepare: Vec<Duration>,
-    frame: Vec<Duration>,
+    prepare: Vec<Reading>,
+    frame: Vec<Reading>,
+    /// Whether frames are [heavy](HEAVY).
+    heavy: bool,
+}
+
+/// A time, and what the yardstick took around it.
+#[derive(Clone, Copy)]
+struct Reading {
+    time: Duration,
+    yardstick: Duration,
+}
+
+impl Reading {
+    /// What it would have taken had the machine been as fast as it was when the yardstick took `usual`.
+    fn corrected(self, usual: Duration) -> f64 {
+        self.time.as_secs_f64() * 1e3 * usual.as_secs_f64() / self.yardstick.as_secs_f64().max(1e-9)
+    }
 }
 
 /// Lets every contestant draw a subject; times it where `timing` says how. Why one cannot draw stands in its place.
 ///
-/// Scenes are prepared from a copy of the volume each time, so that nobody profits from what another had derived of it. `control` runs
-/// what is timed and tells nobody; `told` is told between frames.
+/// Scenes are prepared from a copy of the volume each time, so that nobody profits from what another had derived of it. Times are corrected for
+/// how fast the machine was at the moment, by a [yardstick](crate::yardstick). `control` runs what is timed and tells nobody; `told` is told
+/// between frames.
 ///
 /// # Errors
 /// Any error but [`RenderError::Unsupported`].
@@ -94,11 +115,12 @@ pub fn draw_in_turns(
     (control, told): (&Control, &dyn Fn(f64)),
 ) -> Result<Vec<Result<Drawn, String>>, RenderError> {
     let started = Instant::now();
+    let clock = Clock { yardstick: Yardstick::new(), control };
     let rounds_to_do = timing.map_or(1, |t| t.least_rounds.max(1));
     let mut drawn = Vec::with_capacity(contestants.len());
     let mut rounds: Vec<Rounds> = Vec::new();
     for (i, contestant) in contestants.iter().enumerate() {
-        let (first, peak_bytes) = peak_of(meter, || first_round(contestant, subject, timing.is_some(), control));
+        let (first, peak_bytes) = peak_of(meter, || clock.first_round(contestant, subject, timing.is_some()));
         match first {
             Ok((mut first, round)) => {
                 first.peak_bytes = peak_bytes;
@@ -119,19 +141,23 @@ pub fn draw_in_turns(
             break;
         }
         for (i, contestant) in contestants.iter().enumerate().filter(|&(i, _)| drawn[i].is_ok()) {
-            let heavy = rounds[i].frame[0] > HEAVY;
-            if heavy && rounds[i].frame.len() >= HEAVY_ROUNDS {
+            let late = round >= timing.least_rounds || started.elapsed() > timing.patience / 2;
+            if rounds[i].heavy && late && rounds[i].frame.len() >= HEAVY_ROUNDS {
                 continue;
             }
-            let (_, _, mut prepared) = prepare(contestant, subject, &mut rounds[i], control)?;
-            timed_frames(&mut *prepared, &subject.view, heavy, &mut rounds[i], control)?;
+            let mut prepared = clock.prepare(contestant, subject, &mut rounds[i])?;
+            clock.frames(&mut *prepared, &subject.view, &mut rounds[i])?;
             let share = (f64::from(round) + (i + 1) as f64 / contestants.len() as f64) / f64::from(rounds_to_do);
             told(share.min(1.0));
         }
     }
+    let mut yardsticks: Vec<Duration> = rounds.iter().flat_map(|r| &r.frame).map(|reading| reading.yardstick).collect();
+    yardsticks.sort_unstable();
+    let usual = yardsticks.get(yardsticks.len() / 2).copied().unwrap_or_default();
     for (result, rounds) in drawn.iter_mut().zip(&rounds) {
         if let Ok(drawn) = result {
-            let (frame, prepare) = (Milliseconds::of(&rounds.frame), Milliseconds::of(&rounds.prepare));
+            let of = |readings: &[Reading]| Milliseconds::of(readings.iter().map(|r| r.corrected(usual)).collect());
+            let (frame, prepare) = (of(&rounds.frame), of(&rounds.prepare));
             drawn.times = Some(Times { frame, prepare, rounds: rounds.frame.len() });
         }
     }
@@ -145,65 +171,89 @@ fn alone(scene: &Scene) -> Scene {
     Scene { volume, ..scene.clone() }
 }
 
-type Ready = (Scene, Duration, Box<dyn Prepared>);
-
-fn prepare(
-    contestant: &Contestant,
-    subject: &Subject,
-    rounds: &mut Rounds,
-    control: &Control,
-) -> Result<Ready, RenderError> {
-    let scene = alone(&subject.scene);
-    let start = Instant::now();
-    let prepared = contestant.configured.prepare(&scene, control)?;
-    let time = start.elapsed();
-    rounds.prepare.push(time);
-    Ok((scene, time, prepared))
+/// What times.
+struct Clock<'a> {
+    yardstick: Yardstick,
+    control: &'a Control,
 }
 
-fn first_round(
-    contestant: &Contestant,
-    subject: &Subject,
-    timed: bool,
-    control: &Control,
-) -> Result<(Drawn, Rounds), RenderError> {
-    let mut rounds = Rounds::default();
-    let (_, _, mut prepared) = prepare(contestant, subject, &mut rounds, control)?;
-    let start = Instant::now();
-    let rendered = prepared.render(&subject.view, control)?;
-    let first = start.elapsed();
-    let model = prepared.model(&subject.view);
-    let heavy = first > HEAVY;
-    if heavy || !timed {
-        rounds.frame.push(first);
-    } else {
-        timed_frames(&mut *prepared, &subject.view, heavy, &mut rounds, control)?;
-    }
-    let drawn = Drawn { frame: rendered.frame, model, counts: rendered.stats.counts, times: None, peak_bytes: None };
-    Ok((drawn, rounds))
-}
-
-/// The mean of two frames of a turning camera, after one that counts nowhere; of slow ones, the first alone.
-fn timed_frames(
-    prepared: &mut dyn Prepared,
-    view: &View,
-    heavy: bool,
-    rounds: &mut Rounds,
-    control: &Control,
-) -> Result<(), RenderError> {
-    let at = |turns: f64| View { camera: view.camera.orbit(turns * TURN, 0.0), ..view.clone() };
-    if !heavy {
-        prepared.render(&at(-1.0), control)?;
-    }
-    let views = if heavy { vec![view.clone()] } else { vec![view.clone(), at(1.0)] };
-    let mut sum = Duration::ZERO;
-    for view in &views {
+impl Clock<'_> {
+    /// Prepares a subject's scene.
+    fn prepare(
+        &self,
+        contestant: &Contestant,
+        subject: &Subject,
+        rounds: &mut Rounds,
+    ) -> Result<Box<dyn Prepared>, RenderError> {
+        let scene = alone(&subject.scene);
+        let yardstick = self.yardstick.take(self.control)?;
         let start = Instant::now();
-        prepared.render(view, control)?;
-        sum += start.elapsed();
+        let prepared = contestant.configured.prepare(&scene, self.control)?;
+        rounds.prepare.push(Reading { time: start.elapsed(), yardstick });
+        Ok(prepared)
     }
-    rounds.frame.push(sum / views.len() as u32);
-    Ok(())
+
+    /// The picture of a subject, from a preparation of its own; and the first round, if anything is timed.
+    fn first_round(
+        &self,
+        contestant: &Contestant,
+        subject: &Subject,
+        timed: bool,
+    ) -> Result<(Drawn, Rounds), RenderError> {
+        let mut rounds = Rounds::default();
+        let mut prepared = self.prepare(contestant, subject, &mut rounds)?;
+        let before = self.yardstick.take(self.control)?;
+        let start = Instant::now();
+        let rendered = prepared.render(&subject.view, self.control)?;
+        let time = start.elapsed();
+        if timed {
+            let reading = Reading { time, yardstick: (before + self.yardstick.take(self.control)?) / 2 };
+            // Where something else may have been in the way of the first frame, a second one tells.
+            rounds.heavy = time > 3 * HEAVY || time > HEAVY && self.frame(&mut *prepared, &subject.view)? > HEAVY;
+            if rounds.heavy {
+                rounds.frame.push(reading);
+            } else {
+                self.frames(&mut *prepared, &subject.view, &mut rounds)?;
+            }
+        }
+        let model = prepared.model(&subject.view);
+        let (frame, counts) = (rendered.frame, rendered.stats.counts);
+        Ok((Drawn { frame, model, counts, times: None, peak_bytes: None }, rounds))
+    }
+
+    fn frame(&self, prepared: &mut dyn Prepared, view: &View) -> Result<Duration, RenderError> {
+        let start = Instant::now();
+        prepared.render(view, self.control)?;
+        Ok(start.elapsed())
+    }
+
+    /// Draws two views of a turning camera in turns, after a frame that counts nowhere; of each the least time counts, since what others on
+    /// the machine take away only adds, and of the two the mean. Of heavy ones, the first view alone is drawn, once.
+    fn frames(&self, prepared: &mut dyn Prepared, view: &View, rounds: &mut Rounds) -> Result<(), RenderError> {
+        let at = |turns: f64| View { camera: view.camera.orbit(turns * TURN, 0.0), ..view.clone() };
+        if !rounds.heavy {
+            self.frame(prepared, &at(-1.0))?;
+        }
+        let before = self.yardstick.take(self.control)?;
+        let time = if rounds.heavy {
+            self.frame(prepared, view)?
+        } else {
+            let views = [view.clone(), at(1.0)];
+            let (start, mut least) = (Instant::now(), [Duration::MAX; 2]);
+            for pair in 0..PAIRS {
+                if pair > 0 && start.elapsed() > STRETCH {
+                    break;
+                }
+                for (least, view) in least.iter_mut().zip(&views) {
+                    *least = (*least).min(self.frame(prepared, view)?);
+                }
+            }
+            (least[0] + least[1]) / 2
+        };
+        let after = self.yardstick.take(self.control)?;
+        rounds.frame.push(Reading { time, yardstick: (before + after) / 2 });
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -211,9 +261,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn times_are_corrected_by_the_yardstick() {
+        let ms = Duration::from_millis;
+        // The machine was half as fast as usual.
+        let reading = Reading { time: ms(20), yardstick: ms(2) };
+        assert!((reading.corrected(ms(1)) - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
     fn the_median_is_the_middle() {
-        let of = |ms: &[u64]| Milliseconds::of(&ms.iter().map(|&t| Duration::from_millis(t)).collect::<Vec<_>>());
-        assert_eq!(of(&[7]), Milliseconds { median: 7.0, least: 7.0, most: 7.0 });
-        assert_eq!(of(&[4, 9, 1, 2]), Milliseconds { median: 3.0, least: 1.0, most: 9.0 });
+        let of = |ms: &[f64]| Milliseconds::of(ms.to_vec());
+        assert_eq!(of(&[7.0]), Milliseconds { median: 7.0, least: 7.0, most: 7.0 });
+        assert_eq!(of(&[4.0, 9.0, 1.0, 2.0]), Milliseconds { median: 3.0, least: 1.0, most: 9.0 });
     }
 }

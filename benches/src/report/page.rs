@@ -122,12 +122,12 @@ fn subject_section(s: &SubjectResult, timed: bool) -> Result<Markup, StudyError>
                 figure { (PreEscaped(plots::speed_against_error(s)?)) figcaption { "Numbers are rows of the table." } }
                 p {
                     @for (k, r) in winners.iter().enumerate() {
-                        @if k > 0 { "; " }
+                        @if k > 0 { "; " } @else { "Who is fastest: " }
+                        b { (s.points[r.fastest].renderer) } " for an RMSE "
                         @match r.to {
-                            Some(to) => { "asked for an RMSE from " (small(r.from)) " to " (small(to)) },
-                            None => { "asked for " (small(r.from)) " or more" },
+                            Some(to) => { "from " (small(r.from)) " to " (small(to)) },
+                            None => { "of " (small(r.from)) " or more" },
                         }
-                        ", " b { (s.points[r.fastest].renderer) } " is fastest"
                     }
                     "."
                 }
@@ -345,7 +345,7 @@ fn how() -> Markup {
             ul {
                 li { "Errors are frame − exact pixel, over red, green, blue and opacity of premultiplied linear light, divided by max(1, the largest magnitude of the picture). 1/255 ≈ 0.0039 is what 8 bits can show." }
                 li { "The exact solution integrates the equation of transfer in f64 with a bound on its own error. " b { "own model" } ": RMSE against what the renderer itself integrates, another reconstruction filter say, done exactly. " b { "function" } ": against the phantom as the function that it is, without samples." }
-                li { "Times are of frames after preparation. In each round every contestant prepares a copy of the scene, and draws two frames of a turning camera after one that counts nowhere; the median of the rounds is given, and the least and most. Contestants take turns, so that a machine that slows down slows all." }
+                li { "Times are of frames after preparation. In each round every contestant prepares a copy of the scene, and draws two views of a turning camera in turns after a frame that counts nowhere; the least time of each view counts, and the mean of the two. Given is the median of the rounds, and the least and most, corrected for how fast the machine was at the moment: a small computation, always the same, is timed before and after. Contestants take turns, so that a machine that slows down slows all." }
                 li { "Memory is what preparation and frames need at once beyond the scene." }
             }
         }
