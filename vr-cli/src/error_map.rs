@@ -7,10 +7,10 @@ use vr_benches::error_colors;
 use vr_benches::exact::{Exact, SUBGRID};
 use vr_core::Frame;
 use vr_io::PngOptions;
+use vr_physics::spread;
 
 use crate::args::{ErrorMeasure, OutputArgs};
 use crate::failure::Failure;
-use crate::scattered::spread;
 use crate::{heat_map, output_file};
 
 /// A map that was written.

@@ -31,7 +31,6 @@ mod ray;
 mod render;
 mod renderers;
 mod report;
-mod scattered;
 mod scene_setup;
 mod table;
 mod target;

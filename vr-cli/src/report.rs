@@ -89,7 +89,10 @@ fn subject(setup: &Setup, args: &ReportArgs, suite: Suite) -> Subject {
         let factor = (wanted / (w * h)).sqrt().min(1.0);
         view.size = [w, h].map(|side| ((side * factor).round() as u32).max(1));
     }
-    let name = args.scene.volume.phantom.clone().unwrap_or_else(|| "scene".to_owned());
+    let stem = |path: &PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let volume = &args.scene.volume;
+    let file = volume.path.as_ref().or(args.scene.scene.as_ref()).and_then(stem);
+    let name = volume.phantom.clone().or(file).unwrap_or_else(|| "scene".to_owned());
     let phantom = args.scene.volume.phantom.as_deref().and_then(vr_core::phantom::by_name).map(Into::into);
     Subject { name, title: setup.title.clone(), scene: setup.scene.clone(), view, phantom }
 }

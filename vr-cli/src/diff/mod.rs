@@ -5,7 +5,6 @@ mod comparison;
 mod flip;
 mod report;
 mod screen;
-mod ssim;
 
 use std::path::Path;
 
@@ -60,7 +59,7 @@ pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
         picture: Side::new(&args.picture, &picture, args.encode),
         comparison: &comparison,
         background: args.background,
-        ssim: ssim::ssim(comparison.size, &screen::luma(&a), &screen::luma(&b)),
+        ssim: vr_physics::ssim(comparison.size, &screen::luma(&a), &screen::luma(&b)),
         #[cfg(feature = "flip")]
         flip: flip::mean(comparison.size, &a, &b),
         outputs: &args.outputs,

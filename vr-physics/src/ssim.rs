@@ -14,7 +14,10 @@ const C2: f64 = 0.03 * 0.03;
 /// Mean of (2 μₐ μᵦ + C₁)(2 σₐᵦ + C₂) / ((μₐ² + μᵦ² + C₁)(σₐ² + σᵦ² + C₂)) over all windows that lie inside the picture; the values
 /// are in [0, 1].
 ///
-/// `None` where no window fits.
+/// `a` and `b` are pictures of one number per pixel (luma, say), row by row. `None` where no window fits.
+///
+/// # Panics
+/// If either has fewer values than the size has pixels.
 pub fn ssim(size: [u32; 2], a: &[f64], b: &[f64]) -> Option<f64> {
     let [w, h] = size.map(|side| side as usize);
     if w < TAPS || h < TAPS {
@@ -57,7 +60,7 @@ fn weighted(weights: &[f64; TAPS], values: impl Fn(usize) -> [f64; 5]) -> [f64; 
 
 fn weights() -> [f64; TAPS] {
     let middle = (TAPS / 2) as f64;
-    let weights: [f64; TAPS] = std::array::from_fn(|k| (-0.5 * ((k as f64 - middle) / DEVIATION).powi(2)).exp());
+    let weights: [f64; TAPS] = std::array::from_fn(|k| libm::exp(-0.5 * ((k as f64 - middle) / DEVIATION).powi(2)));
     let sum: f64 = weights.iter().sum();
     weights.map(|w| w / sum)
 }

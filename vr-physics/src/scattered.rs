@@ -1,6 +1,6 @@
 //! From values at scattered pixels to one for every pixel.
 
-use vr_physics::metrics::subgrid;
+use crate::metrics::subgrid;
 
 /// How far a value reaches, in parts. The pixel of a part itself is nowhere farther than √2, so that every pixel has a value.
 const REACH: f64 = 1.5;
@@ -10,6 +10,9 @@ const REACH: f64 = 1.5;
 /// A pixel gets the mean of the values within 1.5 parts of it, weighted by ((R − d)/(R d))² where R is that reach and d the distance in parts
 /// (Franke and Nielson, "Smooth interpolation of large sets of scattered data", 1980). So the given values stay what they are, and
 /// no other leaves the range of its neighbours.
+///
+/// # Panics
+/// If there is not one value for each pixel of the subgrid.
 pub fn spread<const N: usize>(n: u32, size: [u32; 2], values: &[[f64; N]]) -> Vec<[f64; N]> {
     let sites = subgrid(n, size);
     assert_eq!(sites.len(), values.len(), "a value for each pixel of the subgrid");
