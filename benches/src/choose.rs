@@ -19,7 +19,8 @@ pub struct RmseEstimate {
     pub pixels: usize,
 }
 
-/// Of [`RmseEstimate::upper`]: one-sided, by the normal distribution of means, pixels being drawn without replacement.
+/// Of [`RmseEstimate::upper`]: one-sided, by the normal distribution of means, as if pixels were drawn at random and without replacement; they are
+/// spread evenly, which makes means more certain than that. It is that of one picture: of many that are tried, some pass by chance.
 ///
 /// What lies in a few pixels alone, none of them in the sample, no sample knows of.
 pub const CONFIDENCE: f64 = 0.95;
@@ -32,7 +33,8 @@ impl RmseEstimate {
         let peak = exact.rgba().iter().flatten().fold(1.0f64, |peak, c| peak.max(c.abs()));
         let square = |(&[x, y], truth): (&[u32; 2], &[f64; 4])| {
             let drawn = frame.pixel(x, y);
-            (0..4).map(|c| ((f64::from(drawn[c]) - truth[c]) / peak).powi(2)).sum::<f64>() / 4.0
+            let square = (0..4).map(|c| ((f64::from(drawn[c]) - truth[c]) / peak).powi(2)).sum::<f64>() / 4.0;
+            if square.is_nan() { f64::INFINITY } else { square }
         };
         let squares: Vec<f64> = exact.pixels().iter().zip(exact.rgba()).map(square).collect();
         let n = squares.len() as f64;
@@ -41,7 +43,9 @@ impl RmseEstimate {
         let all = f64::from(frame.size()[0]) * f64::from(frame.size()[1]);
         let left = (1.0 - n / all).max(0.0);
         let upper = mean + QUANTILE * (variance / n * left).sqrt();
-        Self { rmse: mean.sqrt(), upper: upper.sqrt(), pixels: squares.len() }
+        // What the solution itself may be off by comes on top. (Infinite errors leave no mean of squares.)
+        let upper = upper.sqrt() + exact.certainty.value() / peak;
+        Self { rmse: mean.sqrt(), upper: if upper.is_nan() { f64::INFINITY } else { upper }, pixels: squares.len() }
     }
 }
 
@@ -138,7 +142,8 @@ pub fn draw_within(
             Err(other) => return Err(other.into()),
         }
         told(0.5 * (i + 1) as f64 / contestants.len() as f64);
-        if started.elapsed() > PATIENCE {
+        // Not before somebody is within the target.
+        if started.elapsed() > PATIENCE && rehearsals.iter().any(|r: &Rehearsal| r.error.upper <= target) {
             break;
         }
     }
@@ -146,7 +151,7 @@ pub fn draw_within(
     order.sort_by_key(|r| r.expected);
     let larger = reduced(view, LARGER);
     if pixels(&larger) > pixels(&small) {
-        order.truncate(FINALISTS);
+        let others = order.split_off(FINALISTS.min(order.len()));
         for rehearsal in &mut order {
             let (prepare, time, _) = timed(&contestants[rehearsal.contestant], scene, &larger, control)?;
             // A straight line through the two times: what a frame needs once, however large it is, does not grow.
@@ -155,6 +160,7 @@ pub fn draw_within(
             rehearsal.expected = prepare + time + Duration::from_secs_f64(rest);
         }
         order.sort_by_key(|r| r.expected);
+        order.extend(others);
     }
     let order: Vec<usize> = order.iter().map(|r| r.contestant).collect();
 
@@ -259,6 +265,6 @@ mod tests {
         let exact = Exact::solve(view, &Model::Canonical, all, &Control::default()).unwrap();
         let frame = Frame::new([6, 5], vec![[0.5; 4]; 30], None);
         let estimate = RmseEstimate::of(&exact, &frame);
-        assert!((estimate.rmse - exact.judge(&frame).rmse).abs() < 1e-12 && estimate.upper == estimate.rmse);
+        assert!((estimate.rmse - exact.judge(&frame).rmse).abs() < 1e-12 && estimate.upper - estimate.rmse < 1e-9);
     }
 }

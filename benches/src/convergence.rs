@@ -88,8 +88,10 @@ pub enum Outcome {
     Exact,
     /// It is another, errors do not fall, or there is no picture.
     Fails,
-    /// The renderer does not draw such scenes.
+    /// The renderer does not draw such scenes, or claims nothing about them.
     Refused,
+    /// Every picture is exact to the last bit: there is nothing to see.
+    Empty,
 }
 
 impl Outcome {
@@ -100,6 +102,7 @@ impl Outcome {
             Self::Exact => "exact to rounding",
             Self::Fails => "FAILS",
             Self::Refused => "refused",
+            Self::Empty => "nothing to see",
         }
     }
 }
@@ -117,6 +120,7 @@ impl Convergence {
             (None, Some(order)) if (order - self.expected).abs() <= self.tolerance => Outcome::Holds,
             (None, Some(order)) if order > self.expected && self.at_least => Outcome::Holds,
             (None, Some(_)) => Outcome::Fails,
+            (None, None) if self.errors.iter().all(|&e| e == 0.0) => Outcome::Empty,
             // Rounding may end the fall, but the last error has to be there.
             (None, None) if self.errors.last().is_some_and(|&e| e <= self.floor) => Outcome::Exact,
             (None, None) => Outcome::Fails,
@@ -136,6 +140,8 @@ pub struct Prover<'a> {
 const SIDE: u32 = 24;
 /// The same on anybody's scene, where errors are more erratic.
 const OWN_SIDE: u32 = 32;
+/// Where the step begins there, as a part of the coarsest: fields are steep.
+const OWN_COARSEST: f64 = 0.5;
 /// Samples along each side of the proving ground.
 const SAMPLES: usize = 17;
 /// Steps: divided by the square root of 2 from one to the next.
@@ -177,15 +183,21 @@ impl Prover<'_> {
         let claims = renderer.orders();
         let mut results = Vec::new();
         for (i, claim) in claims.iter().enumerate() {
-            let blank = of_own(blank(renderer, claim, refined, name));
-            results.push(self.step_in(blank, (renderer, claim), scene, &view)?);
+            let mut blank = of_own(blank(renderer, claim, refined, name));
+            if !is_claimed(scene) {
+                blank.trouble = Some(format!("{REFUSED}orders are documented of unshaded light alone"));
+                results.push(blank);
+                continue;
+            }
+            let claim = OrderClaim { coarsest: OWN_COARSEST * claim.coarsest, ..claim.clone() };
+            results.push(self.step_in(blank, (renderer, &claim), scene, &view)?);
             told((i + 1) as f64 / claims.len() as f64);
         }
         Ok(results)
     }
 
     /// The grid of anybody's volume: cells are cut in two, three and four, which leaves a trilinear field as it is; the step, fixed in voxels,
-    /// becomes shorter, and errors fall at the order of the step. `None` where the field is another, or has samples missing.
+    /// becomes shorter, and errors fall at the order of the step. `None` where the field is another, has samples missing, or is shaded.
     ///
     /// # Errors
     /// Cancellation.
@@ -194,7 +206,7 @@ impl Prover<'_> {
         renderer: &dyn Renderer,
         (name, scene): (&str, &Scene),
     ) -> Result<Option<Convergence>, StudyError> {
-        let Some(claim) = renderer.orders().into_iter().next() else { return Ok(None) };
+        let Some(claim) = renderer.orders().into_iter().next().filter(|_| is_claimed(scene)) else { return Ok(None) };
         let mut blank = of_own(blank(renderer, &claim, Refined::Grid, name));
         // What falls is the error of the step.
         let orders = claim.orders;
@@ -349,6 +361,11 @@ fn blank(renderer: &dyn Renderer, claim: &OrderClaim, refined: Refined, scene: &
     }
 }
 
+/// Whether the orders that renderers document are about such a scene.
+fn is_claimed(scene: &Scene) -> bool {
+    scene.compositing.integrates_light() && scene.shading.is_none()
+}
+
 /// Whether the transfer function does.
 fn jumps(scene: &Scene) -> bool {
     scene.transfer.points().windows(2).any(|w| w[0].value == w[1].value)
@@ -414,6 +431,7 @@ mod tests {
         assert_eq!(of(Some(1.0), &[1e-2, 1e-3], None), Outcome::Fails);
         assert_eq!(of(None, &[1e-8, 1e-8], None), Outcome::Exact);
         assert_eq!(of(None, &[1e-8, 1e-2], None), Outcome::Fails);
+        assert_eq!(of(None, &[0.0, 0.0], None), Outcome::Empty);
         assert_eq!(of(None, &[], Some("panics")), Outcome::Fails);
         assert_eq!(of(None, &[], Some("refused: everything")), Outcome::Refused);
     }

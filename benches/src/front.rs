@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Errors that people ask for: a hundredth, what 8 bits can show, a thousandth, a ten-thousandth.
-pub const THRESHOLDS: [f64; 4] = [1e-2, 1.0 / 255.0, 1e-3, 1e-4];
+/// Errors that people ask for, and how tables write them: a hundredth, what 8 bits can show, a thousandth, a ten-thousandth.
+pub const THRESHOLDS: [(f64, &str); 4] = [(1e-2, "1e-2"), (1.0 / 255.0, "1/255"), (1e-3, "1e-3"), (1e-4, "1e-4")];
 
 /// Indices of the pairs (time, error) that no other pair beats or equals in both, by ascending time. Of equal pairs, the first counts;
 /// those that are not finite do not.

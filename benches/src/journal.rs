@@ -32,11 +32,14 @@ impl Journal {
                 done.extend(lines);
             }
         }
-        let mut file = File::create(path)?;
-        write_line(&mut file, STUDY, &Value::from(study))?;
+        let mut kept = Vec::new();
+        write_line(&mut kept, STUDY, &Value::from(study))?;
         for (part, value) in &done {
-            write_line(&mut file, part, value)?;
+            write_line(&mut kept, part, value)?;
         }
+        // Whole or not at all: what was done before is not lost if this fails.
+        vr_io::write_bytes(path, &kept).map_err(io::Error::other)?;
+        let file = File::options().append(true).open(path)?;
         Ok(Self { path: path.into(), done, file })
     }
 
@@ -72,7 +75,7 @@ impl Journal {
 
 const STUDY: &str = "study";
 
-fn write_line(file: &mut File, part: &str, value: &Value) -> io::Result<()> {
+fn write_line(file: &mut impl Write, part: &str, value: &Value) -> io::Result<()> {
     let mut line = serde_json::to_string(&(part, value))?;
     line.push('\n');
     file.write_all(line.as_bytes())?;

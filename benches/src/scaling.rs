@@ -54,8 +54,8 @@ pub struct Growth {
 
 /// Frames per size; the median of their times counts.
 const FRAMES: usize = 5;
-/// Nothing larger is tried once a frame takes this long.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// Nothing larger is tried, and no further frame drawn, once one takes this long.
+const PATIENCE: Duration = Duration::from_millis(500);
 /// Samples and pixels along a side while the other grows.
 const SAMPLES: usize = 64;
 const PIXELS: u32 = 192;
@@ -90,7 +90,7 @@ pub fn grow(
                 measured.push(size as f64);
                 ms.push(time.as_secs_f64() * 1e3);
                 // Four times as long, or eight times: not tried.
-                if time > PATIENCE / 4 && grown != Grown::Threads {
+                if time > PATIENCE && grown != Grown::Threads {
                     break;
                 }
             }
@@ -118,10 +118,10 @@ fn median_frame(renderer: &dyn Renderer, subject: &Subject, control: &Control) -
         prepared.render(&view, control)?;
         let time = start.elapsed();
         // The first warms up, unless it was too long for that.
-        if k > 0 || time > PATIENCE / 4 {
+        if k > 0 || time > PATIENCE {
             times.push(time);
         }
-        if time > PATIENCE / 4 {
+        if time > PATIENCE {
             break;
         }
     }

@@ -144,12 +144,16 @@ fn judge(
     let (Certainty::Bound(uncertainty) | Certainty::Estimate(uncertainty)) = truth.certainty;
     let uncertainty = uncertainty / scale;
     result.error = Some(ErrorFigures::new(&metrics, &truth));
+    let pixels_beyond = |e: f64| truth.errors(&rendered.frame).into_iter().filter(|&error| error > e).count() as u64;
     result.verdict = match bound {
         None => Verdict::Undocumented,
         Some(bound) if metrics.max <= bound => Verdict::Held,
         Some(bound) if metrics.max <= bound + uncertainty && uncertainty > bound => Verdict::Unjudged,
         Some(bound) if metrics.max <= bound + uncertainty => Verdict::Held,
-        Some(_) if rendered.stats.counts.unbounded > 0 => Verdict::Counted { rays: rendered.stats.counts.unbounded },
+        // No more pixels than the renderer itself said that it cannot promise anything for.
+        Some(bound) if pixels_beyond(bound + uncertainty) <= rendered.stats.counts.unbounded => {
+            Verdict::Counted { rays: rendered.stats.counts.unbounded }
+        }
         Some(bound) => Verdict::Failed { reason: format!("{:.2e} beyond the documented {bound:.2e}", metrics.max) },
     };
     Ok(result)

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use vr_core::{Control, Counts, Frame, Model, RenderError};
 use vr_physics::metrics::subgrid;
+use vr_physics::spread;
 
 use crate::contestant::Contestant;
 use crate::exact::{Exact, ExactCache};
@@ -46,7 +47,7 @@ pub struct SubjectResult {
     pub refusals: Vec<Refusal>,
     /// The picture of the contestant with the smallest error.
     pub picture: Picture,
-    /// Where some contestants are wrong, where every pixel was compared.
+    /// Where some contestants are wrong; interpolated between the pixels that were compared.
     pub error_maps: Vec<Picture>,
 }
 
@@ -102,7 +103,7 @@ impl Study<'_> {
                 Err(feature) => refusals.push(Refusal { contestant: contestant.name(), feature }),
             }
         }
-        let (picture, error_maps) = pictures(&points, &frames, subject, &exact);
+        let (picture, error_maps) = pictures(&points, &frames, subject, (&exact, self.subgrid));
         let Subject { name, title, .. } = subject.clone();
         Ok(SubjectResult { name, title, size: subject.view.size, points, refusals, picture, error_maps })
     }
@@ -146,23 +147,31 @@ fn named(counts: Counts) -> BTreeMap<String, u64> {
 /// Contestants whose errors are shown at most.
 const MAPS: usize = 4;
 
-/// The most exact picture; and maps of the errors of those on the front, evenly chosen, where every pixel was compared.
-fn pictures(points: &[Point], frames: &[Frame], subject: &Subject, exact: &Exact) -> (Picture, Vec<Picture>) {
+/// The most exact picture; and maps of the errors of those on the front, evenly chosen: by samples where nothing was timed. Where not
+/// every pixel was compared, their errors are spread on their logarithmic scale.
+fn pictures(
+    points: &[Point],
+    frames: &[Frame],
+    subject: &Subject,
+    (exact, parts): (&Exact, u32),
+) -> (Picture, Vec<Picture>) {
     let [w, h] = subject.view.size;
     let best = (0..points.len()).min_by(|&a, &b| points[a].error.rmse.total_cmp(&points[b].error.rmse));
     let picture = best.map_or_else(
         || Picture { contestant: String::new(), png: String::new() },
         |i| Picture { contestant: points[i].contestant(), png: encode_picture(&frames[i], subject.scene.background) },
     );
-    if exact.count() as u64 != u64::from(w) * u64::from(h) {
-        return (picture, Vec::new());
-    }
-    let pairs: Vec<(f64, f64)> = points.iter().map(Point::pair).collect();
+    let cost =
+        |p: &Point| p.times.map_or_else(|| p.counts.get("samples").map_or(0.0, |&n| n as f64), |t| t.frame.median);
+    let pairs: Vec<(f64, f64)> = points.iter().map(|p| (cost(p), p.error.rmse)).collect();
     let front = crate::front::pareto_front(&pairs);
     let shown = front.len().min(MAPS);
     let maps = (0..shown).map(|k| {
         let i = front[if shown > 1 { k * (front.len() - 1) / (shown - 1) } else { 0 }];
-        let errors = exact.errors(&frames[i]);
+        // Far below and above what has a colour, but finite.
+        let exponents: Vec<[f64; 1]> =
+            exact.errors(&frames[i]).iter().map(|e| [e.log10().clamp(-20.0, 20.0)]).collect();
+        let errors: Vec<f64> = spread(parts, [w, h], &exponents).iter().map(|e| 10f64.powf(e[0])).collect();
         Picture { contestant: points[i].contestant(), png: encode_errors([w, h], &errors) }
     });
     (picture, maps.collect())

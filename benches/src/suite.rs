@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
-use vr_core::{Camera, Control, Renderer, View};
+use vr_core::{Camera, Control, Model, Options, Renderer, View};
 
 use crate::contestant::{Contestant, contestants};
 use crate::convergence::{Convergence, Prover};
 use crate::error::StudyError;
-use crate::exact::ExactCache;
+use crate::exact::{ExactCache, fingerprint};
 use crate::journal::Journal;
 use crate::machine::Machine;
 use crate::memory::MemoryMeter;
@@ -65,11 +65,12 @@ impl Suite {
         if self == Self::Quick { (64, 96) } else { (128, 256) }
     }
 
-    /// Time for the rounds of one of so many subjects: half a minute in all for the quick suite.
+    /// Time for the rounds of one of so many subjects: half a minute in all for the quick suite, however many renderers there are.
     fn timing(self, subjects: usize) -> Timing {
-        let quick = Duration::from_secs(30) / subjects.max(1) as u32;
+        let quick = Duration::from_secs(33) / subjects.max(1) as u32;
         let patience = if self == Self::Quick { quick } else { Duration::from_secs(20) };
-        Timing { least_rounds: 3, most_rounds: 9, patience }
+        let least_rounds = if self == Self::Quick { 1 } else { 3 };
+        Timing { least_rounds, most_rounds: 9, patience }
     }
 }
 
@@ -193,12 +194,16 @@ impl Run<'_> {
         Ok(report)
     }
 
-    /// What two runs must share so that one can take up the other.
+    /// What two runs must share so that one can take up the other: the program, the machine, the settings, and all of the scene.
     fn signature(&self, suite: Suite, machine: &Machine, settings: &[Contestant]) -> String {
-        let own =
-            self.own.as_ref().map(|s| (&s.title, &s.view, &s.scene.transfer, &s.scene.compositing, &s.scene.shading));
-        let who: Vec<String> = settings.iter().map(Contestant::name).collect();
-        format!("{} {machine:?} {who:?} {own:?} {}", suite.name(), self.untimed)
+        let program = std::env::current_exe().and_then(std::fs::metadata).ok();
+        let program = program.map(|file| (file.len(), file.modified().ok()));
+        let own = self.own.as_ref().map(|s| {
+            let scene = fingerprint((&s.scene, &s.view), &Model::Canonical, &[], 0.0);
+            (&s.name, scene, s.scene.filter, s.scene.background)
+        });
+        let who: Vec<(String, &Options)> = settings.iter().map(|c| (c.name(), &c.options)).collect();
+        format!("{} {program:?} {machine:?} {who:?} {own:?} {}", suite.name(), self.untimed)
     }
 
     fn pieces<'a>(&'a self, suite: Suite, settings: &'a [Contestant]) -> Result<Vec<Piece<'a>>, StudyError> {

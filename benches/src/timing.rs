@@ -228,7 +228,8 @@ impl Clock<'_> {
     }
 
     /// Draws two views of a turning camera in turns, after a frame that counts nowhere; of each the least time counts, since what others on
-    /// the machine take away only adds, and of the two the mean. Of heavy ones, the first view alone is drawn, once.
+    /// the machine take away only adds, and of the two the mean. Of heavy ones, the two views are
+    /// drawn in turns from round to round.
     fn frames(&self, prepared: &mut dyn Prepared, view: &View, rounds: &mut Rounds) -> Result<(), RenderError> {
         let at = |turns: f64| View { camera: view.camera.orbit(turns * TURN, 0.0), ..view.clone() };
         if !rounds.heavy {
@@ -236,7 +237,9 @@ impl Clock<'_> {
         }
         let before = self.yardstick.take(self.control)?;
         let time = if rounds.heavy {
-            self.frame(prepared, view)?
+            // From round to round the camera turns, too.
+            let turned = rounds.frame.len() % 2 == 1;
+            self.frame(prepared, &if turned { at(1.0) } else { view.clone() })?
         } else {
             let views = [view.clone(), at(1.0)];
             let (start, mut least) = (Instant::now(), [Duration::MAX; 2]);

@@ -31,10 +31,11 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     let setup = Setup::new(&args.scene, console)?;
     let (scene, view) = (&setup.scene, &setup.view);
     let cache = exact_cache::open(&args.cache);
-    let drawn = match args.target.target_rmse {
+    let mut drawn = match args.target.target_rmse {
         Some(target) => target::draw(target, &args.renderer, &setup, &cache, console, control)?,
         None => draw(&args.renderer, &setup, console, control)?,
     };
+    let known = drawn.exact.take();
     let frame = &drawn.frame;
     let png = PngOptions { background: scene.background, ..args.output.png() };
     for path in &args.output.outputs {
@@ -53,7 +54,10 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         let solve = |control: &Control| cache.solve((scene, view), &Model::Canonical, pixels, control);
         under_bar(console, control, "measuring the error", solve)
     };
-    let exact = pixels.map(solve).transpose().map_err(|e| setup.render_failure(e))?;
+    let exact = match known {
+        Some(known) if wanted == ErrorMeasure::Subgrid => Some(known),
+        _ => pixels.map(solve).transpose().map_err(|e| setup.render_failure(e))?,
+    };
     let map = match (&args.output.error_map, &exact) {
         (Some(path), Some(exact)) => Some(error_map::write(path, exact, frame)?),
         _ => None,
@@ -83,6 +87,8 @@ pub struct Drawn {
     pub render: Duration,
     /// How the renderer and its setting were chosen, where an error was asked for.
     pub chosen: Option<Chosen>,
+    /// The exact solution on the subgrid, where the choice needed it.
+    pub exact: Option<Exact>,
 }
 
 /// Draws with the renderer that flags or the scene file ask for.
@@ -96,7 +102,7 @@ fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control)
     let Rendered { frame, stats } = under_bar(console, control, "rendering", |c| prepared.render(&setup.view, c))
         .map_err(|e| setup.render_failure(e))?;
     let (renderer, render) = (renderer.name().to_owned(), start.elapsed());
-    Ok(Drawn { renderer, frame, counts: stats.counts, prepare, render, chosen: None })
+    Ok(Drawn { renderer, frame, counts: stats.counts, prepare, render, chosen: None, exact: None })
 }
 
 /// What there is to tell.

@@ -33,7 +33,15 @@ pub fn named(name: &str) -> Result<Box<dyn Renderer>, String> {
 pub fn chosen(names: &[String]) -> Result<Vec<Box<dyn Renderer>>, Failure> {
     match names {
         [] => Ok(all()),
-        names => names.iter().map(|n| named(n)).collect::<Result<_, _>>().map_err(Failure::usage),
+        names => {
+            let mut each: Vec<&String> = Vec::new();
+            names.iter().for_each(|n| {
+                if !each.contains(&n) {
+                    each.push(n)
+                }
+            });
+            each.into_iter().map(|n| named(n)).collect::<Result<_, _>>().map_err(Failure::usage)
+        }
     }
 }
 

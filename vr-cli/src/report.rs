@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use vr_benches::StudyError;
 use vr_benches::baseline::Baseline;
+use vr_benches::convergence::Outcome;
 use vr_benches::report::{csv, headline_plot, headline_table, page};
 use vr_benches::subject::Subject;
 use vr_benches::suite::{Report, Run, Suite};
@@ -16,7 +17,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::heap::Heap;
 use crate::progress::under_bar;
-use crate::scene_setup::Setup;
+use crate::scene_setup::{Setup, named_scene};
 use crate::{exact_cache, renderers};
 
 /// Pixels of the pictures of a user's own scene, where no size was asked for.
@@ -36,12 +37,12 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
     };
     let chosen = renderers::chosen(&args.renderers)?;
     let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
-    let setup = own_scene(args, console)?;
+    let setup = named_scene(&args.scene, console)?;
     if setup.is_some() && matches!(suite, Suite::Hard | Suite::Scaling) {
         console.note(&format!("the suite {} has scenes of its own: the one that was named is not used", suite.name()));
     }
     fs::create_dir_all(&args.output).map_err(|e| cannot_write(&args.output, &e))?;
-    let journal = args.output.join("journal.jsonl");
+    let journal = args.output.join(format!("journal-{}.jsonl", suite.name()));
     let cache = exact_cache::open(&args.cache);
     let run = Run {
         renderers: &chosen,
@@ -68,17 +69,15 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
         &text(&report, &files, &worse),
         &Json { report: &report, files: &files, worse_than_baseline: &worse },
     )?;
+    let failed = report.stability.iter().filter(|r| r.verdict.is_failure()).count();
+    let failing = report.orders.iter().filter(|c| c.outcome() == Outcome::Fails).count();
     match &worse[..] {
+        [] if failed + failing > 0 => {
+            Err(Failure::failed(format!("{failed} hard cases failed, and {failing} orders are not as documented")))
+        }
         [] => Ok(()),
         [first, rest @ ..] => Err(Failure::failed(format!("worse than the baseline: {first}; {} more", rest.len()))),
     }
-}
-
-/// The scene that flags name; none where they name nothing, and phantoms are measured.
-fn own_scene(args: &ReportArgs, console: Console) -> Result<Option<Setup>, Failure> {
-    let volume = &args.scene.volume;
-    let named = volume.path.is_some() || volume.phantom.is_some() || args.scene.scene.is_some();
-    named.then(|| Setup::new(&args.scene, console)).transpose()
 }
 
 fn subject(setup: &Setup, args: &ReportArgs, suite: Suite) -> Subject {
@@ -90,10 +89,9 @@ fn subject(setup: &Setup, args: &ReportArgs, suite: Suite) -> Subject {
         view.size = [w, h].map(|side| ((side * factor).round() as u32).max(1));
     }
     let stem = |path: &PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let volume = &args.scene.volume;
-    let file = volume.path.as_ref().or(args.scene.scene.as_ref()).and_then(stem);
-    let name = volume.phantom.clone().or(file).unwrap_or_else(|| "scene".to_owned());
-    let phantom = args.scene.volume.phantom.as_deref().and_then(vr_core::phantom::by_name).map(Into::into);
+    let file = args.scene.volume.path.as_ref().or(args.scene.scene.as_ref()).and_then(stem);
+    let name = setup.phantom.clone().or(file).unwrap_or_else(|| "scene".to_owned());
+    let phantom = setup.phantom.as_deref().and_then(vr_core::phantom::by_name).map(Into::into);
     Subject { name, title: setup.title.clone(), scene: setup.scene.clone(), view, phantom }
 }
 
@@ -146,7 +144,7 @@ fn text(report: &Report, files: &[PathBuf], worse: &[String]) -> String {
         text += "\n";
     }
     if !report.orders.is_empty() {
-        let failing = report.orders.iter().filter(|c| c.outcome() == vr_benches::convergence::Outcome::Fails).count();
+        let failing = report.orders.iter().filter(|c| c.outcome() == Outcome::Fails).count();
         text += &format!("orders     {} measured, {failing} not as documented\n", report.orders.len());
     }
     if !report.stability.is_empty() {

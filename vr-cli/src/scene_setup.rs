@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::{Args, FromArgMatches};
 use vr_core::scene_file::{SceneFile, VolumeSection};
 use vr_core::{OptionError, Options, ParameterError, RenderError, Renderer, Scene, View, Volume};
 use vr_io::{LoadedScene, SceneFileError};
@@ -25,6 +26,8 @@ pub struct Setup {
     pub title: String,
     /// What was assumed.
     pub notes: Vec<String>,
+    /// The phantom that the volume is made of, if it is.
+    pub phantom: Option<String>,
     renderer: String,
     options: Options,
     max_error: Option<f64>,
@@ -56,7 +59,8 @@ impl Setup {
             console.note(note);
         }
         let title = title(&file.volume, &scene.volume);
-        Ok(Self { scene, view, title, notes, renderer, options, max_error, origin })
+        let phantom = file.volume.phantom;
+        Ok(Self { scene, view, title, notes, phantom, renderer, options, max_error, origin })
     }
 
     /// The renderer that flags or the scene file ask for, with its options set.
@@ -104,6 +108,23 @@ impl Setup {
             other => Failure::failed(other),
         }
     }
+}
+
+/// The scene that flags name; none where they name nothing, for commands that have scenes of their own then.
+///
+/// # Errors
+/// As [`Setup::new`]; flags about a scene where none is named.
+pub fn named_scene(args: &SceneArgs, console: Console) -> Result<Option<Setup>, Failure> {
+    if args.volume.path.is_some() || args.volume.phantom.is_some() || args.scene.is_some() {
+        return Setup::new(args, console).map(Some);
+    }
+    // Every argument tells all that it holds.
+    let none = SceneArgs::augment_args(clap::Command::new("none")).get_matches_from(["none"]);
+    let none = SceneArgs::from_arg_matches(&none).map_err(Failure::failed)?;
+    if format!("{args:?}") != format!("{none:?}") {
+        return Err(Failure::usage("flags about a scene need one: name a volume, --phantom or --scene"));
+    }
+    Ok(None)
 }
 
 /// The embedded scene; or, where a volume is named, a scene of which everything else is absent.

@@ -27,7 +27,7 @@ pub struct Chosen {
     tried: usize,
     /// Of them, those whose small picture was within the target.
     within: usize,
-    /// Settings whose whole picture was not, though their small one was, and its RMSE.
+    /// Settings whose whole picture was not, though their small one was, and what its RMSE does not exceed.
     disappointed: Vec<(String, f64)>,
     /// The RMSE of this picture on a sample of its pixels.
     rmse: f64,
@@ -65,7 +65,7 @@ pub fn draw(
         ChoiceError::Render(e) => setup.render_failure(e),
         other => Failure::failed(other),
     })?;
-    let Choice { contestant, rendered, prepare, render, error, rehearsals, disappointed, .. } = choice;
+    let Choice { contestant, rendered, prepare, render, error, exact, rehearsals, disappointed } = choice;
     let winner = &contestants[contestant];
     let [w, h] = setup.view.size.map(u64::from);
     let chosen = Chosen {
@@ -74,7 +74,7 @@ pub fn draw(
         options: winner.options.clone(),
         tried: rehearsals.len(),
         within: rehearsals.iter().filter(|r| r.error.upper <= target).count(),
-        disappointed: disappointed.iter().map(|(i, e)| (contestants[*i].name(), e.rmse)).collect(),
+        disappointed: disappointed.iter().map(|(i, e)| (contestants[*i].name(), e.upper)).collect(),
         rmse: error.rmse,
         rmse_at_most: error.upper,
         confidence: CONFIDENCE,
@@ -82,7 +82,7 @@ pub fn draw(
         pixels: w * h,
     };
     let (renderer, counts) = (winner.renderer.clone(), rendered.stats.counts);
-    Ok(Drawn { renderer, frame: rendered.frame, counts, prepare, render, chosen: Some(chosen) })
+    Ok(Drawn { renderer, frame: rendered.frame, counts, prepare, render, chosen: Some(chosen), exact: Some(exact) })
 }
 
 impl Chosen {
@@ -95,10 +95,10 @@ impl Chosen {
             number::small(*target_rmse)
         );
         for (name, rmse) in &self.disappointed {
-            text += &format!("         not {name}: its whole picture has {}\n", number::small(*rmse));
+            text += &format!("         not {name}: the RMSE of its whole picture may be {}\n", number::small(*rmse));
         }
         text + &format!(
-            "target   RMSE {} on {sample_pixels} of {pixels} pixels; at most {} for all, with {:.0} % confidence\n",
+            "target   RMSE {} on {sample_pixels} of {pixels} pixels; at most {} for all, with a nominal confidence of {:.0} %\n",
             number::small(*rmse),
             number::small(*rmse_at_most),
             100.0 * self.confidence

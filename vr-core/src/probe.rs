@@ -26,7 +26,7 @@ pub struct ProbedStep {
     pub begin: f64,
     /// World length; 0 for a single point that was looked at.
     pub length: f64,
-    /// Where the field was sampled for it: at one point or, by rules that follow the field through the step, at several, front to back.
+    /// Where the field was sampled for it: at one point at least or, by rules that follow the field through the step, at several, front to back.
     pub samples: Vec<ProbedSample>,
     /// Transparency θ, in [0, 1]; 1 where the compositing picks a value and integrates no light.
     pub transparency: f64,

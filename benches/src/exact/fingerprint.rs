@@ -8,7 +8,7 @@ const VERSION: u32 = 1;
 
 /// The hash of everything that pixels of a view depend on: samples and their placement, filter, transfer function, shading,
 /// compositing, view, and which pixels; `None` for models that cannot be told apart.
-pub(super) fn fingerprint(
+pub(crate) fn fingerprint(
     (scene, view): (&Scene, &View),
     model: &Model,
     pixels: &[[u32; 2]],

@@ -11,6 +11,7 @@ use vr_physics::metrics::Metrics;
 use vr_physics::{Certainty, Reference, Solution};
 
 pub use cache::ExactCache;
+pub(crate) use fingerprint::fingerprint;
 
 /// Parts along each side of a picture of which a pixel each is compared, where not every pixel is.
 pub const SUBGRID: u32 = 64;

@@ -39,7 +39,7 @@ pub(super) struct Series {
     pub(super) points: Vec<(f64, f64)>,
     /// A word beside each point; may be fewer.
     pub(super) labels: Vec<String>,
-    /// Number of its colour and of its marker: the marker alone tells series apart, too.
+    /// Number of its colour and of its marker: up to six, the marker alone tells series apart, too.
     pub(super) color: usize,
     /// How it is drawn.
     pub(super) look: Look,
@@ -180,16 +180,18 @@ fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyl
             return chart.draw_series(LineSeries::new(points, thin)).map(drop).map_err(|e| e.to_string());
         }
     }
-    // Told apart without any colour, too: disc, triangle, cross, square, ring.
+    // Told apart without any colour, too: disc, triangle, cross, square, ring, diamond.
     let (filled, stroke) = (color.filled(), color.stroke_width(2));
     let at = points.iter().copied();
-    let marker = series.color % 5;
+    let marker = series.color % 6;
+    let diamond = [(0, -6), (5, 0), (0, 6), (-5, 0)];
     let drawn = match marker {
         0 => chart.draw_series(at.map(|p| Circle::new(p, 4, filled))),
         1 => chart.draw_series(at.map(|p| TriangleMarker::new(p, 5, filled))),
         2 => chart.draw_series(at.map(|p| Cross::new(p, 4, stroke))),
         3 => chart.draw_series(at.map(|p| EmptyElement::at(p) + Rectangle::new([(-4, -4), (4, 4)], filled))),
-        _ => chart.draw_series(at.map(|p| Circle::new(p, 4, stroke))),
+        4 => chart.draw_series(at.map(|p| Circle::new(p, 4, stroke))),
+        _ => chart.draw_series(at.map(|p| EmptyElement::at(p) + Polygon::new(diamond, filled))),
     }
     .map_err(|e| e.to_string())?;
     if !series.name.is_empty() {
@@ -202,7 +204,8 @@ fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyl
             1 => entry.legend(move |at| sample(at) + TriangleMarker::new(middle, 5, filled)),
             2 => entry.legend(move |at| sample(at) + Cross::new(middle, 4, stroke)),
             3 => entry.legend(move |at| sample(at) + Rectangle::new([(5, -4), (13, 4)], filled)),
-            _ => entry.legend(move |at| sample(at) + Circle::new(middle, 4, stroke)),
+            4 => entry.legend(move |at| sample(at) + Circle::new(middle, 4, stroke)),
+            _ => entry.legend(move |at| sample(at) + Polygon::new(diamond.map(|(x, y)| (x + 9, y)), filled)),
         };
     }
     let labelled = series.points.iter().zip(&series.labels).filter(|(p, _)| plottable(p));

@@ -5,7 +5,7 @@ use crate::front::{THRESHOLDS, fastest_within, pareto_front};
 use crate::study::SubjectResult;
 
 use super::chart::{Chart, Look, Series};
-use super::plots::{LEVELS, place};
+use super::plots::place;
 
 /// The fronts of all subjects, all renderers together, as an SVG file.
 ///
@@ -39,18 +39,18 @@ fn chart(
         y: "RMSE against the exact solution",
         size: (860, 440),
         series: &series,
-        levels: &LEVELS,
+        levels: &THRESHOLDS,
     })
 }
 
 /// The time to reach each error on each subject, and who does, as a table in Markdown.
 pub fn headline_table(results: &[SubjectResult]) -> String {
     let mut text = String::from("| scene |");
-    for (_, name) in LEVELS {
+    for (_, name) in THRESHOLDS {
         text += &format!(" RMSE ≤ {name} |");
     }
     text += "\n|---|";
-    text += &"--:|".repeat(LEVELS.len());
+    text += &"--:|".repeat(THRESHOLDS.len());
     text += "\n";
     for r in results {
         text += &format!("| {} |", r.name);
@@ -67,7 +67,8 @@ pub(super) fn reaching(result: &SubjectResult) -> Vec<Option<(f64, String)>> {
     let pairs: Vec<(f64, f64)> = result.points.iter().map(crate::point::Point::pair).collect();
     let timed: Vec<(f64, f64)> =
         pairs.iter().map(|&(t, e)| if t.is_finite() { (t, e) } else { (t, f64::NAN) }).collect();
-    let cell = |&error: &f64| fastest_within(error, &timed).map(|i| (pairs[i].0, result.points[i].contestant()));
+    let cell =
+        |&(error, _): &(f64, &str)| fastest_within(error, &timed).map(|i| (pairs[i].0, result.points[i].contestant()));
     THRESHOLDS.iter().map(cell).collect()
 }
 

@@ -6,7 +6,7 @@ use time::OffsetDateTime;
 use crate::convergence::{Convergence, Outcome, Refined};
 use crate::error::StudyError;
 use crate::error_colors;
-use crate::front::{pareto_front, reigns};
+use crate::front::{THRESHOLDS, pareto_front, reigns};
 use crate::machine::Machine;
 use crate::point::Point;
 use crate::scaling::Grown;
@@ -82,7 +82,7 @@ fn summary(subjects: &[SubjectResult], timed: bool) -> Result<Markup, StudyError
                 figure { (PreEscaped(inline_plot(subjects)?)) }
                 div.wide {
                     table {
-                        thead { tr { th { "scene" } @for (_, name) in plots::LEVELS { th { "RMSE ≤ " (name) } } } }
+                        thead { tr { th { "scene" } @for (_, name) in THRESHOLDS { th { "RMSE ≤ " (name) } } } }
                         tbody {
                             @for s in subjects {
                                 tr {
@@ -118,7 +118,7 @@ fn subject_section(s: &SubjectResult, timed: bool) -> Result<Markup, StudyError>
         section id=(anchor(&s.name)) {
             h2 { (s.name) }
             p { (s.title) ", " (w) "×" (h) " pixels. " (certainty(s)) }
-            @if timed {
+            @if timed && !s.points.is_empty() {
                 figure { (PreEscaped(plots::speed_against_error(s)?)) figcaption { "Numbers are rows of the table." } }
                 p {
                     @for (k, r) in winners.iter().enumerate() {
@@ -133,7 +133,7 @@ fn subject_section(s: &SubjectResult, timed: bool) -> Result<Markup, StudyError>
                 }
             }
             div.row {
-                (picture(&s.picture, "picture"))
+                @if !s.points.is_empty() { (picture(&s.picture, "picture")) }
                 @for map in &s.error_maps { (picture(map, "error of")) }
             }
             @if !s.error_maps.is_empty() { (scale()) }
@@ -250,7 +250,7 @@ fn orders(results: &[Convergence]) -> Result<Markup, StudyError> {
     renderers.dedup();
     let class = |c: &Convergence| match c.outcome() {
         Outcome::Holds | Outcome::Exact => "good",
-        Outcome::Refused => "plain",
+        Outcome::Refused | Outcome::Empty => "plain",
         Outcome::Fails => "bad",
     };
     Ok(html! {
@@ -345,7 +345,7 @@ fn how() -> Markup {
             ul {
                 li { "Errors are frame − exact pixel, over red, green, blue and opacity of premultiplied linear light, divided by max(1, the largest magnitude of the picture). 1/255 ≈ 0.0039 is what 8 bits can show." }
                 li { "The exact solution integrates the equation of transfer in f64 with a bound on its own error. " b { "own model" } ": RMSE against what the renderer itself integrates, another reconstruction filter say, done exactly. " b { "function" } ": against the phantom as the function that it is, without samples." }
-                li { "Times are of frames after preparation. In each round every contestant prepares a copy of the scene, and draws two views of a turning camera in turns after a frame that counts nowhere; the least time of each view counts, and the mean of the two. Given is the median of the rounds, and the least and most, corrected for how fast the machine was at the moment: a small computation, always the same, is timed before and after. Contestants take turns, so that a machine that slows down slows all." }
+                li { "Times are of frames after preparation. In each round every contestant prepares a copy of the scene, and draws two views of a turning camera in turns after a frame that counts nowhere; the least time of each view counts, and the mean of the two; of frames that take 40 ms or more, one is drawn each round, the first after preparation. Given is the median of the rounds, and the least and most, corrected for how fast the machine was at the moment: a small computation, always the same, is timed before and after. Contestants take turns, so that a machine that slows down slows all." }
                 li { "Memory is what preparation and frames need at once beyond the scene." }
             }
         }

@@ -2,15 +2,13 @@
 
 use crate::convergence::{Convergence, Refined};
 use crate::error::StudyError;
-use crate::front::pareto_front;
+use crate::front::{THRESHOLDS, pareto_front};
 use crate::point::Point;
 use crate::scaling::{Grown, Growth};
 use crate::study::SubjectResult;
 
 use super::chart::{Chart, Look, Series};
 
-/// Errors that levels are drawn at.
-pub(super) const LEVELS: [(f64, &str); 4] = [(1e-2, "1e-2"), (1.0 / 255.0, "1/255"), (1e-3, "1e-3"), (1e-4, "1e-4")];
 /// Below this, an error is drawn here: a logarithmic axis has no zero, and frames are f32.
 const LEAST_ERROR: f64 = 1e-9;
 
@@ -45,7 +43,8 @@ pub(super) fn speed_against_error(result: &SubjectResult) -> Result<String, Stud
         let points = rest.iter().map(|&i| places[i]).collect();
         series.push(Series { name: String::new(), points, labels: labels(&rest), color: k, look: Look::Points });
     }
-    Chart { title: "", x: "milliseconds a frame", y: "RMSE", size: (860, 440), series: &series, levels: &LEVELS }.svg()
+    Chart { title: "", x: "milliseconds a frame", y: "RMSE", size: (860, 440), series: &series, levels: &THRESHOLDS }
+        .svg()
 }
 
 /// Errors of every claim of a renderer as one thing is refined, beside the documented slope.

@@ -24,7 +24,7 @@ fn errors_of_the_quick_suite_are_not_worse_than_the_baseline() {
     for file in ["index.html", "report.json", "points.csv", "errors.json"] {
         assert!(vr.exists(&format!("report/{file}")), "{file}");
     }
-    assert!(!vr.exists("report/journal.jsonl"), "nothing is left to take up");
+    assert!(!vr.exists("report/journal-quick.jsonl"), "nothing is left to take up");
 
     let page = fs::read_to_string(vr.folder().join("report/index.html")).unwrap();
     // Nothing from elsewhere: no script, no link but within the page, no picture that is not in it.
@@ -74,7 +74,7 @@ fn a_report_that_was_cut_short_is_taken_up() {
     let vr = Vr::new();
     let report = ["report", "--suite", "hard", "--no-cache", "-o", "r", "--json"];
     let mut process = vr.command(&report).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let journal = vr.folder().join("r/journal.jsonl");
+    let journal = vr.folder().join("r/journal-hard.jsonl");
     let deadline = Instant::now() + Duration::from_secs(60);
     let noted = loop {
         let text = fs::read_to_string(&journal).unwrap_or_default();
@@ -105,6 +105,19 @@ fn orders_are_verified_on_a_volume_of_ones_own() {
     let orders = json["orders"].as_array().unwrap();
     assert!(orders.iter().any(|o| o["refined"] == "step") && orders.iter().any(|o| o["refined"] == "grid"));
     assert!(vr.run("verify --renderer physics").stderr.contains("no renderer that was named"));
+    // Orders are claimed of unshaded light; nothing held is nothing verified.
+    let shaded = vr.run("verify --phantom fog --phantom-size 8 --shading --no-cache");
+    assert_eq!((shaded.code, shaded.stderr.contains("no order could be verified")), (1, true), "{}", shaded.stderr);
+}
+
+#[test]
+fn flags_about_a_scene_need_one() {
+    let vr = Vr::new();
+    for command in ["report --untimed --shading", "verify --size 9x9", "report --suite hard --azimuth 3"] {
+        let run = vr.run(command);
+        assert_eq!((run.code, run.stderr.contains("need one")), (2, true), "{command}: {}", run.stderr);
+    }
+    assert!(vr.files().is_empty());
 }
 
 #[test]
