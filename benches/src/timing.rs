@@ -102,7 +102,7 @@ impl Reading {
 /// Lets every contestant draw a subject; times it where `timing` says how. Why one cannot draw stands in its place.
 ///
 /// Scenes are prepared from a copy of the volume each time, so that nobody profits from what another had derived of it. Times are corrected for
-/// how fast the machine was at the moment, by a [yardstick](crate::yardstick). `control` runs what is timed and tells nobody; `told` is told
+/// how fast the machine was at the moment, by a yardstick: a small computation that is always the same. `control` runs what is timed and tells nobody; `told` is told
 /// between frames.
 ///
 /// # Errors

@@ -156,8 +156,10 @@ fn certainty(s: &SubjectResult) -> String {
     s.points.first().map_or_else(String::new, |p| {
         let e = &p.error;
         let proven = if e.reference_error_is == "bound" { "proven" } else { "estimated" };
+        let all = u64::from(s.size[0]) * u64::from(s.size[1]);
+        let between = if (e.pixels as u64) < all { " Maps are interpolated between them." } else { "" };
         format!(
-            "Errors are over {} pixels, against an exact solution {proven} to within {}.",
+            "Errors are over {} of {all} pixels, against an exact solution {proven} to within {}.{between}",
             e.pixels,
             small(e.reference_error)
         )
@@ -256,13 +258,15 @@ fn orders(results: &[Convergence]) -> Result<Markup, StudyError> {
     Ok(html! {
         section {
             h2 { "Orders of convergence" }
-            p { "One thing is refined at a time, on a smooth field; thin lines have the documented slope." }
+            p { "One thing is refined at a time, on a smooth field; thin lines have the documented slope. Legends tell the measured order, and the documented one." }
             @for renderer in renderers {
                 @let own: Vec<&Convergence> = results.iter().filter(|c| c.renderer == renderer).collect();
                 h3 { (renderer) }
                 div.row {
                     @for refined in [Refined::Step, Refined::StepAtJumps, Refined::Grid, Refined::Pixels] {
-                        figure { (PreEscaped(plots::orders(&own, refined)?)) }
+                        @if own.iter().any(|c| c.refined == refined) {
+                            figure { (PreEscaped(plots::orders(&own, refined)?)) }
+                        }
                     }
                 }
                 div.wide {

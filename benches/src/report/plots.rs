@@ -55,7 +55,7 @@ pub(super) fn orders(results: &[&Convergence], refined: Refined) -> Result<Strin
     for (k, c) in shown.iter().enumerate() {
         let points: Vec<(f64, f64)> = c.sizes.iter().copied().zip(c.errors.iter().copied()).collect();
         let measured = c.measured.map_or(String::new(), |m| format!(" {m:.2}"));
-        let name = format!("{}: {} documented,{measured} measured", c.claim, c.expected);
+        let name = format!("{}{measured} ({})", c.claim, c.expected);
         let (h, e) = points[0];
         let guide = points.iter().map(|p| (p.0, e * (p.0 / h).powf(c.expected))).collect();
         series.push(Series { name: String::new(), points: guide, labels: Vec::new(), color: k, look: Look::Guide });
