@@ -216,7 +216,7 @@ impl Prover<'_> {
         for parts in 1..=4usize {
             let Some(scene) = refined(scene, parts) else { return Ok(None) };
             sizes.push(1.0 / parts as f64);
-            pictures.push((scene, claim.coarsest));
+            pictures.push((scene, OWN_COARSEST * claim.coarsest));
         }
         let first = &pictures[0].0;
         let view = view(first, OWN_SIDE);
