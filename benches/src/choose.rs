@@ -7,6 +7,7 @@ use vr_physics::metrics::subgrid;
 
 use crate::contestant::Contestant;
 use crate::exact::{Exact, ExactCache, SUBGRID};
+use crate::subject::reduced;
 
 /// An RMSE from a sample of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,13 +31,11 @@ const QUANTILE: f64 = 1.645;
 impl RmseEstimate {
     /// From the exact solution of a sample of a frame's pixels.
     pub fn of(exact: &Exact, frame: &Frame) -> Self {
-        let peak = exact.rgba().iter().flatten().fold(1.0f64, |peak, c| peak.max(c.abs()));
-        let square = |(&[x, y], truth): (&[u32; 2], &[f64; 4])| {
-            let drawn = frame.pixel(x, y);
-            let square = (0..4).map(|c| ((f64::from(drawn[c]) - truth[c]) / peak).powi(2)).sum::<f64>() / 4.0;
+        let square = |e: [f64; 4]| {
+            let square = e.iter().map(|c| c * c).sum::<f64>() / 4.0;
             if square.is_nan() { f64::INFINITY } else { square }
         };
-        let squares: Vec<f64> = exact.pixels().iter().zip(exact.rgba()).map(square).collect();
+        let squares: Vec<f64> = exact.signed(frame).into_iter().map(square).collect();
         let n = squares.len() as f64;
         let mean = squares.iter().sum::<f64>() / n;
         let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
@@ -44,7 +43,7 @@ impl RmseEstimate {
         let left = (1.0 - n / all).max(0.0);
         let upper = mean + QUANTILE * (variance / n * left).sqrt();
         // What the solution itself may be off by comes on top. (Infinite errors leave no mean of squares.)
-        let upper = upper.sqrt() + exact.certainty.value() / peak;
+        let upper = upper.sqrt() + exact.certainty.value() / exact.scale();
         Self { rmse: mean.sqrt(), upper: if upper.is_nan() { f64::INFINITY } else { upper }, pixels: squares.len() }
     }
 }
@@ -187,15 +186,6 @@ pub fn draw_within(
         Some((i, error)) => Err(ChoiceError::OutOfReach { target, best: contestants[i].name(), error }),
         None => Err(ChoiceError::Nobody),
     }
-}
-
-/// The same view in about so many pixels, if it has more.
-fn reduced(view: &View, pixels: f64) -> View {
-    let [w, h] = view.size.map(f64::from);
-    let factor = (pixels / (w * h)).sqrt().min(1.0);
-    let size = [w, h].map(|side| ((side * factor).round() as u32).max(1));
-    // A layer belongs to the pixels that it was made for.
-    if view.layer.is_some() { view.clone() } else { View { size, ..view.clone() } }
 }
 
 /// Time of the preparation, the smaller time of two frames after one that warms up, and the frame.

@@ -95,6 +95,11 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// Whether nothing that is documented was contradicted, and something was seen.
+    pub fn is_held(self) -> bool {
+        matches!(self, Self::Holds | Self::Exact)
+    }
+
     /// As tables name it.
     pub fn word(self) -> &'static str {
         match self {

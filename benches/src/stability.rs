@@ -4,12 +4,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 use vr_core::{Control, Model, RenderError, Renderer};
-use vr_physics::Certainty;
 use vr_physics::cases::{self, Case};
 use vr_physics::metrics::subgrid;
 
 use crate::contestant::Contestant;
-use crate::exact::{Exact, ExactCache};
+use crate::exact::ExactCache;
 use crate::figures::ErrorFigures;
 
 /// What is to be thought of a contestant on a case.
@@ -138,11 +137,9 @@ fn judge(
         return Ok(result);
     }
     let all = subgrid(u32::MAX, case.view.size);
-    let truth: Exact = cache.solve((&case.scene, &case.view), &Model::Canonical, all, control)?;
+    let truth = cache.solve((&case.scene, &case.view), &Model::Canonical, all, control)?;
     let metrics = truth.judge(&rendered.frame);
-    let scale = metrics.peak_reference.max(1.0);
-    let (Certainty::Bound(uncertainty) | Certainty::Estimate(uncertainty)) = truth.certainty;
-    let uncertainty = uncertainty / scale;
+    let uncertainty = truth.certainty.value() / truth.scale();
     result.error = Some(ErrorFigures::new(&metrics, &truth));
     let pixels_beyond = |e: f64| truth.errors(&rendered.frame).into_iter().filter(|&error| error > e).count() as u64;
     result.verdict = match bound {

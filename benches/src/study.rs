@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use vr_core::{Control, Counts, Frame, Model, RenderError};
 use vr_physics::metrics::subgrid;
-use vr_physics::spread;
 
 use crate::contestant::Contestant;
 use crate::exact::{Exact, ExactCache};
 use crate::figures::ErrorFigures;
+use crate::front::pareto_front;
 use crate::memory::MemoryMeter;
 use crate::picture::{encode_errors, encode_picture};
 use crate::point::{Point, Refusal};
@@ -164,14 +164,11 @@ fn pictures(
     let cost =
         |p: &Point| p.times.map_or_else(|| p.counts.get("samples").map_or(0.0, |&n| n as f64), |t| t.frame.median);
     let pairs: Vec<(f64, f64)> = points.iter().map(|p| (cost(p), p.error.rmse)).collect();
-    let front = crate::front::pareto_front(&pairs);
+    let front = pareto_front(&pairs);
     let shown = front.len().min(MAPS);
     let maps = (0..shown).map(|k| {
         let i = front[if shown > 1 { k * (front.len() - 1) / (shown - 1) } else { 0 }];
-        // Far below and above what has a colour, but finite.
-        let exponents: Vec<[f64; 1]> =
-            exact.errors(&frames[i]).iter().map(|e| [e.log10().clamp(-20.0, 20.0)]).collect();
-        let errors: Vec<f64> = spread(parts, [w, h], &exponents).iter().map(|e| 10f64.powf(e[0])).collect();
+        let errors = exact.error_map(&frames[i], parts);
         Picture { contestant: points[i].contestant(), png: encode_errors([w, h], &errors) }
     });
     (picture, maps.collect())

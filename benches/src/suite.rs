@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use vr_core::{Camera, Control, Model, Options, Renderer, View};
 
 use crate::contestant::{Contestant, contestants};
-use crate::convergence::{Convergence, Prover};
+use crate::convergence::{Convergence, Outcome, Prover};
 use crate::error::StudyError;
 use crate::exact::{ExactCache, fingerprint};
 use crate::journal::Journal;
@@ -99,6 +99,18 @@ pub struct Report {
     pub stability: Vec<CaseResult>,
     /// How times grow.
     pub growth: Vec<Growth>,
+}
+
+impl Report {
+    /// Pictures of hard cases that failed, and nobody explained why.
+    pub fn failed_cases(&self) -> usize {
+        self.stability.iter().filter(|r| r.verdict.is_failure()).count()
+    }
+
+    /// Orders that are not as documented.
+    pub fn failing_orders(&self) -> usize {
+        self.orders.iter().filter(|c| c.outcome() == Outcome::Fails).count()
+    }
 }
 
 /// How a suite is run.

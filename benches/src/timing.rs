@@ -101,9 +101,9 @@ impl Reading {
 
 /// Lets every contestant draw a subject; times it where `timing` says how. Why one cannot draw stands in its place.
 ///
-/// Scenes are prepared from a copy of the volume each time, so that nobody profits from what another had derived of it. Times are corrected for
-/// how fast the machine was at the moment, by a yardstick: a small computation that is always the same. `control` runs what is timed and tells nobody; `told` is told
-/// between frames.
+/// Scenes are prepared from a copy of the volume each time, so that nobody profits from what another had derived of it. Times are
+/// corrected for how fast the machine was at the moment, by a yardstick: a small computation that is always the same. `control` runs
+/// what is timed and tells nobody; `told` is told between frames.
 ///
 /// # Errors
 /// Any error but [`RenderError::Unsupported`].
@@ -116,7 +116,8 @@ pub fn draw_in_turns(
 ) -> Result<Vec<Result<Drawn, String>>, RenderError> {
     let started = Instant::now();
     let clock = Clock { yardstick: Yardstick::new(), control };
-    let rounds_to_do = timing.map_or(1, |t| t.least_rounds.max(1));
+    // Of all the work, the first round is a half where more will follow: how many do, the clock says.
+    let first_share = if timing.is_some() { 0.5 } else { 1.0 };
     let mut drawn = Vec::with_capacity(contestants.len());
     let mut rounds: Vec<Rounds> = Vec::new();
     for (i, contestant) in contestants.iter().enumerate() {
@@ -133,7 +134,7 @@ pub fn draw_in_turns(
             }
             Err(other) => return Err(other),
         }
-        told((i + 1) as f64 / contestants.len() as f64 / f64::from(rounds_to_do));
+        told(first_share * (i + 1) as f64 / contestants.len() as f64);
     }
     let Some(timing) = timing else { return Ok(drawn) };
     for round in 1..timing.most_rounds.max(1) {
@@ -147,8 +148,8 @@ pub fn draw_in_turns(
             }
             let mut prepared = clock.prepare(contestant, subject, &mut rounds[i])?;
             clock.frames(&mut *prepared, &subject.view, &mut rounds[i])?;
-            let share = (f64::from(round) + (i + 1) as f64 / contestants.len() as f64) / f64::from(rounds_to_do);
-            told(share.min(1.0));
+            let spent = started.elapsed().as_secs_f64() / timing.patience.as_secs_f64();
+            told(first_share + (1.0 - first_share) * spent.min(1.0));
         }
     }
     let mut yardsticks: Vec<Duration> = rounds.iter().flat_map(|r| &r.frame).map(|reading| reading.yardstick).collect();
@@ -202,12 +203,15 @@ impl Clock<'_> {
     ) -> Result<(Drawn, Rounds), RenderError> {
         let mut rounds = Rounds::default();
         let mut prepared = self.prepare(contestant, subject, &mut rounds)?;
-        let before = self.yardstick.take(self.control)?;
-        let start = Instant::now();
-        let rendered = prepared.render(&subject.view, self.control)?;
-        let time = start.elapsed();
+        let mut first = None;
+        let reading = self.between_yardsticks(|| {
+            let start = Instant::now();
+            first = Some(prepared.render(&subject.view, self.control)?);
+            Ok(start.elapsed())
+        })?;
+        let rendered = first.expect("it was just drawn");
         if timed {
-            let reading = Reading { time, yardstick: (before + self.yardstick.take(self.control)?) / 2 };
+            let time = reading.time;
             // Where something else may have been in the way of the first frame, a second one tells.
             rounds.heavy = time > 3 * HEAVY || time > HEAVY && self.frame(&mut *prepared, &subject.view)? > HEAVY;
             if rounds.heavy {
@@ -227,35 +231,42 @@ impl Clock<'_> {
         Ok(start.elapsed())
     }
 
-    /// Draws two views of a turning camera in turns, after a frame that counts nowhere; of each the least time counts, since what others on
-    /// the machine take away only adds, and of the two the mean. Of heavy ones, the two views are
-    /// drawn in turns from round to round.
-    fn frames(&self, prepared: &mut dyn Prepared, view: &View, rounds: &mut Rounds) -> Result<(), RenderError> {
-        let at = |turns: f64| View { camera: view.camera.orbit(turns * TURN, 0.0), ..view.clone() };
-        if !rounds.heavy {
-            self.frame(prepared, &at(-1.0))?;
-        }
+    /// What a piece of work says that it took, and what the yardstick took right before and right after.
+    fn between_yardsticks(&self, work: impl FnOnce() -> Result<Duration, RenderError>) -> Result<Reading, RenderError> {
         let before = self.yardstick.take(self.control)?;
-        let time = if rounds.heavy {
-            // From round to round the camera turns, too.
-            let turned = rounds.frame.len() % 2 == 1;
-            self.frame(prepared, &if turned { at(1.0) } else { view.clone() })?
-        } else {
-            let views = [view.clone(), at(1.0)];
-            let (start, mut least) = (Instant::now(), [Duration::MAX; 2]);
-            for pair in 0..PAIRS {
-                if pair > 0 && start.elapsed() > STRETCH {
-                    break;
-                }
-                for (least, view) in least.iter_mut().zip(&views) {
-                    *least = (*least).min(self.frame(prepared, view)?);
-                }
-            }
-            (least[0] + least[1]) / 2
-        };
+        let time = work()?;
         let after = self.yardstick.take(self.control)?;
-        rounds.frame.push(Reading { time, yardstick: (before + after) / 2 });
+        Ok(Reading { time, yardstick: (before + after) / 2 })
+    }
+
+    /// Draws two views of a turning camera in turns, after a frame that counts nowhere; of each the least time counts, since what
+    /// others on the machine take away only adds, and of the two the mean. Of heavy ones, the two are drawn in turns from round to round.
+    fn frames(&self, prepared: &mut dyn Prepared, view: &View, rounds: &mut Rounds) -> Result<(), RenderError> {
+        let turned = |turns: f64| View { camera: view.camera.orbit(turns * TURN, 0.0), ..view.clone() };
+        let views = [view.clone(), turned(1.0)];
+        let reading = if rounds.heavy {
+            let view = &views[rounds.frame.len() % 2];
+            self.between_yardsticks(|| self.frame(prepared, view))?
+        } else {
+            self.frame(prepared, &turned(-1.0))?;
+            self.between_yardsticks(|| self.least_of_pairs(prepared, &views))?
+        };
+        rounds.frame.push(reading);
         Ok(())
+    }
+
+    /// The mean of the least times of two views, drawn in turns for a [stretch](STRETCH).
+    fn least_of_pairs(&self, prepared: &mut dyn Prepared, views: &[View; 2]) -> Result<Duration, RenderError> {
+        let (start, mut least) = (Instant::now(), [Duration::MAX; 2]);
+        for pair in 0..PAIRS {
+            if pair > 0 && start.elapsed() > STRETCH {
+                break;
+            }
+            for (least, view) in least.iter_mut().zip(views) {
+                *least = (*least).min(self.frame(prepared, view)?);
+            }
+        }
+        Ok((least[0] + least[1]) / 2)
     }
 }
 

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vr_benches::error_colors;
 use vr_benches::exact::{Exact, SUBGRID};
 use vr_core::Frame;
 use vr_io::PngOptions;
@@ -56,11 +55,7 @@ pub fn write(path: &Path, exact: &Exact, frame: &Frame) -> Result<ErrorMap, Fail
         let errors = spread(n, size, &exact.signed(frame)).into_iter().map(|e| e.map(|c| c as f32)).collect();
         Frame::new(size, errors, None)
     } else {
-        let (low, high) = error_colors::DECADES;
-        // Beyond the scale there is one colour.
-        let exponent = |error: f64| [error.log10().clamp(low.into(), high.into())];
-        let exponents: Vec<[f64; 1]> = exact.errors(frame).into_iter().map(exponent).collect();
-        heat_map::draw(size, spread(n, size, &exponents).into_iter().map(|[e]| 10f64.powf(e)))
+        heat_map::draw(size, exact.error_map(frame, n))
     };
     vr_io::write(path, &map, &PngOptions::default()).map_err(Failure::failed)?;
     Ok(ErrorMap { path: path.into(), known_pixels: known, interpolated: known < all })

@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use vr_benches::StudyError;
 use vr_benches::baseline::Baseline;
-use vr_benches::convergence::Outcome;
 use vr_benches::report::{csv, headline_plot, headline_table, page};
-use vr_benches::subject::Subject;
+use vr_benches::subject::{Subject, reduced};
 use vr_benches::suite::{Report, Run, Suite};
 use vr_core::{Control, RenderError};
 
@@ -69,8 +68,7 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
         &text(&report, &files, &worse),
         &Json { report: &report, files: &files, worse_than_baseline: &worse },
     )?;
-    let failed = report.stability.iter().filter(|r| r.verdict.is_failure()).count();
-    let failing = report.orders.iter().filter(|c| c.outcome() == Outcome::Fails).count();
+    let (failed, failing) = (report.failed_cases(), report.failing_orders());
     match &worse[..] {
         [] if failed + failing > 0 => {
             Err(Failure::failed(format!("{failed} hard cases failed, and {failing} orders are not as documented")))
@@ -83,10 +81,7 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
 fn subject(setup: &Setup, args: &ReportArgs, suite: Suite) -> Subject {
     let mut view = setup.view.clone();
     if args.scene.scene.is_none() && args.scene.image.size.is_none() {
-        let [w, h] = view.size.map(f64::from);
-        let wanted = if suite == Suite::Quick { QUICK_PIXELS } else { FULL_PIXELS };
-        let factor = (wanted / (w * h)).sqrt().min(1.0);
-        view.size = [w, h].map(|side| ((side * factor).round() as u32).max(1));
+        view = reduced(&view, if suite == Suite::Quick { QUICK_PIXELS } else { FULL_PIXELS });
     }
     let stem = |path: &PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let file = args.scene.volume.path.as_ref().or(args.scene.scene.as_ref()).and_then(stem);
@@ -144,12 +139,12 @@ fn text(report: &Report, files: &[PathBuf], worse: &[String]) -> String {
         text += "\n";
     }
     if !report.orders.is_empty() {
-        let failing = report.orders.iter().filter(|c| c.outcome() == Outcome::Fails).count();
-        text += &format!("orders     {} measured, {failing} not as documented\n", report.orders.len());
+        let (all, failing) = (report.orders.len(), report.failing_orders());
+        text += &format!("orders     {all} measured, {failing} not as documented\n");
     }
     if !report.stability.is_empty() {
-        let failed = report.stability.iter().filter(|r| r.verdict.is_failure()).count();
-        text += &format!("hard cases {} pictures, {failed} unexplained failures\n", report.stability.len());
+        let (all, failed) = (report.stability.len(), report.failed_cases());
+        text += &format!("hard cases {all} pictures, {failed} unexplained failures\n");
     }
     for growth in &report.growth {
         let exponent = growth.exponent.map_or_else(String::new, |p| format!(", exponent {p:.2}"));

@@ -49,7 +49,7 @@ pub fn run(args: &VerifyArgs, console: Console, control: &Control) -> Result<(),
         (other, _) => Failure::failed(other),
     })?;
     let failing = results.iter().filter(|c| c.outcome() == Outcome::Fails).count();
-    let held = results.iter().filter(|c| matches!(c.outcome(), Outcome::Holds | Outcome::Exact)).count();
+    let held = results.iter().filter(|c| c.outcome().is_held()).count();
     console.result(&text(&results), &json(&results))?;
     match failing {
         0 if held == 0 => Err(Failure::failed("no order could be verified on this scene")),
@@ -73,7 +73,7 @@ fn text(results: &[Convergence]) -> String {
         ]);
     }
     let scene = results.first().map_or("", |c| c.scene.as_str());
-    let held = results.iter().filter(|c| matches!(c.outcome(), Outcome::Holds | Outcome::Exact)).count();
+    let held = results.iter().filter(|c| c.outcome().is_held()).count();
     format!("on {scene}\n\n{table}\n{held} of {} orders are as documented\n", results.len())
 }
 

@@ -8,7 +8,9 @@ use std::time::{Duration, Instant};
 use vr_core::phantom::Phantom;
 use vr_core::{Control, Frame, Model, RenderError, Scene, View};
 use vr_physics::metrics::Metrics;
-use vr_physics::{Certainty, Reference, Solution};
+use vr_physics::{Certainty, Reference, Solution, spread};
+
+use crate::error_colors;
 
 pub use cache::ExactCache;
 pub(crate) use fingerprint::fingerprint;
@@ -75,9 +77,14 @@ impl Exact {
         Metrics::of(&self.rgba, &drawn)
     }
 
-    /// Frame − solution per component of each pixel, in units of max(1, largest magnitude of the solution).
+    /// What errors are divided by: max(1, largest magnitude of the solution).
+    pub fn scale(&self) -> f64 {
+        self.rgba.iter().flatten().fold(1.0, |peak, c| peak.max(c.abs()))
+    }
+
+    /// Frame − solution per component of each pixel, in units of [`scale`](Self::scale).
     pub fn signed(&self, frame: &Frame) -> Vec<[f64; 4]> {
-        let scale = self.rgba.iter().flatten().fold(1.0f64, |peak, c| peak.max(c.abs()));
+        let scale = self.scale();
         let error = |(&[x, y], exact): (&[u32; 2], &[f64; 4])| {
             let drawn = frame.pixel(x, y);
             std::array::from_fn(|c| (f64::from(drawn[c]) - exact[c]) / scale)
@@ -89,6 +96,16 @@ impl Exact {
     pub fn errors(&self, frame: &Frame) -> Vec<f64> {
         let size = |e: f64| if e.is_nan() { f64::INFINITY } else { e.abs() };
         self.signed(frame).into_iter().map(|e| e.into_iter().map(size).fold(0.0, f64::max)).collect()
+    }
+
+    /// The error of every pixel, row by row, where one pixel of each part of the [`subgrid`](vr_physics::metrics::subgrid) of `parts` was
+    /// solved: interpolated on the logarithmic scale that errors are drawn in.
+    pub fn error_map(&self, frame: &Frame, parts: u32) -> Vec<f64> {
+        let (low, high) = error_colors::DECADES;
+        // Beyond the scale there is one colour.
+        let exponent = |error: f64| [error.log10().clamp(low.into(), high.into())];
+        let exponents: Vec<[f64; 1]> = self.errors(frame).into_iter().map(exponent).collect();
+        spread(parts, frame.size(), &exponents).into_iter().map(|[e]| 10f64.powf(e)).collect()
     }
 
     /// `within 1e-10`, or that it is an estimate.

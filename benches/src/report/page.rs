@@ -46,7 +46,7 @@ pub fn page(report: &Report) -> Result<String, StudyError> {
                     @for subject in &report.subjects { (subject_section(subject, timed)?) }
                 }
                 @if !report.orders.is_empty() { (orders(&report.orders)?) }
-                @if !report.stability.is_empty() { (stability(&report.stability)) }
+                @if !report.stability.is_empty() { (stability(&report.stability, report.failed_cases())) }
                 @if !report.growth.is_empty() {
                     section {
                         h2 { "Growth" }
@@ -290,7 +290,7 @@ fn orders(results: &[Convergence]) -> Result<Markup, StudyError> {
     })
 }
 
-fn stability(results: &[CaseResult]) -> Markup {
+fn stability(results: &[CaseResult], failures: usize) -> Markup {
     let mut contestants: Vec<&str> = Vec::new();
     let mut cases: Vec<(&str, &str)> = Vec::new();
     for r in results {
@@ -301,7 +301,6 @@ fn stability(results: &[CaseResult]) -> Markup {
             cases.push((&r.case, &r.summary));
         }
     }
-    let failures = results.iter().filter(|r| r.verdict.is_failure()).count();
     let class = |v: &Verdict| match v {
         Verdict::Held => "good",
         Verdict::Failed { .. } => "bad",
