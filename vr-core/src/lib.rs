@@ -64,6 +64,7 @@ pub mod scene_file;
 mod shading;
 mod stats;
 pub mod transfer;
+pub mod vector;
 mod view;
 mod volume;
 mod voxel;

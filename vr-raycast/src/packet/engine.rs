@@ -7,6 +7,7 @@ use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::Spot;
 use vr_core::transfer::BakedTransfer;
+use vr_core::vector::{self, Vectorized};
 use vr_core::{
     Compositing, Counts, Filter, GradientMethod, LevelRanges, ParameterError, Rays, Scene, UniformVolume, View,
     with_grid,
@@ -15,7 +16,7 @@ use vr_core::{
 use super::field::{Field, Pairs, Stage};
 use super::lanes::{LANES, Lanes};
 use super::leap::Distances;
-use super::level::{self, Vectorized};
+use super::level;
 use super::local::{LocalPace, by_byte};
 use super::march::{LatticePace, Medium, Pace, march};
 use super::setup::{FrameSetup, Packet};
@@ -204,7 +205,7 @@ impl Tracer for PacketFrame<'_> {
         with_grid!(self.volume.grid(), grid => {
             let lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
             let medium = self.medium(&lattice);
-            level::run(self.engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
+            vector::run(self.engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
         });
     }
 }

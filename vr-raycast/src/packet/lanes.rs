@@ -1,10 +1,10 @@
 //! What sixteen rays hold, one number each.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
+use fearless_simd::{Simd, f32x16};
 
 /// Rays in a packet: as many as the widest vector has lanes.
-pub(crate) const LANES: usize = 16;
+pub(crate) use vr_core::vector::{LANES, pick, splat};
 
 /// One `f32` a ray, as vector code wants it in memory: a load that crosses no cache line.
 #[derive(Clone, Copy, Debug)]
@@ -23,16 +23,4 @@ impl Lanes {
     pub(crate) fn of<S: Simd>(vector: f32x16<S>) -> Self {
         Self(vector.to_array())
     }
-}
-
-/// The same number in all lanes.
-#[inline(always)]
-pub(crate) fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
-    f32x16::splat(simd, x)
-}
-
-/// `a` where the mask is set, `b` elsewhere.
-#[inline(always)]
-pub(crate) fn pick<S: Simd>(mask: mask32x16<S>, a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
-    mask.select(a, b)
 }

@@ -6,8 +6,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use glam::DVec3;
 use vr_core::Shading;
+use vr_core::vector::{ln, opacity_of_depth};
 
-use super::elementary::{ln, opacity_of_depth};
 use super::field::{Cells, Field, Pairs, Stage};
 use super::lanes::{LANES, Lanes, pick, splat};
 

@@ -2,8 +2,8 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_core::vector::depth_of_opacity;
 
-use super::elementary::depth_of_opacity;
 use super::lanes::{LANES, Lanes, pick, splat};
 use super::march::Marched;
 use super::setup::Packet;

@@ -3,9 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 use vr_core::transfer::BakedTransfer;
+use vr_core::vector::{opacity_of_depth, transpose};
 use vr_core::{Calibration, TransferFunction};
 
-use super::elementary::opacity_of_depth;
 use super::lanes::{LANES, pick, splat};
 
 /// Colour and extinction over the field's stored numbers, at the same places as a [`BakedTransfer`]: what a step of any length is made
@@ -112,23 +112,4 @@ impl<'a> Rows<'a> {
             low[3] + t * (high[3] - low[3]),
         ]
     }
-}
-
-/// Sixteen rows of four into one vector per component.
-#[inline(always)]
-fn transpose<S: Simd>(rows: [f32x4<S>; LANES]) -> [f32x16<S>; 4] {
-    let [r0, r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11, r12, r13, r14, r15] = rows;
-    let a = r0.combine(r1).combine(r2.combine(r3));
-    let b = r4.combine(r5).combine(r6.combine(r7));
-    let c = r8.combine(r9).combine(r10.combine(r11));
-    let d = r12.combine(r13).combine(r14.combine(r15));
-    // Even components and odd ones, then each in two.
-    let (even_low, odd_low) = (a.unzip_low(b), a.unzip_high(b));
-    let (even_high, odd_high) = (c.unzip_low(d), c.unzip_high(d));
-    [
-        even_low.unzip_low(even_high),
-        odd_low.unzip_low(odd_high),
-        even_low.unzip_high(even_high),
-        odd_low.unzip_high(odd_high),
-    ]
 }

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
-use super::lanes::{pick, splat};
+use super::{pick, splat};
 
 /// ln 2 in two parts, the first with so few bits that a small whole multiple of it is exact (Cody & Waite 1980).
 const LN2_HIGH: f32 = 0.693_359_4;
@@ -13,7 +13,7 @@ const LN2_LOW: f32 = -2.121_944_4e-4;
 ///
 /// x = 2^e·m with m in [√½, √2); ln m by the polynomial of Cephes' `logf` (Moshier 1989).
 #[inline(always)]
-pub(crate) fn ln<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+pub fn ln<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     // Exponent and mantissa, split at √½ rather than at 1.
     let bits: i32x16<S> = x.bitcast();
     let shifted = bits - 0x3f35_04f3;
@@ -43,7 +43,7 @@ pub(crate) fn ln<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
 ///
 /// 1 − α is rounded; the quotient makes up for that (Kahan's method).
 #[inline(always)]
-pub(crate) fn depth_of_opacity<S: Simd>(simd: S, alpha: f32x16<S>) -> f32x16<S> {
+pub fn depth_of_opacity<S: Simd>(simd: S, alpha: f32x16<S>) -> f32x16<S> {
     let one = splat(simd, 1.0);
     let clear = one - alpha;
     let rounded = one - clear;
@@ -57,7 +57,7 @@ pub(crate) fn depth_of_opacity<S: Simd>(simd: S, alpha: f32x16<S>) -> f32x16<S> 
 ///
 /// e^(−τ) = 2^n·e^f with |f| ≤ ½ ln 2, and e^f − 1 by a polynomial: so nothing cancels where τ is small.
 #[inline(always)]
-pub(crate) fn opacity_of_depth<S: Simd>(simd: S, tau: f32x16<S>) -> f32x16<S> {
+pub fn opacity_of_depth<S: Simd>(simd: S, tau: f32x16<S>) -> f32x16<S> {
     // Beyond 2⁻²⁵ nothing of the exponential is left.
     let tau = tau.min(splat(simd, 20.0));
     let n = (tau * std::f32::consts::LOG2_E + 0.5).to_int::<i32x16<S>>();

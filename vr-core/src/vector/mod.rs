@@ -1,0 +1,30 @@
+//! Vector code that several renderers share: sixteen numbers at once, on whatever vectors the machine has.
+//!
+//! No bit of a result depends on the instructions: nothing is fused, and logarithm and exponential are our own. What is not inlined loses its
+//! instructions in silence; so all here is, and must be called from where a level's instructions are on ([`run`]).
+
+mod elementary;
+mod level;
+mod rows;
+
+pub use elementary::{depth_of_opacity, ln, opacity_of_depth};
+pub use level::{Vectorized, run};
+pub use rows::{packed, transpose, transpose_packed};
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+
+/// As many as the widest vector has lanes.
+pub const LANES: usize = 16;
+
+/// The same number in all lanes.
+#[inline(always)]
+pub fn splat<S: Simd>(simd: S, x: f32) -> f32x16<S> {
+    f32x16::splat(simd, x)
+}
+
+/// `a` where the mask is set, `b` elsewhere.
+#[inline(always)]
+pub fn pick<S: Simd>(mask: mask32x16<S>, a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+    mask.select(a, b)
+}
