@@ -1,0 +1,224 @@
+//! The volume as it is encoded for one principal axis.
+
+use std::sync::Arc;
+
+use glam::DMat3;
+use rayon::prelude::*;
+use vr_core::filter::Lattice;
+use vr_core::{AnyGrid, LatticeVisitor, RenderError, UniformGrid, UniformVolume, Voxel, gradient_at_sample};
+
+use crate::codes::Codes;
+use crate::encode::{Dense, Layout, Leveled, PAD, Packing, Rule, Runs, VisibleBlocks, block_runs, packed};
+use crate::reflections::encode;
+use crate::shear_warp::Encoding;
+
+/// Runs of cells, in layers or between them.
+#[derive(Clone, Debug)]
+pub(crate) enum Cells {
+    InLayers(Runs<2>),
+    Between(Runs<4>),
+}
+
+impl Cells {
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Self::InLayers(runs) => runs.bytes(),
+            Self::Between(runs) => runs.bytes(),
+        }
+    }
+}
+
+/// Codes of voxels, in one byte or two.
+#[derive(Clone, Debug)]
+pub(crate) enum Codewords {
+    Bytes(Vec<u8>),
+    Words(Vec<u16>),
+}
+
+impl Codewords {
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Self::Bytes(all) => all.len(),
+            Self::Words(all) => all.len() * 2,
+        }
+    }
+}
+
+/// Voxels in some order, with what kernels may read behind the last.
+#[derive(Clone, Debug)]
+pub(crate) struct Voxels {
+    pub(crate) codes: Codewords,
+    /// Codes of the normals; none where nothing is shaded.
+    pub(crate) normals: Vec<u16>,
+}
+
+impl Voxels {
+    /// How many voxels there are.
+    pub(crate) fn stored(&self) -> usize {
+        match &self.codes {
+            Codewords::Bytes(all) => all.len() - PAD,
+            Codewords::Words(all) => all.len() - PAD,
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.codes.bytes() + self.normals.len() * 2
+    }
+}
+
+/// The volume for one axis.
+#[derive(Clone, Debug)]
+pub(crate) struct EncodedAxis {
+    pub(crate) cells: Cells,
+    pub(crate) voxels: Arc<Voxels>,
+}
+
+/// All voxels as they lie: with rows along x, and with rows along y. Made when first asked for, and not again for another transfer function.
+#[derive(Default)]
+pub(crate) struct WholeVolume([Option<Arc<Voxels>>; 2]);
+
+impl WholeVolume {
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Arc<Voxels>> {
+        self.0.iter().flatten()
+    }
+}
+
+/// What is encoded, and how.
+pub(crate) struct Encoder<'a> {
+    pub(crate) volume: &'a UniformVolume,
+    pub(crate) codes: &'a Codes,
+    pub(crate) blocks: &'a VisibleBlocks,
+    pub(crate) rule: Rule<'a>,
+    /// Whether samples lie between layers, too.
+    pub(crate) between: bool,
+    pub(crate) encoding: Encoding,
+    pub(crate) shaded: bool,
+}
+
+impl Encoder<'_> {
+    /// The volume for the principal axis `w`.
+    pub(crate) fn encode(&self, w: usize, whole: &mut WholeVolume) -> Result<EncodedAxis, RenderError> {
+        if self.encoding == Encoding::Octree {
+            let layout = Layout::new(self.volume.dims(), w);
+            let cells = if self.between {
+                block_runs::<4>(layout, self.blocks)?.map(Cells::Between)
+            } else {
+                block_runs::<2>(layout, self.blocks)?.map(Cells::InLayers)
+            };
+            // Missing samples are for runs that end at them.
+            if let Some(cells) = cells {
+                let turned = usize::from(w == 0);
+                let voxels = whole.0[turned].get_or_insert_with(|| Arc::new(self.all_voxels(turned == 1)));
+                return Ok(EncodedAxis { cells, voxels: Arc::clone(voxels) });
+            }
+        }
+        match self.volume.grid() {
+            AnyGrid::U8(grid) => self.pack(grid, w, |s| s, Codewords::Bytes),
+            AnyGrid::I8(grid) => self.pack(grid, w, |s| (s as u8) ^ 0x80, Codewords::Bytes),
+            AnyGrid::U16(grid) => self.pack(grid, w, |s| s, Codewords::Words),
+            AnyGrid::I16(grid) => self.pack(grid, w, |s| (s as u16) ^ 0x8000, Codewords::Words),
+            AnyGrid::F32(grid) => self.pack(grid, w, |s| self.codes.code(s), Codewords::Words),
+        }
+    }
+
+    fn pack<T: Leveled + Sync, P: Send>(
+        &self,
+        grid: &UniformGrid<T>,
+        w: usize,
+        code: impl Fn(T) -> P + Sync,
+        keep: impl Fn(Vec<P>) -> Codewords,
+    ) -> Result<EncodedAxis, RenderError> {
+        let dense = Dense::visible(grid.samples(), grid.dims(), w, self.blocks);
+        let (cells, packing) = if self.between {
+            let (runs, packing) = packed::<4, T>(&dense, self.blocks, self.rule)?;
+            (Cells::Between(runs), packing)
+        } else {
+            let (runs, packing) = packed::<2, T>(&dense, self.blocks, self.rule)?;
+            (Cells::InLayers(runs), packing)
+        };
+        let codes = keep(packing.pack(&dense).into_par_iter().map(&code).collect());
+        let normals = if self.shaded { self.with_normals(PackedNormals(&packing)) } else { Vec::new() };
+        Ok(EncodedAxis { cells, voxels: Arc::new(Voxels { codes, normals }) })
+    }
+
+    fn all_voxels(&self, turned: bool) -> Voxels {
+        let codes = match self.volume.grid() {
+            AnyGrid::U8(grid) => Codewords::Bytes(lying(grid, turned, |s| s)),
+            AnyGrid::I8(grid) => Codewords::Bytes(lying(grid, turned, |s| (s as u8) ^ 0x80)),
+            AnyGrid::U16(grid) => Codewords::Words(lying(grid, turned, |s| s)),
+            AnyGrid::I16(grid) => Codewords::Words(lying(grid, turned, |s| (s as u16) ^ 0x8000)),
+            AnyGrid::F32(grid) => Codewords::Words(lying(grid, turned, |s| self.codes.code(s))),
+        };
+        let layout = Layout::new(self.volume.dims(), if turned { 0 } else { 2 });
+        let normals = if self.shaded { self.with_normals(AllNormals(layout)) } else { Vec::new() };
+        Voxels { codes, normals }
+    }
+
+    fn with_normals(&self, order: impl Order) -> Vec<u16> {
+        let to_world = self.volume.placement().inverse_axes().transpose();
+        self.volume.with_lattice(Normals { order, to_world })
+    }
+}
+
+/// Codes of all voxels, with rows along x, or along y where they are to be turned.
+fn lying<T: Voxel, P: Default + Clone + Send>(
+    grid: &UniformGrid<T>,
+    turned: bool,
+    code: impl Fn(T) -> P + Sync,
+) -> Vec<P> {
+    let dense = Dense::new(grid.samples(), grid.dims(), if turned { 0 } else { 2 });
+    let n = grid.samples().len();
+    let mut codes = vec![P::default(); n + PAD];
+    codes[..n].par_iter_mut().zip(&dense.samples[..n]).for_each(|(to, &s)| *to = code(s));
+    codes
+}
+
+/// In which order normals are wanted.
+trait Order {
+    fn make(&self, normal: impl Fn([usize; 3]) -> u16 + Sync) -> Vec<u16>;
+}
+
+struct PackedNormals<'a>(&'a Packing);
+
+impl Order for PackedNormals<'_> {
+    fn make(&self, normal: impl Fn([usize; 3]) -> u16 + Sync) -> Vec<u16> {
+        self.0.pack_with(normal)
+    }
+}
+
+struct AllNormals(Layout);
+
+impl Order for AllNormals {
+    fn make(&self, normal: impl Fn([usize; 3]) -> u16 + Sync) -> Vec<u16> {
+        // As they lie, rows are one behind the other along the axis of the second longest stride.
+        let Layout { size: [nu, nv, nw], .. } = self.0;
+        let mut normals = vec![0; nu * nv * nw + PAD];
+        normals[..nu * nv * nw].par_chunks_mut(nu).enumerate().for_each(|(row, normals)| {
+            let (v, k) = (row % nv, row / nv);
+            for (u, to) in normals.iter_mut().enumerate() {
+                *to = normal(self.0.position([u, v, k]));
+            }
+        });
+        normals
+    }
+}
+
+struct Normals<O> {
+    order: O,
+    /// From gradients per index step to gradients in the world.
+    to_world: DMat3,
+}
+
+impl<O: Order> LatticeVisitor for Normals<O> {
+    type Output = Vec<u16>;
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Vec<u16> {
+        // Scaled, so that f32 holds the gradients of any spacing.
+        let scale = 1.0 / self.to_world.to_cols_array().into_iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let columns = (self.to_world * scale).to_cols_array_2d().map(|c| c.map(|x| x as f32));
+        self.order.make(|index| {
+            let g = gradient_at_sample::<T, f32>(&lattice, index);
+            encode(std::array::from_fn(|i| columns[0][i] * g[0] + columns[1][i] * g[1] + columns[2][i] * g[2]))
+        })
+    }
+}

@@ -1,0 +1,265 @@
+//! A band of scan lines under all slices.
+
+use fearless_simd::Simd;
+use vr_core::vector::{LANES, Vectorized};
+
+use super::cells::Edges;
+use super::kernel::{Chunk, Kernel, Row};
+use crate::encode::{Run, Runs};
+use crate::links::Links;
+use crate::slices::{Slice, Slices};
+
+/// Neighbouring rows of the intermediate image.
+pub(crate) struct Band<'a> {
+    /// The first row's number.
+    pub(crate) first: usize,
+    /// Texels of a row.
+    pub(crate) width: usize,
+    /// Row by row.
+    pub(crate) texels: &'a mut [[f32; 4]],
+    /// Row by row, one more than there are texels in each.
+    pub(crate) links: &'a mut [u16],
+    /// One entry a row.
+    pub(crate) lines: &'a mut [Line],
+}
+
+/// What a band's rows need while they are worked on. Kept from band to band.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    width: usize,
+    planes: Vec<f32>,
+    /// Of each row: where rays enter the volume, and where they leave it; empty until somebody asks.
+    chords: Vec<[Vec<f64>; 2]>,
+}
+
+impl Scratch {
+    fn resize(&mut self, rows: usize, width: usize) {
+        self.width = width;
+        self.planes.resize(rows * Row::length(width), 0.0);
+        self.chords.resize_with(rows, Default::default);
+        self.chords.iter_mut().flatten().for_each(Vec::clear);
+    }
+
+    /// A row's planes, which are nothing where the row has no sample yet, and its chords.
+    #[inline(always)]
+    fn row(&mut self, row: usize, line: Line) -> (&mut [f32], &mut [Vec<f64>; 2]) {
+        let length = Row::length(self.width);
+        let planes = &mut self.planes[row * length..][..length];
+        if line.samples == 0 {
+            planes.fill(0.0);
+        }
+        (planes, &mut self.chords[row])
+    }
+}
+
+/// What is known of a row of texels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    /// The first texel that was drawn on, and the one behind the last.
+    pub(crate) drawn: [u32; 2],
+    /// How many samples it took.
+    pub(crate) samples: u32,
+    /// How many texels are opaque.
+    pub(crate) opaque: u32,
+}
+
+impl Line {
+    pub(crate) const EMPTY: Self = Self { drawn: [u32::MAX, 0], samples: 0, opaque: 0 };
+}
+
+/// Compositing of one band.
+pub(crate) struct Work<'a, 'b, K, const N: usize> {
+    pub(crate) kernel: &'a K,
+    pub(crate) slices: &'a Slices,
+    pub(crate) runs: &'a Runs<N>,
+    pub(crate) band: &'a mut Band<'b>,
+    pub(crate) scratch: &'a mut Scratch,
+}
+
+impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { kernel, slices, runs, band, scratch } = self;
+        let (rows, width) = (band.lines.len(), band.width);
+        band.links.fill(0);
+        band.lines.fill(Line::EMPTY);
+        scratch.resize(rows, width);
+        let mut open = vec![true; rows];
+        let mut left = rows;
+        for slice in &slices.slices {
+            if runs.layer_is_empty(slice.layer) {
+                continue;
+            }
+            let first = slice.valid.first[1].max(band.first);
+            let end = slice.valid.end[1].min(band.first + rows);
+            for y in first..end {
+                let row = y - band.first;
+                let v = slice.map.offset.y + slice.map.scale * y as f64;
+                // `as` saturates.
+                let cell = (v as usize).min(runs.rows() - 1);
+                let of_row = runs.row(slice.layer, cell);
+                if of_row.is_empty() || !open[row] {
+                    continue;
+                }
+                let line = &mut band.lines[row];
+                let (planes, chords) = scratch.row(row, *line);
+                let whole = (slice.whole.first[1]..slice.whole.end[1]).contains(&y);
+                let mut crossing = Crossing {
+                    kernel,
+                    slices,
+                    slice,
+                    y,
+                    weights: weights((v - cell as f64) as f32, slice.fraction),
+                    whole: if whole { [slice.whole.first[0], slice.whole.end[0]] } else { [0, 0] },
+                    row: Row::new(planes),
+                    chords,
+                    links: Links::new(&mut band.links[row * (width + 1)..][..width + 1]),
+                    line,
+                };
+                crossing.runs(simd, of_row, runs.layout().size[0] - 1);
+                if crossing.line.opaque as usize == width {
+                    open[row] = false;
+                    left -= 1;
+                }
+            }
+            if left == 0 {
+                break;
+            }
+        }
+        for (row, texels) in band.texels.chunks_exact_mut(width).enumerate() {
+            let line = band.lines[row];
+            if line.samples == 0 {
+                texels.fill([0.0; 4]);
+            } else {
+                Row::new(scratch.row(row, line).0).write(texels);
+            }
+        }
+    }
+}
+
+/// One slice under one row of texels.
+struct Crossing<'a, 'b, K, const N: usize> {
+    kernel: &'a K,
+    slices: &'a Slices,
+    slice: &'a Slice,
+    y: usize,
+    /// Weights of the edges of cells.
+    weights: [f32; N],
+    /// The texels whose samples are whole.
+    whole: [usize; 2],
+    row: Row<'b>,
+    chords: &'b mut [Vec<f64>; 2],
+    links: Links<'b>,
+    line: &'b mut Line,
+}
+
+/// Weights of the edges of a row of cells, `down` from its upper edge and `behind` its first layer.
+#[inline(always)]
+fn weights<const N: usize>(down: f32, behind: f32) -> [f32; N] {
+    let mut weights = [0.0; N];
+    for (n, weight) in weights.iter_mut().enumerate() {
+        let across = if n % 2 == 0 { 1.0 - down } else { down };
+        let along = if N == 2 {
+            1.0
+        } else if n < 2 {
+            1.0 - behind
+        } else {
+            behind
+        };
+        *weight = across * along;
+    }
+    weights
+}
+
+impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
+    #[inline(always)]
+    fn runs<S: Simd>(&mut self, simd: S, runs: &[Run<N>], last: usize) {
+        let slice = self.slice;
+        // Up to here, from where the runs began, all is opaque.
+        let mut open = slice.valid.first[0];
+        for run in runs {
+            let behind = run.start + run.len;
+            let end = if behind as usize == last { usize::MAX } else { slice.first_texel(behind) };
+            let end = end.min(slice.valid.end[0]);
+            if end <= open {
+                continue;
+            }
+            let first = slice.first_texel(run.start).max(open);
+            if first < end {
+                open = self.run(simd, run, first, end);
+            }
+        }
+    }
+
+    /// The texels `x..end` of a run, as far as they are not opaque; returns the first texel that later runs can be about.
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S, run: &Run<N>, mut x: usize, end: usize) -> usize {
+        let mut at = [0; N];
+        for n in 0..N {
+            at[n] = run.at[n] as usize;
+        }
+        let edges = Edges { at, last: run.len as usize - 1, weights: self.weights };
+        let some_opaque = K::CLOSES && self.line.opaque > 0;
+        loop {
+            if some_opaque {
+                x = self.links.next_open(x);
+            }
+            if x >= end {
+                return x;
+            }
+            let stop = if some_opaque { self.links.next_opaque(x, end) } else { end };
+            self.open(simd, run.start, &edges, x, stop);
+            x = stop;
+        }
+    }
+
+    /// Texels of which none is opaque.
+    #[inline(always)]
+    fn open<S: Simd>(&mut self, simd: S, start: u32, edges: &Edges<N>, x: usize, end: usize) {
+        let drawn = &mut self.line.drawn;
+        *drawn = [drawn[0].min(x as u32), drawn[1].max(end as u32)];
+        self.line.samples += (end - x) as u32;
+        let unit = self.slice.shift.is_some();
+        let mut shares = [1.0; LANES];
+        let mut x = x;
+        while x < end {
+            let stop = self.kernel.stretch(x, self.y).min(end);
+            let n = (stop - x).min(K::AT_ONCE);
+            let columns = self.slice.columns(x, start, edges.last);
+            let chunk = Chunk { x, y: self.y, n };
+            let whole = x >= self.whole[0] && x + n <= self.whole[1];
+            if !whole {
+                self.shares(x, &mut shares);
+            }
+            let shares = (!whole).then_some(&shares);
+            // Each kind of chunk is called in one place only: all that is called is inlined.
+            let mut opaque = if unit {
+                self.kernel.add::<S, N, true>(simd, edges, columns, chunk, shares, &mut self.row)
+            } else {
+                self.kernel.add::<S, N, false>(simd, edges, columns, chunk, shares, &mut self.row)
+            };
+            while K::CLOSES && opaque != 0 {
+                self.links.close(x + opaque.trailing_zeros() as usize);
+                self.line.opaque += 1;
+                opaque &= opaque - 1;
+            }
+            x += n;
+        }
+    }
+
+    /// What the samples of sixteen texels stand for, in distances between slices.
+    #[inline(always)]
+    fn shares(&mut self, x: usize, shares: &mut [f32; LANES]) {
+        let [front, back] = &mut *self.chords;
+        if front.is_empty() {
+            self.slices.chords(self.y, self.row.width() + LANES, front, back);
+        }
+        let [front, back]: [&[f64; LANES]; 2] =
+            [front, back].map(|v| v[x..x + LANES].try_into().expect("as long as the row, and a vector"));
+        for i in 0..LANES {
+            shares[i] = self.slices.share(self.slice.depth, [front[i], back[i]]) as f32;
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! A run of cells under neighbouring texels: which cell a texel lies in, where in it, and what value is there.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+use vr_core::vector::{LANES, splat};
+
+use crate::codes::Code;
+
+/// A run of cells of one row: the edges along it, and how much each counts for this row of texels.
+#[derive(Clone, Copy)]
+pub(crate) struct Edges<const N: usize> {
+    /// Where each edge begins among the voxels. What lies behind its end can be read, but is not its own.
+    pub(crate) at: [usize; N],
+    /// The last cell, counted from the first.
+    pub(crate) last: usize,
+    /// Weight of each edge; their sum is 1.
+    pub(crate) weights: [f32; N],
+}
+
+/// Where texels lie on a run: texel i at `first + begin + i·scale` cells from its begin, `scale` ≤ 1.
+#[derive(Clone, Copy)]
+pub(crate) struct Columns {
+    pub(crate) first: usize,
+    pub(crate) begin: f32,
+    pub(crate) scale: f32,
+}
+
+/// Cells of sixteen texels: `first + cell[i]` from the run's begin, and the place in each.
+pub(crate) struct Places<S: Simd> {
+    pub(crate) first: usize,
+    pub(crate) cell: [i32; LANES],
+    pub(crate) weight: f32x16<S>,
+}
+
+const STEPS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+pub(crate) const STEPS_F32: [f32; LANES] = [0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.];
+
+/// Sixteen texels lie in at most this many cells, the last one's right end included.
+const SPAN: usize = 2 * LANES;
+
+impl Columns {
+    /// `UNIT`: a texel a cell.
+    #[inline(always)]
+    pub(crate) fn places<S: Simd, const UNIT: bool>(&self, simd: S, last: usize) -> Places<S> {
+        if UNIT {
+            return Places { first: self.first, cell: STEPS, weight: splat(simd, self.begin) };
+        }
+        let position = f32x16::load_array_ref(simd, &STEPS_F32) * self.scale + self.begin;
+        let last = splat(simd, (last - self.first) as f32);
+        let cell: i32x16<S> = position.max(splat(simd, 0.0)).min(last).to_int();
+        Places { first: self.first, cell: cell.to_array(), weight: position - cell.to_float::<f32x16<S>>() }
+    }
+}
+
+/// The values, as codes, at sixteen texels: bilinear in a layer (N = 2), trilinear between two (N = 4).
+#[inline(always)]
+pub(crate) fn values<S: Simd, P: Code, const N: usize, const UNIT: bool>(
+    simd: S,
+    voxels: &[P],
+    edges: &Edges<N>,
+    places: &Places<S>,
+) -> f32x16<S> {
+    let (mut left, mut right) = (splat(simd, 0.0), splat(simd, 0.0));
+    if UNIT {
+        for n in 0..N {
+            let edge = &voxels[edges.at[n] + places.first..][..LANES + 1];
+            let (mut a, mut b) = ([0.0; LANES], [0.0; LANES]);
+            for i in 0..LANES {
+                a[i] = edge[i].to_f32();
+                b[i] = edge[i + 1].to_f32();
+            }
+            left += f32x16::load_array_ref(simd, &a) * edges.weights[n];
+            right += f32x16::load_array_ref(simd, &b) * edges.weights[n];
+        }
+    } else {
+        // Across the edges first, for all cells that sixteen texels can lie in; then along them.
+        let (mut near, mut far) = (left, right);
+        for n in 0..N {
+            let edge = &voxels[edges.at[n] + places.first..][..SPAN];
+            let (mut a, mut b) = ([0.0; LANES], [0.0; LANES]);
+            for i in 0..LANES {
+                a[i] = edge[i].to_f32();
+                b[i] = edge[i + LANES].to_f32();
+            }
+            near += f32x16::load_array_ref(simd, &a) * edges.weights[n];
+            far += f32x16::load_array_ref(simd, &b) * edges.weights[n];
+        }
+        let mut line = [0.0; SPAN];
+        line[..LANES].copy_from_slice(&near.to_array());
+        line[LANES..].copy_from_slice(&far.to_array());
+        let (mut a, mut b) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            // At most 17: a step is a cell at most. The remainder tells the compiler.
+            let cell = places.cell[i] as usize;
+            a[i] = line[cell % SPAN];
+            b[i] = line[(cell + 1) % SPAN];
+        }
+        (left, right) = (f32x16::load_array_ref(simd, &a), f32x16::load_array_ref(simd, &b));
+    }
+    left + places.weight * (right - left)
+}

@@ -1,0 +1,230 @@
+//! Samples composited front to back, onto texels that are not opaque yet.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x4, f32x16, i32x16};
+use vr_core::vector::{LANES, depth_of_opacity, opacity_of_depth, packed, pick, splat, transpose, transpose_packed};
+
+use super::cells::{Columns, Edges, Places, STEPS_F32, values};
+use super::kernel::{Chunk, Kernel, Row};
+use crate::codes::Code;
+use crate::lengths::Lengths;
+use crate::optics::Optics;
+use crate::reflections::Reflection;
+
+/// Over, and accumulate. `BEFORE`: voxels are classified, and then interpolated.
+pub(crate) struct Over<'a, P: Code, const BEFORE: bool, const SHADED: bool> {
+    pub(crate) voxels: &'a [P],
+    /// Normals in the order of the voxels, and what reflects at each; empty where nothing is shaded.
+    pub(crate) normals: &'a [u16],
+    pub(crate) reflections: &'a [Reflection],
+    pub(crate) optics: &'a Optics,
+    pub(crate) lengths: &'a Lengths<P>,
+    /// From this opacity on a texel is opaque.
+    pub(crate) termination: f32,
+    /// No texel gets more opaque than this.
+    pub(crate) level: f32,
+}
+
+impl<P: Code, const BEFORE: bool, const SHADED: bool> Kernel for Over<'_, P, BEFORE, SHADED> {
+    const CLOSES: bool = true;
+    // Of sixteen columns of classified voxels.
+    const AT_ONCE: usize = if BEFORE { LANES - 1 } else { LANES };
+
+    #[inline(always)]
+    fn add<S: Simd, const N: usize, const UNIT: bool>(
+        &self,
+        simd: S,
+        edges: &Edges<N>,
+        columns: Columns,
+        at: Chunk,
+        shares: Option<&[f32; LANES]>,
+        row: &mut Row<'_>,
+    ) -> u32 {
+        let (table, _) = self.lengths.at(at.x, at.y);
+        let places = columns.places::<S, UNIT>(simd, edges.last);
+        let mut samples = if BEFORE {
+            self.of_voxels::<S, N, UNIT>(simd, table, edges, &places, at.n)
+        } else {
+            self.of_values::<S, N, UNIT>(simd, table, edges, &places, at.n)
+        };
+        if let Some(shares) = shares {
+            samples = cut(simd, samples, f32x16::load_array_ref(simd, shares));
+        }
+        self.composite(simd, samples, &at, row)
+    }
+
+    #[inline(always)]
+    fn stretch(&self, x: usize, y: usize) -> usize {
+        self.lengths.at(x, y).1
+    }
+}
+
+/// Samples that stand for part of their length: light and opacity of a homogeneous piece grow in step.
+#[inline(always)]
+fn cut<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4], share: f32x16<S>) -> [f32x16<S>; 4] {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let part = opacity_of_depth(simd, depth_of_opacity(simd, alpha) * share);
+    // A wall is opaque however thin, and what does not absorb shines in proportion.
+    let part = pick(alpha.simd_ge(one) & share.simd_gt(zero), one, part);
+    let clear = alpha.simd_le(zero);
+    let ratio = pick(clear, share, part / pick(clear, one, alpha));
+    [r * ratio, g * ratio, b * ratio, part]
+}
+
+impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED> {
+    /// Sixteen samples, of which `n` count; the others are nothing.
+    #[inline(always)]
+    fn of_values<S: Simd, const N: usize, const UNIT: bool>(
+        &self,
+        simd: S,
+        table: &P::Table,
+        edges: &Edges<N>,
+        places: &Places<S>,
+        n: usize,
+    ) -> [f32x16<S>; 4] {
+        let value = values::<S, P, N, UNIT>(simd, self.voxels, edges, places);
+        // The last row is nothing.
+        let nothing = P::LAST as f32;
+        let place = (value * self.optics.scale + self.optics.bias).max(splat(simd, 0.0)).min(splat(simd, nothing));
+        let counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, n as f32));
+        let place: i32x16<S> = pick(counts, place, splat(simd, nothing)).to_int();
+        // Read from memory one by one: taken from the register they would all wait for the one unit that can do that.
+        let place = std::hint::black_box(place.to_array());
+        let mut rows = [f32x4::splat(simd, 0.0); LANES];
+        for i in 0..LANES {
+            rows[i] = f32x4::load_array_ref(simd, P::row(table, place[i] as u32 as usize));
+        }
+        if SHADED {
+            let weight = places.weight.to_array();
+            for i in 0..n {
+                rows[i] = self.lit(simd, edges, places.first + places.cell[i] as usize, weight[i], rows[i]);
+            }
+        }
+        transpose(rows)
+    }
+
+    #[inline(always)]
+    fn of_voxels<S: Simd, const N: usize, const UNIT: bool>(
+        &self,
+        simd: S,
+        table: &P::Table,
+        edges: &Edges<N>,
+        places: &Places<S>,
+        n: usize,
+    ) -> [f32x16<S>; 4] {
+        if UNIT {
+            // Sixteen columns, for up to fifteen texels.
+            let mut left = [splat(simd, 0.0); 4];
+            for e in 0..N {
+                let from = edges.at[e] + places.first;
+                let voxels = &self.voxels[from..][..LANES];
+                let mut rows = [f32x4::splat(simd, 0.0); LANES];
+                for i in 0..LANES {
+                    rows[i] = f32x4::load_array_ref(simd, self.row(table, voxels[i]));
+                }
+                if SHADED {
+                    let normals = &self.normals[from..][..LANES];
+                    for i in 0..LANES {
+                        rows[i] = self.lit_voxel(simd, rows[i], normals[i]);
+                    }
+                }
+                let rows = packed(rows);
+                for quad in 0..4 {
+                    left[quad] += rows[quad] * edges.weights[e];
+                }
+            }
+            let left = transpose_packed(left);
+            let counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, n as f32));
+            let nothing = splat(simd, 0.0);
+            let mut samples = [nothing; 4];
+            for c in 0..4 {
+                let right = left[c].slide::<1>(nothing);
+                samples[c] = pick(counts, left[c] + (right - left[c]) * places.weight, nothing);
+            }
+            return samples;
+        }
+        // All columns first: neighbouring texels share them.
+        let mut columns = [[0.0; 4]; LANES + 2];
+        let last = places.cell[n - 1] as usize + 1;
+        for (i, column) in columns[..=last].iter_mut().enumerate() {
+            let mut sum = f32x4::splat(simd, 0.0);
+            for e in 0..N {
+                let at = edges.at[e] + places.first + i;
+                let mut row = f32x4::load_array_ref(simd, self.row(table, self.voxels[at]));
+                if SHADED {
+                    row = self.lit_voxel(simd, row, self.normals[at]);
+                }
+                sum += row * edges.weights[e];
+            }
+            *column = sum.to_array();
+        }
+        let weight = places.weight.to_array();
+        let mut rows = [f32x4::splat(simd, 0.0); LANES];
+        for i in 0..n {
+            let cell = places.cell[i] as usize;
+            let left = f32x4::load_array_ref(simd, &columns[cell]);
+            rows[i] = left + (f32x4::load_array_ref(simd, &columns[cell + 1]) - left) * weight[i];
+        }
+        transpose(rows)
+    }
+
+    /// A voxel, classified.
+    #[inline(always)]
+    fn row<'t>(&self, table: &'t P::Table, voxel: P) -> &'t [f32; 4] {
+        P::row(table, voxel.place(self.optics.codes_begin()))
+    }
+
+    /// A classified voxel, shaded.
+    #[inline(always)]
+    fn lit_voxel<S: Simd>(&self, simd: S, sample: f32x4<S>, normal: u16) -> f32x4<S> {
+        let Reflection { factor, added } = &self.reflections[usize::from(normal)];
+        sample * f32x4::load_array_ref(simd, factor) + f32x4::load_array_ref(simd, added) * sample.to_array()[3]
+    }
+
+    /// Adds samples behind what texels hold; a bit for each that is opaque now.
+    #[inline(always)]
+    fn composite<S: Simd>(&self, simd: S, [r, g, b, alpha]: [f32x16<S>; 4], at: &Chunk, row: &mut Row<'_>) -> u32 {
+        let opacity = row.sixteen(3, at.x);
+        let before = f32x16::load_array_ref(simd, opacity);
+        let clear = splat(simd, 1.0) - before;
+        let after = before + alpha * clear;
+        let opaque = after.simd_ge(splat(simd, self.termination)).to_bitmask() as u32 & ((1 << at.n) - 1);
+        let mut share = clear;
+        if opaque != 0 && self.level < 1.0 {
+            // A homogeneous sample is cut where the level is reached: light and opacity grow in step.
+            let level = splat(simd, self.level);
+            share = pick(after.simd_gt(level), clear * ((level - before) / (after - before)), clear);
+            *opacity = after.min(level).to_array();
+        } else {
+            *opacity = after.to_array();
+        }
+        for (component, light) in [r, g, b].into_iter().enumerate() {
+            let sum = row.sixteen(component, at.x);
+            *sum = (f32x16::load_array_ref(simd, sum) + light * share).to_array();
+        }
+        opaque
+    }
+
+    /// A sample shaded by what reflects at the voxels around it, interpolated.
+    #[inline(always)]
+    fn lit<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        edges: &Edges<N>,
+        cell: usize,
+        weight: f32,
+        sample: f32x4<S>,
+    ) -> f32x4<S> {
+        let (mut factor, mut added) = (f32x4::splat(simd, 0.0), f32x4::splat(simd, 0.0));
+        for n in 0..N {
+            for (right, weight) in [(0, 1.0 - weight), (1, weight)] {
+                let normal = self.normals[edges.at[n] + cell + right];
+                let reflection = &self.reflections[usize::from(normal)];
+                let weight = edges.weights[n] * weight;
+                factor += f32x4::load_array_ref(simd, &reflection.factor) * weight;
+                added += f32x4::load_array_ref(simd, &reflection.added) * weight;
+            }
+        }
+        sample * factor + added * sample.to_array()[3]
+    }
+}

@@ -1,0 +1,67 @@
+//! One value a ray: the largest sample, the smallest, or the mean.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+use vr_core::vector::{LANES, pick, splat};
+
+use super::cells::{Columns, Edges, STEPS_F32, values};
+use super::kernel::{Chunk, Kernel, Row};
+use crate::codes::Code;
+
+/// Which value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Choice {
+    Largest,
+    Smallest,
+    Mean,
+}
+
+/// Texels hold (value, weight, 0, 0) until they are classified; weight 0 where no sample was.
+pub(crate) struct Pick<'a, P> {
+    pub(crate) voxels: &'a [P],
+    pub(crate) choice: Choice,
+}
+
+/// A ray that only touches the volume still meets a value.
+const LEAST_SHARE: f32 = 1e-6;
+
+impl<P: Code> Kernel for Pick<'_, P> {
+    const CLOSES: bool = false;
+    const AT_ONCE: usize = LANES;
+
+    #[inline(always)]
+    fn add<S: Simd, const N: usize, const UNIT: bool>(
+        &self,
+        simd: S,
+        edges: &Edges<N>,
+        columns: Columns,
+        at: Chunk,
+        shares: Option<&[f32; LANES]>,
+        row: &mut Row<'_>,
+    ) -> u32 {
+        let places = columns.places::<S, UNIT>(simd, edges.last);
+        let value: f32x16<S> = values::<S, P, N, UNIT>(simd, self.voxels, edges, &places);
+        let so_far = f32x16::load_array_ref(simd, row.sixteen(0, at.x));
+        let weight = f32x16::load_array_ref(simd, row.sixteen(1, at.x));
+        let counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, at.n as f32));
+        let share = match shares {
+            Some(shares) => f32x16::load_array_ref(simd, shares).max(splat(simd, LEAST_SHARE)),
+            None => splat(simd, 1.0),
+        };
+        let share = pick(counts, share, splat(simd, 0.0));
+        let first = counts & weight.simd_eq(splat(simd, 0.0));
+        let chosen = match self.choice {
+            Choice::Largest => pick(first | (counts & value.simd_gt(so_far)), value, so_far),
+            Choice::Smallest => pick(first | (counts & value.simd_lt(so_far)), value, so_far),
+            Choice::Mean => so_far + value * share,
+        };
+        *row.sixteen(0, at.x) = chosen.to_array();
+        *row.sixteen(1, at.x) = (weight + share).to_array();
+        0
+    }
+
+    #[inline(always)]
+    fn stretch(&self, _: usize, _: usize) -> usize {
+        usize::MAX
+    }
+}

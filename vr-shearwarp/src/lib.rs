@@ -1,0 +1,100 @@
+//! Object-order volume rendering on the CPU by a shear and a warp: slices of a run-length encoded volume are sheared so that all rays are
+//! parallel to one axis, composited scan line by scan line, and the picture of that is warped onto the screen (Lacroute & Levoy 1994, *Fast
+//! volume rendering using a shear-warp factorization of the viewing transformation*; Lacroute 1995, thesis of the same name).
+//!
+//! What is done for each view:
+//!
+//! 1. **Factor** the view into a permutation of axes, a shear (in perspective with a scale for each slice), and a two-dimensional warp.
+//! 2. **Encode**, once for each principal axis that a view needs: runs of cells in which something can be visible, and the voxels that
+//!    they touch, packed ([`Encoding`]). Blocks in which nothing is visible are found by a min/max octree and running sums of the transfer
+//!    function, which a new transfer function needs no look at voxels for.
+//! 3. **Composite** slices front to back onto the intermediate image, which lies on the volume's far face: where runs of cells
+//!    meet runs of texels that are not opaque yet, sixteen at a time. Opaque texels are leaped over by links.
+//! 4. **Warp** that image onto the screen ([`WarpFilter`]).
+//!
+//! The classic ([`ShearWarp::classic`]) classifies voxels and interpolates their colours. The default interpolates values, classifies them
+//! then, and takes a slice between every two layers: at about the same speed a sample it has a fraction of the error
+//! ([`Classification`]).
+//!
+//! # Example
+//! A homogeneous slab, two units thick, of opacity ½ a unit: the pixel is known.
+//! ```
+//! use vr_core::*;
+//! use vr_shearwarp::ShearWarp;
+//!
+//! let grid = UniformGrid::new([3; 3], vec![100u8; 27], Placement::from_spacing([1.0; 3])?, Calibration::default())?;
+//! let half_red = ControlPoint::new(0.0, [1.0, 0.0, 0.0], 0.5);
+//! let transfer = TransferFunction::new(vec![half_red], OpacityRule::Power, 1.0)?;
+//! let scene = Scene::new(grid.into(), transfer);
+//!
+//! let control = Control::default();
+//! let mut prepared = ShearWarp::default().prepare(&scene, &control)?;
+//! let camera = Camera::framing(scene.volume.bounds(), 0.0, 0.0, None);
+//! let picture = prepared.render(&View::new(camera, [5, 5]), &control)?;
+//!
+//! // What shines through two units is a half of a half. Straight along an axis nothing is sheared, and a constant field leaves no error.
+//! let expected = [0.75, 0.0, 0.0, 0.75];
+//! for (got, want) in picture.frame.pixel(2, 2).into_iter().zip(expected) {
+//!     assert!((got - want).abs() < 1e-6);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What it integrates
+//! Samples in slices, each for its share of the ray: half of the distance to the next slice on either side, or all to where the ray enters
+//! or leaves the volume; corrected for how far apart slices are along the ray. That is its model
+//! ([`Prepared::model`](vr_core::Prepared::model)); what is added by texels and warp, by tables (the nearest of 8 entries to a byte, of 4096 otherwise)
+//! and by rounding is the algorithm's own.
+//!
+//! # Accuracy
+//! Errors fall with [`ShearWarp::texel`], to which the distance of slices is relative, by the order 2 of two linear resamplings where picture and
+//! field are smooth. From texels of a voxel to those of an eighth 1.7 was measured, for the kinks that a field linear between voxels has there; 1.3
+//! where the transfer function jumps; 1.8 as the grid is refined at a texel of half a voxel; 2.0 in the size of pixels. Rounding to the nearest entry of tables leaves some
+//! 10⁻⁵.
+//!
+//! At the default, a texel as large as a voxel, what bends within a voxel is lost: thin shells, steep transfer functions, the outline of a
+//! volume that fills its box, which is as soft as a texel is wide. The largest errors on the hard cases of `vr-physics`, most of them small
+//! volumes: opaque wall 0.93 (RMSE 0.08), thin shell 0.73 (0.04), the full range of u16 0.62 (0.2), Marschner-Lobb 33³ 0.22 (0.03), a layer far from
+//! the origin 0.21 (0.02); 0.13 where outlines decide (0.02), 0.05 elsewhere (0.01); 7·10⁻⁶ in many faint steps.
+//! No error can be promised.
+//!
+//! # Views
+//! * Parallel rays shear along the axis that they go most along, so that no slice moves by more than a voxel.
+//! * In perspective each ray has its own such axis. The picture is split by it, and each part is composited along its own, from inside the
+//!   volume, too; no slice is ever seen with more than one voxel to a texel, so that none is sampled too coarsely.
+//! * A crop box cuts slices where it is parallel to the volume's axes.
+//!
+//! # What it does not do
+//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; reconstruction filters other than the trilinear one; compositing
+//! `first`, for the place of a surface between slices is not known; clip planes and opaque layers; shading in perspective, where what a normal reflects
+//! changes from ray to ray and no table serves; gradients other than central differences, and opacity that follows them. It tells no depths.
+//! `maximum`, `minimum` and `average` are of the samples in slices.
+
+mod axis;
+mod codes;
+mod composite;
+mod encode;
+mod factorization;
+mod hard_cases;
+mod image;
+mod lengths;
+mod links;
+mod memory;
+mod model;
+#[cfg(test)]
+mod naive;
+mod optics;
+mod options;
+mod passes;
+mod prepared;
+mod reflections;
+mod renderer;
+mod settings;
+mod shear_warp;
+mod slices;
+mod support;
+mod warp;
+
+pub use memory::EncodedSize;
+pub use shear_warp::{Classification, Encoding, ShearWarp};
+pub use warp::WarpFilter;

@@ -1,0 +1,158 @@
+//! What the renderer integrates, told for any ray: samples in slices, each for its share of the ray; without intermediate image, warp, codes
+//! and tables, in f64.
+
+use glam::{DVec2, DVec3};
+use vr_core::filter::Lattice;
+use vr_core::{DiscreteModel, LatticeVisitor, Scene, SegmentTerm, UniformVolume, View, Voxel, gradient_at_sample};
+
+use crate::factorization::IndexView;
+use crate::lengths::length;
+use crate::passes::{Pass, passes};
+use crate::shear_warp::{Classification, ShearWarp};
+use crate::slices::{Slice, Slices};
+use crate::support::{is_shaded, last_sample, visible_box};
+
+/// The sum over slices.
+pub(crate) struct SlicedModel {
+    renderer: ShearWarp,
+    scene: Scene,
+    /// World vector straight ahead.
+    ahead: DVec3,
+    view: Option<IndexView>,
+    passes: Vec<(Pass, Slices)>,
+}
+
+impl SlicedModel {
+    /// Of a view; of one that cannot be drawn, nothing.
+    pub(crate) fn new(renderer: &ShearWarp, scene: &Scene, view: &View) -> Self {
+        let mut model = Self {
+            renderer: renderer.clone(),
+            scene: scene.clone(),
+            ahead: view.camera.frame().map_or(DVec3::Z, |f| f.z_axis),
+            view: None,
+            passes: Vec::new(),
+        };
+        let Some(volume) = scene.volume.uniform() else { return model };
+        let Ok(index_view) = IndexView::new(view, volume.placement()) else { return model };
+        let Ok(visible) = visible_box(scene, volume, view, index_view.is_perspective()) else { return model };
+        if visible[0].cmplt(visible[1]).all()
+            && let Ok(all) = passes(&index_view, visible, last_sample(volume.dims()), renderer.texel)
+        {
+            let slices = |pass: &Pass| {
+                let layers = volume.dims()[pass.factorization.axes[2]];
+                Slices::new(pass.factorization, visible, layers, renderer.slice_spacing())
+            };
+            model.passes = all.into_iter().map(|pass| (pass, slices(&pass))).collect();
+        }
+        model.view = Some(index_view);
+        model
+    }
+}
+
+impl DiscreteModel for SlicedModel {
+    fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
+        let (Some(view), Some(volume)) = (&self.view, self.scene.volume.uniform()) else { return Vec::new() };
+        for (pass, slices) in &self.passes {
+            let f = &pass.factorization;
+            let texel = f.texels_of_screen() * DVec3::new(x, y, 1.0);
+            let at = texel.truncate() / texel.z;
+            let mine = pass.within.is_none_or(|[x0, y0, x1, y1]| at.x >= x0 && at.y >= y0 && at.x <= x1 && at.y <= y1);
+            if texel.z <= 0.0 || !mine {
+                continue;
+            }
+            let chord = slices.chord(at.x, at.y);
+            let distance = length(view, f, [at.x, at.y], self.renderer.correction) * slices.spacing;
+            let inside = |s: &&Slice| s.depth >= chord[0] - 1e-9 && s.depth <= chord[1] + 1e-9;
+            return slices
+                .slices
+                .iter()
+                .filter(inside)
+                .map(|slice| {
+                    let uv = slice.map.offset + slice.map.scale * at;
+                    let length = distance * slices.share(slice.depth, chord);
+                    let sample = self.sample(volume, f.axes, uv, slice, length);
+                    SegmentTerm { transparency: 1.0 - sample[3], light: [sample[0], sample[1], sample[2]] }
+                })
+                .collect();
+        }
+        Vec::new()
+    }
+}
+
+impl SlicedModel {
+    /// Light and opacity of one sample.
+    fn sample(&self, volume: &UniformVolume, axes: [usize; 3], uv: DVec2, slice: &Slice, length: f64) -> [f64; 4] {
+        let dims = volume.dims();
+        let cell: [(usize, f64); 2] = std::array::from_fn(|a| {
+            // `as` saturates.
+            let i = (uv[a] as usize).min(dims[axes[a]] - 2);
+            (i, (uv[a] - i as f64).clamp(0.0, 1.0))
+        });
+        let between = f64::from(slice.fraction);
+        let edges = if self.renderer.slice_spacing() < 1.0 { 4 } else { 2 };
+        // The corners: where they are, and how much they count.
+        let mut corners = Vec::with_capacity(8);
+        for edge in 0..edges {
+            for right in 0..2 {
+                let mut index = [0; 3];
+                (index[axes[0]], index[axes[1]]) = (cell[0].0 + right, cell[1].0 + edge % 2);
+                index[axes[2]] = slice.layer + edge / 2;
+                let part = |high: bool, t: f64| if high { t } else { 1.0 - t };
+                let weight = part(right == 1, cell[0].1) * part(edge % 2 == 1, cell[1].1);
+                corners.push((index, if edges == 4 { weight * part(edge >= 2, between) } else { weight }));
+            }
+        }
+        let stored = |index: [usize; 3]| {
+            let at = (index[2] * dims[1] + index[1]) * dims[0] + index[0];
+            fn one<T: Voxel>(samples: &[T], at: usize) -> f64 {
+                samples[at].to_f32().into()
+            }
+            vr_core::with_grid!(volume.grid(), g => one(g.samples(), at))
+        };
+        let calibration = volume.calibration();
+        let transfer = &self.scene.transfer;
+        if corners.iter().any(|&(index, _)| stored(index).is_nan()) || length <= 0.0 {
+            return [0.0; 4];
+        }
+        let shaded = is_shaded(&self.scene);
+        let lit = |sample: [f64; 4], (factor, added): ([f64; 3], [f64; 3])| -> [f64; 4] {
+            std::array::from_fn(|c| if c < 3 { sample[c] * factor[c] + sample[3] * added[c] } else { sample[3] })
+        };
+        let reflection = |index| {
+            if shaded { self.reflection(volume, index) } else { ([1.0; 3], [0.0; 3]) }
+        };
+        match self.renderer.classification {
+            Classification::Voxels => {
+                let mut sum = [0.0; 4];
+                for &(index, weight) in &corners {
+                    let sample = lit(transfer.step(calibration.value(stored(index)), length), reflection(index));
+                    (0..4).for_each(|c| sum[c] += weight * sample[c]);
+                }
+                sum
+            }
+            Classification::Values => {
+                let value: f64 = corners.iter().map(|&(index, weight)| weight * stored(index)).sum();
+                let (mut factor, mut added) = ([0.0; 3], [0.0; 3]);
+                for &(index, weight) in &corners {
+                    let (f, a) = reflection(index);
+                    (0..3).for_each(|c| (factor[c], added[c]) = (factor[c] + weight * f[c], added[c] + weight * a[c]));
+                }
+                lit(transfer.step(calibration.value(value), length), (factor, added))
+            }
+        }
+    }
+
+    /// What the normal at a sample reflects.
+    fn reflection(&self, volume: &UniformVolume, index: [usize; 3]) -> ([f64; 3], [f64; 3]) {
+        struct At([usize; 3]);
+        impl LatticeVisitor for At {
+            type Output = [f64; 3];
+            fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
+                gradient_at_sample::<T, f64>(&lattice, self.0)
+            }
+        }
+        let gradient = volume.placement().inverse_axes().transpose() * DVec3::from(volume.with_lattice(At(index)));
+        let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
+        shading.along::<f64>(self.ahead).reflect(gradient.to_array())
+    }
+}

@@ -1,0 +1,289 @@
+//! The plain way: every texel by itself, all slices, all voxels, no runs, no links, no vectors. What compositing is tested against.
+
+use proptest::prelude::*;
+use vr_core::{
+    Calibration, Camera, Compositing, Control, ControlPoint, LatticeVisitor, OpacityRule, Placement, Projection,
+    Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel, gradient_at_sample,
+};
+
+use crate::codes::{Code, Codes};
+use crate::factorization::IndexView;
+use crate::lengths::Lengths;
+use crate::optics::Optics;
+use crate::passes::passes;
+use crate::prepared::PreparedShearWarp;
+use crate::reflections::{Reflection, encode, table};
+use crate::shear_warp::{Classification, Encoding, ShearWarp};
+use crate::slices::Slices;
+use crate::support::last_sample;
+use crate::warp::WarpFilter;
+
+/// One scene of random voxels and a view of it.
+#[derive(Clone, Debug)]
+struct Case {
+    dims: [usize; 3],
+    samples: Vec<u8>,
+    wide: bool,
+    threshold: u8,
+    opacity: f64,
+    eye: [f64; 3],
+    fov: Option<f64>,
+    renderer: ShearWarp,
+    shaded: bool,
+    level: Option<f64>,
+}
+
+fn cases() -> impl Strategy<Value = Case> {
+    let dims = prop::array::uniform3(2usize..20);
+    let voxels = prop_oneof![3 => Just(0u8), 1 => any::<u8>()];
+    let samples = prop::collection::vec(voxels, 20 * 20 * 20);
+    let renderer = (
+        any::<bool>(),
+        prop_oneof![Just(1.0), Just(0.5), Just(0.4)],
+        prop_oneof![Just(1.0), Just(0.7), Just(0.5)],
+        any::<bool>(),
+    )
+        .prop_map(|(voxels, slice_distance, texel, octree)| ShearWarp {
+            classification: if voxels { Classification::Voxels } else { Classification::Values },
+            slice_distance: slice_distance / texel,
+            texel,
+            encoding: if octree { Encoding::Octree } else { Encoding::Runs },
+            termination: 0.95,
+            ..ShearWarp::default()
+        });
+    let eye = prop::array::uniform3(-1.0f64..1.0).prop_filter("a direction", |e| e.iter().any(|x| x.abs() > 0.1));
+    let fov = prop::option::of(20.0f64..100.0);
+    let optics = (1u8..255, prop_oneof![0.01f64..0.3, 0.3f64..1.0, Just(1.0)], any::<bool>());
+    let looks = (any::<bool>(), prop::option::of(0.2f64..0.9));
+    (dims, samples, optics, eye, fov, renderer, looks).prop_map(
+        |(dims, samples, (threshold, opacity, wide), eye, fov, renderer, (shaded, level))| Case {
+            dims,
+            samples,
+            wide,
+            threshold,
+            opacity,
+            eye,
+            fov,
+            renderer,
+            shaded: shaded && fov.is_none(),
+            level,
+        },
+    )
+}
+
+impl Case {
+    fn scene(&self) -> Scene {
+        let n = self.dims.iter().product();
+        let placement = Placement::from_spacing([1.0, 1.25, 0.75]).unwrap();
+        // Kinks at integers, so that what is transparent in a cell is so at every entry of a table that the cell can reach.
+        let points = vec![
+            ControlPoint::new(f64::from(self.threshold) - 1.0, [0.1, 0.9, 0.3], 0.0),
+            ControlPoint::new(255.0, [1.0, 0.2, 0.6], self.opacity),
+        ];
+        let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+        let volume = if self.wide {
+            let samples: Vec<i16> = self.samples[..n].iter().map(|&s| i16::from(s)).collect();
+            UniformGrid::new(self.dims, samples, placement, Calibration::default()).unwrap().into()
+        } else {
+            UniformGrid::new(self.dims, self.samples[..n].to_vec(), placement, Calibration::default()).unwrap().into()
+        };
+        let mut scene = Scene::new(volume, transfer);
+        if self.shaded {
+            scene.shading = Some(Shading::default().into());
+        }
+        if let Some(level) = self.level {
+            scene.compositing = Compositing::Accumulate { level };
+        }
+        scene
+    }
+
+    fn view(&self, scene: &Scene) -> View {
+        let (low, high) = scene.volume.bounds();
+        let middle = 0.5 * (low + high);
+        let size = (high - low).length();
+        // In perspective sometimes from inside.
+        let eye = middle + glam::DVec3::from(self.eye) * size * 0.8;
+        let projection = match self.fov {
+            Some(fov) => Projection::Perspective { fov },
+            None => Projection::Orthographic { height: size },
+        };
+        let up = glam::DVec3::new(0.17, 0.9, -0.31);
+        View::new(Camera { eye, target: middle, up, projection }, [24, 20])
+    }
+}
+
+/// What one texel holds in the end.
+fn texel<P: Code>(
+    case: &Case,
+    scene: &Scene,
+    codes: &Codes,
+    slices: &Slices,
+    [x, y]: [usize; 2],
+    (optics, lengths): (&Optics, &Lengths<P>),
+    reflections: &[Reflection],
+) -> [f64; 4] {
+    let axes = slices.axes();
+    let mut sum = [0.0f64; 4];
+    let level = case.level.unwrap_or(1.0);
+    let chord = slices.chord(x as f64, y as f64);
+    for slice in &slices.slices {
+        let inside = (0..2).all(|a| (slice.valid.first[a]..slice.valid.end[a]).contains(&[x, y][a]));
+        if !inside || sum[3] >= case.renderer.termination.min(level) {
+            continue;
+        }
+        let at: [f64; 2] = std::array::from_fn(|a| slice.map.offset[a] + slice.map.scale * [x, y][a] as f64);
+        let cell: [usize; 2] = std::array::from_fn(|a| (at[a] as usize).min(case.dims[axes[a]] - 2));
+        let place: [f64; 2] = std::array::from_fn(|a| at[a] - cell[a] as f64);
+        let (mut value, mut classified) = (0.0, [0.0f64; 4]);
+        let (mut factor, mut added) = ([0.0f64; 4], [0.0f64; 4]);
+        let layers = if case.renderer.slice_spacing() == 1.0 { 1 } else { 2 };
+        let (table, _) = lengths.at(x, y);
+        for corner in 0..4 * layers {
+            let high = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let mut index = [0; 3];
+            (index[axes[0]], index[axes[1]]) = (cell[0] + high[0], cell[1] + high[1]);
+            index[axes[2]] = slice.layer + high[2];
+            let part = |high: usize, t: f64| if high == 1 { t } else { 1.0 - t };
+            let mut weight = part(high[0], place[0]) * part(high[1], place[1]);
+            if layers == 2 {
+                weight *= part(high[2], slice.fraction.into());
+            }
+            let stored = case.samples[(index[2] * case.dims[1] + index[1]) * case.dims[0] + index[0]];
+            let code = codes.code(f32::from(stored));
+            value += weight * f64::from(code);
+            let row = P::row(table, P::of(code).place(optics.codes_begin())).map(f64::from);
+            let reflection = if case.shaded {
+                reflections[usize::from(normal(scene, index))]
+            } else {
+                Reflection { factor: [1.0; 4], added: [0.0; 4] }
+            };
+            for c in 0..4 {
+                let (f, a) = (f64::from(reflection.factor[c]), f64::from(reflection.added[c]));
+                factor[c] += weight * f;
+                added[c] += weight * a;
+                classified[c] += weight * (row[c] * f + row[3] * a);
+            }
+        }
+        let mut sample = if case.renderer.classification == Classification::Voxels {
+            classified
+        } else {
+            let place = (value as f32 * optics.scale + optics.bias) as usize;
+            let row = P::row(table, place).map(f64::from);
+            std::array::from_fn(|c| row[c] * factor[c] + row[3] * added[c])
+        };
+        let share = slices.share(slice.depth, chord);
+        if (share - 1.0).abs() > 1e-6 && sample[3] > 0.0 {
+            let cut = if sample[3] >= 1.0 { 1.0 } else { -((share * (-sample[3]).ln_1p()).exp_m1()) };
+            let ratio = cut / sample[3];
+            sample = sample.map(|s| s * ratio);
+        }
+        let clear = 1.0 - sum[3];
+        let after = sum[3] + clear * sample[3];
+        let part = if after > level { (level - sum[3]) / (after - sum[3]) } else { 1.0 };
+        sum = std::array::from_fn(|c| sum[c] + clear * sample[c] * part);
+    }
+    sum
+}
+
+fn normal(scene: &Scene, index: [usize; 3]) -> u16 {
+    struct At([usize; 3]);
+    impl LatticeVisitor for At {
+        type Output = [f32; 3];
+        fn visit<T: Voxel>(self, lattice: vr_core::filter::Lattice<'_, T>) -> [f32; 3] {
+            gradient_at_sample::<T, f32>(&lattice, self.0)
+        }
+    }
+    let volume = scene.volume.uniform().unwrap();
+    let spacing = volume.placement().spacing();
+    let gradient = volume.with_lattice(At(index));
+    encode(std::array::from_fn(|a| gradient[a] / spacing[a] as f32))
+}
+
+/// How far the composited texels of all passes are from the plain ones, how many were compared, and how many are further off than rounding
+/// explains: those whose opacity is at the termination to the last bits.
+fn compare<P: Code>(case: &Case) -> (f64, usize, usize) {
+    let scene = case.scene();
+    let view = case.view(&scene);
+    let control = Control::default();
+    let volume = scene.volume.uniform().unwrap();
+    let codes = Codes::of(volume);
+    let calibration = volume.calibration();
+    let optics = match case.renderer.classification {
+        Classification::Values => Optics::of_values(&scene.transfer, calibration, &codes),
+        Classification::Voxels => Optics::of_voxels(&scene.transfer, calibration, &codes),
+    };
+    let index_view = IndexView::new(&view, volume.placement()).unwrap();
+    let last = last_sample(case.dims);
+    let visible = [glam::DVec3::ZERO, last];
+    let reflections = if case.shaded {
+        table(scene.shading.as_ref().unwrap(), view.camera.frame().unwrap().z_axis)
+    } else {
+        Vec::new()
+    };
+    let mut prepared = PreparedShearWarp::new(case.renderer.clone(), &scene, &control).unwrap();
+    let (mut worst, mut all, mut odd) = (0.0f64, 0, 0);
+    // Rounding; and a value half way between two entries of a table, at one sample or another, put to either by it.
+    let allowed = 2e-5 + case.opacity / (256.0 - f64::from(case.threshold));
+    for pass in passes(&index_view, visible, last, case.renderer.texel).unwrap() {
+        let slices = Slices::new(
+            pass.factorization,
+            visible,
+            case.dims[pass.factorization.axes[2]],
+            case.renderer.slice_spacing(),
+        );
+        let lengths = Lengths::<P>::new(&optics, &index_view, &pass.factorization, slices.spacing, true);
+        let image = prepared.composited(&index_view, &view, &pass, &slices, &control).unwrap();
+        let [width, height] = pass.factorization.size;
+        for y in 0..height {
+            for x in 0..width {
+                let plain = texel(case, &scene, &codes, &slices, [x, y], (&optics, &lengths), &reflections);
+                let fast = image[y * width + x].map(f64::from);
+                let off = (0..4).map(|c| (plain[c] - fast[c]).abs()).fold(0.0, f64::max);
+                all += 1;
+                if off > allowed {
+                    odd += 1;
+                }
+                worst = worst.max(off);
+            }
+        }
+    }
+    (worst, all, odd)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_is_fast_is_what_is_plain(case in cases()) {
+        let (worst, all, odd) = if case.wide { compare::<u16>(&case) } else { compare::<u8>(&case) };
+        prop_assert!(odd * 100 <= all, "{odd} of {all} texels off by up to {worst}");
+        // A texel that ends one slice earlier lacks what was behind 1 − termination.
+        prop_assert!(worst <= 0.06, "off by {worst}");
+    }
+}
+
+#[test]
+fn empty_and_full_volumes_of_any_size() {
+    for dims in [[2, 2, 2], [3, 2, 5], [17, 16, 33]] {
+        for (fill, alpha) in [(0u8, 0.0f32), (255, 1.0)] {
+            for slice_distance in [1.0, 0.5] {
+                let points = vec![ControlPoint::new(10.0, [1.0; 3], 0.0), ControlPoint::new(20.0, [1.0; 3], 1.0)];
+                let placement = Placement::from_spacing([1.0; 3]).unwrap();
+                let samples = vec![fill; dims.iter().product()];
+                let grid = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap();
+                let scene = Scene::new(grid.into(), TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap());
+                let (low, high) = scene.volume.bounds();
+                let middle = 0.5 * (low + high);
+                let projection = Projection::Orthographic { height: 4.0 };
+                let eye = middle + glam::DVec3::new(3.0, 5.0, 40.0);
+                let view = View::new(Camera { eye, target: middle, up: glam::DVec3::Y, projection }, [9, 9]);
+                for filter in [WarpFilter::Bilinear, WarpFilter::Cubic] {
+                    let renderer = ShearWarp { slice_distance, warp: filter, ..ShearWarp::default() };
+                    let control = Control::default();
+                    let frame = renderer.prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame;
+                    assert!((frame.pixel(4, 4)[3] - alpha).abs() < 1e-6, "{dims:?} {fill}: {:?}", frame.pixel(4, 4));
+                }
+            }
+        }
+    }
+}

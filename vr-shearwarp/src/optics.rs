@@ -1,0 +1,207 @@
+//! The transfer function as kernels look it up: light and opacity of a sample that stands for a given length of a ray.
+
+use vr_core::optics::{opacity_of_depth, source_weight};
+use vr_core::{Calibration, TransferFunction};
+
+use crate::codes::{Begin, Code, Codes};
+
+/// Colour (or emission) and extinction at evenly spaced stored numbers; a value takes the nearest entry.
+#[derive(Clone, Debug)]
+pub(crate) struct Optics {
+    rows: Vec<Row>,
+    /// A value between codes lies at `code·scale + bias` among the rows, the rounding to the nearest included.
+    pub(crate) scale: f32,
+    pub(crate) bias: f32,
+    /// Where a code itself lies, in tables of codes.
+    begin: Begin,
+    emits: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    /// Colour; where emission is given on its own, that, per world unit.
+    light: [f64; 3],
+    /// Per world unit.
+    extinction: f64,
+}
+
+impl Row {
+    const NOTHING: Self = Self { light: [0.0; 3], extinction: 0.0 };
+}
+
+/// An interpolated value may lie beyond the range of the codes by rounding: that many entries are there twice at either end.
+const GUARD: usize = 2;
+/// Bytes have this many entries to a code, so that a value between two finds its own.
+const ENTRIES_PER_BYTE: f64 = 8.0;
+/// Entries for wider ranges, unless their codes are few.
+const ENTRIES: f64 = 4096.0;
+/// Wider ranges have at most this many entries: a little less than a [`Code::Table`] holds.
+const MOST_ENTRIES: f64 = 16000.0;
+
+impl Optics {
+    /// For values between codes: classified after interpolation.
+    pub(crate) fn of_values(transfer: &TransferFunction, calibration: Calibration, codes: &Codes) -> Self {
+        let [low, high] = codes.ends();
+        let per_code = match high - low {
+            s if s < 255.5 => ENTRIES_PER_BYTE,
+            s if s <= ENTRIES => (ENTRIES / s).floor(),
+            s if s <= MOST_ENTRIES => 1.0,
+            s => ENTRIES / s,
+        };
+        let intervals = ((high - low) * per_code).ceil() as usize;
+        let row = |i: usize| {
+            let code = low + i.saturating_sub(GUARD).min(intervals) as f64 / per_code;
+            row(transfer, calibration.value(codes.stored(code.min(high))))
+        };
+        let rows = (0..=intervals + 2 * GUARD).map(row).collect();
+        let bias = GUARD as f64 + 0.5 - low * per_code;
+        Self {
+            rows,
+            scale: per_code as f32,
+            bias: bias as f32,
+            begin: Begin::default(),
+            emits: transfer.has_emission(),
+        }
+    }
+
+    /// For codes themselves: classified before interpolation. One entry a code, where there are not too many.
+    pub(crate) fn of_voxels(transfer: &TransferFunction, calibration: Calibration, codes: &Codes) -> Self {
+        let [low, high] = codes.ends();
+        let (first, shift) = if codes.bytes {
+            (0, 0)
+        } else {
+            (low as usize, (0..).find(|&s| (high - low) / f64::from(1 << s) <= MOST_ENTRIES).unwrap_or(0))
+        };
+        let row = |i: usize| {
+            // The middle of those that share the entry.
+            let code = (first + (i << shift)) as f64 + 0.5 * f64::from((1 << shift) - 1);
+            if code < low { Row::NOTHING } else { row(transfer, calibration.value(codes.stored(code.min(high)))) }
+        };
+        let rows = (0..=(high as usize - first) >> shift).map(row).collect();
+        Self { rows, scale: 1.0, bias: 0.0, begin: Begin { first, shift }, emits: transfer.has_emission() }
+    }
+
+    /// Where tables of codes begin.
+    #[inline(always)]
+    pub(crate) fn codes_begin(&self) -> Begin {
+        self.begin
+    }
+
+    /// Premultiplied light and opacity of a sample that stands for `length` world units.
+    fn sample(&self, place: usize, length: f64) -> [f32; 4] {
+        let Row { light, extinction } = self.rows[place];
+        if length <= 0.0 || (extinction == 0.0 && !self.emits) {
+            return [0.0; 4];
+        }
+        let tau = extinction * length;
+        let alpha = opacity_of_depth(tau);
+        let share = if self.emits { length * source_weight(tau) } else { alpha };
+        [light[0] * share, light[1] * share, light[2] * share, alpha].map(|x| x as f32)
+    }
+
+    /// All entries for one length.
+    pub(crate) fn entries(&self, length: f64) -> impl Iterator<Item = [f32; 4]> {
+        (0..self.rows.len()).map(move |place| self.sample(place, length))
+    }
+
+    /// The same as a table.
+    pub(crate) fn table<P: Code>(&self, length: f64) -> Box<P::Table> {
+        P::table(self.entries(length))
+    }
+}
+
+fn row(transfer: &TransferFunction, value: f64) -> Row {
+    let at = transfer.at(value);
+    let light = if transfer.has_emission() { at.emission } else { at.color };
+    Row { light, extinction: transfer.extinction(at.opacity) }
+}
+
+/// The largest opacity, or emission where that is given on its own, of any value from `low` to `high`.
+pub(crate) fn strongest(transfer: &TransferFunction, low: f64, high: f64) -> Strongest {
+    let mut strongest = Strongest { opacity: 0.0, emits: false };
+    for segment in transfer.segments() {
+        // Closed: at a jump both sides count.
+        if segment.to < low || segment.from > high {
+            continue;
+        }
+        for value in [low.max(segment.from), high.min(segment.to)] {
+            let at = segment.at(value);
+            strongest.opacity = strongest.opacity.max(at.opacity);
+            strongest.emits |= at.emission != [0.0; 3];
+        }
+    }
+    strongest
+}
+
+/// See [`strongest`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Strongest {
+    pub(crate) opacity: f64,
+    pub(crate) emits: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use vr_core::{ControlPoint, OpacityRule};
+
+    use super::*;
+
+    fn ramp() -> TransferFunction {
+        let points = vec![
+            ControlPoint::new(10.0, [0.0; 3], 0.0),
+            ControlPoint::new(20.0, [1.0, 0.5, 0.25], 1.0),
+            ControlPoint::new(20.0, [1.0; 3], 0.25),
+            ControlPoint::new(30.0, [1.0; 3], 0.0),
+        ];
+        TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap()
+    }
+
+    #[test]
+    fn values_find_the_nearest_entry() {
+        let codes = Codes { origin: 0.0, spacing: 1.0, bytes: true, range: [5.0, 40.0] };
+        let optics = Optics::of_values(&ramp(), Calibration::default(), &codes);
+        let table: Vec<_> = optics.entries(0.5).collect();
+        for (value, exact) in
+            [(5.0, 5.0), (40.0, 40.0), (12.5, 12.5), (12.55, 12.5), (4.99, 5.0), (40.1, 40.0), (28.0, 28.0)]
+        {
+            let wanted = ramp().step(exact, 0.5);
+            let got = table[(value * optics.scale + optics.bias) as usize];
+            for c in 0..4 {
+                assert!((f64::from(got[c]) - wanted[c]).abs() < 1e-7, "{value}: {got:?}, not {wanted:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn codes_find_their_own_entry() {
+        let codes = Codes { origin: -10.0, spacing: 1.0, bytes: false, range: [5.0, 40.0] };
+        let optics = Optics::of_voxels(&ramp(), Calibration::default(), &codes);
+        let table: Vec<_> = optics.entries(0.5).collect();
+        for stored in [5, 12, 19, 20, 29, 40] {
+            let got = table[((stored + 10) as u16).place(optics.codes_begin())];
+            assert_eq!(got, ramp().step(f64::from(stored), 0.5).map(|x| x as f32));
+        }
+        let wide = Codes { origin: 0.0, spacing: 1.0 / 65535.0, bytes: false, range: [0.0, 1.0] };
+        let optics = Optics::of_voxels(&ramp(), Calibration { slope: 40.0, intercept: 0.0 }, &wide);
+        let (got, wanted) = (
+            optics.entries(1.0).nth(25_000u16.place(optics.codes_begin())).unwrap()[3],
+            ramp().step(40.0 * 25e3 / 65535.0, 1.0)[3],
+        );
+        assert!((f64::from(got) - wanted).abs() < 1e-3);
+    }
+
+    #[test]
+    fn walls_are_opaque_however_thin() {
+        let codes = Codes { origin: 0.0, spacing: 1.0, bytes: true, range: [0.0, 255.0] };
+        let wall = TransferFunction::new(vec![ControlPoint::new(0.0, [0.5; 3], 1.0)], OpacityRule::Power, 1.0).unwrap();
+        let optics = Optics::of_voxels(&wall, Calibration::default(), &codes);
+        assert_eq!((optics.sample(7, 1e-9), optics.sample(7, 0.0)), ([0.5, 0.5, 0.5, 1.0], [0.0; 4]));
+    }
+
+    #[test]
+    fn the_strongest_of_a_range_counts_both_sides_of_a_jump() {
+        let opacity = |low, high| strongest(&ramp(), low, high).opacity;
+        assert_eq!((opacity(0.0, 10.0), opacity(0.0, 15.0), opacity(30.0, 90.0)), (0.0, 0.5, 0.0));
+        assert_eq!((opacity(20.0, 20.0), opacity(0.0, 255.0), opacity(25.0, 40.0)), (1.0, 1.0, 0.125));
+    }
+}

@@ -1,0 +1,431 @@
+//! A shear-warp renderer that has seen its scene.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use fearless_simd::Level;
+use glam::DVec3;
+use vr_core::image_order::in_parallel;
+use vr_core::vector::{Vectorized, run};
+use vr_core::{
+    Compositing, Control, Frame, Model, Prepared, RenderError, RenderStats, Rendered, Scene, Shading, UniformVolume,
+    View,
+};
+
+use crate::axis::{Cells, Codewords, EncodedAxis, Encoder, WholeVolume};
+use crate::codes::{Code, Codes};
+use crate::composite::kernel::Kernel;
+use crate::composite::over::Over;
+use crate::composite::pick::{Choice, Pick};
+use crate::composite::{Scratch, Work};
+use crate::encode::{Pyramid, Rule, Runs, Visibility};
+use crate::factorization::IndexView;
+use crate::image::IntermediateImage;
+use crate::lengths::Lengths;
+use crate::memory::EncodedSize;
+use crate::model::SlicedModel;
+use crate::optics::{Optics, strongest};
+use crate::passes::{Pass, passes};
+use crate::reflections::{Reflection, table};
+use crate::shear_warp::{Classification, ShearWarp};
+use crate::slices::Slices;
+use crate::support::{check, is_shaded, last_sample, visible_box};
+use crate::warp::{Texture, Warp};
+
+/// The scene, the volume as it is encoded for it, and what is kept from picture to picture.
+pub(crate) struct PreparedShearWarp {
+    renderer: ShearWarp,
+    scene: Scene,
+    level: Level,
+    pyramid: Pyramid,
+    codes: Codes,
+    classified: Classified,
+    whole: WholeVolume,
+    axes: [Option<EncodedAxis>; 3],
+    image: IntermediateImage,
+    scratch: Mutex<Vec<Scratch>>,
+    /// Samples of each row of the last picture, axis by axis.
+    costs: [Vec<u32>; 3],
+    reflections: Option<(Arc<Shading>, DVec3, Vec<Reflection>)>,
+}
+
+/// What follows from the transfer function.
+struct Classified {
+    visibility: Visibility,
+    optics: Optics,
+}
+
+impl Classified {
+    fn new(renderer: &ShearWarp, scene: &Scene, volume: &UniformVolume, codes: &Codes) -> Self {
+        let calibration = volume.calibration();
+        let transfer = &scene.transfer;
+        // A code stands for what rounds to it.
+        let around = if volume.voxel_type().is_integer() { 0.0 } else { 0.5 * codes.spacing };
+        let voxel = scene.volume.mean_spacing();
+        let visible = |from: f64, to: f64| {
+            let (a, b) = (calibration.value(from - around), calibration.value(to + around));
+            let strongest = strongest(transfer, a.min(b), a.max(b));
+            let opacity = vr_core::optics::opacity_of_depth(transfer.extinction(strongest.opacity) * voxel);
+            strongest.emits || opacity > renderer.opacity_threshold
+        };
+        let range = volume.census().range.unwrap_or_default();
+        let visibility = Visibility::new(range, volume.voxel_type().is_integer(), visible);
+        let optics = match renderer.classification {
+            Classification::Values => Optics::of_values(transfer, calibration, codes),
+            Classification::Voxels => Optics::of_voxels(transfer, calibration, codes),
+        };
+        Self { visibility, optics }
+    }
+}
+
+impl PreparedShearWarp {
+    pub(crate) fn new(renderer: ShearWarp, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+        let volume = check(&renderer, scene)?;
+        control.check()?;
+        let pyramid = control.run(|| Pyramid::new(volume));
+        let codes = Codes::of(volume);
+        let classified = Classified::new(&renderer, scene, volume, &codes);
+        Ok(Self {
+            renderer,
+            scene: scene.clone(),
+            level: Level::new(),
+            pyramid,
+            codes,
+            classified,
+            whole: WholeVolume::default(),
+            axes: [None, None, None],
+            image: IntermediateImage::default(),
+            scratch: Mutex::default(),
+            costs: Default::default(),
+            reflections: None,
+        })
+    }
+
+    /// Encodes the volume for an axis, unless it is.
+    pub(crate) fn encode(&mut self, axis: usize, control: &Control) -> Result<(), RenderError> {
+        if self.axes[axis].is_some() {
+            return Ok(());
+        }
+        let volume = check(&self.renderer, &self.scene)?;
+        control.check()?;
+        let rule = match self.renderer.classification {
+            _ if !self.scene.compositing.integrates_light() => Rule::Everything,
+            Classification::Values => Rule::Interpolated(&self.classified.visibility),
+            Classification::Voxels => Rule::Classified(&self.classified.visibility),
+        };
+        let whole = &mut self.whole;
+        let encoded = control.run(|| {
+            let encoder = Encoder {
+                volume,
+                codes: &self.codes,
+                blocks: &self.pyramid.visible(rule),
+                rule,
+                between: self.renderer.slice_spacing() < 1.0,
+                encoding: self.renderer.encoding,
+                shaded: is_shaded(&self.scene),
+            };
+            encoder.encode(axis, whole)
+        })?;
+        self.axes[axis] = Some(encoded);
+        Ok(())
+    }
+}
+
+impl PreparedShearWarp {
+    /// What is encoded so far.
+    pub(crate) fn encoded_size(&self) -> EncodedSize {
+        let axes = self.axes.iter().flatten();
+        let runs = axes.clone().map(|axis| axis.cells.bytes()).sum();
+        // Axes may share their voxels: those count once.
+        let own = axes.map(|axis| &axis.voxels).filter(|v| !self.whole.all().any(|w| Arc::ptr_eq(v, w)));
+        let mut size = EncodedSize { runs, octree: self.pyramid.bytes(), ..EncodedSize::default() };
+        for voxels in own.chain(self.whole.all()) {
+            size.voxels += voxels.bytes();
+            size.stored += voxels.stored();
+        }
+        size
+    }
+}
+
+impl Prepared for PreparedShearWarp {
+    fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
+        let volume = check(&self.renderer, scene)?;
+        control.check()?;
+        if !self.scene.volume.same(&scene.volume) {
+            *self = Self::new(self.renderer.clone(), scene, control)?;
+            return Ok(());
+        }
+        let shaded = is_shaded(scene);
+        let picks = |scene: &Scene| !scene.compositing.integrates_light();
+        if self.scene.transfer != scene.transfer {
+            self.classified = Classified::new(&self.renderer, scene, volume, &self.codes);
+            self.axes = [None, None, None];
+        }
+        if shaded != is_shaded(&self.scene) {
+            (self.whole, self.axes) = (WholeVolume::default(), [None, None, None]);
+        }
+        if picks(scene) != picks(&self.scene) {
+            self.axes = [None, None, None];
+        }
+        self.scene = scene.clone();
+        Ok(())
+    }
+
+    fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        let volume = check(&self.renderer, &self.scene)?;
+        let index_view = IndexView::new(view, volume.placement())?;
+        let visible = visible_box(&self.scene, volume, view, index_view.is_perspective())?;
+        let dims = volume.dims();
+        control.check()?;
+        let [width, height] = view.size;
+        let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
+        let mut stats = RenderStats::default();
+        if visible[0].cmplt(visible[1]).all() {
+            for pass in passes(&index_view, visible, last_sample(dims), self.renderer.texel)? {
+                let axis = pass.factorization.axes[2];
+                stats.time("encode", || self.encode(axis, control))?;
+                let slices = Slices::new(pass.factorization, visible, dims[axis], self.renderer.slice_spacing());
+                stats.time("composite", || self.composite(&index_view, view, &pass, &slices, control))?;
+                let lines = self.image.lines();
+                stats.counts.rays +=
+                    lines.iter().map(|l| u64::from(l.drawn[1].saturating_sub(l.drawn[0]))).sum::<u64>();
+                stats.counts.samples += lines.iter().map(|l| u64::from(l.samples)).sum::<u64>();
+                stats.counts.terminated += lines.iter().map(|l| u64::from(l.opaque)).sum::<u64>();
+                self.costs[axis] = lines.iter().map(|l| l.samples).collect();
+                stats.time("warp", || self.warp(&pass, view, &mut pixels, control))?;
+            }
+        }
+        control.report(1.0);
+        Ok(Rendered { frame: Frame::new(view.size, pixels, None), stats })
+    }
+
+    fn model(&self, view: &View) -> Model {
+        Model::Discrete(Arc::new(SlicedModel::new(&self.renderer, &self.scene, view)))
+    }
+}
+
+impl PreparedShearWarp {
+    /// Composites the slices of a pass onto the intermediate image.
+    fn composite(
+        &mut self,
+        index_view: &IndexView,
+        view: &View,
+        pass: &Pass,
+        slices: &Slices,
+        control: &Control,
+    ) -> Result<(), RenderError> {
+        let f = &pass.factorization;
+        self.image.resize(f.size);
+        let shaded = is_shaded(&self.scene);
+        if shaded {
+            self.reflect(view, control)?;
+        }
+        let axis = self.axes[f.axes[2]].as_ref().expect("encoded before");
+        let correction = self.renderer.correction;
+        let job = Job {
+            cells: &axis.cells,
+            slices,
+            level: self.level,
+            before: &self.costs[f.axes[2]],
+            scratch: &self.scratch,
+            control,
+        };
+        let image = &mut self.image;
+        let choice = match self.scene.compositing {
+            Compositing::Maximum => Some(Choice::Largest),
+            Compositing::Minimum => Some(Choice::Smallest),
+            Compositing::Average => Some(Choice::Mean),
+            _ => None,
+        };
+        if let Some(choice) = choice {
+            return match &axis.voxels.codes {
+                Codewords::Bytes(voxels) => job.draw(&Pick { voxels, choice }, image),
+                Codewords::Words(voxels) => job.draw(&Pick { voxels, choice }, image),
+            }
+            .map(|()| self.classify_picks(choice));
+        }
+        let optics = &self.classified.optics;
+        let level = match self.scene.compositing {
+            Compositing::Accumulate { level } => level,
+            _ => 1.0,
+        };
+        let reflections = self.reflections.as_ref().map_or(&[][..], |(_, _, table)| table);
+        let over = OverJob {
+            normals: &axis.voxels.normals,
+            reflections,
+            optics,
+            index_view,
+            pass,
+            correction,
+            termination: self.renderer.termination.min(level) as f32,
+            level: level as f32,
+            before: self.renderer.classification == Classification::Voxels,
+            shaded,
+        };
+        match &axis.voxels.codes {
+            Codewords::Bytes(voxels) => over.draw(voxels, &job, image),
+            Codewords::Words(voxels) => over.draw(voxels, &job, image),
+        }
+    }
+
+    /// The texels of a pass.
+    #[cfg(test)]
+    pub(crate) fn composited(
+        &mut self,
+        index_view: &IndexView,
+        view: &View,
+        pass: &Pass,
+        slices: &Slices,
+        control: &Control,
+    ) -> Result<&[[f32; 4]], RenderError> {
+        self.encode(pass.factorization.axes[2], control)?;
+        self.composite(index_view, view, pass, slices, control)?;
+        Ok(self.image.texels())
+    }
+
+    /// Makes the table of what normals reflect, unless neither light nor view has changed.
+    fn reflect(&mut self, view: &View, control: &Control) -> Result<(), RenderError> {
+        let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
+        let direction = view.camera.frame()?.z_axis;
+        if self.reflections.as_ref().is_none_or(|(of, along, _)| of != shading || *along != direction) {
+            let made = control.run(|| table(shading, direction));
+            self.reflections = Some((Arc::clone(shading), direction, made));
+        }
+        Ok(())
+    }
+
+    /// Turns the values of texels into light and opacity.
+    fn classify_picks(&mut self, choice: Choice) {
+        let volume = self.scene.volume.uniform().expect("checked before");
+        let (calibration, transfer, codes) = (volume.calibration(), &self.scene.transfer, &self.codes);
+        for texel in self.image.texels_mut() {
+            let [value, weight, ..] = texel.map(f64::from);
+            if weight > 0.0 {
+                let code = if choice == Choice::Mean { value / weight } else { value };
+                let at = transfer.at(calibration.value(codes.stored(code)));
+                let [r, g, b] = at.color.map(|c| (c * at.opacity) as f32);
+                *texel = [r, g, b, at.opacity as f32];
+            }
+        }
+    }
+
+    /// Resamples the intermediate image onto the screen.
+    fn warp(&self, pass: &Pass, view: &View, pixels: &mut [[f32; 4]], control: &Control) -> Result<(), RenderError> {
+        /// Rows of a task.
+        const ROWS: usize = 16;
+        let texture = Texture { pixels: self.image.texels(), size: self.image.size(), filled: self.image.drawn() };
+        let warp = Warp {
+            texture,
+            to_texture: pass.factorization.texels_of_screen(),
+            within: pass.within,
+            filter: self.renderer.warp,
+            samples: view.samples,
+        };
+        let width = view.size[0] as usize;
+        let bands: Vec<_> = pixels.chunks_mut(width * ROWS).map(Mutex::new).collect();
+        in_parallel(control, bands.len() as u32, |i| {
+            let mut band = locked(&bands[i as usize]);
+            run(self.level, WarpRows { warp: &warp, first: i * ROWS as u32, width, rows: &mut band });
+        })?;
+        Ok(())
+    }
+}
+
+struct WarpRows<'a> {
+    warp: &'a Warp<'a>,
+    first: u32,
+    width: usize,
+    rows: &'a mut [[f32; 4]],
+}
+
+impl Vectorized for WarpRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: fearless_simd::Simd>(self, simd: S) {
+        for (i, row) in self.rows.chunks_exact_mut(self.width).enumerate() {
+            self.warp.row(simd, self.first + i as u32, row);
+        }
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What all kernels are given.
+struct Job<'a> {
+    cells: &'a Cells,
+    slices: &'a Slices,
+    level: Level,
+    before: &'a [u32],
+    scratch: &'a Mutex<Vec<Scratch>>,
+    control: &'a Control,
+}
+
+impl Job<'_> {
+    fn draw<K: Kernel>(&self, kernel: &K, image: &mut IntermediateImage) -> Result<(), RenderError> {
+        match self.cells {
+            Cells::InLayers(runs) => self.draw_runs(kernel, runs, image),
+            Cells::Between(runs) => self.draw_runs(kernel, runs, image),
+        }
+    }
+
+    fn draw_runs<K: Kernel, const N: usize>(
+        &self,
+        kernel: &K,
+        runs: &Runs<N>,
+        image: &mut IntermediateImage,
+    ) -> Result<(), RenderError> {
+        let bands = image.bands(self.before, self.control.threads());
+        in_parallel(self.control, bands.len() as u32, |i| {
+            let mut band = locked(&bands[i as usize]);
+            let mut scratch = locked(self.scratch).pop().unwrap_or_default();
+            run(self.level, Work { kernel, slices: self.slices, runs, band: &mut band, scratch: &mut scratch });
+            locked(self.scratch).push(scratch);
+        })?;
+        Ok(())
+    }
+}
+
+/// What compositing is given besides.
+struct OverJob<'a> {
+    normals: &'a [u16],
+    reflections: &'a [Reflection],
+    optics: &'a Optics,
+    index_view: &'a IndexView,
+    pass: &'a Pass,
+    correction: bool,
+    termination: f32,
+    level: f32,
+    before: bool,
+    shaded: bool,
+}
+
+impl OverJob<'_> {
+    fn draw<P: Code>(&self, voxels: &[P], job: &Job<'_>, image: &mut IntermediateImage) -> Result<(), RenderError> {
+        let (view, f, spacing) = (self.index_view, &self.pass.factorization, job.slices.spacing);
+        let lengths = job.control.run(|| Lengths::<P>::new(self.optics, view, f, spacing, self.correction));
+        match (self.before, self.shaded) {
+            (false, false) => job.draw(&self.kernel::<P, false, false>(voxels, &lengths), image),
+            (false, true) => job.draw(&self.kernel::<P, false, true>(voxels, &lengths), image),
+            (true, false) => job.draw(&self.kernel::<P, true, false>(voxels, &lengths), image),
+            (true, true) => job.draw(&self.kernel::<P, true, true>(voxels, &lengths), image),
+        }
+    }
+
+    fn kernel<'b, P: Code, const BEFORE: bool, const SHADED: bool>(
+        &'b self,
+        voxels: &'b [P],
+        lengths: &'b Lengths<P>,
+    ) -> Over<'b, P, BEFORE, SHADED> {
+        Over {
+            voxels,
+            normals: self.normals,
+            reflections: self.reflections,
+            optics: self.optics,
+            lengths,
+            termination: self.termination,
+            level: self.level,
+        }
+    }
+}

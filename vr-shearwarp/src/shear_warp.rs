@@ -1,0 +1,101 @@
+//! The renderer's settings.
+
+use vr_core::ParameterError;
+
+use crate::warp::WarpFilter;
+
+/// A shear-warp renderer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShearWarp {
+    /// What is classified.
+    pub classification: Classification,
+    /// Texels from slice to slice of samples along the principal axis; [`Self::slice_spacing`] must be 0.01 to 1.
+    pub slice_distance: f64,
+    /// Voxels to a texel of the intermediate image, along either side: 0.03 to 1.
+    pub texel: f64,
+    /// How the intermediate image is resampled onto the screen.
+    pub warp: WarpFilter,
+    /// How runs of what can be seen are found.
+    pub encoding: Encoding,
+    /// Opacity from which on a texel is opaque, in (0, 1]; changes no texel by more than 1 − termination.
+    pub termination: f64,
+    /// Opacity of one voxel's thickness up to which values are left out, where nothing around is more opaque; in [0, 1).
+    pub opacity_threshold: f64,
+    /// Whether opacities are corrected for how far apart slices are along a ray. Off, pictures are darker or brighter with the angle: to
+    /// show why it is on.
+    pub correction: bool,
+}
+
+/// What is classified: values between voxels, or voxels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Classification {
+    /// Values are interpolated, then classified.
+    #[default]
+    Values,
+    /// Voxels are classified, then their colours and opacities are interpolated, as in VolPack.
+    Voxels,
+}
+
+/// How runs of what can be seen are found, and where their voxels lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// Run-length encoded: runs end where nothing can be visible, and what they touch is packed. Fastest for a fixed transfer function.
+    #[default]
+    Runs,
+    /// By an octree of ranges and running sums of the transfer function, without a look at voxels: runs of whole blocks of 4³ cells, of the
+    /// volume as it lies. A new transfer function costs next to nothing.
+    Octree,
+}
+
+impl Default for ShearWarp {
+    fn default() -> Self {
+        Self {
+            classification: Classification::default(),
+            slice_distance: 0.5,
+            texel: 1.0,
+            warp: WarpFilter::default(),
+            encoding: Encoding::default(),
+            termination: 0.998,
+            opacity_threshold: 0.0,
+            correction: true,
+        }
+    }
+}
+
+impl ShearWarp {
+    pub(crate) const NAME: &'static str = "shearwarp";
+
+    /// The classic: voxels classified and shaded, then interpolated in each layer, and texels opaque at 0.99 (Lacroute & Levoy 1994).
+    pub fn classic() -> Self {
+        Self { classification: Classification::Voxels, slice_distance: 1.0, termination: 0.99, ..Self::default() }
+    }
+
+    /// Voxels from slice to slice: 1 samples the layers of voxels alone.
+    pub fn slice_spacing(&self) -> f64 {
+        let spacing = self.slice_distance * self.texel;
+        // A third of a voxel times three is one.
+        if (spacing - 1.0).abs() < 1e-9 { 1.0 } else { spacing }
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] naming the option.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        if !(self.slice_spacing() >= 0.01 && self.slice_spacing() <= 1.0) {
+            let allowed = "must put slices 0.01 to 1 voxel apart: it is in texels";
+            return Err(ParameterError::new("render.slice-distance", self.slice_distance, allowed));
+        }
+        if !(self.texel >= 0.03 && self.texel <= 1.0) {
+            return Err(ParameterError::new("render.texel", self.texel, "must be 0.03 to 1"));
+        }
+        if !(self.termination > 0.0 && self.termination <= 1.0) {
+            return Err(ParameterError::new("render.termination", self.termination, "must be above 0 and at most 1"));
+        }
+        if !(self.opacity_threshold >= 0.0 && self.opacity_threshold < 1.0) {
+            let found = self.opacity_threshold;
+            return Err(ParameterError::new("render.opacity-threshold", found, "must be at least 0 and below 1"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,280 @@
+//! Where along the principal axis the volume is sampled, and which texels each slice of samples covers.
+
+use glam::{DVec2, DVec3};
+
+use crate::composite::cells::Columns;
+use crate::factorization::{Factorization, SliceMap, permuted};
+
+/// A slice of samples: a layer of voxels, or what lies between two.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slice {
+    /// The layer; of those between two layers, the one at the lower index.
+    pub(crate) layer: usize,
+    /// How far between that layer and the next, in [0, 1].
+    pub(crate) fraction: f32,
+    /// Where it lies on the principal axis, growing from front to back.
+    pub(crate) depth: f64,
+    pub(crate) map: SliceMap,
+    /// Texels to a cell.
+    per_cell: f64,
+    /// Where texels are as wide as cells: texel x lies in cell x + shift, each at the same place of it.
+    pub(crate) shift: Option<isize>,
+    /// That place.
+    place: f32,
+    /// Texels with a sample here.
+    pub(crate) valid: Texels,
+    /// Texels with a sample in the slices before and behind, too: those for which this one stands for a whole distance between slices.
+    pub(crate) whole: Texels,
+}
+
+impl Slice {
+    /// The first texel that lies in a cell, or behind its begin; 0 where that is left of the image.
+    #[inline(always)]
+    pub(crate) fn first_texel(&self, cell: u32) -> usize {
+        match self.shift {
+            // ⌈cell − offset⌉
+            Some(shift) => (cell as isize - shift).max(0) as usize,
+            // `as` saturates.
+            None => ((f64::from(cell) - self.map.offset.x) * self.per_cell).ceil() as usize,
+        }
+    }
+
+    /// Where the texels from x on lie in the run that begins at cell `start`, and whose last cell is the `last` from there.
+    #[inline(always)]
+    pub(crate) fn columns(&self, x: usize, start: u32, last: usize) -> Columns {
+        if let Some(shift) = self.shift {
+            // The last texel of all may lie on the far end of the last cell.
+            let cell = ((x as isize + shift) as usize).wrapping_sub(start as usize);
+            let first = cell.min(last);
+            return Columns { first, begin: self.place + (cell - first) as f32, scale: 1.0 };
+        }
+        let position = self.map.offset.x + self.map.scale * x as f64 - f64::from(start);
+        // `as` saturates.
+        let first = (position as usize).min(last);
+        Columns { first, begin: (position - first as f64) as f32, scale: self.map.scale as f32 }
+    }
+}
+
+/// A rectangle of texels: the first column and row, and those behind the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Texels {
+    pub(crate) first: [usize; 2],
+    pub(crate) end: [usize; 2],
+}
+
+impl Texels {
+    pub(crate) const NONE: Self = Self { first: [0; 2], end: [0; 2] };
+
+    fn and(self, other: Self) -> Self {
+        let first = std::array::from_fn(|a| self.first[a].max(other.first[a]));
+        let end: [usize; 2] = std::array::from_fn(|a| self.end[a].min(other.end[a]));
+        if first[0] < end[0] && first[1] < end[1] { Self { first, end } } else { Self::NONE }
+    }
+}
+
+/// All slices of a factorization, front to back, and the box that they fill.
+#[derive(Clone, Debug)]
+pub(crate) struct Slices {
+    pub(crate) slices: Vec<Slice>,
+    /// Part of a voxel from slice to slice.
+    pub(crate) spacing: f64,
+    /// Slices to a voxel.
+    per_voxel: f64,
+    /// First and last depth that a ray can see.
+    depths: [f64; 2],
+    factorization: Factorization,
+    low: DVec3,
+    high: DVec3,
+}
+
+/// What is this near to a face is on it.
+const NEAR: f64 = 1e-9;
+/// A slice this near the eye is not seen.
+const NEAREST: f64 = 1e-6;
+
+impl Slices {
+    /// The slices of the index box from `low` to `high`, `spacing` voxels apart, of a volume with `layers` layers along the axis.
+    ///
+    /// They lie the same way seen from either end: among them are the layers, where the spacing is 1/n.
+    pub(crate) fn new(factorization: Factorization, [low, high]: [DVec3; 2], layers: usize, spacing: f64) -> Self {
+        let [low, high] = [low, high].map(|v| permuted(v, factorization.axes));
+        let length = (layers - 1) as f64;
+        let anchor = 0.5 * (length - (length / spacing + NEAR).floor() * spacing);
+        // A corner of a crop box that is meant to lie in a slice may miss it by rounding.
+        let first = ((low.z - anchor) / spacing - NEAR).ceil() as i64;
+        let last = ((high.z - anchor) / spacing + NEAR).floor() as i64;
+        let mut slices: Vec<Slice> = (first..=last)
+            .map(|i| {
+                let w = (anchor + i as f64 * spacing).clamp(low.z, high.z);
+                // Slices between layers belong to the one below them, the last one to the last pair.
+                let layer = if spacing == 1.0 { w as usize } else { (w as usize).min(layers - 2) };
+                let map = factorization.slice(w);
+                let valid = if factorization.eye().is_some_and(|eye| (w - eye.z) * factorization.sign < NEAREST) {
+                    Texels::NONE
+                } else {
+                    texels(&map, [low, high], factorization.size)
+                };
+                let fraction = (w - layer as f64) as f32;
+                Slice {
+                    layer,
+                    fraction,
+                    depth: w * factorization.sign,
+                    map,
+                    per_cell: 1.0 / map.scale,
+                    shift: (map.scale == 1.0).then(|| map.offset.x.floor() as isize),
+                    place: (map.offset.x - map.offset.x.floor()) as f32,
+                    valid,
+                    whole: Texels::NONE,
+                }
+            })
+            .collect();
+        if factorization.sign < 0.0 {
+            slices.reverse();
+        }
+        slices.retain(|s| s.valid != Texels::NONE);
+        for i in 1..slices.len().saturating_sub(1) {
+            slices[i].whole = slices[i].valid.and(slices[i - 1].valid).and(slices[i + 1].valid);
+        }
+        let [front, back] = if factorization.sign > 0.0 { [low.z, high.z] } else { [-high.z, -low.z] };
+        let front = factorization.eye().map_or(front, |eye| front.max(eye.z * factorization.sign + NEAREST));
+        Self { slices, spacing, per_voxel: 1.0 / spacing, depths: [front, back], factorization, low, high }
+    }
+
+    /// Which axes of the volume are u, v and w.
+    #[cfg(test)]
+    pub(crate) fn axes(&self) -> [usize; 3] {
+        self.factorization.axes
+    }
+
+    /// The depths at which the ray of a point of the image enters the box and leaves it; not above each other where it misses.
+    #[inline(always)]
+    pub(crate) fn chord(&self, x: f64, y: f64) -> [f64; 2] {
+        let f = &self.factorization;
+        let slope = f.slope(x, y);
+        let at = f.origin + f.spacing * DVec2::new(x, y);
+        let plane = f.plane * f.sign;
+        let [mut front, mut back] = self.depths;
+        for a in 0..2 {
+            let slope = slope[a] * f.sign;
+            let (low, high) = (self.low[a] - at[a], self.high[a] - at[a]);
+            // A ray along the faces is between them for ever, or never: no 0/0.
+            let never = if low > 0.0 || high < 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+            let (p, q) = (plane + low / slope, plane + high / slope);
+            front = front.max(if slope == 0.0 { never } else { p.min(q) });
+            back = back.min(if slope == 0.0 { -never } else { p.max(q) });
+        }
+        [front, back]
+    }
+
+    /// The part of the distance between slices that a sample stands for: half of that to the next on either side, where there is one, or all to
+    /// where the ray enters or leaves.
+    #[inline(always)]
+    pub(crate) fn share(&self, depth: f64, [front, back]: [f64; 2]) -> f64 {
+        // As near as texels are to a face for a slice to be there: see `texels`.
+        let before = if depth - self.spacing >= front - NEAR { 0.5 * self.spacing } else { depth - front };
+        let behind = if depth + self.spacing <= back + NEAR { 0.5 * self.spacing } else { back - depth };
+        ((before + behind) * self.per_voxel).clamp(0.0, 2.0)
+    }
+
+    /// The chords of the first `n` texels of a row.
+    pub(crate) fn chords(&self, y: usize, n: usize, front: &mut Vec<f64>, back: &mut Vec<f64>) {
+        front.clear();
+        back.clear();
+        for x in 0..n {
+            let [enters, leaves] = self.chord(x as f64, y as f64);
+            front.push(enters);
+            back.push(leaves);
+        }
+    }
+}
+
+/// The texels that a slice covers.
+fn texels(map: &SliceMap, [low, high]: [DVec3; 2], size: [usize; 2]) -> Texels {
+    let at = |a: usize, c: f64| (c - map.offset[a]) / map.scale;
+    let all = Texels { first: [0; 2], end: size };
+    // `as` saturates.
+    let first = std::array::from_fn(|a| (at(a, low[a]) - NEAR).ceil().max(0.0) as usize);
+    let end = std::array::from_fn(|a| (at(a, high[a]) + NEAR).floor().max(-1.0) as isize as usize)
+        .map(|e: usize| e.wrapping_add(1));
+    Texels { first, end }.and(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use vr_core::{Camera, Placement, Projection, View};
+
+    use super::*;
+    use crate::factorization::IndexView;
+    use crate::passes::passes;
+
+    const BOX: [DVec3; 2] = [DVec3::ZERO, DVec3::new(9.0, 12.0, 7.0)];
+
+    fn all_slices(spacing: f64) -> Vec<Slices> {
+        let mut all = Vec::new();
+        let middle = DVec3::new(4.5, 6.0, 3.5);
+        for projection in [Projection::Orthographic { height: 20.0 }, Projection::Perspective { fov: 50.0 }] {
+            for d in [DVec3::new(0.3, 0.4, 1.0), DVec3::new(1.0, 0.1, -0.7), DVec3::new(0.0, -1.0, 0.0)] {
+                for distance in [30.0, 2.0] {
+                    let eye = middle + d.normalize() * distance;
+                    let camera = Camera { eye, target: middle, up: DVec3::new(0.9, 0.1, 0.5), projection };
+                    let view = View::new(camera, [40, 40]);
+                    let index = IndexView::new(&view, &Placement::from_spacing([1.0; 3]).unwrap()).unwrap();
+                    for pass in passes(&index, BOX, BOX[1], 1.0).unwrap() {
+                        let layers = BOX[1][pass.factorization.axes[2]] as usize + 1;
+                        all.push(Slices::new(pass.factorization, BOX, layers, spacing));
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn shares_add_up_to_the_chord() {
+        for spacing in [1.0, 0.5, 0.3, 0.7] {
+            for slices in all_slices(spacing) {
+                let [w, h] = slices.factorization.size;
+                for y in 0..h {
+                    for x in 0..w {
+                        let chord = slices.chord(x as f64, y as f64);
+                        let hits: Vec<&Slice> = slices
+                            .slices
+                            .iter()
+                            .filter(|s| {
+                                (s.valid.first[0]..s.valid.end[0]).contains(&x)
+                                    && (s.valid.first[1]..s.valid.end[1]).contains(&y)
+                            })
+                            .collect();
+                        if hits.is_empty() {
+                            // A corner between two slices.
+                            assert!(chord[1] - chord[0] <= slices.spacing + 1e-6, "{chord:?}");
+                            continue;
+                        }
+                        let sum: f64 = hits.iter().map(|s| slices.share(s.depth, chord) * slices.spacing).sum();
+                        assert!((sum - (chord[1] - chord[0])).abs() < 1e-5, "{sum} of {chord:?}");
+                        for s in hits {
+                            let whole = (s.whole.first[0]..s.whole.end[0]).contains(&x)
+                                && (s.whole.first[1]..s.whole.end[1]).contains(&y);
+                            assert!(!whole || (slices.share(s.depth, chord) - 1.0).abs() < 1e-9);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn layers_and_fractions_are_where_the_slice_is() {
+        for spacing in [1.0, 0.25, 0.6] {
+            for slices in all_slices(spacing) {
+                let layers = BOX[1][slices.factorization.axes[2]] as usize + 1;
+                for s in &slices.slices {
+                    let w = s.depth * slices.factorization.sign;
+                    assert!((s.layer as f64 + f64::from(s.fraction) - w).abs() < 1e-6);
+                    assert!(s.layer + usize::from(spacing < 1.0) < layers);
+                }
+                assert!(slices.slices.windows(2).all(|p| p[0].depth < p[1].depth));
+            }
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! What the renderer can draw, and what it says of the rest.
+
+use glam::DVec3;
+use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, UniformVolume, View};
+
+use crate::shear_warp::ShearWarp;
+
+pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
+    RenderError::Unsupported { renderer: ShearWarp::NAME, feature: feature.into() }
+}
+
+/// Whether this renderer can draw this scene; its volume, if so.
+pub(crate) fn check<'s>(renderer: &ShearWarp, scene: &'s Scene) -> Result<&'s UniformVolume, RenderError> {
+    renderer.validate()?;
+    scene.validate()?;
+    if let Compositing::First { .. } = scene.compositing {
+        return Err(unsupported("compositing 'first': the place of a surface between slices is not known"));
+    }
+    if scene.filter != Filter::Trilinear {
+        return Err(unsupported(format!("the filter '{}': slices are interpolated linearly", scene.filter)));
+    }
+    if let Some(shading) = scene.shading.as_ref().filter(|_| scene.compositing.integrates_light()) {
+        if !shading.gradient_opacity.is_empty() {
+            return Err(unsupported("opacity that follows the gradient: encoded normals have no length"));
+        }
+        if shading.gradient == GradientMethod::Analytic {
+            return Err(unsupported("analytic gradients: normals are encoded at the samples"));
+        }
+    }
+    scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
+}
+
+/// Whether this renderer can draw this view; the index box that is left of the volume, if so. Its corners are the wrong way round where
+/// nothing is.
+pub(crate) fn visible_box(
+    scene: &Scene,
+    volume: &UniformVolume,
+    view: &View,
+    perspective: bool,
+) -> Result<[DVec3; 2], RenderError> {
+    if view.layer.is_some() {
+        return Err(unsupported("opaque layers: a texel of the intermediate image is no pixel"));
+    }
+    if !view.clip.planes.is_empty() {
+        return Err(unsupported("clip planes: slices are cut by boxes alone"));
+    }
+    if perspective && is_shaded(scene) {
+        return Err(unsupported("shading in perspective: what a normal reflects changes from ray to ray"));
+    }
+    let last = last_sample(volume.dims());
+    let Some((low, high)) = view.clip.crop else { return Ok([DVec3::ZERO, last]) };
+    let inverse = volume.placement().inverse_axes();
+    let axes = [inverse.x_axis, inverse.y_axis, inverse.z_axis];
+    if axes.iter().any(|a| a.to_array().iter().filter(|&&c| c != 0.0).count() != 1) {
+        return Err(unsupported("a crop box that is turned against the volume's axes"));
+    }
+    let origin = volume.placement().origin();
+    let (a, b) = (inverse * (low - origin), inverse * (high - origin));
+    Ok([a.min(b).max(DVec3::ZERO), a.max(b).min(last)])
+}
+
+/// The index of the last sample along each axis.
+pub(crate) fn last_sample(dims: [usize; 3]) -> DVec3 {
+    DVec3::from_array(dims.map(|n| (n - 1) as f64))
+}
+
+/// Whether colours are shaded at all: emission that is given on its own is not.
+pub(crate) fn is_shaded(scene: &Scene) -> bool {
+    scene.shading.is_some() && scene.compositing.integrates_light() && !scene.transfer.has_emission()
+}

@@ -1,0 +1,66 @@
+//! The checks that every renderer is put through.
+
+use vr_core::Renderer;
+use vr_physics::Reference;
+use vr_physics::cases::Case;
+use vr_physics::check::invariants::{
+    forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
+    turns_with_its_data,
+};
+use vr_physics::check::{self, Effort};
+use vr_shearwarp::ShearWarp;
+
+#[test]
+fn survives_hard_cases() {
+    let renderer = ShearWarp::default();
+    let bound = |case: &Case| renderer.hard_case_error(case.name).expect("every case has a documented error");
+    let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
+    println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
+}
+
+#[test]
+fn obeys_invariants() {
+    let effort = Effort::cases(24);
+    for renderer in [ShearWarp::default(), ShearWarp::classic()] {
+        // Light is linear; a place half way between two entries of a table is not, and rounding decides for either.
+        let reports = [
+            stays_in_range(&renderer, 1e-4, &effort),
+            is_linear_in_emission(&renderer, 1e-4, &effort),
+            is_free_of_scale(&renderer, 1e-3, &effort),
+            turns_with_its_data(&renderer, 1e-3, &effort),
+            ignores_threads(&renderer, &effort),
+            forgets_earlier_frames(&renderer, &effort),
+        ];
+        for report in reports {
+            let report = report.unwrap_or_else(|e| panic!("{e}"));
+            println!("{}: held {}, refused {}, worst {:.1e}", report.check, report.held, report.refused, report.worst);
+        }
+    }
+}
+
+#[test]
+fn what_it_cannot_draw_it_refuses() {
+    use vr_core::*;
+    let grid =
+        UniformGrid::new([3; 3], vec![100u8; 27], Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default());
+    let white = ControlPoint::new(0.0, [1.0; 3], 0.5);
+    let scene = Scene::new(grid.unwrap().into(), TransferFunction::new(vec![white], OpacityRule::Power, 1.0).unwrap());
+    let control = Control::default();
+    let refused = |scene: &Scene, view: &View| {
+        let drawn = ShearWarp::default().prepare(scene, &control).and_then(|mut p| p.render(view, &control));
+        matches!(drawn, Err(RenderError::Unsupported { renderer: "shearwarp", .. }))
+    };
+    let view = |fov| View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, fov), [8, 8]);
+    assert!(!refused(&scene, &view(None)) && !refused(&scene, &view(Some(30.0))));
+    assert!(refused(&Scene { filter: Filter::BSpline, ..scene.clone() }, &view(None)));
+    assert!(refused(&Scene { compositing: Compositing::First { threshold: 1.0 }, ..scene.clone() }, &view(None)));
+    let shaded = Scene { shading: Some(Shading::default().into()), ..scene.clone() };
+    assert!(!refused(&shaded, &view(None)) && refused(&shaded, &view(Some(30.0))));
+    let cut = Plane { normal: glam::DVec3::X, offset: 1.0 };
+    assert!(refused(&scene, &View { clip: Clip { planes: vec![cut], ..Clip::default() }, ..view(None) }));
+    let nothing = Layer { pixels: vec![([0.0; 3], f32::INFINITY); 64] };
+    assert!(refused(&scene, &View { layer: Some(nothing.into()), ..view(None) }));
+    for (key, value) in [("texel", 2.0), ("slice-distance", 0.0), ("texl", 1.0)] {
+        assert!(ShearWarp::default().configure(&Options::new().with(key, value)).is_err(), "{key}");
+    }
+}
