@@ -10,11 +10,15 @@ use vr_benches::subject::{Subject, phantom_subjects};
 use vr_core::{Control, Renderer};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
+use vr_shearwarp::ShearWarp;
 
 fn frames(c: &mut Criterion) {
     let control = Control::default();
-    let renderers: [(Box<dyn Renderer>, u32); 2] =
-        [(Box::new(RayCaster::default()), 128), (Box::new(Reference::default()), 32)];
+    let renderers: [(Box<dyn Renderer>, u32); 3] = [
+        (Box::new(RayCaster::default()), 128),
+        (Box::new(ShearWarp::default()), 128),
+        (Box::new(Reference::default()), 32),
+    ];
     for (renderer, pixels) in renderers {
         let mut group = c.benchmark_group(format!("{} {pixels}x{pixels}", renderer.name()));
         group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));

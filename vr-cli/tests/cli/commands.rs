@@ -68,7 +68,15 @@ fn help_and_version() {
     let vr = Vr::new();
     assert!(vr.run("--version").succeeded().stdout.starts_with("vr "));
     let help = vr.run("render --help").succeeded().stdout;
-    for word in ["--transfer", "--crop", "Options of raycast", "step=", "Options of physics"] {
+    for word in [
+        "--transfer",
+        "--crop",
+        "Options of raycast",
+        "step=",
+        "Options of shearwarp",
+        "slice-distance=",
+        "Options of physics",
+    ] {
         assert!(help.contains(word), "no {word:?} in\n{help}");
     }
 }
