@@ -27,10 +27,9 @@ import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, HERE)
-from vr import Vr
+from vr import Vr, listed
 
 STEPS = ("1.0", "0.5")
-REFERENCE_ERROR = "1e-5"
 
 
 def arguments():
@@ -48,9 +47,7 @@ def arguments():
     parser.add_argument("--json")
     given = parser.parse_args()
     if given.candidates:
-        with open(given.candidates) as f:
-            lines = (line.split("#")[0].strip() for line in f)
-            given.candidate += [line for line in lines if line]
+        given.candidate += listed(given.candidates)
     given.peers = os.path.abspath(given.peers)
     sys.path.insert(0, given.peers)  # for peer_scenes
     return given
@@ -88,27 +85,6 @@ class Vtk:
         self.process.wait()
 
 
-def prepare(given, name):
-    """Makes what the scene needs and is not there yet: (scene, path of the scene file, judge)."""
-    import peer_scenes
-    for folder in ("vol", "toml", "ref"):
-        os.makedirs(os.path.join(given.work, folder), exist_ok=True)
-    volumes = os.path.join(given.work, "vol")
-    scene = peer_scenes.load(given.peers, name)
-    if not os.path.exists(os.path.join(volumes, scene["volume"]["file"])):
-        generator = os.path.join(given.peers, "gen_volumes.py")
-        subprocess.run([sys.executable, generator, volumes, scene["volume"]["name"]], check=True, stdout=subprocess.DEVNULL)
-    toml = os.path.join(given.work, "toml", name + ".toml")
-    peer_scenes.write_toml(scene, volumes, toml)
-    reference = os.path.join(given.work, "ref", name + ".exr")
-    if not os.path.exists(reference):
-        print(f"{name}: the exact picture, once", file=sys.stderr)
-        half = os.path.join(given.work, "ref", name + ".half.exr")
-        Vr(given.vr, toml).write(f"--renderer physics tolerance={REFERENCE_ERROR}", half)
-        os.replace(half, reference)
-    return scene, toml, peer_scenes.Judge(scene, reference)
-
-
 def clock(times, threads, part=""):
     """The time that counts, of many frames."""
     return statistics.median(times[part + ("cpu" if threads == 1 else "wall")])
@@ -116,8 +92,9 @@ def clock(times, threads, part=""):
 
 def measure(given, name, threads, known):
     """One scene on so many threads. `known` keeps the errors of pictures: they do not depend on threads."""
-    scene, toml, judge = prepare(given, name)
-    vr, turn = Vr(given.vr, toml), scene["camera"]["azimuth_step_deg"]
+    import peer_scenes
+    scene, vr, judge = peer_scenes.prepare(given.peers, given.work, given.vr, name)
+    turn = scene["camera"]["azimuth_step_deg"]
     vtk = Vtk(given.peers, name, os.path.join(given.work, "vol"), threads)
 
     def error_of(what, draw):
@@ -177,11 +154,8 @@ def measure(given, name, threads, known):
     return result
 
 
-def cells(entry):
-    return f"{entry['ms']:.1f} (.{round(entry['rmse'] * 1e5):05d})"
-
-
 def row(result):
+    from peer_scenes import cells
     line = [result["scene"], cells(result["vtk"]["1.0"]), cells(result["same_step"]), f"{result['same_step']['ratio']:.1f}"]
     for step in STEPS:
         mine = result["equal_error"][step]

@@ -1,13 +1,17 @@
 """The peers' scenes as scene files of ours, and the error as the peers' README measures it. Needs numpy and the peers' `common.py`."""
 import math
 import os
+import subprocess
+import sys
 
 import numpy as np
 
 import common  # of the peers
 import exr
+from vr import Vr
 
 SIZE = 512
+REFERENCE_ERROR = "1e-5"
 OUTLINE = 2.0  # pixels on either side of a projected edge of the box that do not count
 
 
@@ -74,3 +78,28 @@ class Judge:
         """(RMSE, largest error) of premultiplied RGB."""
         error = (image[..., :3] - self.exact)[self.kept]
         return float(np.sqrt(np.mean(error ** 2))), float(np.abs(error).max())
+
+
+def prepare(peers, work, program, name):
+    """Makes what the scene needs and is not there yet: (scene, `vr` on it, judge)."""
+    for folder in ("vol", "toml", "ref"):
+        os.makedirs(os.path.join(work, folder), exist_ok=True)
+    volumes = os.path.join(work, "vol")
+    scene = load(peers, name)
+    if not os.path.exists(os.path.join(volumes, scene["volume"]["file"])):
+        generator = os.path.join(peers, "gen_volumes.py")
+        subprocess.run([sys.executable, generator, volumes, scene["volume"]["name"]], check=True, stdout=subprocess.DEVNULL)
+    toml = os.path.join(work, "toml", name + ".toml")
+    write_toml(scene, volumes, toml)
+    vr, reference = Vr(program, toml), os.path.join(work, "ref", name + ".exr")
+    if not os.path.exists(reference):
+        print(f"{name}: the exact picture, once", file=sys.stderr)
+        half = os.path.join(work, "ref", name + ".half.exr")
+        vr.write(f"--renderer physics tolerance={REFERENCE_ERROR}", half)
+        os.replace(half, reference)
+    return scene, vr, Judge(scene, reference)
+
+
+def cells(entry):
+    """Time and error in a table."""
+    return f"{entry['ms']:.1f} (.{round(entry['rmse'] * 1e5):05d})"

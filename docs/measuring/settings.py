@@ -16,7 +16,7 @@ import statistics
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from vr import Vr
+from vr import Vr, listed
 
 
 def arguments():
@@ -33,9 +33,7 @@ def arguments():
     parser.add_argument("--json")
     given = parser.parse_args()
     if given.settings:
-        with open(given.settings) as f:
-            lines = (line.split("#")[0].strip() for line in f)
-            given.setting += [line for line in lines if line]
+        given.setting += listed(given.settings)
     return given
 
 

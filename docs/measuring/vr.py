@@ -14,6 +14,13 @@ def flags(text):
     return out
 
 
+def listed(path):
+    """The lines of a file of flags; # starts a comment."""
+    with open(path) as f:
+        lines = (line.split("#")[0].strip() for line in f)
+        return [line for line in lines if line]
+
+
 def pinned(threads):
     """Holds a process of one thread to one processor, the last; None for several threads."""
     return (lambda: os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})) if threads == 1 else None
