@@ -6,8 +6,8 @@
 //!
 //! 1. **Factor** the view into a permutation of axes, a shear (in perspective with a scale for each slice), and a two-dimensional warp.
 //! 2. **Encode**, once for each principal axis that a view needs: runs of cells in which something can be visible, and the voxels that
-//!    they touch, packed ([`Encoding`]). Blocks in which nothing is visible are found by a min/max octree and running sums of the transfer
-//!    function, which a new transfer function needs no look at voxels for.
+//!    they touch, packed ([`Encoding`]). Blocks in which nothing is visible are found by a min/max octree and a table of the ranges of values
+//!    that can be seen, which a new transfer function needs no look at voxels for.
 //! 3. **Composite** slices front to back onto the intermediate image, which lies on the volume's far face: where runs of cells
 //!    meet runs of texels that are not opaque yet, sixteen at a time. Opaque texels are leaped over by links.
 //! 4. **Warp** that image onto the screen ([`WarpFilter`]).
@@ -77,6 +77,7 @@ mod encode;
 mod factorization;
 mod hard_cases;
 mod image;
+mod jobs;
 mod lengths;
 mod links;
 mod memory;

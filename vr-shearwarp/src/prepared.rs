@@ -1,26 +1,22 @@
 //! A shear-warp renderer that has seen its scene.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use fearless_simd::Level;
 use glam::DVec3;
-use vr_core::image_order::in_parallel;
-use vr_core::vector::{Vectorized, run};
 use vr_core::{
     Compositing, Control, Frame, Model, Prepared, RenderError, RenderStats, Rendered, Scene, Shading, UniformVolume,
     View,
 };
 
-use crate::axis::{Cells, Codewords, EncodedAxis, Encoder, WholeVolume};
-use crate::codes::{Code, Codes};
-use crate::composite::kernel::Kernel;
-use crate::composite::over::Over;
+use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume};
+use crate::codes::Codes;
+use crate::composite::Scratch;
 use crate::composite::pick::{Choice, Pick};
-use crate::composite::{Scratch, Work};
-use crate::encode::{Pyramid, Rule, Runs, Visibility};
+use crate::encode::{Pyramid, Rule, Visibility};
 use crate::factorization::IndexView;
 use crate::image::IntermediateImage;
-use crate::lengths::Lengths;
+use crate::jobs::{Job, OverJob, warp_rows};
 use crate::memory::EncodedSize;
 use crate::model::SlicedModel;
 use crate::optics::{Optics, strongest};
@@ -198,7 +194,11 @@ impl Prepared for PreparedShearWarp {
         Ok(Rendered { frame: Frame::new(view.size, pixels, None), stats })
     }
 
+    /// The sum over slices; of what is no sum, and of one that is cut at a level, the scene as it is.
     fn model(&self, view: &View) -> Model {
+        if self.scene.compositing != Compositing::Over {
+            return Model::Canonical;
+        }
         Model::Discrete(Arc::new(SlicedModel::new(&self.renderer, &self.scene, view)))
     }
 }
@@ -310,8 +310,6 @@ impl PreparedShearWarp {
 
     /// Resamples the intermediate image onto the screen.
     fn warp(&self, pass: &Pass, view: &View, pixels: &mut [[f32; 4]], control: &Control) -> Result<(), RenderError> {
-        /// Rows of a task.
-        const ROWS: usize = 16;
         let texture = Texture { pixels: self.image.texels(), size: self.image.size(), filled: self.image.drawn() };
         let warp = Warp {
             texture,
@@ -320,112 +318,6 @@ impl PreparedShearWarp {
             filter: self.renderer.warp,
             samples: view.samples,
         };
-        let width = view.size[0] as usize;
-        let bands: Vec<_> = pixels.chunks_mut(width * ROWS).map(Mutex::new).collect();
-        in_parallel(control, bands.len() as u32, |i| {
-            let mut band = locked(&bands[i as usize]);
-            run(self.level, WarpRows { warp: &warp, first: i * ROWS as u32, width, rows: &mut band });
-        })?;
-        Ok(())
-    }
-}
-
-struct WarpRows<'a> {
-    warp: &'a Warp<'a>,
-    first: u32,
-    width: usize,
-    rows: &'a mut [[f32; 4]],
-}
-
-impl Vectorized for WarpRows<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: fearless_simd::Simd>(self, simd: S) {
-        for (i, row) in self.rows.chunks_exact_mut(self.width).enumerate() {
-            self.warp.row(simd, self.first + i as u32, row);
-        }
-    }
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// What all kernels are given.
-struct Job<'a> {
-    cells: &'a Cells,
-    slices: &'a Slices,
-    level: Level,
-    before: &'a [u32],
-    scratch: &'a Mutex<Vec<Scratch>>,
-    control: &'a Control,
-}
-
-impl Job<'_> {
-    fn draw<K: Kernel>(&self, kernel: &K, image: &mut IntermediateImage) -> Result<(), RenderError> {
-        match self.cells {
-            Cells::InLayers(runs) => self.draw_runs(kernel, runs, image),
-            Cells::Between(runs) => self.draw_runs(kernel, runs, image),
-        }
-    }
-
-    fn draw_runs<K: Kernel, const N: usize>(
-        &self,
-        kernel: &K,
-        runs: &Runs<N>,
-        image: &mut IntermediateImage,
-    ) -> Result<(), RenderError> {
-        let bands = image.bands(self.before, self.control.threads());
-        in_parallel(self.control, bands.len() as u32, |i| {
-            let mut band = locked(&bands[i as usize]);
-            let mut scratch = locked(self.scratch).pop().unwrap_or_default();
-            run(self.level, Work { kernel, slices: self.slices, runs, band: &mut band, scratch: &mut scratch });
-            locked(self.scratch).push(scratch);
-        })?;
-        Ok(())
-    }
-}
-
-/// What compositing is given besides.
-struct OverJob<'a> {
-    normals: &'a [u16],
-    reflections: &'a [Reflection],
-    optics: &'a Optics,
-    index_view: &'a IndexView,
-    pass: &'a Pass,
-    correction: bool,
-    termination: f32,
-    level: f32,
-    before: bool,
-    shaded: bool,
-}
-
-impl OverJob<'_> {
-    fn draw<P: Code>(&self, voxels: &[P], job: &Job<'_>, image: &mut IntermediateImage) -> Result<(), RenderError> {
-        let (view, f, spacing) = (self.index_view, &self.pass.factorization, job.slices.spacing);
-        let lengths = job.control.run(|| Lengths::<P>::new(self.optics, view, f, spacing, self.correction));
-        match (self.before, self.shaded) {
-            (false, false) => job.draw(&self.kernel::<P, false, false>(voxels, &lengths), image),
-            (false, true) => job.draw(&self.kernel::<P, false, true>(voxels, &lengths), image),
-            (true, false) => job.draw(&self.kernel::<P, true, false>(voxels, &lengths), image),
-            (true, true) => job.draw(&self.kernel::<P, true, true>(voxels, &lengths), image),
-        }
-    }
-
-    fn kernel<'b, P: Code, const BEFORE: bool, const SHADED: bool>(
-        &'b self,
-        voxels: &'b [P],
-        lengths: &'b Lengths<P>,
-    ) -> Over<'b, P, BEFORE, SHADED> {
-        Over {
-            voxels,
-            normals: self.normals,
-            reflections: self.reflections,
-            optics: self.optics,
-            lengths,
-            termination: self.termination,
-            level: self.level,
-        }
+        warp_rows(&warp, view.size[0] as usize, pixels, self.level, control)
     }
 }

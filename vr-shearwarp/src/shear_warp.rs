@@ -42,7 +42,7 @@ pub enum Encoding {
     /// Run-length encoded: runs end where nothing can be visible, and what they touch is packed. Fastest for a fixed transfer function.
     #[default]
     Runs,
-    /// By an octree of ranges and running sums of the transfer function, without a look at voxels: runs of whole blocks of 4³ cells, of the
+    /// By an octree of ranges and a table of those that can be seen, without a look at voxels: runs of whole blocks of 4³ cells, of the
     /// volume as it lies. A new transfer function costs next to nothing.
     Octree,
 }

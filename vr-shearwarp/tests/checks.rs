@@ -64,3 +64,43 @@ fn what_it_cannot_draw_it_refuses() {
         assert!(ShearWarp::default().configure(&Options::new().with(key, value)).is_err(), "{key}");
     }
 }
+
+/// A ramp from 0 to 8 along the rays of a view along z.
+fn ramp(compositing: vr_core::Compositing) -> (vr_core::Scene, vr_core::View) {
+    use vr_core::*;
+    let samples: Vec<u8> = (0..9 * 9 * 9).map(|i| (i / 81) as u8).collect();
+    let grid = UniformGrid::new([9; 3], samples, Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default());
+    let points = vec![ControlPoint::new(0.0, [1.0; 3], 0.0), ControlPoint::new(10.0, [1.0; 3], 1.0)];
+    let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+    let scene = Scene { compositing, ..Scene::new(grid.unwrap().into(), transfer) };
+    let view = View::new(Camera::framing(scene.volume.bounds(), 0.0, 0.0, None), [9, 9]);
+    (scene, view)
+}
+
+#[test]
+fn picks_the_largest_the_smallest_and_the_mean() {
+    use vr_core::{Compositing, Control};
+    let control = Control::default();
+    for (compositing, value) in [(Compositing::Maximum, 8.0), (Compositing::Minimum, 0.0), (Compositing::Average, 4.0)]
+    {
+        for renderer in [ShearWarp::default(), ShearWarp { slice_distance: 1.0, ..ShearWarp::default() }] {
+            let (scene, view) = ramp(compositing);
+            let frame = renderer.prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame;
+            // The ramp is the same from everywhere: nothing but rounding is left.
+            assert!((frame.pixel(4, 4)[3] - value / 10.0).abs() < 1e-6, "{compositing:?}: {:?}", frame.pixel(4, 4));
+        }
+    }
+}
+
+#[test]
+fn only_sums_have_a_model_of_their_own() {
+    use vr_core::{Compositing, Control, Model};
+    let model = |compositing| {
+        let (scene, view) = ramp(compositing);
+        ShearWarp::default().prepare(&scene, &Control::default()).unwrap().model(&view)
+    };
+    assert!(matches!(model(Compositing::Over), Model::Discrete(_)));
+    for other in [Compositing::Maximum, Compositing::Average, Compositing::Accumulate { level: 0.5 }] {
+        assert!(matches!(model(other), Model::Canonical), "{other:?}");
+    }
+}

@@ -1,0 +1,146 @@
+//! The work of a picture, shared out among threads: bands of the intermediate image, and rows of the screen.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use fearless_simd::Level;
+use vr_core::image_order::in_parallel;
+use vr_core::vector::{Vectorized, run};
+use vr_core::{Control, RenderError};
+
+use crate::axis::Cells;
+use crate::codes::Code;
+use crate::composite::kernel::Kernel;
+use crate::composite::over::Over;
+use crate::composite::{Scratch, Work};
+use crate::encode::Runs;
+use crate::factorization::IndexView;
+use crate::image::IntermediateImage;
+use crate::lengths::Lengths;
+use crate::optics::Optics;
+use crate::passes::Pass;
+use crate::reflections::Reflection;
+use crate::slices::Slices;
+use crate::warp::Warp;
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What all kernels are given.
+pub(crate) struct Job<'a> {
+    pub(crate) cells: &'a Cells,
+    pub(crate) slices: &'a Slices,
+    pub(crate) level: Level,
+    pub(crate) before: &'a [u32],
+    pub(crate) scratch: &'a Mutex<Vec<Scratch>>,
+    pub(crate) control: &'a Control,
+}
+
+impl Job<'_> {
+    pub(crate) fn draw<K: Kernel>(&self, kernel: &K, image: &mut IntermediateImage) -> Result<(), RenderError> {
+        match self.cells {
+            Cells::InLayers(runs) => self.draw_runs(kernel, runs, image),
+            Cells::Between(runs) => self.draw_runs(kernel, runs, image),
+        }
+    }
+
+    fn draw_runs<K: Kernel, const N: usize>(
+        &self,
+        kernel: &K,
+        runs: &Runs<N>,
+        image: &mut IntermediateImage,
+    ) -> Result<(), RenderError> {
+        let bands = image.bands(self.before, self.control.threads());
+        in_parallel(self.control, bands.len() as u32, |i| {
+            let mut band = locked(&bands[i as usize]);
+            let mut scratch = locked(self.scratch).pop().unwrap_or_default();
+            run(self.level, Work { kernel, slices: self.slices, runs, band: &mut band, scratch: &mut scratch });
+            locked(self.scratch).push(scratch);
+        })?;
+        Ok(())
+    }
+}
+
+/// What compositing is given besides.
+pub(crate) struct OverJob<'a> {
+    pub(crate) normals: &'a [u16],
+    pub(crate) reflections: &'a [Reflection],
+    pub(crate) optics: &'a Optics,
+    pub(crate) index_view: &'a IndexView,
+    pub(crate) pass: &'a Pass,
+    pub(crate) correction: bool,
+    pub(crate) termination: f32,
+    pub(crate) level: f32,
+    pub(crate) before: bool,
+    pub(crate) shaded: bool,
+}
+
+impl OverJob<'_> {
+    pub(crate) fn draw<P: Code>(
+        &self,
+        voxels: &[P],
+        job: &Job<'_>,
+        image: &mut IntermediateImage,
+    ) -> Result<(), RenderError> {
+        let (view, f, spacing) = (self.index_view, &self.pass.factorization, job.slices.spacing);
+        let lengths = job.control.run(|| Lengths::<P>::new(self.optics, view, f, spacing, self.correction));
+        match (self.before, self.shaded) {
+            (false, false) => job.draw(&self.kernel::<P, false, false>(voxels, &lengths), image),
+            (false, true) => job.draw(&self.kernel::<P, false, true>(voxels, &lengths), image),
+            (true, false) => job.draw(&self.kernel::<P, true, false>(voxels, &lengths), image),
+            (true, true) => job.draw(&self.kernel::<P, true, true>(voxels, &lengths), image),
+        }
+    }
+
+    fn kernel<'b, P: Code, const BEFORE: bool, const SHADED: bool>(
+        &'b self,
+        voxels: &'b [P],
+        lengths: &'b Lengths<P>,
+    ) -> Over<'b, P, BEFORE, SHADED> {
+        Over {
+            voxels,
+            normals: self.normals,
+            reflections: self.reflections,
+            optics: self.optics,
+            lengths,
+            termination: self.termination,
+            level: self.level,
+        }
+    }
+}
+
+/// Resamples an image onto the screen.
+pub(crate) fn warp_rows(
+    warp: &Warp<'_>,
+    width: usize,
+    pixels: &mut [[f32; 4]],
+    level: Level,
+    control: &Control,
+) -> Result<(), RenderError> {
+    /// Rows of a task.
+    const ROWS: usize = 16;
+    let bands: Vec<_> = pixels.chunks_mut(width * ROWS).map(Mutex::new).collect();
+    in_parallel(control, bands.len() as u32, |i| {
+        let mut band = locked(&bands[i as usize]);
+        run(level, WarpRows { warp, first: i * ROWS as u32, width, rows: &mut band });
+    })?;
+    Ok(())
+}
+
+struct WarpRows<'a> {
+    warp: &'a Warp<'a>,
+    first: u32,
+    width: usize,
+    rows: &'a mut [[f32; 4]],
+}
+
+impl Vectorized for WarpRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: fearless_simd::Simd>(self, simd: S) {
+        for (i, row) in self.rows.chunks_exact_mut(self.width).enumerate() {
+            self.warp.row(simd, self.first + i as u32, row);
+        }
+    }
+}
