@@ -81,7 +81,7 @@ pub use grid::{Calibration, Census, UniformGrid, sample_count};
 pub use level_ranges::LevelRanges;
 pub use missing::VacuumCells;
 pub use model::{ContinuousModel, DiscreteModel, Medium, MediumBounds, Model, SegmentTerm};
-pub use options::{OptionKind, OptionSpec, OptionValue, Options};
+pub use options::{OptionKind, OptionSpec, OptionValue, Options, meaning_of, word_of};
 pub use placement::Placement;
 pub use probe::{Probe, ProbedSample, ProbedStep};
 pub use range_blocks::{BlockRange, RangeBlocks};

@@ -129,6 +129,22 @@ impl OptionSpec {
     }
 }
 
+/// The word for a meaning, of a list that has one for each.
+///
+/// # Panics
+/// Where the list has none: it is of the code, not of what somebody typed.
+pub fn word_of<T: PartialEq>(words: &[(&'static str, T)], meaning: T) -> &'static str {
+    words.iter().find(|(_, m)| *m == meaning).expect("every meaning has a word").0
+}
+
+/// The meaning of a word that [`Options::check`] has found among those of an [`OptionKind::Choice`].
+///
+/// # Panics
+/// Where the list has no such word.
+pub fn meaning_of<T: Copy>(words: &[(&'static str, T)], word: &str) -> T {
+    words.iter().find(|(w, _)| *w == word).expect("checked against the list").1
+}
+
 impl std::fmt::Display for OptionKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

@@ -16,7 +16,7 @@ use crate::encode::Runs;
 use crate::factorization::IndexView;
 use crate::image::IntermediateImage;
 use crate::lengths::Lengths;
-use crate::optics::Optics;
+use crate::optics::{Entry, Optics};
 use crate::passes::Pass;
 use crate::reflections::Reflection;
 use crate::slices::Slices;
@@ -83,7 +83,9 @@ impl OverJob<'_> {
         image: &mut IntermediateImage,
     ) -> Result<(), RenderError> {
         let (view, f, spacing) = (self.index_view, &self.pass.factorization, job.slices.spacing);
-        let lengths = job.control.run(|| Lengths::<P>::new(self.optics, view, f, spacing, self.correction));
+        // What is interpolated after classification is a sample.
+        let entry = if self.before { Entry::Sample } else { Entry::Depth };
+        let lengths = Lengths::<P>::new(self.optics, view, f, spacing, self.correction, entry);
         match (self.before, self.shaded) {
             (false, false) => job.draw(&self.kernel::<P, false, false>(voxels, &lengths), image),
             (false, true) => job.draw(&self.kernel::<P, false, true>(voxels, &lengths), image),

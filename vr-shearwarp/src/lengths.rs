@@ -1,94 +1,83 @@
-//! Opacity corrected for how far apart slices are along a ray, by tables.
+//! Opacity corrected for how far apart slices are along a ray, by a table.
 //!
-//! Along one ray that distance is the same everywhere. Parallel rays all have the same: one table serves a view. In perspective it grows
-//! towards the picture's edge: texels are put into classes whose lengths are half a percent apart, each with its table, so that an optical
-//! depth is off by a quarter of a percent at most.
+//! Along one ray that distance is the same everywhere. Parallel rays all have the same: the table is of their samples. In perspective it grows
+//! towards the picture's edge. The table is then of the shortest distance there can be, straight along the axis, and each texel has a ratio
+//! to that by which optical depths grow.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+use vr_core::vector::splat;
 
 use crate::codes::Code;
+use crate::composite::cells::STEPS_F32;
 use crate::factorization::{Factorization, IndexView};
-use crate::optics::Optics;
+use crate::optics::{Entry, Optics};
 
-/// The classes of a view's texels, and their tables.
+/// The table of a view, and how much longer the texels' samples are than its entries.
 pub(crate) struct Lengths<P: Code> {
-    tables: Vec<Box<P::Table>>,
-    /// For each row of texels, where classes end and which they are; one for all rows where there is but one class.
-    rows: Vec<Vec<(u32, u16)>>,
-    single: bool,
+    pub(crate) table: Box<P::Table>,
+    /// None where the table is of the samples' own length.
+    pub(crate) ratios: Option<Ratios>,
 }
 
-/// Lengths of neighbouring classes differ by this part.
-const STEP: f64 = 0.005;
-/// Classes from one exact table to the next; between, opacities are interpolated, to 10⁻⁴.
-const EXACT_EVERY: usize = 8;
+/// Ratio of each texel's distance between slices to that of the table.
+///
+/// Its square is a quadratic of x in each row: `bend·(x − middle)² + least`, in which nothing cancels.
+pub(crate) struct Ratios {
+    bend: f32,
+    /// Middle and least of each row.
+    rows: Vec<[f32; 2]>,
+}
 
 impl<P: Code> Lengths<P> {
     /// `spacing`: part of a voxel from slice to slice. Without `correction` every sample stands for the same length as in a view straight
-    /// along the axis, which is wrong and shows what correction is for.
+    /// along the axis, which is wrong and shows what correction is for. `entry`: what a table holds where texels have ratios.
     pub(crate) fn new(
         optics: &Optics,
         view: &IndexView,
         factorization: &Factorization,
         spacing: f64,
         correction: bool,
+        entry: Entry,
     ) -> Self {
-        let length = |x: f64, y: f64| length(view, factorization, [x, y], correction) * spacing;
-        let [width, height] = factorization.size;
         if !view.is_perspective() || !correction {
-            let tables = vec![optics.table::<P>(length(0.0, 0.0))];
-            return Self { tables, rows: vec![vec![(u32::MAX, 0)]], single: true };
+            let length = length(view, factorization, [0.0; 2], correction) * spacing;
+            return Self { table: P::table(optics.entries(length, Entry::Sample)), ratios: None };
         }
-        let square = |x: usize, y: usize| length(x as f64, y as f64).powi(2);
-        // The squared length is a quadratic of x: known from three texels of a row.
-        let coefficients = |y: usize| {
-            let [a, b, c] = [0, 1, 2].map(|x| square(x, y));
-            let bend = 0.5 * (a - 2.0 * b + c);
-            [a, b - a - bend, bend]
+        let shortest = length(view, factorization, [0.0; 2], false);
+        let table = P::table(optics.entries(shortest * spacing, entry));
+        Self { table, ratios: Some(Ratios::new(view, factorization, shortest)) }
+    }
+}
+
+impl Ratios {
+    fn new(view: &IndexView, factorization: &Factorization, shortest: f64) -> Self {
+        // A texel's step along its ray is linear in x: from three texels of a row the quadratic is known.
+        let square = |x: f64, y: usize| (length(view, factorization, [x, y as f64], true) / shortest).powi(2);
+        let [width, height] = factorization.size;
+        let reach = width as f64;
+        let row = |y: usize| {
+            let [a, b, c] = [0.0, reach, 2.0 * reach].map(|x| square(x, y));
+            let bend = 0.5 * (a - 2.0 * b + c) / (reach * reach);
+            let middle = -0.5 * ((b - a) / reach - bend * reach) / bend;
+            (bend, [middle, square(middle, y)])
         };
-        let at = |q: [f64; 3], x: usize| q[0] + x as f64 * (q[1] + x as f64 * q[2]);
-        let (mut least, mut most) = (f64::INFINITY, 0.0f64);
-        let rows: Vec<[f64; 3]> = (0..height).map(coefficients).collect();
-        for &q in &rows {
-            let lowest = if q[2] > 0.0 { (-0.5 * q[1] / q[2]).clamp(0.0, (width - 1) as f64) } else { 0.0 };
-            for x in [0, width - 1, lowest.floor() as usize] {
-                least = least.min(at(q, x));
-                most = most.max(at(q, x));
-            }
-        }
-        let least = least.sqrt();
-        let classes = (libm::log(most.sqrt() / least) / STEP).round().max(0.0) as usize + 1;
-        // Squares of the lengths where one class ends and the next begins.
-        let bounds: Vec<f64> = (0..classes).map(|k| (least * libm::exp((k as f64 + 0.5) * STEP)).powi(2)).collect();
-        let rows = rows.iter().map(|&q| {
-            let mut stretches = Vec::new();
-            let mut class = 0;
-            for x in 0..width {
-                let here = at(q, x);
-                let before = class;
-                while class + 1 < classes && here > bounds[class] {
-                    class += 1;
-                }
-                while class > 0 && here <= bounds[class - 1] {
-                    class -= 1;
-                }
-                if x > 0 && class != before {
-                    stretches.push((x as u32, before as u16));
-                }
-            }
-            stretches.push((u32::MAX, class as u16));
-            stretches
-        });
-        Self { rows: rows.collect(), tables: tables::<P>(optics, least, classes), single: false }
+        Self { bend: row(0).0 as f32, rows: (0..height).map(|y| row(y).1.map(|v| v as f32)).collect() }
     }
 
-    /// The table of a texel's class, and the first texel behind it that may have another.
+    /// Those of sixteen texels from (x, y) on.
     #[inline(always)]
-    pub(crate) fn at(&self, x: usize, y: usize) -> (&P::Table, usize) {
-        if self.single {
-            return (&self.tables[0], usize::MAX);
-        }
-        let row = &self.rows[y];
-        let (end, class) = row[row.partition_point(|&(end, _)| end as usize <= x)];
-        (&self.tables[usize::from(class)], end as usize)
+    pub(crate) fn sixteen<S: Simd>(&self, simd: S, x: usize, y: usize) -> f32x16<S> {
+        let [middle, least] = self.rows[y];
+        let off = f32x16::load_array_ref(simd, &STEPS_F32) + splat(simd, x as f32) - middle;
+        (off * off * self.bend + least).sqrt()
+    }
+
+    /// That of one texel.
+    #[cfg(test)]
+    pub(crate) fn at(&self, x: usize, y: usize) -> f64 {
+        let [middle, least] = self.rows[y].map(f64::from);
+        ((x as f64 - middle).powi(2) * f64::from(self.bend) + least).sqrt()
     }
 }
 
@@ -102,22 +91,34 @@ pub(crate) fn length(view: &IndexView, factorization: &Factorization, [x, y]: [f
     view.world_length(step)
 }
 
-fn tables<P: Code>(optics: &Optics, least: f64, classes: usize) -> Vec<Box<P::Table>> {
-    let length = |class: usize| least * libm::exp(class as f64 * STEP);
-    let exact = |class: usize| -> Vec<[f32; 4]> { optics.entries(length(class)).collect() };
-    let mut tables = Vec::with_capacity(classes);
-    let mut next = exact(0);
-    for first in (0..classes).step_by(EXACT_EVERY) {
-        let here = std::mem::take(&mut next);
-        if first + 1 < classes {
-            next = exact(first + EXACT_EVERY);
-        }
-        tables.push(P::table(here.iter().copied()));
-        for class in (first + 1)..(first + EXACT_EVERY).min(classes) {
-            let t = (length(class) - length(first)) / (length(first + EXACT_EVERY) - length(first));
-            let mix = |(a, b): (&[f32; 4], &[f32; 4])| std::array::from_fn(|c| a[c] + t as f32 * (b[c] - a[c]));
-            tables.push(P::table(here.iter().zip(&next).map(mix)));
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::passes::passes;
+    use glam::DVec3;
+    use vr_core::{Camera, Placement, Projection, View};
+
+    #[test]
+    fn ratios_are_those_of_the_lengths() {
+        let camera = Camera {
+            eye: DVec3::new(90.0, 35.0, 60.0),
+            target: DVec3::new(10.0, 20.0, 30.0),
+            up: DVec3::Y,
+            projection: Projection::Perspective { fov: 80.0 },
+        };
+        let placement = Placement::from_spacing([1.0, 1.5, 0.7]).unwrap();
+        let view = IndexView::new(&View::new(camera, [64, 64]), &placement).unwrap();
+        let last = DVec3::new(40.0, 30.0, 90.0);
+        let passes = passes(&view, [DVec3::ZERO, last], last, 0.5).unwrap();
+        assert!(!passes.is_empty());
+        for pass in &passes {
+            let f = &pass.factorization;
+            let shortest = length(&view, f, [0.0; 2], false);
+            let ratios = Ratios::new(&view, f, shortest);
+            for (x, y) in [(0, 0), (f.size[0] - 1, 0), (f.size[0] / 2, f.size[1] / 3), (1, f.size[1] - 1)] {
+                let wanted = length(&view, f, [x as f64, y as f64], true) / shortest;
+                assert!((ratios.at(x, y) / wanted - 1.0).abs() < 1e-6, "{x} {y}: {} {wanted}", ratios.at(x, y));
+            }
         }
     }
-    tables
 }

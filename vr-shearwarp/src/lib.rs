@@ -61,7 +61,7 @@
 //! # Views
 //! * Parallel rays shear along the axis that they go most along, so that no slice moves by more than a voxel.
 //! * In perspective each ray has its own such axis. The picture is split by it, and each part is composited along its own, from inside the
-//!   volume, too; no slice is ever seen with more than one voxel to a texel, so that none is sampled too coarsely.
+//!   volume, too. Texels are as large as voxels in the volume's middle; no slice has more than 1¼ voxels to one, so that none is missed.
 //! * A crop box cuts slices where it is parallel to the volume's axes.
 //!
 //! # What it does not do

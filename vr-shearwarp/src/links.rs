@@ -29,12 +29,6 @@ impl<'a> Links<'a> {
         open
     }
 
-    /// The first opaque texel of `x..end`, where `x` itself is not; `end` where there is none.
-    #[inline]
-    pub(crate) fn next_opaque(&self, x: usize, end: usize) -> usize {
-        self.0[x..end].iter().position(|&link| link != 0).map_or(end, |ahead| x + ahead)
-    }
-
     /// Marks a texel as opaque.
     #[inline]
     pub(crate) fn close(&mut self, x: usize) {
@@ -64,10 +58,6 @@ mod tests {
                 } else {
                     let open = (x..width).find(|&i| !opaque[i]).unwrap_or(width);
                     prop_assert_eq!(links.next_open(x), open);
-                    let end = (open..width).find(|&i| opaque[i]).unwrap_or(width);
-                    if open < width {
-                        prop_assert_eq!(links.next_opaque(open, width), end);
-                    }
                 }
             }
         }

@@ -3,6 +3,7 @@
 
 use glam::{DVec2, DVec3};
 use vr_core::filter::Lattice;
+use vr_core::optics::opacity_of_thickness;
 use vr_core::{DiscreteModel, LatticeVisitor, Scene, SegmentTerm, UniformVolume, View, Voxel, gradient_at_sample};
 
 use crate::factorization::IndexView;
@@ -62,6 +63,9 @@ impl DiscreteModel for SlicedModel {
             }
             let chord = slices.chord(at.x, at.y);
             let distance = length(view, f, [at.x, at.y], self.renderer.correction) * slices.spacing;
+            // What is interpolated after classification is so for one length everywhere.
+            let interpolated =
+                if view.is_perspective() { length(view, f, [0.0; 2], false) * slices.spacing } else { distance };
             let inside = |s: &&Slice| s.depth >= chord[0] - 1e-9 && s.depth <= chord[1] + 1e-9;
             return slices
                 .slices
@@ -70,7 +74,7 @@ impl DiscreteModel for SlicedModel {
                 .map(|slice| {
                     let uv = slice.map.offset + slice.map.scale * at;
                     let length = distance * slices.share(slice.depth, chord);
-                    let sample = self.sample(volume, f.axes, uv, slice, length);
+                    let sample = self.sample(volume, f.axes, uv, slice, [interpolated, length]);
                     SegmentTerm { transparency: 1.0 - sample[3], light: [sample[0], sample[1], sample[2]] }
                 })
                 .collect();
@@ -80,8 +84,15 @@ impl DiscreteModel for SlicedModel {
 }
 
 impl SlicedModel {
-    /// Light and opacity of one sample.
-    fn sample(&self, volume: &UniformVolume, axes: [usize; 3], uv: DVec2, slice: &Slice, length: f64) -> [f64; 4] {
+    /// Light and opacity of one sample of that length; classified voxels are interpolated as samples of another.
+    fn sample(
+        &self,
+        volume: &UniformVolume,
+        axes: [usize; 3],
+        uv: DVec2,
+        slice: &Slice,
+        [interpolated, length]: [f64; 2],
+    ) -> [f64; 4] {
         let dims = volume.dims();
         let cell: [(usize, f64); 2] = std::array::from_fn(|a| {
             // `as` saturates.
@@ -125,10 +136,10 @@ impl SlicedModel {
             Classification::Voxels => {
                 let mut sum = [0.0; 4];
                 for &(index, weight) in &corners {
-                    let sample = lit(transfer.step(calibration.value(stored(index)), length), reflection(index));
+                    let sample = lit(transfer.step(calibration.value(stored(index)), interpolated), reflection(index));
                     (0..4).for_each(|c| sum[c] += weight * sample[c]);
                 }
-                sum
+                stretched(sum, length / interpolated)
             }
             Classification::Values => {
                 let value: f64 = corners.iter().map(|&(index, weight)| weight * stored(index)).sum();
@@ -155,4 +166,12 @@ impl SlicedModel {
         let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
         shading.along::<f64>(self.ahead).reflect(gradient.to_array())
     }
+}
+
+/// A homogeneous sample of `ratio` times the length.
+fn stretched(sample: [f64; 4], ratio: f64) -> [f64; 4] {
+    let alpha = sample[3];
+    let part = opacity_of_thickness(alpha.min(1.0), ratio);
+    let grown = if alpha > 0.0 { part / alpha } else { ratio };
+    [sample[0] * grown, sample[1] * grown, sample[2] * grown, part]
 }

@@ -9,7 +9,7 @@ use vr_core::{
 use crate::codes::{Code, Codes};
 use crate::factorization::IndexView;
 use crate::lengths::Lengths;
-use crate::optics::Optics;
+use crate::optics::{Entry, Optics};
 use crate::passes::passes;
 use crate::prepared::PreparedShearWarp;
 use crate::reflections::{Reflection, encode, table};
@@ -137,7 +137,7 @@ fn texel<P: Code>(
         let (mut value, mut classified) = (0.0, [0.0f64; 4]);
         let (mut factor, mut added) = ([0.0f64; 4], [0.0f64; 4]);
         let layers = if case.renderer.slice_spacing() == 1.0 { 1 } else { 2 };
-        let (table, _) = lengths.at(x, y);
+        let table = &lengths.table;
         for corner in 0..4 * layers {
             let high = [corner & 1, corner >> 1 & 1, corner >> 2];
             let mut index = [0; 3];
@@ -172,10 +172,15 @@ fn texel<P: Code>(
             std::array::from_fn(|c| row[c] * factor[c] + row[3] * added[c])
         };
         let share = slices.share(slice.depth, chord);
-        if (share - 1.0).abs() > 1e-6 && sample[3] > 0.0 {
-            let cut = if sample[3] >= 1.0 { 1.0 } else { -((share * (-sample[3]).ln_1p()).exp_m1()) };
-            let ratio = cut / sample[3];
-            sample = sample.map(|s| s * ratio);
+        let ratio = lengths.ratios.as_ref().map_or(1.0, |ratios| ratios.at(x, y)) * share;
+        if lengths.ratios.is_some() && case.renderer.classification == Classification::Values {
+            let alpha = -(-sample[3] * ratio).exp_m1();
+            let shines = if sample[3] > 0.0 { alpha / sample[3] } else { ratio };
+            sample = [sample[0] * shines, sample[1] * shines, sample[2] * shines, alpha];
+        } else if (ratio - 1.0).abs() > 1e-6 && sample[3] > 0.0 {
+            let cut = if sample[3] >= 1.0 { 1.0 } else { -((ratio * (-sample[3]).ln_1p()).exp_m1()) };
+            let grown = cut / sample[3];
+            sample = sample.map(|s| s * grown);
         }
         let clear = 1.0 - sum[3];
         let after = sum[3] + clear * sample[3];
@@ -212,6 +217,10 @@ fn compare<P: Code>(case: &Case) -> (f64, usize, usize) {
         Classification::Values => Optics::of_values(&scene.transfer, calibration, &codes),
         Classification::Voxels => Optics::of_voxels(&scene.transfer, calibration, &codes),
     };
+    let entry = match case.renderer.classification {
+        Classification::Values => Entry::Depth,
+        Classification::Voxels => Entry::Sample,
+    };
     let index_view = IndexView::new(&view, volume.placement()).unwrap();
     let last = last_sample(case.dims);
     let visible = [glam::DVec3::ZERO, last];
@@ -231,7 +240,7 @@ fn compare<P: Code>(case: &Case) -> (f64, usize, usize) {
             case.dims[pass.factorization.axes[2]],
             case.renderer.slice_spacing(),
         );
-        let lengths = Lengths::<P>::new(&optics, &index_view, &pass.factorization, slices.spacing, true);
+        let lengths = Lengths::<P>::new(&optics, &index_view, &pass.factorization, slices.spacing, true, entry);
         let image = prepared.composited(&index_view, &view, &pass, &slices, &control).unwrap();
         let [width, height] = pass.factorization.size;
         for y in 0..height {

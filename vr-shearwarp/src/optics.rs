@@ -3,7 +3,7 @@
 use vr_core::optics::{opacity_of_depth, source_weight};
 use vr_core::{Calibration, TransferFunction};
 
-use crate::codes::{Begin, Code, Codes};
+use crate::codes::{Begin, Codes};
 
 /// Colour (or emission) and extinction at evenly spaced stored numbers; a value takes the nearest entry.
 #[derive(Clone, Debug)]
@@ -25,10 +25,22 @@ struct Row {
     extinction: f64,
 }
 
+/// What a table holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Entry {
+    /// Premultiplied light, and opacity.
+    Sample,
+    /// What would shine if nothing absorbed, and optical depth: both grow in proportion with the length.
+    Depth,
+}
+
 impl Row {
     const NOTHING: Self = Self { light: [0.0; 3], extinction: 0.0 };
 }
 
+/// Optical depth of what is opaque however thin: finite in f32 and after multiplication by a colour, and more than enough if but 10⁻¹⁸ of the
+/// length counts.
+const WALL: f64 = 1e20;
 /// An interpolated value may lie beyond the range of the codes by rounding: that many entries are there twice at either end.
 const GUARD: usize = 2;
 /// Bytes have this many entries to a code, so that a value between two finds its own.
@@ -87,26 +99,25 @@ impl Optics {
         self.begin
     }
 
-    /// Premultiplied light and opacity of a sample that stands for `length` world units.
-    fn sample(&self, place: usize, length: f64) -> [f32; 4] {
+    /// A sample that stands for `length` world units.
+    fn sample(&self, place: usize, length: f64, entry: Entry) -> [f32; 4] {
         let Row { light, extinction } = self.rows[place];
         if length <= 0.0 || (extinction == 0.0 && !self.emits) {
             return [0.0; 4];
         }
-        let tau = extinction * length;
-        let alpha = opacity_of_depth(tau);
-        let share = if self.emits { length * source_weight(tau) } else { alpha };
-        [light[0] * share, light[1] * share, light[2] * share, alpha].map(|x| x as f32)
+        let tau = (extinction * length).min(WALL);
+        let (share, last) = match entry {
+            Entry::Sample if self.emits => (length * source_weight(tau), opacity_of_depth(tau)),
+            Entry::Sample => (opacity_of_depth(tau), opacity_of_depth(tau)),
+            Entry::Depth if self.emits => (length, tau),
+            Entry::Depth => (tau, tau),
+        };
+        [light[0] * share, light[1] * share, light[2] * share, last].map(|x| x as f32)
     }
 
     /// All entries for one length.
-    pub(crate) fn entries(&self, length: f64) -> impl Iterator<Item = [f32; 4]> {
-        (0..self.rows.len()).map(move |place| self.sample(place, length))
-    }
-
-    /// The same as a table.
-    pub(crate) fn table<P: Code>(&self, length: f64) -> Box<P::Table> {
-        P::table(self.entries(length))
+    pub(crate) fn entries(&self, length: f64, entry: Entry) -> impl Iterator<Item = [f32; 4]> {
+        (0..self.rows.len()).map(move |place| self.sample(place, length, entry))
     }
 }
 
@@ -144,6 +155,8 @@ pub(crate) struct Strongest {
 mod tests {
     use vr_core::{ControlPoint, OpacityRule};
 
+    use crate::codes::Code;
+
     use super::*;
 
     fn ramp() -> TransferFunction {
@@ -160,7 +173,7 @@ mod tests {
     fn values_find_the_nearest_entry() {
         let codes = Codes { origin: 0.0, spacing: 1.0, bytes: true, range: [5.0, 40.0] };
         let optics = Optics::of_values(&ramp(), Calibration::default(), &codes);
-        let table: Vec<_> = optics.entries(0.5).collect();
+        let table: Vec<_> = optics.entries(0.5, Entry::Sample).collect();
         for (value, exact) in
             [(5.0, 5.0), (40.0, 40.0), (12.5, 12.5), (12.55, 12.5), (4.99, 5.0), (40.1, 40.0), (28.0, 28.0)]
         {
@@ -176,7 +189,7 @@ mod tests {
     fn codes_find_their_own_entry() {
         let codes = Codes { origin: -10.0, spacing: 1.0, bytes: false, range: [5.0, 40.0] };
         let optics = Optics::of_voxels(&ramp(), Calibration::default(), &codes);
-        let table: Vec<_> = optics.entries(0.5).collect();
+        let table: Vec<_> = optics.entries(0.5, Entry::Sample).collect();
         for stored in [5, 12, 19, 20, 29, 40] {
             let got = table[((stored + 10) as u16).place(optics.codes_begin())];
             assert_eq!(got, ramp().step(f64::from(stored), 0.5).map(|x| x as f32));
@@ -184,7 +197,7 @@ mod tests {
         let wide = Codes { origin: 0.0, spacing: 1.0 / 65535.0, bytes: false, range: [0.0, 1.0] };
         let optics = Optics::of_voxels(&ramp(), Calibration { slope: 40.0, intercept: 0.0 }, &wide);
         let (got, wanted) = (
-            optics.entries(1.0).nth(25_000u16.place(optics.codes_begin())).unwrap()[3],
+            optics.entries(1.0, Entry::Sample).nth(25_000u16.place(optics.codes_begin())).unwrap()[3],
             ramp().step(40.0 * 25e3 / 65535.0, 1.0)[3],
         );
         assert!((f64::from(got) - wanted).abs() < 1e-3);
@@ -195,7 +208,10 @@ mod tests {
         let codes = Codes { origin: 0.0, spacing: 1.0, bytes: true, range: [0.0, 255.0] };
         let wall = TransferFunction::new(vec![ControlPoint::new(0.0, [0.5; 3], 1.0)], OpacityRule::Power, 1.0).unwrap();
         let optics = Optics::of_voxels(&wall, Calibration::default(), &codes);
-        assert_eq!((optics.sample(7, 1e-9), optics.sample(7, 0.0)), ([0.5, 0.5, 0.5, 1.0], [0.0; 4]));
+        let sample = |length, entry| optics.sample(7, length, entry);
+        assert_eq!(sample(1e-9, Entry::Sample), [0.5, 0.5, 0.5, 1.0]);
+        assert_eq!(sample(0.0, Entry::Sample), [0.0; 4]);
+        assert_eq!(sample(1e-9, Entry::Depth), [5e19, 5e19, 5e19, 1e20]);
     }
 
     #[test]

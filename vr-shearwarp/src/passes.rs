@@ -3,8 +3,10 @@
 //! Parallel rays have one principal axis: the one of which their direction has most, in index space, so that no slice is sheared by more
 //! than a voxel. In perspective every ray has its own. The picture is split by it: each axis, and each way along it, draws the
 //! rays that are its own, onto an image at the volume's far face; from inside the volume, too. So no slice is ever sheared by more than a
-//! voxel, however wide the view, and none is seen with more than one voxel to a texel. Where two parts meet, each is as far from the truth
-//! as slices are there; nothing is blended.
+//! voxel, however wide the view. Where two parts meet, each is as far from the truth as slices are there; nothing is blended.
+//!
+//! Voxels are as large as texels in the middle of the volume, or further back where else the far face had more than [`MOST_PITCH`] of them to
+//! a texel: so every slice is interpolated, none is sampled so coarsely that a voxel could be missed.
 
 use glam::{DVec2, DVec3};
 use vr_core::RenderError;
@@ -21,6 +23,8 @@ pub(crate) struct Pass {
 
 /// Texels beyond what is seen, for the warp's filter.
 const MARGIN: f64 = 2.0;
+/// Most voxels to a texel, along either side, of any slice seen in perspective, in texels of a voxel: linear interpolation still meets each.
+const MOST_PITCH: f64 = 1.25;
 /// The largest intermediate image, in texels.
 const MOST_TEXELS: u64 = 1 << 28;
 /// A volume of fewer voxels across than this is still given as many texels, and so is what is seen, from the middle to 45°, from just before
@@ -138,7 +142,9 @@ fn perspective_pass(
         shadow.add(eye_uv + (low.truncate() - eye_uv) / near);
         shadow.add(eye_uv + (high.truncate() - eye_uv) / near);
     }
-    let spacing = (depth.min(across(last, axis)) / LEAST_TEXELS).min(1.0) * texel;
+    let near = ((if sign > 0.0 { low.z } else { high.z } - eye.z) * sign).max(0.0);
+    let pitch = (2.0 * depth / (near + depth)).min(MOST_PITCH);
+    let spacing = (depth.min(across(last, axis)) / LEAST_TEXELS).min(pitch) * texel;
     let factorization = framed(factorization, shadow.and(seen).and(mine), last, spacing)?;
     let texel = |p: DVec2| (p - factorization.origin) / spacing;
     let (first, last) = (texel(mine.low), texel(mine.high));

@@ -11,7 +11,7 @@ pub struct ShearWarp {
     pub classification: Classification,
     /// Texels from slice to slice of samples along the principal axis; [`Self::slice_spacing`] must be 0.01 to 1.
     pub slice_distance: f64,
-    /// Voxels to a texel of the intermediate image, along either side: 0.03 to 1.
+    /// Voxels to a texel of the intermediate image, along either side: 0.03 to 1. In perspective, in the volume's middle.
     pub texel: f64,
     /// How the intermediate image is resampled onto the screen.
     pub warp: WarpFilter,

@@ -147,23 +147,25 @@ impl Slices {
     }
 
     /// The depths at which the ray of a point of the image enters the box and leaves it; not above each other where it misses.
-    #[inline(always)]
     pub(crate) fn chord(&self, x: f64, y: f64) -> [f64; 2] {
         let f = &self.factorization;
-        let slope = f.slope(x, y);
-        let at = f.origin + f.spacing * DVec2::new(x, y);
-        let plane = f.plane * f.sign;
-        let [mut front, mut back] = self.depths;
-        for a in 0..2 {
-            let slope = slope[a] * f.sign;
-            let (low, high) = (self.low[a] - at[a], self.high[a] - at[a]);
-            // A ray along the faces is between them for ever, or never: no 0/0.
-            let never = if low > 0.0 || high < 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
-            let (p, q) = (plane + low / slope, plane + high / slope);
-            front = front.max(if slope == 0.0 { never } else { p.min(q) });
-            back = back.min(if slope == 0.0 { -never } else { p.max(q) });
-        }
-        [front, back]
+        let (slope, at) = (f.slope(x, y), f.origin + f.spacing * DVec2::new(x, y));
+        let [[a, b], [c, d]] = [0, 1].map(|a| self.between_faces(a, at[a], slope[a]));
+        [self.depths[0].max(a).max(c), self.depths[1].min(b).min(d)]
+    }
+
+    /// Where a ray is between the two faces across u (0) or v (1), given where it meets the plane of the image, and its slope.
+    #[inline(always)]
+    fn between_faces(&self, a: usize, at: f64, slope: f64) -> [f64; 2] {
+        let f = &self.factorization;
+        let (plane, slope) = (f.plane * f.sign, slope * f.sign);
+        let (low, high) = (self.low[a] - at, self.high[a] - at);
+        // A ray along the faces is between them for ever, or never: no 0/0.
+        let never = if low > 0.0 || high < 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
+        let inverse = 1.0 / slope;
+        let (p, q) = (plane + low * inverse, plane + high * inverse);
+        let along = slope == 0.0;
+        [if along { never } else { p.min(q) }, if along { -never } else { p.max(q) }]
     }
 
     /// The part of the distance between slices that a sample stands for: half of that to the next on either side, where there is one, or all to
@@ -177,13 +179,19 @@ impl Slices {
     }
 
     /// The chords of the first `n` texels of a row.
+    #[inline(always)]
     pub(crate) fn chords(&self, y: usize, n: usize, front: &mut Vec<f64>, back: &mut Vec<f64>) {
-        front.clear();
-        back.clear();
-        for x in 0..n {
-            let [enters, leaves] = self.chord(x as f64, y as f64);
-            front.push(enters);
-            back.push(leaves);
+        let f = &self.factorization;
+        let (at, slope) = (f.origin + f.spacing * DVec2::new(0.0, y as f64), f.slope(0.0, y as f64));
+        let bend = f.slope(1.0, y as f64).x - slope.x;
+        let [first, last] = self.between_faces(1, at.y, slope.y);
+        let [first, last] = [first.max(self.depths[0]), last.min(self.depths[1])];
+        front.resize(n, 0.0);
+        back.resize(n, 0.0);
+        for (x, (front, back)) in front.iter_mut().zip(back).enumerate() {
+            let x = x as f64;
+            let [enters, leaves] = self.between_faces(0, at.x + f.spacing * x, slope.x + bend * x);
+            (*front, *back) = (first.max(enters), last.min(leaves));
         }
     }
 }

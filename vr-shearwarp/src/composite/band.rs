@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 use vr_core::vector::{LANES, Vectorized};
 
 use super::cells::Edges;
-use super::kernel::{Chunk, Kernel, Row};
+use super::kernel::{Added, Chunk, Kernel, Row};
 use crate::encode::{Run, Runs};
 use crate::links::Links;
 use crate::slices::{Slice, Slices};
@@ -179,7 +179,13 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
         let slice = self.slice;
         // Up to here, from where the runs began, all is opaque.
         let mut open = slice.valid.first[0];
+        if K::CLOSES && self.line.opaque > 0 {
+            open = self.links.next_open(open);
+        }
         for run in runs {
+            if open >= slice.valid.end[0] {
+                return;
+            }
             let behind = run.start + run.len;
             let end = if behind as usize == last { usize::MAX } else { slice.first_texel(behind) };
             let end = end.min(slice.valid.end[0]);
@@ -202,6 +208,8 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
         }
         let edges = Edges { at, last: run.len as usize - 1, weights: self.weights };
         let some_opaque = K::CLOSES && self.line.opaque > 0;
+        let unit = self.slice.shift.is_some();
+        let mut shares = [1.0; LANES];
         loop {
             if some_opaque {
                 x = self.links.next_open(x);
@@ -209,25 +217,9 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
             if x >= end {
                 return x;
             }
-            let stop = if some_opaque { self.links.next_opaque(x, end) } else { end };
-            self.open(simd, run.start, &edges, x, stop);
-            x = stop;
-        }
-    }
-
-    /// Texels of which none is opaque.
-    #[inline(always)]
-    fn open<S: Simd>(&mut self, simd: S, start: u32, edges: &Edges<N>, x: usize, end: usize) {
-        let drawn = &mut self.line.drawn;
-        *drawn = [drawn[0].min(x as u32), drawn[1].max(end as u32)];
-        self.line.samples += (end - x) as u32;
-        let unit = self.slice.shift.is_some();
-        let mut shares = [1.0; LANES];
-        let mut x = x;
-        while x < end {
-            let stop = self.kernel.stretch(x, self.y).min(end);
-            let n = (stop - x).min(K::AT_ONCE);
-            let columns = self.slice.columns(x, start, edges.last);
+            // Opaque texels in between come along, and stay as they are: to leave them out costs more.
+            let n = (end - x).min(K::AT_ONCE);
+            let columns = self.slice.columns(x, run.start, edges.last);
             let chunk = Chunk { x, y: self.y, n };
             let whole = x >= self.whole[0] && x + n <= self.whole[1];
             if !whole {
@@ -235,15 +227,18 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
             }
             let shares = (!whole).then_some(&shares);
             // Each kind of chunk is called in one place only: all that is called is inlined.
-            let mut opaque = if unit {
-                self.kernel.add::<S, N, true>(simd, edges, columns, chunk, shares, &mut self.row)
+            let Added { samples, mut closed } = if unit {
+                self.kernel.add::<S, N, true>(simd, &edges, columns, chunk, shares, &mut self.row)
             } else {
-                self.kernel.add::<S, N, false>(simd, edges, columns, chunk, shares, &mut self.row)
+                self.kernel.add::<S, N, false>(simd, &edges, columns, chunk, shares, &mut self.row)
             };
-            while K::CLOSES && opaque != 0 {
-                self.links.close(x + opaque.trailing_zeros() as usize);
+            let drawn = &mut self.line.drawn;
+            *drawn = [drawn[0].min(x as u32), drawn[1].max((x + n) as u32)];
+            self.line.samples += samples;
+            while K::CLOSES && closed != 0 {
+                self.links.close(x + closed.trailing_zeros() as usize);
                 self.line.opaque += 1;
-                opaque &= opaque - 1;
+                closed &= closed - 1;
             }
             x += n;
         }

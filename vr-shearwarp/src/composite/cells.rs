@@ -1,7 +1,7 @@
 //! A run of cells under neighbouring texels: which cell a texel lies in, where in it, and what value is there.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Simd, f32x16, i32x16, u8x64};
 use vr_core::vector::{LANES, splat};
 
 use crate::codes::Code;
@@ -17,7 +17,7 @@ pub(crate) struct Edges<const N: usize> {
     pub(crate) weights: [f32; N],
 }
 
-/// Where texels lie on a run: texel i at `first + begin + i·scale` cells from its begin, `scale` ≤ 1.
+/// Where texels lie on a run: texel i at `first + begin + i·scale` cells from its begin, `scale` ≤ 1¼.
 #[derive(Clone, Copy)]
 pub(crate) struct Columns {
     pub(crate) first: usize,
@@ -35,8 +35,8 @@ pub(crate) struct Places<S: Simd> {
 const STEPS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 pub(crate) const STEPS_F32: [f32; LANES] = [0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.];
 
-/// Sixteen texels lie in at most this many cells, the last one's right end included.
-const SPAN: usize = 2 * LANES;
+/// Sixteen texels lie in fewer cells than this, the last one's right end included: the first is at most a cell in, and fifteen steps are 19 cells.
+pub(super) const SPAN: usize = 2 * LANES;
 
 impl Columns {
     /// `UNIT`: a texel a cell.
@@ -85,17 +85,10 @@ pub(crate) fn values<S: Simd, P: Code, const N: usize, const UNIT: bool>(
             near += f32x16::load_array_ref(simd, &a) * edges.weights[n];
             far += f32x16::load_array_ref(simd, &b) * edges.weights[n];
         }
-        let mut line = [0.0; SPAN];
-        line[..LANES].copy_from_slice(&near.to_array());
-        line[LANES..].copy_from_slice(&far.to_array());
-        let (mut a, mut b) = ([0.0; LANES], [0.0; LANES]);
-        for i in 0..LANES {
-            // At most 17: a step is a cell at most. The remainder tells the compiler.
-            let cell = places.cell[i] as usize;
-            a[i] = line[cell % SPAN];
-            b[i] = line[(cell + 1) % SPAN];
-        }
-        (left, right) = (f32x16::load_array_ref(simd, &a), f32x16::load_array_ref(simd, &b));
+        // Four bytes of each.
+        let bytes = i32x16::load_array_ref(simd, &places.cell) * 0x0404_0404 + 0x0302_0100;
+        left = near.concat_swizzle_dyn(far, bytes.bitcast::<u8x64<S>>());
+        right = near.concat_swizzle_dyn(far, (bytes + 0x0404_0404).bitcast::<u8x64<S>>());
     }
     left + places.weight * (right - left)
 }

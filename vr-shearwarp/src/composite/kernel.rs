@@ -13,8 +13,8 @@ pub(crate) trait Kernel: Sync {
     /// Texels at once: at most [`LANES`].
     const AT_ONCE: usize;
 
-    /// Adds a sample to each of the `n` texels from (x, y) on, all within one [`Self::stretch`]. `UNIT`: a texel a cell. A sample stands for its
-    /// share of the distance between slices, or for all of it. Returns a bit for each texel that is opaque now.
+    /// Adds a sample to each of the `n` texels from (x, y) on. `UNIT`: a texel a cell. A sample stands for its
+    /// share of the distance between slices, or for all of it. Texels that are opaque are left as they are.
     fn add<S: Simd, const N: usize, const UNIT: bool>(
         &self,
         simd: S,
@@ -23,10 +23,16 @@ pub(crate) trait Kernel: Sync {
         at: Chunk,
         shares: Option<&[f32; LANES]>,
         row: &mut Row<'_>,
-    ) -> u32;
+    ) -> Added;
+}
 
-    /// The first texel behind (x, y) that cannot be done together with it.
-    fn stretch(&self, x: usize, y: usize) -> usize;
+/// What has come of adding samples to texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Added {
+    /// How many texels took one.
+    pub(crate) samples: u32,
+    /// A bit for each that became opaque by it.
+    pub(crate) closed: u32,
 }
 
 /// Up to sixteen neighbouring texels.
@@ -60,10 +66,16 @@ impl<'a> Row<'a> {
         self.0[0].len() - LANES
     }
 
+    /// One component of that many texels, from x on: at most [`LANES`].
+    #[inline(always)]
+    pub(crate) fn several<const COUNT: usize>(&mut self, component: usize, x: usize) -> &mut [f32; COUNT] {
+        (&mut self.0[component][x..x + COUNT]).try_into().expect("as many as asked for")
+    }
+
     /// One component of sixteen texels, from x on.
     #[inline(always)]
     pub(crate) fn sixteen(&mut self, component: usize, x: usize) -> &mut [f32; LANES] {
-        (&mut self.0[component][x..x + LANES]).try_into().expect("as many as asked for")
+        self.several(component, x)
     }
 
     /// The texels, one after another.

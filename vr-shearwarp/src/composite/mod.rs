@@ -7,6 +7,7 @@
 
 mod band;
 pub(crate) mod cells;
+mod few;
 pub(crate) mod kernel;
 pub(crate) mod over;
 pub(crate) mod pick;

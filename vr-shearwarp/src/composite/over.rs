@@ -4,8 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 use vr_core::vector::{LANES, depth_of_opacity, opacity_of_depth, packed, pick, splat, transpose, transpose_packed};
 
-use super::cells::{Columns, Edges, Places, STEPS_F32, values};
-use super::kernel::{Chunk, Kernel, Row};
+use super::cells::{Columns, Edges, Places, SPAN, STEPS_F32, values};
+use super::few::FEW;
+use super::kernel::{Added, Chunk, Kernel, Row};
 use crate::codes::Code;
 use crate::lengths::Lengths;
 use crate::optics::Optics;
@@ -39,27 +40,60 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Kernel for Over<'_, P, BEF
         at: Chunk,
         shares: Option<&[f32; LANES]>,
         row: &mut Row<'_>,
-    ) -> u32 {
-        let (table, _) = self.lengths.at(at.x, at.y);
+    ) -> Added {
+        if UNIT && at.n <= FEW && shares.is_none() && self.lengths.ratios.is_none() {
+            return self.few(simd, edges, columns, &at, row);
+        }
+        let table = &self.lengths.table;
         let places = columns.places::<S, UNIT>(simd, edges.last);
         let mut samples = if BEFORE {
             self.of_voxels::<S, N, UNIT>(simd, table, edges, &places, at.n)
         } else {
             self.of_values::<S, N, UNIT>(simd, table, edges, &places, at.n)
         };
-        if let Some(shares) = shares {
-            samples = cut(simd, samples, f32x16::load_array_ref(simd, shares));
+        let shares = shares.map(|shares| f32x16::load_array_ref(simd, shares));
+        if let Some(ratios) = &self.lengths.ratios {
+            let mut ratio = ratios.sixteen(simd, at.x, at.y);
+            if let Some(shares) = shares {
+                ratio *= shares;
+            }
+            samples = if BEFORE { cut(simd, samples, ratio) } else { of_depth(simd, samples, ratio) };
+        } else if let Some(shares) = shares {
+            samples = cut(simd, samples, shares);
         }
         self.composite(simd, samples, &at, row)
     }
-
-    #[inline(always)]
-    fn stretch(&self, x: usize, y: usize) -> usize {
-        self.lengths.at(x, y).1
-    }
 }
 
-/// Samples that stand for part of their length: light and opacity of a homogeneous piece grow in step.
+/// Samples of [`Entry::Depth`](crate::optics::Entry) that stand for that much of the table's length.
+#[inline(always)]
+fn of_depth<S: Simd>(simd: S, [r, g, b, tau]: [f32x16<S>; 4], ratio: f32x16<S>) -> [f32x16<S>; 4] {
+    let tau = tau * ratio;
+    let (out, alpha) = getting_out(simd, tau);
+    let shines = ratio * out;
+    [r * shines, g * shines, b * shines, alpha]
+}
+
+/// Up to this optical depth, six terms of a series are good to the last bits: the next is τ⁶/5040.
+const THIN: f32 = 0.25;
+
+/// Of what shines in a homogeneous piece, the part that gets out, (1 − e^−τ)/τ; and the piece's opacity.
+#[inline(always)]
+fn getting_out<S: Simd>(simd: S, tau: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
+    if !tau.simd_gt(splat(simd, THIN)).any_true() {
+        let mut part = splat(simd, -1.0 / 720.0);
+        for c in [1.0 / 120.0, -1.0 / 24.0, 1.0 / 6.0, -0.5, 1.0] {
+            part = part * tau + c;
+        }
+        return (part, tau * part);
+    }
+    let alpha = opacity_of_depth(simd, tau);
+    let absorbs = tau.simd_gt(splat(simd, 0.0));
+    let one = splat(simd, 1.0);
+    (pick(absorbs, alpha / pick(absorbs, tau, one), one), alpha)
+}
+
+/// Samples that stand for that much of their length: light and opacity of a homogeneous piece grow in step.
 #[inline(always)]
 fn cut<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4], share: f32x16<S>) -> [f32x16<S>; 4] {
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
@@ -144,7 +178,7 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
             return samples;
         }
         // All columns first: neighbouring texels share them.
-        let mut columns = [[0.0; 4]; LANES + 2];
+        let mut columns = [[0.0; 4]; SPAN];
         let last = places.cell[n - 1] as usize + 1;
         for (i, column) in columns[..=last].iter_mut().enumerate() {
             let mut sum = f32x4::splat(simd, 0.0);
@@ -170,27 +204,29 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
 
     /// A voxel, classified.
     #[inline(always)]
-    fn row<'t>(&self, table: &'t P::Table, voxel: P) -> &'t [f32; 4] {
+    pub(super) fn row<'t>(&self, table: &'t P::Table, voxel: P) -> &'t [f32; 4] {
         P::row(table, voxel.place(self.optics.codes_begin()))
     }
 
     /// A classified voxel, shaded.
     #[inline(always)]
-    fn lit_voxel<S: Simd>(&self, simd: S, sample: f32x4<S>, normal: u16) -> f32x4<S> {
+    pub(super) fn lit_voxel<S: Simd>(&self, simd: S, sample: f32x4<S>, normal: u16) -> f32x4<S> {
         let Reflection { factor, added } = &self.reflections[usize::from(normal)];
         sample * f32x4::load_array_ref(simd, factor) + f32x4::load_array_ref(simd, added) * sample.to_array()[3]
     }
 
-    /// Adds samples behind what texels hold; a bit for each that is opaque now.
+    /// Adds samples behind what texels hold that are not opaque.
     #[inline(always)]
-    fn composite<S: Simd>(&self, simd: S, [r, g, b, alpha]: [f32x16<S>; 4], at: &Chunk, row: &mut Row<'_>) -> u32 {
+    fn composite<S: Simd>(&self, simd: S, [r, g, b, alpha]: [f32x16<S>; 4], at: &Chunk, row: &mut Row<'_>) -> Added {
+        let (mine, termination) = ((1 << at.n) - 1, splat(simd, self.termination));
         let opacity = row.sixteen(3, at.x);
         let before = f32x16::load_array_ref(simd, opacity);
-        let clear = splat(simd, 1.0) - before;
+        let open = before.simd_lt(termination);
+        let clear = pick(open, splat(simd, 1.0) - before, splat(simd, 0.0));
         let after = before + alpha * clear;
-        let opaque = after.simd_ge(splat(simd, self.termination)).to_bitmask() as u32 & ((1 << at.n) - 1);
+        let closed = (open & after.simd_ge(termination)).to_bitmask() as u32 & mine;
         let mut share = clear;
-        if opaque != 0 && self.level < 1.0 {
+        if closed != 0 && self.level < 1.0 {
             // A homogeneous sample is cut where the level is reached: light and opacity grow in step.
             let level = splat(simd, self.level);
             share = pick(after.simd_gt(level), clear * ((level - before) / (after - before)), clear);
@@ -202,12 +238,12 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
             let sum = row.sixteen(component, at.x);
             *sum = (f32x16::load_array_ref(simd, sum) + light * share).to_array();
         }
-        opaque
+        Added { samples: (open.to_bitmask() as u32 & mine).count_ones(), closed }
     }
 
     /// A sample shaded by what reflects at the voxels around it, interpolated.
     #[inline(always)]
-    fn lit<S: Simd, const N: usize>(
+    pub(super) fn lit<S: Simd, const N: usize>(
         &self,
         simd: S,
         edges: &Edges<N>,
@@ -226,5 +262,34 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
             }
         }
         sample * factor + added * sample.to_array()[3]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn what_gets_out_is_exact_to_the_last_bits_whatever_it_comes_with() {
+        let mut worst = 0.0f64;
+        for i in 0..30_000 {
+            let tau = libm::exp(f64::from(i) * 1e-3 - 26.0) as f32;
+            let exact = f64::from(tau);
+            let (out, alpha) = (vr_core::optics::source_weight(exact), vr_core::optics::opacity_of_depth(exact));
+            for thick in [0.0, 1.0] {
+                let mut all = [tau; LANES];
+                all[3] = thick;
+                let got = dispatch!(Level::new(), simd => {
+                    let (out, alpha) = getting_out(simd, f32x16::load_array_ref(simd, &all));
+                    [out[5], alpha[5]]
+                });
+                worst = worst.max((f64::from(got[0]) / out - 1.0).abs()).max((f64::from(got[1]) / alpha - 1.0).abs());
+            }
+        }
+        // Five units in the last place: four of the exponential, one of the quotient.
+        assert!(worst < 3e-7, "{worst:e}");
+        let none = dispatch!(Level::new(), simd => getting_out(simd, splat(simd, 0.0)).0.to_array());
+        assert_eq!(none, [1.0; LANES]);
     }
 }

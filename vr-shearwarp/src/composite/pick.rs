@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16};
 use vr_core::vector::{LANES, pick, splat};
 
 use super::cells::{Columns, Edges, STEPS_F32, values};
-use super::kernel::{Chunk, Kernel, Row};
+use super::kernel::{Added, Chunk, Kernel, Row};
 use crate::codes::Code;
 
 /// Which value.
@@ -38,7 +38,7 @@ impl<P: Code> Kernel for Pick<'_, P> {
         at: Chunk,
         shares: Option<&[f32; LANES]>,
         row: &mut Row<'_>,
-    ) -> u32 {
+    ) -> Added {
         let places = columns.places::<S, UNIT>(simd, edges.last);
         let value: f32x16<S> = values::<S, P, N, UNIT>(simd, self.voxels, edges, &places);
         let so_far = f32x16::load_array_ref(simd, row.sixteen(0, at.x));
@@ -57,11 +57,6 @@ impl<P: Code> Kernel for Pick<'_, P> {
         };
         *row.sixteen(0, at.x) = chosen.to_array();
         *row.sixteen(1, at.x) = (weight + share).to_array();
-        0
-    }
-
-    #[inline(always)]
-    fn stretch(&self, _: usize, _: usize) -> usize {
-        usize::MAX
+        Added { samples: at.n as u32, closed: 0 }
     }
 }

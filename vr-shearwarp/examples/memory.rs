@@ -1,0 +1,42 @@
+//! What an encoded volume takes in memory: `cargo run --release -p vr-shearwarp --example memory -- [SIZE ...]`.
+//!
+//! Phantoms of SIZE³ bytes (default 256), each encoding, in a Markdown table: stored voxels as a part of all, bytes to each with its
+//! runs, MB for one axis and for three. The samples themselves are not counted.
+
+use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
+use vr_core::{Control, OpacityRule, Scene, TransferFunction};
+use vr_shearwarp::{Encoding, ShearWarp};
+
+fn main() {
+    let mut sizes: Vec<usize> = std::env::args().skip(1).map(|n| n.parse().expect("SIZE: a number")).collect();
+    if sizes.is_empty() {
+        sizes.push(256);
+    }
+    let control = Control::default();
+    let encodings = [
+        ("classic", ShearWarp::classic()),
+        ("default", ShearWarp::default()),
+        ("octree", ShearWarp { encoding: Encoding::Octree, ..ShearWarp::default() }),
+    ];
+    println!("| scene | encoding | stored | bytes | one axis | three |\n|---|---|--:|--:|--:|--:|");
+    for size in sizes {
+        for name in ["blobs", "hydrogen", "marschner-lobb", "fog"] {
+            let phantom = phantom::by_name(name).expect("a known phantom");
+            let grid = phantom::sample::<u8>(&*phantom, [size; 3]).expect("SIZE: two or more");
+            let points = phantom.transfer_points();
+            let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
+            let scene = Scene::new(grid.into(), transfer.expect("valid points"));
+            for (label, renderer) in &encodings {
+                let size_of = |axes: &[usize]| renderer.encoded_size(&scene, axes, &control).expect("a valid scene");
+                let (one, three) = (size_of(&[2]), size_of(&[0, 1, 2]));
+                println!(
+                    "| {name} {size} | {label} | {:.1} % | {:.2} | {:.1} | {:.1} |",
+                    100.0 * one.stored as f64 / (size as f64).powi(3),
+                    one.per_voxel(),
+                    one.total() as f64 / 1e6,
+                    three.total() as f64 / 1e6
+                );
+            }
+        }
+    }
+}
