@@ -59,6 +59,12 @@ pub enum MeshError {
     /// No triangles.
     #[error("no triangle: a surface needs one at least")]
     Empty,
+    /// More triangles than can be counted in 32 bits.
+    #[error("{found} triangles: there may be 4294967295")]
+    TooMany {
+        /// How many there are.
+        found: usize,
+    },
     /// A position that is not finite, or too far away.
     #[error("vertex {vertex} is at {found:?}: coordinates must be finite and smaller than 1e100")]
     Position {

@@ -22,10 +22,13 @@ impl TriangleMesh {
     /// A surface of vertices at world positions, and triangles of three vertices each, counted from 0.
     ///
     /// # Errors
-    /// A position that is not finite, or beyond 10¹⁰⁰; a triangle of a vertex that there is not; no triangle at all.
+    /// A position that is not finite, or beyond 10¹⁰⁰; a triangle of a vertex that there is not; no triangle at all, or 2³² of them.
     pub fn new(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if triangles.is_empty() {
             return Err(MeshError::Empty);
+        }
+        if u32::try_from(triangles.len()).is_err() {
+            return Err(MeshError::TooMany { found: triangles.len() });
         }
         let wrong = |p: &DVec3| !p.abs().cmplt(DVec3::splat(MOST_COORDINATE)).all();
         if let Some(vertex) = positions.iter().position(wrong) {
