@@ -15,7 +15,7 @@ use vr_raycast::{RayCaster, Step};
 fn a_plane_at_a_depth_is_a_ray_cut_there() {
     let control = Control::default();
     let caster = RayCaster { step: Step::Uniform(0.1), ..RayCaster::default() };
-    // One after the other, with what bounds of errors are for: rounding in f32 over a hundred steps, and the square of the step.
+    // And how far apart layer and clip may be: rounding in f32 over hundreds of steps, and of the layer's depth to f32.
     let renderers: [(Box<dyn Renderer>, f32); 2] = [(Box::new(caster), 2e-5), (Box::new(Reference::default()), 2e-6)];
     for subject in phantom_subjects(24, [20; 2]).expect("enough samples") {
         let (low, high) = subject.scene.volume.bounds();

@@ -1,7 +1,7 @@
 //! Which pixels a triangle may cover: more than it does, never fewer.
 
 use glam::{DMat3, DVec2, DVec3};
-use vr_core::{ParameterError, Projection, TriangleMesh, View};
+use vr_core::{ParameterError, Projection, View};
 
 /// The picture, as the camera sees the world.
 #[derive(Clone, Copy, Debug)]
@@ -12,8 +12,8 @@ pub(crate) struct Screen {
     /// World size of a pixel: on the plane through the eye, or at distance 1 in perspective.
     pixel: f64,
     size: [u32; 2],
-    /// More than rounding moves any point of the mesh, or a ray, in world units.
-    slack: f64,
+    /// The largest coordinate of where rays start.
+    largest: f64,
 }
 
 /// By how many roundings of the largest coordinate positions may be off: subtraction of the eye and three products make fewer than ten.
@@ -37,20 +37,18 @@ pub(crate) enum Outline {
 impl Screen {
     /// # Errors
     /// As [`vr_core::Camera::frame`].
-    pub(crate) fn new(view: &View, mesh: &TriangleMesh) -> Result<Self, ParameterError> {
+    pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
         let camera = &view.camera;
         let height = f64::from(view.size[1]);
         let (perspective, pixel) = match camera.projection {
             Projection::Orthographic { height: world } => (false, world / height),
             Projection::Perspective { fov } => (true, 2.0 * libm::tan(0.5 * fov.to_radians()) / height),
         };
-        let (low, high) = mesh.bounds();
-        let mut largest = low.abs().max(high.abs()).max_element() + camera.eye.abs().max_element();
+        let mut largest = camera.eye.abs().max_element();
         if !perspective {
             largest += pixel * f64::from(view.size[0] + view.size[1]);
         }
-        let slack = ROUNDINGS * largest;
-        Ok(Self { eye: camera.eye, frame: camera.frame()?, perspective, pixel, size: view.size, slack })
+        Ok(Self { eye: camera.eye, frame: camera.frame()?, perspective, pixel, size: view.size, largest })
     }
 
     /// Width and height in pixels.
@@ -61,9 +59,12 @@ impl Screen {
     /// Where a triangle is.
     #[inline]
     pub(crate) fn outline(&self, corners: [DVec3; 3]) -> Outline {
+        // More than rounding moves a corner, or a ray, in world units.
+        let largest = corners.iter().fold(self.largest, |largest, p| largest.max(p.abs().max_element()));
+        let slack = ROUNDINGS * largest;
         // Right, up and ahead of the eye.
         let seen = corners.map(|p| self.frame.transpose() * (p - self.eye));
-        let behind = |p: &DVec3| p.z < -self.slack;
+        let behind = |p: &DVec3| p.z < -slack;
         if seen.iter().all(behind) {
             return Outline::Nowhere;
         }
@@ -71,8 +72,8 @@ impl Screen {
         let mut depth = 1.0;
         if self.perspective {
             depth = seen[0].z.min(seen[1].z).min(seen[2].z);
-            if depth <= NEAR * self.slack {
-                return if self.is_aside(&seen) { Outline::Nowhere } else { Outline::Anywhere };
+            if depth <= NEAR * slack {
+                return if self.is_aside(&seen, slack) { Outline::Nowhere } else { Outline::Anywhere };
             }
         }
         let mut reach: f64 = 0.0;
@@ -82,17 +83,15 @@ impl Screen {
             reach = reach.max(x.abs()).max(y.abs());
             DVec2::new(half_width + x, half_height + y)
         });
-        let margin = MARGIN + self.slack / depth * (1.0 / self.pixel + reach);
+        let margin = MARGIN + slack / depth * (1.0 / self.pixel + reach);
         if margin < 0.5 * f64::from(u32::MAX) { Outline::Corners(points, margin) } else { Outline::Anywhere }
     }
 
     /// Whether one side of the picture has all corners outside of it; in perspective, where they may be behind the eye.
-    fn is_aside(&self, seen: &[DVec3; 3]) -> bool {
+    fn is_aside(&self, seen: &[DVec3; 3], slack: f64) -> bool {
         let [x, y] = self.size.map(|n| 0.5 * f64::from(n) * self.pixel);
-        let beyond = |normal: DVec3, slope: f64| {
-            let slack = self.slack * (1.0 + slope);
-            seen.iter().all(|p| normal.dot(*p) - slope * p.z > slack)
-        };
+        let beyond =
+            |normal: DVec3, slope: f64| seen.iter().all(|p| normal.dot(*p) - slope * p.z > slack * (1.0 + slope));
         beyond(DVec3::X, x) || beyond(DVec3::NEG_X, x) || beyond(DVec3::Y, y) || beyond(DVec3::NEG_Y, y)
     }
 }
@@ -157,6 +156,22 @@ mod tests {
         assert_eq!([1, 4, 8].map(|row| triangle.columns(row, [20, 20])), [[1, 9], [1, 6], [1, 2]]);
         assert_eq!(triangle.columns(4, [3, 20]), [1, 3]);
         assert_eq!(triangle.rows([1, 20]), [0, 0], "to the right of the picture");
+    }
+
+    #[test]
+    fn across_the_eyes_plane_it_may_be_anywhere_or_aside() {
+        let projection = Projection::Perspective { fov: 90.0 };
+        let camera = vr_core::Camera { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, projection };
+        let screen = Screen::new(&View::new(camera, [10, 10])).unwrap();
+        let outline = |x: f64, z: [f64; 3]| {
+            screen.outline([DVec3::new(x, -1.0, z[0]), DVec3::new(x, 1.0, z[1]), DVec3::new(x + 0.1, 0.0, z[2])])
+        };
+        assert_eq!(outline(0.0, [1.0, 1.0, -1.0]), Outline::Anywhere);
+        assert_eq!(outline(5.0, [1.0, 1.0, -1.0]), Outline::Nowhere, "to the right of all that is seen");
+        assert_eq!(outline(-5.0, [1.0, 1.0, -1.0]), Outline::Nowhere);
+        assert_eq!(outline(0.0, [1.0, 1.0, 1.0]), Outline::Nowhere, "behind");
+        let Outline::Corners(points, margin) = outline(0.0, [-2.0, -2.0, -2.0]) else { panic!("ahead") };
+        assert!((points[0] - DVec2::new(5.0, 7.5)).length() < 1e-12 && margin < 2.0 * MARGIN, "{points:?} {margin}");
     }
 
     #[test]

@@ -27,7 +27,7 @@ const PIECE: usize = 1 << 14;
 pub fn rasterize(mesh: &TriangleMesh, surface: &Surface, view: &View, control: &Control) -> Result<Layer, RenderError> {
     surface.validate()?;
     let view = View { layer: None, ..view.clone() };
-    let picture = Picture { mesh, surface, view: &view, rays: Rays::new(&view)?, screen: Screen::new(&view, mesh)? };
+    let picture = Picture { mesh, surface, view: &view, rays: Rays::new(&view)?, screen: Screen::new(&view)? };
     let pieces = mesh.triangles().len().div_ceil(PIECE) as u32;
     let candidates = in_parallel(control, pieces, |piece| picture.candidates(piece as usize * PIECE))?;
     let bands = Bands::new(view.size[1], &candidates);

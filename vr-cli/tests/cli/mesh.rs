@@ -50,18 +50,19 @@ fn a_scene_file_names_a_mesh_beside_it() {
     std::fs::create_dir(vr.folder().join("scenes")).unwrap();
     vr.write("scenes/square.obj", square(0.0));
     vr.write("other.obj", square(-0.3) + "f 1 2 4\n");
-    let scene = "[volume]\nphantom = \"blobs\"\nsize = 16\n[mesh]\npath = \"square.obj\"\ncolor = [1.0, 0.0, 0.0]\n[shading]\nspecular = 0.0\n";
+    let scene = "[volume]\nphantom = \"blobs\"\nsize = 16\n[mesh]\npath = \"square.obj\"\ncolor = [1.0, 0.0, 0.0]\n\
+                 [shading]\nspecular = 0.0\n";
     vr.write("scenes/x.toml", scene);
     let title = |flags: &str| {
         let run = vr.run(&format!("render --scene scenes/x.toml --size 16 --json {flags}")).succeeded();
         run.json()["volume"].as_str().unwrap().to_owned()
     };
     assert!(title("").ends_with("square.obj of 2 triangles"));
-    let corner = vr.picture("vr.png").to_rgb8().get_pixel(0, 8).0;
+    let corner = vr.picture("vr.png").to_rgb8().get_pixel(5, 8).0;
     assert!(corner[0] > 80 && corner[1] == 0 && corner[2] == 0, "red, and nothing shines: {corner:?}");
     // Relative to here, not to the scene; and the colour of the other one is not its own.
     assert!(title("--mesh other.obj").ends_with("other.obj of 3 triangles"));
-    let corner = vr.picture("vr.png").to_rgb8().get_pixel(0, 8).0;
+    let corner = vr.picture("vr.png").to_rgb8().get_pixel(5, 8).0;
     assert!(corner[0] > 80 && corner[0] == corner[1], "grey: {corner:?}");
 }
 

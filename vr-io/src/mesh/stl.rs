@@ -24,7 +24,9 @@ pub(super) fn is_text(bytes: &[u8]) -> bool {
     let is_binary = claimed(bytes).is_some_and(|count| length(count) == bytes.len() as u64);
     // A null byte is in no text.
     let word = bytes.trim_ascii_start().get(..5);
-    !is_binary && word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes[..bytes.len().min(HEAD)].contains(&0)
+    !is_binary
+        && word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+        && !bytes[..bytes.len().min(HEAD)].contains(&0)
 }
 
 /// The number of triangles that the header of a binary file tells.
