@@ -37,7 +37,7 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     let contestants = contestants(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
     let mut setup = Setup::new(&args.scene, console)?;
     if args.scene.scene.is_none() && args.scene.image.size.is_none() {
-        setup.view.size = DEFAULT_SIZE;
+        setup.resize(DEFAULT_SIZE)?;
     }
     let (scene, view) = (&setup.scene, &setup.view);
     let every_pixel = subgrid(u32::MAX, view.size);

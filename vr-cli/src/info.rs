@@ -9,16 +9,19 @@ use crate::args::InfoArgs;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
-use crate::{number, volume_setup};
+use crate::{mesh_info, number, volume_setup};
 
 /// Columns and rows of the drawn histogram.
 const DRAWN: (usize, usize) = (72, 8);
 
-/// Describes a volume.
+/// Describes a volume, or a mesh.
 ///
 /// # Errors
 /// Whatever is wrong with the command line or the file.
 pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
+    if let Some(path) = mesh_info::named(&args.volume) {
+        return mesh_info::run(path, console);
+    }
     let (title, LoadedVolume { volume, info, notes, .. }) = volume_setup::load(&args.volume, console)?;
     let uniform = volume
         .uniform()

@@ -22,6 +22,7 @@ mod heat_map;
 mod histogram;
 mod info;
 mod interrupt;
+mod mesh_info;
 mod number;
 mod output_file;
 mod overrides;

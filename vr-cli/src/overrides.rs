@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use vr_core::scene_file::{ClipSection, LightEntry, PlaneEntry, PointEntry, SceneFile, TransferSection, VolumeSection};
+use vr_core::scene_file::{
+    ClipSection, LightEntry, MeshSection, PlaneEntry, PointEntry, SceneFile, TransferSection, VolumeSection,
+};
 
-use crate::args::{CameraArgs, CompositingArgs, ImageArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs};
+use crate::args::{CameraArgs, CompositingArgs, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs};
 use crate::failure::Failure;
 
 /// Writes flags into a scene file, and remembers which fields they set: a complaint about one of those is about the command
@@ -20,13 +22,14 @@ impl Overrides {
     /// Writes every flag of a scene but the camera's, which needs the volume.
     ///
     /// # Errors
-    /// A flag about files where there is a phantom, or the other way round.
+    /// A flag about files where there is a phantom, or the other way round; a colour for a mesh that there is not.
     pub fn apply(&mut self, args: &SceneArgs, file: &mut SceneFile) -> Result<(), Failure> {
         self.over_file = args.scene.is_some();
         self.volume(&args.volume, &mut file.volume)?;
         self.set("volume.filter", args.filter, &mut file.volume.filter);
         self.transfer(&args.transfer, file);
         self.shading(&args.shading, file);
+        self.mesh(&args.mesh, file)?;
         self.image(&args.image, file);
         self.compositing(&args.compositing, file);
         Ok(())
@@ -162,6 +165,22 @@ impl Overrides {
         if args.shading || self.fields.len() > before {
             file.shading = Some(section);
         }
+    }
+
+    fn mesh(&mut self, args: &MeshArgs, file: &mut SceneFile) -> Result<(), Failure> {
+        if let Some(path) = &args.mesh {
+            // Another mesh: the colour in the file is not for it.
+            file.mesh = Some(MeshSection { path: self.path_from_here(path), color: None });
+            self.note("mesh.path");
+        }
+        match &mut file.mesh {
+            Some(section) => self.set_some("mesh.color", args.mesh_color, &mut section.color),
+            None if args.mesh_color.is_some() => {
+                return Err(Failure::usage("mesh.color: there is no mesh to colour; --mesh FILE names one"));
+            }
+            None => {}
+        }
+        Ok(())
     }
 
     fn image(&mut self, args: &ImageArgs, file: &mut SceneFile) {

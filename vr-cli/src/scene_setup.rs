@@ -4,8 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, FromArgMatches};
 use vr_core::scene_file::{SceneFile, VolumeSection};
-use vr_core::{OptionError, Options, ParameterError, RenderError, Renderer, Scene, View, Volume};
-use vr_io::{LoadedScene, SceneFileError};
+use vr_core::{
+    Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, TriangleMesh, View, Volume,
+};
+use vr_io::{LoadedScene, SceneFileError, SceneMesh};
+use vr_mesh::Surface;
 
 use crate::args::{RendererArgs, SceneArgs};
 use crate::console::Console;
@@ -28,6 +31,8 @@ pub struct Setup {
     pub notes: Vec<String>,
     /// The phantom that the volume is made of, if it is.
     pub phantom: Option<String>,
+    /// The opaque surface among the volume, and what it looks like.
+    mesh: Option<(TriangleMesh, Surface)>,
     renderer: String,
     options: Options,
     max_error: Option<f64>,
@@ -45,22 +50,60 @@ impl Setup {
             Some(path) => vr_io::read_scene(path).map_err(Failure::failed)?,
             None => default_scene(args.volume.path.is_some() || args.volume.phantom.is_some())?,
         };
+        if args.scene.is_none() && args.mesh.mesh.is_some() {
+            // The embedded camera sees the embedded volume, and may miss the mesh.
+            file.camera = None;
+        }
         let mut origin = Origin { scene_file: args.scene.clone(), overrides: Overrides::default() };
         origin.overrides.apply(args, &mut file)?;
         let path = args.scene.as_deref().unwrap_or(Path::new(""));
-        let LoadedScene { scene, mut view, renderer, options, max_error, info, notes } =
-            vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
+        let loaded = vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
+        let bounds = loaded.bounds();
+        let LoadedScene { scene, mut view, mesh, renderer, options, max_error, info, notes } = loaded;
 
         let own = file.camera.is_some().then_some(view.camera);
         origin.overrides.camera(&args.camera);
-        let sight = (scene.volume.bounds(), info.as_ref());
+        let sight = (bounds, info.as_ref());
         view.camera = camera_flags::apply(&args.camera, own, sight).map_err(|e| origin.parameter(&e))?;
         for note in &notes {
             console.note(note);
         }
-        let title = title(&file.volume, &scene.volume);
+        let mut title = title(&file.volume, &scene.volume);
+        if let (Some(section), Some(SceneMesh { mesh, .. })) = (&file.mesh, &mesh) {
+            title += &format!(", with {} of {} triangles", section.path, mesh.triangles().len());
+        }
+        // One light for all that is there; a mesh alone would be flat without any.
+        let shading = scene.shading.as_deref().cloned().unwrap_or_default();
+        let mesh = mesh.map(|SceneMesh { mesh, color }| (mesh, Surface { color, shading }));
         let phantom = file.volume.phantom;
-        Ok(Self { scene, view, title, notes, phantom, renderer, options, max_error, origin })
+        let mut setup = Self { scene, view, title, notes, phantom, mesh, renderer, options, max_error, origin };
+        setup.view = setup.with_mesh(&setup.view).map_err(|e| setup.render_failure(e))?;
+        if setup.view.layer.as_ref().is_some_and(|layer| layer.pixels.iter().all(|p| p.1 == f32::INFINITY)) {
+            console.note("the mesh is nowhere in the picture");
+        }
+        Ok(setup)
+    }
+
+    /// A view of the scene with the mesh in it, which has to be drawn anew for each camera and size; the view as it is where there is none.
+    ///
+    /// # Errors
+    /// A view, or a colour of the mesh, that makes no sense.
+    pub fn with_mesh(&self, view: &View) -> Result<View, RenderError> {
+        let view = View { layer: None, ..view.clone() };
+        let Some((mesh, surface)) = &self.mesh else { return Ok(view) };
+        // On the threads of the command, as all of it.
+        let layer = vr_mesh::rasterize(mesh, surface, &view, &Control::default())?;
+        Ok(View { layer: Some(layer.into()), ..view })
+    }
+
+    /// Changes the size of the picture.
+    ///
+    /// # Errors
+    /// As [`Self::with_mesh`].
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Failure> {
+        let view = View { size, layer: None, ..self.view.clone() };
+        self.view = self.with_mesh(&view).map_err(|e| self.render_failure(e))?;
+        Ok(())
     }
 
     /// The renderer that flags or the scene file ask for, with its options set.
@@ -113,10 +156,16 @@ impl Setup {
 /// The scene that flags name; none where they name nothing, for commands that have scenes of their own then.
 ///
 /// # Errors
-/// As [`Setup::new`]; flags about a scene where none is named.
+/// As [`Setup::new`]; flags about a scene where none is named; a mesh, for such commands turn and resize what they draw.
 pub fn named_scene(args: &SceneArgs, console: Console) -> Result<Option<Setup>, Failure> {
     if args.volume.path.is_some() || args.volume.phantom.is_some() || args.scene.is_some() {
-        return Setup::new(args, console).map(Some);
+        let setup = Setup::new(args, console)?;
+        return match setup.mesh {
+            Some(_) => {
+                Err(setup.origin.parameter(&ParameterError::new("mesh", "one", "this command is about volumes alone")))
+            }
+            None => Ok(Some(setup)),
+        };
     }
     // Every argument tells all that it holds.
     let none = SceneArgs::augment_args(clap::Command::new("none")).get_matches_from(["none"]);

@@ -52,6 +52,57 @@ pub enum GridError {
     },
 }
 
+/// A surface that cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// No triangles.
+    #[error("no triangle: a surface needs one at least")]
+    Empty,
+    /// More triangles than can be counted in 32 bits.
+    #[error("{found} triangles: there may be 4294967295")]
+    TooMany {
+        /// How many there are.
+        found: usize,
+    },
+    /// A position that is not finite, or too far away.
+    #[error("vertex {vertex} is at {found:?}: coordinates must be finite and smaller than 1e100")]
+    Position {
+        /// Which vertex, from 0.
+        vertex: usize,
+        /// Its position.
+        found: [f64; 3],
+    },
+    /// A triangle of a vertex that there is not.
+    #[error("triangle {triangle} has vertex {found}: there are {vertices}, counted from 0")]
+    Vertex {
+        /// Which triangle, from 0.
+        triangle: usize,
+        /// Its vertex.
+        found: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// Normals or colours that are not one for each vertex.
+    #[error("{found} {what} for {vertices} vertices: each must have one")]
+    Length {
+        /// What there are more or fewer of.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A colour that is none.
+    #[error("vertex {vertex} has the colour {found:?}: must be finite and not negative")]
+    Color {
+        /// Which vertex, from 0.
+        vertex: usize,
+        /// Its colour.
+        found: [f32; 3],
+    },
+}
+
 /// A part of a scene or view that makes no sense: which field, what was found, what is allowed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{field}: found {found}; {allowed}")]

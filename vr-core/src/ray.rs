@@ -16,6 +16,15 @@ pub struct Ray {
     pub direction: DVec3,
 }
 
+impl Ray {
+    /// The first and the last distance at which the ray is inside the clip, ends included; `None` where it never is.
+    pub fn inside(&self, clip: &Clip) -> Option<[f64; 2]> {
+        let mut part = Interval { start: 0.0, end: f64::INFINITY };
+        part.clip(clip, self.origin, self.direction);
+        (part.start <= part.end).then_some([part.start, part.end])
+    }
+}
+
 /// The rays of a view.
 #[derive(Clone, Debug)]
 pub struct Rays {
@@ -139,15 +148,7 @@ impl IndexRay {
             part.keep_between(origin[a], direction[a], 0.0, last[a]);
         }
         let world = ray.origin + ray.direction * offset;
-        if let Some((low, high)) = clip.crop {
-            for a in 0..3 {
-                part.keep_between(world[a], ray.direction[a], low[a], high[a]);
-            }
-        }
-        for plane in &clip.planes {
-            let (at, slope) = (plane.normal.dot(world) - plane.offset, plane.normal.dot(ray.direction));
-            part.keep_between(at, slope, 0.0, f64::INFINITY);
-        }
+        part.clip(clip, world, ray.direction);
         (part.start < part.end).then_some(Self { origin, direction, start: part.start, end: part.end, offset })
     }
 
@@ -168,6 +169,19 @@ struct Interval {
 }
 
 impl Interval {
+    /// Keeps the s for which `origin + s·direction` is inside the clip.
+    fn clip(&mut self, clip: &Clip, origin: DVec3, direction: DVec3) {
+        if let Some((low, high)) = clip.crop {
+            for a in 0..3 {
+                self.keep_between(origin[a], direction[a], low[a], high[a]);
+            }
+        }
+        for plane in &clip.planes {
+            let (at, slope) = (plane.normal.dot(origin) - plane.offset, plane.normal.dot(direction));
+            self.keep_between(at, slope, 0.0, f64::INFINITY);
+        }
+    }
+
     /// Keeps the s with low ≤ x + s·slope ≤ high.
     fn keep_between(&mut self, x: f64, slope: f64, low: f64, high: f64) {
         if slope == 0.0 {
@@ -252,6 +266,19 @@ mod tests {
                 assert_eq!(packet.direction.map(|a| a[i]), one.direction.to_array());
             }
         }
+    }
+
+    #[test]
+    fn a_ray_is_inside_the_clip_between_its_faces() {
+        let along = ray([1.0, 1.0, 9.0], [0.0, 0.0, -2.0]);
+        assert_eq!(along.inside(&Clip::default()), Some([0.0, f64::INFINITY]));
+        let crop = Some((DVec3::ZERO, DVec3::splat(4.0)));
+        let plane = |offset| vec![crate::view::Plane { normal: DVec3::Z * 2.0, offset }];
+        assert_eq!(along.inside(&Clip { crop, planes: vec![] }), Some([5.0, 9.0]));
+        assert_eq!(along.inside(&Clip { crop, planes: plane(3.0) }), Some([5.0, 7.5]));
+        assert_eq!(along.inside(&Clip { crop, planes: plane(8.0) }), Some([5.0, 5.0]), "a point is something");
+        assert_eq!(along.inside(&Clip { crop, planes: plane(9.0) }), None);
+        assert_eq!(ray([5.0, 1.0, 9.0], [0.0, 0.0, -1.0]).inside(&Clip { crop, planes: vec![] }), None);
     }
 
     #[test]

@@ -37,6 +37,9 @@ pub struct SceneFile {
     /// Absent: the whole volume, from an oblique direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraSection>,
+    /// Absent: no opaque surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<MeshSection>,
     /// Absent: nothing is cut away.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clip: Option<ClipSection>,
@@ -303,6 +306,17 @@ impl CameraSection {
     }
 }
 
+/// `[mesh]`: an opaque surface among the volume, lit as `[shading]` says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeshSection {
+    /// A mesh file, relative to the scene file.
+    pub path: String,
+    /// Linear RGB all over; the mesh's own colours, or grey, if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub color: Option<[f64; 3]>,
+}
+
 /// `[clip]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -443,7 +457,7 @@ impl RenderSection {
 }
 
 impl SceneFile {
-    /// Describes a scene whose volume is small enough to stand in the file.
+    /// Describes a scene whose volume is small enough to stand in the file; the view's layer, which no file can say, is left out.
     ///
     /// # Errors
     /// A volume of more than 64³ samples or of another kind than a uniform grid.
@@ -463,6 +477,7 @@ impl SceneFile {
             }),
             shading: scene.shading.as_deref().map(ShadingSection::from),
             camera: Some(CameraSection::from(&view.camera)),
+            mesh: None,
             clip: (*clip != Clip::default()).then(|| ClipSection {
                 crop: clip.crop.map(|(a, b)| [a.to_array(), b.to_array()]),
                 planes: planes.collect(),

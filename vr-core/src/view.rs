@@ -91,7 +91,7 @@ pub struct Plane {
 }
 
 /// An opaque picture with depth, as another renderer of surfaces made it: the volume before it is drawn over it, the volume
-/// behind it is hidden.
+/// behind it is hidden. One entry a pixel, of the ray through its centre, serves all subpixel rays of [`View::samples`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// Row by row from the top: linear RGB and the world distance along the pixel's ray, +∞ where there is nothing.

@@ -146,6 +146,7 @@ fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
         "vvd" => "Voreen (.vvd)",
         "general" | "dx" => "OpenDX",
         "ex2" | "exo" => "ExodusII",
+        "stl" | "obj" | "ply" => "mesh (a surface, for --mesh)",
         _ => return None,
     })
 }

@@ -2,7 +2,7 @@
 //!
 //! [`read`] takes a volume of any supported format, told by its content first and by its name second, and gives a
 //! [`vr_core::Volume`], what the file said about it, and notes on what had to be assumed. [`load_scene`] takes a scene file with
-//! everything that it names. [`write()`](write()), [`write_nrrd`] and [`write_scene`] go the other way. [`read_picture`] takes
+//! everything that it names, and [`read_mesh`] an opaque surface. [`write()`](write()), [`write_nrrd`] and [`write_scene`] go the other way. [`read_picture`] takes
 //! pictures of other programs, and our own, for comparison.
 //!
 //! ```
@@ -44,6 +44,17 @@
 //! samples that memory can hold as they are stay in the file, mapped. One frame of a series and one component of several are
 //! picked by [`ReadOptions`].
 //!
+//! # Surfaces that are read
+//!
+//! | format | files | what is taken |
+//! |---|---|---|
+//! | STL | text and binary | triangles; normals of facets are computed anew |
+//! | OBJ | text | vertices with colours, normals, polygons |
+//! | PLY | text, binary of either byte order | vertices with colours and normals, polygons |
+//!
+//! Colours are taken as sRGB. Positions are world positions of the volume that the surface stands in, in the file's own frame: a
+//! surface made from a scan in LPS has to be turned to RAS before.
+//!
 //! # Where a volume lies
 //!
 //! The world is RAS (right, anterior, superior) for files that declare a patient space, and the file's own frame otherwise.
@@ -75,6 +86,7 @@ mod framing;
 mod header_text;
 mod layout;
 mod mapped;
+mod mesh;
 mod metaimage;
 mod nifti;
 mod nrrd;
@@ -94,6 +106,7 @@ pub use atomic::write_bytes;
 pub use error::{ReadError, WriteError};
 pub use exr::write_exr;
 pub use framing::{OBLIQUE, framing};
+pub use mesh::{LoadedMesh, MeshFileError, is_mesh, read_mesh};
 pub use nifti::Transform;
 pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
 pub use paraview::{ColorMap, ColorMapError, parse_color_maps, read_color_maps};
@@ -104,7 +117,7 @@ pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, read};
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    LoadedScene, LoadedVolume, SceneFileError, load_scene, load_volume, parse_scene, read_scene, resolve_scene,
-    scene_text, write_scene,
+    LoadedScene, LoadedVolume, SceneFileError, SceneMesh, load_scene, load_volume, parse_scene, read_scene,
+    resolve_scene, scene_text, write_scene,
 };
 pub use world::{Space, orientation};

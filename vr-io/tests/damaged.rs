@@ -1,6 +1,7 @@
 //! Files with bytes changed, put in, taken out and cut off, thousands of them: each is read or refused in one line, never a
 //! panic. The random numbers are the same on every run.
 
+mod small_meshes;
 mod tiny;
 
 use std::cell::Cell;
@@ -9,8 +10,9 @@ use std::path::Path;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use small_meshes::{obj, ply_binary, ply_text, stl_binary, stl_text};
 use tiny::{gzip, i16_bytes, join, metaimage, nifti_1, nifti_2, nrrd, zlib};
-use vr_io::{ReadOptions, parse_color_maps, parse_scene, read, resolve_scene};
+use vr_io::{ReadOptions, parse_color_maps, parse_scene, read, read_mesh, resolve_scene};
 
 #[derive(Clone, Debug)]
 enum Damage {
@@ -188,4 +190,36 @@ fn colour_maps() {
             Err(e) => one_line(e.to_string()),
         }
     });
+}
+
+#[test]
+fn meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = Cell::new(0);
+    let files = [
+        ("a.stl", stl_text().into_bytes()),
+        ("b.stl", stl_binary(b"solid")),
+        ("c.obj", obj().into_bytes()),
+        ("d.obj", b"v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 -1//-1\n".to_vec()),
+        ("e.ply", ply_text().into_bytes()),
+        ("f.ply", ply_binary(false)),
+        ("g.ply", ply_binary(true)),
+    ];
+    for (name, file) in files {
+        survive(&file, |damaged| {
+            case.set(case.get() + 1);
+            let path = folder.path().join(format!("{}{name}", case.get()));
+            std::fs::write(&path, damaged).map_err(|e| e.to_string())?;
+            let outcome = read_mesh(&path);
+            std::fs::remove_file(&path).map_err(|e| e.to_string())?;
+            match outcome {
+                // What was read is a surface in earnest.
+                Ok(loaded) => {
+                    let (low, high) = loaded.mesh.bounds();
+                    if low.is_finite() && high.is_finite() { Ok(()) } else { Err("bounds that are not finite".into()) }
+                }
+                Err(e) => one_line(e.to_string()),
+            }
+        });
+    }
 }

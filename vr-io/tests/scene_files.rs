@@ -156,3 +156,23 @@ fn what_a_property_test_prints_is_read_back_identical() {
     assert_eq!(view.camera, back.view.camera);
     assert_eq!(view.clip, back.view.clip);
 }
+
+/// A mesh beside the scene file: read, part of what there is to see, and written as it was.
+#[test]
+fn a_mesh_belongs_to_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("x.obj"), "v 0 0 0\nv 50 0 0\nv 0 -40 0\nf 1 2 3\n").unwrap();
+    let text = "[volume]\nphantom = \"fog\"\nsize = 4\n[mesh]\npath = \"x.obj\"\ncolor = [0.5, 0.25, 1.0]\n";
+    let path = folder.path().join("x.toml");
+    let file = parse_scene(text, &path).unwrap();
+    let written = scene_text(&file).unwrap();
+    assert_eq!(parse_scene(&written, &path).unwrap(), file, "{written}");
+    let loaded = resolve_scene(&file, &path).unwrap();
+    let (low, high) = loaded.bounds();
+    assert_eq!((low.y, high.x, high.y), (-40.0, 50.0, loaded.scene.volume.bounds().1.y));
+    // The camera that nobody gave sees all of it.
+    assert_eq!(loaded.view.camera.target, 0.5 * (low + high));
+    let mesh = loaded.mesh.unwrap();
+    assert_eq!((mesh.mesh.triangles().len(), mesh.color), (1, Some([0.5, 0.25, 1.0])));
+    assert!(parse_scene("[mesh]\ncolor = [1.0, 0.0, 0.0]\n", &path).unwrap_err().to_string().contains("path"));
+}

@@ -17,7 +17,7 @@ pub use choices::{Bits, Curve, ErrorMeasure};
 pub use diff::DiffArgs;
 pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
-pub use scene::{CameraArgs, CompositingArgs, ImageArgs, SceneArgs, ShadingArgs, TransferArgs};
+pub use scene::{CameraArgs, CompositingArgs, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use volume::VolumeArgs;
 
 use crate::failure::Failure;
@@ -67,7 +67,7 @@ pub enum Command {
     Verify(Box<VerifyArgs>),
     /// Compare two pictures from anywhere: error, similarity, heat map
     Diff(Box<DiffArgs>),
-    /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try
+    /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try; or a mesh
     Info(Box<InfoArgs>),
     /// Tell everything about one pixel: what its ray meets, what the renderer made of it, and the exact solution
     Ray(Box<RayArgs>),

@@ -26,6 +26,9 @@ pub struct SceneArgs {
     /// `[shading]`.
     #[command(flatten)]
     pub shading: ShadingArgs,
+    /// `[mesh]`.
+    #[command(flatten)]
+    pub mesh: MeshArgs,
     /// `[camera]`.
     #[command(flatten)]
     pub camera: CameraArgs,
@@ -96,14 +99,26 @@ pub struct ShadingArgs {
     pub gradient_opacity: Vec<[f64; 2]>,
 }
 
+/// `[mesh]`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Opaque surface")]
+pub struct MeshArgs {
+    /// A surface in the volume's world, for renderers that take one: STL, OBJ or PLY; lit as the volume is shaded, or by a headlight
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
+    /// Linear RGB of the surface; the colours of its vertices, or grey, if absent
+    #[arg(long, value_name = "R,G,B", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
+    pub mesh_color: Option<[f64; 3]>,
+}
+
 /// `[camera]`.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArgs {
-    /// See all of the volume from this many degrees to the right of its front: the +z side, a patient's face
+    /// See everything from this many degrees to the right of the volume's front: the +z side, a patient's face
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, conflicts_with_all = ["eye", "target", "up"])]
     pub azimuth: Option<f64>,
-    /// See all of the volume from this many degrees above: the +y side, a patient's head
+    /// See everything from this many degrees above: the +y side, a patient's head
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, conflicts_with_all = ["eye", "target", "up"])]
     pub elevation: Option<f64>,
     /// Position of the eye

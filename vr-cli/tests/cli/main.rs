@@ -5,5 +5,6 @@ mod bench;
 mod commands;
 mod diff;
 mod harness;
+mod mesh;
 mod ray;
 mod report;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use vr_core::ParameterError;
 
 use crate::error::{ReadError, shown};
+use crate::mesh::MeshFileError;
 use crate::paraview::ColorMapError;
 
 /// Why a scene file gives no scene. Every message is one line.
@@ -55,6 +56,9 @@ pub enum SceneFileError {
     /// The volume that the file names.
     #[error(transparent)]
     Volume(#[from] ReadError),
+    /// The mesh that the file names.
+    #[error(transparent)]
+    Mesh(#[from] MeshFileError),
     /// The colour map that the file names.
     #[error(transparent)]
     ColorMap(#[from] ColorMapError),

@@ -11,7 +11,7 @@ use crate::atomic::write_whole;
 use crate::error::WriteError;
 
 pub use error::SceneFileError;
-pub use resolve::{LoadedScene, LoadedVolume, load_volume, resolve_scene};
+pub use resolve::{LoadedScene, LoadedVolume, SceneMesh, load_volume, resolve_scene};
 
 /// Reads a scene file, without the files that it names.
 ///

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
+use glam::DVec3;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
 use vr_core::scene_file::{ColorEncoding, SceneFile, TransferSection, VolumeSection};
 use vr_core::transfer::{Preset, srgb_to_linear};
-use vr_core::{ControlPoint, Options, ParameterError, Scene, View, Volume};
+use vr_core::{ControlPoint, Options, ParameterError, Scene, TriangleMesh, View, Volume};
 
 use crate::framing::{OBLIQUE, framing};
+use crate::mesh::read_mesh;
 use crate::nifti::Transform;
 use crate::paraview::read_color_maps;
 use crate::raw::RawDescription;
@@ -21,8 +23,10 @@ use super::error::{SceneFileError, nearest};
 pub struct LoadedScene {
     /// What is drawn.
     pub scene: Scene,
-    /// From where, and how large.
+    /// From where, and how large. Its layer is empty: what the mesh looks like from there, a rasteriser finds out.
     pub view: View,
+    /// The opaque surface among the volume, where the file names one.
+    pub mesh: Option<SceneMesh>,
     /// The renderer that the file asks for.
     pub renderer: String,
     /// That renderer's own options.
@@ -33,6 +37,28 @@ pub struct LoadedScene {
     pub info: Option<FileInfo>,
     /// What was assumed, one line each.
     pub notes: Vec<String>,
+}
+
+/// The surface of a scene.
+#[derive(Clone, Debug)]
+pub struct SceneMesh {
+    /// The surface.
+    pub mesh: TriangleMesh,
+    /// Linear RGB all over; the mesh's own colours, or a default, if `None`.
+    pub color: Option<[f64; 3]>,
+}
+
+impl LoadedScene {
+    /// Lower and upper corner of the world box around all that there is to see: the volume, and the mesh where there is one.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        bounds(&self.scene, self.mesh.as_ref())
+    }
+}
+
+fn bounds(scene: &Scene, mesh: Option<&SceneMesh>) -> (DVec3, DVec3) {
+    let (low, high) = scene.volume.bounds();
+    let (mesh_low, mesh_high) = mesh.map_or((low, high), |m| m.mesh.bounds());
+    (low.min(mesh_low), high.max(mesh_high))
 }
 
 /// The scene that a scene file describes. Paths in it are relative to the folder of `path`, which is also what errors call it;
@@ -63,14 +89,23 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
             points
         }
     };
+    let mesh = match &file.mesh {
+        Some(section) => {
+            let loaded = read_mesh(folder.join(&section.path))?;
+            notes.extend(loaded.notes);
+            Some(SceneMesh { mesh: loaded.mesh, color: section.color })
+        }
+        None => None,
+    };
     let (scene, mut view) = file.assemble(found.volume, points).map_err(in_file)?;
     if file.camera.is_none() {
-        view.camera = framing(scene.volume.bounds(), found.info.as_ref(), OBLIQUE, None);
+        view.camera = framing(bounds(&scene, mesh.as_ref()), found.info.as_ref(), OBLIQUE, None);
     }
     let render = file.render;
     Ok(LoadedScene {
         scene,
         view,
+        mesh,
         renderer: render.renderer,
         options: render.options,
         max_error: render.max_error,

@@ -1,0 +1,128 @@
+//! From a mesh and a view to a layer.
+
+use glam::DVec3;
+use vr_core::image_order::in_parallel;
+use vr_core::{Control, Layer, Ray, RayShading, Rays, RenderError, TriangleMesh, View};
+
+use crate::bands::{Bands, Candidate};
+use crate::outline::Screen;
+use crate::sheared_ray::ShearedRay;
+use crate::surface::Surface;
+
+/// Triangles whose outlines are one piece of work.
+const PIECE: usize = 1 << 14;
+
+/// The nearest surface along the ray through each pixel's centre, at its world distance.
+///
+/// Rays start where [`Rays`] has them start, and see triangles inside the view's clip alone, from both sides; a mesh that is cut open
+/// shows its inside. Of triangles at the same distance, the first one counts. A layer holds one distance a pixel, so that one ray a
+/// pixel is what `view.samples` leaves: its edges are not smoothed, and all subpixels of the volume end where the centre's ray does. The
+/// view's own layer is not looked at.
+///
+/// Distances are exact to a few roundings of the largest coordinate in f64; then the layer rounds them to f32, by up to 6·10⁻⁸ of
+/// themselves. The result is the same for any number of threads.
+///
+/// # Errors
+/// A view or a surface that makes no sense, or [`RenderError::Cancelled`].
+pub fn rasterize(mesh: &TriangleMesh, surface: &Surface, view: &View, control: &Control) -> Result<Layer, RenderError> {
+    surface.validate()?;
+    let view = View { layer: None, ..view.clone() };
+    let picture = Picture { mesh, surface, view: &view, rays: Rays::new(&view)?, screen: Screen::new(&view)? };
+    let pieces = mesh.triangles().len().div_ceil(PIECE) as u32;
+    let candidates = in_parallel(control, pieces, |piece| picture.candidates(piece as usize * PIECE))?;
+    let bands = Bands::new(view.size[1], &candidates);
+    drop(candidates);
+    let pixels = in_parallel(control, bands.count(), |band| picture.band(&bands, band))?;
+    Ok(Layer { pixels: pixels.into_iter().flatten().collect() })
+}
+
+struct Picture<'a> {
+    mesh: &'a TriangleMesh,
+    surface: &'a Surface,
+    view: &'a View,
+    rays: Rays,
+    screen: Screen,
+}
+
+/// Where there is nothing.
+const NOTHING: ([f32; 3], f32) = ([0.0; 3], f32::INFINITY);
+
+/// A pixel's ray, and what it has met.
+struct Sight {
+    ray: Ray,
+    sheared: ShearedRay,
+    /// First and last distance at which something is seen.
+    seen: [f64; 2],
+    /// Distance of the nearest triangle, and which it is.
+    nearest: Option<(f64, u32)>,
+}
+
+impl Sight {
+    fn look(&mut self, mesh: &TriangleMesh, triangle: u32) {
+        let Some(meeting) = self.sheared.meets(mesh.corners(triangle as usize)) else { return };
+        let found = (meeting.distance, triangle);
+        // Pairs in order: of equal distances, the first triangle, whoever comes first.
+        let is_nearer = self.nearest.is_none_or(|nearest| found < nearest);
+        if is_nearer && self.seen[0] <= found.0 && found.0 <= self.seen[1] {
+            self.nearest = Some(found);
+        }
+    }
+}
+
+impl Picture<'_> {
+    /// Of a piece of the triangles, those that may be seen.
+    fn candidates(&self, start: usize) -> Vec<Candidate> {
+        let end = (start + PIECE).min(self.mesh.triangles().len());
+        let candidate = |triangle: usize| {
+            let rows = self.screen.outline(self.mesh.corners(triangle)).rows(self.screen.size());
+            (rows[0] < rows[1]).then_some(Candidate { triangle: triangle as u32, rows })
+        };
+        (start..end).filter_map(candidate).collect()
+    }
+
+    /// The pixels of a band, row by row.
+    fn band(&self, bands: &Bands, band: u32) -> Vec<([f32; 3], f32)> {
+        let [first, end] = bands.rows(band);
+        let size = self.screen.size();
+        let pixels = size[0] as usize * (end - first) as usize;
+        let mut triangles = bands.triangles(band).peekable();
+        if triangles.peek().is_none() {
+            return vec![NOTHING; pixels];
+        }
+        let mut sights: Vec<Option<Sight>> =
+            (first..end).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| self.sight(x, y)).collect();
+        for triangle in triangles {
+            let outline = self.screen.outline(self.mesh.corners(triangle as usize));
+            let [top, bottom] = outline.rows(size);
+            for row in top.max(first)..bottom.min(end) {
+                let [left, right] = outline.columns(row, size);
+                let begin = (row - first) as usize * size[0] as usize;
+                for sight in sights[begin + left as usize..begin + left.max(right) as usize].iter_mut().flatten() {
+                    sight.look(self.mesh, triangle);
+                }
+            }
+        }
+        let mut shading = None;
+        sights.iter().map(|sight| sight.as_ref().map_or(NOTHING, |sight| self.pixel(sight, &mut shading))).collect()
+    }
+
+    /// The ray of a pixel, where the clip leaves any of it.
+    fn sight(&self, x: u32, y: u32) -> Option<Sight> {
+        let ray = self.rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let seen = ray.inside(&self.view.clip)?;
+        Some(Sight { ray, sheared: ShearedRay::new(&ray), seen, nearest: None })
+    }
+
+    /// The light and the distance of what was met; `shading` is that of the last ray, and serves all that are parallel to it.
+    fn pixel(&self, sight: &Sight, shading: &mut Option<(DVec3, RayShading<f64>)>) -> ([f32; 3], f32) {
+        let Some((distance, triangle)) = sight.nearest else { return NOTHING };
+        let triangle = triangle as usize;
+        let Some(meeting) = sight.sheared.meets(self.mesh.corners(triangle)) else { return NOTHING };
+        let direction = sight.ray.direction;
+        if !matches!(shading, Some((of, _)) if *of == direction) {
+            *shading = None;
+        }
+        let (_, along) = shading.get_or_insert_with(|| (direction, self.surface.shading.along(direction)));
+        (self.surface.light(self.mesh, triangle, &meeting, along), distance as f32)
+    }
+}
