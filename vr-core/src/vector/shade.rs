@@ -5,23 +5,23 @@ use std::sync::Arc;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use glam::DVec3;
-use vr_core::Shading;
-use vr_core::vector::{ln, opacity_of_depth};
 
 use super::field::{Cells, Field, Pairs, Stage};
-use super::lanes::{LANES, Lanes, pick, splat};
+use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
+use crate::shading::Shading;
 
 /// Shading, the same for all rays.
 #[derive(Clone, Debug)]
-pub(crate) struct PacketShading {
-    pub(crate) shading: Arc<Shading>,
+pub struct PacketShading {
+    /// Coefficients and lights.
+    pub shading: Arc<Shading>,
     /// From gradients per index step to world gradients, but for their length.
-    pub(crate) to_world: [[f32; 3]; 3],
+    pub to_world: [[f32; 3]; 3],
 }
 
 /// The lights as the rays of a packet see them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PacketLights {
+pub struct PacketLights {
     lights: Vec<PacketLight>,
     /// What they were made for.
     directions: Option<[[f64; LANES]; 3]>,
@@ -38,7 +38,7 @@ struct PacketLight {
 
 impl PacketLights {
     /// Makes them for rays of these (unit) directions, unless they are for those already.
-    pub(crate) fn look_along(&mut self, shading: &Shading, directions: &[[f64; LANES]; 3]) {
+    pub fn look_along(&mut self, shading: &Shading, directions: &[[f64; LANES]; 3]) {
         if self.directions.as_ref() == Some(directions) {
             return;
         }
@@ -66,16 +66,18 @@ impl PacketLights {
 
 /// What shades the samples of a packet.
 #[derive(Clone, Copy)]
-pub(crate) struct Shade<'a> {
-    pub(crate) shading: &'a PacketShading,
-    pub(crate) lights: &'a PacketLights,
+pub struct Shade<'a> {
+    /// Of all rays.
+    pub shading: &'a PacketShading,
+    /// Of these rays.
+    pub lights: &'a PacketLights,
 }
 
 impl Shade<'_> {
     /// Shades light of sixteen samples: c becomes c·(ka + kd Σ L|n·l|), and ks Σ L|n·h|^p times opacity is added. Where the gradient is
     /// zero, it stays. Its own function: there are samples that need no shading, and instances of it for each kernel would be many.
     #[inline(never)]
-    pub(crate) fn apply<S: Simd, T: Pairs>(
+    pub fn apply<S: Simd, T: Pairs>(
         &self,
         simd: S,
         field: &Field<'_, T>,
