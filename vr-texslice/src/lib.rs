@@ -1,0 +1,3 @@
+//! Volume rendering by slices through textures.
+
+pub mod geometry;
