@@ -1,0 +1,13 @@
+//! What becomes of fragments: fetched from a texture, classified, blended.
+
+mod blend;
+mod chunk;
+mod classify;
+mod march;
+mod state;
+mod tiles;
+
+pub(crate) use classify::Classifier;
+pub(crate) use march::Pass;
+pub(crate) use state::{Operator, State};
+pub(crate) use tiles::{Brightest, Pixel, Scene16, draw_tiles};
