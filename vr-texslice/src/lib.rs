@@ -1,5 +1,8 @@
 //! Volume rendering by slices through textures.
 
+mod bricks;
+mod classified;
+mod compression;
 mod draw;
 mod finish;
 mod fragments;
@@ -9,6 +12,7 @@ mod model;
 mod occupancy;
 mod options;
 mod prepared;
+mod projection;
 mod renderer;
 mod settings;
 mod shading;

@@ -1,16 +1,21 @@
 //! What the renderer sums, told for any ray, in f64: a sample for each slab, without tables.
 
+use std::sync::Arc;
+
 use vr_core::filter::{Lattice, Reconstruction};
+use vr_core::optics::opacity_of_thickness;
 use vr_core::transfer::PreIntegrated;
 use vr_core::{
     DiscreteModel, Filter, IndexRay, LatticeVisitor, Ray, Rays, Sampler, SamplerVisitor, Scene, SegmentTerm,
     UniformVolume, View, Voxel, gradient_between_samples,
 };
 
+use crate::classified::{Codes, Made, light_of};
+use crate::compression::Compressed;
 use crate::slices::{Slabs, Slices};
 use crate::support::shades;
 use crate::tables::segments;
-use crate::tex_slice::TexSlice;
+use crate::tex_slice::{Format, TexSlice};
 
 /// The sum over slabs.
 pub(crate) struct SliceModel {
@@ -20,16 +25,21 @@ pub(crate) struct SliceModel {
     /// `None`: a view that cannot be drawn.
     geometry: Option<(Rays, Slices)>,
     segments: Option<PreIntegrated<f64>>,
+    compressed: Option<Arc<Compressed>>,
+    /// What texels of light are made for.
+    made: Option<Made>,
 }
 
 impl SliceModel {
-    pub(crate) fn new(renderer: &TexSlice, scene: &Scene, view: &View) -> Self {
+    pub(crate) fn new(renderer: &TexSlice, scene: &Scene, view: &View, compressed: Option<Arc<Compressed>>) -> Self {
         let geometry = scene.volume.uniform().and_then(|volume| {
             let rays = Rays::new(view).ok()?;
             let on_faces = renderer.is_pre_integrated();
             let slices = Slices::new(renderer, view, volume.placement(), volume.dims(), on_faces).ok()?;
             Some((rays, slices))
         });
+        let light = geometry.as_ref().filter(|_| renderer.holds_light());
+        let made = light.and_then(|(_, slices)| Made::new(renderer.format, scene, view, slices).ok());
         let table = scene.volume.uniform().filter(|_| renderer.is_pre_integrated());
         Self {
             renderer: renderer.clone(),
@@ -37,6 +47,8 @@ impl SliceModel {
             view: view.clone(),
             geometry,
             segments: table.map(|volume| segments(scene, volume)),
+            compressed,
+            made,
         }
     }
 }
@@ -93,7 +105,51 @@ impl Along<'_> {
     }
 
     fn stored(&self, s: f64) -> f64 {
+        if let Some(compressed) = &self.model.compressed {
+            return self.between_texels(s, |texel| [f64::from(compressed.at(texel)); 1])[0];
+        }
         self.volume.with_sampler(Filter::Trilinear, Stored(self.index(s)))
+    }
+
+    /// Linear between the eight texels around a distance.
+    fn between_texels<const N: usize>(&self, s: f64, texel: impl Fn([usize; 3]) -> [f64; N]) -> [f64; N] {
+        let (at, dims) = (self.index(s), self.volume.dims());
+        let cell: [usize; 3] = std::array::from_fn(|a| (at[a] as usize).min(dims[a] - 2));
+        let mut sum = [0.0; N];
+        for corner in 0..8 {
+            let high = |a: usize| corner >> a & 1;
+            let part = |a: usize| if high(a) == 1 { at[a] - cell[a] as f64 } else { 1.0 + cell[a] as f64 - at[a] };
+            let value = texel(std::array::from_fn(|a| cell[a] + high(a)));
+            (0..N).for_each(|c| sum[c] += part(0) * part(1) * part(2) * value[c]);
+        }
+        sum
+    }
+
+    /// Light and opacity of a slab, from texels that hold those of one as long as tables are made for.
+    fn light(&self, s: f64, made: &Made, length: f64) -> [f64; 4] {
+        let (scene, volume) = (&self.model.scene, self.volume);
+        let dims = volume.dims();
+        let codes = (self.model.renderer.format == Format::Paletted).then(|| Codes::of(volume));
+        let texel = |index: [usize; 3]| {
+            fn number<T: Voxel>(samples: &[T], at: usize) -> f64 {
+                samples[at].to_f32().into()
+            }
+            let at = (index[2] * dims[1] + index[1]) * dims[0] + index[0];
+            let stored = vr_core::with_grid!(volume.grid(), g => number(g.samples(), at));
+            match codes {
+                Some(codes) => codes.light(scene, volume, made, stored),
+                None => light_of(scene, volume, made, stored, index),
+            }
+            .map(f64::from)
+        };
+        let [r, g, b, alpha] = self.between_texels(s, texel);
+        if alpha.is_nan() {
+            return [0.0; 4];
+        }
+        let ratio = length / made.length;
+        let corrected = opacity_of_thickness(alpha, ratio);
+        let share = if alpha > 0.0 { corrected / alpha } else { ratio };
+        [r * share, g * share, b * share, corrected]
     }
 
     /// Light and opacity of a slab.
@@ -103,6 +159,9 @@ impl Along<'_> {
             return table.segment(self.stored(begin), self.stored(end), length);
         }
         let middle = 0.5 * (begin + end);
+        if let Some(made) = &self.model.made {
+            return self.light(middle, made, length);
+        }
         let stored = self.stored(middle);
         if stored.is_nan() {
             return [0.0; 4];

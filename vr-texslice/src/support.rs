@@ -1,7 +1,8 @@
 //! What the renderer can draw, and what it says of the rest.
 
-use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, UniformVolume, View};
+use vr_core::{Compositing, Filter, GradientMethod, Projection, RenderError, Scene, UniformVolume, View};
 
+use crate::classified::is_shaded;
 use crate::tex_slice::{Blend, Format, Order, Proxy, TexSlice};
 
 pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
@@ -89,7 +90,11 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> 
 }
 
 /// Whether this renderer can draw this view, beyond what the scene says.
-pub(crate) fn check_view(renderer: &TexSlice, view: &View, perspective: bool) -> Result<(), RenderError> {
+pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Result<(), RenderError> {
+    let perspective = matches!(view.camera.projection, Projection::Perspective { .. });
+    if perspective && is_shaded(renderer.format, scene) {
+        return Err(unsupported("voxels shaded beforehand in perspective: what they reflect changes from ray to ray"));
+    }
     if renderer.order == Order::Slices {
         if view.samples > 1 {
             return Err(unsupported("several samples a pixel in whole slices"));

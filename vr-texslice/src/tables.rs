@@ -60,6 +60,19 @@ impl Tables {
         true
     }
 
+    /// Whether anything is visible between two stored numbers, as fragments of values are classified.
+    ///
+    /// # Panics
+    /// If no length has been tabulated.
+    pub(crate) fn shows(&self, scene: &Scene, volume: &UniformVolume, low: f32, high: f32) -> bool {
+        let tables = self.of_length();
+        match &self.segments {
+            Some(segments) => !segments.is_clear(low, high),
+            None if tables.resolves(&scene.transfer, volume) => tables.shows(low, high),
+            None => is_visible(&scene.transfer, volume, low, high),
+        }
+    }
+
     /// Those of the last length asked for.
     ///
     /// # Panics
@@ -69,13 +82,32 @@ impl Tables {
     }
 }
 
+/// Intervals of a table of segments, the fewest that serve: of 1024 to 65536 the first number at which the knots of the transfer function fall onto the
+/// ends of intervals.
+const INTERVALS: [usize; 3] = [1024, 8192, 65536];
+
 /// The table of segments, in any precision.
 pub(crate) fn segments<R: vr_core::Real>(scene: &Scene, volume: &UniformVolume) -> PreIntegrated<R> {
     let range = volume.census().range.unwrap_or((0.0, 0.0));
-    PreIntegrated::new(&scene.transfer, volume.calibration(), range, PreIntegrated::<R>::ENTRIES)
+    let table = |intervals| PreIntegrated::new(&scene.transfer, volume.calibration(), range, intervals);
+    let aligned = INTERVALS.into_iter().map(table).find(PreIntegrated::is_aligned);
+    aligned.unwrap_or_else(|| table(INTERVALS[2]))
 }
 
+/// Entries that the narrowest ramp of a transfer function must span. One to α = 1 has most of its extinction at its end, and a table's chord there is
+/// wrong over one entry.
+const ENTRIES_PER_RAMP: f64 = 8.0;
+
 impl LengthTables {
+    /// Whether the table tells apart all that the transfer function does.
+    pub(crate) fn resolves(&self, transfer: &TransferFunction, volume: &UniformVolume) -> bool {
+        let slope = volume.calibration().slope.abs();
+        let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
+        // Spacings of 1/16 and the like come back rounded from f32.
+        let least = ENTRIES_PER_RAMP * self.baked.spacing() * (1.0 - 1e-6);
+        ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= least)
+    }
+
     /// Whether the table has light or opacity anywhere between two stored numbers.
     pub(crate) fn shows(&self, low: f32, high: f32) -> bool {
         let rows = self.baked.entries();

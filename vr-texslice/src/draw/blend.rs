@@ -40,8 +40,18 @@ pub(crate) fn blend<S: Simd>(
                     for j in 0..chunk.len {
                         let Sample { mut live, begin, length } = sample(simd, how, which, rays, j);
                         let mut light = light_of(simd, chunk, j);
-                        // Vacuum is NaN.
-                        live = live & light[3].simd_eq(light[3]);
+                        // Vacuum is NaN, and nothing times that is NaN, too.
+                        let defined = light[3].simd_eq(light[3]);
+                        if !defined.all_true() {
+                            live &= defined;
+                            let zero = splat(simd, 0.0);
+                            light = [
+                                pick(defined, light[0], zero),
+                                pick(defined, light[1], zero),
+                                pick(defined, light[2], zero),
+                                pick(defined, light[3], zero),
+                            ];
+                        }
                         drawn += live.to_bitmask().count_ones();
                         let mut reached = live & !live;
                         if level < 1.0 {
@@ -53,10 +63,10 @@ pub(crate) fn blend<S: Simd>(
                         if level < 1.0 {
                             stop(rays, reached.to_bitmask() as u32);
                         }
-                    }
-                    if how.negligible >= 0.0 {
-                        let done = (sums.clear(simd) * how.most.load(simd)).simd_le(splat(simd, how.negligible));
-                        stop(rays, done.to_bitmask() as u32);
+                        if how.negligible >= 0.0 {
+                            let done = (sums.clear(simd) * how.most.load(simd)).simd_le(splat(simd, how.negligible));
+                            stop(rays, done.to_bitmask() as u32);
+                        }
                     }
                     sums.store(&mut state.sums);
                 }

@@ -12,6 +12,9 @@ use super::chunk::Chunk;
 pub(crate) enum Classifier<'a> {
     /// By a look-up in a table of whole slabs, where all are equally long; other lengths by their optical depth.
     Table { rows: Rows<'a>, optics: &'a OpticsTable, even: bool },
+    /// One by one in f64, where no table tells apart all that the transfer function does: light and opacity of a stored number and a length in table
+    /// lengths.
+    Exact(&'a (dyn Fn(f32, f32) -> [f32; 4] + Sync)),
     /// As segments between two values.
     Segments(&'a PreIntegrated<f32>),
     /// Texels are light and opacity of one table length.
@@ -30,8 +33,7 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
                 for j in 0..chunk.len {
                     let value = chunk.value[j].load(simd);
                     let [r, g, b, a] = rows.at(simd, value);
-                    // What is NaN stays NaN.
-                    let a = a + (value - value);
+                    let a = where_defined(simd, value, a);
                     chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
                 }
             }
@@ -41,8 +43,16 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
                     let value = chunk.value[j].load(simd);
                     let found = optics.rows().at(simd, value);
                     let [r, g, b, a] = light_of(simd, found, ratio, optics.emits);
-                    let a = a + (value - value);
+                    let a = where_defined(simd, value, a);
                     chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
+                }
+            }
+            Classifier::Exact(light) => {
+                for j in 0..chunk.len {
+                    for i in 0..LANES {
+                        let found = light(chunk.value[j].0[i], ratio.0[i]);
+                        (0..4).for_each(|c| chunk.light[j][c].0[i] = found[c]);
+                    }
                 }
             }
             Classifier::Done { even } if outer || !even => {
@@ -59,6 +69,12 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
     );
 }
 
+/// Vacuum stays NaN: whatever a table has said of it.
+#[inline(always)]
+fn where_defined<S: Simd>(simd: S, value: f32x16<S>, alpha: f32x16<S>) -> f32x16<S> {
+    pick(value.simd_eq(value), alpha, splat(simd, f32::NAN))
+}
+
 /// Light and opacity of a slab `ratio` times as long: α′ = 1 − (1 − α)^ratio, and light grows with it.
 #[inline(always)]
 fn corrected<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4], ratio: f32x16<S>) -> [f32x16<S>; 4] {
@@ -67,7 +83,7 @@ fn corrected<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4], ratio: f32x16<S
     let clear = alpha.simd_le(zero);
     // Where nothing absorbs, light grows with the length itself.
     let share = pick(clear, ratio, corrected / pick(clear, one, alpha));
-    [r * share, g * share, b * share, pick(clear, zero, corrected)]
+    [r * share, g * share, b * share, where_defined(simd, alpha, pick(clear, zero, corrected))]
 }
 
 /// Light and opacity of segments that end at the values of a chunk; each begins where the one before it ended, the first at `before`. `length`: of each of

@@ -1,12 +1,14 @@
 //! What becomes of fragments: fetched from a texture, classified, blended.
 
 mod blend;
+mod bricks;
 mod chunk;
 mod classify;
 mod march;
 mod state;
 mod tiles;
 
+pub(crate) use bricks::Bricked;
 pub(crate) use classify::Classifier;
 pub(crate) use march::Pass;
 pub(crate) use state::{Operator, State};

@@ -1,6 +1,7 @@
 //! A picture tile by tile: all slices of sixteen pixels, then the next sixteen.
 
 use fearless_simd::{Level, Simd};
+use glam::DVec2;
 use vr_core::image_order::in_parallel;
 use vr_core::vector::{LANES, Lanes, PacketLights, PacketShading, Vectorized, run};
 use vr_core::{Control, Counts, Layer, RenderError, View};
@@ -40,6 +41,16 @@ pub(crate) struct Pixel {
 
 impl Pixel {
     pub(crate) const NOTHING: Self = Self { rgba: [0.0; 4], depth: f64::INFINITY };
+
+    /// Two samples of a pixel: their light, and the nearer depth.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self { rgba: std::array::from_fn(|c| self.rgba[c] + other.rgba[c]), depth: self.depth.min(other.depth) }
+    }
+
+    /// Light times a factor.
+    pub(crate) fn times(&self, factor: f64) -> Self {
+        Self { rgba: self.rgba.map(|c| c * factor), depth: self.depth }
+    }
 
     /// Before an opaque layer.
     fn over(self, layer: &Layer, pixel: usize) -> Self {
@@ -85,17 +96,80 @@ impl<X: Texture> Vectorized for Tile<'_, X> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let [w, h] = self.scene.view.size;
-        let end = [(self.corner[0] + TILE).min(w), (self.corner[1] + TILE).min(h)];
+        let size = self.scene.view.size;
+        let end = [0, 1].map(|a| (self.corner[a] + TILE).min(size[a]));
         let mut drawn = Vec::with_capacity((TILE * TILE) as usize);
         let mut counts = Counts::default();
         let mut block = Block::<X>::default();
         for y in (self.corner[1]..end[1]).step_by(BLOCK as usize) {
             for x in (self.corner[0]..end[0]).step_by(BLOCK as usize) {
-                block.draw(simd, self.scene, self.texture, [x, y], &mut drawn, &mut counts);
+                block.draw(simd, self.scene, self.texture, Sixteen { corner: [x, y], size }, &mut drawn, &mut counts);
             }
         }
         (drawn, counts)
+    }
+}
+
+/// Sixteen pixels, 4×4, fewer at the picture's edges.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sixteen {
+    corner: [u32; 2],
+    size: [u32; 2],
+}
+
+/// All pixels of a picture.
+pub(crate) fn sixteens(size: [u32; 2]) -> Vec<Sixteen> {
+    let rows = (0..size[1]).step_by(BLOCK as usize);
+    rows.flat_map(|y| (0..size[0]).step_by(BLOCK as usize).map(move |x| Sixteen { corner: [x, y], size })).collect()
+}
+
+impl Sixteen {
+    /// Column and row of pixel `i`; beyond the picture's edge as well.
+    fn pixel(&self, i: usize) -> [u32; 2] {
+        [self.corner[0] + i as u32 % BLOCK, self.corner[1] + i as u32 / BLOCK]
+    }
+
+    /// Number of pixel `i`, row by row; `None` beyond the picture's edge.
+    fn number(&self, i: usize) -> Option<usize> {
+        let [x, y] = self.pixel(i);
+        (x < self.size[0] && y < self.size[1]).then(|| y as usize * self.size[0] as usize + x as usize)
+    }
+
+    /// Whether it and a box of the screen have anything in common.
+    pub(crate) fn overlaps(&self, low: DVec2, high: DVec2) -> bool {
+        let at = DVec2::new(f64::from(self.corner[0]), f64::from(self.corner[1]));
+        (at + f64::from(BLOCK)).cmpge(low).all() && at.cmple(high).all()
+    }
+
+    /// The rays of sample `k` of each pixel.
+    pub(crate) fn set_up<S: Simd>(&self, simd: S, scene: &Scene16<'_>, k: u32, rays: &mut Fragments) {
+        let n = scene.view.samples;
+        let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
+        let x = std::array::from_fn(|i| f64::from(self.pixel(i)[0]) + centre(k % n));
+        let y = std::array::from_fn(|i| f64::from(self.pixel(i)[1]) + centre(k / n));
+        let layer = scene.view.layer.as_deref();
+        let far = std::array::from_fn(|i| match (layer, self.number(i)) {
+            (Some(layer), Some(pixel)) => layer.depth(pixel),
+            _ => f64::INFINITY,
+        });
+        let counted = (0..LANES).filter(|&i| self.number(i).is_some()).fold(0, |bits, i| bits | 1 << i);
+        scene.setup.fragments(simd, [&x, &y], &far, counted, rays);
+    }
+
+    /// Hands over what each pixel has become, by its number.
+    pub(crate) fn finish(
+        &self,
+        scene: &Scene16<'_>,
+        rays: &Fragments,
+        state: &State,
+        mut put: impl FnMut(usize, Pixel),
+    ) {
+        for i in 0..LANES {
+            let Some(number) = self.number(i) else { continue };
+            let hit = rays.hits >> i & 1 == 1;
+            let pixel = if hit { (scene.finish)(rays, state, i) } else { Pixel::NOTHING };
+            put(number, scene.view.layer.as_deref().map_or(pixel, |layer| pixel.over(layer, number)));
+        }
     }
 }
 
@@ -112,38 +186,20 @@ impl<X: Texture> Default for Block<X> {
     }
 }
 
-/// Pixel i of the sixteen of a block: column and row.
-pub(crate) fn spot(i: usize) -> [u32; 2] {
-    [i as u32 % BLOCK, i as u32 / BLOCK]
-}
-
 impl<X: Texture> Block<X> {
     fn draw<S: Simd>(
         &mut self,
         simd: S,
         scene: &Scene16<'_>,
         texture: &X,
-        corner: [u32; 2],
+        at: Sixteen,
         drawn: &mut Vec<(usize, Pixel)>,
         counts: &mut Counts,
     ) {
-        let [w, h] = scene.view.size;
-        let layer = scene.view.layer.as_deref();
-        let n = scene.view.samples;
-        let mut sum = [Pixel { rgba: [0.0; 4], depth: f64::INFINITY }; LANES];
-        // Beyond the picture's edge there is nothing to draw.
-        let exists = |i: usize| corner[0] + spot(i)[0] < w && corner[1] + spot(i)[1] < h;
-        let number = |i: usize| {
-            let [x, y] = spot(i);
-            (corner[1] + y).min(h - 1) as usize * w as usize + (corner[0] + x).min(w - 1) as usize
-        };
-        let counted = (0..LANES).filter(|&i| exists(i)).fold(0, |bits, i| bits | 1 << i);
-        for k in 0..n * n {
-            let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
-            let x = std::array::from_fn(|i| f64::from(corner[0] + spot(i)[0]) + centre(k % n));
-            let y = std::array::from_fn(|i| f64::from(corner[1] + spot(i)[1]) + centre(k / n));
-            let far = std::array::from_fn(|i| layer.map_or(f64::INFINITY, |l| l.depth(number(i))));
-            scene.setup.fragments(simd, [&x, &y], &far, counted, &mut self.rays);
+        let rays = scene.view.samples * scene.view.samples;
+        let first = drawn.len();
+        for k in 0..rays {
+            at.set_up(simd, scene, k, &mut self.rays);
             let mut state = State::new(scene.pass.operator);
             if self.rays.hits != 0 {
                 counts.rays += u64::from(self.rays.hits.count_ones());
@@ -151,31 +207,30 @@ impl<X: Texture> Block<X> {
                 counts.samples += done.drawn;
                 counts.skipped += done.skipped;
             }
-            for i in (0..LANES).filter(|&i| exists(i)) {
-                let hit = self.rays.hits >> i & 1 == 1;
-                let mut pixel = if hit { (scene.finish)(&self.rays, &state, i) } else { Pixel::NOTHING };
-                if let Some(layer) = layer {
-                    pixel = pixel.over(layer, number(i));
+            let mut i = first;
+            at.finish(scene, &self.rays, &state, |number, pixel| {
+                if k == 0 {
+                    drawn.push((number, pixel));
+                } else {
+                    drawn[i].1 = drawn[i].1.plus(&pixel);
                 }
-                (0..4).for_each(|c| sum[i].rgba[c] += pixel.rgba[c]);
-                sum[i].depth = sum[i].depth.min(pixel.depth);
-            }
+                i += 1;
+            });
         }
-        let share = 1.0 / f64::from(n * n);
-        let mean = |p: &Pixel| Pixel { rgba: p.rgba.map(|c| c * share), depth: p.depth };
-        drawn.extend((0..LANES).filter(|&i| exists(i)).map(|i| (number(i), mean(&sum[i]))));
+        if rays > 1 {
+            drawn[first..].iter_mut().for_each(|(_, pixel)| *pixel = pixel.times(1.0 / f64::from(rays)));
+        }
     }
 
     fn march<S: Simd>(&mut self, simd: S, scene: &Scene16<'_>, texture: &X, state: &mut State) -> Done {
-        let lit = scene.shading.map(|shading| {
+        if let Some(shading) = scene.shading {
             self.lights.look_along(&shading.shading, &self.rays.chords.along);
-            shading
-        });
+        }
         let most = scene.most.behind(&self.rays);
         let mut march = March {
             texture,
             pass: &scene.pass,
-            lit: lit.map(|shading| Lit { shading, lights: &self.lights }),
+            lit: scene.shading.map(|shading| Lit { shading, lights: &self.lights }),
             most: &most,
             bench: &mut self.bench,
             rays: &mut self.rays,

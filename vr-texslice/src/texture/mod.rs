@@ -1,7 +1,11 @@
 //! Textures: what is fetched at a fragment, sixteen fragments at a time.
 
+mod blocks;
+mod light;
 mod voxels;
 
+pub(crate) use blocks::Blocks;
+pub(crate) use light::{Indices, Light, Luminance, Rgba};
 pub(crate) use voxels::Voxels;
 
 use fearless_simd::{Simd, f32x16};
