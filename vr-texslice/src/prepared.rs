@@ -14,7 +14,7 @@ use vr_core::{
 use crate::bricks::{BrickLattice, Pool};
 use crate::classified::{Classified, Made};
 use crate::compression::Compressed;
-use crate::draw::{Bricked, Classifier, Operator, Pass, Pixel, Scene16, draw_tiles};
+use crate::draw::{Bricked, Classifier, Operator, Pass, Pixel, Scene16, draw_slices, draw_tiles};
 use crate::finish::Finish;
 use crate::fragments::Setup;
 use crate::model::SliceModel;
@@ -23,7 +23,7 @@ use crate::shading::{brightest, packet_shading};
 use crate::slices::Slices;
 use crate::support::{check, check_view, shades};
 use crate::tables::{Tables, is_visible};
-use crate::tex_slice::{Blend, Format, TexSlice};
+use crate::tex_slice::{Blend, Format, Order, TexSlice};
 use crate::texture::{Blocks, Indices, Light, Luminance, Rgba, Texture, Voxels};
 use crate::textures::{Stacks, axes_of_stack, hold};
 
@@ -315,6 +315,9 @@ impl PreparedTexSlice {
             Some((_, Classified::Indices { texels, palette })) => {
                 job.through(&Light { texels: Indices { texels, palette }, dims })
             }
+            None if self.renderer.order == Order::Slices => with_grid!(volume.grid(), g => {
+                draw_slices(&job.scene, &Lattice { samples: g.samples(), dims: g.dims() }, job.control)
+            }),
             None => with_grid!(volume.grid(), g => {
                 job.through(&Voxels::new(&Lattice { samples: g.samples(), dims: g.dims() }))
             }),

@@ -52,4 +52,23 @@ impl Screen {
             .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
         [low - 1.0, high + 1.0]
     }
+
+    /// A unit vector straight ahead.
+    pub(crate) fn forward(&self) -> DVec3 {
+        self.frame.z_axis
+    }
+
+    /// The slabs of planes so far apart that a box is cut into, front to back, each by where it begins and ends along [`Self::forward`] in the world; what
+    /// is behind the eye is left out. Slices are counted from the box's middle.
+    pub(crate) fn slabs(&self, corners: &[DVec3; 8], distance: f64) -> impl Iterator<Item = [f64; 2]> {
+        let middle = self.frame.z_axis.dot(0.5 * (corners[0] + corners[7]));
+        let along = corners.map(|c| self.frame.z_axis.dot(c) - middle);
+        let reach = along.into_iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+        let last = (reach / distance + 0.5).floor() as i64;
+        let eye = self.frame.z_axis.dot(self.eye);
+        // In perspective, what is in the plane through the eye is nowhere on the screen.
+        let near = eye + if self.perspective { 1e-9 * (reach + distance) } else { 0.0 };
+        let slab = move |k: i64| [-0.5, 0.5].map(|side| (middle + (k as f64 + side) * distance).max(near));
+        (-last..=last).map(slab).filter(|[low, high]| low < high)
+    }
 }

@@ -83,8 +83,11 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> 
     if (bricks || renderer.order == Order::Slices) && !in_order {
         return Err(unsupported("bricks and whole slices but under 'over', front to back"));
     }
-    if renderer.order == Order::Slices && (bricks || renderer.is_pre_integrated()) {
-        return Err(unsupported("whole slices of bricks or of segments"));
+    let planes_of_values = renderer.proxy == Proxy::Planes && renderer.format == Format::Scalar;
+    if renderer.order == Order::Slices && (bricks || shades(scene) || !planes_of_values) {
+        return Err(unsupported(
+            "whole slices but planes through unshaded values, classified after interpolation, in one texture",
+        ));
     }
     Ok(())
 }
@@ -95,13 +98,8 @@ pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Res
     if perspective && is_shaded(renderer.format, scene) {
         return Err(unsupported("voxels shaded beforehand in perspective: what they reflect changes from ray to ray"));
     }
-    if renderer.order == Order::Slices {
-        if view.samples > 1 {
-            return Err(unsupported("several samples a pixel in whole slices"));
-        }
-        if renderer.proxy == Proxy::Shells && perspective {
-            return Err(unsupported("whole slices that are shells: they are no polygons"));
-        }
+    if renderer.order == Order::Slices && view.samples > 1 {
+        return Err(unsupported("several samples a pixel in whole slices"));
     }
     Ok(())
 }

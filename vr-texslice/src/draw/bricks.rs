@@ -28,13 +28,13 @@ pub(crate) struct Bricked<'a, T> {
 }
 
 /// Sixteen rays, between bricks.
-struct Waiting {
-    at: Sixteen,
-    rays: Fragments,
-    state: State,
+pub(crate) struct Waiting {
+    pub(crate) at: Sixteen,
+    pub(crate) rays: Fragments,
+    pub(crate) state: State,
     /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more. +∞: no more.
     next: Lanes,
-    drawn: u64,
+    pub(crate) drawn: u64,
     skipped: u64,
 }
 
@@ -47,15 +47,7 @@ impl<T: Pairs> Bricked<'_, T> {
         let n = view.samples;
         for k in 0..n * n {
             let places = sixteens(view.size);
-            let rays = in_parallel(control, places.len() as u32, |i| {
-                let at = places[i as usize];
-                let mut rays = Fragments::EMPTY;
-                run(scene.level, SetUp { scene, at, sample: k, rays: &mut rays });
-                let next = Lanes(std::array::from_fn(|i| {
-                    if rays.hits >> i & 1 == 1 { rays.begin.0[i] - 1.0 } else { f32::INFINITY }
-                }));
-                Mutex::new(Waiting { at, rays, state: State::new(scene.pass.operator), next, drawn: 0, skipped: 0 })
-            })?;
+            let rays = set_up(scene, &places, k, control)?;
             let screen = Screen::new(view)?;
             for &brick in self.order {
                 let cells = self.lattice.cells_of(brick);
@@ -80,6 +72,7 @@ impl<T: Pairs> Bricked<'_, T> {
                             dims: self.volume.dims,
                             cells: &cells,
                             texture: texture.as_ref(),
+                            only: None,
                             waiting: &mut waiting,
                         };
                         run(scene.level, through);
@@ -102,8 +95,25 @@ impl<T: Pairs> Bricked<'_, T> {
     }
 }
 
+/// The rays of sample `k` of every pixel, before the first brick.
+pub(crate) fn set_up(
+    scene: &Scene16<'_>,
+    places: &[Sixteen],
+    k: u32,
+    control: &Control,
+) -> Result<Vec<Mutex<Waiting>>, RenderError> {
+    in_parallel(control, places.len() as u32, |i| {
+        let at = places[i as usize];
+        let mut rays = Fragments::EMPTY;
+        run(scene.level, SetUp { scene, at, sample: k, rays: &mut rays });
+        let first = |i: usize| if rays.hits >> i & 1 == 1 { rays.begin.0[i] - 1.0 } else { f32::INFINITY };
+        let next = Lanes(std::array::from_fn(first));
+        Mutex::new(Waiting { at, rays, state: State::new(scene.pass.operator), next, drawn: 0, skipped: 0 })
+    })
+}
+
 /// Sixteens of rays of a task.
-const GROUP: usize = 64;
+pub(crate) const GROUP: usize = 64;
 
 struct SetUp<'a> {
     scene: &'a Scene16<'a>,
@@ -121,14 +131,16 @@ impl Vectorized for SetUp<'_> {
     }
 }
 
-/// Sixteen rays through one brick.
-struct Through<'a, T> {
-    scene: &'a Scene16<'a>,
-    dims: [usize; 3],
-    cells: &'a Cells,
+/// Sixteen rays through one brick, or through the next slab.
+pub(crate) struct Through<'a, T> {
+    pub(crate) scene: &'a Scene16<'a>,
+    pub(crate) dims: [usize; 3],
+    pub(crate) cells: &'a Cells,
     /// `None`: nothing is visible in it.
-    texture: Option<&'a Lattice<'a, T>>,
-    waiting: &'a mut Waiting,
+    pub(crate) texture: Option<&'a Lattice<'a, T>>,
+    /// The rays that take one sample each; `None`: all take as many as lie in the brick.
+    pub(crate) only: Option<u32>,
+    pub(crate) waiting: &'a mut Waiting,
 }
 
 impl<T: Pairs> Vectorized for Through<'_, T> {
@@ -144,6 +156,7 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
         let (zero, one, never) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::INFINITY));
         let most = self.dims.map(|n| (n - 1) as f32);
         let behind = self.scene.most.behind(rays);
+        let chosen = self.only.map(|bits| Lanes(std::array::from_fn(|i| (bits >> i & 1) as f32)));
         loop {
             let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
             let first = number.simd_lt(begin);
@@ -161,10 +174,13 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
             }
             let mut places = cells(simd, at, self.dims.map(|n| n as i32 - 2));
             let mut here = live;
+            if let Some(chosen) = &chosen {
+                here &= chosen.load(simd).simd_gt(zero);
+            }
             for a in 0..3 {
                 let [low, high] = self.cells[a].map(|c| c as i32);
                 let cell = places.cell[a];
-                here = here & within(simd, cell, low, high);
+                here &= within(simd, cell, low, high);
                 // Those of other bricks are not fetched, but somewhere they must lie.
                 places.cell[a] = (cell - low).max(i32x16::splat(simd, 0)).min(i32x16::splat(simd, high - low - 1));
             }
@@ -202,6 +218,9 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
             if self.scene.pass.negligible >= 0.0 {
                 let done = (sums.clear(simd) * behind.load(simd)).simd_le(splat(simd, self.scene.pass.negligible));
                 number = pick(done, never, number);
+            }
+            if chosen.is_some() {
+                break;
             }
         }
         *next = Lanes::of(number);
