@@ -6,12 +6,18 @@ use vr_core::{OptionKind, OptionValue, Options, ParameterError, RenderError, Ren
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
+use vr_texslice::TexSlice;
 
 use crate::failure::Failure;
 
 /// All of them, one line each.
 pub fn all() -> Vec<Box<dyn Renderer>> {
-    vec![Box::new(RayCaster::default()), Box::new(ShearWarp::default()), Box::new(Reference::default())]
+    vec![
+        Box::new(RayCaster::default()),
+        Box::new(ShearWarp::default()),
+        Box::new(TexSlice::default()),
+        Box::new(Reference::default()),
+    ]
 }
 
 /// The renderer of a name.

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use glam::DMat3;
+use vr_core::vector::PacketShading;
 use vr_core::{GradientMethod, Placement, RayShading, Real, Shading};
 
 use crate::chord::Chord;
 use crate::classify::Classifier;
-use crate::packet::PacketShading;
+
 use crate::ray_value::RayValue;
 use crate::run::Run;
 

@@ -75,6 +75,8 @@ fn help_and_version() {
         "step=",
         "Options of shearwarp",
         "slice-distance=",
+        "Options of texslice",
+        "proxy=",
         "Options of physics",
     ] {
         assert!(help.contains(word), "no {word:?} in\n{help}");

@@ -3,13 +3,25 @@
 //! No bit of a result depends on the instructions: nothing is fused, and logarithm and exponential are our own. What is not inlined loses its
 //! instructions in silence; so all here is, and must be called from where a level's instructions are on ([`run`]).
 
+mod chords;
 mod elementary;
+mod field;
+mod lanes;
 mod level;
 mod rows;
+mod shade;
+mod sums;
+mod table;
 
+pub use chords::Chords;
 pub use elementary::{depth_of_opacity, ln, opacity_of_depth};
+pub use field::{Cells, Field, Pairs, Stage, TwoRows, cells, inside};
+pub use lanes::Lanes;
 pub use level::{Vectorized, run};
 pub use rows::{packed, transpose, transpose_packed};
+pub use shade::{PacketLights, PacketShading, Shade};
+pub use sums::Sums;
+pub use table::{OpticsTable, Rows, light_of};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};

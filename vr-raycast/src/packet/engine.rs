@@ -7,21 +7,19 @@ use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::Spot;
 use vr_core::transfer::BakedTransfer;
-use vr_core::vector::{self, Vectorized};
+use vr_core::vector::{
+    self, Field, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Stage, Vectorized,
+};
 use vr_core::{
     Compositing, Counts, Filter, GradientMethod, LevelRanges, ParameterError, Rays, Scene, UniformVolume, View,
     with_grid,
 };
 
-use super::field::{Field, Pairs, Stage};
-use super::lanes::{LANES, Lanes};
 use super::leap::Distances;
 use super::level;
 use super::local::{LocalPace, by_byte};
 use super::march::{LatticePace, Medium, Pace, march};
 use super::setup::{FrameSetup, Packet};
-use super::shade::{PacketLights, PacketShading};
-use super::table::{OpticsTable, Rows};
 use crate::caster::{Classification, Leaping, Order, RayCaster, Rule, Step, Traversal};
 use crate::instruments::Instruments;
 use crate::leap::{Visibility, VisibleBlocks};
@@ -228,7 +226,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
         let setup = self.frame.setup();
         let mut packet = Packet::EMPTY;
         let mut lights = PacketLights::default();
-        let mut stages = [Stage::<T>::new(), Stage::<T>::new()];
+        let mut stages = [Stage::<T>::default(), Stage::<T>::default()];
         for (group, spots) in self.spots.chunks(LANES).enumerate() {
             let mut nearest = [f64::INFINITY; LANES];
             let mut any = false;

@@ -2,15 +2,11 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
+use vr_core::vector::{Cells, LANES, Lanes, PacketLights, Pairs, Stage, Sums, light_of, pick, splat};
 
-use super::field::{Cells, Pairs, Stage};
-use super::lanes::{LANES, Lanes, pick, splat};
 use super::leap::{Leaper, block_index};
-use super::march::{Marched, Medium, Path, shaded};
+use super::march::{Marched, Medium, Path, finish, shaded};
 use super::setup::Packet;
-use super::shade::PacketLights;
-use super::sums::Sums;
-use super::table::light_of;
 use crate::pace::{CLEAR, PaceMap};
 
 /// A [`PaceMap`] as packets read it. Distances are in smallest voxel edges, which are the packet's steps.
@@ -128,5 +124,5 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         stop = pick((sums.clear(simd) * most).simd_le(negligible), never, stop);
         at = pick(live, then + length_then, then);
     }
-    sums.finish(simd, packet, stop.simd_le(never), samples)
+    finish(simd, &sums, packet, stop.simd_le(never), samples)
 }

@@ -2,15 +2,14 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_core::vector::{
+    Cells, Field, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Shade, Stage, Sums, cells, inside,
+    light_of, pick, splat,
+};
 
-use super::field::{Cells, Field, Pairs, Stage, cells, inside};
-use super::lanes::{Lanes, pick, splat};
 use super::leap::{Distances, Leaper};
 use super::local::{LocalPace, local};
 use super::setup::Packet;
-use super::shade::{PacketLights, PacketShading, Shade};
-use super::sums::Sums;
-use super::table::{OpticsTable, Rows, light_of};
 
 /// What all packets of a frame march through.
 #[derive(Clone, Copy)]
@@ -169,7 +168,19 @@ fn lattice<S: Simd, T: Pairs>(
         end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
         at = then + one;
     }
-    sums.finish(simd, packet, end.simd_le(never), samples)
+    finish(simd, &sums, packet, end.simd_le(never), samples)
+}
+
+/// What became of the rays; those in `ended` ended early.
+#[inline(always)]
+pub(crate) fn finish<S: Simd>(simd: S, sums: &Sums<S>, packet: &Packet, ended: mask32x16<S>, samples: u32) -> Marched {
+    let [r, g, b, a] = sums.rgba();
+    Marched {
+        rgba: [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)],
+        half: sums.half(simd),
+        samples,
+        terminated: packet.hits & ended.to_bitmask() as u32,
+    }
 }
 
 /// Light after shading, where something is shaded; `stage` is used up.

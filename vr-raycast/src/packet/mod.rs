@@ -31,16 +31,10 @@
 //! engine.
 
 mod engine;
-mod field;
-mod lanes;
 mod leap;
 mod level;
 mod local;
 mod march;
 mod setup;
-mod shade;
-mod sums;
-mod table;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};
-pub(crate) use shade::PacketShading;

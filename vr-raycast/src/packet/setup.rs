@@ -1,11 +1,10 @@
 //! Sixteen rays at once from the image into the volume: in f64, in loops that the compiler makes vector code of.
 
 use fearless_simd::Simd;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use vr_core::image_order::Spot;
+use vr_core::vector::{Chords, LANES, Lanes};
 use vr_core::{Clip, Layer, Placement, Rays};
-
-use super::lanes::{LANES, Lanes};
 
 /// What the rays of a frame share.
 #[derive(Clone, Debug)]
@@ -79,37 +78,8 @@ impl FrameSetup<'_> {
                 far[i] = layer.depth(spot.pixel);
             }
         }
-        let rays = self.rays.packet(&x, &y);
-        let (from, along) = (rays.origin, rays.direction);
-        let corner = self.placement.origin().to_array();
-        let extent = self.dims.map(|n| (n - 1) as f64);
-        let to_middle = (self.placement.axes() * (0.5 * DVec3::from_array(extent))).to_array();
-
-        // The origin moves to the point nearest the middle of the box.
-        let (mut offset, mut base) = ([0.0; LANES], [[0.0; LANES]; 3]);
-        for i in 0..LANES {
-            let m: [f64; 3] = std::array::from_fn(|a| (corner[a] - from[a][i]) + to_middle[a]);
-            offset[i] = m[0] * along[0][i] + m[1] * along[1][i] + m[2] * along[2][i];
-        }
-        for a in 0..3 {
-            for i in 0..LANES {
-                base[a][i] = (from[a][i] - corner[a]) + along[a][i] * offset[i];
-            }
-        }
-        let inverse = self.placement.inverse_axes();
-        let (origin, direction) = (times(&inverse, &base), times(&inverse, &along));
-
-        let (mut start, mut end) = ([0.0; LANES], [0.0; LANES]);
-        for i in 0..LANES {
-            (start[i], end[i]) = (-offset[i], far[i] - offset[i]);
-        }
-        for a in 0..3 {
-            keep_between(&mut start, &mut end, &origin[a], &direction[a], 0.0, extent[a]);
-        }
-        if self.clip.crop.is_some() || !self.clip.planes.is_empty() {
-            self.clip(&mut start, &mut end, &from, &along, &offset);
-        }
-
+        let Chords { origin, direction, start, end, offset, along } =
+            Chords::new(self.rays, [&x, &y], self.placement, self.dims, self.clip, &far);
         packet.directions = along;
         packet.hits = 0;
         let (per_step, steps_per_length) = (self.step, 1.0 / self.step);
@@ -147,30 +117,6 @@ impl FrameSetup<'_> {
             }
         }
     }
-
-    fn clip(
-        &self,
-        start: &mut [f64; LANES],
-        end: &mut [f64; LANES],
-        from: &[[f64; LANES]; 3],
-        along: &[[f64; LANES]; 3],
-        offset: &[f64; LANES],
-    ) {
-        let world: [[f64; LANES]; 3] =
-            std::array::from_fn(|a| std::array::from_fn(|i| from[a][i] + along[a][i] * offset[i]));
-        if let Some((low, high)) = self.clip.crop {
-            for a in 0..3 {
-                keep_between(start, end, &world[a], &along[a], low[a], high[a]);
-            }
-        }
-        for plane in &self.clip.planes {
-            let n = plane.normal.to_array();
-            let dot = |v: &[[f64; LANES]; 3], i: usize| n[0] * v[0][i] + n[1] * v[1][i] + n[2] * v[2][i];
-            let at = std::array::from_fn(|i| dot(&world, i) - plane.offset);
-            let slope = std::array::from_fn(|i| dot(along, i));
-            keep_between(start, end, &at, &slope, 0.0, f64::INFINITY);
-        }
-    }
 }
 
 impl Packet {
@@ -196,44 +142,5 @@ impl Packet {
             let first = (f64::from(start) - self.middle[i]).min(last) as f32;
             self.first.0[i] = first.max(self.first.0[i]);
         }
-    }
-}
-
-/// A matrix times sixteen vectors.
-#[inline(always)]
-fn times(matrix: &DMat3, v: &[[f64; LANES]; 3]) -> [[f64; LANES]; 3] {
-    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.to_array());
-    let mut product = [[0.0; LANES]; 3];
-    for a in 0..3 {
-        for i in 0..LANES {
-            product[a][i] = x[a] * v[0][i] + y[a] * v[1][i] + z[a] * v[2][i];
-        }
-    }
-    product
-}
-
-/// Keeps the s with low ≤ x + s·slope ≤ high, ray by ray; a ray parallel to the slab stays whole or goes whole.
-#[inline(always)]
-fn keep_between(
-    start: &mut [f64; LANES],
-    end: &mut [f64; LANES],
-    x: &[f64; LANES],
-    slope: &[f64; LANES],
-    low: f64,
-    high: f64,
-) {
-    for i in 0..LANES {
-        let parallel = slope[i] == 0.0;
-        // Divisions are what a packet's set-up waits for.
-        let inverse = 1.0 / if parallel { 1.0 } else { slope[i] };
-        let (a, b) = ((low - x[i]) * inverse, (high - x[i]) * inverse);
-        let inside = low <= x[i] && x[i] <= high;
-        let enter = if a < b { a } else { b };
-        let leave = if a < b { b } else { a };
-        let enter = if parallel { f64::NEG_INFINITY } else { enter };
-        let outside = if inside { f64::INFINITY } else { f64::NEG_INFINITY };
-        let leave = if parallel { outside } else { leave };
-        start[i] = if enter > start[i] { enter } else { start[i] };
-        end[i] = if leave < end[i] { leave } else { end[i] };
     }
 }

@@ -1,12 +1,8 @@
 //! What sixteen rays have gathered.
 
+use super::{LANES, Lanes, depth_of_opacity, pick, splat};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_core::vector::depth_of_opacity;
-
-use super::lanes::{LANES, Lanes, pick, splat};
-use super::march::Marched;
-use super::setup::Packet;
 
 /// C ← C + (1 − A)·c, A ← A + (1 − A)·α, front to back, with compensated sums.
 ///
@@ -14,7 +10,7 @@ use super::setup::Packet;
 /// endlicher Summen"), so thousands of steps of α = 10⁻⁷ add up behind an opacity that would swallow each of them. Adding nothing changes
 /// nothing, bit for bit: where the medium is clear, it does not matter whether a sample is taken. (Kahan's sum, which feeds what was lost
 /// into the next addition, does not have that: where exactly half a unit in the last place is left, nothing may round it in.)
-pub(crate) struct Sums<S: Simd> {
+pub struct Sums<S: Simd> {
     /// r, g, b and opacity.
     sum: [f32x16<S>; 4],
     /// What was added too much.
@@ -24,15 +20,33 @@ pub(crate) struct Sums<S: Simd> {
 }
 
 impl<S: Simd> Sums<S> {
+    /// Nothing yet.
     #[inline(always)]
-    pub(crate) fn new(simd: S) -> Self {
+    pub fn new(simd: S) -> Self {
         let (zero, never) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
         Self { sum: [zero; 4], lost: [zero; 4], half: [never, zero, zero, zero] }
     }
 
+    /// As [`Self::store`] left them.
+    #[inline(always)]
+    pub fn load(simd: S, [sum, lost, half]: &[[Lanes; 4]; 3]) -> Self {
+        let all = |four: &[Lanes; 4]| [four[0].load(simd), four[1].load(simd), four[2].load(simd), four[3].load(simd)];
+        Self { sum: all(sum), lost: all(lost), half: all(half) }
+    }
+
+    /// To memory, where nothing is lost of them.
+    #[inline(always)]
+    pub fn store(&self, [sum, lost, half]: &mut [[Lanes; 4]; 3]) {
+        for c in 0..4 {
+            sum[c] = Lanes::of(self.sum[c]);
+            lost[c] = Lanes::of(self.lost[c]);
+            half[c] = Lanes::of(self.half[c]);
+        }
+    }
+
     /// What is still seen through.
     #[inline(always)]
-    pub(crate) fn clear(&self, simd: S) -> f32x16<S> {
+    pub fn clear(&self, simd: S) -> f32x16<S> {
         splat(simd, 1.0) - self.opacity()
     }
 
@@ -43,7 +57,7 @@ impl<S: Simd> Sums<S> {
 
     /// Adds the light and opacity of one step, which begins at `begin` and is so long, to the live rays.
     #[inline(always)]
-    pub(crate) fn add(&mut self, simd: S, live: mask32x16<S>, [begin, length]: [f32x16<S>; 2], light: [f32x16<S>; 4]) {
+    pub fn add(&mut self, simd: S, live: mask32x16<S>, [begin, length]: [f32x16<S>; 2], light: [f32x16<S>; 4]) {
         let zero = splat(simd, 0.0);
         let before = self.opacity();
         let clear = pick(live, splat(simd, 1.0) - before, zero);
@@ -65,7 +79,7 @@ impl<S: Simd> Sums<S> {
 
     /// The sums.
     #[inline(always)]
-    pub(crate) fn rgba(&self) -> [f32x16<S>; 4] {
+    pub fn rgba(&self) -> [f32x16<S>; 4] {
         let [r, g, b, a] = self.sum;
         let lost = &self.lost;
         [r - lost[0], g - lost[1], b - lost[2], a - lost[3]]
@@ -75,7 +89,7 @@ impl<S: Simd> Sums<S> {
     ///
     /// (1 − A)(1 − α)^x = ½ at the fraction x of the step.
     #[inline(always)]
-    pub(crate) fn half(&self, simd: S) -> Lanes {
+    pub fn half(&self, simd: S) -> Lanes {
         let [begin, length, before, alpha] = self.half;
         if begin.simd_ge(splat(simd, f32::INFINITY)).all_true() {
             return Lanes([f32::INFINITY; LANES]);
@@ -83,20 +97,6 @@ impl<S: Simd> Sums<S> {
         let mut share = Lanes::ZERO;
         share_of_half(simd, &Lanes::of(before), &Lanes::of(alpha), &mut share);
         Lanes::of(begin + length * share.load(simd))
-    }
-}
-
-impl<S: Simd> Sums<S> {
-    /// What became of the rays; those in `ended` ended early.
-    #[inline(always)]
-    pub(crate) fn finish(&self, simd: S, packet: &Packet, ended: mask32x16<S>, samples: u32) -> Marched {
-        let [r, g, b, a] = self.rgba();
-        Marched {
-            rgba: [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)],
-            half: self.half(simd),
-            samples,
-            terminated: packet.hits & ended.to_bitmask() as u32,
-        }
     }
 }
 

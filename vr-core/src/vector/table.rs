@@ -1,12 +1,10 @@
 //! The transfer function's table, looked up for sixteen values at once.
 
+use super::{LANES, opacity_of_depth, pick, splat, transpose};
+use crate::grid::Calibration;
+use crate::transfer::{BakedTransfer, TransferFunction};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
-use vr_core::transfer::BakedTransfer;
-use vr_core::vector::{opacity_of_depth, transpose};
-use vr_core::{Calibration, TransferFunction};
-
-use super::lanes::{LANES, pick, splat};
 
 /// Colour and extinction over the field's stored numbers, at the same places as a [`BakedTransfer`]: what a step of any length is made
 /// of.
@@ -14,13 +12,13 @@ use super::lanes::{LANES, pick, splat};
 /// Colours are linear between control points, and so exact; extinction is off by its curvature over one entry. Where emission is
 /// given on its own, it stands in the place of colour.
 #[derive(Clone, Debug)]
-pub(crate) struct OpticsTable {
+pub struct OpticsTable {
     /// (r, g, b, κ), κ per step of length 1.
     rows: Vec<[f32; 4]>,
     origin: f32,
     per_unit: f32,
     /// Whether the rows hold emission, per step of length 1, and not colour.
-    pub(crate) emits: bool,
+    pub emits: bool,
 }
 
 /// An extinction that no length of a step brings to infinity, and that is opaque all the same.
@@ -28,12 +26,7 @@ const OPAQUE: f64 = 1e30;
 
 impl OpticsTable {
     /// At the places of `table`, for lengths in units of `step` world units.
-    pub(crate) fn new(
-        table: &BakedTransfer<f32>,
-        transfer: &TransferFunction,
-        calibration: Calibration,
-        step: f64,
-    ) -> Self {
+    pub fn new(table: &BakedTransfer<f32>, transfer: &TransferFunction, calibration: Calibration, step: f64) -> Self {
         let (origin, spacing, emits) = (f64::from(table.origin()), table.spacing(), transfer.has_emission());
         let row = |i: usize| {
             let at = transfer.at(calibration.value(origin + i as f64 * spacing));
@@ -47,7 +40,8 @@ impl OpticsTable {
         Self { rows, origin: table.origin(), per_unit: table.per_unit(), emits }
     }
 
-    pub(crate) fn rows(&self) -> Rows<'_> {
+    /// The rows, for look-ups.
+    pub fn rows(&self) -> Rows<'_> {
         Rows { rows: &self.rows, origin: self.origin, per_unit: self.per_unit, last: (self.rows.len() - 2) as f32 }
     }
 }
@@ -56,7 +50,7 @@ impl OpticsTable {
 ///
 /// α = 1 − e^(−κh); light is c·α, or q·h·α/τ where the rows hold emission.
 #[inline(always)]
-pub(crate) fn light_of<S: Simd>(simd: S, optics: [f32x16<S>; 4], length: f32x16<S>, emits: bool) -> [f32x16<S>; 4] {
+pub fn light_of<S: Simd>(simd: S, optics: [f32x16<S>; 4], length: f32x16<S>, emits: bool) -> [f32x16<S>; 4] {
     let [r, g, b, kappa] = optics;
     let tau = kappa * length;
     let alpha = opacity_of_depth(simd, tau);
@@ -72,7 +66,7 @@ pub(crate) fn light_of<S: Simd>(simd: S, optics: [f32x16<S>; 4], length: f32x16<
 
 /// A table of rows of four numbers over the field's stored numbers, interpolated linearly.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rows<'a> {
+pub struct Rows<'a> {
     /// The last row is there twice, so that index + 1 always exists.
     rows: &'a [[f32; 4]],
     origin: f32,
@@ -82,7 +76,8 @@ pub(crate) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    pub(crate) fn of(table: &'a BakedTransfer<f32>) -> Self {
+    /// Those of a baked table: light and opacity of whole steps.
+    pub fn of(table: &'a BakedTransfer<f32>) -> Self {
         let rows = table.entries();
         Self { rows, origin: table.origin(), per_unit: table.per_unit(), last: (rows.len() - 2) as f32 }
     }
@@ -91,7 +86,7 @@ impl<'a> Rows<'a> {
     ///
     /// A row is one load into a register: through memory, a wide load would have to wait for the narrow stores before it.
     #[inline(always)]
-    pub(crate) fn at<S: Simd>(&self, simd: S, value: f32x16<S>) -> [f32x16<S>; 4] {
+    pub fn at<S: Simd>(&self, simd: S, value: f32x16<S>) -> [f32x16<S>; 4] {
         let x = ((value - self.origin) * self.per_unit).max(splat(simd, 0.0)).min(splat(simd, self.last));
         let index: i32x16<S> = x.to_int();
         let t = x - index.to_float::<f32x16<S>>();

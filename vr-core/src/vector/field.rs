@@ -1,39 +1,38 @@
 //! The trilinear field at sixteen places.
 
+use super::{LANES, splat};
+use crate::filter::Lattice;
+use crate::voxel::Voxel;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i8x64, i16x32, i32x16, u8x64, u16x32, u32x16};
-use vr_core::Voxel;
-use vr_core::filter::Lattice;
-
-use super::lanes::{LANES, splat};
 
 /// The samples, seen from the four corners of a cell's face x = 0: one offset serves all four.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Field<'a, T> {
+pub struct Field<'a, T> {
     /// Rows (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1): all equally long.
     rows: [&'a [T]; 4],
     /// Samples from one y and one z to the next.
     stride: [u32; 2],
     /// The last cell of each axis.
-    pub(crate) last_cell: [i32; 3],
+    pub last_cell: [i32; 3],
 }
 
 /// Pairs of x-neighbours of sixteen places, for two rows y and y + 1.
-type TwoRows<T> = [[[T; 2]; LANES]; 2];
+pub type TwoRows<T> = [[[T; 2]; LANES]; 2];
 
 /// The pairs of the faces z and z + 1; staged, for there is one load a pair and no gather.
 #[repr(align(64))]
-pub(crate) struct Stage<T>([TwoRows<T>; 2]);
+pub struct Stage<T>([TwoRows<T>; 2]);
 
-impl<T: Voxel> Stage<T> {
+impl<T: Voxel> Default for Stage<T> {
     #[inline(always)]
-    pub(crate) fn new() -> Self {
+    fn default() -> Self {
         Self([[[[T::default(); 2]; LANES]; 2]; 2])
     }
 }
 
 /// A voxel type whose pairs can be taken apart.
-pub(crate) trait Pairs: Voxel {
+pub trait Pairs: Voxel {
     /// The left and the right samples of two staged rows, as floats.
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2];
 }
@@ -94,16 +93,16 @@ fn small<S: Simd>(x: u32x16<S>) -> f32x16<S> {
 }
 
 /// Positions, cell by cell.
-pub(crate) struct Cells<S: Simd> {
+pub struct Cells<S: Simd> {
     /// Number of the cell, axis by axis.
-    pub(crate) cell: [i32x16<S>; 3],
+    pub cell: [i32x16<S>; 3],
     /// Fraction in it.
-    pub(crate) fraction: [f32x16<S>; 3],
+    pub fraction: [f32x16<S>; 3],
 }
 
 impl<'a, T: Voxel> Field<'a, T> {
     /// Of fewer than 2³¹ samples.
-    pub(crate) fn new(lattice: &Lattice<'a, T>) -> Self {
+    pub fn new(lattice: &Lattice<'a, T>) -> Self {
         let [nx, ny, _] = lattice.dims;
         let samples = lattice.samples;
         let (row, slice) = (nx, nx * ny);
@@ -118,7 +117,7 @@ impl<'a, T: Voxel> Field<'a, T> {
 
 /// Cells and fractions of positions inside the box.
 #[inline(always)]
-pub(crate) fn cells<S: Simd>(simd: S, position: [f32x16<S>; 3], last_cell: [i32; 3]) -> Cells<S> {
+pub fn cells<S: Simd>(simd: S, position: [f32x16<S>; 3], last_cell: [i32; 3]) -> Cells<S> {
     let cell: [i32x16<S>; 3] = [
         position[0].to_int::<i32x16<S>>().min(i32x16::splat(simd, last_cell[0])),
         position[1].to_int::<i32x16<S>>().min(i32x16::splat(simd, last_cell[1])),
@@ -135,7 +134,7 @@ pub(crate) fn cells<S: Simd>(simd: S, position: [f32x16<S>; 3], last_cell: [i32;
 impl<T: Pairs> Field<'_, T> {
     /// Loads the samples around sixteen places into a stage.
     #[inline(always)]
-    pub(crate) fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) {
+    pub fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) {
         let row = i32x16::splat(simd, self.stride[0] as i32);
         let slice = i32x16::splat(simd, self.stride[1] as i32);
         let offset = (at.cell[2] * slice + at.cell[1] * row + at.cell[0]).to_array();
@@ -156,7 +155,7 @@ impl<T: Pairs> Field<'_, T> {
 
     /// The field at places whose samples have been staged: f = Σ w f over the corners of their cells.
     #[inline(always)]
-    pub(crate) fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> f32x16<S> {
+    pub fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> f32x16<S> {
         let [tx, ty, tz] = at.fraction;
         let [[a00, b00], [a10, b10]] = T::split(simd, &stage.0[0]);
         let [[a01, b01], [a11, b11]] = T::split(simd, &stage.0[1]);
@@ -171,7 +170,7 @@ impl<T: Pairs> Field<'_, T> {
 impl<T: Pairs> Field<'_, T> {
     /// Staged samples, with weights of one's own.
     #[inline(always)]
-    pub(crate) fn weighted<S: Simd>(&self, simd: S, weights: &[[f32x16<S>; 2]; 3], stage: &Stage<T>) -> f32x16<S> {
+    pub fn weighted<S: Simd>(&self, simd: S, weights: &[[f32x16<S>; 2]; 3], stage: &Stage<T>) -> f32x16<S> {
         let [[x0, x1], [y0, y1], [z0, z1]] = *weights;
         let [[a00, b00], [a10, b10]] = T::split(simd, &stage.0[0]);
         let [[a01, b01], [a11, b11]] = T::split(simd, &stage.0[1]);
@@ -183,6 +182,6 @@ impl<T: Pairs> Field<'_, T> {
 
 /// Clamps positions into the box: rounding may carry them past a face.
 #[inline(always)]
-pub(crate) fn inside<S: Simd>(simd: S, position: f32x16<S>, most: f32) -> f32x16<S> {
+pub fn inside<S: Simd>(simd: S, position: f32x16<S>, most: f32) -> f32x16<S> {
     position.max(splat(simd, 0.0)).min(splat(simd, most))
 }

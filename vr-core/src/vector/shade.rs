@@ -5,23 +5,23 @@ use std::sync::Arc;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use glam::DVec3;
-use vr_core::Shading;
-use vr_core::vector::{ln, opacity_of_depth};
 
 use super::field::{Cells, Field, Pairs, Stage};
-use super::lanes::{LANES, Lanes, pick, splat};
+use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
+use crate::shading::Shading;
 
 /// Shading, the same for all rays.
 #[derive(Clone, Debug)]
-pub(crate) struct PacketShading {
-    pub(crate) shading: Arc<Shading>,
+pub struct PacketShading {
+    /// Coefficients and lights.
+    pub shading: Arc<Shading>,
     /// From gradients per index step to world gradients, but for their length.
-    pub(crate) to_world: [[f32; 3]; 3],
+    pub to_world: [[f32; 3]; 3],
 }
 
 /// The lights as the rays of a packet see them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PacketLights {
+pub struct PacketLights {
     lights: Vec<PacketLight>,
     /// What they were made for.
     directions: Option<[[f64; LANES]; 3]>,
@@ -38,7 +38,7 @@ struct PacketLight {
 
 impl PacketLights {
     /// Makes them for rays of these (unit) directions, unless they are for those already.
-    pub(crate) fn look_along(&mut self, shading: &Shading, directions: &[[f64; LANES]; 3]) {
+    pub fn look_along(&mut self, shading: &Shading, directions: &[[f64; LANES]; 3]) {
         if self.directions.as_ref() == Some(directions) {
             return;
         }
@@ -66,16 +66,18 @@ impl PacketLights {
 
 /// What shades the samples of a packet.
 #[derive(Clone, Copy)]
-pub(crate) struct Shade<'a> {
-    pub(crate) shading: &'a PacketShading,
-    pub(crate) lights: &'a PacketLights,
+pub struct Shade<'a> {
+    /// Of all rays.
+    pub shading: &'a PacketShading,
+    /// Of these rays.
+    pub lights: &'a PacketLights,
 }
 
 impl Shade<'_> {
     /// Shades light of sixteen samples: c becomes c·(ka + kd Σ L|n·l|), and ks Σ L|n·h|^p times opacity is added. Where the gradient is
     /// zero, it stays. Its own function: there are samples that need no shading, and instances of it for each kernel would be many.
     #[inline(never)]
-    pub(crate) fn apply<S: Simd, T: Pairs>(
+    pub fn apply<S: Simd, T: Pairs>(
         &self,
         simd: S,
         field: &Field<'_, T>,
@@ -143,7 +145,8 @@ impl Shade<'_> {
 ///
 /// Interpolation commutes with shifts by whole samples. So a component is the difference of two interpolations, a sample on and a sample
 /// back, with weights (1 − t)/w₀ and t/w₁ along the axis, w the samples that each difference spans; beyond a face lies the last sample
-/// again.
+/// again. Planes of samples are interpolated across the axis first, and subtracted then: where the field is constant, the gradient is zero to the
+/// last bit, and nothing is shaded by what rounding leaves.
 #[inline(always)]
 fn gradient<S: Simd, T: Pairs>(
     simd: S,
@@ -160,8 +163,9 @@ fn gradient<S: Simd, T: Pairs>(
         let (first, at_last) = (cell[a].simd_le(zero), cell[a].simd_ge(last));
         let half = splat(simd, 0.5);
         let (back, on) = ((one - t[a]) * pick(first, one, half), t[a] * pick(at_last, one, half));
-        let both = back + on;
-        for (shift, beyond, sign) in [(1.0, at_last, 1.0), (-1.0, first, -1.0)] {
+        // The planes at either end of the cell a sample on, and a sample back.
+        let mut planes = [[zero; 2]; 2];
+        for (planes, shift) in planes.iter_mut().zip([1.0, -1.0]) {
             let mut shifted = cell;
             shifted[a] = (cell[a] + shift).max(zero).min(last);
             let cells = Cells {
@@ -173,12 +177,17 @@ fn gradient<S: Simd, T: Pairs>(
                 fraction: t,
             };
             field.fetch(simd, &cells, stage);
-            // Beyond the upper face the upper sample is there twice, beyond the lower one the lower.
-            let (lone_low, lone_high) = if sign > 0.0 { (zero, both) } else { (both, zero) };
             let mut weights = [[one - t[0], t[0]], [one - t[1], t[1]], [one - t[2], t[2]]];
-            weights[a] = [pick(beyond, lone_low, back), pick(beyond, lone_high, on)];
-            gradient[a] += field.weighted(simd, &weights, stage) * sign;
+            weights[a] = [one, zero];
+            planes[0] = field.weighted(simd, &weights, stage);
+            weights[a] = [zero, one];
+            planes[1] = field.weighted(simd, &weights, stage);
         }
+        // Beyond the upper face the upper plane is there twice, beyond the lower one the lower.
+        let [[on_low, on_high], [back_low, back_high]] = planes;
+        let low = pick(at_last, on_high, on_low) - back_low;
+        let high = on_high - pick(first, back_low, back_high);
+        gradient[a] = back * low + on * high;
     }
     gradient
 }

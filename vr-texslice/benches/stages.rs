@@ -1,0 +1,59 @@
+//! What pictures take, by texture, slices and order, one thread: `cargo bench -p vr-texslice --bench stages`.
+//!
+//! Volumes of 128³ samples; `VR_BENCH_SIZE=256` another size.
+
+use std::time::Duration;
+
+use criterion::{BenchmarkId, Criterion, SamplingMode};
+use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
+use vr_core::{Camera, Control, OpacityRule, Renderer, Scene, TransferFunction, View};
+use vr_texslice::{Format, Order, Proxy, TexSlice};
+
+fn scene(name: &str, n: usize) -> Scene {
+    let phantom = phantom::by_name(name).expect("a known phantom");
+    let grid = phantom::sample::<u8>(&*phantom, [n; 3]).expect("a valid size");
+    let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
+    Scene::new(grid.into(), transfer.expect("valid points"))
+}
+
+fn settings() -> Vec<(&'static str, TexSlice)> {
+    let brute = TexSlice { slice_distance: 1.0, ..TexSlice::brute_force() };
+    let of = |format| TexSlice { format, ..brute.clone() };
+    vec![
+        ("planes", brute.clone()),
+        ("planes, skipping and ending", TexSlice { slice_distance: 1.0, ..TexSlice::default() }),
+        ("shells", TexSlice { proxy: Proxy::Shells, ..brute.clone() }),
+        ("stacks", TexSlice { proxy: Proxy::Stacks, ..brute.clone() }),
+        ("pre-integrated", of(Format::PreIntegrated)),
+        ("compressed", of(Format::Compressed)),
+        ("rgba", of(Format::Rgba)),
+        ("paletted", of(Format::Paletted)),
+        ("bricks of 32", TexSlice { brick: Some(32), ..brute.clone() }),
+        ("slice by slice", TexSlice { order: Order::Slices, ..brute }),
+    ]
+}
+
+fn main() {
+    let mut criterion = Criterion::default().configure_from_args();
+    let control = Control::default().with_threads(1);
+    let n: usize = std::env::var("VR_BENCH_SIZE").ok().map_or(128, |n| n.parse().expect("a number"));
+    for name in ["fog", "blobs"] {
+        let scene = scene(name, n);
+        let mut group = criterion.benchmark_group(format!("{name} {n}"));
+        // Flat: the slowest take seconds.
+        group.sample_size(10).sampling_mode(SamplingMode::Flat);
+        group.warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(800));
+        for (projection, fov) in [("parallel", None), ("perspective", Some(30.0))] {
+            let view = View::new(Camera::framing(scene.volume.bounds(), 20.0, 15.0, fov), [512; 2]);
+            for (label, renderer) in settings() {
+                let mut prepared = renderer.prepare(&scene, &control).expect("a scene that it can draw");
+                // The first picture makes what is kept.
+                prepared.render(&view, &control).expect("a view that it can draw");
+                group.bench_function(BenchmarkId::new(label, projection), |b| {
+                    b.iter(|| prepared.render(&view, &control).expect("a view that it can draw"));
+                });
+            }
+        }
+    }
+    criterion.final_summary();
+}

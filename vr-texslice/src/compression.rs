@@ -1,0 +1,156 @@
+//! Block compression of values at a fixed rate: any texel can be decoded by itself.
+
+use rayon::prelude::*;
+use vr_core::filter::Lattice;
+use vr_core::{LatticeVisitor, UniformVolume, Voxel};
+
+/// Texels along the edge of a block.
+const EDGE: usize = 4;
+/// Texels of a block.
+const TEXELS: usize = EDGE * EDGE * EDGE;
+
+/// A volume in blocks of 4³ texels: the least and the largest value of each, and for every texel one of 8 levels between them (of bytes; of 16 for wider
+/// types). So do the formats BC4 and 3Dc of graphics cards over squares of 4².
+///
+/// Stored as a card would, end points in the type of the samples: 26 bytes for 64 of bytes, 36 for 128 of 16-bit integers, 40 for 256 of floats. An error is at
+/// most half a level: a fourteenth (a thirtieth) of a block's range.
+#[derive(Clone, Debug)]
+pub(crate) struct Compressed {
+    dims: [usize; 3],
+    blocks: [usize; 3],
+    /// Levels of a texel: 3 or 4 bits.
+    bits: u32,
+    /// Bytes of an end point where it is stored.
+    end_bytes: usize,
+    /// The least value of each block, and from one level to the next.
+    ends: Vec<[f32; 2]>,
+    /// One number a texel, block by block: 8 bytes for 16 texels of 4 bits, 24 for 64 of 3.
+    levels: Vec<u64>,
+}
+
+impl Compressed {
+    pub(crate) fn new(volume: &UniformVolume) -> Self {
+        volume.with_lattice(Compress { end_bytes: volume.voxel_type().bytes() })
+    }
+
+    pub(crate) fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    /// Bytes of the texture as a card would hold it: both end points in the samples' type.
+    pub(crate) fn bytes(&self) -> u64 {
+        (self.ends.len() * 2 * self.end_bytes + self.levels.len() * 8) as u64
+    }
+
+    /// The value of a texel.
+    #[inline(always)]
+    pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> f32 {
+        let block = (z / EDGE * self.blocks[1] + y / EDGE) * self.blocks[0] + x / EDGE;
+        let texel = (z % EDGE * EDGE + y % EDGE) * EDGE + x % EDGE;
+        let [low, step] = self.ends[block];
+        low + step * self.level(block, texel) as f32
+    }
+
+    /// The texels around a cell, x fastest.
+    #[inline(always)]
+    pub(crate) fn cell(&self, [x, y, z]: [usize; 3]) -> [f32; 8] {
+        let mut corners = [0.0; 8];
+        for (i, corner) in corners.iter_mut().enumerate() {
+            *corner = self.at([x + (i & 1), y + (i >> 1 & 1), z + (i >> 2)]);
+        }
+        corners
+    }
+
+    /// Of 3 bits, 21 levels share a word but for the last of the block's three, which holds 22: levels run on across words.
+    #[inline(always)]
+    fn level(&self, block: usize, texel: usize) -> u64 {
+        let words = self.bits as usize;
+        let bit = texel * words;
+        let (word, shift) = (block * words + bit / 64, bit as u32 % 64);
+        let mut level = self.levels[word] >> shift;
+        if shift + self.bits > 64 {
+            level |= self.levels[word + 1] << (64 - shift);
+        }
+        level & ((1 << self.bits) - 1)
+    }
+}
+
+struct Compress {
+    end_bytes: usize,
+}
+
+impl LatticeVisitor for Compress {
+    type Output = Compressed;
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Compressed {
+        let dims = lattice.dims;
+        let blocks = dims.map(|n| n.div_ceil(EDGE));
+        let bits = if self.end_bytes == 1 { 3u32 } else { 4 };
+        let count = blocks.iter().product();
+        let (mut ends, mut levels) = (vec![[0.0; 2]; count], vec![0u64; count * bits as usize]);
+        ends.par_iter_mut().zip(levels.par_chunks_mut(bits as usize)).enumerate().for_each(|(b, (ends, words))| {
+            let corner = [b % blocks[0], b / blocks[0] % blocks[1], b / (blocks[0] * blocks[1])];
+            // Beyond the volume's end lies its last texel again.
+            let value = |texel: usize| {
+                let inside = [texel % EDGE, texel / EDGE % EDGE, texel / (EDGE * EDGE)];
+                let [x, y, z]: [usize; 3] = std::array::from_fn(|a| (corner[a] * EDGE + inside[a]).min(dims[a] - 1));
+                lattice.at::<f32>(x, y, z)
+            };
+            let values: [f32; TEXELS] = std::array::from_fn(value);
+            let low = values.iter().copied().fold(f32::INFINITY, f32::min);
+            let high = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            let last = ((1u32 << bits) - 1) as f32;
+            // Halves first: the range of floats may be beyond the largest float.
+            let step = 2.0 * ((0.5 * high - 0.5 * low) / last);
+            *ends = [low, step];
+            for (texel, &v) in values.iter().enumerate() {
+                let level = if step > 0.0 { ((v - low) / step + 0.5).min(last) as u64 } else { 0 };
+                let bit = texel * bits as usize;
+                words[bit / 64] |= level << (bit % 64);
+                if bit % 64 + bits as usize > 64 {
+                    words[bit / 64 + 1] |= level >> (64 - bit % 64);
+                }
+            }
+        });
+        Compressed { dims, blocks, bits, end_bytes: self.end_bytes, ends, levels }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vr_core::{AnyGrid, Calibration, Placement, UniformGrid, Volume};
+
+    fn compressed<T: Voxel>(dims: [usize; 3], samples: Vec<T>) -> Compressed
+    where
+        AnyGrid: From<UniformGrid<T>>,
+    {
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let volume: Volume = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap().into();
+        Compressed::new(volume.uniform().unwrap())
+    }
+
+    #[test]
+    fn errors_are_half_a_level_of_a_block() {
+        let dims = [9, 7, 6];
+        let number = |i: usize| (i * 7919 % 251) as f32;
+        let bytes = compressed(dims, (0..378).map(|i| number(i) as u8).collect());
+        let floats = compressed(dims, (0..378).map(|i| number(i) * 1e30).collect::<Vec<f32>>());
+        for i in 0..378 {
+            let at = [i % 9, i / 9 % 7, i / 63];
+            assert!((bytes.at(at) - number(i)).abs() <= 250.0 / 14.0 + 1e-4, "{at:?}");
+            // Rounding of a level, and of what it is multiplied by.
+            assert!((floats.at(at) / 1e30 - number(i)).abs() <= 250.0 / 30.0 + 1e-3, "{at:?}");
+        }
+        assert_eq!(bytes.cell([3, 2, 1])[7], bytes.at([4, 3, 2]));
+        assert_eq!((bytes.bytes(), floats.bytes()), (3 * 2 * 2 * 26, 3 * 2 * 2 * 40));
+    }
+
+    #[test]
+    fn a_block_of_levels_is_exact() {
+        let levels = compressed([4, 4, 4], (0..64).map(|i| (i % 8 * 5) as u8).collect());
+        assert!((0..64).all(|i| levels.at([i % 4, i / 4 % 4, i / 16]) == (i % 8 * 5) as f32));
+        let constant = compressed([4, 4, 4], vec![-3.5f32; 64]);
+        assert_eq!(constant.at([1, 2, 3]), -3.5);
+    }
+}

@@ -1,0 +1,209 @@
+//! Fragments onto pixels.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_core::vector::{LANES, Lanes, Sums, pick, splat};
+
+use super::chunk::{Chunk, Which};
+use super::state::{Operator, State};
+use crate::fragments::Fragments;
+
+/// What a blend is told besides fragments.
+#[derive(Clone, Copy)]
+pub(crate) struct Blending<'a> {
+    pub(crate) operator: Operator,
+    /// Whether samples are on the faces of slabs.
+    pub(crate) on_faces: bool,
+    /// A pixel is done when no more than this could be added to any component; below 0: never.
+    pub(crate) negligible: f32,
+    /// The largest light, or opacity, that can come from behind, by what is left clear.
+    pub(crate) most: &'a Lanes,
+}
+
+/// Blends the samples of a chunk onto pixels; returns how many there were. Rays whose pixels are done stop.
+#[inline(never)]
+pub(crate) fn blend<S: Simd>(
+    simd: S,
+    how: &Blending<'_>,
+    which: Which<'_>,
+    rays: &mut Fragments,
+    chunk: &Chunk,
+    state: &mut State,
+) -> u32 {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut drawn = 0;
+            match how.operator {
+                Operator::Under { level } => {
+                    let mut sums = Sums::load(simd, &state.sums);
+                    for j in 0..chunk.len {
+                        let Sample { mut live, begin, length } = sample(simd, how, which, rays, j);
+                        let mut light = light_of(simd, chunk, j);
+                        // Vacuum is NaN, and nothing times that is NaN, too.
+                        let defined = light[3].simd_eq(light[3]);
+                        if !defined.all_true() {
+                            live &= defined;
+                            let zero = splat(simd, 0.0);
+                            light = [
+                                pick(defined, light[0], zero),
+                                pick(defined, light[1], zero),
+                                pick(defined, light[2], zero),
+                                pick(defined, light[3], zero),
+                            ];
+                        }
+                        drawn += live.to_bitmask().count_ones();
+                        let mut reached = live & !live;
+                        if level < 1.0 {
+                            let share = share_to_level(simd, sums.clear(simd), light[3], level);
+                            reached = live & share.simd_lt(splat(simd, 1.0));
+                            light = [light[0] * share, light[1] * share, light[2] * share, light[3] * share];
+                        }
+                        sums.add(simd, live, [begin, length], light);
+                        if level < 1.0 {
+                            stop(rays, reached.to_bitmask() as u32);
+                        }
+                        if how.negligible >= 0.0 {
+                            let done = (sums.clear(simd) * how.most.load(simd)).simd_le(splat(simd, how.negligible));
+                            stop(rays, done.to_bitmask() as u32);
+                        }
+                    }
+                    sums.store(&mut state.sums);
+                }
+                Operator::Over => {
+                    let [r, g, b, a] = &state.sums[0];
+                    let mut sum = [r.load(simd), g.load(simd), b.load(simd), a.load(simd)];
+                    for j in 0..chunk.len {
+                        let light = light_of(simd, chunk, j);
+                        let live = sample(simd, how, which, rays, j).live & light[3].simd_eq(light[3]);
+                        drawn += live.to_bitmask().count_ones();
+                        let clear = splat(simd, 1.0) - light[3];
+                        for c in 0..4 {
+                            sum[c] = pick(live, light[c] + clear * sum[c], sum[c]);
+                        }
+                    }
+                    let [r, g, b, a] = sum;
+                    state.sums[0] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
+                }
+                Operator::Extreme { sign } => {
+                    let mut best = state.value.load(simd);
+                    for j in 0..chunk.len {
+                        let value = chunk.value[j].load(simd) * sign;
+                        let live = sample(simd, how, which, rays, j).live;
+                        drawn += live.to_bitmask().count_ones();
+                        // False for NaN.
+                        best = pick(live & value.simd_gt(best), value, best);
+                    }
+                    state.value = Lanes::of(best);
+                }
+                Operator::Average => drawn += average(simd, how, which, rays, chunk, state),
+                Operator::First { sign, threshold } => {
+                    for j in 0..chunk.len {
+                        let Sample { live, begin, length } = sample(simd, how, which, rays, j);
+                        drawn += live.to_bitmask().count_ones();
+                        let value = chunk.value[j].load(simd);
+                        let passed = live & (value * sign).simd_ge(splat(simd, threshold * sign));
+                        if passed.any_true() {
+                            state.value = Lanes::of(pick(passed, begin + length, state.value.load(simd)));
+                            state.other = Lanes::of(pick(passed, begin, state.other.load(simd)));
+                            stop(rays, passed.to_bitmask() as u32);
+                        }
+                    }
+                }
+            }
+            drawn
+        },
+    )
+}
+
+/// One sample of sixteen rays: which of them have it, and the number at which its slab begins, and how much of a whole one it is.
+struct Sample<S: Simd> {
+    live: mask32x16<S>,
+    begin: f32x16<S>,
+    length: f32x16<S>,
+}
+
+#[inline(always)]
+fn sample<S: Simd>(simd: S, how: &Blending<'_>, which: Which<'_>, rays: &Fragments, j: usize) -> Sample<S> {
+    let zero = splat(simd, 0.0);
+    match which {
+        Which::Outer(end) => {
+            let live = rays.has[end].load(simd).simd_gt(zero);
+            let [begin, length] = &rays.outer_span[end];
+            let (begin, length) = (begin.load(simd), length.load(simd));
+            // Where a ray enters, nothing lies before the sample.
+            let length = if how.on_faces && end == 0 { zero } else { length };
+            Sample { live, begin, length }
+        }
+        Which::From(number) => {
+            let n = number.load(simd) + j as f32;
+            let live = n.simd_lt(rays.end.load(simd));
+            if how.on_faces {
+                let first = n.simd_le(rays.begin.load(simd));
+                let [begin, length] = &rays.outer_span[0];
+                let begin = pick(first, begin.load(simd), n - 1.0);
+                let length = pick(first, length.load(simd), splat(simd, 1.0));
+                Sample { live, begin, length }
+            } else {
+                Sample { live, begin: n - 0.5, length: splat(simd, 1.0) }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn light_of<S: Simd>(simd: S, chunk: &Chunk, j: usize) -> [f32x16<S>; 4] {
+    let [r, g, b, a] = &chunk.light[j];
+    [r.load(simd), g.load(simd), b.load(simd), a.load(simd)]
+}
+
+/// The part of a slab's opacity up to which a level is reached; 1 where it is not.
+#[inline(always)]
+fn share_to_level<S: Simd>(simd: S, clear: f32x16<S>, alpha: f32x16<S>, level: f32) -> f32x16<S> {
+    let one = splat(simd, 1.0);
+    let (adds, left) = (clear * alpha, (clear - (1.0 - level)).max(splat(simd, 0.0)));
+    let reaches = adds.simd_gt(splat(simd, 0.0)) & adds.simd_ge(left);
+    pick(reaches, left / pick(reaches, adds, one), one)
+}
+
+/// Values by length, with what rounding loses.
+#[inline(always)]
+fn average<S: Simd>(
+    simd: S,
+    how: &Blending<'_>,
+    which: Which<'_>,
+    rays: &Fragments,
+    chunk: &Chunk,
+    state: &mut State,
+) -> u32 {
+    let (mut sum, mut length, mut lost) = (state.value.load(simd), state.other.load(simd), state.lost.load(simd));
+    let zero = splat(simd, 0.0);
+    let ratio = match which {
+        Which::Outer(end) => rays.outer_ratio[end].load(simd),
+        Which::From(_) => rays.ratio.load(simd),
+    };
+    let mut drawn = 0;
+    for j in 0..chunk.len {
+        let value = chunk.value[j].load(simd);
+        let live = sample(simd, how, which, rays, j).live & value.simd_eq(value);
+        drawn += live.to_bitmask().count_ones();
+        let added = pick(live, value * ratio, zero);
+        let next = sum + added;
+        lost += (next - sum) - added;
+        sum = next;
+        length += pick(live, ratio, zero);
+    }
+    (state.value, state.other, state.lost) = (Lanes::of(sum), Lanes::of(length), Lanes::of(lost));
+    drawn
+}
+
+#[inline(always)]
+fn stop(rays: &mut Fragments, which: u32) {
+    if which & rays.hits != 0 {
+        for i in 0..LANES {
+            if which >> i & 1 == 1 {
+                rays.stop(i);
+            }
+        }
+    }
+}

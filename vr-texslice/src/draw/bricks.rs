@@ -1,0 +1,275 @@
+//! A picture brick by brick: each takes the fragments of every ray that lie in it, and hands rays on to the next.
+
+use std::sync::{Mutex, PoisonError};
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use vr_core::filter::Lattice;
+use vr_core::image_order::in_parallel;
+use vr_core::vector::{Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, light_of, pick, run, splat};
+use vr_core::{Control, Counts, RenderError};
+
+use super::classify::Classifier;
+use super::state::State;
+use super::tiles::{Pixel, Scene16, Sixteen, sixteens};
+use crate::bricks::{BrickLattice, Cells, Pool};
+use crate::fragments::Fragments;
+use crate::projection::Screen;
+
+/// What is drawn, brick by brick.
+pub(crate) struct Bricked<'a, T> {
+    pub(crate) scene: &'a Scene16<'a>,
+    pub(crate) volume: Lattice<'a, T>,
+    pub(crate) lattice: BrickLattice,
+    /// Front to back.
+    pub(crate) order: &'a [[usize; 3]],
+    /// Whether something can be visible in a brick.
+    pub(crate) shows: &'a (dyn Fn([usize; 3]) -> bool + Sync),
+}
+
+/// Sixteen rays, between bricks.
+pub(crate) struct Waiting {
+    pub(crate) at: Sixteen,
+    pub(crate) rays: Fragments,
+    pub(crate) state: State,
+    /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more. +∞: no more.
+    next: Lanes,
+    pub(crate) drawn: u64,
+    skipped: u64,
+}
+
+impl<T: Pairs> Bricked<'_, T> {
+    pub(crate) fn draw(&self, pool: &mut Pool<T>, control: &Control) -> Result<(Vec<Pixel>, Counts), RenderError> {
+        let scene = self.scene;
+        let view = scene.view;
+        let mut sums = vec![Pixel::NOTHING; view.size[0] as usize * view.size[1] as usize];
+        let mut counts = Counts::default();
+        let n = view.samples;
+        for k in 0..n * n {
+            let places = sixteens(view.size);
+            let rays = set_up(scene, &places, k, control)?;
+            let screen = Screen::new(view)?;
+            for &brick in self.order {
+                let cells = self.lattice.cells_of(brick);
+                // The footprint of a brick, as a box of pixels.
+                let corners = self.lattice.corners(brick, scene.setup.placement);
+                let [low, high] = screen.bounds(&corners);
+                let touched: Vec<&Mutex<Waiting>> = rays
+                    .iter()
+                    .zip(&places)
+                    .filter(|(_, at)| at.overlaps(low, high))
+                    .map(|(waiting, _)| waiting)
+                    .collect();
+                let texture = if (self.shows)(brick) { Some(pool.texture(brick, &cells, &self.volume)?) } else { None };
+                // Sixteen by sixteen would be too little work a task.
+                let groups = touched.len().div_ceil(GROUP);
+                in_parallel(control, groups as u32, |g| {
+                    let from = g as usize * GROUP;
+                    for waiting in &touched[from..(from + GROUP).min(touched.len())] {
+                        let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
+                        let through = Through {
+                            scene,
+                            dims: self.volume.dims,
+                            cells: &cells,
+                            texture: texture.as_ref(),
+                            only: None,
+                            waiting: &mut waiting,
+                        };
+                        run(scene.level, through);
+                    }
+                })?;
+            }
+            for waiting in rays {
+                let Waiting { at, rays, state, drawn, skipped, .. } =
+                    waiting.into_inner().unwrap_or_else(PoisonError::into_inner);
+                counts.rays += u64::from(rays.hits.count_ones());
+                counts.samples += drawn;
+                counts.skipped += skipped;
+                at.finish(scene, &rays, &state, |number, pixel| sums[number] = sums[number].plus(&pixel));
+            }
+        }
+        if n > 1 {
+            sums.iter_mut().for_each(|pixel| *pixel = pixel.times(1.0 / f64::from(n * n)));
+        }
+        Ok((sums, counts))
+    }
+}
+
+/// The rays of sample `k` of every pixel, before the first brick.
+pub(crate) fn set_up(
+    scene: &Scene16<'_>,
+    places: &[Sixteen],
+    k: u32,
+    control: &Control,
+) -> Result<Vec<Mutex<Waiting>>, RenderError> {
+    in_parallel(control, places.len() as u32, |i| {
+        let at = places[i as usize];
+        let mut rays = Fragments::EMPTY;
+        run(scene.level, SetUp { scene, at, sample: k, rays: &mut rays });
+        let first = |i: usize| if rays.hits >> i & 1 == 1 { rays.begin.0[i] - 1.0 } else { f32::INFINITY };
+        let next = Lanes(std::array::from_fn(first));
+        Mutex::new(Waiting { at, rays, state: State::new(scene.pass.operator), next, drawn: 0, skipped: 0 })
+    })
+}
+
+/// Sixteens of rays of a task.
+pub(crate) const GROUP: usize = 64;
+
+struct SetUp<'a> {
+    scene: &'a Scene16<'a>,
+    at: Sixteen,
+    sample: u32,
+    rays: &'a mut Fragments,
+}
+
+impl Vectorized for SetUp<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        self.at.set_up(simd, self.scene, self.sample, self.rays);
+    }
+}
+
+/// Sixteen rays through one brick, or through the next slab.
+pub(crate) struct Through<'a, T> {
+    pub(crate) scene: &'a Scene16<'a>,
+    pub(crate) dims: [usize; 3],
+    pub(crate) cells: &'a Cells,
+    /// `None`: nothing is visible in it.
+    pub(crate) texture: Option<&'a Lattice<'a, T>>,
+    /// The rays that take one sample each; `None`: all take as many as lie in the brick.
+    pub(crate) only: Option<u32>,
+    pub(crate) waiting: &'a mut Waiting,
+}
+
+impl<T: Pairs> Vectorized for Through<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Waiting { rays, state, next, drawn, skipped, .. } = self.waiting;
+        let field = self.texture.map(Field::new);
+        let mut stage = Stage::<T>::default();
+        let mut sums = Sums::load(simd, &state.sums);
+        let mut number = next.load(simd);
+        let (zero, one, never) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::INFINITY));
+        let most = self.dims.map(|n| (n - 1) as f32);
+        let behind = self.scene.most.behind(rays);
+        let chosen = self.only.map(|bits| Lanes(std::array::from_fn(|i| (bits >> i & 1) as f32)));
+        loop {
+            let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
+            let first = number.simd_lt(begin);
+            let whole = !first & number.simd_lt(end);
+            // The last sample is one more than the whole ones: a ray has it, or it has a first one only.
+            let last = number.simd_eq(end) & rays.has[1].load(simd).simd_gt(zero) & !first;
+            let live = (first & rays.has[0].load(simd).simd_gt(zero) & number.simd_lt(never)) | whole | last;
+            let mut at = [zero; 3];
+            for a in 0..3 {
+                let along = rays.base[a].load(simd) + number * rays.delta[a].load(simd);
+                let outer = pick(first, rays.outer[0][a].load(simd), rays.outer[1][a].load(simd));
+                let p = pick(first | last, outer, along);
+                // What has no sample may be anywhere, and NaN times 0 is.
+                at[a] = inside(simd, pick(live, p, zero), most[a]);
+            }
+            let mut places = cells(simd, at, self.dims.map(|n| n as i32 - 2));
+            let mut here = live;
+            if let Some(chosen) = &chosen {
+                here &= chosen.load(simd).simd_gt(zero);
+            }
+            for a in 0..3 {
+                let [low, high] = self.cells[a].map(|c| c as i32);
+                let cell = places.cell[a];
+                here &= within(simd, cell, low, high);
+                // Those of other bricks are not fetched, but somewhere they must lie.
+                places.cell[a] = (cell - low).max(i32x16::splat(simd, 0)).min(i32x16::splat(simd, high - low - 1));
+            }
+            if here.all_false() {
+                break;
+            }
+            let count = u64::from(here.to_bitmask().count_ones());
+            if let Some(field) = &field {
+                *drawn += count;
+                field.fetch(simd, &places, &mut stage);
+                let value = field.value(simd, &places, &stage);
+                let ratio = pick(
+                    first,
+                    rays.outer_ratio[0].load(simd),
+                    pick(last, rays.outer_ratio[1].load(simd), rays.ratio.load(simd)),
+                );
+                let light = classified(simd, &self.scene.pass.classifier, value, ratio, first | last);
+                let defined = value.simd_eq(value);
+                let light = [
+                    pick(defined, light[0], zero),
+                    pick(defined, light[1], zero),
+                    pick(defined, light[2], zero),
+                    pick(defined, light[3], zero),
+                ];
+                let span = |which: usize| {
+                    pick(first, rays.outer_span[0][which].load(simd), rays.outer_span[1][which].load(simd))
+                };
+                let outer = first | last;
+                let (from, length) = (pick(outer, span(0), number - 0.5), pick(outer, span(1), one));
+                sums.add(simd, here & defined, [from, length], light);
+            } else {
+                *skipped += count;
+            }
+            number = pick(here, number + one, number);
+            if self.scene.pass.negligible >= 0.0 {
+                let done = (sums.clear(simd) * behind.load(simd)).simd_le(splat(simd, self.scene.pass.negligible));
+                number = pick(done, never, number);
+            }
+            if chosen.is_some() {
+                break;
+            }
+        }
+        *next = Lanes::of(number);
+        sums.store(&mut state.sums);
+    }
+}
+
+/// Whether low ≤ cell < high.
+#[inline(always)]
+fn within<S: Simd>(simd: S, cell: i32x16<S>, low: i32, high: i32) -> mask32x16<S> {
+    cell.simd_ge(i32x16::splat(simd, low)) & cell.simd_lt(i32x16::splat(simd, high))
+}
+
+/// Light and opacity of values: those of outer slabs, and of all where slabs differ from ray to ray, by their own lengths.
+#[inline(always)]
+fn classified<S: Simd>(
+    simd: S,
+    with: &Classifier<'_>,
+    value: f32x16<S>,
+    ratio: f32x16<S>,
+    outer: mask32x16<S>,
+) -> [f32x16<S>; 4] {
+    let zero = splat(simd, 0.0);
+    match *with {
+        Classifier::Table { rows, optics, even } => {
+            if even && outer.all_false() {
+                return rows.at(simd, value);
+            }
+            let own = light_of(simd, optics.rows().at(simd, value), ratio, optics.emits);
+            if !even || outer.all_true() {
+                return own;
+            }
+            let whole = rows.at(simd, value);
+            [
+                pick(outer, own[0], whole[0]),
+                pick(outer, own[1], whole[1]),
+                pick(outer, own[2], whole[2]),
+                pick(outer, own[3], whole[3]),
+            ]
+        }
+        Classifier::Exact(light) => {
+            let (value, ratio) = (Lanes::of(value), Lanes::of(ratio));
+            let mut found = [Lanes::ZERO; 4];
+            for i in 0..LANES {
+                let one = light(value.0[i], ratio.0[i]);
+                (0..4).for_each(|c| found[c].0[i] = one[c]);
+            }
+            [found[0].load(simd), found[1].load(simd), found[2].load(simd), found[3].load(simd)]
+        }
+        _ => [zero; 4],
+    }
+}

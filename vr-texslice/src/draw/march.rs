@@ -1,0 +1,186 @@
+//! Sixteen rays through all of their slices.
+
+use fearless_simd::Simd;
+use vr_core::vector::{LANES, Lanes};
+
+use super::blend::{Blending, blend};
+use super::chunk::{CHUNK, Chunk, Which, fetch, reach, shade};
+use super::classify::{Classifier, classify, integrate};
+use super::state::{Operator, State};
+use crate::fragments::Fragments;
+use crate::occupancy::Occupancy;
+use crate::texture::{Lit, Texture};
+
+/// What is the same for all fragments of a picture.
+#[derive(Clone, Copy)]
+pub(crate) struct Pass<'a> {
+    pub(crate) classifier: Classifier<'a>,
+    pub(crate) operator: Operator,
+    /// Texels along each axis.
+    pub(crate) dims: [usize; 3],
+    /// Whether samples are on the faces of slabs.
+    pub(crate) on_faces: bool,
+    /// World length of a table's slab.
+    pub(crate) length: f32,
+    pub(crate) negligible: f32,
+    /// `None`: every fragment is drawn.
+    pub(crate) occupancy: Option<&'a Occupancy>,
+}
+
+/// Where samples are kept while they are worked on.
+pub(crate) struct Workbench<X: Texture> {
+    pub(crate) stages: [X::Stage; 2],
+    pub(crate) chunk: Chunk,
+}
+
+impl<X: Texture> Default for Workbench<X> {
+    fn default() -> Self {
+        Self { stages: [X::Stage::default(), X::Stage::default()], chunk: Chunk::EMPTY }
+    }
+}
+
+/// What a march did.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Done {
+    pub(crate) drawn: u64,
+    pub(crate) skipped: u64,
+}
+
+/// A march of sixteen rays.
+pub(crate) struct March<'a, X: Texture> {
+    pub(crate) texture: &'a X,
+    pub(crate) pass: &'a Pass<'a>,
+    /// `None`: nothing is shaded.
+    pub(crate) lit: Option<Lit<'a>>,
+    pub(crate) most: &'a Lanes,
+    pub(crate) bench: &'a mut Workbench<X>,
+    pub(crate) rays: &'a mut Fragments,
+    pub(crate) state: &'a mut State,
+    /// Values at the last faces: where segments begin.
+    pub(crate) before: Lanes,
+    pub(crate) done: Done,
+}
+
+impl<X: Texture> March<'_, X> {
+    /// Through all slices.
+    pub(crate) fn run<S: Simd>(&mut self, simd: S) {
+        if self.pass.operator == Operator::Over {
+            self.rays.turn();
+        }
+        self.outer(simd, 0);
+        self.whole(simd);
+        self.outer(simd, 1);
+    }
+
+    /// The first samples of all rays (0), or the last (1).
+    fn outer<S: Simd>(&mut self, simd: S, end: usize) {
+        if self.rays.has[end].0 == [0.0; LANES] {
+            return;
+        }
+        self.bench.chunk.len = 1;
+        let which = Which::Outer(end);
+        fetch(simd, self.texture, self.rays, which, &mut self.bench.stages, &mut self.bench.chunk);
+        if self.pass.on_faces && matches!(self.pass.classifier, Classifier::Segments(_)) && end == 0 {
+            // Nothing but where the first segment begins.
+            self.before = self.bench.chunk.value[0];
+            return;
+        }
+        let ratio = self.rays.outer_ratio[end];
+        self.draw(simd, which, &ratio);
+    }
+
+    /// The samples of whole slabs.
+    fn whole<S: Simd>(&mut self, simd: S) {
+        let mut number = self.rays.begin;
+        loop {
+            let most = (0..LANES).map(|i| self.rays.end.0[i] - number.0[i]).fold(f32::NEG_INFINITY, f32::max);
+            if most <= 0.0 {
+                break;
+            }
+            let len = (most as usize).min(CHUNK);
+            if self.is_empty(&number, len) {
+                self.done.skipped += self.live(&number, len);
+                if matches!(self.pass.classifier, Classifier::Segments(_)) {
+                    // What the next segment begins with.
+                    let last = Lanes(number.0.map(|n| n + (len - 1) as f32));
+                    self.bench.chunk.len = 1;
+                    let which = Which::From(&last);
+                    fetch(simd, self.texture, self.rays, which, &mut self.bench.stages, &mut self.bench.chunk);
+                    self.keep(&last, 0);
+                }
+            } else {
+                self.bench.chunk.len = len;
+                let which = Which::From(&number);
+                fetch(simd, self.texture, self.rays, which, &mut self.bench.stages, &mut self.bench.chunk);
+                let ratio = self.rays.ratio;
+                self.draw(simd, which, &ratio);
+            }
+            for n in &mut number.0 {
+                *n += len as f32;
+            }
+        }
+    }
+
+    /// Classifies, shades and blends what was fetched.
+    fn draw<S: Simd>(&mut self, simd: S, which: Which<'_>, ratio: &Lanes) {
+        let pass = self.pass;
+        let chunk = &mut self.bench.chunk;
+        match pass.classifier {
+            Classifier::Segments(table) => {
+                let (rays, world) = (&*self.rays, pass.length);
+                let length = |j: usize, i: usize| match which {
+                    Which::Outer(_) => ratio.0[i] * world,
+                    Which::From(number) if number.0[i] + j as f32 <= rays.begin.0[i] => {
+                        rays.outer_ratio[0].0[i] * world
+                    }
+                    Which::From(_) => ratio.0[i] * world,
+                };
+                let mut before = self.before;
+                integrate(table, &mut before, length, pass.operator == Operator::Over, chunk);
+                match which {
+                    Which::Outer(_) => {}
+                    Which::From(number) => {
+                        let number = *number;
+                        let last = chunk.len - 1;
+                        self.keep(&number, last);
+                    }
+                }
+            }
+            _ => {
+                let outer = matches!(which, Which::Outer(_));
+                classify(simd, &pass.classifier, ratio, outer, chunk);
+                if let Some(lit) = &self.lit {
+                    shade(simd, self.texture, self.rays, which, lit, &mut self.bench.stages, chunk);
+                }
+            }
+        }
+        let how =
+            Blending { operator: pass.operator, on_faces: pass.on_faces, negligible: pass.negligible, most: self.most };
+        let drawn = blend(simd, &how, which, self.rays, &self.bench.chunk, self.state);
+        self.done.drawn += u64::from(drawn);
+    }
+
+    /// Remembers the values at the last faces that rays have in a chunk of which sample 0 has the numbers given.
+    fn keep(&mut self, number: &Lanes, last: usize) {
+        for i in 0..LANES {
+            let left = self.rays.end.0[i] - number.0[i];
+            if left > 0.0 {
+                self.before.0[i] = self.bench.chunk.value[last.min(left as usize - 1)].0[i];
+            }
+        }
+    }
+
+    /// Whether nothing can be visible in the blocks that the samples touch.
+    fn is_empty(&self, number: &Lanes, len: usize) -> bool {
+        let Some(occupancy) = self.pass.occupancy else { return false };
+        // A segment begins at the sample before.
+        let (from, len) = if self.pass.on_faces { (Lanes(number.0.map(|n| n - 1.0)), len + 1) } else { (*number, len) };
+        occupancy.is_empty(reach(self.rays, &from, len, self.pass))
+    }
+
+    /// How many of the next samples there are.
+    fn live(&self, number: &Lanes, len: usize) -> u64 {
+        let left = |i: usize| (self.rays.end.0[i] - number.0[i]).clamp(0.0, len as f32) as u64;
+        (0..LANES).map(left).sum()
+    }
+}

@@ -1,0 +1,17 @@
+//! What becomes of fragments: fetched from a texture, classified, blended.
+
+mod blend;
+mod bricks;
+mod chunk;
+mod classify;
+mod march;
+mod state;
+mod tiles;
+mod whole_slices;
+
+pub(crate) use bricks::Bricked;
+pub(crate) use classify::Classifier;
+pub(crate) use march::Pass;
+pub(crate) use state::{Operator, State};
+pub(crate) use tiles::{Brightest, Pixel, Scene16, draw_tiles};
+pub(crate) use whole_slices::draw_slices;

@@ -1,0 +1,85 @@
+//! From what a pixel has gathered to the pixel.
+
+use glam::DVec3;
+use vr_core::{Compositing, Filter, Scene, UniformVolume};
+
+use crate::draw::{Operator, Pixel, State};
+use crate::fragments::Fragments;
+use crate::model::{Gradient, Stored};
+use crate::support::shades;
+
+/// What that takes.
+pub(crate) struct Finish<'a> {
+    pub(crate) operator: Operator,
+    pub(crate) scene: &'a Scene,
+    pub(crate) volume: &'a UniformVolume,
+}
+
+/// Halvings of the slab in which a threshold is passed: 10⁻⁹ of it is left, which is below the rounding of an f32 depth.
+const HALVINGS: u32 = 30;
+
+impl Finish<'_> {
+    /// Whether pixels have a depth.
+    pub(crate) fn has_depth(&self) -> bool {
+        matches!(self.operator, Operator::Under { .. } | Operator::First { .. })
+    }
+
+    /// Pixel `i` of sixteen whose ray met the volume.
+    pub(crate) fn pixel(&self, rays: &Fragments, state: &State, i: usize) -> Pixel {
+        let [sum, lost, _] = &state.sums;
+        let value = state.value.0[i];
+        match self.operator {
+            Operator::Under { .. } => {
+                let rgba = std::array::from_fn(|c| f64::from(sum[c].0[i] - lost[c].0[i]));
+                Pixel { rgba, depth: rays.distance_at(i, state.half(i)) }
+            }
+            Operator::Over => Pixel { rgba: std::array::from_fn(|c| f64::from(sum[c].0[i])), ..Pixel::NOTHING },
+            Operator::Extreme { .. } if value == f32::NEG_INFINITY => Pixel::NOTHING,
+            Operator::Extreme { sign } => self.picked(f64::from(value * sign)),
+            Operator::Average if state.other.0[i] == 0.0 => Pixel::NOTHING,
+            Operator::Average => {
+                let mean = (f64::from(value) - f64::from(state.lost.0[i])) / f64::from(state.other.0[i]);
+                self.picked(mean)
+            }
+            Operator::First { .. } if value == f32::INFINITY => Pixel::NOTHING,
+            Operator::First { sign, .. } => self.first(rays, i, state, f64::from(sign)),
+        }
+    }
+
+    /// (α·c, α) of a stored number.
+    fn picked(&self, stored: f64) -> Pixel {
+        let at = self.scene.transfer.at(self.volume.calibration().value(stored));
+        let [r, g, b] = at.color.map(|c| c * at.opacity);
+        Pixel { rgba: [r, g, b, at.opacity], ..Pixel::NOTHING }
+    }
+
+    /// The point at which the threshold is passed, found between the sample that passed and the one before it.
+    fn first(&self, rays: &Fragments, i: usize, state: &State, sign: f64) -> Pixel {
+        let Compositing::First { threshold } = self.scene.compositing else { return Pixel::NOTHING };
+        let threshold = self.volume.calibration().stored(threshold);
+        let stored = |s: f64| self.volume.with_sampler(Filter::Trilinear, Stored(self.index(rays, i, s)));
+        let (mut below, mut reached) = (rays.distance_at(i, state.other.0[i]), rays.distance_at(i, state.value.0[i]));
+        // Where a ray enters, both are the same.
+        for _ in 0..if below < reached { HALVINGS } else { 0 } {
+            let middle = 0.5 * (below + reached);
+            // False in vacuum.
+            if sign * stored(middle) >= sign * threshold { reached = middle } else { below = middle }
+        }
+        let mut color = self.scene.transfer.at(self.volume.calibration().value(stored(reached))).color;
+        if let Some(shading) = self.scene.shading.as_ref().filter(|_| shades(self.scene)) {
+            let gradient = DVec3::from(self.volume.with_lattice(Gradient(self.index(rays, i, reached))));
+            let world = self.volume.placement().inverse_axes().transpose() * gradient;
+            let along = DVec3::from(rays.chords.along.map(|a| a[i]));
+            let (factor, added) = shading.along::<f64>(along).reflect(world.to_array());
+            color = std::array::from_fn(|c| color[c] * factor[c] + added[c]);
+        }
+        Pixel { rgba: [color[0], color[1], color[2], 1.0], depth: reached }
+    }
+
+    /// Index-space position at a world distance along a ray, inside the box.
+    fn index(&self, rays: &Fragments, i: usize, distance: f64) -> [f64; 3] {
+        let dims = self.volume.dims();
+        let at = rays.index_at(i, distance);
+        std::array::from_fn(|a| at[a].clamp(0.0, (dims[a] - 1) as f64))
+    }
+}

@@ -1,0 +1,196 @@
+//! What the renderer sums, told for any ray, in f64: a sample for each slab, without tables.
+
+use std::sync::Arc;
+
+use vr_core::filter::{Lattice, Reconstruction};
+use vr_core::optics::opacity_of_thickness;
+use vr_core::transfer::PreIntegrated;
+use vr_core::{
+    DiscreteModel, Filter, IndexRay, LatticeVisitor, Ray, Rays, Sampler, SamplerVisitor, Scene, SegmentTerm,
+    UniformVolume, View, Voxel, gradient_between_samples,
+};
+
+use crate::classified::{Codes, Made, light_of};
+use crate::compression::Compressed;
+use crate::slices::{Slabs, Slices};
+use crate::support::shades;
+use crate::tables::segments;
+use crate::tex_slice::{Format, TexSlice};
+
+/// The sum over slabs.
+pub(crate) struct SliceModel {
+    renderer: TexSlice,
+    scene: Scene,
+    view: View,
+    /// `None`: a view that cannot be drawn.
+    geometry: Option<(Rays, Slices)>,
+    segments: Option<PreIntegrated<f64>>,
+    compressed: Option<Arc<Compressed>>,
+    /// What texels of light are made for.
+    made: Option<Made>,
+}
+
+impl SliceModel {
+    pub(crate) fn new(renderer: &TexSlice, scene: &Scene, view: &View, compressed: Option<Arc<Compressed>>) -> Self {
+        let geometry = scene.volume.uniform().and_then(|volume| {
+            let rays = Rays::new(view).ok()?;
+            let on_faces = renderer.is_pre_integrated();
+            let slices = Slices::new(renderer, view, volume.placement(), volume.dims(), on_faces).ok()?;
+            Some((rays, slices))
+        });
+        let light = geometry.as_ref().filter(|_| renderer.holds_light());
+        let made = light.and_then(|(_, slices)| Made::new(renderer.format, scene, view, slices).ok());
+        let table = scene.volume.uniform().filter(|_| renderer.is_pre_integrated());
+        Self {
+            renderer: renderer.clone(),
+            scene: scene.clone(),
+            view: view.clone(),
+            geometry,
+            segments: table.map(|volume| segments(scene, volume)),
+            compressed,
+            made,
+        }
+    }
+}
+
+impl DiscreteModel for SliceModel {
+    fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
+        let (Some((rays, slices)), Some(volume)) = (&self.geometry, self.scene.volume.uniform()) else {
+            return Vec::new();
+        };
+        let ray = rays.at(x, y);
+        let far = self.view.layer.as_ref().map_or(f64::INFINITY, |layer| {
+            let [w, h] = self.view.size.map(|n| n as usize);
+            layer.depth((y as usize).min(h - 1) * w + (x as usize).min(w - 1))
+        });
+        let Some(part) = IndexRay::new(&ray, volume.placement(), volume.dims(), &self.view.clip, far) else {
+            return Vec::new();
+        };
+        let coordinate = slices.coordinate(part.origin.to_array(), part.direction.to_array(), part.offset);
+        let slabs = Slabs::new(coordinate, part.start, part.end);
+        let along = Along { model: self, slices, volume, ray: &ray, part: &part };
+        let terms = (0..slabs.count()).map(|k| {
+            let [begin, end] = slabs.part(slabs.first + k as f64);
+            let length = slices.ratio(end - begin, slabs.slope) * slices.table_length();
+            let [r, g, b, alpha] = along.fragment([begin, end], length);
+            SegmentTerm { transparency: 1.0 - alpha, light: [r, g, b] }
+        });
+        terms.collect()
+    }
+}
+
+/// One ray of a model.
+struct Along<'a> {
+    model: &'a SliceModel,
+    slices: &'a Slices,
+    volume: &'a UniformVolume,
+    ray: &'a Ray,
+    part: &'a IndexRay,
+}
+
+impl Along<'_> {
+    /// Where the texture is read for a distance.
+    fn index(&self, s: f64) -> [f64; 3] {
+        let dims = self.volume.dims();
+        let mut at = self.part.at(s).to_array();
+        for a in 0..3 {
+            at[a] = at[a].clamp(0.0, (dims[a] - 1) as f64);
+        }
+        if let Some(axis) = self.slices.axis() {
+            // Between the slices of a stack there is nothing.
+            let per_layer = f64::from(self.model.renderer.per_layer());
+            at[axis] = ((at[axis] * per_layer + 0.5).floor() / per_layer).min((dims[axis] - 1) as f64);
+        }
+        at
+    }
+
+    fn stored(&self, s: f64) -> f64 {
+        if let Some(compressed) = &self.model.compressed {
+            return self.between_texels(s, |texel| [f64::from(compressed.at(texel)); 1])[0];
+        }
+        self.volume.with_sampler(Filter::Trilinear, Stored(self.index(s)))
+    }
+
+    /// Linear between the eight texels around a distance.
+    fn between_texels<const N: usize>(&self, s: f64, texel: impl Fn([usize; 3]) -> [f64; N]) -> [f64; N] {
+        let (at, dims) = (self.index(s), self.volume.dims());
+        let cell: [usize; 3] = std::array::from_fn(|a| (at[a] as usize).min(dims[a] - 2));
+        let mut sum = [0.0; N];
+        for corner in 0..8 {
+            let high = |a: usize| corner >> a & 1;
+            let part = |a: usize| if high(a) == 1 { at[a] - cell[a] as f64 } else { 1.0 + cell[a] as f64 - at[a] };
+            let value = texel(std::array::from_fn(|a| cell[a] + high(a)));
+            (0..N).for_each(|c| sum[c] += part(0) * part(1) * part(2) * value[c]);
+        }
+        sum
+    }
+
+    /// Light and opacity of a slab, from texels that hold those of one as long as tables are made for.
+    fn light(&self, s: f64, made: &Made, length: f64) -> [f64; 4] {
+        let (scene, volume) = (&self.model.scene, self.volume);
+        let dims = volume.dims();
+        let codes = (self.model.renderer.format == Format::Paletted).then(|| Codes::of(volume));
+        let texel = |index: [usize; 3]| {
+            fn number<T: Voxel>(samples: &[T], at: usize) -> f64 {
+                samples[at].to_f32().into()
+            }
+            let at = (index[2] * dims[1] + index[1]) * dims[0] + index[0];
+            let stored = vr_core::with_grid!(volume.grid(), g => number(g.samples(), at));
+            match codes {
+                Some(codes) => codes.light(scene, volume, made, stored),
+                None => light_of(scene, volume, made, stored, index),
+            }
+            .map(f64::from)
+        };
+        let [r, g, b, alpha] = self.between_texels(s, texel);
+        if alpha.is_nan() {
+            return [0.0; 4];
+        }
+        let ratio = length / made.length;
+        let corrected = opacity_of_thickness(alpha, ratio);
+        let share = if alpha > 0.0 { corrected / alpha } else { ratio };
+        [r * share, g * share, b * share, corrected]
+    }
+
+    /// Light and opacity of a slab.
+    fn fragment(&self, [begin, end]: [f64; 2], length: f64) -> [f64; 4] {
+        let scene = &self.model.scene;
+        if let Some(table) = &self.model.segments {
+            return table.segment(self.stored(begin), self.stored(end), length);
+        }
+        let middle = 0.5 * (begin + end);
+        if let Some(made) = &self.model.made {
+            return self.light(middle, made, length);
+        }
+        let stored = self.stored(middle);
+        if stored.is_nan() {
+            return [0.0; 4];
+        }
+        let light = scene.transfer.step(self.volume.calibration().value(stored), length);
+        let Some(shading) = scene.shading.as_ref().filter(|_| shades(scene)) else { return light };
+        let gradient = glam::DVec3::from(self.volume.with_lattice(Gradient(self.index(middle))));
+        let world = self.volume.placement().inverse_axes().transpose() * gradient;
+        let (factor, added) = shading.along::<f64>(self.ray.direction).reflect(world.to_array());
+        std::array::from_fn(|c| if c < 3 { light[c] * factor[c] + light[3] * added[c] } else { light[3] })
+    }
+}
+
+pub(crate) struct Stored(pub(crate) [f64; 3]);
+
+impl SamplerVisitor for Stored {
+    type Output = f64;
+
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> f64 {
+        sampler.value(self.0)
+    }
+}
+
+pub(crate) struct Gradient(pub(crate) [f64; 3]);
+
+impl LatticeVisitor for Gradient {
+    type Output = [f64; 3];
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
+        gradient_between_samples(&lattice, self.0)
+    }
+}

@@ -1,0 +1,326 @@
+//! A renderer that has seen its scene.
+
+use std::any::Any;
+use std::sync::Arc;
+
+use fearless_simd::Level;
+use vr_core::filter::Lattice;
+use vr_core::vector::{Pairs, Rows};
+use vr_core::{
+    Compositing, Control, Counts, Filter, Frame, Model, Prepared, Rays, RenderError, RenderStats, Rendered, Scene,
+    UniformVolume, View, with_grid,
+};
+
+use crate::bricks::{BrickLattice, Pool};
+use crate::classified::{Classified, Made};
+use crate::compression::Compressed;
+use crate::draw::{Bricked, Classifier, Operator, Pass, Pixel, Scene16, draw_slices, draw_tiles};
+use crate::finish::Finish;
+use crate::fragments::Setup;
+use crate::model::SliceModel;
+use crate::occupancy::Occupancy;
+use crate::shading::{brightest, packet_shading};
+use crate::slices::Slices;
+use crate::support::{check, check_view, shades};
+use crate::tables::{Tables, is_visible};
+use crate::tex_slice::{Blend, Format, Order, TexSlice};
+use crate::texture::{Blocks, Indices, Light, Luminance, Rgba, Texture, Voxels};
+use crate::textures::{Stacks, axes_of_stack, hold};
+
+/// The scene, its textures, and what is kept from picture to picture.
+pub(crate) struct PreparedTexSlice {
+    renderer: TexSlice,
+    scene: Scene,
+    level: Level,
+    tables: Tables,
+    stacks: Stacks,
+    /// A texture of light, and what it was made for; `None`: for a scene that has changed since.
+    classified: Option<(Option<Made>, Classified)>,
+    compressed: Option<Arc<Compressed>>,
+    /// Of the volume's sample type.
+    pool: Option<Box<dyn Any + Send>>,
+    /// What was made since the last picture, and how long it took.
+    stats: RenderStats,
+}
+
+impl PreparedTexSlice {
+    pub(crate) fn new(renderer: TexSlice, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+        let volume = check(&renderer, scene)?;
+        control.check()?;
+        let mut stats = RenderStats::default();
+        let tables = stats.time("table", || Tables::new(&renderer, scene, volume));
+        let compressed = (renderer.format == Format::Compressed)
+            .then(|| stats.time("compress", || Arc::new(control.run(|| Compressed::new(volume)))));
+        if let Some(compressed) = &compressed {
+            hold("the compressed texture", compressed.bytes(), renderer.bytes())?;
+        }
+        Ok(Self {
+            renderer,
+            scene: scene.clone(),
+            level: Level::new(),
+            tables,
+            stacks: Stacks::default(),
+            classified: None,
+            compressed,
+            pool: None,
+            stats,
+        })
+    }
+
+    fn operator(&self, volume: &UniformVolume) -> Operator {
+        let calibration = volume.calibration();
+        let sign = calibration.slope.signum() as f32;
+        match self.scene.compositing {
+            Compositing::Accumulate { level } if level < 1.0 => Operator::Under { level: level as f32 },
+            Compositing::Maximum => Operator::Extreme { sign },
+            Compositing::Minimum => Operator::Extreme { sign: -sign },
+            Compositing::Average => Operator::Average,
+            Compositing::First { threshold } => {
+                Operator::First { sign, threshold: calibration.stored(threshold) as f32 }
+            }
+            _ if self.renderer.blend == Blend::BackToFront => Operator::Over,
+            _ => Operator::Under { level: 1.0 },
+        }
+    }
+
+    /// Blocks in which something can be visible; `None` where all of them are drawn.
+    fn occupancy(&self, volume: &UniformVolume, operator: Operator, axes: [usize; 3]) -> Option<Occupancy> {
+        if !self.renderer.skip || operator.picks() {
+            return None;
+        }
+        let ranges = volume.range_blocks(Filter::Trilinear, Occupancy::EDGE);
+        let light = self.renderer.holds_light();
+        Occupancy::new(&ranges, axes, |low, high| {
+            if light {
+                is_visible(&self.scene.transfer, volume, low, high)
+            } else {
+                self.tables.shows(&self.scene, volume, low, high)
+            }
+        })
+    }
+}
+
+impl Prepared for PreparedTexSlice {
+    fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
+        let volume = check(&self.renderer, scene)?;
+        control.check()?;
+        if !self.scene.volume.same(&scene.volume) {
+            *self = Self::new(self.renderer.clone(), scene, control)?;
+            return Ok(());
+        }
+        if self.scene.transfer != scene.transfer {
+            self.tables = self.stats.time("table", || Tables::new(&self.renderer, scene, volume));
+        }
+        if let Some((made, _)) = &mut self.classified
+            && (self.scene.transfer != scene.transfer || self.scene.shading != scene.shading)
+        {
+            *made = None;
+        }
+        self.scene = scene.clone();
+        Ok(())
+    }
+
+    fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        let scene = self.scene.clone();
+        let volume = check(&self.renderer, &scene)?;
+        let rays = Rays::new(view)?;
+        check_view(&self.renderer, &scene, view)?;
+        control.check()?;
+        let mut stats = std::mem::take(&mut self.stats);
+        let operator = self.operator(volume);
+        let on_faces = operator.wants_faces() || (self.renderer.is_pre_integrated() && !operator.picks());
+        let slices = Slices::new(&self.renderer, view, volume.placement(), volume.dims(), on_faces)?;
+        stats.time("table", || self.tables.tabulate(&scene, volume, slices.table_length()));
+        let axes = slices.axis().map_or([0, 1, 2], axes_of_stack);
+        match slices.axis() {
+            Some(axis) => {
+                stats.time("stack", || self.stacks.make(&self.renderer, volume, axis))?;
+            }
+            None if self.renderer.holds_light() => self.classify(&scene, volume, view, &slices, control, &mut stats)?,
+            None if self.compressed.is_some() || self.renderer.brick.is_some() => {}
+            None => hold("the volume's texture", volume.sample_bytes() as u64, self.renderer.bytes())?,
+        }
+        let occupancy = stats.time("cull", || self.occupancy(volume, operator, axes));
+        let shading = shades(&scene).then(|| packet_shading(&scene, volume, axes)).flatten();
+        let shading = shading.filter(|_| scene.compositing.integrates_light() && !self.renderer.holds_light());
+        let tables = self.tables.of_length();
+        let even = slices.are_even();
+        let exact = |stored: f32, ratio: f32| {
+            if stored.is_nan() {
+                return [f32::NAN; 4];
+            }
+            let value = volume.calibration().value(f64::from(stored));
+            scene.transfer.step(value, f64::from(ratio) * tables.length).map(|c| c as f32)
+        };
+        let classifier = match &self.tables.segments {
+            _ if operator.picks() => Classifier::Values,
+            Some(segments) => Classifier::Segments(segments),
+            None if self.renderer.holds_light() => Classifier::Done { even },
+            None if !tables.resolves(&scene.transfer, volume) => Classifier::Exact(&exact),
+            None => Classifier::Table { rows: Rows::of(&tables.baked), optics: &tables.optics, even },
+        };
+        let setup = Setup {
+            rays: &rays,
+            placement: volume.placement(),
+            dims: volume.dims(),
+            clip: &view.clip,
+            slices: &slices,
+            axes,
+            on_faces,
+        };
+        let finish = Finish { operator, scene: &scene, volume };
+        let job = Job {
+            scene: Scene16 {
+                view,
+                setup,
+                pass: Pass {
+                    classifier,
+                    operator,
+                    dims: axes.map(|a| volume.dims()[a]),
+                    on_faces,
+                    length: tables.length as f32,
+                    negligible: if self.renderer.termination < 1.0 {
+                        (1.0 - self.renderer.termination) as f32
+                    } else {
+                        -1.0
+                    },
+                    occupancy: occupancy.as_ref(),
+                },
+                shading: shading.as_ref(),
+                most: brightest(&scene),
+                finish: &|rays, state, i| finish.pixel(rays, state, i),
+                level: self.level,
+            },
+            control,
+        };
+        let (pixels, counts) = match self.renderer.brick {
+            Some(edge) => {
+                let pool = &mut self.pool;
+                stats.time("draw", || {
+                    draw_bricks(&job, volume, edge as usize, self.renderer.bytes(), pool, |low, high| {
+                        !self.renderer.skip || self.tables.shows(&scene, volume, low, high)
+                    })
+                })?
+            }
+            None => stats.time("draw", || self.draw(&job, volume, slices.axis()))?,
+        };
+        stats.counts = counts;
+        control.report(1.0);
+        let depth = finish.has_depth().then(|| pixels.iter().map(|p| p.depth as f32).collect());
+        let rgba = pixels.iter().map(|p| p.rgba.map(|c| c as f32)).collect();
+        Ok(Rendered { frame: Frame::new(view.size, rgba, depth), stats })
+    }
+
+    /// The sum over slabs; of what is no sum, and of one that is cut at a level, the scene as it is.
+    fn model(&self, view: &View) -> Model {
+        if self.scene.compositing != Compositing::Over {
+            return Model::Canonical;
+        }
+        let compressed = self.compressed.clone();
+        Model::Discrete(Arc::new(SliceModel::new(&self.renderer, &self.scene, view, compressed)))
+    }
+}
+
+/// A picture to draw.
+struct Job<'a> {
+    scene: Scene16<'a>,
+    control: &'a Control,
+}
+
+/// Draws the volume brick by brick.
+fn draw_bricks(
+    job: &Job<'_>,
+    volume: &UniformVolume,
+    edge: usize,
+    limit: u64,
+    pool: &mut Option<Box<dyn Any + Send>>,
+    shows: impl Fn(f32, f32) -> bool + Sync,
+) -> Drawn {
+    let lattice = BrickLattice::new(volume.dims(), edge);
+    let order = lattice.front_to_back(job.scene.view, volume.placement())?;
+    let ranges = volume.range_blocks(Filter::Trilinear, edge);
+    let shows = |brick: [usize; 3]| {
+        let range = ranges.at(brick);
+        !range.is_empty() && shows(range.low, range.high)
+    };
+    fn draw<T: Pairs>(
+        bricked: &Bricked<'_, T>,
+        pool: &mut Option<Box<dyn Any + Send>>,
+        limit: u64,
+        control: &Control,
+    ) -> Drawn {
+        let pool = pool.get_or_insert_with(|| Box::new(Pool::<T>::new(limit)));
+        let pool = pool.downcast_mut::<Pool<T>>().expect("a volume keeps its sample type");
+        bricked.draw(pool, control)
+    }
+    with_grid!(volume.grid(), g => {
+        let volume = Lattice { samples: g.samples(), dims: g.dims() };
+        draw(&Bricked { scene: &job.scene, volume, lattice, order: &order, shows: &shows }, pool, limit, job.control)
+    })
+}
+
+type Drawn = Result<(Vec<Pixel>, Counts), RenderError>;
+
+impl Job<'_> {
+    fn through<X: Texture>(&self, texture: &X) -> Drawn {
+        draw_tiles(&self.scene, texture, self.control)
+    }
+}
+
+impl PreparedTexSlice {
+    /// Makes the texture of light for a view, unless there is one that serves.
+    fn classify(
+        &mut self,
+        scene: &Scene,
+        volume: &UniformVolume,
+        view: &View,
+        slices: &Slices,
+        control: &Control,
+        stats: &mut RenderStats,
+    ) -> Result<(), RenderError> {
+        let format = self.renderer.format;
+        hold("the texture of light", Classified::bytes(format, volume), self.renderer.bytes())?;
+        let made = Made::new(format, scene, view, slices)?;
+        match &mut self.classified {
+            Some((of, _)) if *of == Some(made) => {}
+            Some((of, texture @ Classified::Indices { .. })) => {
+                stats.time("palette", || texture.recolor(scene, volume, &made));
+                *of = Some(made);
+            }
+            other => {
+                // The old one goes first: there may be no room for both.
+                *other = None;
+                let new = || control.run(|| Classified::new(format, scene, volume, &made));
+                *other = Some((Some(made), stats.time("classify", new)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws through whichever texture it is.
+    fn draw(&self, job: &Job<'_>, volume: &UniformVolume, stack: Option<usize>) -> Drawn {
+        let dims = volume.dims();
+        if let Some(axis) = stack {
+            return with_grid!(self.stacks.of(volume, axis), g => {
+                let lattice = Lattice { samples: g.samples(), dims: g.dims() };
+                job.through(&Voxels::stack(&lattice, self.renderer.per_layer()))
+            });
+        }
+        if let Some(compressed) = &self.compressed {
+            return job.through(&Blocks(compressed));
+        }
+        match &self.classified {
+            Some((_, Classified::Rgba(texels))) => job.through(&Light { texels: Rgba(texels), dims }),
+            Some((_, Classified::Luminance(texels))) => job.through(&Light { texels: Luminance(texels), dims }),
+            Some((_, Classified::Indices { texels, palette })) => {
+                job.through(&Light { texels: Indices { texels, palette }, dims })
+            }
+            None if self.renderer.order == Order::Slices => with_grid!(volume.grid(), g => {
+                draw_slices(&job.scene, &Lattice { samples: g.samples(), dims: g.dims() }, job.control)
+            }),
+            None => with_grid!(volume.grid(), g => {
+                job.through(&Voxels::new(&Lattice { samples: g.samples(), dims: g.dims() }))
+            }),
+        }
+    }
+}

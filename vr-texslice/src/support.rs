@@ -1,0 +1,112 @@
+//! What the renderer can draw, and what it says of the rest.
+
+use vr_core::{Compositing, Filter, GradientMethod, Projection, RenderError, Scene, UniformVolume, View};
+
+use crate::classified::is_shaded;
+use crate::tex_slice::{Blend, Format, Order, Proxy, TexSlice};
+
+pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
+    RenderError::Unsupported { renderer: TexSlice::NAME, feature: feature.into() }
+}
+
+/// Whether this renderer can draw this scene; its volume, if so.
+pub(crate) fn check<'s>(renderer: &TexSlice, scene: &'s Scene) -> Result<&'s UniformVolume, RenderError> {
+    renderer.validate()?;
+    scene.validate()?;
+    let volume =
+        scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    if scene.filter != Filter::Trilinear {
+        return Err(unsupported(format!("the filter '{}': textures are interpolated linearly", scene.filter)));
+    }
+    if volume.dims().iter().product::<usize>() > i32::MAX as usize {
+        return Err(unsupported("volumes of 2³¹ samples and more"));
+    }
+    let picks = !scene.compositing.integrates_light();
+    if picks && renderer.holds_light() {
+        return Err(unsupported(format!("compositing '{}' of light: take values", scene.compositing.name())));
+    }
+    if let Compositing::First { .. } = scene.compositing
+        && (renderer.format == Format::Compressed || renderer.proxy == Proxy::Stacks)
+    {
+        return Err(unsupported("compositing 'first' but through 3D textures that are not compressed"));
+    }
+    if let Compositing::Accumulate { level } = scene.compositing
+        && level < 1.0
+        && renderer.blend == Blend::BackToFront
+    {
+        return Err(unsupported("compositing 'accumulate' back to front: it ends at what is nearest"));
+    }
+    check_shading(renderer, scene, volume)?;
+    check_texture(renderer, scene, volume)?;
+    Ok(volume)
+}
+
+fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> Result<(), RenderError> {
+    let Some(shading) = scene.shading.as_ref().filter(|_| shades(scene)) else { return Ok(()) };
+    if !shading.gradient_opacity.is_empty() {
+        return Err(unsupported("opacity that follows the gradient"));
+    }
+    if shading.gradient == GradientMethod::Analytic {
+        return Err(unsupported("analytic gradients: those at the samples are interpolated"));
+    }
+    if matches!(renderer.format, Format::PreIntegrated | Format::Paletted | Format::Compressed)
+        && scene.compositing.integrates_light()
+    {
+        return Err(unsupported("shading of pre-integrated segments, of palettes and of compressed textures"));
+    }
+    if volume.census().nan + volume.census().infinite > 0 {
+        return Err(unsupported("shading of a volume with missing samples"));
+    }
+    Ok(())
+}
+
+fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> Result<(), RenderError> {
+    if renderer.format == Format::LuminanceAlpha {
+        let grey = |c: [f64; 3]| c[0] == c[1] && c[1] == c[2];
+        let points = scene.transfer.points();
+        if !points.iter().all(|p| grey(p.color) && grey(p.emission.unwrap_or_default())) {
+            return Err(unsupported("colours in textures of luminance and alpha"));
+        }
+    }
+    if renderer.format == Format::Compressed && volume.census().nan + volume.census().infinite > 0 {
+        return Err(unsupported("compression of a volume with missing samples"));
+    }
+    let plain_stack = matches!(renderer.format, Format::Scalar | Format::PreIntegrated);
+    if renderer.proxy == Proxy::Stacks && !plain_stack {
+        return Err(unsupported("stacks of 2D textures but of values"));
+    }
+    let bricks = renderer.brick.is_some();
+    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || shades(scene)) {
+        return Err(unsupported("bricks but of unshaded values in 3D textures, classified after interpolation"));
+    }
+    let in_order = renderer.blend == Blend::FrontToBack && scene.compositing == Compositing::Over;
+    if (bricks || renderer.order == Order::Slices) && !in_order {
+        return Err(unsupported("bricks and whole slices but under 'over', front to back"));
+    }
+    let planes_of_values = renderer.proxy == Proxy::Planes && renderer.format == Format::Scalar;
+    if renderer.order == Order::Slices && (bricks || shades(scene) || !planes_of_values) {
+        return Err(unsupported(
+            "whole slices but planes through unshaded values, classified after interpolation, in one texture",
+        ));
+    }
+    Ok(())
+}
+
+/// Whether this renderer can draw this view, beyond what the scene says.
+pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Result<(), RenderError> {
+    let perspective = matches!(view.camera.projection, Projection::Perspective { .. });
+    if perspective && is_shaded(renderer.format, scene) {
+        return Err(unsupported("voxels shaded beforehand in perspective: what they reflect changes from ray to ray"));
+    }
+    if renderer.order == Order::Slices && view.samples > 1 {
+        return Err(unsupported("several samples a pixel in whole slices"));
+    }
+    Ok(())
+}
+
+/// Whether colours are shaded at all: emission that is given on its own is not, and neither is a value that is picked.
+pub(crate) fn shades(scene: &Scene) -> bool {
+    scene.shading.is_some()
+        && !scene.transfer.has_emission()
+        && (scene.compositing.integrates_light() || matches!(scene.compositing, Compositing::First { .. }))
+}

@@ -1,0 +1,130 @@
+//! Tables of the transfer function, and what can be visible by them.
+
+use vr_core::transfer::{BakedTransfer, PreIntegrated};
+use vr_core::vector::OpticsTable;
+use vr_core::{Scene, TransferFunction, UniformVolume};
+
+use crate::tex_slice::{Format, TexSlice};
+
+/// What follows from the transfer function alone.
+pub(crate) struct Tables {
+    range: (f32, f32),
+    pub(crate) segments: Option<PreIntegrated<f32>>,
+    lengths: Option<LengthTables>,
+}
+
+/// What follows from the transfer function and the length of a slab.
+pub(crate) struct LengthTables {
+    pub(crate) length: f64,
+    pub(crate) baked: BakedTransfer<f32>,
+    pub(crate) optics: OpticsTable,
+}
+
+/// Of a table's range, what lies beyond the first and the last control point and yet belongs into it: more than the distance of two entries, so that a
+/// jump at an end point has its other side in the table.
+const MARGIN: f64 = 1.0 / 1024.0;
+
+/// The stored numbers of a volume among which the transfer function is not constant: a table over these is finer than one over all.
+fn table_range(volume: &UniformVolume, transfer: &TransferFunction) -> (f32, f32) {
+    let (low, high) = volume.census().range.unwrap_or((0.0, 0.0));
+    let (low, high) = (f64::from(low), f64::from(high));
+    let points = transfer.points();
+    let ends = [&points[0], &points[points.len() - 1]].map(|p| volume.calibration().stored(p.value));
+    let (first, last) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    let integer = volume.voxel_type().is_integer();
+    let extent = if last > first { last - first } else { high - low };
+    let margin = (extent * MARGIN).max(if integer { 1.0 } else { 0.0 });
+    let (low, high) = ((first - margin).clamp(low, high), (last + margin).clamp(low, high));
+    let (low, high) = if integer { (low.floor(), high.ceil()) } else { (low, high) };
+    // Outwards: to the nearest, ends could fall onto the knot between them.
+    let (below, above) = (low as f32, high as f32);
+    let below = if f64::from(below) > low { below.next_down() } else { below };
+    (below, if f64::from(above) < high { above.next_up() } else { above })
+}
+
+impl Tables {
+    pub(crate) fn new(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> Self {
+        let segments = (renderer.format == Format::PreIntegrated).then(|| segments(scene, volume));
+        Self { range: table_range(volume, &scene.transfer), segments, lengths: None }
+    }
+
+    /// Makes the tables for slabs of a length, unless they are for it already; whether they had to be made.
+    pub(crate) fn tabulate(&mut self, scene: &Scene, volume: &UniformVolume, length: f64) -> bool {
+        if self.lengths.as_ref().is_some_and(|l| l.length == length) {
+            return false;
+        }
+        let integer = volume.voxel_type().is_integer();
+        let baked = BakedTransfer::new(&scene.transfer, volume.calibration(), self.range, integer, length);
+        let optics = OpticsTable::new(&baked, &scene.transfer, volume.calibration(), length);
+        self.lengths = Some(LengthTables { length, baked, optics });
+        true
+    }
+
+    /// Whether anything is visible between two stored numbers, as fragments of values are classified.
+    ///
+    /// # Panics
+    /// If no length has been tabulated.
+    pub(crate) fn shows(&self, scene: &Scene, volume: &UniformVolume, low: f32, high: f32) -> bool {
+        let tables = self.of_length();
+        match &self.segments {
+            Some(segments) => !segments.is_clear(low, high),
+            None if tables.resolves(&scene.transfer, volume) => tables.shows(low, high),
+            None => is_visible(&scene.transfer, volume, low, high),
+        }
+    }
+
+    /// Those of the last length asked for.
+    ///
+    /// # Panics
+    /// If none has been asked for.
+    pub(crate) fn of_length(&self) -> &LengthTables {
+        self.lengths.as_ref().expect("tabulated before")
+    }
+}
+
+/// Intervals of a table of segments, the fewest that serve: of 1024 to 65536 the first number at which the knots of the transfer function fall onto the
+/// ends of intervals.
+const INTERVALS: [usize; 3] = [1024, 8192, 65536];
+
+/// The table of segments, in any precision.
+pub(crate) fn segments<R: vr_core::Real>(scene: &Scene, volume: &UniformVolume) -> PreIntegrated<R> {
+    let range = volume.census().range.unwrap_or((0.0, 0.0));
+    let table = |intervals| PreIntegrated::new(&scene.transfer, volume.calibration(), range, intervals);
+    let aligned = INTERVALS.into_iter().map(table).find(PreIntegrated::is_aligned);
+    aligned.unwrap_or_else(|| table(INTERVALS[2]))
+}
+
+/// Entries that the narrowest ramp of a transfer function must span. One to α = 1 has most of its extinction at its end, and a table's chord there is
+/// wrong over one entry.
+const ENTRIES_PER_RAMP: f64 = 8.0;
+
+impl LengthTables {
+    /// Whether the table tells apart all that the transfer function does.
+    pub(crate) fn resolves(&self, transfer: &TransferFunction, volume: &UniformVolume) -> bool {
+        let slope = volume.calibration().slope.abs();
+        let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
+        // Spacings of 1/16 and the like come back rounded from f32.
+        let least = ENTRIES_PER_RAMP * self.baked.spacing() * (1.0 - 1e-6);
+        ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= least)
+    }
+
+    /// Whether the table has light or opacity anywhere between two stored numbers.
+    pub(crate) fn shows(&self, low: f32, high: f32) -> bool {
+        let rows = self.baked.entries();
+        let [from, to] = [low, high].map(|v| self.baked.position(v));
+        // A number on an entry is not interpolated.
+        let end = (to as usize + usize::from(to.fract() > 0.0)).min(rows.len() - 1);
+        rows[from as usize..=end].iter().any(|row| *row != [0.0; 4])
+    }
+}
+
+/// Whether the transfer function shows anything at or between two stored numbers.
+pub(crate) fn is_visible(transfer: &TransferFunction, volume: &UniformVolume, low: f32, high: f32) -> bool {
+    let [a, b] = [low, high].map(|v| volume.calibration().value(f64::from(v)));
+    let (low, high) = (a.min(b), a.max(b));
+    let shows = |value: f64| {
+        let at = transfer.at(value);
+        at.opacity > 0.0 || at.emission != [0.0; 3]
+    };
+    shows(low) || shows(high) || transfer.segments().iter().any(|s| s.from < high && s.to > low && !s.is_clear())
+}

@@ -1,0 +1,151 @@
+//! The renderer's settings.
+
+use vr_core::ParameterError;
+
+/// A renderer that draws slices through textures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TexSlice {
+    /// What slices are.
+    pub proxy: Proxy,
+    /// From slice to slice, in smallest voxel edges; of [`Proxy::Stacks`], in layers of voxels, rounded down to one part of a layer or one layer.
+    pub slice_distance: f64,
+    /// What a texture holds, and when it is classified.
+    pub format: Format,
+    /// How fragments are blended under `over`.
+    pub blend: Blend,
+    /// In which order fragments are drawn.
+    pub order: Order,
+    /// Whether blocks in which nothing can be visible are left out.
+    pub skip: bool,
+    /// Opacity in (0, 1] at which a pixel takes no more fragments, front to back; 1: never, as the textbooks have it. What is left out changes no
+    /// pixel by more than 1 − termination where no colour is brighter than 1, and where one is, more is drawn accordingly.
+    pub termination: f64,
+    /// Whether opacities are corrected for how far apart slices are along each ray. Off, a picture is darker or brighter with the angle: to show why
+    /// it is on.
+    pub correction: bool,
+    /// Cells along the edge of a brick; `None`: the volume is one texture.
+    pub brick: Option<u32>,
+    /// Mebibytes that textures may take.
+    pub budget: f64,
+}
+
+/// What slices are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Proxy {
+    /// Planes that are parallel to the image, through a 3D texture (Cabral, Cam & Foran 1994).
+    #[default]
+    Planes,
+    /// Spheres about the eye: the same distance along every ray (LaMar, Hamann & Joy 1999). In parallel projection they are planes.
+    Shells,
+    /// The volume's own layers, along the axis that the view goes most along: a stack of 2D textures for each axis, and slices between those that are
+    /// stored by interpolation (Rezk-Salama, Engel, Bauer, Greiner & Ertl 2000).
+    Stacks,
+}
+
+/// What a texture holds, and when it is classified.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Format {
+    /// Values, classified after interpolation, fragment by fragment.
+    #[default]
+    Scalar,
+    /// Values; a fragment is a segment between two of them, integrated beforehand (Engel, Kraus & Ertl 2001).
+    PreIntegrated,
+    /// Values compressed to blocks of 4³, decoded at each fetch, classified after interpolation.
+    Compressed,
+    /// Light and opacity, classified and shaded voxel by voxel, then interpolated.
+    Rgba,
+    /// The same of one light for all three colours.
+    LuminanceAlpha,
+    /// Bytes, which a palette turns into light and opacity before they are interpolated.
+    Paletted,
+}
+
+/// How fragments are blended under `over`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Blend {
+    /// Each behind what is there already: under.
+    #[default]
+    FrontToBack,
+    /// Each over what is there already: the classic. Nothing can end early.
+    BackToFront,
+}
+
+/// In which order fragments are drawn. What is blended onto a pixel, and in which order, is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// All slices of sixteen pixels, then the next sixteen: what a processor's caches like.
+    #[default]
+    Tiles,
+    /// A slice across the whole picture, rasterised, then the next one: what a graphics card does.
+    Slices,
+}
+
+impl Default for TexSlice {
+    fn default() -> Self {
+        Self {
+            proxy: Proxy::default(),
+            slice_distance: 0.5,
+            format: Format::default(),
+            blend: Blend::default(),
+            order: Order::default(),
+            skip: true,
+            termination: 0.9999,
+            correction: true,
+            brick: None,
+            budget: Self::MOST_BUDGET,
+        }
+    }
+}
+
+impl TexSlice {
+    /// The name in scene files and on command lines.
+    pub const NAME: &'static str = "texslice";
+    /// The largest budget, in mebibytes: a tebibyte, which is none at all.
+    pub const MOST_BUDGET: f64 = 1_048_576.0;
+
+    /// As the textbooks have it: every fragment is drawn, whether it can be seen or not.
+    pub fn brute_force() -> Self {
+        Self { skip: false, termination: 1.0, ..Self::default() }
+    }
+
+    /// Slices of a stack to a layer of voxels.
+    pub(crate) fn per_layer(&self) -> u32 {
+        // A third of a layer times three is one.
+        (1.0 / self.slice_distance - 1e-9).ceil().max(1.0) as u32
+    }
+
+    /// The budget in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        (self.budget * f64::from(1u32 << 20)) as u64
+    }
+
+    /// Whether fragments are segments with a value at either end.
+    pub(crate) fn is_pre_integrated(&self) -> bool {
+        self.format == Format::PreIntegrated
+    }
+
+    /// Whether a texture holds light and opacity, not values.
+    pub(crate) fn holds_light(&self) -> bool {
+        matches!(self.format, Format::Rgba | Format::LuminanceAlpha | Format::Paletted)
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] naming the option.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        if !(self.slice_distance >= 0.01 && self.slice_distance <= 64.0) {
+            return Err(ParameterError::new("render.slice-distance", self.slice_distance, "must be 0.01 to 64"));
+        }
+        if !(self.termination > 0.0 && self.termination <= 1.0) {
+            return Err(ParameterError::new("render.termination", self.termination, "must be above 0 and at most 1"));
+        }
+        if self.brick.is_some_and(|edge| !(8..=1024).contains(&edge)) {
+            return Err(ParameterError::new("render.brick", self.brick, "must be 8 to 1024 cells"));
+        }
+        if !(self.budget > 0.0 && self.budget <= Self::MOST_BUDGET) {
+            return Err(ParameterError::new("render.budget", self.budget, "must be above 0 and at most a tebibyte"));
+        }
+        Ok(())
+    }
+}

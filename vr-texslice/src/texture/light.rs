@@ -1,0 +1,99 @@
+//! Textures of light and opacity: four floats a texel, or two, or a byte that a palette turns into four.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x4, f32x16};
+use vr_core::vector::{Cells, LANES, Lanes, transpose};
+
+use super::{Lit, Texture};
+
+/// What a texel's light and opacity is read from.
+pub(crate) trait Texels: Sync {
+    /// (r, g, b, α) of a texel.
+    fn at(&self, texel: usize) -> [f32; 4];
+}
+
+/// Red, green, blue and opacity.
+pub(crate) struct Rgba<'a>(pub(crate) &'a [[f32; 4]]);
+
+impl Texels for Rgba<'_> {
+    #[inline(always)]
+    fn at(&self, texel: usize) -> [f32; 4] {
+        self.0[texel]
+    }
+}
+
+/// Luminance and opacity.
+pub(crate) struct Luminance<'a>(pub(crate) &'a [[f32; 2]]);
+
+impl Texels for Luminance<'_> {
+    #[inline(always)]
+    fn at(&self, texel: usize) -> [f32; 4] {
+        let [light, alpha] = self.0[texel];
+        [light, light, light, alpha]
+    }
+}
+
+/// Indices into a palette.
+pub(crate) struct Indices<'a> {
+    pub(crate) texels: &'a [u8],
+    pub(crate) palette: &'a [[f32; 4]; 256],
+}
+
+impl Texels for Indices<'_> {
+    #[inline(always)]
+    fn at(&self, texel: usize) -> [f32; 4] {
+        self.palette[usize::from(self.texels[texel])]
+    }
+}
+
+/// Light and opacity, linear along each axis.
+pub(crate) struct Light<X> {
+    pub(crate) texels: X,
+    pub(crate) dims: [usize; 3],
+}
+
+/// The first of the eight texels around each of sixteen places.
+#[derive(Default)]
+pub(crate) struct Corners([i32; LANES]);
+
+impl<X: Texels> Texture for Light<X> {
+    type Stage = Corners;
+    const LIGHT: bool = true;
+
+    fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    #[inline(always)]
+    fn fetch<S: Simd>(&self, _: S, at: &Cells<S>, stage: &mut Corners) {
+        let [nx, ny, _] = self.dims.map(|n| n as i32);
+        stage.0 = (at.cell[2] * (nx * ny) + at.cell[1] * nx + at.cell[0]).to_array();
+    }
+
+    #[inline(always)]
+    fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Corners) -> [f32x16<S>; 4] {
+        let [nx, ny, _] = self.dims;
+        let (row, slice) = (nx, nx * ny);
+        let [tx, ty, tz] = [at.fraction[0].to_array(), at.fraction[1].to_array(), at.fraction[2].to_array()];
+        let mut rows = [f32x4::splat(simd, 0.0); LANES];
+        for i in 0..LANES {
+            let o = stage.0[i] as u32 as usize;
+            let mut sum = f32x4::splat(simd, 0.0);
+            // Pairs along x, then the four of them, in the order of the scalar textures.
+            for (corner, wy, wz) in [
+                (o, 1.0 - ty[i], 1.0 - tz[i]),
+                (o + row, ty[i], 1.0 - tz[i]),
+                (o + slice, 1.0 - ty[i], tz[i]),
+                (o + slice + row, ty[i], tz[i]),
+            ] {
+                let low = f32x4::load_array_ref(simd, &self.texels.at(corner));
+                let high = f32x4::load_array_ref(simd, &self.texels.at(corner + 1));
+                sum += (low + (high - low) * tx[i]) * (wy * wz);
+            }
+            rows[i] = sum;
+        }
+        transpose(rows)
+    }
+
+    fn shade<S: Simd>(&self, _: S, _: &Cells<S>, _: &Lit<'_>, _: &mut [Lanes; 4], _: &mut Corners) {}
+}

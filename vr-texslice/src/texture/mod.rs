@@ -1,0 +1,50 @@
+//! Textures: what is fetched at a fragment, sixteen fragments at a time.
+
+mod blocks;
+mod light;
+mod voxels;
+
+pub(crate) use blocks::Blocks;
+pub(crate) use light::{Indices, Light, Luminance, Rgba};
+pub(crate) use voxels::Voxels;
+
+use fearless_simd::{Simd, f32x16};
+use vr_core::vector::{Cells, Lanes, PacketLights, PacketShading, cells, inside};
+
+/// A texture, as fragments see it.
+pub(crate) trait Texture: Sync {
+    /// Where texels wait between their fetch and their use: a wide load from narrow stores takes its time, and that of another fragment's fetch hides
+    /// it.
+    type Stage: Default;
+    /// Whether texels are light and opacity; else they are values.
+    const LIGHT: bool;
+
+    /// Texels along each axis.
+    fn dims(&self) -> [usize; 3];
+
+    /// Places at positions, which rounding may have carried past a face.
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
+        let dims = self.dims();
+        let most = dims.map(|n| (n - 1) as f32);
+        let [x, y, z] = position;
+        let position = [inside(simd, x, most[0]), inside(simd, y, most[1]), inside(simd, z, most[2])];
+        cells(simd, position, dims.map(|n| n as i32 - 2))
+    }
+
+    /// Fetches what places need.
+    fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Self::Stage);
+
+    /// Interpolates what was fetched: light and opacity, or a value as the first of four.
+    fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Self::Stage) -> [f32x16<S>; 4];
+
+    /// Shades light and opacity by the gradient at places. Textures that hold light are shaded when they are made.
+    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Self::Stage);
+}
+
+/// What fragments are shaded by.
+#[derive(Clone, Copy)]
+pub(crate) struct Lit<'a> {
+    pub(crate) shading: &'a PacketShading,
+    pub(crate) lights: &'a PacketLights,
+}

@@ -1,0 +1,68 @@
+//! A texture of values: the volume's own samples, or a stack of its layers.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+use vr_core::filter::Lattice;
+use vr_core::vector::{Cells, Field, Lanes, Pairs, Shade, Stage, cells, inside};
+
+use super::{Lit, Texture};
+
+/// Values, linear along each axis.
+pub(crate) struct Voxels<'a, T> {
+    field: Field<'a, T>,
+    dims: [usize; 3],
+    /// Slices to a layer along the last axis, where there is nothing between slices: of a stack of 2D textures.
+    per_layer: Option<f32>,
+}
+
+impl<'a, T: Pairs> Voxels<'a, T> {
+    /// A 3D texture.
+    pub(crate) fn new(lattice: &Lattice<'a, T>) -> Self {
+        Self { field: Field::new(lattice), dims: lattice.dims, per_layer: None }
+    }
+
+    /// A stack of 2D textures, layer by layer, and so many slices to a layer: those between two layers are interpolated.
+    pub(crate) fn stack(lattice: &Lattice<'a, T>, per_layer: u32) -> Self {
+        Self { per_layer: Some(per_layer as f32), ..Self::new(lattice) }
+    }
+}
+
+impl<T: Pairs> Texture for Voxels<'_, T> {
+    type Stage = Stage<T>;
+    const LIGHT: bool = false;
+
+    #[inline(always)]
+    fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, [x, y, z]: [f32x16<S>; 3]) -> Cells<S> {
+        let most = self.dims.map(|n| (n - 1) as f32);
+        let mut z = inside(simd, z, most[2]);
+        if let Some(per_layer) = self.per_layer {
+            let slice: i32x16<S> = (z * per_layer + 0.5).to_int();
+            z = inside(simd, slice.to_float::<f32x16<S>>() * (1.0 / per_layer), most[2]);
+        }
+        cells(simd, [inside(simd, x, most[0]), inside(simd, y, most[1]), z], self.field.last_cell)
+    }
+
+    #[inline(always)]
+    fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) {
+        self.field.fetch(simd, at, stage);
+    }
+
+    #[inline(always)]
+    fn read<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> [f32x16<S>; 4] {
+        [self.field.value(simd, at, stage); 4]
+    }
+
+    #[inline(always)]
+    fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Stage<T>) {
+        let [x, y, z] = at.cell;
+        let cell = [Lanes::of(x.to_float()), Lanes::of(y.to_float()), Lanes::of(z.to_float())];
+        let [x, y, z] = at.fraction;
+        let fraction = [Lanes::of(x), Lanes::of(y), Lanes::of(z)];
+        Shade { shading: with.shading, lights: with.lights }.apply(simd, &self.field, &[cell, fraction], light, stage);
+    }
+}

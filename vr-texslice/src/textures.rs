@@ -1,0 +1,68 @@
+//! The textures of a volume: made when a view first needs them, kept within a budget.
+
+use vr_core::filter::Lattice;
+use vr_core::{AnyGrid, RenderError, UniformGrid, UniformVolume, Voxel, with_grid};
+
+use crate::tex_slice::TexSlice;
+
+/// The order of a texture's axes for slices along an axis of the volume: that one last, so that a slice is contiguous.
+pub(crate) fn axes_of_stack(axis: usize) -> [usize; 3] {
+    [[1, 2, 0], [0, 2, 1], [0, 1, 2]][axis]
+}
+
+/// Stacks of 2D textures, one for each axis that a view has asked for. That along z is the volume as it lies.
+#[derive(Default)]
+pub(crate) struct Stacks {
+    turned: [Option<AnyGrid>; 2],
+}
+
+impl Stacks {
+    /// Makes the stack of an axis, unless there is one; whether it had to be made. Those of other axes go where the budget would not hold them.
+    ///
+    /// # Errors
+    /// [`RenderError::TooLarge`] for a stack that is larger than the budget by itself.
+    pub(crate) fn make(
+        &mut self,
+        renderer: &TexSlice,
+        volume: &UniformVolume,
+        axis: usize,
+    ) -> Result<bool, RenderError> {
+        let bytes = volume.sample_bytes() as u64;
+        hold("a stack of slices", bytes, renderer.bytes())?;
+        if axis == 2 || self.turned[axis].is_some() {
+            return Ok(false);
+        }
+        // The volume itself is the third of them.
+        let others = 1 + self.turned.iter().flatten().count() as u64;
+        if (others + 1) * bytes > renderer.bytes() {
+            self.turned = [None, None];
+        }
+        self.turned[axis] = Some(with_grid!(volume.grid(), g => turned(g, axes_of_stack(axis)).into()));
+        Ok(true)
+    }
+
+    /// The stack of an axis that has been made.
+    pub(crate) fn of<'a>(&'a self, volume: &'a UniformVolume, axis: usize) -> &'a AnyGrid {
+        self.turned.get(axis).and_then(Option::as_ref).unwrap_or(volume.grid())
+    }
+}
+
+/// Refuses what a budget does not hold.
+pub(crate) fn hold(what: &'static str, bytes: u64, limit: u64) -> Result<(), RenderError> {
+    if bytes > limit { Err(RenderError::TooLarge { what, bytes, limit }) } else { Ok(()) }
+}
+
+/// A grid's samples with another order of axes.
+fn turned<T: Voxel>(grid: &UniformGrid<T>, axes: [usize; 3]) -> UniformGrid<T> {
+    let old = Lattice { samples: grid.samples(), dims: grid.dims() };
+    let dims = axes.map(|a| old.dims[a]);
+    let strides = [1, old.dims[0], old.dims[0] * old.dims[1]];
+    let [sx, sy, sz] = axes.map(|a| strides[a]);
+    let mut samples = Vec::with_capacity(old.samples.len());
+    for z in 0..dims[2] {
+        for y in 0..dims[1] {
+            samples.extend((0..dims[0]).map(|x| old.samples[z * sz + y * sy + x * sx]));
+        }
+    }
+    UniformGrid::new(dims, samples, *grid.placement(), grid.calibration()).expect("as many samples as before")
+}

@@ -1,0 +1,268 @@
+//! Pictures that must be the same, however they are drawn; and those that must be near the truth.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::*;
+use vr_core::*;
+use vr_physics::{Metrics, Reference};
+use vr_texslice::{Blend, Format, Order, Proxy, TexSlice};
+
+const VIEWS: [(f64, f64, Option<f64>); 4] =
+    [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(35.0)), (140.0, -30.0, Some(80.0))];
+
+fn largest_difference(a: &Frame, b: &Frame) -> f32 {
+    let pairs = a.pixels().iter().flatten().zip(b.pixels().iter().flatten());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn bricks_leave_no_seams() {
+    for scene in [phantom_scene::<u8>("fog", 40, 1.0), phantom_scene::<i16>("blobs", 41, 1.0)] {
+        for proxy in [Proxy::Planes, Proxy::Shells] {
+            let whole = TexSlice { proxy, ..TexSlice::default() };
+            // Room for eight of the 27 bricks of bytes, four of those of words.
+            let bricked = TexSlice { brick: Some(16), budget: 0.04, ..whole.clone() };
+            for (azimuth, elevation, fov) in VIEWS {
+                let view = view(&scene, azimuth, elevation, fov, 40);
+                let (a, b) = (draw(&whole, &scene, &view), draw(&bricked, &scene, &view));
+                // The same samples in the same order: not a bit differs.
+                assert_eq!(a.frame, b.frame, "{proxy:?} {azimuth}");
+                assert!(b.stats.counts.samples > 0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_budget_too_small_is_refused() {
+    let scene = phantom_scene::<u16>("fog", 40, 1.0);
+    let view = view(&scene, 20.0, 10.0, None, 8);
+    let control = Control::default();
+    for renderer in [
+        TexSlice { budget: 0.1, ..TexSlice::default() },
+        TexSlice { budget: 0.005, brick: Some(16), ..TexSlice::default() },
+        TexSlice { budget: 0.1, proxy: Proxy::Stacks, ..TexSlice::default() },
+        TexSlice { budget: 0.9, format: Format::Rgba, ..TexSlice::default() },
+        TexSlice { budget: 0.03, format: Format::Compressed, ..TexSlice::default() },
+    ] {
+        let drawn = renderer.prepare(&scene, &control).and_then(|mut p| p.render(&view, &control));
+        assert!(matches!(drawn, Err(RenderError::TooLarge { .. })), "{renderer:?}");
+    }
+}
+
+#[test]
+fn slices_one_by_one_are_the_same_picture() {
+    let scene = phantom_scene::<u8>("fog", 32, 1.0);
+    for (azimuth, elevation, fov) in VIEWS {
+        let view = view(&scene, azimuth, elevation, fov, 40);
+        let tiles = draw(&TexSlice::brute_force(), &scene, &view);
+        let slices = draw(&TexSlice { order: Order::Slices, ..TexSlice::brute_force() }, &scene, &view);
+        // No pixel centre lies exactly on an outline here: every fragment is rasterised once, and in the same order.
+        assert_eq!(tiles.stats.counts.samples, slices.stats.counts.samples, "{azimuth}");
+        assert_eq!(tiles.frame, slices.frame, "{azimuth}");
+    }
+    let cut = Plane { normal: glam::DVec3::new(1.0, 0.3, -0.2), offset: 0.1 };
+    let crop = Some((glam::DVec3::splat(-0.7), glam::DVec3::new(0.8, 0.5, 0.9)));
+    let clipped = View { clip: Clip { crop, planes: vec![cut] }, ..view(&scene, 33.0, 21.0, Some(40.0), 40) };
+    let tiles = draw(&TexSlice::brute_force(), &scene, &clipped);
+    assert_eq!(
+        tiles.frame,
+        draw(&TexSlice { order: Order::Slices, ..TexSlice::brute_force() }, &scene, &clipped).frame
+    );
+    assert!(tiles.stats.counts.samples > 1000);
+}
+
+#[test]
+fn what_is_skipped_cannot_be_seen() {
+    for format in [Format::Scalar, Format::PreIntegrated, Format::Rgba, Format::Paletted] {
+        let scene = phantom_scene::<u8>("blobs", 64, 1.0);
+        let view = view(&scene, 33.0, 21.0, None, 128);
+        let brute = draw(&TexSlice { format, ..TexSlice::brute_force() }, &scene, &view);
+        let skipping = draw(&TexSlice { format, skip: true, ..TexSlice::brute_force() }, &scene, &view);
+        assert_eq!(brute.frame, skipping.frame, "{format:?}");
+        let [all, drawn, skipped] =
+            [brute.stats.counts.samples, skipping.stats.counts.samples, skipping.stats.counts.skipped];
+        println!("{format:?}: {skipped} skipped of {all}");
+        assert!(skipped > all / 10, "{format:?}: {skipped} of {all}");
+        assert_eq!(drawn + skipped, all, "{format:?}");
+        let ending = draw(&TexSlice { format, ..TexSlice::default() }, &scene, &view);
+        assert!(largest_difference(&ending.frame, &brute.frame) <= 1e-4, "{format:?}");
+        assert!(ending.stats.counts.samples < drawn, "{format:?}");
+    }
+}
+
+#[test]
+fn both_ways_of_blending_agree() {
+    let scene = phantom_scene::<f32>("fog", 32, 1.0);
+    let view = view(&scene, 33.0, 21.0, Some(30.0), 24);
+    let front = draw(&TexSlice::brute_force(), &scene, &view).frame;
+    let back = draw(&TexSlice { blend: Blend::BackToFront, ..TexSlice::brute_force() }, &scene, &view).frame;
+    // Some hundred roundings.
+    assert!(largest_difference(&front, &back) < 1e-6);
+}
+
+/// A plane in the world that cuts the volume, as a layer; and the same as a clip plane.
+fn cut_at(scene: &Scene, plain: &View, depth: f64) -> (View, View) {
+    let forward = plain.camera.frame().unwrap().z_axis;
+    let (low, high) = scene.volume.bounds();
+    let offset = forward.dot(0.5 * (low + high)) + depth;
+    let rays = Rays::new(plain).unwrap();
+    let [w, h] = plain.size;
+    let color = [0.3f32, 0.6, 0.1];
+    let pixel = |i: u32| {
+        let ray = rays.at(f64::from(i % w) + 0.5, f64::from(i / w) + 0.5);
+        (color, ((offset - forward.dot(ray.origin)) / forward.dot(ray.direction)) as f32)
+    };
+    let layer = Layer { pixels: (0..w * h).map(pixel).collect() };
+    let plane = Plane { normal: -forward, offset: -offset };
+    let clipped = View { clip: Clip { planes: vec![plane], ..Clip::default() }, ..plain.clone() };
+    (View { layer: Some(Arc::new(layer)), ..plain.clone() }, clipped)
+}
+
+#[test]
+fn a_layer_cuts_rays_where_it_is() {
+    let scene = phantom_scene::<f32>("fog", 32, 1.0);
+    let stacks = TexSlice { proxy: Proxy::Stacks, ..TexSlice::default() };
+    let pre_integrated = TexSlice { format: Format::PreIntegrated, ..TexSlice::default() };
+    let bricks = TexSlice { brick: Some(16), ..TexSlice::default() };
+    let back = TexSlice { blend: Blend::BackToFront, ..TexSlice::default() };
+    for renderer in [TexSlice::default(), stacks, pre_integrated, bricks, back] {
+        for fov in [None, Some(40.0)] {
+            let plain = view(&scene, 33.0, 21.0, fov, 24);
+            // 0.37 of a slab behind a slice, and elsewhere.
+            for depth in [-0.4, 0.011_9, 0.3] {
+                let (layered, clipped) = cut_at(&scene, &plain, depth);
+                let got = draw(&renderer, &scene, &layered).frame;
+                let cut = draw(&renderer, &scene, &clipped).frame;
+                let want: Vec<[f64; 4]> = (cut.pixels().iter().enumerate())
+                    .map(|(i, p)| layered.layer.as_ref().unwrap().under(i, p.map(f64::from)))
+                    .collect();
+                let m = Metrics::of(&want, got.pixels());
+                // A layer's depths are f32: a 10⁻⁷ of the distance.
+                assert!(m.max < 2e-6, "{fov:?} {depth}: {m}");
+                // And the ray cut there, in the reference: what half a voxel between slices leaves anywhere.
+                let truth = solve(&scene, &layered, &Model::Canonical, 1e-7);
+                let m = Metrics::of(&truth, got.pixels());
+                assert!(m.max < 2e-3, "{fov:?} {depth}: {m}");
+            }
+        }
+    }
+}
+
+/// A smooth bump under a spike a twentieth of a cell's range wide.
+fn thin_shell() -> Scene {
+    let profile = |i: usize| {
+        let t = i as f64 / 32.0;
+        let s = 4.0 * t * (1.0 - t);
+        s * s
+    };
+    let samples: Vec<f32> =
+        (0..33usize.pow(3)).map(|i| (profile(i % 33) * profile(i / 33 % 33) * profile(i / 1089)) as f32).collect();
+    let placement = Placement::from_spacing([1.0; 3]).unwrap();
+    let grid = UniformGrid::new([33; 3], samples, placement, Calibration::default()).unwrap();
+    let c = [1.0, 0.7, 0.3];
+    let points = [(0.495, 0.0), (0.5, 0.9), (0.505, 0.0)].map(|(v, a)| ControlPoint::new(v, c, a));
+    Scene::new(grid.into(), TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap())
+}
+
+#[test]
+fn pre_integration_finds_thin_shells() {
+    let scene = thin_shell();
+    let view = view(&scene, 35.0, 25.0, None, 64);
+    let rmse = |format, slice_distance| {
+        let renderer = TexSlice { format, slice_distance, ..TexSlice::brute_force() };
+        to_truth(&renderer, &scene, &view).rmse
+    };
+    for d in [0.25, 0.5, 1.0] {
+        let [segments, samples] = [rmse(Format::PreIntegrated, 2.0 * d), rmse(Format::Scalar, 0.5 * d)];
+        println!("d = {d}: pre-integrated at 2d {segments:.2e}, post-classified at d/2 {samples:.2e}");
+        assert!(segments < samples, "{d}");
+    }
+}
+
+#[test]
+fn a_value_is_picked() {
+    for compositing in
+        [Compositing::Maximum, Compositing::Minimum, Compositing::Average, Compositing::First { threshold: 0.45 }]
+    {
+        for (azimuth, elevation, fov) in VIEWS {
+            let scene = Scene { compositing, ..phantom_scene::<f32>("fog", 32, 1.0) };
+            let view = view(&scene, azimuth, elevation, fov, 24);
+            let m = to_truth(&TexSlice { slice_distance: 0.2, ..TexSlice::default() }, &scene, &view);
+            println!("{compositing:?} {azimuth}: {m}");
+            // Extremes and means of a smooth field, a fifth of a voxel apart; a first point may be missed where the field only just reaches it.
+            let allowed = if matches!(compositing, Compositing::First { .. }) { 5e-2 } else { 1e-3 };
+            assert!(m.rmse < allowed && (m.max < 1e-2 || allowed > 1e-2), "{compositing:?}: {m}");
+        }
+    }
+}
+
+#[test]
+fn light_ends_at_a_level() {
+    let scene = phantom_scene::<f32>("fog", 32, 1.0);
+    for level in [0.05, 0.3, 0.9] {
+        let cut = Scene { compositing: Compositing::Accumulate { level }, ..scene.clone() };
+        let view = view(&cut, 33.0, 21.0, None, 24);
+        let m = to_truth(&TexSlice::default(), &cut, &view);
+        assert!(m.max < 1e-3, "{level}: {m}");
+    }
+}
+
+#[test]
+fn samples_are_the_mean_over_the_pixel() {
+    let scene = phantom_scene::<u8>("hydrogen", 32, 1.0);
+    let view = View { samples: 3, ..view(&scene, 33.0, 21.0, Some(30.0), 9) };
+    let fine = View { samples: 1, size: [27; 2], ..view.clone() };
+    for brick in [None, Some(16)] {
+        let renderer = TexSlice { brick, ..TexSlice::default() };
+        let (coarse, fine) = (draw(&renderer, &scene, &view).frame, draw(&renderer, &scene, &fine).frame);
+        for y in 0..9 {
+            for x in 0..9 {
+                let parts = (0..9).map(|k| fine.pixel(3 * x + k % 3, 3 * y + k / 3));
+                let sum = parts.fold([0.0f32; 4], |s, p| std::array::from_fn(|c| s[c] + p[c]));
+                for c in 0..4 {
+                    assert!((coarse.pixel(x, y)[c] - sum[c] / 9.0).abs() < 1e-6);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn depths_are_where_half_is_hidden() {
+    let scene = phantom_scene::<f32>("fog", 32, 3.0);
+    let view = view(&scene, 33.0, 21.0, Some(30.0), 16);
+    let solution = Reference::new(1e-7).solve(&scene, &view, &Model::Canonical, &Control::default()).unwrap();
+    let frame = draw(&TexSlice { slice_distance: 0.2, ..TexSlice::default() }, &scene, &view).frame;
+    let mut seen = 0;
+    for (got, pixel) in frame.depth().unwrap().iter().zip(&solution.pixels) {
+        if pixel.depth.is_finite() && got.is_finite() {
+            seen += 1;
+            // A slab is 0.013 long.
+            assert!((f64::from(*got) - pixel.depth).abs() < 1e-3, "{got} {}", pixel.depth);
+        }
+    }
+    assert!(seen > 50, "{seen}");
+}
+
+#[test]
+fn palettes_change_without_a_look_at_voxels() {
+    let scene = phantom_scene::<u8>("fog", 32, 1.0);
+    let other = Scene { transfer: phantom_scene::<u8>("fog", 8, 0.3).transfer, ..scene.clone() };
+    let view = view(&scene, 33.0, 21.0, None, 16);
+    let control = Control::default();
+    let stages = |format| {
+        let renderer = TexSlice { format, ..TexSlice::default() };
+        let mut prepared = renderer.prepare(&scene, &control).unwrap();
+        prepared.render(&view, &control).unwrap();
+        prepared.update(&other, &control).unwrap();
+        let second = prepared.render(&view, &control).unwrap();
+        assert_eq!(second.frame, draw(&renderer, &other, &view).frame, "{format:?}");
+        second.stats.stages.iter().map(|(stage, _)| *stage).collect::<Vec<_>>()
+    };
+    assert!(stages(Format::Paletted).contains(&"palette") && !stages(Format::Paletted).contains(&"classify"));
+    assert!(stages(Format::Rgba).contains(&"classify"));
+    assert!(stages(Format::Scalar).contains(&"table") && !stages(Format::Scalar).contains(&"classify"));
+}
