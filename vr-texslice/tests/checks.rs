@@ -3,6 +3,7 @@
 use vr_core::Renderer;
 use vr_physics::Reference;
 use vr_physics::cases::Case;
+use vr_physics::check::convergence::{Refinement, converges};
 use vr_physics::check::invariants::{
     forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
     turns_with_its_data,
@@ -53,5 +54,39 @@ fn obeys_invariants() {
             let report = report.unwrap_or_else(|e| panic!("{e}"));
             println!("{}: held {}, refused {}, worst {:.1e}", report.check, report.held, report.refused, report.worst);
         }
+    }
+}
+
+#[test]
+fn converges_at_its_documented_order() {
+    for claim in TexSlice::default().orders() {
+        // Below that tables and f32 decide.
+        let refinement = Refinement {
+            options: claim.options,
+            floor: claim.floor,
+            ..Refinement::new(claim.key, claim.orders.smooth)
+        };
+        let found = converges(&TexSlice::default(), &refinement, &Effort::cases(24));
+        println!("{}: {}", claim.name, found.unwrap_or_else(|e| panic!("{}: {e}", claim.name)));
+    }
+}
+
+#[test]
+fn agrees_with_its_model_on_random_scenes() {
+    use vr_physics::check::strategies::tame_scene;
+    for renderer in [
+        TexSlice::default(),
+        TexSlice { proxy: Proxy::Shells, ..TexSlice::default() },
+        TexSlice { proxy: Proxy::Stacks, ..TexSlice::default() },
+    ] {
+        // Random transfer functions bend within a table's entry, and early termination leaves 10⁻⁴.
+        let report = check::agrees_with_its_model(&renderer, tame_scene(), |_, _| 2e-3, &Effort::cases(48));
+        println!(
+            "{}",
+            report.map_or_else(
+                |e| panic!("{e}"),
+                |r| format!("held {}, refused {}, worst {:.1e}", r.held, r.refused, r.worst)
+            )
+        );
     }
 }
