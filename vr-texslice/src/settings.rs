@@ -63,7 +63,7 @@ pub(crate) fn orders() -> Vec<OrderClaim> {
 }
 
 /// Rounding in f32, and tables.
-const FLOOR_OF_ORDERS: f64 = 3e-6;
+const FLOOR_OF_ORDERS: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {

@@ -25,7 +25,7 @@ fn corrected_slices_keep_their_brightness() {
     for scene in [phantom_scene::<u8>("fog", 32, 0.05), phantom_scene::<u8>("hydrogen", 48, 0.05)] {
         for proxy in [Proxy::Planes, Proxy::Shells, Proxy::Stacks] {
             for fov in [None, Some(30.0)] {
-                let renderer = TexSlice { proxy, slice_distance: 1.0, ..TexSlice::default() };
+                let renderer = TexSlice { proxy, ..TexSlice::default() };
                 let worst = bias(&renderer, &scene, fov);
                 println!("{proxy:?} {fov:?}: {:+.3} %", 100.0 * worst);
                 assert!(worst.abs() < 5e-3, "{proxy:?} {fov:?}: {worst}");
