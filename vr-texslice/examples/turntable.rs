@@ -6,7 +6,7 @@
 //! - `opacity=0.05`: a factor of the opacities of the phantom's transfer function
 //! - `angles=24`: steps of a whole turn
 //! - `size=48`, `pixels=96`: samples of the volume and pixels of the picture, along an edge
-//! - `distance=1`: of slices
+//! - `distance=0.5`: of slices
 //! - `fov=0`: of a perspective view in degrees; 0: parallel
 //!
 //! A bias is the mean of all errors of red, green and blue, with their sign, as a part of the mean of the reference; a step is the change of the bias from one
@@ -36,7 +36,7 @@ fn main() {
     let defaults =
         [("scenes", "fog,hydrogen"), ("opacity", "0.05"), ("angles", "24"), ("size", "48"), ("pixels", "96")];
     let mut keys: HashMap<String, String> = defaults.map(|(k, v)| (k.to_owned(), v.to_owned())).into();
-    keys.extend([("distance", "1"), ("fov", "0")].map(|(k, v)| (k.to_owned(), v.to_owned())));
+    keys.extend([("distance", "0.5"), ("fov", "0")].map(|(k, v)| (k.to_owned(), v.to_owned())));
     for argument in std::env::args().skip(1) {
         let (key, value) = argument.split_once('=').expect("arguments are KEY=VALUE");
         assert!(keys.insert(key.to_owned(), value.to_owned()).is_some(), "unknown key {key}");

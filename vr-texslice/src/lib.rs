@@ -1,4 +1,80 @@
-//! Volume rendering by slices through textures.
+//! Volume rendering by slices through textures, as graphics cards made it fast (Cabral, Cam & Foran 1994, *Accelerated volume rendering and
+//! tomographic reconstruction using texture mapping hardware*; Engel, Kraus & Ertl 2001, *High-quality pre-integrated volume rendering using
+//! hardware-accelerated pixel shading*), in software: a pipeline of small exact stages, of which a graphics card could take over those of fragments.
+//!
+//! 1. **Set-up**, in f64: where slices are ([`Proxy`]), and what of each pixel's ray lies between the middles of two neighbours: a slab. Slabs are cut by the
+//!    box, the clip and an opaque layer, so the first and the last of a ray are as short as they are, and nothing of the ray is left out.
+//! 2. **Proxy geometry** ([`geometry`]): the polygons in which slices cut a box, the footprints of slabs, and their pixels, by the top-left rule. They decide
+//!    what is drawn where the picture is made slice by slice ([`Order::Slices`]); tile by tile, each pixel's own chord says the same.
+//! 3. **Fetch**: sixteen pixels at a time, from a texture of values, of light, of palette indices, or of compressed blocks ([`Format`]).
+//! 4. **Classification**, by tables that are off by less than rounding or not used at all; **shading**; and **blending** ([`Blend`], or the scene's own
+//!    compositing) of each pixel's fragments in their order.
+//!
+//! What counts for the picture is the order of fragments on each pixel. So the default takes all slices of sixteen pixels, then the next sixteen: the
+//! same bits as slice after slice across the picture, without the picture going through the caches once a slice.
+//!
+//! # Example
+//! A homogeneous slab, two units thick, of opacity ½ a unit: the pixel is known.
+//! ```
+//! use vr_core::*;
+//! use vr_texslice::TexSlice;
+//!
+//! let grid = UniformGrid::new([3; 3], vec![100u8; 27], Placement::from_spacing([1.0; 3])?, Calibration::default())?;
+//! let half_red = ControlPoint::new(0.0, [1.0, 0.0, 0.0], 0.5);
+//! let transfer = TransferFunction::new(vec![half_red], OpacityRule::Power, 1.0)?;
+//! let scene = Scene::new(grid.into(), transfer);
+//!
+//! let control = Control::default();
+//! let mut prepared = TexSlice { slice_distance: 0.7, ..TexSlice::default() }.prepare(&scene, &control)?;
+//! let camera = Camera::framing(scene.volume.bounds(), 0.0, 0.0, None);
+//! let picture = prepared.render(&View::new(camera, [5, 5]), &control)?;
+//!
+//! // What shines through two units is a half of a half, whatever the distance of slices: the last slab counts as what it is.
+//! let expected = [0.75, 0.0, 0.0, 0.75];
+//! for (got, want) in picture.frame.pixel(2, 2).into_iter().zip(expected) {
+//!     assert!((got - want).abs() < 1e-6);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What it integrates
+//! A fragment for each slab: whole ones are sampled on their slices, the first and the last of a ray in the middle of what there is of them; or, pre-integrated,
+//! on the faces between slabs, where a ray enters and where it leaves. That is its model ([`Prepared::model`](vr_core::Prepared::model)); tables and rounding add
+//! 10⁻⁷ to 10⁻⁵ to it, 10⁻⁴ where a transfer function bends within a hundredth of a texture's range.
+//!
+//! | slices | slabs | equally long |
+//! |---|---|---|
+//! | planes | between planes parallel to the image, counted from the middle of the box | in parallel projection |
+//! | shells | between spheres about the eye | always |
+//! | stacks | between the volume's own layers (or parts of one), along the axis that the view crosses most of | in parallel projection |
+//!
+//! Where they are not, opacity is corrected fragment by fragment; [`TexSlice::correction`] turns that off, to show what then becomes of brightness.
+//!
+//! # What a change forces
+//! | format | bytes a voxel | a new transfer function | a new view |
+//! |---|--:|---|---|
+//! | scalar | as stored (a stack along x or y: once more) | a table | a table, where slabs' length changes |
+//! | pre-integrated | as stored | a table | nothing |
+//! | compressed | 0.41 (bytes), 0.56 (16 bits), 0.63 (floats) | a table | as scalar |
+//! | rgba | 16 | every voxel | every voxel, if shaded |
+//! | luminance-alpha | 8 | every voxel | every voxel, if shaded |
+//! | paletted | 1 | 256 entries | nothing |
+//!
+//! [`RenderStats::stages`](vr_core::RenderStats::stages) of the next picture tells what had to be made, and how long it took: `table`, `palette`, `classify`,
+//! `compress`, `stack`. Textures, tables apart, stay within [`TexSlice::budget`], or there is a typed error; [bricks](TexSlice::brick) come and go within it.
+//!
+//! # Accuracy
+//! Against the canonical pixel, errors fall with the distance of slices by the order 2 where field and transfer function are continuous, of planes, shells and
+//! pre-integrated segments; where the transfer function jumps, by 1, but by 1.4 to 1.6 of segments. Stacks, compression and light that is interpolated after
+//! classification have an error of their own that no distance takes away. The crate's README has the figures; the bounds on the hard cases of
+//! `vr-physics` are those of [`Renderer::hard_case_error`](vr_core::Renderer::hard_case_error). No error can be promised.
+//!
+//! # What it does not do
+//! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients, and opacity that
+//! follows the gradient; shading of volumes with missing samples, of segments, palettes and compressed textures, and in perspective of voxels that are classified
+//! beforehand; values picked from textures of light; `first` but through 3D textures that are not compressed; stacks but of values; bricks and
+//! whole slices but of unshaded values in 3D textures, under `over`, front to back; whole slices that are shells. Depths are told of `over` and `accumulate`, front to
+//! back, and of `first`. `maximum` and `minimum` are of samples.
 
 mod bricks;
 mod classified;

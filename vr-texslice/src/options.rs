@@ -17,9 +17,6 @@ const FORMATS: &[(&str, Format)] = &[
 ];
 const BLENDS: &[(&str, Blend)] = &[("front-to-back", Blend::FrontToBack), ("back-to-front", Blend::BackToFront)];
 const ORDERS: &[(&str, Order)] = &[("tiles", Order::Tiles), ("slices", Order::Slices)];
-const BRICKS: &[(&str, Option<u32>)] =
-    &[("whole", None), ("16", Some(16)), ("32", Some(32)), ("64", Some(64)), ("128", Some(128))];
-
 /// Every option, with the default renderer's values.
 pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
     let defaults = to_options(&TexSlice::default());
@@ -63,8 +60,8 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         ),
         spec(
             "brick",
-            OptionKind::Choice(&["whole", "16", "32", "64", "128"]),
-            "cells along the edge of a brick, each a texture of its own; whole: the volume is one",
+            OptionKind::Number { above: -f64::MIN_POSITIVE, most: 1024.0 },
+            "cells along the edge of a brick, each a texture of its own, at least 8; 0: the volume is one",
         ),
         spec(
             "budget",
@@ -85,25 +82,25 @@ pub(crate) fn to_options(renderer: &TexSlice) -> Options {
         .with("skip", renderer.skip)
         .with("termination", renderer.termination)
         .with("correction", renderer.correction)
-        .with("brick", word_of(BRICKS, renderer.brick))
+        .with("brick", renderer.brick.map_or(0.0, f64::from))
         .with("budget", renderer.budget)
 }
 
 /// A renderer with options set.
 pub(crate) fn configure(renderer: &TexSlice, options: &Options) -> Result<TexSlice, OptionError> {
+    let refuse = |key: &str, found: f64, allowed: &str| OptionError::Value {
+        renderer: TexSlice::NAME,
+        key: key.to_owned(),
+        found: found.to_string(),
+        allowed: allowed.to_owned(),
+    };
     let mut new = renderer.clone();
     for (key, value) in options.check(TexSlice::NAME, &SPECS)? {
-        // A scene file may name a brick by a number.
         match (key, value) {
             ("proxy", OptionValue::Word(w)) => new.proxy = meaning_of(PROXIES, w),
             ("slice-distance", &OptionValue::Number(distance)) => {
                 if distance < 0.01 {
-                    return Err(OptionError::Value {
-                        renderer: TexSlice::NAME,
-                        key: key.to_owned(),
-                        found: distance.to_string(),
-                        allowed: "must be 0.01 to 64".to_owned(),
-                    });
+                    return Err(refuse(key, distance, "must be 0.01 to 64"));
                 }
                 new.slice_distance = distance;
             }
@@ -113,7 +110,12 @@ pub(crate) fn configure(renderer: &TexSlice, options: &Options) -> Result<TexSli
             ("skip", &OptionValue::Switch(on)) => new.skip = on,
             ("termination", &OptionValue::Number(x)) => new.termination = x,
             ("correction", &OptionValue::Switch(on)) => new.correction = on,
-            ("brick", OptionValue::Word(w)) => new.brick = meaning_of(BRICKS, w),
+            ("brick", &OptionValue::Number(edge)) => {
+                if edge != 0.0 && (edge < 8.0 || edge.fract() != 0.0) {
+                    return Err(refuse(key, edge, "must be 0, or a whole number from 8 to 1024"));
+                }
+                new.brick = (edge != 0.0).then_some(edge as u32);
+            }
             ("budget", &OptionValue::Number(x)) => new.budget = x,
             _ => unreachable!("checked against the list"),
         }
@@ -122,7 +124,7 @@ pub(crate) fn configure(renderer: &TexSlice, options: &Options) -> Result<TexSli
 }
 
 fn word_of<T: PartialEq>(words: &[(&'static str, T)], meaning: T) -> &'static str {
-    words.iter().find(|(_, m)| *m == meaning).map_or("whole", |found| found.0)
+    words.iter().find(|(_, m)| *m == meaning).expect("every meaning has a word").0
 }
 
 fn meaning_of<T: Copy>(words: &[(&'static str, T)], word: &str) -> T {
@@ -154,7 +156,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_is_refused() {
-        for (key, value) in [("slice-distance", 0.005), ("termination", 0.0), ("budget", 0.0)] {
+        for (key, value) in
+            [("slice-distance", 0.005), ("termination", 0.0), ("budget", 0.0), ("brick", 7.0), ("brick", 9.5)]
+        {
             let error = configure(&TexSlice::default(), &Options::new().with(key, value)).unwrap_err();
             assert!(error.to_string().contains(key), "{error}");
         }

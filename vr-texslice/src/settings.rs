@@ -37,6 +37,9 @@ pub(crate) fn settings() -> Vec<NamedSetting> {
 }
 
 /// The orders of classification after interpolation and of pre-integration, in the distance of slices.
+///
+/// Segments across a jump are exact where the value goes linearly from end to end, and 2 is their order; but where a ray only just passes a jump, they
+/// may miss it, and from a voxel to a sixteenth 1.4 to 1.6 was measured.
 pub(crate) fn orders() -> Vec<OrderClaim> {
     let claim = |name: &str, renderer: TexSlice, jumps: f64| {
         let mut options = to_options(&renderer);
@@ -55,12 +58,12 @@ pub(crate) fn orders() -> Vec<OrderClaim> {
     vec![
         claim("planes", brute(), 1.0),
         claim("shells", TexSlice { proxy: Proxy::Shells, ..brute() }, 1.0),
-        claim("pre-integrated", TexSlice { format: Format::PreIntegrated, ..brute() }, 2.0),
+        claim("pre-integrated", TexSlice { format: Format::PreIntegrated, ..brute() }, 1.7),
     ]
 }
 
-/// Rounding in f32, and tables.
-const FLOOR_OF_ORDERS: f64 = 3e-6;
+/// Rounding in f32: of smooth transfer functions tables leave less.
+const FLOOR_OF_ORDERS: f64 = 3e-7;
 
 #[cfg(test)]
 mod tests {

@@ -2,9 +2,8 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::vector::{Cells, LANES, Lanes};
+use vr_core::vector::{Cells, LANES, Lanes, pick, splat};
 
-use super::march::Pass;
 use crate::fragments::Fragments;
 use crate::texture::{Lit, Texture};
 
@@ -114,24 +113,42 @@ pub(crate) fn shade<S: Simd, X: Texture>(
     );
 }
 
-/// Lowest and highest index, along each axis, that samples of live rays touch: a box of cells.
-pub(crate) fn reach(rays: &Fragments, number: &Lanes, len: usize, pass: &Pass<'_>) -> [[usize; 2]; 3] {
-    let mut reach = [[usize::MAX, 0]; 3];
-    let last = (len - 1) as f32;
-    for (a, reach) in reach.iter_mut().enumerate() {
-        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-        for i in 0..LANES {
-            let (from, end) = (number.0[i], rays.end.0[i]);
-            if from < end {
-                let to = (from + last).min(end - 1.0);
-                let [p, q] = [from, to].map(|n| rays.base[a].0[i] + n * rays.delta[a].0[i]);
-                low = low.min(p).min(q);
-                high = high.max(p).max(q);
+/// What the next samples of rays touch: a box of cells, from the first to the last along each axis; and how many samples they are.
+pub(crate) struct Reach {
+    pub(crate) cells: [[usize; 2]; 3],
+    pub(crate) samples: u64,
+}
+
+/// The reach of the `len` samples of live rays from numbers on, in a texture of so many texels along each axis.
+#[inline(never)]
+pub(crate) fn reach<S: Simd>(simd: S, rays: &Fragments, number: &Lanes, len: usize, dims: [usize; 3]) -> Reach {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (from, end) = (number.load(simd), rays.end.load(simd));
+            let live = from.simd_lt(end);
+            let count = pick(live, (end - from).min(splat(simd, len as f32)), splat(simd, 0.0));
+            let to = from + (count - 1.0);
+            let (never, always) = (splat(simd, f32::NEG_INFINITY), splat(simd, f32::INFINITY));
+            let mut cells = [[0; 2]; 3];
+            for a in 0..3 {
+                let (base, delta) = (rays.base[a].load(simd), rays.delta[a].load(simd));
+                let (p, q) = (base + from * delta, base + to * delta);
+                let low = pick(live, p.min(q), always).to_array();
+                let high = pick(live, p.max(q), never).to_array();
+                let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+                for i in 0..LANES {
+                    least = least.min(low[i]);
+                    most = most.max(high[i]);
+                }
+                // Into the box, as texels are. `as` saturates.
+                cells[a] = [(least as usize).min(dims[a] - 2), (most as usize).min(dims[a] - 2)];
             }
-        }
-        // Into the box, as texels are; what lies on a face is in the cell before it. `as` saturates.
-        let cells = pass.dims[a] - 2;
-        *reach = [(low as usize).min(cells), (high as usize).min(cells)];
-    }
-    reach
+            let mut samples = 0.0;
+            for n in count.to_array() {
+                samples += n;
+            }
+            Reach { cells, samples: samples as u64 }
+        },
+    )
 }

@@ -39,6 +39,9 @@ impl<X: Texture> Default for Workbench<X> {
     }
 }
 
+/// The most samples of a ray that are looked at together.
+const FARTHEST: usize = 64;
+
 /// What a march did.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Done {
@@ -92,22 +95,23 @@ impl<X: Texture> March<'_, X> {
     /// The samples of whole slabs.
     fn whole<S: Simd>(&mut self, simd: S) {
         let mut number = self.rays.begin;
+        // So many samples are looked at together for whether anything can be visible in their blocks: more after each look that found nothing.
+        let mut stride = CHUNK;
         loop {
             let most = (0..LANES).map(|i| self.rays.end.0[i] - number.0[i]).fold(f32::NEG_INFINITY, f32::max);
             if most <= 0.0 {
                 break;
             }
-            let len = (most as usize).min(CHUNK);
-            if self.is_empty(&number, len) {
-                self.done.skipped += self.live(&number, len);
+            let len = (most as usize).min(stride);
+            if let Some(samples) = self.invisible(simd, &number, len) {
+                self.done.skipped += samples;
+                stride = (2 * stride).min(FARTHEST);
                 if matches!(self.pass.classifier, Classifier::Segments(_)) {
-                    // What the next segment begins with.
-                    let last = Lanes(number.0.map(|n| n + (len - 1) as f32));
-                    self.bench.chunk.len = 1;
-                    let which = Which::From(&last);
-                    fetch(simd, self.texture, self.rays, which, &mut self.bench.stages, &mut self.bench.chunk);
-                    self.keep(&last, 0);
+                    self.look_at_last(simd, &number, len);
                 }
+            } else if stride > CHUNK {
+                stride = CHUNK;
+                continue;
             } else {
                 self.bench.chunk.len = len;
                 let which = Which::From(&number);
@@ -117,6 +121,28 @@ impl<X: Texture> March<'_, X> {
             }
             for n in &mut number.0 {
                 *n += len as f32;
+            }
+        }
+    }
+
+    /// Values at the last of samples that are left out: what the next segments begin with.
+    fn look_at_last<S: Simd>(&mut self, simd: S, number: &Lanes, len: usize) {
+        // Of a ray that ends before, nothing is asked any more.
+        let last = Lanes(number.0.map(|n| n + (len - 1) as f32));
+        self.bench.chunk.len = 1;
+        fetch(simd, self.texture, self.rays, Which::From(&last), &mut self.bench.stages, &mut self.bench.chunk);
+        for i in 0..LANES {
+            if last.0[i] < self.rays.end.0[i] {
+                self.before.0[i] = self.bench.chunk.value[0].0[i];
+            }
+        }
+        // Its last segment begins at its own last face.
+        let ends = Lanes(std::array::from_fn(|i| (self.rays.end.0[i] - 1.0).max(number.0[i])));
+        let short = |i: usize| number.0[i] < self.rays.end.0[i] && self.rays.end.0[i] <= last.0[i];
+        if (0..LANES).any(short) {
+            fetch(simd, self.texture, self.rays, Which::From(&ends), &mut self.bench.stages, &mut self.bench.chunk);
+            for i in (0..LANES).filter(|&i| short(i)) {
+                self.before.0[i] = self.bench.chunk.value[0].0[i];
             }
         }
     }
@@ -170,17 +196,20 @@ impl<X: Texture> March<'_, X> {
         }
     }
 
-    /// Whether nothing can be visible in the blocks that the samples touch.
-    fn is_empty(&self, number: &Lanes, len: usize) -> bool {
-        let Some(occupancy) = self.pass.occupancy else { return false };
-        // A segment begins at the sample before.
-        let (from, len) = if self.pass.on_faces { (Lanes(number.0.map(|n| n - 1.0)), len + 1) } else { (*number, len) };
-        occupancy.is_empty(reach(self.rays, &from, len, self.pass))
-    }
-
-    /// How many of the next samples there are.
-    fn live(&self, number: &Lanes, len: usize) -> u64 {
+    /// How many the next samples are, if nothing can be visible in the blocks that they touch.
+    fn invisible<S: Simd>(&self, simd: S, number: &Lanes, len: usize) -> Option<u64> {
+        let occupancy = self.pass.occupancy?;
+        let touched = if self.pass.on_faces {
+            // A segment begins at the sample before.
+            let before = Lanes(number.0.map(|n| n - 1.0));
+            reach(simd, self.rays, &before, len + 1, self.pass.dims)
+        } else {
+            reach(simd, self.rays, number, len, self.pass.dims)
+        };
+        if !occupancy.is_empty(touched.cells) {
+            return None;
+        }
         let left = |i: usize| (self.rays.end.0[i] - number.0[i]).clamp(0.0, len as f32) as u64;
-        (0..LANES).map(left).sum()
+        Some(if self.pass.on_faces { (0..LANES).map(left).sum() } else { touched.samples })
     }
 }
