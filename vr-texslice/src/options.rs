@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use vr_core::{OptionError, OptionKind, OptionSpec, OptionValue, Options};
+use vr_core::{OptionError, OptionKind, OptionSpec, OptionValue, Options, meaning_of, word_of};
 
 use crate::tex_slice::{Blend, Format, Order, Proxy, TexSlice};
 
@@ -121,14 +121,6 @@ pub(crate) fn configure(renderer: &TexSlice, options: &Options) -> Result<TexSli
         }
     }
     Ok(new)
-}
-
-fn word_of<T: PartialEq>(words: &[(&'static str, T)], meaning: T) -> &'static str {
-    words.iter().find(|(_, m)| *m == meaning).expect("every meaning has a word").0
-}
-
-fn meaning_of<T: Copy>(words: &[(&'static str, T)], word: &str) -> T {
-    words.iter().find(|(w, _)| *w == word).expect("checked against the list").1
 }
 
 #[cfg(test)]
