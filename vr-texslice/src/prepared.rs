@@ -154,7 +154,12 @@ impl Prepared for PreparedTexSlice {
         };
         let classifier = match &self.tables.segments {
             _ if operator.picks() => Classifier::Values,
-            Some(segments) => Classifier::Segments(segments),
+            Some(table) => {
+                let points = scene.transfer.points();
+                let most = |c: usize| points.iter().map(|p| p.color[c]).fold(0.0, f64::max) as f32;
+                let brightest = (!scene.transfer.has_emission()).then(|| [most(0), most(1), most(2)]);
+                Classifier::Segments { table, brightest }
+            }
             None if self.renderer.holds_light() => Classifier::Done { even },
             None if !tables.resolves(&scene.transfer, volume) => Classifier::Exact(&exact),
             None => Classifier::Table { rows: Rows::of(&tables.baked), optics: &tables.optics, even },

@@ -80,7 +80,7 @@ fn agrees_with_its_model_on_random_scenes() {
     ] {
         // Random transfer functions bend within a table's entry, and early termination leaves 10⁻⁴. Of values that are picked there is no model.
         let bound = |scene: &Scene, _: &View| {
-            if scene.compositing == Compositing::Over { 2e-3 } else { f64::INFINITY }
+            if scene.compositing == Compositing::Over { 2e-4 } else { f64::INFINITY }
         };
         let report = check::agrees_with_its_model(&renderer, tame_scene(), bound, &Effort::cases(48));
         println!(

@@ -2,10 +2,10 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::transfer::PreIntegrated;
+use vr_core::transfer::{PreIntegrated, TablePlace};
 use vr_core::vector::{LANES, Lanes, OpticsTable, Rows, depth_of_opacity, light_of, opacity_of_depth, pick, splat};
 
-use super::chunk::Chunk;
+use super::chunk::{CHUNK, Chunk};
 
 /// How fragments are classified.
 #[derive(Clone, Copy)]
@@ -15,8 +15,8 @@ pub(crate) enum Classifier<'a> {
     /// One by one in f64, where no table tells apart all that the transfer function does: light and opacity of a stored number and a length in table
     /// lengths.
     Exact(&'a (dyn Fn(f32, f32) -> [f32; 4] + Sync)),
-    /// As segments between two values.
-    Segments(&'a PreIntegrated<f32>),
+    /// As segments between two values; `brightest`: no stretch shines brighter, channel by channel, where emission is not given on its own.
+    Segments { table: &'a PreIntegrated<f32>, brightest: Option<[f32; 3]> },
     /// Texels are light and opacity of one table length.
     Done { even: bool },
     /// Not at all: the operator picks a value.
@@ -64,7 +64,7 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
                     chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
                 }
             }
-            Classifier::Done { .. } | Classifier::Segments(_) | Classifier::Values => {}
+            Classifier::Done { .. } | Classifier::Segments { .. } | Classifier::Values => {}
         },
     );
 }
@@ -86,26 +86,82 @@ fn corrected<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4], ratio: f32x16<S
     [r * share, g * share, b * share, where_defined(simd, alpha, pick(clear, zero, corrected))]
 }
 
-/// Light and opacity of segments that end at the values of a chunk; each begins where the one before it ended, the first at `before`. `length`: of each of
-/// them, in world units.
-pub(crate) fn integrate(
-    table: &PreIntegrated<f32>,
-    before: &mut Lanes,
-    length: impl Fn(usize, usize) -> f32,
+/// Light and opacity of segments that end at the values of a chunk, each so long in world units; each begins where the one before it ended, the first at
+/// `before`.
+///
+/// The table's own arithmetic ([`PreIntegrated::segment`]), the exponential and all behind it for sixteen segments at a time. Opaque walls are left to the
+/// table.
+#[inline(never)]
+pub(crate) fn integrate<S: Simd>(
+    simd: S,
+    (table, brightest): (&PreIntegrated<f32>, Option<[f32; 3]>),
+    before: &Lanes,
+    length: &[Lanes; CHUNK],
     backwards: bool,
     chunk: &mut Chunk,
 ) {
+    if table.has_walls() {
+        return walled(table, before, length, backwards, chunk);
+    }
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut near = [TablePlace { row: 0, fraction: 0.0 }; LANES];
+            for i in 0..LANES {
+                near[i] = table.place(before.0[i]);
+            }
+            for j in 0..chunk.len {
+                let (mut mean, mut front, mut back) = ([Lanes::ZERO; 4], [Lanes::ZERO; 4], [Lanes::ZERO; 4]);
+                for i in 0..LANES {
+                    let far = table.place(chunk.value[j].0[i]);
+                    let (m, p, q) = (table.mean_between(near[i], far), table.at(near[i]), table.at(far));
+                    for c in 0..4 {
+                        (mean[c].0[i], front[c].0[i], back[c].0[i]) = (m[c], p[c], q[c]);
+                    }
+                    near[i] = far;
+                }
+                if backwards {
+                    (front, back) = (back, front);
+                }
+                let (zero, one, h) = (splat(simd, 0.0), splat(simd, 1.0), length[j].load(simd));
+                let kappa = mean[3].load(simd);
+                let tau = kappa * h;
+                let alpha = where_defined(simd, kappa, opacity_of_depth(simd, tau));
+                let clear = tau.simd_le(zero);
+                let weight = pick(clear, one, alpha / pick(clear, one, tau));
+                let (tau_a, tau_b) = (front[3].load(simd) * h, back[3].load(simd) * h);
+                let fade = one / (tau * (tau * 1.5 + 6.0) + 12.0);
+                let product = tau_a * tau_b;
+                let thin = product.simd_le(zero);
+                let moment = fade * pick(thin, one, tau * tau / pick(thin, one, product)).min(one);
+                for c in 0..3 {
+                    let turned = front[c].load(simd) * h * tau_b - back[c].load(simd) * h * tau_a;
+                    let mut light = (mean[c].load(simd) * h * weight + moment * turned).max(zero);
+                    if let Some(most) = brightest {
+                        light = light.min(alpha * most[c]);
+                    }
+                    chunk.light[j][c] = Lanes::of(light);
+                }
+                chunk.light[j][3] = Lanes::of(alpha);
+            }
+        },
+    );
+}
+
+/// One by one: segments may end at a wall.
+fn walled(table: &PreIntegrated<f32>, before: &Lanes, length: &[Lanes; CHUNK], backwards: bool, chunk: &mut Chunk) {
+    let mut near = *before;
     for j in 0..chunk.len {
         for i in 0..LANES {
-            let (mut front, mut back) = (before.0[i], chunk.value[j].0[i]);
+            let (mut front, mut back) = (near.0[i], chunk.value[j].0[i]);
             if backwards {
                 (front, back) = (back, front);
             }
-            let segment = table.segment(front, back, length(j, i));
+            let segment = table.segment(front, back, length[j].0[i]);
             for c in 0..4 {
                 chunk.light[j][c].0[i] = segment[c];
             }
         }
-        *before = chunk.value[j];
+        near = chunk.value[j];
     }
 }

@@ -83,7 +83,7 @@ impl<X: Texture> March<'_, X> {
         self.bench.chunk.len = 1;
         let which = Which::Outer(end);
         fetch(simd, self.texture, self.rays, which, &mut self.bench.stages, &mut self.bench.chunk);
-        if self.pass.on_faces && matches!(self.pass.classifier, Classifier::Segments(_)) && end == 0 {
+        if self.pass.on_faces && matches!(self.pass.classifier, Classifier::Segments { .. }) && end == 0 {
             // Nothing but where the first segment begins.
             self.before = self.bench.chunk.value[0];
             return;
@@ -106,7 +106,7 @@ impl<X: Texture> March<'_, X> {
             if let Some(samples) = self.invisible(simd, &number, len) {
                 self.done.skipped += samples;
                 stride = (2 * stride).min(FARTHEST);
-                if matches!(self.pass.classifier, Classifier::Segments(_)) {
+                if matches!(self.pass.classifier, Classifier::Segments { .. }) {
                     self.look_at_last(simd, &number, len);
                 }
             } else if stride > CHUNK {
@@ -152,17 +152,17 @@ impl<X: Texture> March<'_, X> {
         let pass = self.pass;
         let chunk = &mut self.bench.chunk;
         match pass.classifier {
-            Classifier::Segments(table) => {
+            Classifier::Segments { table, brightest } => {
                 let (rays, world) = (&*self.rays, pass.length);
                 let length = |j: usize, i: usize| match which {
-                    Which::Outer(_) => ratio.0[i] * world,
                     Which::From(number) if number.0[i] + j as f32 <= rays.begin.0[i] => {
                         rays.outer_ratio[0].0[i] * world
                     }
-                    Which::From(_) => ratio.0[i] * world,
+                    _ => ratio.0[i] * world,
                 };
-                let mut before = self.before;
-                integrate(table, &mut before, length, pass.operator == Operator::Over, chunk);
+                let lengths = std::array::from_fn(|j| Lanes(std::array::from_fn(|i| length(j, i))));
+                let backwards = pass.operator == Operator::Over;
+                integrate(simd, (table, brightest), &self.before, &lengths, backwards, chunk);
                 match which {
                     Which::Outer(_) => {}
                     Which::From(number) => {
