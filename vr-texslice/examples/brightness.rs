@@ -1,6 +1,6 @@
 //! How brightness changes as a volume turns, in parallel projection and in perspective.
 //!
-//! `cargo run --release -p vr-texslice --example turntable -- [KEY=VALUE ...]`; the keys and their defaults:
+//! `cargo run --release -p vr-texslice --example brightness -- [KEY=VALUE ...]`; the keys and their defaults:
 //!
 //! - `scenes=fog,hydrogen`: phantoms, sampled as u8
 //! - `opacity=0.05`: a factor of the opacities of the phantom's transfer function
