@@ -175,7 +175,8 @@ fn texel<P: Code>(
         let ratio = lengths.ratios.as_ref().map_or(1.0, |ratios| ratios.at(x, y)) * share;
         if lengths.ratios.is_some() && case.renderer.classification == Classification::Values {
             let alpha = -(-sample[3] * ratio).exp_m1();
-            sample = [sample[0] * alpha, sample[1] * alpha, sample[2] * alpha, alpha];
+            let shines = if sample[3] > 0.0 { alpha / sample[3] } else { ratio };
+            sample = [sample[0] * shines, sample[1] * shines, sample[2] * shines, alpha];
         } else if (ratio - 1.0).abs() > 1e-6 && sample[3] > 0.0 {
             let cut = if sample[3] >= 1.0 { 1.0 } else { -((ratio * (-sample[3]).ln_1p()).exp_m1()) };
             let grown = cut / sample[3];

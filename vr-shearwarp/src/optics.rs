@@ -14,7 +14,7 @@ pub(crate) struct Optics {
     pub(crate) bias: f32,
     /// Where a code itself lies, in tables of codes.
     begin: Begin,
-    pub(crate) emits: bool,
+    emits: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,7 @@ struct Row {
 pub(crate) enum Entry {
     /// Premultiplied light, and opacity.
     Sample,
-    /// Colour, or what would shine if nothing absorbed where emission is given on its own; and optical depth: see [`vr_core::vector::light_of`].
+    /// What would shine if nothing absorbed, and optical depth: both grow in proportion with the length.
     Depth,
 }
 
@@ -38,7 +38,8 @@ impl Row {
     const NOTHING: Self = Self { light: [0.0; 3], extinction: 0.0 };
 }
 
-/// Optical depth of what is opaque however thin: finite in f32, and more than enough if but 10⁻¹⁸ of the length counts.
+/// Optical depth of what is opaque however thin: finite in f32 and after multiplication by a colour, and more than enough if but 10⁻¹⁸ of the
+/// length counts.
 const WALL: f64 = 1e20;
 /// An interpolated value may lie beyond the range of the codes by rounding: that many entries are there twice at either end.
 const GUARD: usize = 2;
@@ -109,7 +110,7 @@ impl Optics {
             Entry::Sample if self.emits => (length * source_weight(tau), opacity_of_depth(tau)),
             Entry::Sample => (opacity_of_depth(tau), opacity_of_depth(tau)),
             Entry::Depth if self.emits => (length, tau),
-            Entry::Depth => (1.0, tau),
+            Entry::Depth => (tau, tau),
         };
         [light[0] * share, light[1] * share, light[2] * share, last].map(|x| x as f32)
     }
@@ -210,7 +211,7 @@ mod tests {
         let sample = |length, entry| optics.sample(7, length, entry);
         assert_eq!(sample(1e-9, Entry::Sample), [0.5, 0.5, 0.5, 1.0]);
         assert_eq!(sample(0.0, Entry::Sample), [0.0; 4]);
-        assert_eq!(sample(1e-9, Entry::Depth), [0.5, 0.5, 0.5, 1e20]);
+        assert_eq!(sample(1e-9, Entry::Depth), [5e19, 5e19, 5e19, 1e20]);
     }
 
     #[test]
