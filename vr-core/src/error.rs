@@ -103,6 +103,57 @@ pub enum MeshError {
     },
 }
 
+/// Scattered points that cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PointError {
+    /// No points.
+    #[error("no point: there must be one at least")]
+    Empty,
+    /// More points than can be counted in 32 bits.
+    #[error("{found} points: there may be 4294967295")]
+    TooMany {
+        /// How many there are.
+        found: usize,
+    },
+    /// Radii, weights or values that are not one for each point.
+    #[error("{found} {what} for {points} points: each must have one")]
+    Length {
+        /// What there are more or fewer of.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many points there are.
+        points: usize,
+    },
+    /// A position that is not finite, or too far away.
+    #[error("point {point} is at {found:?}: coordinates must be finite and smaller than 1e30")]
+    Position {
+        /// Which point, from 0.
+        point: usize,
+        /// Its position.
+        found: [f64; 3],
+    },
+    /// A radius that is none.
+    #[error("point {point} has the radius {found}: must be positive, between 1e-30 and 1e30")]
+    Radius {
+        /// Which point, from 0.
+        point: usize,
+        /// Its radius.
+        found: f32,
+    },
+    /// A weight or value that is not finite.
+    #[error("point {point} has the {what} {found}: must be finite")]
+    Number {
+        /// `weight` or `value`.
+        what: &'static str,
+        /// Which point, from 0.
+        point: usize,
+        /// The number.
+        found: f32,
+    },
+}
+
 /// A part of a scene or view that makes no sense: which field, what was found, what is allowed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{field}: found {found}; {allowed}")]

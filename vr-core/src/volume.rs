@@ -1,4 +1,4 @@
-//! The volume that a scene holds: any kind of grid, with what is derived from it once and kept.
+//! The volume that a scene holds: a grid or points, with what is derived from it once and kept.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -11,6 +11,7 @@ use crate::grid::{Calibration, Census, UniformGrid};
 use crate::level_ranges::LevelRanges;
 use crate::missing::{VacuumCells, fill_missing};
 use crate::placement::Placement;
+use crate::point_set::PointSet;
 use crate::range_blocks::RangeBlocks;
 use crate::sampler::Sampler;
 use crate::voxel::{Voxel, VoxelType};
@@ -19,13 +20,15 @@ use crate::voxel::{Voxel, VoxelType};
 #[derive(Clone, Debug)]
 pub struct Volume(Arc<Geometry>);
 
-/// The kinds of volume. More will come (adaptive grids, tetrahedra, scattered points): renderers take the kinds that they
+/// The kinds of volume. More will come (adaptive grids, tetrahedra): renderers take the kinds that they
 /// know and answer [`crate::RenderError::Unsupported`] to the others.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Geometry {
     /// Samples on a uniform grid.
     Uniform(UniformVolume),
+    /// Scattered points.
+    Points(PointSet),
 }
 
 impl Volume {
@@ -38,13 +41,23 @@ impl Volume {
     pub fn uniform(&self) -> Option<&UniformVolume> {
         match &*self.0 {
             Geometry::Uniform(u) => Some(u),
+            Geometry::Points(_) => None,
         }
     }
 
-    /// `uniform grid`, as error messages name the kind.
+    /// The scattered points, if it is made of them.
+    pub fn points(&self) -> Option<&PointSet> {
+        match &*self.0 {
+            Geometry::Points(p) => Some(p),
+            Geometry::Uniform(_) => None,
+        }
+    }
+
+    /// `uniform grid` or `scattered points`, as error messages name the kind.
     pub fn kind(&self) -> &'static str {
         match &*self.0 {
             Geometry::Uniform(_) => "uniform grid",
+            Geometry::Points(_) => "scattered points",
         }
     }
 
@@ -52,6 +65,7 @@ impl Volume {
     pub fn value_range(&self) -> Option<(f64, f64)> {
         match &*self.0 {
             Geometry::Uniform(u) => u.value_range(),
+            Geometry::Points(p) => p.value_range(),
         }
     }
 
@@ -59,13 +73,15 @@ impl Volume {
     pub fn bounds(&self) -> (DVec3, DVec3) {
         match &*self.0 {
             Geometry::Uniform(u) => u.bounds(),
+            Geometry::Points(p) => p.bounds(),
         }
     }
 
-    /// Mean distance between samples in world units: the default `unit_distance` of a transfer function.
+    /// Mean distance between samples in world units, or half the mean radius of points: the default `unit_distance` of a transfer function.
     pub fn mean_spacing(&self) -> f64 {
         match &*self.0 {
             Geometry::Uniform(u) => u.placement().spacing().element_sum() / 3.0,
+            Geometry::Points(p) => p.mean_spacing(),
         }
     }
 
@@ -81,6 +97,12 @@ where
 {
     fn from(grid: UniformGrid<T>) -> Self {
         Self(Arc::new(Geometry::Uniform(UniformVolume::new(grid.into()))))
+    }
+}
+
+impl From<PointSet> for Volume {
+    fn from(points: PointSet) -> Self {
+        Self(Arc::new(Geometry::Points(points)))
     }
 }
 

@@ -1,0 +1,166 @@
+//! Scattered points: a volume without a grid.
+
+use glam::DVec3;
+
+use crate::error::PointError;
+use crate::point_kernel::PointKernel;
+
+/// Points that each carry a value, spread around them by a kernel.
+///
+/// The field is f(x) = Σ wₖ vₖ W(|x − xₖ| / Rₖ) / Rₖ³ over all points k, in world units; where no support reaches, there is vacuum.
+/// With wₖ = the volume that a point stands for (its mass by its density) this is the interpolation of smoothed particle hydrodynamics:
+/// f follows the values. With wₖ = its mass and all vₖ = 1 it is the density.
+#[derive(Clone, Debug)]
+pub struct PointSet {
+    positions: Vec<DVec3>,
+    radii: Vec<f32>,
+    weights: Vec<f32>,
+    values: Vec<f32>,
+    kernel: PointKernel,
+    bounds: (DVec3, DVec3),
+}
+
+/// Coordinates are smaller than this: their squares and cubes must be numbers.
+const FARTHEST: f64 = 1e30;
+
+impl PointSet {
+    /// Points at world positions: `radii` is how far their kernels reach, in world units; `weights` and `values` are w and v above.
+    ///
+    /// # Errors
+    /// [`PointError`] for no point, lists of different lengths, a position that is not finite or beyond 10³⁰, a radius that is not positive or
+    /// beyond 10⁻³⁰ to 10³⁰, a weight or value that is not finite.
+    pub fn new(
+        positions: Vec<DVec3>,
+        radii: Vec<f32>,
+        weights: Vec<f32>,
+        values: Vec<f32>,
+        kernel: PointKernel,
+    ) -> Result<Self, PointError> {
+        if positions.is_empty() {
+            return Err(PointError::Empty);
+        }
+        if u32::try_from(positions.len()).is_err() {
+            return Err(PointError::TooMany { found: positions.len() });
+        }
+        for (what, found) in [("radii", radii.len()), ("weights", weights.len()), ("values", values.len())] {
+            if found != positions.len() {
+                return Err(PointError::Length { what, found, points: positions.len() });
+            }
+        }
+        if let Some(point) = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(FARTHEST)).all()) {
+            return Err(PointError::Position { point, found: positions[point].to_array() });
+        }
+        if let Some(point) = radii.iter().position(|&r| !(r > 1e-30 && r < 1e30)) {
+            return Err(PointError::Radius { point, found: radii[point] });
+        }
+        for (what, numbers) in [("weight", &weights), ("value", &values)] {
+            if let Some(point) = numbers.iter().position(|v| !v.is_finite()) {
+                return Err(PointError::Number { what, point, found: numbers[point] });
+            }
+        }
+        let reach = |k: usize| DVec3::splat(f64::from(radii[k]));
+        let low = (0..positions.len()).map(|k| positions[k] - reach(k)).reduce(DVec3::min);
+        let high = (0..positions.len()).map(|k| positions[k] + reach(k)).reduce(DVec3::max);
+        let bounds = (low.unwrap_or_default(), high.unwrap_or_default());
+        Ok(Self { positions, radii, weights, values, kernel, bounds })
+    }
+
+    /// How many there are; one at least.
+    pub fn count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// World positions.
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// How far the kernel of each reaches, in world units.
+    pub fn radii(&self) -> &[f32] {
+        &self.radii
+    }
+
+    /// The weight of each.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
+    /// The value of each.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// How each is spread.
+    pub fn kernel(&self) -> PointKernel {
+        self.kernel
+    }
+
+    /// Opposite corners of the smallest axis-parallel box around all supports.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.bounds
+    }
+
+    /// Smallest and largest of what points add to the field at their own places, and 0.
+    pub fn value_range(&self) -> Option<(f64, f64)> {
+        let peak = self.kernel.at(0.0);
+        Some((0..self.count()).fold((0.0, 0.0), |(low, high): (f64, f64), k| {
+            let own = peak * self.amplitude(k);
+            (low.min(own), high.max(own))
+        }))
+    }
+
+    /// Half the mean radius: in smoothed particle hydrodynamics about the distance between points.
+    pub fn mean_spacing(&self) -> f64 {
+        0.5 * self.radii.iter().map(|&r| f64::from(r)).sum::<f64>() / self.count() as f64
+    }
+
+    /// What point k adds to the field at a world position.
+    pub fn contribution(&self, k: usize, at: DVec3) -> f64 {
+        let radius = f64::from(self.radii[k]);
+        self.amplitude(k) * self.kernel.at(at.distance(self.positions[k]) / radius)
+    }
+
+    /// wₖ vₖ / Rₖ³.
+    pub fn amplitude(&self, k: usize) -> f64 {
+        let radius = f64::from(self.radii[k]);
+        f64::from(self.weights[k]) * f64::from(self.values[k]) / (radius * radius * radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(positions: &[[f64; 3]], radii: &[f32], values: &[f32]) -> Result<PointSet, PointError> {
+        let positions: Vec<DVec3> = positions.iter().map(|&p| p.into()).collect();
+        PointSet::new(positions, radii.to_vec(), vec![1.0; values.len()], values.to_vec(), PointKernel::default())
+    }
+
+    #[test]
+    fn bounds_hold_all_supports() {
+        let points = set(&[[0.0; 3], [4.0, 0.0, -2.0]], &[1.0, 0.5], &[1.0, 2.0]).unwrap();
+        assert_eq!(points.bounds(), (DVec3::new(-1.0, -1.0, -2.5), DVec3::new(4.5, 1.0, 1.0)));
+        assert_eq!(points.mean_spacing(), 0.375);
+    }
+
+    #[test]
+    fn a_point_adds_what_its_kernel_says() {
+        let points = set(&[[1.0, 2.0, 3.0]], &[2.0], &[5.0]).unwrap();
+        assert_eq!(points.contribution(0, DVec3::new(1.0, 2.0, 3.0)), 5.0 / 8.0 * PointKernel::CubicSpline.at(0.0));
+        assert_eq!(points.contribution(0, DVec3::new(3.0, 2.0, 3.0)), 0.0);
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        let none = PointSet::new(vec![], vec![], vec![], vec![], PointKernel::default());
+        assert_eq!(none.unwrap_err(), PointError::Empty);
+        for radius in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(matches!(set(&[[0.0; 3]], &[radius], &[1.0]), Err(PointError::Radius { point: 0, .. })));
+        }
+        for x in [f64::NAN, f64::INFINITY, 1e30] {
+            assert!(matches!(set(&[[0.0, x, 0.0]], &[1.0], &[1.0]), Err(PointError::Position { .. })));
+        }
+        assert!(matches!(set(&[[0.0; 3]], &[1.0], &[f32::NAN]), Err(PointError::Number { what: "value", .. })));
+        assert!(matches!(set(&[[0.0; 3]], &[1.0, 1.0], &[1.0]), Err(PointError::Length { what: "radii", .. })));
+    }
+}
