@@ -6,6 +6,7 @@ use vr_core::{OptionKind, OptionValue, Options, ParameterError, RenderError, Ren
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
+use vr_splat::Splatting;
 use vr_texslice::TexSlice;
 
 use crate::failure::Failure;
@@ -16,6 +17,7 @@ pub fn all() -> Vec<Box<dyn Renderer>> {
         Box::new(RayCaster::default()),
         Box::new(ShearWarp::default()),
         Box::new(TexSlice::default()),
+        Box::new(Splatting::default()),
         Box::new(Reference::default()),
     ]
 }

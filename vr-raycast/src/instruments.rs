@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vr_core::transfer::{BakedTransfer, PreIntegrated};
+use vr_core::transfer::{BakedTransfer, PreIntegrated, outwards, resolves_ramps};
 use vr_core::{Filter, Real, Scene, UniformVolume};
 
 use crate::caster::{Classification, Leaping, Precision, RayCaster, Rule, Step, Traversal};
@@ -14,7 +14,7 @@ use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::screen::Sight;
 use crate::shade::Shader;
-use crate::table_range::{field_range, outwards, resolves, resolves_ramps, single_precision_resolves, table_range};
+use crate::table_range::{field_range, resolves, single_precision_resolves, table_range};
 
 /// The instruments, in the precision that the scene needs.
 pub(crate) enum Kernel {
@@ -116,7 +116,7 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter)
     let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), range, entries);
     let small = table(PreIntegrated::<R>::ENTRIES);
     let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
-    let resolved = table.is_aligned() || resolves_ramps(table.spacing(), volume, &scene.transfer);
+    let resolved = table.is_aligned() || resolves_ramps(table.spacing(), volume.calibration(), &scene.transfer);
     resolved.then(|| Arc::new(table))
 }
 

@@ -1,7 +1,7 @@
 //! The stored numbers that a table must cover, and whether tables and precisions tell them apart finely enough.
 
 use vr_core::filter::Reconstruction;
-use vr_core::transfer::BakedTransfer;
+use vr_core::transfer::{self, BakedTransfer, resolves_ramps};
 use vr_core::{Filter, Real, Sampler, SamplerVisitor, TransferFunction, UniformVolume, Voxel};
 
 /// The range of the field of a filter in stored units, overshoot included; `None` if all of it is vacuum.
@@ -32,38 +32,11 @@ impl SamplerVisitor for CoefficientRange {
     }
 }
 
-/// Of a table's range, what lies beyond the first and the last control point and yet belongs into it: more than the distance of two
-/// entries, so that a jump at an end point has its other side in the table.
-const MARGIN: f64 = 1.0 / 1024.0;
-
 /// The part of the field's range in which the transfer function is not constant: a table over it can be finer.
 pub(crate) fn table_range(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction) -> (f32, f32) {
-    let (low, high) = field_range(volume, filter).unwrap_or((0.0, 0.0));
-    let points = transfer.points();
-    let ends = [&points[0], &points[points.len() - 1]].map(|p| volume.calibration().stored(p.value));
-    let (first, last) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-    let integer = volume.voxel_type().is_integer();
-    // A single point, or several at one value, has no extent of its own.
-    let extent = if last > first { last - first } else { high - low };
-    let margin = (extent * MARGIN).max(if integer { 1.0 } else { 0.0 });
-    // Both stay inside the field's range, in which a table of no extent is one constant, too.
-    let (low, high) = ((first - margin).clamp(low, high), (last + margin).clamp(low, high));
-    outwards(if integer { (low.floor(), high.ceil()) } else { (low, high) })
+    let range = field_range(volume, filter).unwrap_or((0.0, 0.0));
+    transfer::table_range(range, volume.voxel_type().is_integer(), volume.calibration(), transfer)
 }
-
-/// The least range with f32 ends that holds another one. To the nearest, ends would fall onto the knot between them, or cut a ramp,
-/// where the field is only a few f32 numbers wide.
-pub(crate) fn outwards((low, high): (f64, f64)) -> (f32, f32) {
-    let (below, above) = (low as f32, high as f32);
-    (
-        if f64::from(below) > low { below.next_down() } else { below },
-        if f64::from(above) < high { above.next_up() } else { above },
-    )
-}
-
-/// Entries that the narrowest ramp of a transfer function must span. A ramp to α = 1 has most of its extinction at its end, and a
-/// table's chord there is wrong over one entry: an eighth of the ramp is what that may be.
-const ENTRIES_PER_RAMP: f64 = 8.0;
 
 /// Whether a table tells apart all that the transfer function does.
 pub(crate) fn resolves<R: Real>(
@@ -76,16 +49,7 @@ pub(crate) fn resolves<R: Real>(
     if filter == Filter::Nearest && volume.voxel_type().is_integer() && table.spacing() <= 1.0 {
         return true;
     }
-    resolves_ramps(table.spacing(), volume, transfer)
-}
-
-/// Whether entries so many stored units apart tell apart all that the transfer function does.
-pub(crate) fn resolves_ramps(spacing: f64, volume: &UniformVolume, transfer: &TransferFunction) -> bool {
-    let slope = volume.calibration().slope.abs();
-    let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
-    // Spacings of 1/16 and the like come back rounded from f32.
-    let least = ENTRIES_PER_RAMP * spacing * (1.0 - 1e-6);
-    ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= least)
+    resolves_ramps(table.spacing(), volume.calibration(), transfer)
 }
 
 /// Of the largest stored number, what the narrowest ramp must span for f32: a value rounded a few times is then known to 10⁻³ of it.
@@ -134,16 +98,6 @@ mod tests {
         assert!(!resolved(&[0.0, 30000.0, 30001.0, 65535.0], Filter::Trilinear));
         assert!(resolved(&[29990.0, 30000.0, 30010.0], Filter::Trilinear), "the table covers what the points do");
         assert!(resolved(&[29990.0, 30000.0, 30001.0, 30010.0], Filter::Nearest));
-    }
-
-    #[test]
-    fn ends_are_rounded_outwards() {
-        assert_eq!(outwards((1000.0, 1000.0)), (1000.0, 1000.0));
-        let jump = 1_000.000_123;
-        let (low, high) = outwards((jump - 1e-9, jump + 1e-9));
-        assert!(f64::from(low) < jump && jump < f64::from(high));
-        assert_eq!(low.next_up(), high);
-        assert_eq!(outwards((-f64::from(f32::MAX), f64::from(f32::MAX))), (-f32::MAX, f32::MAX));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Tables of the transfer function, and what can be visible by them.
 
-use vr_core::transfer::{BakedTransfer, PreIntegrated};
+use vr_core::transfer::{BakedTransfer, PreIntegrated, resolves_ramps, table_range};
 use vr_core::vector::OpticsTable;
 use vr_core::{Scene, TransferFunction, UniformVolume};
 
@@ -20,32 +20,13 @@ pub(crate) struct LengthTables {
     pub(crate) optics: OpticsTable,
 }
 
-/// Of a table's range, what lies beyond the first and the last control point and yet belongs into it: more than the distance of two entries, so that a
-/// jump at an end point has its other side in the table.
-const MARGIN: f64 = 1.0 / 1024.0;
-
-/// The stored numbers of a volume among which the transfer function is not constant: a table over these is finer than one over all.
-fn table_range(volume: &UniformVolume, transfer: &TransferFunction) -> (f32, f32) {
-    let (low, high) = volume.census().range.unwrap_or((0.0, 0.0));
-    let (low, high) = (f64::from(low), f64::from(high));
-    let points = transfer.points();
-    let ends = [&points[0], &points[points.len() - 1]].map(|p| volume.calibration().stored(p.value));
-    let (first, last) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-    let integer = volume.voxel_type().is_integer();
-    let extent = if last > first { last - first } else { high - low };
-    let margin = (extent * MARGIN).max(if integer { 1.0 } else { 0.0 });
-    let (low, high) = ((first - margin).clamp(low, high), (last + margin).clamp(low, high));
-    let (low, high) = if integer { (low.floor(), high.ceil()) } else { (low, high) };
-    // Outwards: to the nearest, ends could fall onto the knot between them.
-    let (below, above) = (low as f32, high as f32);
-    let below = if f64::from(below) > low { below.next_down() } else { below };
-    (below, if f64::from(above) < high { above.next_up() } else { above })
-}
-
 impl Tables {
     pub(crate) fn new(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> Self {
         let segments = (renderer.format == Format::PreIntegrated).then(|| segments(scene, volume));
-        Self { range: table_range(volume, &scene.transfer), segments, lengths: None }
+        let (low, high) = volume.census().range.unwrap_or((0.0, 0.0));
+        let field = (f64::from(low), f64::from(high));
+        let range = table_range(field, volume.voxel_type().is_integer(), volume.calibration(), &scene.transfer);
+        Self { range, segments, lengths: None }
     }
 
     /// Makes the tables for slabs of a length, unless they are for it already; whether they had to be made.
@@ -94,18 +75,10 @@ pub(crate) fn segments<R: vr_core::Real>(scene: &Scene, volume: &UniformVolume) 
     aligned.unwrap_or_else(|| table(INTERVALS[2]))
 }
 
-/// Entries that the narrowest ramp of a transfer function must span. One to α = 1 has most of its extinction at its end, and a table's chord there is
-/// wrong over one entry.
-const ENTRIES_PER_RAMP: f64 = 8.0;
-
 impl LengthTables {
     /// Whether the table tells apart all that the transfer function does.
     pub(crate) fn resolves(&self, transfer: &TransferFunction, volume: &UniformVolume) -> bool {
-        let slope = volume.calibration().slope.abs();
-        let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
-        // Spacings of 1/16 and the like come back rounded from f32.
-        let least = ENTRIES_PER_RAMP * self.baked.spacing() * (1.0 - 1e-6);
-        ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= least)
+        resolves_ramps(self.baked.spacing(), volume.calibration(), transfer)
     }
 
     /// Whether the table has light or opacity anywhere between two stored numbers.

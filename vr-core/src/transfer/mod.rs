@@ -7,6 +7,7 @@ mod msh;
 mod preintegrated;
 mod presets;
 mod srgb;
+mod table_range;
 
 pub use baked::{BakedTransfer, TableError};
 pub use colormap::{cool_warm, inferno, viridis};
@@ -15,6 +16,7 @@ pub use msh::{Msh, diverging};
 pub use preintegrated::{PreIntegrated, PreIntegratedRow, TablePlace, WALL_DEPTH};
 pub use presets::{Preset, is_hounsfield};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
+pub use table_range::{outwards, resolves_ramps, table_range};
 
 use crate::error::ParameterError;
 use crate::optics::extinction_of_opacity;

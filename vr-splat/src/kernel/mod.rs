@@ -1,0 +1,175 @@
+//! Reconstruction kernels: how a sample is spread over the space around it.
+
+mod partition;
+mod profile;
+
+use vr_core::{ParameterError, PointKernel};
+
+pub(crate) use profile::{Profile, Radial, WindowedSinc};
+
+/// A kernel of voxels.
+///
+/// | kernel | w, over x in voxels | reach |
+/// |---|---|---|
+/// | bilinear | Π (1 − abs xᵢ): linear along each axis | 1 |
+/// | B-spline | Π of cubic B-splines, which smooth (no prefilter) | 2 |
+/// | Gaussian | e^(−½ (x/σ)²) inside a ball, lowered so that it ends in 0 | 2, σ = 0.7 |
+/// | cone | 1 − abs x / radius | 1.6 |
+/// | sinc | Π sinc(xᵢ)·sinc(xᵢ / radius): windowed as by Lanczos | 3 |
+///
+/// Gaussian and cone are radially symmetric, the others are products along the axes. All have an integral of one voxel; bilinear weights and B-splines sum
+/// to 1 everywhere, and by how much the others' do not, [`SplatKernel::partition_error`] says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// Linear along each axis: with it, what is classified after reconstruction is the canonical field.
+    #[default]
+    Bilinear,
+    /// Cubic B-spline along each axis.
+    BSpline,
+    /// Gaussian, as Westover (1990) has it.
+    Gaussian,
+    /// Falls linearly with the distance.
+    Cone,
+    /// Windowed sinc.
+    Sinc,
+}
+
+impl Shape {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Bilinear, Self::BSpline, Self::Gaussian, Self::Cone, Self::Sinc];
+
+    /// The reach that belongs to it, in voxels.
+    pub fn own_radius(self) -> f64 {
+        match self {
+            Self::Bilinear => 1.0,
+            Self::BSpline | Self::Gaussian => 2.0,
+            Self::Cone => 1.6,
+            Self::Sinc => 3.0,
+        }
+    }
+
+    /// Whether it is a product along the axes.
+    pub fn is_separable(self) -> bool {
+        matches!(self, Self::Bilinear | Self::BSpline | Self::Sinc)
+    }
+}
+
+/// A kernel with its widths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SplatKernel {
+    /// Its shape.
+    pub shape: Shape,
+    /// How far it reaches, in voxels; 0: its shape's own.
+    pub radius: f64,
+    /// Standard deviation of a Gaussian, in voxels.
+    pub sigma: f64,
+    /// Factors on the widths along the volume's x, y and z.
+    pub width: [f64; 3],
+}
+
+impl Default for SplatKernel {
+    fn default() -> Self {
+        Self { shape: Shape::default(), radius: 0.0, sigma: 0.7, width: [1.0; 3] }
+    }
+}
+
+impl SplatKernel {
+    /// A kernel of a shape, with all that is its own.
+    pub fn new(shape: Shape) -> Self {
+        Self { shape, ..Self::default() }
+    }
+
+    /// How far it reaches along each axis, in voxels.
+    pub fn reach(&self) -> [f64; 3] {
+        let radius = if self.radius > 0.0 { self.radius } else { self.shape.own_radius() };
+        self.width.map(|w| w * radius)
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] naming the option.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        if !(self.radius == 0.0 || (self.radius >= 0.5 && self.radius <= 8.0)) {
+            return Err(ParameterError::new(
+                "render.radius",
+                self.radius,
+                "must be 0.5 to 8, or 0 for the kernel's own",
+            ));
+        }
+        if !(self.sigma >= 0.1 && self.sigma <= 8.0) {
+            return Err(ParameterError::new("render.sigma", self.sigma, "must be 0.1 to 8"));
+        }
+        for (axis, w) in ["x", "y", "z"].iter().zip(self.width) {
+            if !(0.25..=4.0).contains(&w) {
+                return Err(ParameterError::new(format!("render.width-{axis}"), w, "must be 0.25 to 4"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The weight at an offset in voxels.
+    pub fn at(&self, offset: [f64; 3]) -> f64 {
+        let reach = self.reach();
+        let t: [f64; 3] = std::array::from_fn(|a| offset[a] / reach[a]);
+        let volume = reach[0] * reach[1] * reach[2];
+        self.profile().at(t) / volume
+    }
+
+    /// The kernel stretched to the unit ball, or the cube [−1, 1]³.
+    pub(crate) fn profile(&self) -> Profile {
+        let radius = self.reach()[0] / self.width[0];
+        match self.shape {
+            Shape::Bilinear => Profile::Bilinear,
+            Shape::BSpline => Profile::BSpline,
+            Shape::Gaussian => Profile::gaussian(radius / self.sigma),
+            Shape::Cone => Profile::cone(),
+            Shape::Sinc => Profile::sinc(radius),
+        }
+    }
+}
+
+/// The kernel of scattered points, stretched to the unit ball.
+pub(crate) fn point_profile(kernel: PointKernel) -> Profile {
+    Profile::point(kernel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_have_an_integral_of_one_voxel() {
+        // The midpoint rule converges fast for kernels that end smoothly; the cone's tip and edge leave the most.
+        for shape in Shape::ALL {
+            let kernel = SplatKernel { width: [1.0, 1.25, 0.8], ..SplatKernel::new(shape) };
+            let reach = kernel.reach();
+            let n = 40;
+            let place = |i: usize, a: usize| ((i as f64 + 0.5) / n as f64 * 2.0 - 1.0) * reach[a];
+            let mut total = 0.0;
+            for z in 0..n {
+                for y in 0..n {
+                    for x in 0..n {
+                        total += kernel.at([place(x, 0), place(y, 1), place(z, 2)]);
+                    }
+                }
+            }
+            let total = total * reach.iter().map(|r| 2.0 * r / n as f64).product::<f64>();
+            assert!((total - 1.0).abs() < 1e-3, "{shape:?}: {total}");
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        let good = SplatKernel::default();
+        assert!(good.validate().is_ok());
+        for bad in [
+            SplatKernel { radius: 0.1, ..good },
+            SplatKernel { radius: f64::NAN, ..good },
+            SplatKernel { sigma: 0.0, ..good },
+            SplatKernel { width: [1.0, 9.0, 1.0], ..good },
+        ] {
+            assert!(bad.validate().is_err(), "{bad:?}");
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! The splats that a ray meets, in f64.
+
+use glam::{DMat3, DVec3};
+use vr_core::filter::Lattice;
+use vr_core::{LatticeVisitor, UniformVolume, Voxel};
+
+use crate::kernel::Profile;
+use crate::projection::SplatView;
+use crate::sheets::OwnSheets;
+use crate::splatting::Splatting;
+use crate::support::Things;
+use crate::visible::missing;
+
+/// A ray, as splats are met by it.
+pub(crate) struct Line {
+    pub(crate) pixel: [u32; 2],
+    lateral: [f64; 2],
+    /// World length per unit of depth.
+    pub(crate) stretch: f64,
+    perspective: bool,
+    base: f64,
+    /// From the view to kernel space.
+    axes: DMat3,
+    /// Change in kernel space per unit of depth.
+    along: DVec3,
+    /// A grid's index at the view's base, and its change per unit of depth.
+    index: [DVec3; 2],
+}
+
+impl Line {
+    /// Through a point of the image, in pixels.
+    pub(crate) fn new(view: &SplatView, things: Things<'_>, x: f64, y: f64) -> Self {
+        let lateral = view.lateral(x, y);
+        let axes = view.kernel.axes;
+        let along = if view.perspective {
+            axes.x_axis * lateral[0] + axes.y_axis * lateral[1] + axes.z_axis
+        } else {
+            axes.z_axis
+        };
+        let mut line = Self {
+            pixel: [x as u32, y as u32],
+            lateral,
+            stretch: view.stretch(lateral),
+            perspective: view.perspective,
+            base: view.base,
+            axes,
+            along,
+            index: [DVec3::ZERO; 2],
+        };
+        if let Things::Grid(grid) = things {
+            let (origin, steps) = lattice_in_view(grid, view);
+            let to_index = DMat3::from_cols(steps[0], steps[1], steps[2]).inverse();
+            line.index = [to_index * (line.at(0.0) - origin), to_index * (line.at(1.0) - line.at(0.0))];
+        }
+        line
+    }
+
+    /// Where the ray is in the view, at a depth behind the base.
+    fn at(&self, depth: f64) -> DVec3 {
+        let lever = if self.perspective { depth + self.base } else { 1.0 };
+        DVec3::new(self.lateral[0] * lever, self.lateral[1] * lever, depth)
+    }
+
+    /// Whether a grid's cell at a depth is vacuum.
+    pub(crate) fn in_vacuum(&self, things: Things<'_>, depth: f64) -> bool {
+        let Things::Grid(grid) = things else { return false };
+        let place = self.index[0] + self.index[1] * depth;
+        let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
+        let place = place.clamp(DVec3::ZERO, last);
+        grid.vacuum_cells().is_some_and(|cells| cells.contains(place.to_array()))
+    }
+}
+
+/// A splat in f64.
+pub(crate) struct ExactSplat {
+    pub(crate) place: DVec3,
+    pub(crate) scale: f64,
+    weight: f64,
+    /// A calibrated value.
+    pub(crate) value: f64,
+    pub(crate) sheet: u32,
+}
+
+impl ExactSplat {
+    /// Where a ray is in the splat's kernel space at the splat's depth, and how it goes on.
+    fn meet(&self, line: &Line) -> [DVec3; 2] {
+        let beside = line.at(self.place.z) - self.place;
+        [line.axes * beside * self.scale, line.along * self.scale]
+    }
+
+    /// ∫ of its kernel between two depths, in world units.
+    pub(crate) fn section(&self, profile: &Profile, line: &Line, from: f64, to: f64) -> f64 {
+        let [at, along] = self.meet(line);
+        let [from, to] = [from, to].map(|d| (d - self.place.z).clamp(-1e12, 1e12));
+        profile.integral(at.to_array(), along.to_array(), from, to) * line.stretch * self.weight
+    }
+
+    /// Its kernel at a depth.
+    pub(crate) fn at(&self, profile: &Profile, line: &Line, depth: f64) -> f64 {
+        let [at, along] = self.meet(line);
+        profile.at((at + along * (depth - self.place.z)).to_array()) * self.weight
+    }
+}
+
+/// All splats that a ray may meet, in the order in which they lie in memory.
+pub(crate) fn gather(
+    renderer: &Splatting,
+    things: Things<'_>,
+    view: &SplatView,
+    line: &Line,
+    own: Option<&OwnSheets>,
+) -> Vec<ExactSplat> {
+    match things {
+        Things::Grid(grid) => {
+            let (origin, steps) = lattice_in_view(grid, view);
+            let missing = missing(grid);
+            let calibration = grid.calibration();
+            let near = NearLine { index: line.index, reach: renderer.kernel.reach() };
+            let found = grid.with_lattice(near);
+            let weight = 1.0 / renderer.kernel.reach().into_iter().product::<f64>();
+            let splat = |(at, stored): ([usize; 3], f64)| {
+                let place = origin + (0..3).map(|a| steps[a] * at[a] as f64).sum::<DVec3>();
+                let size = view.kernel.axes.determinant().abs().cbrt();
+                let scale = 1.0 / 1f64.hypot(renderer.low_pass * view.pixel_at(place.z) * size);
+                ExactSplat {
+                    place,
+                    scale,
+                    weight: weight * scale * scale * scale,
+                    value: calibration.value(stored),
+                    sheet: own.map_or(0, |own| own.order[at[own.axis]]),
+                }
+            };
+            let [nx, ny, _] = grid.dims();
+            let lit = renderer.splats_light();
+            let there = |(at, _): &([usize; 3], f64)| !(lit && missing((at[2] * ny + at[1]) * nx + at[0]));
+            found.into_iter().filter(there).map(splat).collect()
+        }
+        Things::Points(points) => {
+            let splat = |k: usize| {
+                let place = view.place(points.positions()[k]);
+                let low_pass = renderer.low_pass * view.pixel_at(place.z) * view.unit;
+                let radius = f64::from(points.radii()[k]).hypot(low_pass);
+                ExactSplat {
+                    place,
+                    scale: view.unit / radius,
+                    weight: f64::from(points.weights()[k]) / (radius * radius * radius),
+                    value: f64::from(points.values()[k]),
+                    sheet: 0,
+                }
+            };
+            let met = |s: &ExactSplat| {
+                let [at, along] = s.meet(line);
+                let foot = at - along * (at.dot(along) / along.length_squared());
+                foot.length_squared() < 1.0
+            };
+            (0..points.count()).map(splat).filter(met).collect()
+        }
+    }
+}
+
+/// The place of the first sample of a grid, and the change from one to the next along each axis.
+fn lattice_in_view(grid: &UniformVolume, view: &SplatView) -> (DVec3, [DVec3; 3]) {
+    let axes = grid.placement().axes();
+    let steps = [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| view.place_of_vector(a));
+    (view.place(grid.placement().origin()), steps)
+}
+
+/// Finds the samples whose kernels a line may meet.
+struct NearLine {
+    index: [DVec3; 2],
+    reach: [f64; 3],
+}
+
+impl LatticeVisitor for NearLine {
+    type Output = Vec<([usize; 3], f64)>;
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
+        let [from, step] = self.index;
+        let main = (0..3).fold(0, |best, a| if step[a].abs() > step[best].abs() { a } else { best });
+        let (a, b) = ((main + 1) % 3, (main + 2) % 3);
+        let mut found = Vec::new();
+        for layer in 0..lattice.dims[main] {
+            let at = from + step * ((layer as f64 - from[main]) / step[main]);
+            // Within a kernel, the line goes aside by its slope.
+            let range = |axis: usize| {
+                let wide = self.reach[axis] + (step[axis] / step[main]).abs() * self.reach[main] + 1e-6;
+                let last = lattice.dims[axis] as f64 - 1.0;
+                let (first, end) = ((at[axis] - wide).ceil().max(0.0), (at[axis] + wide).floor().min(last));
+                if first <= end { first as usize..end as usize + 1 } else { 0..0 }
+            };
+            for i in range(a) {
+                for j in range(b) {
+                    let mut index = [0; 3];
+                    (index[main], index[a], index[b]) = (layer, i, j);
+                    let sample = lattice.samples[(index[2] * lattice.dims[1] + index[1]) * lattice.dims[0] + index[0]];
+                    found.push((index, f64::from(sample.to_f32())));
+                }
+            }
+        }
+        // As the renderer meets them.
+        found.sort_by_key(|(at, _)| (at[2], at[1], at[0]));
+        found
+    }
+}

@@ -1,0 +1,184 @@
+//! What is composited along a ray, in f64: sheet by sheet, or splat by splat.
+
+mod gather;
+
+use std::collections::BTreeMap;
+
+use vr_core::{DiscreteModel, IndexRay, Ray, Rays, Scene, SegmentTerm, View};
+
+use crate::kernel::Profile;
+use crate::prepared::profile;
+use crate::projection::SplatView;
+use crate::sheets::{ImageSheets, OwnSheets, is_boxed, splat_view};
+use crate::splatting::{Buffers, Splatting};
+use crate::support::{Things, check};
+use crate::voxel_optics::optics_of;
+
+use gather::{ExactSplat, Line, gather};
+
+/// The terms of every ray: θ and b of each sheet or splat.
+pub(crate) struct SplatModel {
+    renderer: Splatting,
+    scene: Scene,
+    /// `None` for what cannot be drawn.
+    view: Option<(View, Rays, SplatView)>,
+}
+
+impl SplatModel {
+    pub(crate) fn new(renderer: &Splatting, scene: &Scene, view: &View) -> Self {
+        let made = || {
+            let things = check(renderer, scene).ok()?;
+            // Subpixels are asked for one by one, in pixels of the picture.
+            let coarse = View { samples: 1, layer: None, ..view.clone() };
+            let seen = splat_view(renderer, scene, things, &coarse).ok()?;
+            Some((view.clone(), Rays::new(view).ok()?, seen))
+        };
+        Self { renderer: renderer.clone(), scene: scene.clone(), view: made() }
+    }
+
+    /// Between which depths a ray is inside of what cuts it.
+    fn ends(&self, things: Things<'_>, view: &View, seen: &SplatView, ray: &Ray, line: &Line) -> Option<[f64; 2]> {
+        let depth = |s: f64| s / line.stretch - seen.base;
+        let layer = view.layer.as_ref().map_or(f64::INFINITY, |layer| {
+            let [column, row] = line.pixel;
+            layer.depth((row * view.size[0] + column) as usize)
+        });
+        match things {
+            Things::Grid(grid) if is_boxed(&self.renderer, &self.scene, things) => {
+                let inside = IndexRay::new(ray, grid.placement(), grid.dims(), &view.clip, layer)?;
+                Some([inside.start, inside.end].map(|s| depth(s + inside.offset)))
+            }
+            _ => {
+                let [from, to] = ray.inside(&view.clip)?;
+                (from < to.min(layer)).then(|| [depth(from), depth(to.min(layer))])
+            }
+        }
+    }
+
+    /// θ and b of so much optical depth and emission.
+    fn term(light: [f64; 3], tau: f64) -> SegmentTerm {
+        let weight = vr_core::optics::source_weight(tau);
+        SegmentTerm { transparency: libm::exp(-tau), light: light.map(|q| q * weight) }
+    }
+
+    /// θ and b of a homogeneous piece of a value.
+    fn step(&self, value: f64, length: f64) -> SegmentTerm {
+        let [r, g, b, alpha] = self.scene.transfer.step(value, length);
+        SegmentTerm { transparency: 1.0 - alpha, light: [r, g, b] }
+    }
+}
+
+impl DiscreteModel for SplatModel {
+    fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
+        let (Some((view, rays, seen)), Ok(things)) = (&self.view, check(&self.renderer, &self.scene)) else {
+            return Vec::new();
+        };
+        let line = Line::new(seen, things, x, y);
+        let Some(ends) = self.ends(things, view, seen, &rays.at(x, y), &line) else { return Vec::new() };
+        let own = match (things, self.renderer.buffers) {
+            (Things::Grid(grid), Buffers::Axis) => OwnSheets::new(&self.renderer, grid, view).ok(),
+            _ => None,
+        };
+        let splats = gather(&self.renderer, things, seen, &line, own.as_ref());
+        let profile = profile(&self.renderer, things);
+        let whole = |s: &ExactSplat| s.section(&profile, &line, ends[0], ends[1]);
+        let mut terms = match self.renderer.buffers {
+            Buffers::Samples => {
+                let mut splats = splats;
+                splats.sort_by(|a, b| (a.place.z as f32).total_cmp(&(b.place.z as f32)));
+                let one = |s: &ExactSplat| self.lit(std::iter::once((s, whole(s).max(0.0))));
+                splats.iter().map(one).collect()
+            }
+            Buffers::Axis => {
+                let mut sheets: BTreeMap<u32, Vec<(&ExactSplat, f64)>> = BTreeMap::new();
+                for s in &splats {
+                    sheets.entry(s.sheet).or_default().push((s, whole(s)));
+                }
+                let term = |sheet: &Vec<(&ExactSplat, f64)>| {
+                    let parts = sheet.iter().copied();
+                    if self.renderer.splats_light() {
+                        return self.lit(parts);
+                    }
+                    let length: f64 = parts.clone().map(|(_, w)| w).sum();
+                    let sum: f64 = parts.map(|(s, w)| w * s.value).sum();
+                    if length > 0.0 { self.step(sum / length, length) } else { Self::term([0.0; 3], 0.0) }
+                };
+                sheets.values().map(term).collect()
+            }
+            Buffers::Image => self.image_sheets(things, seen, &line, &profile, &splats, ends),
+        };
+        if own.is_some() && self.renderer.order == crate::splatting::SheetOrder::BackToFront {
+            terms.reverse();
+        }
+        terms
+    }
+}
+
+impl SplatModel {
+    /// θ and b of classified splats, each with ∫ of its kernel.
+    fn lit<'s>(&self, parts: impl Iterator<Item = (&'s ExactSplat, f64)>) -> SegmentTerm {
+        let (mut light, mut tau) = ([0.0; 3], 0.0);
+        for (splat, weight) in parts {
+            let optics = optics_of(&self.scene.transfer, splat.value);
+            for c in 0..3 {
+                light[c] += weight * optics[c];
+            }
+            tau += weight * optics[3];
+        }
+        Self::term(light, tau.max(0.0))
+    }
+
+    fn image_sheets(
+        &self,
+        things: Things<'_>,
+        seen: &SplatView,
+        line: &Line,
+        profile: &Profile,
+        splats: &[ExactSplat],
+        [near, far]: [f64; 2],
+    ) -> Vec<SegmentTerm> {
+        let Ok(sheets) = ImageSheets::new(&self.renderer, &self.scene.volume, things, seen) else { return Vec::new() };
+        let half = seen.half_depth();
+        let mut parts: BTreeMap<u32, Vec<&ExactSplat>> = BTreeMap::new();
+        for s in splats {
+            let at = |depth: f64| (depth / sheets.distance).floor().clamp(0.0, f64::from(sheets.count - 1)) as u32;
+            for sheet in at(s.place.z - half / s.scale)..=at(s.place.z + half / s.scale) {
+                parts.entry(sheet).or_default().push(s);
+            }
+        }
+        let mut terms = Vec::new();
+        for (sheet, parts) in parts {
+            let [from, to] = [sheet, sheet + 1].map(|k| (f64::from(k) * sheets.distance).max(near).min(far));
+            if from >= to {
+                continue;
+            }
+            let radial = matches!(profile, Profile::Radial(_));
+            let middle = 0.5 * (from + to);
+            // Products are taken in the middle of a sheet.
+            let section = |s: &ExactSplat| {
+                if radial {
+                    s.section(profile, line, from, to)
+                } else {
+                    s.at(profile, line, middle) * (to - from) * line.stretch
+                }
+            };
+            let weighed = parts.iter().map(|s| (*s, section(s)));
+            if self.renderer.splats_light() {
+                terms.push(self.lit(weighed));
+                continue;
+            }
+            let (mut sum, mut weight) = (0.0, 0.0);
+            for (s, w) in weighed {
+                sum += w * s.value;
+                weight += w;
+            }
+            let length = (to - from) * line.stretch;
+            let there = weight > 0.0 && !line.in_vacuum(things, middle);
+            if there {
+                let divisor = if matches!(things, Things::Grid(_)) { weight } else { length };
+                terms.push(self.step(sum / divisor, length));
+            }
+        }
+        terms
+    }
+}

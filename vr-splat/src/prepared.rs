@@ -1,0 +1,367 @@
+//! A renderer that has seen its scene.
+
+use std::sync::Arc;
+
+use fearless_simd::Level;
+use glam::{DMat3, DVec3};
+use vr_core::filter::Lattice;
+use vr_core::image_order::in_parallel;
+use vr_core::transfer::{BakedTransfer, resolves_ramps, table_range};
+use vr_core::vector::OpticsTable;
+use vr_core::{
+    Calibration, Compositing, Control, Frame, LatticeVisitor, Model, ParameterError, PointSet, Prepared, RenderError,
+    RenderStats, Rendered, Scene, UniformVolume, View, Voxel,
+};
+
+use crate::bins::{Bins, Keys, TILE};
+use crate::finish::Picture;
+use crate::kernel::{Profile, Shape, point_profile};
+use crate::model::SplatModel;
+use crate::projection::SplatView;
+use crate::sheets::{ImageSheets, OwnSheets};
+use crate::source::{GridSplats, PointSplats, Source};
+use crate::splatting::{Buffers, SheetOrder, Splatting};
+use crate::support::{Things, check, check_view};
+use crate::tile::{Bounds, Classifier, Content, Met, Operator, Painter};
+use crate::visible::{VisibleRanges, VisibleVoxels, missing};
+use crate::voxel_optics::VoxelOptics;
+
+/// The scene, what can be seen of it, and tables.
+pub(crate) struct PreparedSplatting {
+    renderer: Splatting,
+    scene: Scene,
+    level: Level,
+    kernel: Met,
+    classified: Classified,
+    /// What was made since the last picture, and how long it took.
+    stats: RenderStats,
+}
+
+/// What follows from the transfer function.
+struct Classified {
+    visible: Visible,
+    light: VoxelOptics,
+    /// For lengths in view units.
+    values: OpticsTable,
+    /// Whether that table tells apart all that the transfer function does.
+    resolved: bool,
+}
+
+/// Which voxels or points are splatted.
+enum Visible {
+    Voxels(VisibleVoxels),
+    Points(Vec<u32>),
+}
+
+/// World length of a unit of views: the shortest edge of a voxel, or half the mean radius of points.
+pub(crate) fn unit(things: Things<'_>) -> f64 {
+    match things {
+        Things::Grid(grid) => grid.placement().spacing().min_element(),
+        Things::Points(points) => points.mean_spacing(),
+    }
+}
+
+/// The kernel that things are spread by.
+pub(crate) fn profile(renderer: &Splatting, things: Things<'_>) -> Profile {
+    match things {
+        Things::Grid(_) => renderer.kernel.profile(),
+        Things::Points(points) => point_profile(points.kernel()),
+    }
+}
+
+/// From world vectors to kernel space, of a grid.
+pub(crate) fn kernel_space(renderer: &Splatting, grid: &UniformVolume) -> DMat3 {
+    let reach = renderer.kernel.reach();
+    DMat3::from_diagonal(DVec3::from_array(reach.map(|r| 1.0 / r))) * grid.placement().inverse_axes()
+}
+
+impl PreparedSplatting {
+    pub(crate) fn new(renderer: Splatting, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+        let things = check(&renderer, scene)?;
+        control.check()?;
+        let mut stats = RenderStats::default();
+        let kernel = stats.time("kernel", || Met::new(&profile(&renderer, things)));
+        let classified = stats.time("classify", || control.run(|| Classified::new(&renderer, scene, things)));
+        Ok(Self { renderer, scene: scene.clone(), level: Level::new(), kernel, classified, stats })
+    }
+
+    fn operator(&self, calibration: Calibration) -> Operator {
+        let sign = calibration.slope.signum() as f32;
+        match self.scene.compositing {
+            Compositing::Over if self.renderer.order == SheetOrder::BackToFront => Operator::Over,
+            Compositing::Over => Operator::Under { level: 1.0 },
+            Compositing::Accumulate { level } => Operator::Under { level: level as f32 },
+            Compositing::Maximum => Operator::Extreme { sign },
+            Compositing::Minimum => Operator::Extreme { sign: -sign },
+            Compositing::Average => Operator::Average,
+            Compositing::First { threshold } => {
+                Operator::First { sign, threshold: calibration.stored(threshold) as f32 }
+            }
+        }
+    }
+}
+
+impl Classified {
+    fn new(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Self {
+        let transfer = &scene.transfer;
+        let (calibration, integer, field) = match things {
+            Things::Grid(grid) => {
+                let (low, high) = grid.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
+                let beyond = overshoot(renderer) * (high - low);
+                (grid.calibration(), grid.voxel_type().is_integer(), (low - beyond, high + beyond))
+            }
+            // Sums may be any number.
+            Things::Points(_) => (Calibration::default(), false, (f64::MIN / 4.0, f64::MAX / 4.0)),
+        };
+        let range = table_range(field, integer, calibration, transfer);
+        let baked = BakedTransfer::new(transfer, calibration, range, integer, unit(things));
+        let values = OpticsTable::new(&baked, transfer, calibration, unit(things));
+        let resolved = resolves_ramps(baked.spacing(), calibration, transfer);
+        let light = VoxelOptics::new(transfer, calibration, range, integer);
+        let visible = match things {
+            Things::Grid(grid) => {
+                let seen = VisibleRanges::new(transfer, calibration, range);
+                let all = !scene.compositing.integrates_light() || (seen.shows_all() && grid.vacuum_cells().is_none());
+                Visible::Voxels(if all {
+                    VisibleVoxels::all(grid.dims())
+                } else {
+                    grid.with_lattice(FindVisible { renderer, grid, seen: &seen })
+                })
+            }
+            Things::Points(points) => {
+                let shows = |k: usize| {
+                    let counts = points.weights()[k] != 0.0;
+                    let seen = || light.at(points.values()[k]) != [0.0; 4];
+                    counts && (!renderer.splats_light() || seen())
+                };
+                Visible::Points((0..points.count()).filter(|&k| shows(k)).map(|k| k as u32).collect())
+            }
+        };
+        Self { visible, light, values, resolved }
+    }
+}
+
+/// How far a field may lie beyond its samples, by their range: kernels with negative weights overshoot.
+fn overshoot(renderer: &Splatting) -> f64 {
+    if renderer.kernel.shape == Shape::Sinc { 0.5 } else { 0.0 }
+}
+
+/// Finds the voxels that matter.
+struct FindVisible<'a> {
+    renderer: &'a Splatting,
+    grid: &'a UniformVolume,
+    seen: &'a VisibleRanges,
+}
+
+impl LatticeVisitor for FindVisible<'_> {
+    type Output = VisibleVoxels;
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> VisibleVoxels {
+        if self.renderer.splats_light() {
+            return VisibleVoxels::classified(&lattice, &missing(self.grid), self.seen);
+        }
+        let reach = self.renderer.kernel.reach();
+        // What a sheet is classified by is a mean over its thickness, but for products, which are taken in its middle.
+        let beyond = match (self.renderer.buffers, self.renderer.kernel.shape.is_separable()) {
+            (Buffers::Image, true) => 0.0,
+            (Buffers::Image, false) => 0.5 * self.renderer.slice_distance,
+            _ => reach.into_iter().fold(0.0, f64::max),
+        };
+        let overshoot = overshoot(self.renderer) as f32;
+        VisibleVoxels::reconstructed(&lattice, self.grid.vacuum_cells(), self.seen, reach, beyond, overshoot)
+    }
+}
+
+impl Prepared for PreparedSplatting {
+    fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
+        let things = check(&self.renderer, scene)?;
+        control.check()?;
+        if !self.scene.volume.same(&scene.volume) {
+            *self = Self::new(self.renderer.clone(), scene, control)?;
+            return Ok(());
+        }
+        let picks = |scene: &Scene| !scene.compositing.integrates_light();
+        if self.scene.transfer != scene.transfer || picks(scene) != picks(&self.scene) {
+            let renderer = &self.renderer;
+            self.classified = self.stats.time("classify", || control.run(|| Classified::new(renderer, scene, things)));
+        }
+        self.scene = scene.clone();
+        Ok(())
+    }
+
+    fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        let things = check(&self.renderer, &self.scene)?;
+        check_view(view)?;
+        control.check()?;
+        let mut stats = std::mem::take(&mut self.stats);
+        let frame = match (things, &self.classified.visible) {
+            (Things::Grid(grid), Visible::Voxels(voxels)) => {
+                grid.with_lattice(DrawGrid { prepared: self, grid, voxels, view, control, stats: &mut stats })?
+            }
+            (Things::Points(points), Visible::Points(visible)) => {
+                self.draw_points(points, visible, view, control, &mut stats)?
+            }
+            _ => unreachable!("classified as what it is"),
+        };
+        control.report(1.0);
+        Ok(Rendered { frame, stats })
+    }
+
+    /// What is composited; of what is picked, the scene as it is.
+    fn model(&self, view: &View) -> Model {
+        if self.scene.compositing != Compositing::Over {
+            return Model::Canonical;
+        }
+        Model::Discrete(Arc::new(SplatModel::new(&self.renderer, &self.scene, view)))
+    }
+}
+
+/// Draws a grid, whatever its samples are.
+struct DrawGrid<'a> {
+    prepared: &'a PreparedSplatting,
+    grid: &'a UniformVolume,
+    voxels: &'a VisibleVoxels,
+    view: &'a View,
+    control: &'a Control,
+    stats: &'a mut RenderStats,
+}
+
+impl LatticeVisitor for DrawGrid<'_> {
+    type Output = Result<Frame, RenderError>;
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
+        let Self { prepared, grid, voxels, view, control, stats } = self;
+        let renderer = &prepared.renderer;
+        let things = Things::Grid(grid);
+        let splat_view = prepared.splat_view(things, view)?;
+        let own = (renderer.buffers == Buffers::Axis).then(|| OwnSheets::new(renderer, grid, view)).transpose()?;
+        let sheets = own.as_ref().map(|own| (own.axis, own.order.as_slice()));
+        let reach = renderer.kernel.reach();
+        let source = GridSplats::new(lattice, voxels, &splat_view, grid.placement(), reach, renderer.low_pass, sheets);
+        let layers = own.as_ref().map(|own| (own.axis, own.layers.as_slice()));
+        let cells = voxels.cells.as_ref().map(|cells| (cells, grid.dims()));
+        prepared.draw(things, &source, view, (&splat_view, layers, cells), control, stats)
+    }
+}
+
+impl PreparedSplatting {
+    fn draw_points(
+        &self,
+        points: &PointSet,
+        visible: &[u32],
+        view: &View,
+        control: &Control,
+        stats: &mut RenderStats,
+    ) -> Result<Frame, RenderError> {
+        let things = Things::Points(points);
+        let splat_view = self.splat_view(things, view)?;
+        let source = PointSplats { points, visible, view: &splat_view, low_pass: self.renderer.low_pass };
+        self.draw(things, &source, view, (&splat_view, None, None), control, stats)
+    }
+
+    /// The view of all that may be drawn.
+    fn splat_view(&self, things: Things<'_>, view: &View) -> Result<SplatView, ParameterError> {
+        crate::sheets::splat_view(&self.renderer, &self.scene, things, view)
+    }
+
+    fn draw(
+        &self,
+        things: Things<'_>,
+        source: &dyn Source,
+        view: &View,
+        (splat_view, layers, cells): (
+            &SplatView,
+            Option<(usize, &[u32])>,
+            Option<(&crate::visible::CellBits, [usize; 3])>,
+        ),
+        control: &Control,
+        stats: &mut RenderStats,
+    ) -> Result<Frame, RenderError> {
+        let (renderer, scene) = (&self.renderer, &self.scene);
+        let (calibration, grid) = match things {
+            Things::Grid(grid) => (grid.calibration(), Some(grid)),
+            Things::Points(_) => (Calibration::default(), None),
+        };
+        let operator = self.operator(calibration);
+        let sums = operator == Operator::Average && grid.is_some();
+        let sheets = ImageSheets::new(renderer, &scene.volume, things, splat_view)?;
+        let exact = |stored: f32, length: f32| {
+            if length <= 0.0 {
+                return [0.0; 4];
+            }
+            scene.transfer.step(calibration.value(f64::from(stored)), f64::from(length)).map(|x| x as f32)
+        };
+        let painter = Painter {
+            view: splat_view,
+            bounds: Bounds {
+                clip: &view.clip,
+                layer: view.layer.as_deref(),
+                samples: view.samples,
+                grid: grid.map(|grid| (grid.placement(), grid.dims())),
+                boxed: crate::sheets::is_boxed(renderer, scene, things),
+            },
+            kernel: &self.kernel,
+            operator,
+            buffers: renderer.buffers,
+            distance: sheets.distance as f32,
+            sheets: sheets.count,
+            ring: sheets.ring,
+            layers,
+            content: if sums {
+                Content::Sums
+            } else if renderer.splats_light() {
+                Content::Light(&self.classified.light)
+            } else {
+                Content::Values {
+                    classifier: if self.classified.resolved {
+                        Classifier::Table(&self.classified.values)
+                    } else {
+                        Classifier::Exact(&exact)
+                    },
+                    normalised: grid.is_some(),
+                    cells,
+                }
+            },
+            negligible: if renderer.termination < 1.0 { (1.0 - renderer.termination) as f32 } else { -1.0 },
+            level: self.level,
+        };
+        let keys = match renderer.buffers {
+            _ if sums => Keys::Own,
+            Buffers::Image => Keys::Image { distance: sheets.distance, count: sheets.count },
+            Buffers::Axis => Keys::Own,
+            Buffers::Samples => Keys::Depth,
+        };
+        let mut picture = Picture::new(scene, view, calibration, sums);
+        let [across, down] = splat_view.size.map(|n| n.div_ceil(TILE));
+        let rows = rows_at_once(source.count(), down);
+        for first in (0..down).step_by(rows as usize) {
+            let last = (first + rows).min(down);
+            let bins = stats.time("bin", || Bins::new(source, splat_view, keys, first..last, control))?;
+            let drawn = stats.time("draw", || {
+                in_parallel(control, across * (last - first), |tile| {
+                    let (column, row) = (tile % across * TILE, (first + tile / across) * TILE);
+                    painter.draw(column, row, bins.sorted(tile))
+                })
+            })?;
+            for tile in &drawn {
+                stats.counts.rays += tile.work.rays;
+                stats.counts.samples += tile.work.met;
+                stats.counts.skipped += tile.work.skipped;
+                stats.counts.terminated += tile.work.opaque;
+                picture.take(tile, splat_view);
+            }
+        }
+        Ok(picture.finish())
+    }
+}
+
+/// Bytes of splats that are held at once.
+const MOST_BYTES: u64 = 1 << 29;
+/// Bytes of a splat, in its tiles and as it is sorted.
+const BYTES: u64 = 48;
+
+/// How many rows of tiles are drawn at once.
+fn rows_at_once(splats: u64, rows: u32) -> u32 {
+    let parts = (splats * BYTES).div_ceil(MOST_BYTES).clamp(1, u64::from(rows));
+    rows.div_ceil(parts as u32)
+}

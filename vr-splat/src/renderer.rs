@@ -1,0 +1,40 @@
+//! The splatting renderer behind the trait that all renderers stand behind.
+
+use vr_core::{
+    Control, NamedSetting, OptionError, OptionSpec, Options, OrderClaim, Prepared, RenderError, Renderer, Scene,
+};
+
+use crate::options::{SPECS, configure};
+use crate::prepared::PreparedSplatting;
+use crate::settings::{orders, settings};
+use crate::splatting::Splatting;
+
+impl Renderer for Splatting {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn options(&self) -> &[OptionSpec] {
+        &SPECS
+    }
+
+    fn configure(&self, options: &Options) -> Result<Box<dyn Renderer>, OptionError> {
+        Ok(Box::new(configure(self, options)?))
+    }
+
+    fn settings(&self) -> Vec<NamedSetting> {
+        settings()
+    }
+
+    fn orders(&self) -> Vec<OrderClaim> {
+        orders()
+    }
+
+    fn hard_case_error(&self, case: &str) -> Option<f64> {
+        self.documented_error(case)
+    }
+
+    fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
+        Ok(Box::new(PreparedSplatting::new(self.clone(), scene, control)?))
+    }
+}

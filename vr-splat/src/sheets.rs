@@ -1,0 +1,127 @@
+//! Where sheets lie: parallel to the image, or the volume's own.
+
+use glam::DVec3;
+use vr_core::{Compositing, ParameterError, Projection, Scene, UniformVolume, View, Volume};
+
+use crate::prepared::{kernel_space, unit};
+use crate::projection::SplatView;
+use crate::splatting::{Buffers, SheetOrder, Splatting};
+use crate::support::Things;
+
+/// The most sheets, and the most that one kernel may be in: they are held at once.
+const MOST_SHEETS: f64 = 1e6;
+const MOST_AT_ONCE: f64 = 2048.0;
+
+/// Whether a grid's box cuts rays. Where values are classified in sheets parallel to the image it does, as in the canonical pixel; else kernels are
+/// integrated over all of space.
+pub(crate) fn is_boxed(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> bool {
+    matches!(things, Things::Grid(_))
+        && renderer.buffers == Buffers::Image
+        && !renderer.splats_light()
+        && scene.compositing != Compositing::Average
+}
+
+/// The view of all that may be drawn.
+pub(crate) fn splat_view(
+    renderer: &Splatting,
+    scene: &Scene,
+    things: Things<'_>,
+    view: &View,
+) -> Result<SplatView, ParameterError> {
+    let unit = unit(things);
+    match things {
+        Things::Grid(grid) => {
+            let cube = renderer.kernel.shape.is_separable();
+            let mut bounds = scene.volume.bounds();
+            if !is_boxed(renderer, scene, things) {
+                let axes = grid.placement().axes();
+                let reach = renderer.kernel.reach();
+                let beyond = axes.x_axis.abs() * reach[0] + axes.y_axis.abs() * reach[1] + axes.z_axis.abs() * reach[2];
+                bounds = (bounds.0 - beyond, bounds.1 + beyond);
+            }
+            SplatView::new(view, unit, Some(kernel_space(renderer, grid)), cube, bounds)
+        }
+        Things::Points(_) => SplatView::new(view, unit, None, false, scene.volume.bounds()),
+    }
+}
+
+/// Sheets parallel to the image.
+pub(crate) struct ImageSheets {
+    /// From one to the next, in the view's units.
+    pub(crate) distance: f64,
+    pub(crate) count: u32,
+    /// The most that one kernel is in.
+    pub(crate) ring: u32,
+}
+
+impl ImageSheets {
+    pub(crate) fn new(
+        renderer: &Splatting,
+        volume: &Volume,
+        things: Things<'_>,
+        view: &SplatView,
+    ) -> Result<Self, ParameterError> {
+        let distance = renderer.slice_distance;
+        let (low, high) = volume.bounds();
+        let corner = |i: usize| {
+            let pick = |a: usize| if i >> a & 1 == 0 { low[a] } else { high[a] };
+            view.place(DVec3::new(pick(0), pick(1), pick(2))).z
+        };
+        let deepest = (0..8).map(corner).fold(0.0, f64::max);
+        let low_pass = renderer.low_pass * view.pixel_at(deepest);
+        // Half the depth of the deepest kernel, widened as it is at the far end.
+        let half = match things {
+            Things::Grid(_) => {
+                let size = view.kernel.axes.determinant().abs().cbrt();
+                view.half_depth() * 1f64.hypot(low_pass * size)
+            }
+            Things::Points(points) => {
+                let most = points.radii().iter().fold(0.0f32, |m, &r| m.max(r));
+                (f64::from(most) / view.unit).hypot(low_pass)
+            }
+        };
+        let (count, ring) = (((deepest + half) / distance).ceil() + 1.0, (2.0 * half / distance).ceil() + 2.0);
+        if renderer.buffers == Buffers::Image && (count > MOST_SHEETS || ring > MOST_AT_ONCE) {
+            let allowed = "must leave at most a million sheets, and every kernel in at most 2048 of them";
+            return Err(ParameterError::new("render.slice-distance", distance, allowed));
+        }
+        let count = count.min(MOST_SHEETS) as u32;
+        Ok(Self { distance, count, ring: (ring.min(MOST_AT_ONCE) as u32).min(count) })
+    }
+}
+
+/// The volume's own sheets.
+pub(crate) struct OwnSheets {
+    /// The axis that they are layers of.
+    pub(crate) axis: usize,
+    /// Of each layer, when its turn comes.
+    pub(crate) order: Vec<u32>,
+    /// The layers in the order of their turns.
+    pub(crate) layers: Vec<u32>,
+}
+
+impl OwnSheets {
+    /// For the axis that the view goes most along, in voxels.
+    pub(crate) fn new(renderer: &Splatting, grid: &UniformVolume, view: &View) -> Result<Self, ParameterError> {
+        let frame = view.camera.frame()?;
+        let inverse = grid.placement().inverse_axes();
+        let along = inverse * frame.z_axis;
+        let axis = (0..3).fold(0, |best, a| if along[a].abs() > along[best].abs() { a } else { best });
+        let eye = match view.camera.projection {
+            Projection::Perspective { .. } => (inverse * (view.camera.eye - grid.placement().origin()))[axis],
+            // So far away that it is in front of all of them.
+            Projection::Orthographic { .. } => -1e9f64.copysign(along[axis]),
+        };
+        let mut layers: Vec<u32> = (0..grid.dims()[axis] as u32).collect();
+        // Away from the eye, every ray goes one way: of two layers as near, none meets both.
+        layers.sort_by(|&a, &b| (f64::from(a) - eye).abs().total_cmp(&(f64::from(b) - eye).abs()));
+        if renderer.order == SheetOrder::BackToFront {
+            layers.reverse();
+        }
+        let mut order = vec![0; layers.len()];
+        for (turn, &layer) in layers.iter().enumerate() {
+            order[layer as usize] = turn as u32;
+        }
+        Ok(Self { axis, order, layers })
+    }
+}

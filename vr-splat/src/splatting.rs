@@ -1,0 +1,94 @@
+//! The renderer's settings.
+
+use vr_core::ParameterError;
+
+use crate::kernel::SplatKernel;
+
+/// A renderer that splats.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Splatting {
+    /// Where splats are gathered before they are composited.
+    pub buffers: Buffers,
+    /// What is classified.
+    pub classification: Classification,
+    /// How a voxel is spread; scattered points have kernels of their own.
+    pub kernel: SplatKernel,
+    /// Between sheets parallel to the image: in smallest voxel edges, or in half mean radii of points; 0.02 to 64.
+    pub slice_distance: f64,
+    /// In pixels, how far every footprint is widened against aliasing: a radius of R pixels becomes √(R² + low_pass²). 0 takes the ray through
+    /// a pixel's centre as it is.
+    pub low_pass: f64,
+    /// In which order the volume's own sheets are composited.
+    pub order: SheetOrder,
+    /// Opacity in (0, 1] at which pixels take no more; 1: never.
+    pub termination: f64,
+}
+
+/// Where splats are gathered before they are composited.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Buffers {
+    /// Sheets parallel to the image, each with the sections of kernels that lie in it (Mueller & Crawfis 1998).
+    #[default]
+    Image,
+    /// The volume's own sheets along the axis that the view goes most along, each with the whole kernels of its voxels (Westover 1990).
+    Axis,
+    /// None: every sample is composited as it is, nearest first (Westover 1990).
+    Samples,
+}
+
+/// What is classified.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Classification {
+    /// Values are splatted, and a sheet's values are classified (Mueller, Möller & Crawfis 1999).
+    #[default]
+    Values,
+    /// Voxels or points are classified, then splatted.
+    Voxels,
+}
+
+/// In which order sheets are composited.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SheetOrder {
+    /// Each under what is there.
+    #[default]
+    FrontToBack,
+    /// Each over what is there; nothing can end early. The volume's own sheets alone.
+    BackToFront,
+}
+
+impl Default for Splatting {
+    fn default() -> Self {
+        Self {
+            buffers: Buffers::default(),
+            classification: Classification::default(),
+            kernel: SplatKernel::default(),
+            slice_distance: 1.0,
+            low_pass: 0.0,
+            order: SheetOrder::default(),
+            termination: 0.9999,
+        }
+    }
+}
+
+impl Splatting {
+    /// The name in scene files and on command lines.
+    pub const NAME: &'static str = "splat";
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] naming the option.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        self.kernel.validate()?;
+        if !(self.slice_distance >= 0.02 && self.slice_distance <= 64.0) {
+            return Err(ParameterError::new("render.slice-distance", self.slice_distance, "must be 0.02 to 64"));
+        }
+        if !(self.low_pass >= 0.0 && self.low_pass <= 16.0) {
+            return Err(ParameterError::new("render.low-pass", self.low_pass, "must be 0 to 16 pixels"));
+        }
+        if !(self.termination > 0.0 && self.termination <= 1.0) {
+            return Err(ParameterError::new("render.termination", self.termination, "must be above 0 and at most 1"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,81 @@
+//! What the renderer can draw, and what it says of the rest.
+
+use vr_core::{Compositing, Filter, PointSet, RenderError, Scene, UniformVolume, View};
+
+use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
+
+pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
+    RenderError::Unsupported { renderer: Splatting::NAME, feature: feature.into() }
+}
+
+/// What is splatted.
+#[derive(Clone, Copy)]
+pub(crate) enum Things<'s> {
+    Grid(&'s UniformVolume),
+    Points(&'s PointSet),
+}
+
+/// Whether this renderer can draw this scene; what is in it, if so.
+pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things<'s>, RenderError> {
+    renderer.validate()?;
+    scene.validate()?;
+    let things = match (scene.volume.uniform(), scene.volume.points()) {
+        (Some(grid), _) => Things::Grid(grid),
+        (_, Some(points)) => Things::Points(points),
+        _ => return Err(unsupported(format!("volumes of the kind '{}'", scene.volume.kind()))),
+    };
+    if let Things::Grid(grid) = things {
+        if scene.filter != Filter::Trilinear {
+            let feature = format!("the filter '{}': the option 'kernel' says how voxels are spread", scene.filter);
+            return Err(unsupported(feature));
+        }
+        if grid.dims().iter().any(|&n| n > usize::from(u16::MAX)) {
+            return Err(unsupported("grids of more than 65535 samples along an axis"));
+        }
+    }
+    if matches!(things, Things::Points(_)) && renderer.buffers == Buffers::Axis {
+        return Err(unsupported("sheets of the volume's own among scattered points: they have no layers"));
+    }
+    if scene.shading.is_some() && scene.compositing.integrates_light() && !scene.transfer.has_emission() {
+        return Err(unsupported("shading: splats carry no normals"));
+    }
+    if renderer.order == SheetOrder::BackToFront
+        && (renderer.buffers != Buffers::Axis || scene.compositing != Compositing::Over)
+    {
+        return Err(unsupported("back to front but the volume's own sheets under 'over'"));
+    }
+    let values_in_image_sheets =
+        renderer.buffers == Buffers::Image && renderer.classification == Classification::Values;
+    match scene.compositing {
+        Compositing::Maximum | Compositing::Minimum | Compositing::First { .. } if !values_in_image_sheets => {
+            Err(unsupported(format!(
+                "compositing '{}' but of values in sheets parallel to the image",
+                scene.compositing.name()
+            )))
+        }
+        Compositing::First { .. } if scene.shading.is_some() => Err(unsupported("shading: splats carry no normals")),
+        Compositing::Average if matches!(things, Things::Points(_)) && !values_in_image_sheets => {
+            Err(unsupported("compositing 'average' of points but of values in sheets parallel to the image"))
+        }
+        _ => Ok(things),
+    }
+}
+
+/// The most pixels, subpixels included, along either side of a picture.
+const MOST_SUBPIXELS: u32 = 1 << 16;
+
+/// Whether this renderer can draw this view.
+pub(crate) fn check_view(view: &View) -> Result<(), RenderError> {
+    view.validate()?;
+    if view.size.iter().any(|&n| n.saturating_mul(view.samples) > MOST_SUBPIXELS) {
+        return Err(unsupported("pictures of more than 65536 subpixels along a side"));
+    }
+    Ok(())
+}
+
+impl Splatting {
+    /// Whether what is splatted is classified beforehand.
+    pub(crate) fn splats_light(&self) -> bool {
+        self.classification == Classification::Voxels || self.buffers == Buffers::Samples
+    }
+}

@@ -1,0 +1,106 @@
+//! What sixteen pixels have gathered, and how a sheet's light or values join it.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_core::vector::{LANES, Lanes, pick, splat};
+
+/// What becomes of sheets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Operator {
+    /// Nearest first; light ends where opacity reaches a level.
+    Under { level: f32 },
+    /// Farthest first.
+    Over,
+    /// The largest value times a sign.
+    Extreme { sign: f32 },
+    /// The mean value.
+    Average,
+    /// The first value, times a sign, that reaches a threshold times it.
+    First { sign: f32, threshold: f32 },
+}
+
+/// Sixteen pixels so far.
+#[derive(Clone, Copy)]
+pub(crate) struct State {
+    pub(crate) light: [Lanes; 3],
+    /// What still comes through.
+    pub(crate) clear: Lanes,
+    /// A value picked, or a sum of values times lengths; of which there is none where `length` is 0.
+    pub(crate) value: Lanes,
+    pub(crate) length: Lanes,
+}
+
+impl State {
+    pub(crate) const EMPTY: Self =
+        Self { light: [Lanes::ZERO; 3], clear: Lanes([1.0; LANES]), value: Lanes::ZERO, length: Lanes::ZERO };
+
+    /// Takes in light and opacity.
+    #[inline(always)]
+    pub(crate) fn blend<S: Simd>(&mut self, simd: S, operator: Operator, [r, g, b, alpha]: [f32x16<S>; 4]) {
+        let clear = self.clear.load(simd);
+        let light = [r, g, b];
+        match operator {
+            Operator::Under { level } => {
+                let one = splat(simd, 1.0);
+                let (mut share, mut after) = (clear, clear * (one - alpha));
+                if level < 1.0 {
+                    // Only as much of it as the level has room for: a homogeneous sheet's light goes with its opacity.
+                    let least = splat(simd, 1.0 - level);
+                    let beyond = after.simd_lt(least);
+                    let taken = clear * alpha;
+                    let divisor = pick(taken.simd_gt(splat(simd, 0.0)), taken, one);
+                    let part = ((clear - least) / divisor).max(splat(simd, 0.0)).min(one);
+                    share = pick(beyond, clear * part, share);
+                    after = pick(beyond, least.min(clear), after);
+                }
+                for c in 0..3 {
+                    self.light[c] = Lanes::of(self.light[c].load(simd) + share * light[c]);
+                }
+                self.clear = Lanes::of(after);
+            }
+            _ => {
+                let rest = splat(simd, 1.0) - alpha;
+                for c in 0..3 {
+                    self.light[c] = Lanes::of(self.light[c].load(simd) * rest + light[c]);
+                }
+                self.clear = Lanes::of(clear * rest);
+            }
+        }
+    }
+
+    /// Takes in values over lengths, where a mask is set; `previous` are the values before, for what is found between two.
+    #[inline(always)]
+    pub(crate) fn choose<S: Simd>(
+        &mut self,
+        simd: S,
+        operator: Operator,
+        value: f32x16<S>,
+        length: f32x16<S>,
+        there: mask32x16<S>,
+    ) {
+        let (before, sum) = (self.value.load(simd), self.length.load(simd));
+        let zero = splat(simd, 0.0);
+        let fresh = sum.simd_le(zero);
+        match operator {
+            Operator::Extreme { sign } => {
+                let better = there & (fresh | (value * sign).simd_gt(before * sign));
+                self.value = Lanes::of(pick(better, value, before));
+                self.length = Lanes::of(sum + pick(there, length, zero));
+            }
+            Operator::Average => {
+                self.value = Lanes::of(before + pick(there, value * length, zero));
+                self.length = Lanes::of(sum + pick(there, length, zero));
+            }
+            Operator::First { sign, threshold } => {
+                let reaches = there & (value * sign).simd_ge(splat(simd, threshold * sign));
+                let found = self.clear.load(simd).simd_le(zero);
+                // Whatever comes before reaches less: what is found lies between two sheets, at the threshold, or it is the first of all.
+                let at = pick(fresh, value, splat(simd, threshold));
+                self.value = Lanes::of(pick(found, before, pick(reaches, at, value)));
+                self.clear = Lanes::of(pick(reaches, zero, self.clear.load(simd)));
+                self.length = Lanes::of(sum + pick(there, length, zero));
+            }
+            Operator::Under { .. } | Operator::Over => {}
+        }
+    }
+}

@@ -1,0 +1,336 @@
+//! Which voxels of a grid have to be splatted: air is never touched.
+
+use rayon::prelude::*;
+use vr_core::filter::Lattice;
+use vr_core::{AnyGrid, Calibration, TransferFunction, UniformVolume, VacuumCells};
+
+/// Voxels in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Run {
+    pub(crate) x: u16,
+    pub(crate) y: u16,
+    pub(crate) length: u16,
+}
+
+/// The voxels that matter, row by row, and the cells in which something can be seen.
+pub(crate) struct VisibleVoxels {
+    /// Of each layer z.
+    pub(crate) layers: Vec<Vec<Run>>,
+    /// `None`: all voxels are splatted, and every cell may show something.
+    pub(crate) cells: Option<CellBits>,
+}
+
+impl VisibleVoxels {
+    /// How many voxels there are.
+    pub(crate) fn count(&self) -> u64 {
+        self.layers.iter().flatten().map(|run| u64::from(run.length)).sum()
+    }
+
+    /// All voxels.
+    pub(crate) fn all(dims: [usize; 3]) -> Self {
+        let row = |y: usize| Run { x: 0, y: y as u16, length: dims[0] as u16 };
+        Self { layers: vec![(0..dims[1]).map(row).collect(); dims[2]], cells: None }
+    }
+
+    /// Voxels that are classified themselves: those that absorb or shine.
+    pub(crate) fn classified<T: vr_core::Voxel>(
+        lattice: &Lattice<'_, T>,
+        missing: &(impl Fn(usize) -> bool + Sync),
+        ranges: &VisibleRanges,
+    ) -> Self {
+        let [nx, ny, nz] = lattice.dims;
+        let layer = |z: usize| {
+            let mut bits = BitRows::new(nx, ny);
+            for y in 0..ny {
+                for x in 0..nx {
+                    let i = (z * ny + y) * nx + x;
+                    let value = lattice.samples[i].to_f32();
+                    if ranges.shows(value, value) && !missing(i) {
+                        bits.set(x, y);
+                    }
+                }
+            }
+            bits.runs()
+        };
+        Self { layers: (0..nz).into_par_iter().map(layer).collect(), cells: None }
+    }
+
+    /// Voxels on which the field depends wherever it can be seen. Kernels reach `reach` voxels, what is asked of the field within a cell may depend
+    /// on `beyond` of it on either side, and the field may overshoot its samples by `overshoot` of their range.
+    pub(crate) fn reconstructed<T: vr_core::Voxel>(
+        lattice: &Lattice<'_, T>,
+        vacuum: Option<&VacuumCells>,
+        ranges: &VisibleRanges,
+        reach: [f64; 3],
+        beyond: f64,
+        overshoot: f32,
+    ) -> Self {
+        let dims @ [nx, ny, nz] = lattice.dims;
+        // A place in a cell lies up to a voxel from its farther corners; what reaches farther brings in other voxels.
+        let other = reach.map(|r| (r - 1.0 + beyond).ceil().max(0.0) as usize);
+        let cells = CellBits::new(lattice, vacuum, ranges, other, overshoot);
+        let near = reach.map(|r| (r + beyond).ceil().max(1.0) as usize);
+        let spread: Vec<BitRows> = cells.layers.par_iter().map(|layer| layer.to_voxels(near, [nx, ny])).collect();
+        let layer = |z: usize| {
+            let mut bits = BitRows::new(nx, ny);
+            for cell in z.saturating_sub(near[2])..(z + near[2]).min(dims[2] - 1) {
+                bits.add(&spread[cell]);
+            }
+            bits.runs()
+        };
+        Self { layers: (0..nz).into_par_iter().map(layer).collect(), cells: Some(cells) }
+    }
+}
+
+/// Where, over stored numbers, a transfer function shows anything.
+pub(crate) struct VisibleRanges {
+    origin: f32,
+    per_unit: f32,
+    /// For each interval, the first one from it on in which something shows.
+    next: Vec<u16>,
+}
+
+/// Intervals of stored numbers that are told apart.
+const INTERVALS: usize = 4096;
+
+impl VisibleRanges {
+    pub(crate) fn new(transfer: &TransferFunction, calibration: Calibration, range: (f32, f32)) -> Self {
+        let (low, high) = (f64::from(range.0), f64::from(range.1));
+        let spacing = if high > low { (high - low) / INTERVALS as f64 } else { 1.0 };
+        // A hair on either side, for numbers are rounded before they are looked up.
+        let visible = |i: usize| {
+            let ends = [i as f64 - 0.01, i as f64 + 1.01].map(|k| calibration.value(low + k * spacing));
+            shows(transfer, ends[0].min(ends[1]), ends[0].max(ends[1]))
+        };
+        let mut next = vec![u16::MAX; INTERVALS + 1];
+        for i in (0..INTERVALS).rev() {
+            next[i] = if visible(i) { i as u16 } else { next[i + 1] };
+        }
+        Self { origin: range.0, per_unit: (1.0 / spacing) as f32, next }
+    }
+
+    /// Whether anything shows at or between two stored numbers.
+    #[inline]
+    pub(crate) fn shows(&self, low: f32, high: f32) -> bool {
+        let interval = |v: f32| (((v - self.origin) * self.per_unit).max(0.0) as usize).min(INTERVALS - 1);
+        usize::from(self.next[interval(low)]) <= interval(high)
+    }
+
+    /// Whether nothing is hidden: every number shows something.
+    pub(crate) fn shows_all(&self) -> bool {
+        self.next.iter().take(INTERVALS).enumerate().all(|(i, &next)| usize::from(next) == i)
+    }
+}
+
+/// Whether a transfer function shows anything at or between two values.
+fn shows(transfer: &TransferFunction, low: f64, high: f64) -> bool {
+    let at = |value: f64| {
+        let at = transfer.at(value);
+        at.opacity > 0.0 || at.emission != [0.0; 3]
+    };
+    at(low) || at(high) || transfer.segments().iter().any(|s| s.from < high && s.to > low && !s.is_clear())
+}
+
+/// Whether a sample is missing, by its place among the samples.
+pub(crate) fn missing(volume: &UniformVolume) -> impl Fn(usize) -> bool + Sync + '_ {
+    let floats = match volume.grid() {
+        AnyGrid::F32(grid) if volume.vacuum_cells().is_some() => Some(grid.samples()),
+        _ => None,
+    };
+    move |i| floats.is_some_and(|samples| samples[i].is_nan())
+}
+
+/// One bit a cell: whether anything can be seen in it.
+pub(crate) struct CellBits {
+    layers: Vec<BitRows>,
+}
+
+impl CellBits {
+    fn new<T: vr_core::Voxel>(
+        lattice: &Lattice<'_, T>,
+        vacuum: Option<&VacuumCells>,
+        ranges: &VisibleRanges,
+        other: [usize; 3],
+        overshoot: f32,
+    ) -> Self {
+        let [nx, ny, nz] = lattice.dims;
+        let layer = |z: usize| {
+            let mut bits = BitRows::new(nx - 1, ny - 1);
+            // Of each column of samples around the layer, then of neighbours along y, then along x.
+            let (mut low, mut high) = (vec![f32::INFINITY; nx * ny], vec![f32::NEG_INFINITY; nx * ny]);
+            for k in z.saturating_sub(other[2])..(z + 2 + other[2]).min(nz) {
+                let slice = &lattice.samples[k * nx * ny..][..nx * ny];
+                for ((low, high), sample) in low.iter_mut().zip(&mut high).zip(slice) {
+                    let value = sample.to_f32();
+                    (*low, *high) = (low.min(value), high.max(value));
+                }
+            }
+            let (mut row_low, mut row_high) = (vec![0.0; nx], vec![0.0; nx]);
+            for y in 0..ny - 1 {
+                row_low.fill(f32::INFINITY);
+                row_high.fill(f32::NEG_INFINITY);
+                for j in y.saturating_sub(other[1])..(y + 2 + other[1]).min(ny) {
+                    for x in 0..nx {
+                        row_low[x] = row_low[x].min(low[j * nx + x]);
+                        row_high[x] = row_high[x].max(high[j * nx + x]);
+                    }
+                }
+                for x in 0..nx - 1 {
+                    let around = x.saturating_sub(other[0])..(x + 2 + other[0]).min(nx);
+                    let least = row_low[around.clone()].iter().copied().fold(f32::INFINITY, f32::min);
+                    let most = row_high[around].iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                    let more = overshoot * (most - least);
+                    if ranges.shows(least - more, most + more) && !vacuum.is_some_and(|v| v.is_vacuum([x, y, z])) {
+                        bits.set(x, y);
+                    }
+                }
+            }
+            bits
+        };
+        Self { layers: (0..nz - 1).into_par_iter().map(layer).collect() }
+    }
+
+    /// Whether anything can be seen in a cell that there is.
+    #[inline(always)]
+    pub(crate) fn is_visible(&self, x: usize, y: usize, z: usize) -> bool {
+        self.layers[z].is_set(x, y)
+    }
+}
+
+/// Rows of bits.
+#[derive(Clone)]
+struct BitRows {
+    width: usize,
+    stride: usize,
+    words: Vec<u64>,
+}
+
+impl BitRows {
+    fn new(width: usize, height: usize) -> Self {
+        let stride = width.div_ceil(64);
+        Self { width, stride, words: vec![0; stride * height] }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, x: usize, y: usize) {
+        self.words[y * self.stride + x / 64] |= 1 << (x % 64);
+    }
+
+    #[inline(always)]
+    fn is_set(&self, x: usize, y: usize) -> bool {
+        self.words[y * self.stride + x / 64] >> (x % 64) & 1 == 1
+    }
+
+    fn add(&mut self, other: &Self) {
+        for (a, b) in self.words.iter_mut().zip(&other.words) {
+            *a |= b;
+        }
+    }
+
+    fn row(&self, y: usize) -> &[u64] {
+        &self.words[y * self.stride..][..self.stride]
+    }
+
+    /// From cells to the voxels (one more each way) that lie fewer than `near` cells away: voxel i serves cells i − near to i + near − 1.
+    fn to_voxels(&self, near: [usize; 3], [nx, ny]: [usize; 2]) -> Self {
+        let mut voxels = Self::new(nx, ny);
+        let height = self.words.len() / self.stride;
+        let mut wide = vec![0u64; voxels.stride];
+        for cell in 0..height {
+            let row = self.row(cell);
+            if row.iter().all(|&w| w == 0) {
+                continue;
+            }
+            wide.fill(0);
+            // Cell c is served by voxels c + 1 − near to c + near.
+            for c in (0..self.width).filter(|&c| row[c / 64] >> (c % 64) & 1 == 1) {
+                for x in (c + 1).saturating_sub(near[0])..=(c + near[0]).min(nx - 1) {
+                    wide[x / 64] |= 1 << (x % 64);
+                }
+            }
+            for y in (cell + 1).saturating_sub(near[1])..=(cell + near[1]).min(ny - 1) {
+                for (a, b) in voxels.words[y * voxels.stride..].iter_mut().zip(&wide) {
+                    *a |= b;
+                }
+            }
+        }
+        voxels
+    }
+
+    fn runs(&self) -> Vec<Run> {
+        let mut runs = Vec::new();
+        let height = if self.stride == 0 { 0 } else { self.words.len() / self.stride };
+        for y in 0..height {
+            let row = self.row(y);
+            let mut x = 0;
+            while x < self.width {
+                // Past zeros, a word at a time.
+                let rest = row[x / 64] >> (x % 64);
+                if rest == 0 {
+                    x = (x / 64 + 1) * 64;
+                    continue;
+                }
+                x += rest.trailing_zeros() as usize;
+                let start = x;
+                while x < self.width && self.is_set(x, y) {
+                    x += 1;
+                }
+                runs.push(Run { x: start as u16, y: y as u16, length: (x - start) as u16 });
+            }
+        }
+        runs.shrink_to_fit();
+        runs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vr_core::{ControlPoint, OpacityRule};
+
+    fn transfer(from: f64) -> TransferFunction {
+        let points = [(from, 0.0), (from + 0.5, 0.5)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a)).to_vec();
+        TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap()
+    }
+
+    fn voxels(visible: &VisibleVoxels) -> Vec<[usize; 3]> {
+        let mut all = Vec::new();
+        for (z, layer) in visible.layers.iter().enumerate() {
+            for run in layer {
+                all.extend((0..run.length).map(|i| [usize::from(run.x + i), usize::from(run.y), z]));
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn one_bright_voxel_brings_in_what_its_cells_depend_on() {
+        let dims = [70, 5, 6];
+        let mut samples = vec![0u8; 70 * 5 * 6];
+        samples[(3 * 5 + 2) * 70 + 64] = 9;
+        let lattice = Lattice { samples: &samples, dims };
+        let ranges = VisibleRanges::new(&transfer(4.0), Calibration::default(), (0.0, 9.0));
+        let own = VisibleVoxels::classified(&lattice, &|_| false, &ranges);
+        assert_eq!(voxels(&own), [[64, 2, 3]]);
+        let linear = VisibleVoxels::reconstructed(&lattice, None, &ranges, [1.0; 3], 0.0, 0.0);
+        // Eight cells around it, and their corners.
+        let want: Vec<[usize; 3]> =
+            (2..5).flat_map(|z| (1..4).flat_map(move |y| (63..66).map(move |x| [x, y, z]))).collect();
+        assert_eq!(voxels(&linear), want);
+        assert_eq!((linear.count(), own.count()), (27, 1));
+        let cells = linear.cells.as_ref().unwrap();
+        assert!(cells.is_visible(63, 1, 2) && cells.is_visible(64, 2, 3) && !cells.is_visible(65, 2, 3));
+        // Kernels that reach two voxels see it from one cell farther, and these depend on two voxels each way.
+        let wide = VisibleVoxels::reconstructed(&lattice, None, &ranges, [2.0; 3], 0.0, 0.0);
+        assert!(wide.cells.as_ref().unwrap().is_visible(62, 0, 1));
+        assert!(voxels(&wide).contains(&[61, 0, 0]) && !voxels(&wide).contains(&[60, 0, 0]));
+    }
+
+    #[test]
+    fn ranges_show_what_the_transfer_function_shows() {
+        let ranges = VisibleRanges::new(&transfer(4.0), Calibration::default(), (0.0, 9.0));
+        assert!(!ranges.shows(0.0, 3.9) && ranges.shows(0.0, 4.1) && ranges.shows(8.0, 8.0));
+        assert!(!ranges.shows_all());
+        assert!(VisibleRanges::new(&transfer(-4.0), Calibration::default(), (0.0, 9.0)).shows_all());
+    }
+}

@@ -1,0 +1,46 @@
+//! Pictures against the renderer's own model, summed in f64: what is left is rounding and tables.
+
+mod common;
+
+use common::*;
+use vr_core::Scene;
+use vr_splat::{Buffers, Classification, Shape, SheetOrder, SplatKernel, Splatting};
+
+fn scenes() -> Vec<(&'static str, Scene)> {
+    vec![
+        ("fog u8", phantom_scene::<u8>("fog", 32, 1.0)),
+        ("hydrogen f32", phantom_scene::<f32>("hydrogen", 28, 0.1)),
+        ("marschner-lobb", phantom_scene::<f32>("marschner-lobb", 28, 1.0)),
+        ("blobs i16", phantom_scene::<i16>("blobs", 28, 1.0)),
+    ]
+}
+
+fn renderers() -> Vec<(String, Splatting)> {
+    let mut all = Vec::new();
+    for shape in Shape::ALL {
+        for classification in [Classification::Values, Classification::Voxels] {
+            for buffers in [Buffers::Image, Buffers::Axis, Buffers::Samples] {
+                let kernel = SplatKernel::new(shape);
+                let one = Splatting { buffers, classification, kernel, termination: 1.0, ..Splatting::default() };
+                all.push((format!("{shape:?} {classification:?} {buffers:?}"), one));
+            }
+        }
+    }
+    let axis = Splatting { buffers: Buffers::Axis, termination: 1.0, ..Splatting::default() };
+    all.push(("back to front".to_owned(), Splatting { order: SheetOrder::BackToFront, ..axis.clone() }));
+    all.push(("thin".to_owned(), Splatting { slice_distance: 0.3, termination: 1.0, ..Splatting::default() }));
+    all
+}
+
+#[test]
+fn pictures_are_what_the_model_sums() {
+    for (name, scene) in scenes() {
+        for (how, renderer) in renderers() {
+            for (azimuth, elevation, fov) in [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(35.0))] {
+                let view = view(&scene, azimuth, elevation, fov, 12);
+                let m = to_model(&renderer, &scene, &view);
+                println!("{name:<16} {how:<30} {azimuth:>5} {fov:?}: max {:.1e} RMSE {:.1e}", m.max, m.rmse);
+            }
+        }
+    }
+}
