@@ -33,8 +33,8 @@ impl Keys {
         match self {
             Self::Image { distance, count } => {
                 let front = f64::from(splat.place[2]) - half_depth / f64::from(splat.scale);
-                // `as` saturates.
-                ((front / distance).floor() as u32).min(count - 1)
+                // `as` saturates, and rounds down what is not negative.
+                ((front / distance) as u32).min(count - 1)
             }
             Self::Own => sheet,
             Self::Depth => {
@@ -154,7 +154,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { rng_seed: proptest::test_runner::RngSeed::Fixed(7), ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(7), ..ProptestConfig::default() })]
         #[test]
         fn sorting_is_stable_and_in_order(keys in prop::collection::vec(prop_oneof![0u32..9, any::<u32>(), Just(u32::MAX)], 0..400)) {
             let mut got: Vec<Keyed> = keys.iter().enumerate().map(|(i, &k)| keyed(k, i)).collect();

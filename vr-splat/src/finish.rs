@@ -10,13 +10,13 @@ pub(crate) struct Picture<'a> {
     scene: &'a Scene,
     view: &'a View,
     calibration: Calibration,
-    /// Whether states hold sums over whole kernels.
-    sums: bool,
+    /// Where states hold sums over whole kernels: what was subtracted from the numbers that were summed.
+    sums: Option<f32>,
     pixels: Vec<[f64; 4]>,
 }
 
 impl<'a> Picture<'a> {
-    pub(crate) fn new(scene: &'a Scene, view: &'a View, calibration: Calibration, sums: bool) -> Self {
+    pub(crate) fn new(scene: &'a Scene, view: &'a View, calibration: Calibration, sums: Option<f32>) -> Self {
         let count = view.size[0] as usize * view.size[1] as usize;
         Self { scene, view, calibration, sums, pixels: vec![[0.0; 4]; count] }
     }
@@ -44,13 +44,14 @@ impl<'a> Picture<'a> {
     fn picked(&self, state: &State, lane: usize, rays: &Rays, [x, y]: [u32; 2]) -> [f64; 4] {
         let (value, length) = (f64::from(state.value.0[lane]), f64::from(state.length.0[lane]));
         let stored = match self.scene.compositing {
-            Compositing::Average if self.sums => {
+            Compositing::Average if self.sums.is_some() => {
+                let offset = f64::from(self.sums.unwrap_or_default());
                 let Some(grid) = self.scene.volume.uniform() else { return [0.0; 4] };
                 let ray = rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5);
                 let far = f64::INFINITY;
                 let chord = IndexRay::new(&ray, grid.placement(), grid.dims(), &self.view.clip, far);
                 let Some(chord) = chord else { return [0.0; 4] };
-                value / chord.length()
+                (value + offset * length) / chord.length() - offset
             }
             _ if length <= 0.0 => return [0.0; 4],
             Compositing::Average => value / length,

@@ -1,4 +1,62 @@
-//! Splatting.
+//! Object-order volume rendering by splatting: every voxel, or every point of a cloud, throws its kernel's footprint onto the picture.
+//!
+//! What a ray takes from Σ fₖ w(x − xₖ) is Σ fₖ ∫ w(x − xₖ) ds: sum and integral may change places (Westover 1990, "Footprint evaluation for volume
+//! rendering"; 1991, "Splatting: a parallel, feed-forward volume rendering algorithm"). So a volume is drawn splat by splat, and where it has no grid,
+//! that is the natural way. What the classic got wrong came later, and is here: sheets parallel to the image (Mueller & Crawfis 1998, "Eliminating popping
+//! artifacts in sheet buffer-based splatting"), classification after splatting (Mueller, Möller & Crawfis 1999, "Splatting without the blur"),
+//! elliptical footprints (Zwicker, Pfister, van Baar & Gross 2001, "EWA volume splatting"), and an early end behind what is opaque.
+//!
+//! # How
+//! 1. **What matters.** Air is never touched: voxels are kept, row by row, only where the transfer function may show something that depends on them.
+//! 2. **Kernel space.** An affine map makes a kernel of any grid and width a unit ball or cube. A ray stays a line there, in perspective, too:
+//!    how near it passes is exact, where the classic takes an affine approximation of the view about each splat.
+//! 3. **Footprints.** What a ray takes of a radial kernel between two depths comes from one table of partial line integrals, whatever the view. Products
+//!    of linear weights and of B-splines are integrated by rules that are exact for their pieces, or next to it.
+//! 4. **Tiles** of 32² pixels, in parallel: splats are binned, sorted by sheet (radix), and added to a ring of sheets, four by four pixels to a vector.
+//!    Blocks of 16 pixels that are opaque take no more. No bit depends on the number of threads.
+//!
+//! | [`Buffers`] | what is composited | faults |
+//! |---|---|---|
+//! | image | sheets parallel to the image, each with the sections of kernels that lie in it | none as sheets become thin |
+//! | axis | the volume's layers along the axis that the view goes most along | pops when that axis changes |
+//! | samples | every splat on its own, nearest first | overlapping kernels hide each other, as if they lay one behind the other |
+//!
+//! By [`Classification`] values are splatted and each sheet's values are classified (with bilinear weights, the canonical field: the picture converges to
+//! the canonical pixel with the square of the distance of sheets), or voxels are classified and light is splatted, which blurs it by the kernel.
+//!
+//! # Example
+//! ```
+//! use vr_core::*;
+//! use vr_splat::Splatting;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // Two points of gas, and a radius for each.
+//! let places = vec![glam::DVec3::ZERO, glam::DVec3::new(0.5, 0.0, 0.0)];
+//! let points = PointSet::new(places, vec![1.0, 0.5], vec![1.0, 0.2], vec![1.0, 1.0], PointKernel::CubicSpline)?;
+//! let fog = [0.0, 4.0].map(|v| ControlPoint::new(v, [1.0, 0.8, 0.5], 0.2 * v));
+//! let scene = Scene::new(points.into(), TransferFunction::new(fog.to_vec(), OpacityRule::Power, 1.0)?);
+//!
+//! let view = View::new(Camera::framing(scene.volume.bounds(), 20.0, 10.0, None), [64, 64]);
+//! let control = Control::default();
+//! let frame = Splatting::default().prepare(&scene, &control)?.render(&view, &control)?.frame;
+//! assert!(frame.pixels()[32 * 64 + 32][3] > 0.1);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Scattered points
+//! A [`vr_core::PointSet`] brings kernels and radii of its own. Values are summed and classified sheet by sheet, or, with
+//! [`Classification::Voxels`], each point is classified by its value and what it emits and absorbs is spread: κ(x) = Σ wₖ κ(vₖ) Wₖ(x).
+//!
+//! # What it integrates
+//! [`vr_core::Prepared::model`] gives θ and b of every sheet or splat along a ray, computed in f64. Where light is not composited under `over`, it is the
+//! scene as it is.
+//!
+//! # What cannot be drawn
+//! Answered by [`vr_core::RenderError::Unsupported`]: shading but of a grid's values by central differences (they come from the grid, at the places
+//! where sheets are classified), and not of gaps; opacity that follows the gradient; filters of the scene but the trilinear one (kernels are an option); the volume's own
+//! sheets of points; maximum, minimum and first but of values in sheets parallel to the image; back to front but of the volume's own sheets under `over`.
+//! Frames have no depth.
 
 mod bins;
 mod finish;
@@ -11,6 +69,7 @@ mod projection;
 mod renderer;
 mod section_table;
 mod settings;
+mod shading;
 mod sheets;
 mod source;
 mod splat;

@@ -18,6 +18,7 @@ use crate::finish::Picture;
 use crate::kernel::{Profile, Shape, point_profile};
 use crate::model::SplatModel;
 use crate::projection::SplatView;
+use crate::shading::{Shader, brightest};
 use crate::sheets::{ImageSheets, OwnSheets};
 use crate::source::{GridSplats, PointSplats, Source};
 use crate::splatting::{Buffers, SheetOrder, Splatting};
@@ -69,6 +70,15 @@ pub(crate) fn profile(renderer: &Splatting, things: Things<'_>) -> Profile {
     }
 }
 
+/// What is subtracted from a grid's stored numbers before they are splatted, and what the rest means: sums of small numbers round less, and a constant
+/// stays one.
+fn offset(things: Things<'_>) -> (f32, Calibration) {
+    let Things::Grid(grid) = things else { return (0.0, Calibration::default()) };
+    let low = grid.census().range.map_or(0.0, |(low, _)| low);
+    let calibration = grid.calibration();
+    (low, Calibration { intercept: calibration.value(low.into()), ..calibration })
+}
+
 /// From world vectors to kernel space, of a grid.
 pub(crate) fn kernel_space(renderer: &Splatting, grid: &UniformVolume) -> DMat3 {
     let reach = renderer.kernel.reach();
@@ -104,14 +114,15 @@ impl PreparedSplatting {
 impl Classified {
     fn new(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Self {
         let transfer = &scene.transfer;
-        let (calibration, integer, field) = match things {
+        let (offset, calibration) = offset(things);
+        let (integer, field) = match things {
             Things::Grid(grid) => {
                 let (low, high) = grid.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
                 let beyond = overshoot(renderer) * (high - low);
-                (grid.calibration(), grid.voxel_type().is_integer(), (low - beyond, high + beyond))
+                (grid.voxel_type().is_integer(), (-beyond, high - low + beyond))
             }
             // Sums may be any number.
-            Things::Points(_) => (Calibration::default(), false, (f64::MIN / 4.0, f64::MAX / 4.0)),
+            Things::Points(_) => (false, (f64::MIN / 4.0, f64::MAX / 4.0)),
         };
         let range = table_range(field, integer, calibration, transfer);
         let baked = BakedTransfer::new(transfer, calibration, range, integer, unit(things));
@@ -120,7 +131,7 @@ impl Classified {
         let light = VoxelOptics::new(transfer, calibration, range, integer);
         let visible = match things {
             Things::Grid(grid) => {
-                let seen = VisibleRanges::new(transfer, calibration, range);
+                let seen = VisibleRanges::new(transfer, calibration, range, offset);
                 let all = !scene.compositing.integrates_light() || (seen.shows_all() && grid.vacuum_cells().is_none());
                 Visible::Voxels(if all {
                     VisibleVoxels::all(grid.dims())
@@ -237,7 +248,16 @@ impl LatticeVisitor for DrawGrid<'_> {
         let own = (renderer.buffers == Buffers::Axis).then(|| OwnSheets::new(renderer, grid, view)).transpose()?;
         let sheets = own.as_ref().map(|own| (own.axis, own.order.as_slice()));
         let reach = renderer.kernel.reach();
-        let source = GridSplats::new(lattice, voxels, &splat_view, grid.placement(), reach, renderer.low_pass, sheets);
+        let source = GridSplats::new(
+            lattice,
+            voxels,
+            &splat_view,
+            grid.placement(),
+            reach,
+            renderer.low_pass,
+            offset(things).0,
+            sheets,
+        );
         let layers = own.as_ref().map(|own| (own.axis, own.layers.as_slice()));
         let cells = voxels.cells.as_ref().map(|cells| (cells, grid.dims()));
         prepared.draw(things, &source, view, (&splat_view, layers, cells), control, stats)
@@ -278,9 +298,10 @@ impl PreparedSplatting {
         stats: &mut RenderStats,
     ) -> Result<Frame, RenderError> {
         let (renderer, scene) = (&self.renderer, &self.scene);
-        let (calibration, grid) = match things {
-            Things::Grid(grid) => (grid.calibration(), Some(grid)),
-            Things::Points(_) => (Calibration::default(), None),
+        let (_, calibration) = offset(things);
+        let grid = match things {
+            Things::Grid(grid) => Some(grid),
+            Things::Points(_) => None,
         };
         let operator = self.operator(calibration);
         let sums = operator == Operator::Average && grid.is_some();
@@ -291,6 +312,7 @@ impl PreparedSplatting {
             }
             scene.transfer.step(calibration.value(f64::from(stored)), f64::from(length)).map(|x| x as f32)
         };
+        let shader = grid.and_then(|grid| Shader::new(scene, grid));
         let painter = Painter {
             view: splat_view,
             bounds: Bounds {
@@ -320,9 +342,14 @@ impl PreparedSplatting {
                     },
                     normalised: grid.is_some(),
                     cells,
+                    shader: shader.as_ref(),
                 }
             },
-            negligible: if renderer.termination < 1.0 { (1.0 - renderer.termination) as f32 } else { -1.0 },
+            negligible: if renderer.termination < 1.0 {
+                ((1.0 - renderer.termination) / brightest(scene)) as f32
+            } else {
+                -1.0
+            },
             level: self.level,
         };
         let keys = match renderer.buffers {
@@ -331,7 +358,7 @@ impl PreparedSplatting {
             Buffers::Axis => Keys::Own,
             Buffers::Samples => Keys::Depth,
         };
-        let mut picture = Picture::new(scene, view, calibration, sums);
+        let mut picture = Picture::new(scene, view, calibration, sums.then_some(offset(things).0));
         let [across, down] = splat_view.size.map(|n| n.div_ceil(TILE));
         let rows = rows_at_once(source.count(), down);
         for first in (0..down).step_by(rows as usize) {

@@ -146,9 +146,12 @@ impl SplatView {
         if columns[1] < 0.0 || rows[1] < 0.0 || columns[0] > w - 1.0 || rows[0] > h - 1.0 {
             return None;
         }
-        // `as` saturates.
-        let first = |v: f64| v.ceil().max(0.0) as u32;
-        let last = |v: f64, n: u32| (v.floor() as u32).min(n - 1);
+        // `as` saturates, and rounds down what is not negative: no call for either, where the instruction is not there.
+        let first = |v: f64| {
+            let whole = v.max(0.0) as u32;
+            whole + u32::from(f64::from(whole) < v)
+        };
+        let last = |v: f64, n: u32| (v as u32).min(n - 1);
         let found = [first(columns[0]), last(columns[1], self.size[0]), first(rows[0]), last(rows[1], self.size[1])];
         (found[0] <= found[1] && found[2] <= found[3]).then_some(found)
     }

@@ -4,12 +4,15 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 use vr_core::vector::{LANES, splat, transpose};
 
-use crate::kernel::Radial;
+use crate::kernel::{Radial, quadrature};
 
 /// Intervals over the distance b of a line from the middle.
 const ACROSS: usize = 512;
 /// Intervals over the place z along the line.
 const ALONG: usize = 128;
+
+/// Places along the line that are integrated on their own.
+const NEAR_MIDDLE: usize = 4;
 
 /// G(b, z) = ∫₀ᶻ W along a line that passes the middle of a kernel at a distance b, both from 0 to 1.
 ///
@@ -28,10 +31,17 @@ impl SectionTable {
         let mut entries = vec![[0.0f32; 2]; (ALONG + 1) * ROW];
         for i in 0..ACROSS {
             let b = i as f64 / ACROSS as f64;
+            let value = |z: f64| radial.at((b * b + z * z).sqrt());
+            let mut sum = 0.0;
             for k in 0..=ALONG {
                 let z = k as f64 / ALONG as f64;
-                let weight = radial.at((b * b + z * z).sqrt());
-                entries[k * ROW + i] = [radial.along_line(b, z) as f32, weight as f32];
+                // Near the middle, where a kernel may have a kink, with more care; then step by step.
+                if k < NEAR_MIDDLE {
+                    sum = radial.along_line(b, z);
+                } else {
+                    sum += quadrature(z - 1.0 / ALONG as f64, z, 1, value);
+                }
+                entries[k * ROW + i] = [sum as f32, value(z) as f32];
             }
         }
         Self { entries }

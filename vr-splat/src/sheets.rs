@@ -50,7 +50,7 @@ pub(crate) struct ImageSheets {
     /// From one to the next, in the view's units.
     pub(crate) distance: f64,
     pub(crate) count: u32,
-    /// The most that one kernel is in.
+    /// A power of two, no less than the most that one kernel is in.
     pub(crate) ring: u32,
 }
 
@@ -86,7 +86,7 @@ impl ImageSheets {
             return Err(ParameterError::new("render.slice-distance", distance, allowed));
         }
         let count = count.min(MOST_SHEETS) as u32;
-        Ok(Self { distance, count, ring: (ring.min(MOST_AT_ONCE) as u32).min(count) })
+        Ok(Self { distance, count, ring: (ring.min(MOST_AT_ONCE) as u32).min(count).next_power_of_two() })
     }
 }
 

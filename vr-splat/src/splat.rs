@@ -9,6 +9,6 @@ pub(crate) struct Splat {
     pub(crate) scale: f32,
     /// What the kernel of unit integral in kernel space is multiplied by.
     pub(crate) weight: f32,
-    /// A stored number.
+    /// A stored number, less the volume's smallest: sums of such round less.
     pub(crate) value: f32,
 }

@@ -20,7 +20,8 @@ pub struct Splatting {
     pub low_pass: f64,
     /// In which order the volume's own sheets are composited.
     pub order: SheetOrder,
-    /// Opacity in (0, 1] at which pixels take no more; 1: never.
+    /// Opacity in (0, 1] at which pixels take no more; 1: never. What is left out changes no pixel by more than 1 − termination: where light is brighter
+    /// than 1, more is drawn accordingly.
     pub termination: f64,
 }
 

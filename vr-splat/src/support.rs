@@ -1,7 +1,8 @@
 //! What the renderer can draw, and what it says of the rest.
 
-use vr_core::{Compositing, Filter, PointSet, RenderError, Scene, UniformVolume, View};
+use vr_core::{Compositing, Filter, GradientMethod, PointSet, RenderError, Scene, UniformVolume, View};
 
+use crate::shading::is_shaded;
 use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
 
 pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
@@ -36,9 +37,7 @@ pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things
     if matches!(things, Things::Points(_)) && renderer.buffers == Buffers::Axis {
         return Err(unsupported("sheets of the volume's own among scattered points: they have no layers"));
     }
-    if scene.shading.is_some() && scene.compositing.integrates_light() && !scene.transfer.has_emission() {
-        return Err(unsupported("shading: splats carry no normals"));
-    }
+    check_shading(renderer, scene, things)?;
     if renderer.order == SheetOrder::BackToFront
         && (renderer.buffers != Buffers::Axis || scene.compositing != Compositing::Over)
     {
@@ -53,12 +52,35 @@ pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things
                 scene.compositing.name()
             )))
         }
-        Compositing::First { .. } if scene.shading.is_some() => Err(unsupported("shading: splats carry no normals")),
+        Compositing::First { .. } if scene.shading.is_some() => {
+            Err(unsupported("compositing 'first' of a shaded surface"))
+        }
         Compositing::Average if matches!(things, Things::Points(_)) && !values_in_image_sheets => {
             Err(unsupported("compositing 'average' of points but of values in sheets parallel to the image"))
         }
         _ => Ok(things),
     }
+}
+
+fn check_shading(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Result<(), RenderError> {
+    let Some(shading) = scene.shading.as_ref().filter(|_| is_shaded(scene)) else { return Ok(()) };
+    let Things::Grid(grid) = things else { return Err(unsupported("shading of scattered points")) };
+    if renderer.splats_light() {
+        return Err(unsupported("shading of what is classified before it is splatted"));
+    }
+    if !shading.gradient_opacity.is_empty() {
+        return Err(unsupported("opacity that follows the gradient"));
+    }
+    if shading.gradient == GradientMethod::Analytic {
+        return Err(unsupported("analytic gradients: those at the samples are interpolated"));
+    }
+    if grid.census().nan + grid.census().infinite > 0 {
+        return Err(unsupported("shading of a volume with missing samples"));
+    }
+    if grid.dims().iter().product::<usize>() > i32::MAX as usize {
+        return Err(unsupported("shading of 2³¹ samples and more"));
+    }
+    Ok(())
 }
 
 /// The most pixels, subpixels included, along either side of a picture.

@@ -84,6 +84,8 @@ impl VisibleVoxels {
 
 /// Where, over stored numbers, a transfer function shows anything.
 pub(crate) struct VisibleRanges {
+    /// Subtracted from stored numbers before anything else.
+    offset: f32,
     origin: f32,
     per_unit: f32,
     /// For each interval, the first one from it on in which something shows.
@@ -94,7 +96,8 @@ pub(crate) struct VisibleRanges {
 const INTERVALS: usize = 4096;
 
 impl VisibleRanges {
-    pub(crate) fn new(transfer: &TransferFunction, calibration: Calibration, range: (f32, f32)) -> Self {
+    /// Of a range of stored numbers less an offset, and what these differences mean.
+    pub(crate) fn new(transfer: &TransferFunction, calibration: Calibration, range: (f32, f32), offset: f32) -> Self {
         let (low, high) = (f64::from(range.0), f64::from(range.1));
         let spacing = if high > low { (high - low) / INTERVALS as f64 } else { 1.0 };
         // A hair on either side, for numbers are rounded before they are looked up.
@@ -106,13 +109,14 @@ impl VisibleRanges {
         for i in (0..INTERVALS).rev() {
             next[i] = if visible(i) { i as u16 } else { next[i + 1] };
         }
-        Self { origin: range.0, per_unit: (1.0 / spacing) as f32, next }
+        Self { offset, origin: range.0, per_unit: (1.0 / spacing) as f32, next }
     }
 
     /// Whether anything shows at or between two stored numbers.
     #[inline]
     pub(crate) fn shows(&self, low: f32, high: f32) -> bool {
-        let interval = |v: f32| (((v - self.origin) * self.per_unit).max(0.0) as usize).min(INTERVALS - 1);
+        let interval =
+            |v: f32| (((v - self.offset - self.origin) * self.per_unit).max(0.0) as usize).min(INTERVALS - 1);
         usize::from(self.next[interval(low)]) <= interval(high)
     }
 
@@ -309,7 +313,7 @@ mod tests {
         let mut samples = vec![0u8; 70 * 5 * 6];
         samples[(3 * 5 + 2) * 70 + 64] = 9;
         let lattice = Lattice { samples: &samples, dims };
-        let ranges = VisibleRanges::new(&transfer(4.0), Calibration::default(), (0.0, 9.0));
+        let ranges = VisibleRanges::new(&transfer(4.0), Calibration::default(), (0.0, 9.0), 0.0);
         let own = VisibleVoxels::classified(&lattice, &|_| false, &ranges);
         assert_eq!(voxels(&own), [[64, 2, 3]]);
         let linear = VisibleVoxels::reconstructed(&lattice, None, &ranges, [1.0; 3], 0.0, 0.0);
@@ -328,9 +332,9 @@ mod tests {
 
     #[test]
     fn ranges_show_what_the_transfer_function_shows() {
-        let ranges = VisibleRanges::new(&transfer(4.0), Calibration::default(), (0.0, 9.0));
+        let ranges = VisibleRanges::new(&transfer(4.0), Calibration::default(), (0.0, 9.0), 0.0);
         assert!(!ranges.shows(0.0, 3.9) && ranges.shows(0.0, 4.1) && ranges.shows(8.0, 8.0));
         assert!(!ranges.shows_all());
-        assert!(VisibleRanges::new(&transfer(-4.0), Calibration::default(), (0.0, 9.0)).shows_all());
+        assert!(VisibleRanges::new(&transfer(-4.0), Calibration::default(), (0.0, 9.0), 0.0).shows_all());
     }
 }

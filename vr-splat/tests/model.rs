@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use vr_core::Scene;
+use vr_core::{Control, Renderer, Scene, Shading};
 use vr_splat::{Buffers, Classification, Shape, SheetOrder, SplatKernel, Splatting};
 
 fn scenes() -> Vec<(&'static str, Scene)> {
@@ -12,6 +12,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("hydrogen f32", phantom_scene::<f32>("hydrogen", 28, 0.1)),
         ("marschner-lobb", phantom_scene::<f32>("marschner-lobb", 28, 1.0)),
         ("blobs i16", phantom_scene::<i16>("blobs", 28, 1.0)),
+        ("shaded", Scene { shading: Some(Shading::default().into()), ..phantom_scene::<u16>("fog", 28, 1.0) }),
     ]
 }
 
@@ -28,6 +29,7 @@ fn renderers() -> Vec<(String, Splatting)> {
     }
     let axis = Splatting { buffers: Buffers::Axis, termination: 1.0, ..Splatting::default() };
     all.push(("back to front".to_owned(), Splatting { order: SheetOrder::BackToFront, ..axis.clone() }));
+    all.push(("axis of values".to_owned(), axis));
     all.push(("thin".to_owned(), Splatting { slice_distance: 0.3, termination: 1.0, ..Splatting::default() }));
     all
 }
@@ -37,9 +39,19 @@ fn pictures_are_what_the_model_sums() {
     for (name, scene) in scenes() {
         for (how, renderer) in renderers() {
             for (azimuth, elevation, fov) in [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(35.0))] {
-                let view = view(&scene, azimuth, elevation, fov, 12);
+                if renderer.prepare(&scene, &Control::default()).is_err() {
+                    assert!(
+                        name == "shaded" && renderer.classification == Classification::Voxels
+                            || how.contains("Samples")
+                    );
+                    continue;
+                }
+                let view = view(&scene, azimuth, elevation, fov, 9);
                 let m = to_model(&renderer, &scene, &view);
                 println!("{name:<16} {how:<30} {azimuth:>5} {fov:?}: max {:.1e} RMSE {:.1e}", m.max, m.rmse);
+                // Rounding in f32 and tables leave 10⁻⁵; rules for B-splines and sincs a little more, and normals turn fast where gradients are small.
+                let allowed = if name == "shaded" { 2e-4 } else { 7e-5 };
+                assert!(m.max < allowed, "{name}, {how}: {m}");
             }
         }
     }

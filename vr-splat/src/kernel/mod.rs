@@ -5,7 +5,7 @@ mod profile;
 
 use vr_core::{ParameterError, PointKernel};
 
-pub(crate) use profile::{Profile, Radial, WindowedSinc};
+pub(crate) use profile::{Profile, Radial, WindowedSinc, quadrature};
 
 /// A kernel of voxels.
 ///

@@ -61,27 +61,25 @@ pub(crate) fn cubic(t: f64) -> f64 {
 
 impl Profile {
     pub(crate) fn gaussian(deviations: f64) -> Self {
-        Self::normalised(Form::Gaussian(deviations))
+        // 4π ∫ t² (e^(−at²) − e^(−a)) dt; ∫ t² e^(−at²) dt = (√(π/a) erf(√a) − 2 e^(−a)) / 4a.
+        let a = 0.5 * deviations * deviations;
+        let edge = libm::exp(-a);
+        let moment = ((PI / a).sqrt() * libm::erf(a.sqrt()) - 2.0 * edge) / (4.0 * a);
+        Self::Radial(Radial { form: Form::Gaussian(deviations), factor: 1.0 / (4.0 * PI * (moment - edge / 3.0)) })
     }
 
     pub(crate) fn cone() -> Self {
-        Self::normalised(Form::Cone)
+        Self::Radial(Radial { form: Form::Cone, factor: 3.0 / PI })
     }
 
     pub(crate) fn sinc(zeros: f64) -> Self {
         let raw = WindowedSinc { zeros, factor: 1.0 };
-        let integral = 2.0 * quadrature(0.0, 1.0, 64, |t| raw.at(t));
+        let integral = 2.0 * quadrature(0.0, 1.0, 16, |t| raw.at(t));
         Self::Sinc(WindowedSinc { zeros, factor: 1.0 / integral })
     }
 
     pub(crate) fn point(kernel: PointKernel) -> Self {
         Self::Radial(Radial { form: Form::Point(kernel), factor: 1.0 })
-    }
-
-    fn normalised(form: Form) -> Self {
-        let raw = Radial { form, factor: 1.0 };
-        let integral = quadrature(0.0, 1.0, 64, |t| 4.0 * PI * t * t * raw.at(t));
-        Self::Radial(Radial { form, factor: 1.0 / integral })
     }
 }
 

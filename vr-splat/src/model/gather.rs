@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use vr_core::filter::Lattice;
-use vr_core::{LatticeVisitor, UniformVolume, Voxel};
+use vr_core::{LatticeVisitor, Ray, UniformVolume, Voxel};
 
 use crate::kernel::Profile;
 use crate::projection::SplatView;
@@ -14,6 +14,8 @@ use crate::visible::missing;
 /// A ray, as splats are met by it.
 pub(crate) struct Line {
     pub(crate) pixel: [u32; 2],
+    /// In the world.
+    pub(crate) direction: DVec3,
     lateral: [f64; 2],
     /// World length per unit of depth.
     pub(crate) stretch: f64,
@@ -28,8 +30,8 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// Through a point of the image, in pixels.
-    pub(crate) fn new(view: &SplatView, things: Things<'_>, x: f64, y: f64) -> Self {
+    /// The ray through a point of the image, in pixels.
+    pub(crate) fn new(view: &SplatView, things: Things<'_>, ray: &Ray, [x, y]: [f64; 2]) -> Self {
         let lateral = view.lateral(x, y);
         let axes = view.kernel.axes;
         let along = if view.perspective {
@@ -39,6 +41,7 @@ impl Line {
         };
         let mut line = Self {
             pixel: [x as u32, y as u32],
+            direction: ray.direction,
             lateral,
             stretch: view.stretch(lateral),
             perspective: view.perspective,
@@ -61,13 +64,22 @@ impl Line {
         DVec3::new(self.lateral[0] * lever, self.lateral[1] * lever, depth)
     }
 
+    /// Where the ray is in a grid at a depth, or the nearest place that is in it.
+    pub(crate) fn index_at(&self, grid: &UniformVolume, depth: f64) -> DVec3 {
+        let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
+        (self.index[0] + self.index[1] * depth).clamp(DVec3::ZERO, last)
+    }
+
+    /// Where the ray crosses a layer of a grid.
+    pub(crate) fn depth_at(&self, axis: usize, layer: u32) -> f64 {
+        let step = self.index[1][axis];
+        if step.abs() < 1e-12 { 0.0 } else { (f64::from(layer) - self.index[0][axis]) / step }
+    }
+
     /// Whether a grid's cell at a depth is vacuum.
     pub(crate) fn in_vacuum(&self, things: Things<'_>, depth: f64) -> bool {
         let Things::Grid(grid) = things else { return false };
-        let place = self.index[0] + self.index[1] * depth;
-        let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
-        let place = place.clamp(DVec3::ZERO, last);
-        grid.vacuum_cells().is_some_and(|cells| cells.contains(place.to_array()))
+        grid.vacuum_cells().is_some_and(|cells| cells.contains(self.index_at(grid, depth).to_array()))
     }
 }
 

@@ -4,11 +4,16 @@ mod gather;
 
 use std::collections::BTreeMap;
 
-use vr_core::{DiscreteModel, IndexRay, Ray, Rays, Scene, SegmentTerm, View};
+use glam::DVec3;
+use vr_core::filter::Lattice;
+use vr_core::{
+    DiscreteModel, IndexRay, LatticeVisitor, Ray, Rays, Scene, SegmentTerm, View, Voxel, gradient_between_samples,
+};
 
 use crate::kernel::Profile;
 use crate::prepared::profile;
 use crate::projection::SplatView;
+use crate::shading::is_shaded;
 use crate::sheets::{ImageSheets, OwnSheets, is_boxed, splat_view};
 use crate::splatting::{Buffers, Splatting};
 use crate::support::{Things, check};
@@ -61,10 +66,18 @@ impl SplatModel {
         SegmentTerm { transparency: libm::exp(-tau), light: light.map(|q| q * weight) }
     }
 
-    /// θ and b of a homogeneous piece of a value.
-    fn step(&self, value: f64, length: f64) -> SegmentTerm {
+    /// θ and b of a homogeneous piece of a value, classified and shaded at a depth.
+    fn step(&self, things: Things<'_>, line: &Line, depth: f64, value: f64, length: f64) -> SegmentTerm {
         let [r, g, b, alpha] = self.scene.transfer.step(value, length);
-        SegmentTerm { transparency: 1.0 - alpha, light: [r, g, b] }
+        let mut light = [r, g, b];
+        let shading = self.scene.shading.as_ref().filter(|_| is_shaded(&self.scene));
+        if let (Some(shading), Things::Grid(grid)) = (shading, things) {
+            let gradient = DVec3::from(grid.with_lattice(Gradient(line.index_at(grid, depth).to_array())));
+            let world = grid.placement().inverse_axes().transpose() * gradient;
+            let (factor, added) = shading.along::<f64>(line.direction).reflect(world.to_array());
+            light = std::array::from_fn(|c| light[c] * factor[c] + added[c] * alpha);
+        }
+        SegmentTerm { transparency: 1.0 - alpha, light }
     }
 }
 
@@ -73,7 +86,7 @@ impl DiscreteModel for SplatModel {
         let (Some((view, rays, seen)), Ok(things)) = (&self.view, check(&self.renderer, &self.scene)) else {
             return Vec::new();
         };
-        let line = Line::new(seen, things, x, y);
+        let line = Line::new(seen, things, &rays.at(x, y), [x, y]);
         let Some(ends) = self.ends(things, view, seen, &rays.at(x, y), &line) else { return Vec::new() };
         let own = match (things, self.renderer.buffers) {
             (Things::Grid(grid), Buffers::Axis) => OwnSheets::new(&self.renderer, grid, view).ok(),
@@ -86,7 +99,7 @@ impl DiscreteModel for SplatModel {
             Buffers::Samples => {
                 let mut splats = splats;
                 splats.sort_by(|a, b| (a.place.z as f32).total_cmp(&(b.place.z as f32)));
-                let one = |s: &ExactSplat| self.lit(std::iter::once((s, whole(s).max(0.0))));
+                let one = |s: &ExactSplat| self.lit(std::iter::once((s, whole(s))));
                 splats.iter().map(one).collect()
             }
             Buffers::Axis => {
@@ -94,16 +107,22 @@ impl DiscreteModel for SplatModel {
                 for s in &splats {
                     sheets.entry(s.sheet).or_default().push((s, whole(s)));
                 }
-                let term = |sheet: &Vec<(&ExactSplat, f64)>| {
+                let term = |(turn, sheet): (&u32, &Vec<(&ExactSplat, f64)>)| {
                     let parts = sheet.iter().copied();
                     if self.renderer.splats_light() {
                         return self.lit(parts);
                     }
                     let length: f64 = parts.clone().map(|(_, w)| w).sum();
                     let sum: f64 = parts.map(|(s, w)| w * s.value).sum();
-                    if length > 0.0 { self.step(sum / length, length) } else { Self::term([0.0; 3], 0.0) }
+                    let depth = own.as_ref().map_or(0.0, |own| line.depth_at(own.axis, own.layers[*turn as usize]));
+                    // Where a sheet is sampled there may be nothing.
+                    if length > 0.0 && !line.in_vacuum(things, depth) {
+                        self.step(things, &line, depth, sum / length, length)
+                    } else {
+                        Self::term([0.0; 3], 0.0)
+                    }
                 };
-                sheets.values().map(term).collect()
+                sheets.iter().map(term).collect()
             }
             Buffers::Image => self.image_sheets(things, seen, &line, &profile, &splats, ends),
         };
@@ -176,9 +195,20 @@ impl SplatModel {
             let there = weight > 0.0 && !line.in_vacuum(things, middle);
             if there {
                 let divisor = if matches!(things, Things::Grid(_)) { weight } else { length };
-                terms.push(self.step(sum / divisor, length));
+                terms.push(self.step(things, line, middle, sum / divisor, length));
             }
         }
         terms
+    }
+}
+
+/// The interpolated gradient at a place in a grid.
+struct Gradient([f64; 3]);
+
+impl LatticeVisitor for Gradient {
+    type Output = [f64; 3];
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
+        gradient_between_samples(&lattice, self.0)
     }
 }

@@ -20,6 +20,8 @@ pub(crate) struct GridSplats<'a, T> {
     /// One over the product of a kernel's reaches, in voxels.
     weight: f64,
     low_pass: f64,
+    /// Subtracted from stored numbers.
+    offset: f32,
     /// The axis whose layers are sheets, and the place of each in the order of sheets.
     sheets: Option<(usize, &'a [u32])>,
 }
@@ -32,13 +34,14 @@ impl<'a, T: Voxel> GridSplats<'a, T> {
         placement: &Placement,
         reach: [f64; 3],
         low_pass: f64,
+        offset: f32,
         sheets: Option<(usize, &'a [u32])>,
     ) -> Self {
         let axes = placement.axes();
         let steps = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| view.place_of_vector(axis));
         let origin = view.place(placement.origin());
         let weight = 1.0 / (reach[0] * reach[1] * reach[2]);
-        Self { lattice, visible, view, origin, steps, weight, low_pass, sheets }
+        Self { lattice, visible, view, origin, steps, weight, low_pass, offset, sheets }
     }
 }
 
@@ -74,7 +77,7 @@ impl<T: Voxel> Source for GridSplats<'_, T> {
                         place: place.as_vec3().to_array(),
                         scale: scale as f32,
                         weight: weight as f32,
-                        value: samples[i].to_f32(),
+                        value: samples[i].to_f32() - self.offset,
                     },
                     sheet,
                 );

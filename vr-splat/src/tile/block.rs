@@ -153,3 +153,10 @@ fn free_ends(
     }
     (start, end)
 }
+
+/// Unit vectors along the rays of the block whose first pixel is (column, row), in the world.
+pub(crate) fn directions(view: &SplatView, column: u32, row: u32) -> [[f64; LANES]; 3] {
+    let x = std::array::from_fn(|i| f64::from(column + i as u32 % EDGE) + 0.5);
+    let y = std::array::from_fn(|i| f64::from(row + i as u32 / EDGE) + 0.5);
+    view.rays.packet(&x, &y).direction
+}

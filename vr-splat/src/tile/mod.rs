@@ -6,10 +6,11 @@ mod state;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, f32x16};
-use vr_core::vector::{LANES, Lanes, OpticsTable, Vectorized, light_of, opacity_of_depth, pick, splat};
+use vr_core::vector::{LANES, Lanes, OpticsTable, PacketLights, Vectorized, light_of, opacity_of_depth, pick, splat};
 
 use crate::bins::{Keyed, TILE};
 use crate::projection::SplatView;
+use crate::shading::Shader;
 use crate::splat::Splat;
 use crate::splatting::Buffers;
 use crate::visible::CellBits;
@@ -38,7 +39,7 @@ pub(crate) struct Painter<'a> {
     pub(crate) distance: f32,
     /// How many of these there are.
     pub(crate) sheets: u32,
-    /// The most of them that one splat is in.
+    /// How many of them are held at once: a power of two, and at least as many as one splat is in.
     pub(crate) ring: u32,
     /// Sheets of the volume's own: their axis, and the layer of each.
     pub(crate) layers: Option<(usize, &'a [u32])>,
@@ -57,6 +58,8 @@ pub(crate) enum Content<'a> {
         normalised: bool,
         /// Where something can be seen at all.
         cells: Option<(&'a CellBits, [usize; 3])>,
+        /// What shades light.
+        shader: Option<&'a Shader<'a>>,
     },
     /// Emission and optical depth of what is classified already.
     Light(&'a VoxelOptics),
@@ -112,6 +115,13 @@ impl Painter<'_> {
         vr_core::vector::run(self.level, TileJob { painter: self, column, row, splats: &splats })
     }
 
+    fn shader(&self) -> Option<&Shader<'_>> {
+        match self.content {
+            Content::Values { shader, .. } => shader,
+            _ => None,
+        }
+    }
+
     fn channels(&self) -> usize {
         match self.content {
             Content::Values { .. } => 2,
@@ -142,6 +152,7 @@ impl Vectorized for TileJob<'_> {
             row: self.row,
             blocks: vec![Block::EMPTY; BLOCKS],
             states: vec![State::EMPTY; BLOCKS],
+            lights: vec![PacketLights::default(); if painter.shader().is_some() { BLOCKS } else { 0 }],
             ready: 0,
             done: 0,
             sheets: vec![Lanes::ZERO; slots * BLOCKS * painter.channels()],
@@ -168,6 +179,8 @@ struct Tile<'a> {
     row: u32,
     blocks: Vec<Block>,
     states: Vec<State>,
+    /// As each block's rays see them; none where nothing is shaded.
+    lights: Vec<PacketLights>,
     /// Blocks whose rays are set up, a bit each.
     ready: u64,
     /// Blocks that take no more.
@@ -209,6 +222,10 @@ impl Tile<'_> {
             let block = &mut self.blocks[number];
             block.set_up(self.painter.view, &self.painter.bounds, self.column + x * EDGE, self.row + y * EDGE);
             self.ready |= 1 << number;
+            if let Some(shader) = self.painter.shader() {
+                let along = block::directions(self.painter.view, self.column + x * EDGE, self.row + y * EDGE);
+                self.lights[number].look_along(&shader.shading.shading, &along);
+            }
             let rays = block.rays();
             self.work.rays += u64::from(rays);
             if rays == 0 {
@@ -278,7 +295,7 @@ impl Tile<'_> {
                     let after = passing.up_to(simd, table, end.max(near).min(far));
                     let section = (after - before) * factor;
                     before = after;
-                    let slot = (sheet % painter.ring) as usize;
+                    let slot = (sheet & (painter.ring - 1)) as usize;
                     let at = (slot * BLOCKS + number) * channels;
                     add(simd, &mut self.sheets[at..at + channels], section, splat_.value, optics);
                     self.touched[slot] |= bit;
@@ -287,18 +304,19 @@ impl Tile<'_> {
             kernel => {
                 let crossing = Crossing::new(simd, &self.axes, block, splat_);
                 let factor = block.stretch.load(simd) * splat_.weight;
+                let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
                 for sheet in first..=last {
-                    let [a, b] = [sheet, sheet + 1].map(|k| k as f32 * painter.distance);
-                    let (a, b) = (splat(simd, a).max(near).min(far), splat(simd, b).max(near).min(far));
-                    let middle = (a + b) * 0.5;
+                    let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
+                    let middle = (start + end) * 0.5;
                     let weight = match kernel {
                         Met::Bilinear => crossing.bilinear(simd, middle),
                         Met::Sinc(table) => crossing.sinc(simd, table, middle),
                         _ => crossing.b_spline(simd, middle),
                     };
                     // Values are divided by weights: lengths, which may be 0, must not be in both.
-                    let section = if channels == 2 { weight } else { weight * factor * (b - a) };
-                    let slot = (sheet % painter.ring) as usize;
+                    let section = if channels == 2 { weight } else { weight * factor * (end - start) };
+                    start = end;
+                    let slot = (sheet & (painter.ring - 1)) as usize;
                     let at = (slot * BLOCKS + number) * channels;
                     add(simd, &mut self.sheets[at..at + channels], section, splat_.value, optics);
                     self.touched[slot] |= bit;
@@ -311,7 +329,7 @@ impl Tile<'_> {
     #[inline(always)]
     fn finish_image<S: Simd>(&mut self, simd: S, sheet: u32) {
         let painter = self.painter;
-        let slot = (sheet % painter.ring) as usize;
+        let slot = (sheet & (painter.ring - 1)) as usize;
         let mut touched = std::mem::take(&mut self.touched[slot]);
         let channels = painter.channels();
         let [a, b] = [sheet, sheet + 1].map(|k| k as f32 * painter.distance);
@@ -405,7 +423,7 @@ impl Tile<'_> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let operator = painter.operator;
         match &painter.content {
-            Content::Values { classifier, normalised, cells } => {
+            Content::Values { classifier, normalised, cells, shader } => {
                 let (sum, weight) = (self.sheets[at].load(simd), self.sheets[at + 1].load(simd));
                 let mut there = weight.simd_gt(zero) & length.simd_gt(zero);
                 if !there.any_true() {
@@ -441,6 +459,15 @@ impl Tile<'_> {
                         }
                         [light[0].load(simd), light[1].load(simd), light[2].load(simd), light[3].load(simd)]
                     }
+                };
+                let light = match shader {
+                    Some(shader) if light[3].simd_gt(zero).any_true() => {
+                        let mut lanes = light.map(Lanes::of);
+                        let place = self.place(simd, number, depth);
+                        shader.shade(simd, &self.lights[number], place, &mut lanes);
+                        [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
+                    }
+                    _ => light,
                 };
                 self.states[number].blend(simd, operator, light);
             }
@@ -483,18 +510,25 @@ impl Tile<'_> {
         cells: &CellBits,
         dims: [usize; 3],
     ) -> [f32; LANES] {
-        let [from, step] = &self.blocks[number].index;
-        let mut index = [[0.0; LANES]; 3];
-        for a in 0..3 {
-            let place = from[a].load(simd) + step[a].load(simd) * depth;
-            index[a] = place.max(splat(simd, 0.0)).min(splat(simd, (dims[a] - 2) as f32)).to_array();
-        }
+        let index = self.place(simd, number, depth);
         let mut visible = [0.0; LANES];
         for i in 0..LANES {
-            let [x, y, z] = [index[0][i] as usize, index[1][i] as usize, index[2][i] as usize];
-            visible[i] = if cells.is_visible(x, y, z) { 1.0 } else { 0.0 };
+            // `as` saturates at 0.
+            let cell = |a: usize| (index[a].0[i] as usize).min(dims[a] - 2);
+            visible[i] = if cells.is_visible(cell(0), cell(1), cell(2)) { 1.0 } else { 0.0 };
         }
         visible
+    }
+
+    /// Where a block's rays are in a grid at some depths.
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, number: usize, depth: f32x16<S>) -> [Lanes; 3] {
+        let [from, step] = &self.blocks[number].index;
+        let mut place = [Lanes::ZERO; 3];
+        for a in 0..3 {
+            place[a] = Lanes::of(from[a].load(simd) + step[a].load(simd) * depth);
+        }
+        place
     }
 
     /// Every splat on its own, nearest first.
@@ -512,8 +546,7 @@ impl Tile<'_> {
                 for x in covered.x[0]..=covered.x[1] {
                     let Some(number) = self.take(x, y) else { continue };
                     let Some(weight) = self.weight(simd, number, at) else { continue };
-                    let weight = weight.max(splat(simd, 0.0));
-                    let tau = weight * kappa;
+                    let tau = (weight * kappa).max(splat(simd, 0.0));
                     let alpha = opacity_of_depth(simd, tau);
                     let share = share(simd, tau, alpha) * weight;
                     self.states[number].blend(simd, self.painter.operator, [share * r, share * g, share * b, alpha]);
@@ -534,6 +567,7 @@ impl Tile<'_> {
                     let Some(weight) = self.weight(simd, number, at) else { continue };
                     let state = &mut self.states[number];
                     state.value = Lanes::of(state.value.load(simd) + weight * at.value);
+                    state.length = Lanes::of(state.length.load(simd) + weight);
                 }
             }
         }

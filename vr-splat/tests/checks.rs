@@ -1,0 +1,95 @@
+//! The checks that every renderer is put through.
+
+use vr_core::{Compositing, Renderer, Scene, View};
+use vr_physics::Reference;
+use vr_physics::cases::Case;
+use vr_physics::check::invariants::{
+    forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
+    turns_with_its_data,
+};
+use vr_physics::check::{self, Effort, Refinement, converges};
+use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
+
+fn voxels(buffers: Buffers, shape: Shape) -> Splatting {
+    let kernel = SplatKernel::new(shape);
+    Splatting { buffers, classification: Classification::Voxels, kernel, ..Splatting::default() }
+}
+
+#[test]
+fn survives_hard_cases() {
+    let renderer = Splatting::default();
+    let bound = |case: &Case| renderer.hard_case_error(case.name).expect("every case has a documented error");
+    let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
+    println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
+}
+
+#[test]
+fn every_kernel_and_buffer_survives_hard_cases() {
+    for (buffers, shape) in [
+        (Buffers::Image, Shape::Gaussian),
+        (Buffers::Axis, Shape::Bilinear),
+        (Buffers::Samples, Shape::Cone),
+        (Buffers::Axis, Shape::Sinc),
+        (Buffers::Image, Shape::BSpline),
+    ] {
+        for classification in [Classification::Values, Classification::Voxels] {
+            let renderer = Splatting { classification, ..voxels(buffers, shape) };
+            let table = check::survives_hard_cases(&renderer, |_| f64::INFINITY, &Reference::new(1e-5));
+            println!("{buffers:?} {shape:?} {classification:?}\n{}", table.unwrap_or_else(|e| panic!("{e}")));
+        }
+    }
+}
+
+#[test]
+fn obeys_invariants() {
+    let effort = Effort::cases(24);
+    for renderer in [
+        Splatting::default(),
+        voxels(Buffers::Image, Shape::Gaussian),
+        Splatting { buffers: Buffers::Axis, kernel: SplatKernel::new(Shape::BSpline), ..Splatting::default() },
+        voxels(Buffers::Samples, Shape::Gaussian),
+    ] {
+        let mut reports = vec![
+            stays_in_range(&renderer, 1e-5, &effort),
+            is_linear_in_emission(&renderer, 1e-4, &effort),
+            is_free_of_scale(&renderer, 1e-4, &effort),
+            ignores_threads(&renderer, &effort),
+            forgets_earlier_frames(&renderer, &effort),
+        ];
+        if renderer == Splatting::default() {
+            reports.push(turns_with_its_data(&renderer, 1e-3, &effort));
+        }
+        for report in reports {
+            let report = report.unwrap_or_else(|e| panic!("{renderer:?}: {e}"));
+            println!("{}: held {}, refused {}, worst {:.1e}", report.check, report.held, report.refused, report.worst);
+        }
+    }
+}
+
+#[test]
+fn converges_at_its_documented_order() {
+    for claim in Splatting::default().orders() {
+        let refinement = Refinement {
+            options: claim.options,
+            floor: claim.floor,
+            ..Refinement::new(claim.key, claim.orders.smooth)
+        };
+        let found = converges(&Splatting::default(), &refinement, &Effort::cases(24));
+        println!("{}: {}", claim.name, found.unwrap_or_else(|e| panic!("{}: {e}", claim.name)));
+    }
+}
+
+#[test]
+fn agrees_with_its_model_on_random_scenes() {
+    use vr_physics::check::strategies::tame_scene;
+    for renderer in [Splatting::default(), voxels(Buffers::Image, Shape::Gaussian), voxels(Buffers::Axis, Shape::Cone)]
+    {
+        // Random transfer functions bend within a table's entry, and early termination leaves 10⁻⁴. Of values that are picked there is no model.
+        let bound = |scene: &Scene, _: &View| {
+            if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
+        };
+        let report = check::agrees_with_its_model(&renderer, tame_scene(), bound, &Effort::cases(48));
+        let report = report.unwrap_or_else(|e| panic!("{renderer:?}: {e}"));
+        println!("held {}, refused {}, worst {:.1e}", report.held, report.refused, report.worst);
+    }
+}
