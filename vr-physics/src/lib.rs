@@ -44,10 +44,12 @@
 
 mod analytic_line;
 pub mod cases;
+mod chebyshev;
 #[cfg(feature = "proptest")]
 pub mod check;
 mod crossings;
 mod grid_line;
+mod kernel_shape;
 mod leaf;
 mod line;
 pub mod metrics;
@@ -57,6 +59,7 @@ mod optics;
 mod order;
 mod phantom_pixels;
 pub mod picks;
+mod point_line;
 mod poly;
 mod reference;
 mod scattered;
@@ -70,6 +73,7 @@ pub use metrics::{Channels, Metrics};
 pub use model_solvers::{integrate_continuous, sum_segments};
 pub use optics::Optics;
 pub use order::{fit_order, fit_order_above};
+pub use point_line::PointLine;
 pub use poly::Poly;
 pub use reference::{DEFAULT_TOLERANCE, LEAST_TOLERANCE, Pixel, Reference, Solution};
 pub use scattered::spread;

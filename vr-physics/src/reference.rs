@@ -5,16 +5,17 @@ use std::sync::Arc;
 use vr_core::filter::Reconstruction;
 use vr_core::image_order::{PixelValue, Spot, trace_pixels, trace_view};
 use vr_core::{
-    Compositing, Control, Counts, Filter, Frame, GradientMethod, IndexRay, Model, NamedSetting, OptionError,
-    OptionKind, OptionSpec, OptionValue, Options, Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Sampler,
-    SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
+    Compositing, Control, Counts, Filter, Frame, Geometry, GradientMethod, IndexRay, Model, NamedSetting, OptionError,
+    OptionKind, OptionSpec, OptionValue, Options, PointSet, Prepared, Ray, RenderError, RenderStats, Rendered,
+    Renderer, Sampler, SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
 };
 
 use crate::grid_line::{GradientSource, GridLine};
-use crate::line::LineField;
+use crate::line::{LineField, RayField};
 use crate::model_solvers::{integrate_continuous, sum_segments};
 use crate::optics::Optics;
 use crate::picks;
+use crate::point_line::PointLine;
 use crate::segments::{RaySegment, segments};
 use crate::transport::{Certainty, Transport, transport};
 
@@ -145,10 +146,9 @@ impl Reference {
     /// As [`solve`](Self::solve).
     pub fn transport(&self, scene: &Scene, view: &View, ray: &Ray) -> Result<Option<Transport>, RenderError> {
         let solver = Solver::new(self.tolerance, scene, view, &Model::Canonical)?;
-        let Some(index_ray) = solver.index_ray(ray, f64::INFINITY) else { return Ok(None) };
-        let job = Job { solver: &solver, ray, index_ray, want: Want::Transport(1.0) };
-        match solver.volume.with_sampler(solver.filter, job) {
-            Answer::Transport(t) => Ok(Some(t)),
+        match solver.ask(ray, f64::INFINITY, Want::Transport(1.0)) {
+            None => Ok(None),
+            Some((Answer::Transport(t), _)) => Ok(Some(t)),
             _ => unreachable!("asked for transport"),
         }
     }
@@ -169,10 +169,9 @@ impl Reference {
         cuts: &[f64],
     ) -> Result<Vec<RaySegment>, RenderError> {
         let solver = Solver::new(self.tolerance, scene, view, &Model::Canonical)?;
-        let Some(index_ray) = solver.index_ray(ray, f64::INFINITY) else { return Ok(Vec::new()) };
-        let job = Job { solver: &solver, ray, index_ray, want: Want::Segments(cuts) };
-        match solver.volume.with_sampler(solver.filter, job) {
-            Answer::Segments(all) => Ok(all),
+        match solver.ask(ray, f64::INFINITY, Want::Segments(cuts)) {
+            None => Ok(Vec::new()),
+            Some((Answer::Segments(all), _)) => Ok(all),
             _ => unreachable!("asked for segments"),
         }
     }
@@ -184,28 +183,74 @@ struct Solver<'a> {
     scene: &'a Scene,
     view: &'a View,
     model: &'a Model,
-    volume: &'a UniformVolume,
-    filter: Filter,
+    source: Source<'a>,
+}
+
+/// What a field along a ray comes from.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    Grid(&'a UniformVolume, Filter),
+    Points(&'a PointSet),
+    /// From nothing here: the renderer's model says it all.
+    Model,
 }
 
 impl<'a> Solver<'a> {
     fn new(tolerance: f64, scene: &'a Scene, view: &'a View, model: &'a Model) -> Result<Self, RenderError> {
         scene.validate()?;
         let unsupported = |feature: String| RenderError::Unsupported { renderer: "physics", feature };
-        let volume =
-            scene.volume.uniform().ok_or_else(|| unsupported(format!("a volume of kind {}", scene.volume.kind())))?;
-        let filter = match model {
-            Model::Canonical => scene.filter,
-            Model::Filtered(f) => *f,
-            Model::Continuous(_) | Model::Discrete(_) => scene.filter,
+        let grid = |volume: &'a UniformVolume, filter| {
+            volume.warm(filter);
+            Source::Grid(volume, filter)
+        };
+        let source = match (model, scene.volume.geometry()) {
+            (Model::Continuous(_) | Model::Discrete(_), _) => Source::Model,
+            (Model::Canonical, Geometry::Uniform(volume)) => grid(volume, scene.filter),
+            (Model::Filtered(filter), Geometry::Uniform(volume)) => grid(volume, *filter),
+            (Model::Canonical, Geometry::Points(points)) => {
+                if scene.shading.is_some() {
+                    return Err(unsupported("shading of scattered points".to_owned()));
+                }
+                points.warm();
+                Source::Points(points)
+            }
+            (Model::Filtered(_), Geometry::Points(_)) => {
+                return Err(unsupported("a reconstruction filter over scattered points".to_owned()));
+            }
+            (Model::Canonical | Model::Filtered(_), _) => {
+                return Err(unsupported(format!("a volume of kind {}", scene.volume.kind())));
+            }
             _ => return Err(unsupported(format!("the model {model:?}"))),
         };
-        volume.warm(filter);
-        Ok(Self { tolerance, scene, view, model, volume, filter })
+        Ok(Self { tolerance, scene, view, model, source })
     }
 
-    fn index_ray(&self, ray: &Ray, far: f64) -> Option<IndexRay> {
-        IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far)
+    /// What is wanted of a ray up to the world distance `far`, and the world distance that its distances are counted from; `None` where it
+    /// meets nothing.
+    fn ask(&self, ray: &Ray, far: f64, want: Want<'_>) -> Option<(Answer, f64)> {
+        match self.source {
+            Source::Grid(volume, filter) => {
+                let index_ray = IndexRay::new(ray, volume.placement(), volume.dims(), &self.view.clip, far)?;
+                let job = Job { solver: self, volume, ray, index_ray, want };
+                Some((volume.with_sampler(filter, job), index_ray.offset))
+            }
+            Source::Points(points) => {
+                let line = PointLine::new(points, ray, &self.view.clip, far)?;
+                Some((self.answer(&line, &Optics::new(&self.scene.transfer, None), want), line.offset()))
+            }
+            Source::Model => None,
+        }
+    }
+
+    fn answer(&self, line: &dyn RayField, optics: &Optics<'_>, want: Want<'_>) -> Answer {
+        match want {
+            Want::Transport(level) => Answer::Transport(transport(line, optics, self.tolerance, level)),
+            Want::Pick(compositing) => Answer::Pixel(pick(line, optics, compositing)),
+            Want::Segments(cuts) => {
+                let level = level(self.scene.compositing);
+                Answer::Segments(segments(line, optics, self.tolerance, level, cuts))
+            }
+        }
     }
 
     fn pixel(&self, ray: &Ray, spot: Spot, counts: &mut Counts) -> Pixel {
@@ -224,15 +269,13 @@ impl<'a> Solver<'a> {
             Model::Continuous(m) => return Pixel::emitted(&integrate_continuous(&**m, ray), 0.0),
             _ => {}
         }
-        let Some(index_ray) = self.index_ray(ray, far) else { return Pixel::EMPTY };
-        counts.rays += 1;
         let want = match level(self.scene.compositing) {
             Some(level) => Want::Transport(level),
             None => Want::Pick(self.scene.compositing),
         };
-        let job = Job { solver: self, ray, index_ray, want };
-        let offset = index_ray.offset;
-        match self.volume.with_sampler(self.filter, job) {
+        let Some((answer, offset)) = self.ask(ray, far, want) else { return Pixel::EMPTY };
+        counts.rays += 1;
+        match answer {
             Answer::Transport(t) => {
                 counts.samples += t.pieces;
                 Pixel::emitted(&t, offset)
@@ -268,6 +311,7 @@ enum Answer {
 
 struct Job<'a> {
     solver: &'a Solver<'a>,
+    volume: &'a UniformVolume,
     ray: &'a Ray,
     index_ray: IndexRay,
     want: Want<'a>,
@@ -277,7 +321,7 @@ impl SamplerVisitor for Job<'_> {
     type Output = Answer;
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Answer {
-        let Solver { scene, volume, tolerance, .. } = *self.solver;
+        let Self { solver: Solver { scene, .. }, volume, .. } = self;
         let shading = scene.shading.as_deref();
         let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(self.ray.direction))));
         let at_sample = |index: [usize; 3]| volume.with_lattice(SampleGradient(index));
@@ -287,14 +331,7 @@ impl SamplerVisitor for Job<'_> {
             Some(GradientMethod::CentralDifferences) => GradientSource::Samples(&at_sample),
         };
         let line = GridLine::new(volume, sampler, self.index_ray, source);
-        match self.want {
-            Want::Transport(level) => Answer::Transport(transport(&line, &optics, tolerance, level)),
-            Want::Pick(compositing) => Answer::Pixel(pick(&line, &optics, compositing)),
-            Want::Segments(cuts) => {
-                let level = level(scene.compositing);
-                Answer::Segments(segments(&line, &self.index_ray, &optics, tolerance, level, cuts))
-            }
-        }
+        self.solver.answer(&line, &optics, self.want)
     }
 }
 
@@ -363,8 +400,10 @@ impl Renderer for Reference {
 
     fn prepare(&self, scene: &Scene, _control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
         scene.validate()?;
-        if let Some(volume) = scene.volume.uniform() {
-            volume.warm(scene.filter);
+        match scene.volume.geometry() {
+            Geometry::Uniform(volume) => volume.warm(scene.filter),
+            Geometry::Points(points) => points.warm(),
+            _ => {}
         }
         Ok(Box::new(PreparedReference { reference: self.clone(), scene: Arc::new(scene.clone()) }))
     }
