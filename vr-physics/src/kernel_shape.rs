@@ -47,8 +47,6 @@ pub struct Remainder {
 }
 
 impl Remainder {
-    const NONE: Self = Self { size: 0.0, decay: 0.0, crude: 0.0 };
-
     /// The bound at n + 1 points, n ≥ 3.
     pub fn at(&self, n: i32) -> f64 {
         (self.size * self.decay.powi(n)).min(self.crude)
@@ -109,12 +107,14 @@ impl Shape {
             return Remainder { size: 4.0 * size / (a + b - 1.0), decay: 1.0 / (a + b), crude: 1.0 + LEBESGUE };
         }
         let (from, to) = (middle - half, middle + half);
-        if square == 0.0 && (from >= 0.0 || to <= 0.0) {
-            // r = ±u: a cubic.
-            return Remainder::NONE;
+        let crude = |r: f64| (1.0 + LEBESGUE) * self.odd(r);
+        if square == 0.0 {
+            // r = |u|: a cubic in u, but for what lies beyond the point, which may be a rounding of the ends.
+            let beyond = (-from).min(to).max(0.0);
+            return Remainder { size: f64::INFINITY, decay: 1.0, crude: 2.0 * crude(beyond) };
         }
         let (r0, r1) = ((square + from * from).sqrt(), (square + to * to).sqrt());
-        let crude = (1.0 + LEBESGUE) * self.odd(r0.max(r1));
+        let crude = crude(r0.max(r1));
         // A little less, for rounding.
         let a = (r0 + r1) / (2.0 * half) * (1.0 - 16.0 * f64::EPSILON);
         if !(a > 1.0 && a.is_finite()) {
