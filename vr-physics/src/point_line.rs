@@ -3,7 +3,7 @@
 use vr_core::{Clip, PointKernel, PointSet, Ray};
 
 use crate::chebyshev::{LEBESGUE, interpolation};
-use crate::kernel_shape::{Remainder, Shape, Stretch, factor};
+use crate::kernel_shape::{DEGREES, Shape, Stretch, factor};
 use crate::line::{Chord, LineField, LineModel, RayField};
 use crate::segments::Cut;
 
@@ -43,8 +43,6 @@ struct Support {
     kernel: PointKernel,
 }
 
-/// Degrees tried.
-const DEGREES: [usize; 6] = [4, 6, 8, 12, 16, 20];
 /// What interpolation may miss, as a part of the field: no more than rounding.
 const FINE: f64 = 1.0 / (1u64 << 46) as f64;
 
@@ -215,27 +213,32 @@ impl LineField for PointLine {
             return None;
         }
         let parts: Vec<Part> = inside.iter().map(|&k| Part::new(&self.supports[k as usize], middle, half)).collect();
-        let scale: f64 = parts.iter().map(|p| (p.amplitude * p.value(0.0)).abs()).sum();
-        let missed = |n: usize| parts.iter().map(|p| p.amplitude.abs() * p.remainder.at(n as i32)).sum::<f64>();
-        let degree = DEGREES.into_iter().find(|&n| missed(n) <= FINE * scale).unwrap_or(DEGREES[DEGREES.len() - 1]);
+        let mut missed = [0.0; DEGREES.len()];
+        // Of the field, of what rounding of r does to it, and of what moves points.
+        let (mut size, mut evaluation, mut displaced) = (0.0, 0.0, 0.0);
+        for (k, part) in inside.iter().zip(&parts) {
+            let (support, stretch) = (&self.supports[*k as usize], &part.stretch);
+            let amplitude = support.amplitude.abs();
+            let remainder = part.shape.remainder(stretch).all();
+            missed.iter_mut().zip(remainder).for_each(|(sum, r)| *sum += amplitude * r);
+            let nearest = (stretch.distance - stretch.half - support.displaced).max(0.0);
+            let steepest = amplitude * part.shape.steepest(nearest);
+            size += amplitude * part.shape.at(nearest);
+            evaluation += steepest * (stretch.distance + stretch.half);
+            displaced += steepest * support.displaced;
+        }
+        let chosen = missed.iter().position(|&m| m <= FINE * size).unwrap_or(DEGREES.len() - 1);
+        let degree = DEGREES[chosen];
 
         let rule = interpolation(degree);
         let mut values = [0.0; DEGREES[DEGREES.len() - 1] + 1];
-        let mut sizes = values;
-        for p in &parts {
-            for (j, &t) in rule.nodes.iter().enumerate() {
-                let value = p.amplitude * p.value(t);
-                values[j] += value;
-                sizes[j] += value.abs();
-            }
+        for part in &parts {
+            part.shape.add(part.amplitude, &part.stretch, &rule.nodes, &mut values);
         }
-        let size = sizes.into_iter().fold(0.0, f64::max);
         let (field, dropped) = rule.through(&values[..=degree], f64::EPSILON * size);
         // One rounding for each term of the sum, a few of its value; what moves a point moves the truth with it.
-        let evaluation: f64 = parts.iter().map(|p| p.amplitude.abs() * p.steepest * p.farthest).sum();
         let rounding = f64::EPSILON * ((parts.len() + degree + 16) as f64 * size + 4.0 * evaluation);
-        let displaced: f64 = parts.iter().map(|p| p.amplitude.abs() * p.steepest * p.displaced).sum();
-        let field_error = missed(degree) + dropped + LEBESGUE * rounding + displaced;
+        let field_error = missed[chosen] + dropped + LEBESGUE * rounding + displaced;
         Some(LineModel { field, field_error, gradient: None, gradient_error: 0.0, certain: true })
     }
 }
@@ -245,33 +248,11 @@ struct Part {
     stretch: Stretch,
     shape: Shape,
     amplitude: f64,
-    remainder: Remainder,
-    steepest: f64,
-    /// The largest distance from the point, in radii.
-    farthest: f64,
-    displaced: f64,
 }
 
 impl Part {
     fn new(s: &Support, middle: f64, half: f64) -> Self {
-        let shape = s.shape_at(middle);
-        let stretch =
-            Stretch { square: s.square, middle: (middle - s.nearest) * s.per_radius, half: half * s.per_radius };
-        let (near, far) = ((stretch.middle.abs() - stretch.half).max(0.0), stretch.middle.abs() + stretch.half);
-        Self {
-            stretch,
-            shape,
-            amplitude: s.amplitude,
-            remainder: shape.remainder(&stretch),
-            steepest: shape.steepest((s.square + near * near).sqrt() - s.displaced),
-            farthest: (s.square + far * far).sqrt(),
-            displaced: s.displaced,
-        }
-    }
-
-    #[inline]
-    fn value(&self, t: f64) -> f64 {
-        let u = self.stretch.middle + self.stretch.half * t;
-        self.shape.at(self.stretch.square + u * u)
+        let stretch = Stretch::new(s.square, (middle - s.nearest) * s.per_radius, half * s.per_radius);
+        Self { stretch, shape: s.shape_at(middle), amplitude: s.amplitude }
     }
 }

@@ -47,10 +47,10 @@ pub(super) fn points(count: usize) -> Option<PointSet> {
 /// A faint halo, and a core that is 500 times as dense as the mean of the ball around it.
 pub(super) fn transfer() -> (Vec<ControlPoint>, f64) {
     let points = vec![
-        ControlPoint::new(0.1, inferno(0.15), 0.0),
-        ControlPoint::new(3.0, inferno(0.35), 0.01),
-        ControlPoint::new(30.0, inferno(0.60), 0.06),
-        ControlPoint::new(150.0, inferno(0.80), 0.30),
+        ControlPoint::new(0.05, inferno(0.20), 0.0),
+        ControlPoint::new(0.5, inferno(0.35), 0.006),
+        ControlPoint::new(5.0, inferno(0.55), 0.03),
+        ControlPoint::new(50.0, inferno(0.75), 0.15),
         ControlPoint::new(500.0, inferno(0.97), 0.60),
     ];
     (points, 0.25 * CORE)
