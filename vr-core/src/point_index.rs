@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// A support is a point of four dimensions, its position and its radius; each node is cut in the middle of its points, across the longest
 /// of the four extents. So a few large supports among many small ones come into boxes of their own, and do not widen the others';
 /// whatever the distribution, there are ⌈log₂(n/8)⌉ levels. The tree depends on the points alone, not on the number of threads.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct PointIndex {
     /// Points by leaf.
     order: Vec<u32>,
@@ -19,6 +19,13 @@ pub(crate) struct PointIndex {
     middle: DVec3,
     /// Half the extent of all.
     reach: DVec3,
+}
+
+impl std::fmt::Debug for PointIndex {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        // All of it follows from the points.
+        f.debug_struct("PointIndex").field("levels", &self.levels).finish_non_exhaustive()
+    }
 }
 
 /// An axis-parallel box, relative to the middle of all.

@@ -9,6 +9,8 @@
 //! # How
 //! 1. **Pieces.** A reconstructed field is a polynomial of s in every cell ([`GridLine`]): a cubic for trilinear, degree 9 for
 //!    tricubic filters. The ray is cut at cell faces and where the polynomial crosses a knot of the transfer function.
+//!    Scattered points ([`PointLine`]) are a sum of kernels, smooth between the spheres that bound them; there it is interpolated, with a
+//!    bound on what that misses.
 //! 2. **Quadrature.** On a piece κ and q are analytic. Clenshaw-Curtis rules integrate optical depth and light together.
 //! 3. **Bound.** What a rule misses is bounded beforehand, by how large the integrand is on ellipses in the complex plane around
 //!    the piece (not by the difference of two rules, which can be too small). Pieces are halved until the bound fits the
@@ -64,6 +66,7 @@ mod poly;
 mod reference;
 mod scattered;
 mod segments;
+mod solver;
 mod ssim;
 mod transport;
 pub use analytic_line::AnalyticLine;
