@@ -167,7 +167,7 @@ impl PointIndex {
 
 /// The first point of a leaf: all have the same number of them, give or take one.
 fn first(count: usize, levels: u32, leaf: usize) -> usize {
-    (count as u64 * leaf as u64 >> levels) as usize
+    ((count as u64 * leaf as u64) >> levels) as usize
 }
 
 /// Brings the points of the node `node` of level `level` into the order of its leaves.

@@ -24,6 +24,8 @@ pub struct Volume(Arc<Geometry>);
 /// know and answer [`crate::RenderError::Unsupported`] to the others.
 #[derive(Debug)]
 #[non_exhaustive]
+// There is one for each volume, behind a pointer: nobody gains from a smaller one.
+#[expect(clippy::large_enum_variant)]
 pub enum Geometry {
     /// Samples on a uniform grid.
     Uniform(UniformVolume),
