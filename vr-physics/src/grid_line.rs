@@ -10,8 +10,9 @@ use glam::{DMat3, DVec3};
 use vr_core::filter::{GAUSSIAN_RADIUS, GAUSSIAN_SIGMA, Reconstruction};
 use vr_core::{Calibration, Filter, IndexRay, Real, Sampler, UniformVolume, Voxel};
 
-use crate::line::{LineField, LineModel};
+use crate::line::{Chord, LineField, LineModel, RayField};
 use crate::poly::{Poly, chebyshev_point};
+use crate::segments::Cut;
 
 /// Gradients per index step at the samples, where shading takes them from there.
 pub type SampleGradients<'a> = &'a (dyn Fn([usize; 3]) -> [f64; 3] + Sync);
@@ -169,7 +170,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
 
     /// Calls `each` with every place inside the ray where the field goes over to another polynomial: its distance, and axis and index
     /// coordinate of the face that is crossed there; axis by axis.
-    pub(crate) fn each_face(&self, mut each: impl FnMut(f64, usize, f64)) {
+    fn each_face(&self, mut each: impl FnMut(f64, usize, f64)) {
         let IndexRay { origin, direction, start, end, .. } = self.ray;
         for a in 0..3 {
             let (o, d) = (origin[a], direction[a]);
@@ -369,5 +370,17 @@ impl<T: Voxel, F: Reconstruction> LineField for GridLine<'_, T, F> {
             Filter::Gaussian => self.interpolated(cell, from, to),
             _ => self.polynomial(cell, from, to),
         })
+    }
+}
+
+impl<T: Voxel, F: Reconstruction> RayField for GridLine<'_, T, F> {
+    fn chord(&self) -> Chord {
+        let IndexRay { start, end, offset, .. } = self.ray;
+        Chord { start, end, offset }
+    }
+
+    fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
+        out.push((self.ray.start, Cut::Entry));
+        self.each_face(|s, axis, at| out.push((s, Cut::Face { axis, at })));
     }
 }

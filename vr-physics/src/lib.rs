@@ -9,6 +9,8 @@
 //! # How
 //! 1. **Pieces.** A reconstructed field is a polynomial of s in every cell ([`GridLine`]): a cubic for trilinear, degree 9 for
 //!    tricubic filters. The ray is cut at cell faces and where the polynomial crosses a knot of the transfer function.
+//!    Scattered points ([`PointLine`]) are a sum of kernels, smooth between the spheres that bound them; there it is interpolated, with a
+//!    bound on what that misses.
 //! 2. **Quadrature.** On a piece κ and q are analytic. Clenshaw-Curtis rules integrate optical depth and light together.
 //! 3. **Bound.** What a rule misses is bounded beforehand, by how large the integrand is on ellipses in the complex plane around
 //!    the piece (not by the difference of two rules, which can be too small). Pieces are halved until the bound fits the
@@ -44,10 +46,12 @@
 
 mod analytic_line;
 pub mod cases;
+mod chebyshev;
 #[cfg(feature = "proptest")]
 pub mod check;
 mod crossings;
 mod grid_line;
+mod kernel_shape;
 mod leaf;
 mod line;
 pub mod metrics;
@@ -57,10 +61,12 @@ mod optics;
 mod order;
 mod phantom_pixels;
 pub mod picks;
+mod point_line;
 mod poly;
 mod reference;
 mod scattered;
 mod segments;
+mod solver;
 mod ssim;
 mod transport;
 pub use analytic_line::AnalyticLine;
@@ -70,6 +76,7 @@ pub use metrics::{Channels, Metrics};
 pub use model_solvers::{integrate_continuous, sum_segments};
 pub use optics::Optics;
 pub use order::{fit_order, fit_order_above};
+pub use point_line::PointLine;
 pub use poly::Poly;
 pub use reference::{DEFAULT_TOLERANCE, LEAST_TOLERANCE, Pixel, Reference, Solution};
 pub use scattered::spread;

@@ -1,6 +1,7 @@
 //! A scalar field along one ray, as the integrator wants it.
 
 use crate::poly::Poly;
+use crate::segments::Cut;
 
 /// A field along one ray: smooth between breakpoints, and known there as a polynomial with a bound on its error.
 ///
@@ -14,6 +15,33 @@ pub trait LineField {
     ///
     /// Asked again for parts of an interval where the error was too large: the bound should shrink then.
     fn between(&self, from: f64, to: f64) -> Option<LineModel>;
+}
+
+/// The part of a ray that a field is given on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Chord {
+    /// Where it begins.
+    pub(crate) start: f64,
+    /// Where it ends; above `start`.
+    pub(crate) end: f64,
+    /// World distance from the ray's own origin to where these are counted from.
+    pub(crate) offset: f64,
+}
+
+impl Chord {
+    /// Its length.
+    pub(crate) fn length(&self) -> f64 {
+        self.end - self.start
+    }
+}
+
+/// A field along a ray that says what its breakpoints are.
+pub(crate) trait RayField: LineField {
+    /// The part of the ray.
+    fn chord(&self) -> Chord;
+
+    /// Appends where an account of the ray begins anew, and why; in any order.
+    fn cuts(&self, out: &mut Vec<(f64, Cut)>);
 }
 
 /// A field on an interval, stretched to [−1, 1].

@@ -6,7 +6,8 @@ use vr_core::{Control, Counts, IndexRay, Ray, RenderError, Scene, View};
 
 use crate::analytic_line::AnalyticLine;
 use crate::optics::Optics;
-use crate::reference::{Pixel, Reference, Solution, level};
+use crate::reference::{Pixel, Reference, Solution};
+use crate::solver::level;
 use crate::transport::transport;
 
 impl Reference {

@@ -2,21 +2,15 @@
 
 use std::sync::Arc;
 
-use vr_core::filter::Reconstruction;
 use vr_core::image_order::{PixelValue, Spot, trace_pixels, trace_view};
 use vr_core::{
-    Compositing, Control, Counts, Filter, Frame, GradientMethod, IndexRay, Model, NamedSetting, OptionError,
-    OptionKind, OptionSpec, OptionValue, Options, Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Sampler,
-    SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
+    Control, Counts, Frame, Geometry, Model, NamedSetting, OptionError, OptionKind, OptionSpec, OptionValue, Options,
+    Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Scene, View,
 };
 
-use crate::grid_line::{GradientSource, GridLine};
-use crate::line::LineField;
-use crate::model_solvers::{integrate_continuous, sum_segments};
-use crate::optics::Optics;
-use crate::picks;
-use crate::segments::{RaySegment, segments};
-use crate::transport::{Certainty, Transport, transport};
+use crate::segments::RaySegment;
+use crate::solver::{Answer, Solver, Want};
+use crate::transport::{Certainty, Transport};
 
 /// Solves the equation of transfer for every pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -145,10 +139,9 @@ impl Reference {
     /// As [`solve`](Self::solve).
     pub fn transport(&self, scene: &Scene, view: &View, ray: &Ray) -> Result<Option<Transport>, RenderError> {
         let solver = Solver::new(self.tolerance, scene, view, &Model::Canonical)?;
-        let Some(index_ray) = solver.index_ray(ray, f64::INFINITY) else { return Ok(None) };
-        let job = Job { solver: &solver, ray, index_ray, want: Want::Transport(1.0) };
-        match solver.volume.with_sampler(solver.filter, job) {
-            Answer::Transport(t) => Ok(Some(t)),
+        match solver.ask(ray, f64::INFINITY, Want::Transport(1.0)) {
+            None => Ok(None),
+            Some((Answer::Transport(t), _)) => Ok(Some(t)),
             _ => unreachable!("asked for transport"),
         }
     }
@@ -169,161 +162,12 @@ impl Reference {
         cuts: &[f64],
     ) -> Result<Vec<RaySegment>, RenderError> {
         let solver = Solver::new(self.tolerance, scene, view, &Model::Canonical)?;
-        let Some(index_ray) = solver.index_ray(ray, f64::INFINITY) else { return Ok(Vec::new()) };
-        let job = Job { solver: &solver, ray, index_ray, want: Want::Segments(cuts) };
-        match solver.volume.with_sampler(solver.filter, job) {
-            Answer::Segments(all) => Ok(all),
+        match solver.ask(ray, f64::INFINITY, Want::Segments(cuts)) {
+            None => Ok(Vec::new()),
+            Some((Answer::Segments(all), _)) => Ok(all),
             _ => unreachable!("asked for segments"),
         }
     }
-}
-
-/// Everything that the rays of a view share.
-struct Solver<'a> {
-    tolerance: f64,
-    scene: &'a Scene,
-    view: &'a View,
-    model: &'a Model,
-    volume: &'a UniformVolume,
-    filter: Filter,
-}
-
-impl<'a> Solver<'a> {
-    fn new(tolerance: f64, scene: &'a Scene, view: &'a View, model: &'a Model) -> Result<Self, RenderError> {
-        scene.validate()?;
-        let unsupported = |feature: String| RenderError::Unsupported { renderer: "physics", feature };
-        let volume =
-            scene.volume.uniform().ok_or_else(|| unsupported(format!("a volume of kind {}", scene.volume.kind())))?;
-        let filter = match model {
-            Model::Canonical => scene.filter,
-            Model::Filtered(f) => *f,
-            Model::Continuous(_) | Model::Discrete(_) => scene.filter,
-            _ => return Err(unsupported(format!("the model {model:?}"))),
-        };
-        volume.warm(filter);
-        Ok(Self { tolerance, scene, view, model, volume, filter })
-    }
-
-    fn index_ray(&self, ray: &Ray, far: f64) -> Option<IndexRay> {
-        IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far)
-    }
-
-    fn pixel(&self, ray: &Ray, spot: Spot, counts: &mut Counts) -> Pixel {
-        let far = self.view.layer.as_ref().map_or(f64::INFINITY, |l| l.depth(spot.pixel));
-        let mut pixel = self.volume_pixel(ray, spot, far, counts);
-        if let Some(layer) = &self.view.layer {
-            pixel.rgba = layer.under(spot.pixel, pixel.rgba);
-            pixel.depth = pixel.depth.min(far);
-        }
-        pixel
-    }
-
-    fn volume_pixel(&self, ray: &Ray, spot: Spot, far: f64, counts: &mut Counts) -> Pixel {
-        match self.model {
-            Model::Discrete(m) => return Pixel::emitted(&sum_segments(&m.segments(spot.x, spot.y)), 0.0),
-            Model::Continuous(m) => return Pixel::emitted(&integrate_continuous(&**m, ray), 0.0),
-            _ => {}
-        }
-        let Some(index_ray) = self.index_ray(ray, far) else { return Pixel::EMPTY };
-        counts.rays += 1;
-        let want = match level(self.scene.compositing) {
-            Some(level) => Want::Transport(level),
-            None => Want::Pick(self.scene.compositing),
-        };
-        let job = Job { solver: self, ray, index_ray, want };
-        let offset = index_ray.offset;
-        match self.volume.with_sampler(self.filter, job) {
-            Answer::Transport(t) => {
-                counts.samples += t.pieces;
-                Pixel::emitted(&t, offset)
-            }
-            Answer::Pixel(p) => Pixel { depth: p.depth + offset, ..p },
-            Answer::Segments(_) => unreachable!("asked for a pixel"),
-        }
-    }
-}
-
-/// The opacity at which light ends (1: never); `None` where a compositing integrates no light.
-pub(crate) fn level(compositing: Compositing) -> Option<f64> {
-    match compositing {
-        Compositing::Over => Some(1.0),
-        Compositing::Accumulate { level } => Some(level),
-        _ => None,
-    }
-}
-
-/// What is asked of one ray.
-enum Want<'a> {
-    Transport(f64),
-    Pick(Compositing),
-    /// With further cuts.
-    Segments(&'a [f64]),
-}
-
-enum Answer {
-    Transport(Transport),
-    Pixel(Pixel),
-    Segments(Vec<RaySegment>),
-}
-
-struct Job<'a> {
-    solver: &'a Solver<'a>,
-    ray: &'a Ray,
-    index_ray: IndexRay,
-    want: Want<'a>,
-}
-
-impl SamplerVisitor for Job<'_> {
-    type Output = Answer;
-
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Answer {
-        let Solver { scene, volume, tolerance, .. } = *self.solver;
-        let shading = scene.shading.as_deref();
-        let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(self.ray.direction))));
-        let at_sample = |index: [usize; 3]| volume.with_lattice(SampleGradient(index));
-        let source = match shading.map(|s| s.gradient) {
-            None => GradientSource::None,
-            Some(GradientMethod::Analytic) => GradientSource::Analytic,
-            Some(GradientMethod::CentralDifferences) => GradientSource::Samples(&at_sample),
-        };
-        let line = GridLine::new(volume, sampler, self.index_ray, source);
-        match self.want {
-            Want::Transport(level) => Answer::Transport(transport(&line, &optics, tolerance, level)),
-            Want::Pick(compositing) => Answer::Pixel(pick(&line, &optics, compositing)),
-            Want::Segments(cuts) => {
-                let level = level(scene.compositing);
-                Answer::Segments(segments(&line, &self.index_ray, &optics, tolerance, level, cuts))
-            }
-        }
-    }
-}
-
-struct SampleGradient([usize; 3]);
-
-impl vr_core::LatticeVisitor for SampleGradient {
-    type Output = [f64; 3];
-    fn visit<T: Voxel>(self, lattice: vr_core::filter::Lattice<'_, T>) -> [f64; 3] {
-        gradient_at_sample(&lattice, self.0)
-    }
-}
-
-fn pick(line: &dyn LineField, optics: &Optics<'_>, compositing: Compositing) -> Pixel {
-    let picked = match compositing {
-        Compositing::First { threshold } => {
-            let first = picks::first(line, threshold);
-            let (rgba, certainty) = first.pixel(optics);
-            let depth = first.hit.map_or(f64::INFINITY, |h| h.s);
-            return Pixel { rgba, depth, certainty };
-        }
-        Compositing::Maximum => picks::extreme(line, 1.0),
-        Compositing::Minimum => picks::extreme(line, -1.0),
-        Compositing::Average => picks::average(line),
-        Compositing::Over | Compositing::Accumulate { .. } => unreachable!("integrated"),
-    };
-    picked.map_or(Pixel::EMPTY, |p| {
-        let (rgba, certainty) = p.pixel(optics.transfer);
-        Pixel { rgba, depth: p.s, certainty }
-    })
 }
 
 impl Renderer for Reference {
@@ -363,8 +207,10 @@ impl Renderer for Reference {
 
     fn prepare(&self, scene: &Scene, _control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
         scene.validate()?;
-        if let Some(volume) = scene.volume.uniform() {
-            volume.warm(scene.filter);
+        match scene.volume.geometry() {
+            Geometry::Uniform(volume) => volume.warm(scene.filter),
+            Geometry::Points(points) => points.warm(),
+            _ => {}
         }
         Ok(Box::new(PreparedReference { reference: self.clone(), scene: Arc::new(scene.clone()) }))
     }

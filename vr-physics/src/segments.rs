@@ -1,11 +1,7 @@
 //! The reference's own account of one ray: cut wherever something changes, each part solved by itself and all of it so far.
 
-use vr_core::filter::Reconstruction;
-use vr_core::{IndexRay, Voxel};
-
 use crate::crossings::crossings;
-use crate::grid_line::GridLine;
-use crate::line::{LineField, LineModel};
+use crate::line::{Chord, LineField, LineModel, RayField};
 use crate::optics::Optics;
 use crate::transport::{Certainty, Transport, transport};
 
@@ -27,7 +23,7 @@ pub struct RaySegment {
 /// What cuts a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cut {
-    /// The ray enters the volume, or what the clip leaves of it.
+    /// The ray enters the volume, or what the clip leaves of it; among scattered points, wherever it comes out of vacuum.
     Entry,
     /// A face across an index axis, beyond which the field is another polynomial: of a cell or, with the nearest filter, between two samples.
     Face {
@@ -73,34 +69,36 @@ impl SegmentLight {
 const SLIVER: f64 = 1e-12;
 
 /// Cuts a ray, and solves each part. `level` ends the light where opacity reaches it (1: never); `None`: no light is asked for.
-pub(crate) fn segments<T: Voxel, F: Reconstruction>(
-    line: &GridLine<'_, T, F>,
-    ray: &IndexRay,
+pub(crate) fn segments(
+    line: &dyn RayField,
     optics: &Optics<'_>,
     tolerance: f64,
     level: Option<f64>,
     asked: &[f64],
 ) -> Vec<RaySegment> {
-    let mut running = level.map(|level| Running::new(level, tolerance, ray.length()));
+    let chord = line.chord();
+    let mut running = level.map(|level| Running::new(level, tolerance, chord.length()));
     let knots = knots(optics);
-    let cuts = cuts(line, ray, &knots, asked);
-    let ends: Vec<f64> = cuts.iter().skip(1).map(|cut| cut.0).chain([ray.end]).collect();
+    let mut breakpoints = Vec::new();
+    line.breakpoints(&mut breakpoints);
+    let cuts = cuts(line, &chord, &breakpoints, &knots, asked);
+    let ends: Vec<f64> = cuts.iter().skip(1).map(|cut| cut.0).chain([chord.end]).collect();
     let mut all: Vec<RaySegment> = Vec::with_capacity(cuts.len());
     let mut before = f64::NAN;
     for ((from, mut front), to) in cuts.into_iter().zip(ends) {
-        let [first, middle, last] =
-            line.between(from, to).map_or([f64::NAN; 3], |model| [-1.0, 0.0, 1.0].map(|t| model.field.at(t)));
+        let part = Part::new(line, from, to, &breakpoints, SLIVER * chord.length());
+        let [[first, early], [late, last]] = part.values();
         // At a face the value may jump over a knot, or have it just there.
-        let crossed = knots.iter().filter(|&&v| (before < v && middle >= v) || (before >= v && middle < v));
+        let crossed = knots.iter().filter(|&&v| (before < v && early >= v) || (before >= v && early < v));
         for &value in crossed {
             let knot = Cut::Knot { value };
             if !front.contains(&knot) {
                 front.insert(front.iter().take_while(|&&cut| cut != Cut::Asked).count(), knot);
             }
         }
-        before = middle;
-        let light = running.as_mut().map(|running| running.add(&Part { line, from, to }, optics));
-        all.push(RaySegment { from: from + ray.offset, to: to + ray.offset, front, values: [first, last], light });
+        before = late;
+        let light = running.as_mut().map(|running| running.add(&part, optics));
+        all.push(RaySegment { from: from + chord.offset, to: to + chord.offset, front, values: [first, last], light });
     }
     all
 }
@@ -113,18 +111,11 @@ fn knots(optics: &Optics<'_>) -> Vec<f64> {
 }
 
 /// Every place where the ray is cut, and by what; the first is where it enters.
-fn cuts<T: Voxel, F: Reconstruction>(
-    line: &GridLine<'_, T, F>,
-    ray: &IndexRay,
-    knots: &[f64],
-    asked: &[f64],
-) -> Vec<(f64, Vec<Cut>)> {
-    let mut cuts = vec![(ray.start, Cut::Entry)];
-    line.each_face(|s, axis, at| cuts.push((s, Cut::Face { axis, at })));
-    let mut faces = Vec::new();
-    line.breakpoints(&mut faces);
+fn cuts(line: &dyn RayField, chord: &Chord, breakpoints: &[f64], knots: &[f64], asked: &[f64]) -> Vec<(f64, Vec<Cut>)> {
+    let mut cuts = Vec::new();
+    line.cuts(&mut cuts);
     let mut found = Vec::new();
-    for ends in faces.windows(2).filter(|ends| ends[1] > ends[0]) {
+    for ends in breakpoints.windows(2).filter(|ends| ends[1] > ends[0]) {
         let Some(LineModel { field, .. }) = line.between(ends[0], ends[1]) else { continue };
         let (value, reach) = (field.coefficients()[0], field.spread(1.0));
         // A little more, for rounding: what is not crossed is not found.
@@ -137,9 +128,9 @@ fn cuts<T: Voxel, F: Reconstruction>(
             cuts.extend(found.iter().map(|t| (place(t), Cut::Knot { value })));
         }
     }
-    cuts.extend(asked.iter().map(|s| (s - ray.offset, Cut::Asked)));
-    let sliver = SLIVER * ray.length();
-    cuts.retain(|cut| cut.0 >= ray.start && cut.0 < ray.end - sliver);
+    cuts.extend(asked.iter().map(|s| (s - chord.offset, Cut::Asked)));
+    let sliver = SLIVER * chord.length();
+    cuts.retain(|cut| cut.0 >= chord.start && cut.0 < chord.end - sliver);
     // Stable: what is at one place keeps the order from above, in which what is asked for comes last.
     cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut merged: Vec<(f64, Vec<Cut>)> = Vec::with_capacity(cuts.len());
@@ -159,13 +150,31 @@ fn cuts<T: Voxel, F: Reconstruction>(
 /// A part of a line.
 struct Part<'a> {
     line: &'a dyn LineField,
-    from: f64,
-    to: f64,
+    /// Its ends, and the line's breakpoints between that are no cuts.
+    breakpoints: Vec<f64>,
+}
+
+impl<'a> Part<'a> {
+    fn new(line: &'a dyn LineField, from: f64, to: f64, all: &[f64], sliver: f64) -> Self {
+        // Cuts so near to each other are one: a breakpoint beside an end is that end.
+        let inner = all.iter().copied().filter(|&s| s > from + 2.0 * sliver && s < to - 2.0 * sliver);
+        Self { line, breakpoints: [from].into_iter().chain(inner).chain([to]).collect() }
+    }
+
+    /// The field at the front and in the middle of the first stretch, then in the middle of the last one and at its end.
+    fn values(&self) -> [[f64; 2]; 2] {
+        let b = &self.breakpoints;
+        let at = |i: usize, places: [f64; 2]| {
+            let model = self.line.between(b[i], b[i + 1]);
+            model.map_or([f64::NAN; 2], |model| places.map(|t| model.field.at(t)))
+        };
+        [at(0, [-1.0, 0.0]), at(b.len() - 2, [0.0, 1.0])]
+    }
 }
 
 impl LineField for Part<'_> {
     fn breakpoints(&self, out: &mut Vec<f64>) {
-        out.extend([self.from, self.to]);
+        out.extend_from_slice(&self.breakpoints);
     }
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {
@@ -207,7 +216,8 @@ impl Running {
     /// Solves a part, and adds it.
     fn add(&mut self, part: &Part<'_>, optics: &Optics<'_>) -> SegmentLight {
         // Each part has its share of what the whole ray may be off by.
-        let tolerance = self.tolerance * ((part.to - part.from) / self.length).max(1e-6);
+        let ends = &part.breakpoints;
+        let tolerance = self.tolerance * ((ends[ends.len() - 1] - ends[0]) / self.length).max(1e-6);
         let own = transport(part, optics, tolerance, 1.0);
         if !self.ended {
             // The level is reached in here if what is left up to it is less than what is here.

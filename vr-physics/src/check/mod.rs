@@ -23,6 +23,9 @@
 //! the [`CheckFailure`] as a scene file, which `vr render --scene` draws. Scenes that a renderer refuses with
 //! [`RenderError::Unsupported`](vr_core::RenderError::Unsupported) are counted, not failed; refusing all of them is a failure.
 //!
+//! The checks draw grids; [`agrees_with_reference_on`] and [`agrees_with_its_model`] take scenes of one's own, such as
+//! [scattered points](strategies::tame_point_scene).
+//!
 //! [`strategies`] has the random scenes for checks of one's own, [`transformed`] the scenes that must look the same, and
 //! [`faulty_marcher`] a renderer with mistakes, to check checks with.
 

@@ -1,9 +1,9 @@
-//! Random cameras and clips. They are placed in the volume's own box: 0 to 1 along each axis of the grid.
+//! Random cameras and clips. They are placed in the volume's own box: 0 to 1 along each axis of the grid, or of the bounds of points.
 
 use glam::DVec3;
 use proptest::collection::vec;
 use proptest::prelude::*;
-use vr_core::{Camera, Clip, Plane, Projection, Volume};
+use vr_core::{Camera, Clip, Plane, Projection, UniformVolume, Volume};
 
 /// A camera apart from the volume that it looks at.
 #[derive(Clone, Debug)]
@@ -19,15 +19,11 @@ pub(super) enum Viewpoint {
 impl Viewpoint {
     /// `rows` of pixels are given so that rays meet lattice lines.
     pub fn camera(&self, volume: &Volume, rows: u32) -> Camera {
-        let grid = volume.uniform().expect("strategies make uniform grids");
-        let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
-        let world = |p: DVec3| grid.placement().to_world(p * last);
-        let diagonal = (world(DVec3::ONE) - world(DVec3::ZERO)).length();
-        let axes = grid.placement().axes();
-        let columns = [axes.x_axis, axes.y_axis, axes.z_axis];
         match *self {
             Self::Generic { eye, target, up, fov, zoom } => {
-                let (eye, target) = (world(eye.into()), world(target.into()));
+                let world = |p: [f64; 3]| place(volume, p.into());
+                let diagonal = diagonal(volume);
+                let (eye, target) = (world(eye), world(target));
                 // Degenerate draws (an eye on its target) look from a corner instead.
                 let eye = if (eye - target).length() > 1e-3 * diagonal { eye } else { target + DVec3::ONE * diagonal };
                 let projection = match fov {
@@ -37,6 +33,7 @@ impl Viewpoint {
                 Camera { eye, target, up: upright(target - eye, up), projection }
             }
             Self::AlongAxis { axis, backwards, .. } => {
+                let (grid, columns) = lattice(volume);
                 let lattice_middle = grid.dims().map(|n| ((n - 1) / 2) as f64);
                 let target = grid.placement().to_world(lattice_middle.into());
                 let along = columns[axis] * if backwards { -10.0 } else { 10.0 };
@@ -45,9 +42,11 @@ impl Viewpoint {
                 Camera { eye: target - along, target, up, projection }
             }
             Self::Grazing { axis, tilt, upper } => {
+                let (_, columns) = lattice(volume);
+                let diagonal = diagonal(volume);
                 let mut target = DVec3::splat(0.5);
                 target[axis] = if upper { 1.0 } else { 0.0 };
-                let target = world(target);
+                let target = place(volume, target);
                 let along = columns[(axis + 1) % 3].normalize();
                 // Up leaves the face, so that rows of pixels lie above, in and below it.
                 let up = along.cross(columns[(axis + 2) % 3]).normalize();
@@ -64,6 +63,31 @@ impl Viewpoint {
             Self::Generic { .. } | Self::Grazing { .. } => None,
         }
     }
+}
+
+/// A place in the volume's box, by fractions of its sides; the bounds are the box where there is no grid.
+fn place(volume: &Volume, p: DVec3) -> DVec3 {
+    match volume.uniform() {
+        Some(grid) => {
+            let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
+            grid.placement().to_world(p * last)
+        }
+        None => {
+            let (low, high) = volume.bounds();
+            low + (high - low) * p
+        }
+    }
+}
+
+fn diagonal(volume: &Volume) -> f64 {
+    (place(volume, DVec3::ONE) - place(volume, DVec3::ZERO)).length()
+}
+
+/// The grid, which only grids are seen along, and its axes.
+fn lattice(volume: &Volume) -> (&UniformVolume, [DVec3; 3]) {
+    let grid = volume.uniform().expect("only grids are seen along their axes");
+    let axes = grid.placement().axes();
+    (grid, [axes.x_axis, axes.y_axis, axes.z_axis])
 }
 
 /// A world axis that is not parallel to the view: the wanted one, unless the view is too close to it.

@@ -8,15 +8,19 @@
 //! - [`tame_scene`]: pictures that depend continuously on every number: no missing voxels, no jumps, no opacity near 1, no
 //!   rays that lie in faces. Here errors have bounds.
 //! - [`smooth_scene`]: also free of kinks, as far as a filter allows: here errors have orders.
+//!
+//! All of these are grids. [`point_scene`] and [`tame_point_scene`] are the first two of scattered points.
 
 mod cameras;
 mod grids;
 mod looks;
+mod points;
 mod scenes;
 mod transfers;
 
 pub use cameras::{camera, clip, generic_camera};
 pub use grids::{grid, smooth_grid, tame_grid};
 pub use looks::{compositing, filter, shading, tame_compositing};
+pub use points::{point_scene, point_set, tame_point_scene};
 pub use scenes::{scene, smooth_scene, tame_scene};
 pub use transfers::{smooth_transfer, tame_transfer, transfer};

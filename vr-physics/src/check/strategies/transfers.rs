@@ -25,10 +25,13 @@ enum Kind {
 
 impl Recipe {
     pub fn of_volume(&self, volume: &Volume) -> TransferFunction {
-        let (low, high) = volume.value_range().unwrap_or((0.0, 1.0));
+        self.of_range(volume.value_range().unwrap_or((0.0, 1.0)), volume.mean_spacing())
+    }
+
+    pub fn of_range(&self, (low, high): (f64, f64), mean_spacing: f64) -> TransferFunction {
         // A constant volume: points on both sides of its value, as likely as one on it.
         let (low, high) = if low == high { (low - 1.0, low + 1.0) } else { (low, high) };
-        let unit_distance = self.unit_distance * volume.mean_spacing();
+        let unit_distance = self.unit_distance * mean_spacing;
         let point = |&(value, color, opacity, emission): &(f64, [f64; 3], f64, [f64; 3])| {
             let value = low + value * (high - low);
             // As bright, per mean spacing, whatever the scale of the world.

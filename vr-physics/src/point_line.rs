@@ -1,0 +1,258 @@
+//! Scattered points along a ray: a sum of kernels, each smooth between the spheres that bound it.
+
+use vr_core::{Clip, PointKernel, PointSet, Ray};
+
+use crate::chebyshev::{LEBESGUE, interpolation};
+use crate::kernel_shape::{DEGREES, Shape, Stretch, factor};
+use crate::line::{Chord, LineField, LineModel, RayField};
+use crate::segments::Cut;
+
+/// The field of scattered points along a ray: f = Σ wₖ vₖ W(|x − xₖ|/Rₖ)/Rₖ³.
+///
+/// Breakpoints are where the ray enters and leaves supports and, in them, crosses spheres on which the kernel is not smooth. Between them
+/// the sum is interpolated at Chebyshev points; the bound is the sum of what interpolation misses of each kernel (see
+/// `kernel_shape`), of rounding, and of how far rounding displaces points. Where a kernel bends sharply beside its point, further
+/// breakpoints are added, closer and closer to it, unless those of other points are close already.
+///
+/// Distances are world units behind [`offset`](Self::offset).
+#[derive(Clone, Debug)]
+pub struct PointLine {
+    supports: Vec<Support>,
+    /// Breakpoints, ascending.
+    cuts: Vec<f64>,
+    /// The supports of piece i, between cuts i and i + 1, are `inside[first[i]..first[i + 1]]`.
+    first: Vec<usize>,
+    inside: Vec<u32>,
+    offset: f64,
+}
+
+/// A support as the ray meets it.
+#[derive(Clone, Copy, Debug)]
+struct Support {
+    nearest: f64,
+    half: f64,
+    /// Half of what lies in the kernel's core; 0 where there is none.
+    core: f64,
+    /// Square of the distance, in radii.
+    square: f64,
+    per_radius: f64,
+    /// Of the shape.
+    amplitude: f64,
+    /// How far rounding may have displaced it, in radii.
+    displaced: f64,
+    kernel: PointKernel,
+}
+
+/// What interpolation may miss, as a part of the field: no more than rounding.
+const FINE: f64 = 1.0 / (1u64 << 46) as f64;
+
+impl PointLine {
+    /// The field along a ray, within the clip and up to the world distance `far` (an opaque layer, say); `None` where it meets no support.
+    pub fn new(points: &PointSet, ray: &Ray, clip: &Clip, far: f64) -> Option<Self> {
+        let [from, to] = ray.inside(clip)?;
+        let to = to.min(far);
+        if from >= to {
+            return None;
+        }
+        let crossings = points.crossings(ray, [from, to]);
+        let kernel = points.kernel();
+        let factor = factor(kernel);
+        let support = |c: &vr_core::PointCrossing| {
+            let k = c.point as usize;
+            let radius = f64::from(points.radii()[k]);
+            let inner = 0.5 * radius;
+            let core = if kernel == PointKernel::CubicSpline && c.distance < inner {
+                ((inner - c.distance) * (inner + c.distance)).sqrt()
+            } else {
+                0.0
+            };
+            let beta = c.distance / radius;
+            Support {
+                nearest: c.nearest,
+                half: c.half,
+                core,
+                square: beta * beta,
+                per_radius: 1.0 / radius,
+                amplitude: factor * points.amplitude(k),
+                displaced: c.error / radius,
+                kernel,
+            }
+        };
+        let supports: Vec<Support> = crossings.all.iter().map(support).collect();
+        let begin = supports.iter().map(|s| s.nearest - s.half).reduce(f64::min)?;
+        let end = supports.iter().map(|s| s.nearest + s.half).reduce(f64::max)?;
+        let ends = [begin.max(from - crossings.offset), end.min(to - crossings.offset)];
+        if ends[0] >= ends[1] {
+            return None;
+        }
+        let cuts = cuts(&supports, ends);
+        let (first, inside) = members(&supports, &cuts);
+        Some(Self { supports, cuts, first, inside, offset: crossings.offset })
+    }
+
+    /// World distance from the ray's own origin to where distances here are counted from.
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+}
+
+impl RayField for PointLine {
+    fn chord(&self) -> Chord {
+        Chord { start: self.cuts[0], end: self.cuts[self.cuts.len() - 1], offset: self.offset }
+    }
+
+    /// Where the ray comes out of vacuum: spheres are far too many to name.
+    fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
+        let empty = |i: usize| self.first[i] == self.first[i + 1];
+        let entries = (0..self.cuts.len() - 1).filter(|&i| !empty(i) && (i == 0 || empty(i - 1)));
+        out.extend(entries.map(|i| (self.cuts[i], Cut::Entry)));
+    }
+}
+
+/// Every breakpoint, ascending.
+fn cuts(supports: &[Support], ends: [f64; 2]) -> Vec<f64> {
+    let within = |s: &f64| *s > ends[0] && *s < ends[1];
+    let mut needed = Vec::with_capacity(4 * supports.len() + 2);
+    needed.extend(ends);
+    for s in supports {
+        needed.extend([s.nearest - s.half, s.nearest + s.half].into_iter().filter(within));
+        if s.core > 0.0 {
+            needed.extend([s.nearest - s.core, s.nearest + s.core].into_iter().filter(within));
+        }
+    }
+    needed.sort_unstable_by(f64::total_cmp);
+    needed.dedup();
+    let mut all = needed.clone();
+    for s in supports {
+        s.wishes(|at, length| {
+            let next = needed.partition_point(|&x| x <= at);
+            if within(&at) && needed[next] - needed[next - 1] > length {
+                all.push(at);
+            }
+        });
+    }
+    all.sort_unstable_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// The supports of each piece, by counting.
+fn members(supports: &[Support], cuts: &[f64]) -> (Vec<usize>, Vec<u32>) {
+    let middles: Vec<f64> = cuts.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
+    let range = |s: &Support| {
+        let from = middles.partition_point(|&m| m <= s.nearest - s.half);
+        from..middles.partition_point(|&m| m < s.nearest + s.half).max(from)
+    };
+    let ranges: Vec<_> = supports.iter().map(range).collect();
+    let mut first = vec![0; middles.len() + 1];
+    for piece in ranges.iter().cloned().flatten() {
+        first[piece + 1] += 1;
+    }
+    for i in 0..middles.len() {
+        first[i + 1] += first[i];
+    }
+    let mut next = first.clone();
+    let mut inside = vec![0; first[middles.len()]];
+    for (k, range) in ranges.into_iter().enumerate() {
+        for piece in range {
+            inside[next[piece]] = k as u32;
+            next[piece] += 1;
+        }
+    }
+    (first, inside)
+}
+
+impl Support {
+    fn shape_at(&self, s: f64) -> Shape {
+        match self.kernel {
+            PointKernel::CubicSpline if (s - self.nearest).abs() < self.core => Shape::Core,
+            PointKernel::CubicSpline => Shape::Rim,
+            PointKernel::Gaussian => Shape::Gaussian,
+            PointKernel::Cone => Shape::Cone,
+        }
+    }
+
+    /// Breakpoints that are wished for where pieces are longer than the given length.
+    fn wishes(&self, mut wish: impl FnMut(f64, f64)) {
+        let radius = 1.0 / self.per_radius;
+        // Nearer to the point than this, all that is not polynomial is below what anybody asks for: r³ here, r there.
+        let floor = match self.kernel {
+            PointKernel::CubicSpline => 1e-5,
+            PointKernel::Cone => 1e-12,
+            PointKernel::Gaussian => 1.0,
+        };
+        let last = self.half * self.per_radius;
+        let square = self.square.max(floor * floor);
+        // Along the line r itself tells how far the next branch point is. On the axis there is none but the bend at the point.
+        let step = |u: f64| match self.kernel {
+            PointKernel::Gaussian => 0.4,
+            _ if self.square == 0.0 => f64::INFINITY,
+            _ => 0.6 * (square + u * u).sqrt(),
+        };
+        let bends = self.square == 0.0 && self.kernel != PointKernel::Gaussian;
+        wish(self.nearest, if bends { 0.0 } else { radius * step(0.0) });
+        let mut u = step(0.0);
+        while u < last {
+            wish(self.nearest - radius * u, radius * step(u));
+            wish(self.nearest + radius * u, radius * step(u));
+            u += step(u);
+        }
+    }
+}
+
+impl LineField for PointLine {
+    fn breakpoints(&self, out: &mut Vec<f64>) {
+        out.extend_from_slice(&self.cuts);
+    }
+
+    fn between(&self, from: f64, to: f64) -> Option<LineModel> {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let piece = self.cuts.partition_point(|&c| c <= middle).clamp(1, self.cuts.len() - 1) - 1;
+        let inside = &self.inside[self.first[piece]..self.first[piece + 1]];
+        if inside.is_empty() {
+            return None;
+        }
+        let parts: Vec<Part> = inside.iter().map(|&k| Part::new(&self.supports[k as usize], middle, half)).collect();
+        let mut missed = [0.0; DEGREES.len()];
+        // Of the field, of what rounding of r does to it, and of what moves points.
+        let (mut size, mut evaluation, mut displaced) = (0.0, 0.0, 0.0);
+        for (k, part) in inside.iter().zip(&parts) {
+            let (support, stretch) = (&self.supports[*k as usize], &part.stretch);
+            let amplitude = support.amplitude.abs();
+            let remainder = part.shape.remainder(stretch).all();
+            missed.iter_mut().zip(remainder).for_each(|(sum, r)| *sum += amplitude * r);
+            let nearest = (stretch.distance - stretch.half - support.displaced).max(0.0);
+            let steepest = amplitude * part.shape.steepest(nearest);
+            size += amplitude * part.shape.at(nearest);
+            evaluation += steepest * (stretch.distance + stretch.half);
+            displaced += steepest * support.displaced;
+        }
+        let chosen = missed.iter().position(|&m| m <= FINE * size).unwrap_or(DEGREES.len() - 1);
+        let degree = DEGREES[chosen];
+
+        let rule = interpolation(degree);
+        let mut values = [0.0; DEGREES[DEGREES.len() - 1] + 1];
+        for part in &parts {
+            part.shape.add(part.amplitude, &part.stretch, &rule.nodes, &mut values);
+        }
+        let (field, dropped) = rule.through(&values[..=degree], f64::EPSILON * size);
+        // One rounding for each term of the sum, a few of its value; what moves a point moves the truth with it.
+        let rounding = f64::EPSILON * ((parts.len() + degree + 16) as f64 * size + 4.0 * evaluation);
+        let field_error = missed[chosen] + dropped + LEBESGUE * rounding + displaced;
+        Some(LineModel { field, field_error, gradient: None, gradient_error: 0.0, certain: true })
+    }
+}
+
+/// A support on an interval.
+struct Part {
+    stretch: Stretch,
+    shape: Shape,
+    amplitude: f64,
+}
+
+impl Part {
+    fn new(s: &Support, middle: f64, half: f64) -> Self {
+        let stretch = Stretch::new(s.square, (middle - s.nearest) * s.per_radius, half * s.per_radius);
+        Self { stretch, shape: s.shape_at(middle), amplitude: s.amplitude }
+    }
+}

@@ -1,0 +1,204 @@
+//! What the rays of a view share: where the field comes from, and what is asked of it.
+
+use vr_core::filter::{Lattice, Reconstruction};
+use vr_core::image_order::Spot;
+use vr_core::{
+    Compositing, Counts, Filter, Geometry, GradientMethod, IndexRay, LatticeVisitor, Model, PointSet, Ray, RenderError,
+    Sampler, SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
+};
+
+use crate::grid_line::{GradientSource, GridLine};
+use crate::line::{LineField, RayField};
+use crate::model_solvers::{integrate_continuous, sum_segments};
+use crate::optics::Optics;
+use crate::picks;
+use crate::point_line::PointLine;
+use crate::reference::Pixel;
+use crate::segments::{RaySegment, segments};
+use crate::transport::{Transport, transport};
+
+/// Everything that the rays of a view share.
+pub(crate) struct Solver<'a> {
+    tolerance: f64,
+    scene: &'a Scene,
+    view: &'a View,
+    model: &'a Model,
+    source: Source<'a>,
+}
+
+/// What a field along a ray comes from.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    Grid(&'a UniformVolume, Filter),
+    Points(&'a PointSet),
+    /// From nothing here: the renderer's model says it all.
+    Model,
+}
+
+impl<'a> Solver<'a> {
+    pub(crate) fn new(tolerance: f64, scene: &'a Scene, view: &'a View, model: &'a Model) -> Result<Self, RenderError> {
+        scene.validate()?;
+        let unsupported = |feature: String| RenderError::Unsupported { renderer: "physics", feature };
+        let grid = |volume: &'a UniformVolume, filter| {
+            volume.warm(filter);
+            Source::Grid(volume, filter)
+        };
+        let source = match (model, scene.volume.geometry()) {
+            (Model::Continuous(_) | Model::Discrete(_), _) => Source::Model,
+            (Model::Canonical, Geometry::Uniform(volume)) => grid(volume, scene.filter),
+            (Model::Filtered(filter), Geometry::Uniform(volume)) => grid(volume, *filter),
+            (Model::Canonical, Geometry::Points(points)) => {
+                if scene.shading.is_some() {
+                    return Err(unsupported("shading of scattered points".to_owned()));
+                }
+                points.warm();
+                Source::Points(points)
+            }
+            (Model::Filtered(_), Geometry::Points(_)) => {
+                return Err(unsupported("a reconstruction filter over scattered points".to_owned()));
+            }
+            (Model::Canonical | Model::Filtered(_), _) => {
+                return Err(unsupported(format!("a volume of kind {}", scene.volume.kind())));
+            }
+            _ => return Err(unsupported(format!("the model {model:?}"))),
+        };
+        Ok(Self { tolerance, scene, view, model, source })
+    }
+
+    /// What is wanted of a ray up to the world distance `far`, and the world distance that its distances are counted from; `None` where it
+    /// meets nothing.
+    pub(crate) fn ask(&self, ray: &Ray, far: f64, want: Want<'_>) -> Option<(Answer, f64)> {
+        match self.source {
+            Source::Grid(volume, filter) => {
+                let index_ray = IndexRay::new(ray, volume.placement(), volume.dims(), &self.view.clip, far)?;
+                let job = Job { solver: self, volume, ray, index_ray, want };
+                Some((volume.with_sampler(filter, job), index_ray.offset))
+            }
+            Source::Points(points) => {
+                let line = PointLine::new(points, ray, &self.view.clip, far)?;
+                Some((self.answer(&line, &Optics::new(&self.scene.transfer, None), want), line.offset()))
+            }
+            Source::Model => None,
+        }
+    }
+
+    fn answer(&self, line: &dyn RayField, optics: &Optics<'_>, want: Want<'_>) -> Answer {
+        match want {
+            Want::Transport(level) => Answer::Transport(transport(line, optics, self.tolerance, level)),
+            Want::Pick(compositing) => Answer::Pixel(pick(line, optics, compositing)),
+            Want::Segments(cuts) => {
+                let level = level(self.scene.compositing);
+                Answer::Segments(segments(line, optics, self.tolerance, level, cuts))
+            }
+        }
+    }
+
+    pub(crate) fn pixel(&self, ray: &Ray, spot: Spot, counts: &mut Counts) -> Pixel {
+        let far = self.view.layer.as_ref().map_or(f64::INFINITY, |l| l.depth(spot.pixel));
+        let mut pixel = self.volume_pixel(ray, spot, far, counts);
+        if let Some(layer) = &self.view.layer {
+            pixel.rgba = layer.under(spot.pixel, pixel.rgba);
+            pixel.depth = pixel.depth.min(far);
+        }
+        pixel
+    }
+
+    fn volume_pixel(&self, ray: &Ray, spot: Spot, far: f64, counts: &mut Counts) -> Pixel {
+        match self.model {
+            Model::Discrete(m) => return Pixel::emitted(&sum_segments(&m.segments(spot.x, spot.y)), 0.0),
+            Model::Continuous(m) => return Pixel::emitted(&integrate_continuous(&**m, ray), 0.0),
+            _ => {}
+        }
+        let want = match level(self.scene.compositing) {
+            Some(level) => Want::Transport(level),
+            None => Want::Pick(self.scene.compositing),
+        };
+        let Some((answer, offset)) = self.ask(ray, far, want) else { return Pixel::EMPTY };
+        counts.rays += 1;
+        match answer {
+            Answer::Transport(t) => {
+                counts.samples += t.pieces;
+                Pixel::emitted(&t, offset)
+            }
+            Answer::Pixel(p) => Pixel { depth: p.depth + offset, ..p },
+            Answer::Segments(_) => unreachable!("asked for a pixel"),
+        }
+    }
+}
+
+/// The opacity at which light ends (1: never); `None` where a compositing integrates no light.
+pub(crate) fn level(compositing: Compositing) -> Option<f64> {
+    match compositing {
+        Compositing::Over => Some(1.0),
+        Compositing::Accumulate { level } => Some(level),
+        _ => None,
+    }
+}
+
+/// What is asked of one ray.
+pub(crate) enum Want<'a> {
+    Transport(f64),
+    Pick(Compositing),
+    /// With further cuts.
+    Segments(&'a [f64]),
+}
+
+pub(crate) enum Answer {
+    Transport(Transport),
+    Pixel(Pixel),
+    Segments(Vec<RaySegment>),
+}
+
+struct Job<'a> {
+    solver: &'a Solver<'a>,
+    volume: &'a UniformVolume,
+    ray: &'a Ray,
+    index_ray: IndexRay,
+    want: Want<'a>,
+}
+
+impl SamplerVisitor for Job<'_> {
+    type Output = Answer;
+
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Answer {
+        let Self { solver: Solver { scene, .. }, volume, .. } = self;
+        let shading = scene.shading.as_deref();
+        let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(self.ray.direction))));
+        let at_sample = |index: [usize; 3]| volume.with_lattice(SampleGradient(index));
+        let source = match shading.map(|s| s.gradient) {
+            None => GradientSource::None,
+            Some(GradientMethod::Analytic) => GradientSource::Analytic,
+            Some(GradientMethod::CentralDifferences) => GradientSource::Samples(&at_sample),
+        };
+        let line = GridLine::new(volume, sampler, self.index_ray, source);
+        self.solver.answer(&line, &optics, self.want)
+    }
+}
+
+struct SampleGradient([usize; 3]);
+
+impl LatticeVisitor for SampleGradient {
+    type Output = [f64; 3];
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
+        gradient_at_sample(&lattice, self.0)
+    }
+}
+
+fn pick(line: &dyn LineField, optics: &Optics<'_>, compositing: Compositing) -> Pixel {
+    let picked = match compositing {
+        Compositing::First { threshold } => {
+            let first = picks::first(line, threshold);
+            let (rgba, certainty) = first.pixel(optics);
+            let depth = first.hit.map_or(f64::INFINITY, |h| h.s);
+            return Pixel { rgba, depth, certainty };
+        }
+        Compositing::Maximum => picks::extreme(line, 1.0),
+        Compositing::Minimum => picks::extreme(line, -1.0),
+        Compositing::Average => picks::average(line),
+        Compositing::Over | Compositing::Accumulate { .. } => unreachable!("integrated"),
+    };
+    picked.map_or(Pixel::EMPTY, |p| {
+        let (rgba, certainty) = p.pixel(optics.transfer);
+        Pixel { rgba, depth: p.s, certainty }
+    })
+}
