@@ -11,14 +11,16 @@ use vr_core::{Control, Renderer};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
+use vr_splat::Splatting;
 use vr_texslice::TexSlice;
 
 fn frames(c: &mut Criterion) {
     let control = Control::default();
-    let renderers: [(Box<dyn Renderer>, u32); 4] = [
+    let renderers: [(Box<dyn Renderer>, u32); 5] = [
         (Box::new(RayCaster::default()), 128),
         (Box::new(ShearWarp::default()), 128),
         (Box::new(TexSlice::default()), 128),
+        (Box::new(Splatting::default()), 128),
         (Box::new(Reference::default()), 32),
     ];
     for (renderer, pixels) in renderers {

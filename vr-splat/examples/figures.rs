@@ -104,7 +104,7 @@ fn overlap() -> Result<(), Box<dyn std::error::Error>> {
         let sheets = [4.0, 2.0, 1.0, 0.5, 0.25].map(|slice_distance| Splatting { slice_distance, ..base.clone() });
         for renderer in [one(Buffers::Samples), one(Buffers::Axis)].into_iter().chain(sheets) {
             let m = Metrics::of(&truth, draw(&renderer, &scene, &view)?.pixels());
-            row += &format!(" {:.1e} ({:+.1e}) |", m.rmse, m.mean);
+            row += &format!(" {:.1e} ({:+.1e}) |", m.rmse, m.bias);
         }
         println!("{row}");
     }

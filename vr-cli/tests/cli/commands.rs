@@ -77,6 +77,8 @@ fn help_and_version() {
         "slice-distance=",
         "Options of texslice",
         "proxy=",
+        "Options of splat",
+        "buffers=",
         "Options of physics",
     ] {
         assert!(help.contains(word), "no {word:?} in\n{help}");

@@ -36,7 +36,7 @@ fn every_renderer_draws_it_or_says_that_it_cannot() {
         vr.write("square.obj", square(0.0));
         vr.run(&format!("render --mesh square.obj --renderer {renderer} --size 24 --json"))
     };
-    for renderer in ["raycast", "texslice", "physics"] {
+    for renderer in ["raycast", "texslice", "splat", "physics"] {
         let json = run(renderer).succeeded().json();
         assert!(json["error"]["max"].as_f64().unwrap() < 1.0 / 255.0, "{renderer}: {json}");
     }

@@ -144,7 +144,8 @@ impl SplatModel {
             }
             tau += weight * optics[3];
         }
-        Self::term(light, tau.max(0.0))
+        // A sinc's sides may outweigh its middle: less than nothing sends nothing.
+        if tau < 0.0 { Self::term([0.0; 3], 0.0) } else { Self::term(light, tau) }
     }
 
     fn image_sheets(

@@ -235,7 +235,9 @@ pub(crate) fn whole<S: Simd>(
     match kernel {
         Met::Radial(table) => {
             let passing = Passing::new(simd, axes, block, at)?;
-            Some((passing.up_to(simd, table, to) - passing.up_to(simd, table, from)) / passing.speed)
+            // Nowhere negative; tables and rounding might be.
+            let section = passing.up_to(simd, table, to) - passing.up_to(simd, table, from);
+            Some(section.max(splat(simd, 0.0)) / passing.speed)
         }
         Met::Bilinear => {
             let crossing = Crossing::new(simd, axes, block, at);

@@ -293,7 +293,8 @@ impl Tile<'_> {
                 for sheet in first..=last {
                     let end = splat(simd, (sheet + 1) as f32 * painter.distance);
                     let after = passing.up_to(simd, table, end.max(near).min(far));
-                    let section = (after - before) * factor;
+                    // Radial kernels are nowhere negative; tables and rounding might be.
+                    let section = (after - before).max(splat(simd, 0.0)) * factor;
                     before = after;
                     let slot = (sheet & (painter.ring - 1)) as usize;
                     let at = (slot * BLOCKS + number) * channels;
@@ -472,9 +473,10 @@ impl Tile<'_> {
                 self.states[number].blend(simd, operator, light);
             }
             Content::Light(_) => {
-                let tau = self.sheets[at + 3].load(simd).max(zero);
-                let alpha = opacity_of_depth(simd, tau);
-                let share = share(simd, tau, alpha);
+                let tau = self.sheets[at + 3].load(simd);
+                let alpha = opacity_of_depth(simd, tau.max(zero));
+                // A sinc's sides may outweigh its middle: less than nothing sends nothing.
+                let share = pick(tau.simd_lt(zero), zero, share(simd, tau, alpha));
                 let [r, g, b] = [0, 1, 2].map(|c| self.sheets[at + c].0);
                 let light =
                     [Lanes(r).load(simd) * share, Lanes(g).load(simd) * share, Lanes(b).load(simd) * share, alpha];
@@ -546,9 +548,10 @@ impl Tile<'_> {
                 for x in covered.x[0]..=covered.x[1] {
                     let Some(number) = self.take(x, y) else { continue };
                     let Some(weight) = self.weight(simd, number, at) else { continue };
-                    let tau = (weight * kappa).max(splat(simd, 0.0));
-                    let alpha = opacity_of_depth(simd, tau);
-                    let share = share(simd, tau, alpha) * weight;
+                    let zero = splat(simd, 0.0);
+                    let tau = weight * kappa;
+                    let alpha = opacity_of_depth(simd, tau.max(zero));
+                    let share = pick(tau.simd_lt(zero), zero, share(simd, tau, alpha)) * weight;
                     self.states[number].blend(simd, self.painter.operator, [share * r, share * g, share * b, alpha]);
                     self.retire(simd, number);
                 }
