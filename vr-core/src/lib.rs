@@ -9,6 +9,9 @@
 //! * the transfer function turns a value into extinction κ and emission q, and a pixel is ∫ q e^(−τ) ds with α = 1 − e^(−τ)
 //!   along the ray through its centre, in premultiplied linear light and without the background.
 //!
+//! A volume may as well be scattered points ([`PointSet`]): the field is the sum of what their kernels spread, and vacuum is where no
+//! support reaches.
+//!
 //! # Example
 //! A homogeneous slab of four unit distances, along one ray:
 //! ```
@@ -52,6 +55,8 @@ pub mod optics;
 mod options;
 pub mod phantom;
 mod placement;
+mod point_field;
+mod point_index;
 mod point_kernel;
 mod point_set;
 mod probe;
@@ -86,6 +91,7 @@ pub use missing::VacuumCells;
 pub use model::{ContinuousModel, DiscreteModel, Medium, MediumBounds, Model, SegmentTerm};
 pub use options::{OptionKind, OptionSpec, OptionValue, Options, meaning_of, word_of};
 pub use placement::Placement;
+pub use point_field::{PointCrossing, PointCrossings};
 pub use point_kernel::PointKernel;
 pub use point_set::PointSet;
 pub use probe::{Probe, ProbedSample, ProbedStep};

@@ -1,8 +1,11 @@
 //! Scattered points: a volume without a grid.
 
+use std::sync::OnceLock;
+
 use glam::DVec3;
 
 use crate::error::PointError;
+use crate::point_index::PointIndex;
 use crate::point_kernel::PointKernel;
 
 /// Points that each carry a value, spread around them by a kernel.
@@ -18,6 +21,9 @@ pub struct PointSet {
     values: Vec<f32>,
     kernel: PointKernel,
     bounds: (DVec3, DVec3),
+    /// Made when first asked for, then kept.
+    index: OnceLock<PointIndex>,
+    range: OnceLock<(f64, f64)>,
 }
 
 /// Coordinates are smaller than this: their squares and cubes must be numbers.
@@ -62,7 +68,8 @@ impl PointSet {
         let low = (0..positions.len()).map(|k| positions[k] - reach(k)).reduce(DVec3::min);
         let high = (0..positions.len()).map(|k| positions[k] + reach(k)).reduce(DVec3::max);
         let bounds = (low.unwrap_or_default(), high.unwrap_or_default());
-        Ok(Self { positions, radii, weights, values, kernel, bounds })
+        let (index, range) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { positions, radii, weights, values, kernel, bounds, index, range })
     }
 
     /// How many there are; one at least.
@@ -100,13 +107,19 @@ impl PointSet {
         self.bounds
     }
 
-    /// Smallest and largest of what points add to the field at their own places, and 0.
-    pub fn value_range(&self) -> Option<(f64, f64)> {
-        let peak = self.kernel.at(0.0);
-        Some((0..self.count()).fold((0.0, 0.0), |(low, high): (f64, f64), k| {
-            let own = peak * self.amplitude(k);
-            (low.min(own), high.max(own))
-        }))
+    /// Where the supports are.
+    pub(crate) fn index(&self) -> &PointIndex {
+        self.index.get_or_init(|| PointIndex::new(&self.positions, &self.radii, self.bounds))
+    }
+
+    /// The range of the field, once it is known.
+    pub(crate) fn range(&self) -> &OnceLock<(f64, f64)> {
+        &self.range
+    }
+
+    /// Makes what queries of the field need beyond the points, so that the first frame does not pay for it.
+    pub fn warm(&self) {
+        self.index();
     }
 
     /// Half the mean radius: in smoothed particle hydrodynamics about the distance between points.

@@ -61,11 +61,11 @@ impl Volume {
         }
     }
 
-    /// Smallest and largest finite calibrated value; `None` if there is none.
+    /// Smallest and largest finite calibrated value, `None` if there is none; for points as in [`PointSet::value_range`].
     pub fn value_range(&self) -> Option<(f64, f64)> {
         match &*self.0 {
             Geometry::Uniform(u) => u.value_range(),
-            Geometry::Points(p) => p.value_range(),
+            Geometry::Points(p) => Some(p.value_range()),
         }
     }
 

@@ -8,20 +8,26 @@
 //! | `shells` | features a few hundredths wide: steps that are too long miss them |
 //! | `fog` | visible everywhere: skipping cannot pay |
 //! | `hydrogen` | smooth, with a large dynamic range |
+//!
+//! [`points_by_name`] has scattered points: [`POINT_NAMES`].
 
 mod blobs;
 mod fog;
 mod hydrogen;
 mod marschner_lobb;
+mod plummer;
+mod points;
 mod sample;
 mod shells;
 mod shepp_logan;
 mod split_mix;
+mod turbulence;
 
 pub use blobs::Blobs;
 pub use fog::Fog;
 pub use hydrogen::Hydrogen;
 pub use marschner_lobb::MarschnerLobb;
+pub use points::{POINT_NAMES, point_transfer, points_by_name};
 pub use sample::{Quantize, sample};
 pub use shells::Shells;
 pub use shepp_logan::SheppLogan;

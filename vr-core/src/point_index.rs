@@ -1,0 +1,195 @@
+//! Where the supports of scattered points are: a tree of boxes.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A balanced tree of boxes around supports.
+///
+/// A support is a point of four dimensions, its position and its radius; each node is cut in the middle of its points, across the longest
+/// of the four extents. So a few large supports among many small ones come into boxes of their own, and do not widen the others';
+/// whatever the distribution, there are ⌈log₂(n/8)⌉ levels. The tree depends on the points alone, not on the number of threads.
+#[derive(Clone, Debug)]
+pub(crate) struct PointIndex {
+    /// Points by leaf.
+    order: Vec<u32>,
+    /// Node j of level l is number 2ˡ + j; its children are 2j and 2j + 1 of the next level.
+    boxes: Vec<Bounds>,
+    levels: u32,
+    /// What positions are relative to: the middle of all.
+    middle: DVec3,
+    /// Half the extent of all.
+    reach: DVec3,
+}
+
+/// An axis-parallel box, relative to the middle of all.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Bounds {
+    const NOTHING: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+
+    fn join(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+}
+
+/// A straight line through the tree: relative to its middle, between two distances.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalLine {
+    /// Where it is at distance 0.
+    pub(crate) origin: DVec3,
+    /// Unit vector.
+    pub(crate) direction: DVec3,
+    /// Where it begins and ends.
+    pub(crate) ends: [f64; 2],
+}
+
+/// The largest number of points of a leaf.
+const LEAF: usize = 8;
+/// Nodes of fewer points are arranged by one thread.
+const ALONE: usize = 1 << 13;
+
+/// A support while the tree is made.
+#[derive(Clone, Copy)]
+struct Support {
+    /// Position, radius.
+    at: [f64; 4],
+    point: u32,
+}
+
+impl PointIndex {
+    /// The tree of points that there is one of at least, inside `bounds`.
+    pub(crate) fn new(positions: &[DVec3], radii: &[f32], (low, high): (DVec3, DVec3)) -> Self {
+        let middle = 0.5 * low + 0.5 * high;
+        let support = |k: usize| {
+            let [x, y, z] = (positions[k] - middle).to_array();
+            Support { at: [x, y, z, f64::from(radii[k])], point: k as u32 }
+        };
+        let mut supports: Vec<Support> = (0..positions.len()).into_par_iter().map(support).collect();
+        let count = supports.len();
+        let levels = count.div_ceil(LEAF).next_power_of_two().trailing_zeros();
+        arrange(&mut supports, count, levels, 0, 0);
+
+        let leaves = 1usize << levels;
+        let mut boxes = vec![Bounds::NOTHING; 2 * leaves];
+        let around = |leaf: usize| {
+            let in_leaf = &supports[first(count, levels, leaf)..first(count, levels, leaf + 1)];
+            in_leaf.iter().fold(Bounds::NOTHING, |b, s| {
+                let [x, y, z, radius] = s.at;
+                let (at, radius) = (DVec3::new(x, y, z), DVec3::splat(radius));
+                b.join(Bounds { low: at - radius, high: at + radius })
+            })
+        };
+        boxes[leaves..].par_iter_mut().enumerate().for_each(|(leaf, b)| *b = around(leaf));
+        for node in (1..leaves).rev() {
+            boxes[node] = boxes[2 * node].join(boxes[2 * node + 1]);
+        }
+        let order = supports.into_iter().map(|s| s.point).collect();
+        Self { order, boxes, levels, middle, reach: 0.5 * (high - low) }
+    }
+
+    /// What positions are relative to.
+    pub(crate) fn middle(&self) -> DVec3 {
+        self.middle
+    }
+
+    /// What a coordinate of about this size may be off by, generously.
+    fn slack(&self, at: DVec3) -> f64 {
+        16.0 * f64::EPSILON * (self.reach.max_element() + at.abs().max_element())
+    }
+
+    /// Every point whose box holds a position, relative to the middle, and a few others.
+    pub(crate) fn each_around(&self, at: DVec3, visit: impl FnMut(usize)) {
+        let slack = DVec3::splat(self.slack(at));
+        let (low, high) = (at - slack, at + slack);
+        self.each(|b| b.low.cmple(high).all() && b.high.cmpge(low).all(), visit);
+    }
+
+    /// Every point whose box a line meets, and a few others.
+    pub(crate) fn each_along(&self, line: &LocalLine, visit: impl FnMut(usize)) {
+        let slack = DVec3::splat(self.slack(line.origin));
+        let rate = line.direction.recip();
+        let parallel = line.direction.cmpeq(DVec3::ZERO);
+        let meets = |b: &Bounds| {
+            let (low, high) = (b.low - slack - line.origin, b.high + slack - line.origin);
+            let (a, c) = (low * rate, high * rate);
+            let [mut start, mut end] = line.ends;
+            for axis in 0..3 {
+                if !parallel.test(axis) {
+                    start = start.max(a[axis].min(c[axis]));
+                    end = end.min(a[axis].max(c[axis]));
+                } else if low[axis] > 0.0 || high[axis] < 0.0 {
+                    return false;
+                }
+            }
+            start <= end + slack.x
+        };
+        self.each(meets, visit);
+    }
+
+    /// Visits the points of every leaf that can be reached through boxes that are `wanted`.
+    fn each(&self, wanted: impl Fn(&Bounds) -> bool, mut visit: impl FnMut(usize)) {
+        let leaves = 1usize << self.levels;
+        // At most one waits at each level.
+        let mut waiting = [0usize; 33];
+        let (mut depth, mut node) = (0, 1);
+        loop {
+            if wanted(&self.boxes[node]) {
+                if node < leaves {
+                    waiting[depth] = 2 * node + 1;
+                    depth += 1;
+                    node *= 2;
+                    continue;
+                }
+                let (count, leaf) = (self.order.len(), node - leaves);
+                for &point in &self.order[first(count, self.levels, leaf)..first(count, self.levels, leaf + 1)] {
+                    visit(point as usize);
+                }
+            }
+            if depth == 0 {
+                return;
+            }
+            depth -= 1;
+            node = waiting[depth];
+        }
+    }
+}
+
+/// The first point of a leaf: all have the same number of them, give or take one.
+fn first(count: usize, levels: u32, leaf: usize) -> usize {
+    (count as u64 * leaf as u64 >> levels) as usize
+}
+
+/// Brings the points of the node `node` of level `level` into the order of its leaves.
+fn arrange(supports: &mut [Support], count: usize, levels: u32, level: u32, node: usize) {
+    if level == levels {
+        return;
+    }
+    let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+    for s in &*supports {
+        for a in 0..4 {
+            low[a] = low[a].min(s.at[a]);
+            high[a] = high[a].max(s.at[a]);
+        }
+    }
+    let extent = |a: &usize| high[*a] - low[*a];
+    let axis = (0..4).max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
+    let leaf = |node: usize, level: u32| node << (levels - level);
+    let begin = first(count, levels, leaf(node, level));
+    let half = first(count, levels, leaf(2 * node + 1, level + 1)) - begin;
+    if half < supports.len() {
+        supports.select_nth_unstable_by(half, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.point.cmp(&b.point)));
+    }
+    let alone = supports.len() < ALONE;
+    let (left, right) = supports.split_at_mut(half);
+    let go = |part, child| arrange(part, count, levels, level + 1, child);
+    if alone {
+        go(left, 2 * node);
+        go(right, 2 * node + 1);
+    } else {
+        rayon::join(|| go(left, 2 * node), || go(right, 2 * node + 1));
+    }
+}
