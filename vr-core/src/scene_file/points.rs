@@ -79,8 +79,8 @@ impl VolumeSection {
         })
     }
 
-    /// The first key that only scattered points have; `None` where there is none.
-    pub fn key_of_points(&self) -> Option<&'static str> {
+    /// The keys set that only scattered points have.
+    pub fn keys_of_points(&self) -> impl Iterator<Item = &'static str> {
         let keys = [
             ("volume.kernel", self.kernel.is_some()),
             ("volume.radius", self.radius.is_some()),
@@ -89,7 +89,7 @@ impl VolumeSection {
             ("volume.columns", self.columns.is_some()),
             ("volume.count", self.count.is_some()),
         ];
-        keys.into_iter().find(|key| key.1).map(|key| key.0)
+        keys.into_iter().filter(|key| key.1).map(|key| key.0)
     }
 }
 

@@ -33,11 +33,13 @@ pub(super) fn assemble(table: Table, options: &PointOptions, notes: &mut Vec<Str
     if positions.is_empty() {
         return Err(vr_core::PointError::Empty.into());
     }
-    let all = |column: &Column, what: &str, allowed: &str, right: fn(f64) -> bool| {
-        match column.numbers.iter().position(|&x| !right(x)) {
-            None => Ok(()),
-            Some(k) => Err(Trouble::new(place(k, &format!("{what} '{}'", column.name)), column.numbers[k], allowed)),
-        }
+    let all = |column: &Column, what: &str, allowed: &str, right: fn(f64) -> bool| match column
+        .numbers
+        .iter()
+        .position(|&x| !right(x))
+    {
+        None => Ok(()),
+        Some(k) => Err(Trouble::new(place(k, &format!("{what} '{}'", column.name)), show(column.numbers[k]), allowed)),
     };
     let length = (|x: f64| x > 1e-30 && x < 1e30, "must be positive, between 1e-30 and 1e30");
     let finite = (|x: f64| (x as f32).is_finite(), "must be finite, and below 3.4e38");
@@ -53,14 +55,15 @@ pub(super) fn assemble(table: Table, options: &PointOptions, notes: &mut Vec<Str
         }
     }
 
-    let volumes: Option<Vec<f64>> = mass.as_ref().zip(density.as_ref()).map(|(m, rho)| {
-        m.numbers.iter().zip(&rho.numbers).map(|(m, rho)| m / rho).collect()
-    });
+    let volumes: Option<Vec<f64>> = mass
+        .as_ref()
+        .zip(density.as_ref())
+        .map(|(m, rho)| m.numbers.iter().zip(&rho.numbers).map(|(m, rho)| m / rho).collect());
     let radii = radii(&positions, (radius.as_ref(), smoothing.as_ref()), volumes.as_deref(), options, notes)?;
     let scale = options.radius_scale.unwrap_or(1.0);
     let scaled: Vec<f64> = radii.iter().map(|r| r * scale).collect();
     if let Some(k) = scaled.iter().position(|&r| !length.0(r)) {
-        return Err(Trouble::new(place(k, "radius"), scaled[k], length.1));
+        return Err(Trouble::new(place(k, "radius"), show(scaled[k]), length.1));
     }
 
     let own_volumes = || radii.iter().map(|r| (r / (REACH * ETA)).powi(3)).collect();
@@ -90,12 +93,17 @@ pub(super) fn assemble(table: Table, options: &PointOptions, notes: &mut Vec<Str
     let single = |numbers: Vec<f64>, what: &str| -> Result<Vec<f32>, Trouble> {
         match numbers.iter().position(|&x| !(x as f32).is_finite()) {
             None => Ok(numbers.into_iter().map(|x| x as f32).collect()),
-            Some(k) => Err(Trouble::new(place(k, what), numbers[k], finite.1)),
+            Some(k) => Err(Trouble::new(place(k, what), show(numbers[k]), finite.1)),
         }
     };
     let (weights, values) = (single(weights, "weight")?, single(values, "value")?);
     let radii = single(scaled, "radius")?;
     Ok(PointSet::new(positions, radii, weights, values, options.kernel)?)
+}
+
+/// With an exponent where there would be many zeros.
+fn show(number: f64) -> String {
+    format!("{number:?}")
 }
 
 /// A radius each, not scaled yet: the user's, the file's, that of the smoothing length, of mass and density, or of the neighbours.
@@ -122,7 +130,8 @@ fn radii(
     }
     let count = positions.len();
     let k = NEIGHBOURS.min(count - 1);
-    let advice = "the file tells no radii, and they cannot be guessed from the neighbours: give one, or a column of them";
+    let advice =
+        "the file tells no radii, and they cannot be guessed from the neighbours: give one, or a column of them";
     if k == 0 {
         return Err(Trouble::new("radius", "one point alone", advice));
     }
@@ -197,7 +206,7 @@ mod tests {
     fn nonsense_is_named() {
         let of = |columns| three(columns, &PointOptions::default()).unwrap_err();
         let error = of(Roles { smoothing: column("h", &[1.0, 0.0, 1.0]), ..Roles::default() });
-        assert_eq!(error, "x: point 1, smoothing length 'h': found 0; must be positive, between 1e-30 and 1e30");
+        assert_eq!(error, "x: point 1, smoothing length 'h': found 0.0; must be positive, between 1e-30 and 1e30");
         for bad in [-1.0, f64::NAN, f64::INFINITY, 1e30] {
             let error = of(Roles { radius: column("R", &[1.0, 1.0, bad]), ..Roles::default() });
             assert!(error.contains("point 2, radius 'R'"), "{error}");

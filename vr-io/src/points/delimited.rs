@@ -3,6 +3,7 @@
 use csv::{ReaderBuilder, StringRecord, Trim};
 use glam::DVec3;
 
+use crate::error::shown;
 use crate::scalar::{Endian, ScalarType};
 
 use super::error::Trouble;
@@ -54,7 +55,8 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
         lines.push(row.line);
     }
     let mut columns = columns.into_iter();
-    let column = |c: usize| Ok::<_, Trouble>(Column { name: names[c].clone(), numbers: columns.next().unwrap_or_default() });
+    let column =
+        |c: usize| Ok::<_, Trouble>(Column { name: names[c].clone(), numbers: columns.next().unwrap_or_default() });
     let columns = roles.try_map(column)?;
     Ok(Found {
         table: Table { positions: points, columns, lines },
@@ -74,7 +76,8 @@ fn is_comment(line: &str) -> bool {
 /// The words of a line.
 fn words(line: &str, delimiter: Delimiter) -> Result<Vec<String>, Trouble> {
     let row = delimiter.rows(line).next().transpose()?;
-    Ok(row.map_or_else(Vec::new, |row| row.words.iter().map(str::to_owned).collect()))
+    // Fit for a line, as all that messages may quote.
+    Ok(row.map_or_else(Vec::new, |row| row.words.iter().map(shown).collect()))
 }
 
 /// The names of the columns, and how many rows they take: one where the first row is no numbers, and none where a comment before it names
@@ -134,7 +137,7 @@ impl Delimiter {
                     .flexible(true)
                     .trim(Trim::All)
                     .from_reader(text.as_bytes());
-                let rows = reader.into_records().map(Row::new);
+                let rows = reader.into_records().map(|record| Row::new(record, text));
                 // Lines of delimiters alone, and comments that do not begin with their line.
                 let holds_words = |words: &StringRecord| words.iter().any(|w| !w.is_empty());
                 let is_comment = |words: &StringRecord| words.get(0).is_some_and(is_comment);
@@ -155,8 +158,13 @@ struct Row<'a> {
 }
 
 impl Row<'static> {
-    fn new(record: csv::Result<StringRecord>) -> Result<Self, Trouble> {
-        let line = |position: Option<&csv::Position>| position.map_or(0, csv::Position::line);
+    fn new(record: csv::Result<StringRecord>, text: &str) -> Result<Self, Trouble> {
+        // The library tells where it began to look for the record: lines without one may come first.
+        let line = |position: Option<&csv::Position>| {
+            let (before, line) = position.map_or((0, 1), |p| (p.byte() as usize, p.line()));
+            let rest = text.get(before..).unwrap_or_default();
+            line + rest.lines().take_while(|line| line.trim().is_empty() || line.starts_with('#')).count() as u64
+        };
         match record {
             Ok(words) => Ok(Self { line: line(words.position()), words, names: &[] }),
             Err(e) => Err(Trouble::new(format!("line {}", line(e.position())), e, "must be a line of numbers")),

@@ -29,8 +29,7 @@ use error::Trouble;
 use roles::Roles;
 
 /// The formats that are read, as messages list them.
-const SUPPORTED: &str =
-    "CSV and TSV, VTK PolyData and UnstructuredGrid (.vtp, .vtu, .vtk), NumPy (.npy, N x 3) and, with the feature hdf5, Gadget and Phantom HDF5";
+const SUPPORTED: &str = "CSV and TSV, VTK PolyData and UnstructuredGrid (.vtp, .vtu, .vtk), NumPy (.npy, N x 3) and, with the feature hdf5, Gadget and Phantom HDF5";
 
 /// How to read points. `PointOptions::default()` is right where columns have the usual names.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -54,9 +54,9 @@ fn split(points: &mut [(Position, usize)], axes: &mut [u8]) {
         return;
     }
     let extent = |axis: usize| {
-        let ends = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (p, _)| {
-            (low.min(p[axis]), high.max(p[axis]))
-        });
+        let ends = points
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (p, _)| (low.min(p[axis]), high.max(p[axis])));
         ends.1 - ends.0
     };
     let extents = [extent(0), extent(1), extent(2)];

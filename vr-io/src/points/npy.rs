@@ -14,7 +14,8 @@ pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 
 pub(super) fn read(bytes: &[u8]) -> Result<Found, Trouble> {
     let cut = || Trouble::new("header", format!("{} bytes", bytes.len()), "the header must be whole");
-    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| Trouble::new("begin", "something else", "must be \\x93NUMPY"))?;
+    let rest =
+        bytes.strip_prefix(MAGIC).ok_or_else(|| Trouble::new("begin", "something else", "must be \\x93NUMPY"))?;
     let (version, rest) = rest.split_first_chunk::<2>().ok_or_else(cut)?;
     let (length, rest) = match version[0] {
         1 => rest.split_first_chunk().map(|(n, rest)| (usize::from(u16::from_le_bytes(*n)), rest)),
@@ -93,7 +94,7 @@ fn element(descr: &str) -> Result<(ScalarType, Endian), Trouble> {
         "u4" => ScalarType::U32,
         "i8" => ScalarType::I64,
         "u8" => ScalarType::U64,
-        _ => return Err(Trouble::new("descr", format!("'{descr}'"), "must be a real number type: f4, f8, i1 … u8")),
+        _ => return Err(Trouble::new("descr", descr, "must be a real number type: f4, f8, i1 … u8")),
     };
     Ok((scalar, endian))
 }
@@ -109,9 +110,7 @@ mod tests {
     }
 
     fn found(bytes: &[u8]) -> Result<Vec<DVec3>, String> {
-        read(bytes)
-            .map(|f| f.table.positions)
-            .map_err(|e| e.in_file(std::path::Path::new("x.npy")).to_string())
+        read(bytes).map(|f| f.table.positions).map_err(|e| e.in_file(std::path::Path::new("x.npy")).to_string())
     }
 
     #[test]
@@ -131,7 +130,7 @@ mod tests {
             (file("<f4", "False", "(99999999999999999999, 3)", &[]), "shape"),
             (file("<f8", "False", "(18446744073709551615, 3)", &[]), "claim 4427218577690292387"),
             (file("<f4", "False", "(4, 4)", &[0; 64]), "shape: found 4, 4; must be (N, 3)"),
-            (file("<c8", "False", "(1, 3)", &[0; 24]), "descr: found '<c8'"),
+            (file("<c8", "False", "(1, 3)", &[0; 24]), "descr: found <c8"),
             (file("<f4", "Maybe", "(1, 3)", &[0; 12]), "fortran_order"),
             (MAGIC.to_vec(), "header must be whole"),
             (file("<f4", "False", "(2, 3)", &[0; 24])[..40].to_vec(), "header must be whole"),

@@ -22,7 +22,8 @@ const SMOOTHING: &[&str] = &["smoothinglength", "smoothinglengths", "hsml", "smo
 const MASS: &[&str] = &["mass", "masses", "particlemass", "m"];
 const DENSITY: &[&str] = &["density", "densities", "rho"];
 const WEIGHT: &[&str] = &["weight", "weights"];
-const VALUE: &[&str] = &["value", "values", "scalar", "scalars", "temperature", "internalenergy", "pressure", "intensity"];
+const VALUE: &[&str] =
+    &["value", "values", "scalar", "scalars", "temperature", "internalenergy", "pressure", "intensity"];
 
 /// The value of this name is 1 at every point.
 pub(super) const ONE: &str = "1";
@@ -85,7 +86,7 @@ pub(super) fn positions(names: &[String], options: &PointOptions) -> Result<[usi
             Some(name) => named(names, name).ok_or_else(|| missing(&format!("position ({field})"), name, names))?,
             None => names.iter().position(|n| is_coordinate(&plain(n), axis)).ok_or_else(|| {
                 let allowed = "positions need columns x, y and z, or px, py, pz, …, or three that options name";
-                FieldError::new(format!("column {field}"), listed(names), allowed)
+                FieldError::new(format!("column {field}"), names.join(", "), allowed)
             })?,
         };
     }
@@ -103,7 +104,15 @@ fn is_coordinate(plain: &str, axis: usize) -> bool {
     let is_word = |word: &str| {
         matches!(
             word,
-            "p" | "pos" | "position" | "positions" | "coord" | "coords" | "coordinate" | "coordinates" | "point" | "points"
+            "p" | "pos"
+                | "position"
+                | "positions"
+                | "coord"
+                | "coords"
+                | "coordinate"
+                | "coordinates"
+                | "point"
+                | "points"
         )
     };
     plain == letter
@@ -131,7 +140,7 @@ fn usual(names: &[String], usually: &[&str]) -> Option<usize> {
 }
 
 fn missing(field: &str, name: &str, names: &[String]) -> FieldError {
-    FieldError::new(field, format!("'{name}'"), format!("must be one of {}", listed(names)))
+    FieldError::new(field, name, format!("must be one of {}", listed(names)))
 }
 
 fn listed(names: &[String]) -> String {
@@ -157,7 +166,14 @@ mod tests {
 
     #[test]
     fn coordinates_have_many_names() {
-        for text in ["x y z", "PX PY PZ", "Points:0 Points:1 Points:2", "pos_x pos_y pos_z", "x[mm] y[mm] z[mm]", "XPos YPos ZPos"] {
+        for text in [
+            "x y z",
+            "PX PY PZ",
+            "Points:0 Points:1 Points:2",
+            "pos_x pos_y pos_z",
+            "x[mm] y[mm] z[mm]",
+            "XPos YPos ZPos",
+        ] {
             assert!(name_positions(&names(text)), "{text}");
             assert_eq!(positions(&names(text), &PointOptions::default()).unwrap(), [0, 1, 2]);
         }
@@ -189,6 +205,6 @@ mod tests {
         assert_eq!(Roles::choose(&names("value w"), &options).unwrap().value, None);
         options.value = Some("vorticity".to_owned());
         let error = Roles::choose(&names("value w"), &options).unwrap_err();
-        assert_eq!((error.field.as_str(), error.found.as_str()), ("value", "'vorticity'"));
+        assert_eq!((error.field.as_str(), error.found.as_str()), ("value", "vorticity"));
     }
 }

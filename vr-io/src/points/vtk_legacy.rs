@@ -27,7 +27,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
     scan.binary = match form.as_deref().map(str::to_ascii_uppercase).as_deref() {
         Some("ASCII") => false,
         Some("BINARY") => true,
-        other => return Err(Trouble::new(place, shown(other.unwrap_or_default()), "must be ASCII or BINARY")),
+        other => return Err(Trouble::new(place, other.unwrap_or_default(), "must be ASCII or BINARY")),
     };
     let mut content = Content::default();
     while let Some(line) = scan.line() {
@@ -88,7 +88,7 @@ impl Content {
     fn section(&mut self, line: &str, scan: &mut Scan<'_>) -> Result<(), Trouble> {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         let place = scan.place();
-        let wrong = |allowed: &str| Trouble::new(place.clone(), shown(line), allowed);
+        let wrong = |allowed: &str| Trouble::new(place.clone(), line, allowed);
         let word = |i: usize| words.get(i).copied().ok_or_else(|| wrong("this line must say more"));
         let size = |i: usize| word(i)?.parse::<usize>().map_err(|_| wrong("must hold a whole number"));
         let keyword = word(0)?.to_ascii_uppercase();
@@ -112,7 +112,8 @@ impl Content {
                         let connectivity = scan.line().unwrap_or_default();
                         let scalar = connectivity.strip_prefix("CONNECTIVITY").map(str::trim);
                         let place = scan.place();
-                        let scalar = scalar.ok_or_else(|| Trouble::new(place, shown(&connectivity), "must be CONNECTIVITY"))?;
+                        let scalar =
+                            scalar.ok_or_else(|| Trouble::new(place, &connectivity, "must be CONNECTIVITY"))?;
                         scan.array("CONNECTIVITY", scalar, size)?;
                         self.cells += count.saturating_sub(1);
                     }
@@ -156,7 +157,11 @@ impl Content {
                 }
             }
             "METADATA" => scan.skip_paragraph(),
-            _ => return Err(wrong("a section begins here, with a word like POINTS, CELLS, POINT_DATA, SCALARS or FIELD")),
+            _ => {
+                return Err(wrong(
+                    "a section begins here, with a word like POINTS, CELLS, POINT_DATA, SCALARS or FIELD",
+                ));
+            }
         }
         Ok(())
     }
@@ -187,7 +192,7 @@ impl Content {
             _ => None,
         };
         let allowed = "an array of a field: its name, components, tuples and type";
-        let (name, scalar, numbers) = parsed.ok_or_else(|| Trouble::new(place, shown(&line), allowed))?;
+        let (name, scalar, numbers) = parsed.ok_or_else(|| Trouble::new(place, &line, allowed))?;
         let array = scan.array(name, scalar, numbers)?;
         self.keep(array);
         Ok(())
@@ -227,7 +232,11 @@ impl Scan<'_> {
 
     /// Where that line was: its number in text, the byte after it in binary files.
     fn place(&self) -> String {
-        if self.binary { format!("byte {}", self.at) } else { format!("line {}", self.line_of(self.at.saturating_sub(1))) }
+        if self.binary {
+            format!("byte {}", self.at)
+        } else {
+            format!("line {}", self.line_of(self.at.saturating_sub(1)))
+        }
     }
 
     fn line_of(&self, at: usize) -> usize {
@@ -250,7 +259,7 @@ impl Scan<'_> {
         let place = self.place();
         let packed = scalar.eq_ignore_ascii_case("bit");
         let scalar = type_of(scalar).ok_or_else(|| {
-            Trouble::new(&*place, shown(scalar), "must be a type of numbers, like float, double, int or vtktypeint64")
+            Trouble::new(&*place, scalar, "must be a type of numbers, like float, double, int or vtktypeint64")
         })?;
         let begin = self.at;
         let end = if self.binary {
@@ -261,10 +270,14 @@ impl Scan<'_> {
         };
         let short = || {
             let found = format!("{} bytes left", self.bytes.len() - begin);
-            Trouble::new(format!("array {}", shown(name)), found, format!("{numbers} numbers of {scalar} are to follow"))
+            Trouble::new(
+                format!("array {}", shown(name)),
+                found,
+                format!("{numbers} numbers of {scalar} are to follow"),
+            )
         };
         self.at = end.ok_or_else(short)?;
-        Ok(Array { name: unescaped(name), scalar, numbers, at: begin..self.at })
+        Ok(Array { name: shown(&unescaped(name)), scalar, numbers, at: begin..self.at })
     }
 
     /// Where so many words end.
@@ -288,8 +301,8 @@ impl Scan<'_> {
             .map(|word| {
                 number(word).ok_or_else(|| {
                     let at = array.at.start + word.as_ptr().addr() - bytes.as_ptr().addr();
-                    let place = format!("line {}, array {}", self.line_of(at), shown(&array.name));
-                    Trouble::new(place, shown(&String::from_utf8_lossy(word)), "must be a number")
+                    let place = format!("line {}, array {}", self.line_of(at), array.name);
+                    Trouble::new(place, String::from_utf8_lossy(word), "must be a number")
                 })
             })
             .collect()

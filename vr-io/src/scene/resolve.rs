@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use glam::DVec3;
-use vr_core::phantom::TRANSFER_UNIT_DISTANCE;
 use vr_core::scene_file::{ColorEncoding, SceneFile, TransferSection};
 use vr_core::transfer::{Preset, srgb_to_linear};
-use vr_core::{ControlPoint, Options, ParameterError, Scene, TriangleMesh, View, Volume};
+use vr_core::{ControlPoint, Geometry, Options, ParameterError, Scene, TriangleMesh, View, Volume};
 
 use crate::framing::{OBLIQUE, framing};
 use crate::mesh::read_mesh;
@@ -72,17 +71,21 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
     notes.extend(found.notes);
 
     let mut file = file.clone();
-    let points = match (&mut file.transfer, found.points) {
+    let points = match (&mut file.transfer, found.transfer) {
         // A phantom brings its own, made for one unit distance.
-        (transfer, Some(points)) if transfer.as_ref().is_none_or(names_no_points) => {
-            transfer.get_or_insert_default().unit_distance.get_or_insert(TRANSFER_UNIT_DISTANCE);
+        (transfer, Some((points, unit_distance))) if transfer.as_ref().is_none_or(names_no_points) => {
+            transfer.get_or_insert_default().unit_distance.get_or_insert(unit_distance);
             points
         }
         (transfer, _) => {
             let transfer = transfer.get_or_insert_default();
             let points = points(transfer, &found.volume, folder, in_file, &mut notes)?;
             if transfer.unit_distance.is_none() {
-                notes.push(format!("unit_distance is the mean spacing, {:.6}", found.volume.mean_spacing()));
+                let what = match found.volume.geometry() {
+                    Geometry::Points(_) => "half the mean radius",
+                    _ => "the mean spacing",
+                };
+                notes.push(format!("unit_distance is {what}, {:.6}", found.volume.mean_spacing()));
             }
             points
         }

@@ -21,8 +21,8 @@ pub struct LoadedVolume {
     pub volume: Volume,
     /// What its file said, where there is one.
     pub info: Option<FileInfo>,
-    /// A phantom's own transfer function, for a unit distance of [`phantom::TRANSFER_UNIT_DISTANCE`].
-    pub points: Option<Vec<ControlPoint>>,
+    /// A phantom's own transfer function, and the unit distance in world units that it is for.
+    pub transfer: Option<(Vec<ControlPoint>, f64)>,
     /// What was assumed, one line each.
     pub notes: Vec<String>,
 }
@@ -35,7 +35,7 @@ pub struct LoadedVolume {
 pub fn load_volume(section: &VolumeSection, path: &Path) -> Result<LoadedVolume, SceneFileError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let in_file = |source| SceneFileError::Parameter { path: path.into(), source };
-    let inline = |volume: Volume| LoadedVolume { volume, info: None, points: None, notes: Vec::new() };
+    let inline = |volume: Volume| LoadedVolume { volume, info: None, transfer: None, notes: Vec::new() };
     let loaded = match (&section.path, &section.phantom, &section.data, &section.points) {
         (Some(name), None, None, None) => from_file(section, &folder.join(name), in_file)?,
         (None, Some(name), None, None) => of_phantom(section, name).map_err(in_file)?,
@@ -84,16 +84,20 @@ fn from_file(
     if section.transform.is_some() && !loaded.info.format.starts_with("NIfTI") {
         return Err(in_file(wrong("volume.transform", loaded.info.format, "only NIfTI files have a choice")));
     }
-    Ok(LoadedVolume { volume: loaded.volume, info: Some(loaded.info), points: None, notes: loaded.notes })
+    Ok(LoadedVolume { volume: loaded.volume, info: Some(loaded.info), transfer: None, notes: loaded.notes })
 }
 
 fn of_phantom(section: &VolumeSection, name: &str) -> Result<LoadedVolume, ParameterError> {
+    if phantom::POINT_NAMES.contains(&name) {
+        return phantom_of_points(section, name);
+    }
     let phantom = phantom::by_name(name).ok_or_else(|| {
-        let near = nearest(name, phantom::NAMES).map_or_else(String::new, |n| format!(" (did you mean '{n}'?)"));
+        let known = [phantom::NAMES, phantom::POINT_NAMES].concat();
+        let near = nearest(name, &known).map_or_else(String::new, |n| format!(" (did you mean '{n}'?)"));
         wrong(
             "volume.phantom",
             &format!("'{name}'{near}"),
-            "must be marschner-lobb, shepp-logan, blobs, shells, fog or hydrogen",
+            "must be marschner-lobb, shepp-logan, blobs, shells, fog or hydrogen, or, of points, plummer or turbulence",
         )
     })?;
     let size = section.size.unwrap_or(PHANTOM_SIZE);
@@ -103,8 +107,19 @@ fn of_phantom(section: &VolumeSection, name: &str) -> Result<LoadedVolume, Param
     }
     let grid = phantom::sample::<f32>(phantom.as_ref(), [size; 3])
         .map_err(|e| wrong("volume.size", &e.to_string(), allowed))?;
-    let points = Some(phantom.transfer_points());
-    Ok(LoadedVolume { volume: grid.into(), info: None, points, notes: Vec::new() })
+    let transfer = Some((phantom.transfer_points(), phantom::TRANSFER_UNIT_DISTANCE));
+    Ok(LoadedVolume { volume: grid.into(), info: None, transfer, notes: Vec::new() })
+}
+
+fn phantom_of_points(section: &VolumeSection, name: &str) -> Result<LoadedVolume, ParameterError> {
+    if let Some(size) = section.size {
+        return Err(wrong("volume.size", &size.to_string(), "this phantom is made of points: it has a count"));
+    }
+    let count = section.count.unwrap_or(PHANTOM_POINTS);
+    let points = phantom::points_by_name(name, count).filter(|_| PHANTOM_COUNTS.contains(&count));
+    let points = points.ok_or_else(|| wrong("volume.count", &count.to_string(), "must be 1 to 100000000"))?;
+    let transfer = phantom::point_transfer(name);
+    Ok(LoadedVolume { volume: points.into(), info: None, transfer, notes: Vec::new() })
 }
 
 /// Refuses keys that say nothing about a volume of this kind, or from this place.
@@ -112,14 +127,26 @@ fn check_keys(section: &VolumeSection, volume: &Volume) -> Result<(), ParameterE
     match volume.geometry() {
         Geometry::Points(_) => {
             if section.filter != Filter::default() {
-                return Err(wrong("volume.filter", section.filter.name(), "only grids have a filter; points have a kernel"));
+                return Err(wrong(
+                    "volume.filter",
+                    section.filter.name(),
+                    "only grids have a filter; points have a kernel",
+                ));
             }
-            // Those of files alone; a kernel suits inline points, too.
-            let key = section.key_of_points().filter(|&key| section.path.is_none() && key != "volume.kernel");
-            key.map_or(Ok(()), |key| Err(wrong(key, "one", "only points from files have one")))
+            let key = section.keys_of_points().find(|&key| match key {
+                "volume.count" => section.phantom.is_none(),
+                "volume.kernel" => section.phantom.is_some(),
+                _ => section.path.is_none(),
+            });
+            match key {
+                Some("volume.count") => Err(wrong("volume.count", "one", "only phantoms have one")),
+                Some("volume.kernel") => Err(wrong("volume.kernel", "one", "a phantom has its own")),
+                Some(key) => Err(wrong(key, "one", "only points from files have one")),
+                None => Ok(()),
+            }
         }
         _ => {
-            let key = section.key_of_points();
+            let key = section.keys_of_points().next();
             key.map_or(Ok(()), |key| Err(wrong(key, "one", "only scattered points have one; this is a grid")))
         }
     }
@@ -129,6 +156,11 @@ fn check_keys(section: &VolumeSection, volume: &Volume) -> Result<(), ParameterE
 const PHANTOM_SIZE: usize = 64;
 /// The sizes that a phantom may have; the largest takes 32 GiB.
 const PHANTOM_SIZES: std::ops::RangeInclusive<usize> = 2..=2048;
+
+/// Points of a phantom of which no count is given.
+const PHANTOM_POINTS: usize = 10_000;
+/// The counts that a phantom of points may have; the largest takes some 4 GiB.
+const PHANTOM_COUNTS: std::ops::RangeInclusive<usize> = 1..=100_000_000;
 
 /// The description of a raw file: dims and type from the section or, where it has none, from the file's name. `None` where
 /// the section describes nothing, so that the file must.
@@ -171,4 +203,3 @@ fn raw_description(section: &VolumeSection, path: &Path) -> Result<Option<RawDes
         ..plain
     }))
 }
-

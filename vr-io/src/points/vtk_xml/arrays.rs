@@ -32,7 +32,7 @@ enum Compressor {
 
 impl Coding {
     pub fn of(root: Node<'_, '_>) -> Result<Self, Trouble> {
-        let wrong = |place: &str, found: &str, allowed| Err(Trouble::new(format!("VTKFile {place}"), shown(found), allowed));
+        let wrong = |place: &str, found: &str, allowed| Err(Trouble::new(format!("VTKFile {place}"), found, allowed));
         let endian = match root.attribute("byte_order") {
             None | Some("LittleEndian") => Endian::Little,
             Some("BigEndian") => Endian::Big,
@@ -47,7 +47,9 @@ impl Coding {
             None | Some("") => None,
             Some("vtkZLibDataCompressor") => Some(Compressor::Zlib),
             Some("vtkLZ4DataCompressor") => Some(Compressor::Lz4),
-            Some(other) => return wrong("compressor", other, "vtkZLibDataCompressor and vtkLZ4DataCompressor are read"),
+            Some(other) => {
+                return wrong("compressor", other, "vtkZLibDataCompressor and vtkLZ4DataCompressor are read");
+            }
         };
         Ok(Self { endian, header, compressor })
     }
@@ -95,11 +97,12 @@ pub(super) struct DataArray<'d, 't> {
 
 impl<'d, 't> DataArray<'d, 't> {
     pub fn new(node: Node<'d, 't>) -> Result<Self, Trouble> {
-        let name = format!("array '{}'", shown(node.attribute("Name").unwrap_or("Points")));
+        let name = format!("array {}", shown(node.attribute("Name").unwrap_or("Points")));
         let scalar = node.attribute("type").unwrap_or_default();
         // Float32, UInt8, …
-        let known = ScalarType::from_name(&scalar.to_ascii_lowercase()).filter(|_| scalar.ends_with(|c: char| c.is_ascii_digit()));
-        let wrong = || Trouble::new(format!("{name}, type"), shown(scalar), "must be Int8 to UInt64, Float32 or Float64");
+        let known = ScalarType::from_name(&scalar.to_ascii_lowercase())
+            .filter(|_| scalar.ends_with(|c: char| c.is_ascii_digit()));
+        let wrong = || Trouble::new(format!("{name}, type"), scalar, "must be Int8 to UInt64, Float32 or Float64");
         let scalar = known.ok_or_else(wrong)?;
         Ok(Self { node, name, scalar })
     }
@@ -128,10 +131,10 @@ impl<'d, 't> DataArray<'d, 't> {
                 let offset = self.node.attribute("offset").unwrap_or_default();
                 let from = offset.trim().parse().ok().and_then(|from: usize| appended.bytes.get(from..));
                 let allowed = format!("must be within the {} bytes of AppendedData", appended.bytes.len());
-                let bytes = from.ok_or_else(|| Trouble::new(format!("{}, offset", self.name), shown(offset), allowed))?;
+                let bytes = from.ok_or_else(|| Trouble::new(format!("{}, offset", self.name), offset, allowed))?;
                 Source { bytes, base64: appended.base64 }
             }
-            Some(other) => return Err(self.wrong(shown(other), "format must be ascii, binary or appended")),
+            Some(other) => return Err(self.wrong(other, "format must be ascii, binary or appended")),
         };
         let length = count as u64 * self.scalar.bytes() as u64;
         let bytes = match coding.compressor {
@@ -146,7 +149,7 @@ impl<'d, 't> DataArray<'d, 't> {
     }
 
     fn ascii(&self, text: &str, count: usize) -> Result<Vec<f64>, Trouble> {
-        let number = |word: &str| word.parse().map_err(|_| self.wrong(shown(word), "must be a number"));
+        let number = |word: &str| word.parse().map_err(|_| self.wrong(word, "must be a number"));
         let all: Vec<f64> = text.split_ascii_whitespace().map(number).collect::<Result<_, _>>()?;
         if all.len() != count {
             return Err(self.wrong(format!("{} numbers", all.len()), format!("NumberOfPoints needs {count}")));
@@ -182,7 +185,9 @@ impl<'d, 't> DataArray<'d, 't> {
         let whole_blocks = if last == 0 { blocks } else { blocks.saturating_sub(1) };
         let claimed = u128::from(whole_blocks) * u128::from(size) + u128::from(last);
         if claimed != u128::from(length) {
-            return Err(self.wrong(format!("blocks of {claimed} bytes"), format!("NumberOfPoints and type need {length}")));
+            return Err(
+                self.wrong(format!("blocks of {claimed} bytes"), format!("NumberOfPoints and type need {length}"))
+            );
         }
         let header = usize::try_from(blocks).ok().and_then(|n| n.checked_add(3)?.checked_mul(coding.header));
         let header_length = header.ok_or_else(cut)?;

@@ -25,11 +25,11 @@ pub(super) fn holds_points(head: &[u8]) -> bool {
 
 pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Trouble> {
     let (text, appended) = Appended::split(bytes)?;
-    let document = Document::parse(&text).map_err(|e| Trouble::new("XML", shown(&e.to_string()), "must be well-formed"))?;
+    let document = Document::parse(&text).map_err(|e| Trouble::new("XML", e, "must be well-formed"))?;
     let root = document.root_element();
     let kind = root.attribute("type").unwrap_or_default();
     if !root.has_tag_name("VTKFile") || !matches!(kind, "PolyData" | "UnstructuredGrid") {
-        return Err(Trouble::new("VTKFile type", shown(kind), "must be PolyData or UnstructuredGrid"));
+        return Err(Trouble::new("VTKFile type", kind, "must be PolyData or UnstructuredGrid"));
     }
     let coding = Coding::of(root)?;
     let pieces: Vec<Piece<'_, '_>> = root
@@ -45,7 +45,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
         return Err(vr_core::PointError::Empty.into());
     };
 
-    let names: Vec<String> = first.scalars().map(|n| n.attribute("Name").unwrap_or_default().to_owned()).collect();
+    let names: Vec<String> = first.scalars().map(name_of).collect();
     let mut positions = Vec::new();
     let mut columns = Roles::choose(&names, options)?
         .try_map(|i| Ok::<_, Trouble>(Column { name: names[i].clone(), numbers: Vec::new() }))?;
@@ -55,8 +55,8 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
         let all = piece.positions()?.numbers(piece.count * 3, &coding, &appended)?;
         positions.extend(numbers::positions(&all));
         columns = columns.try_map(|mut column| {
-            let array = piece.scalars().find(|n| n.attribute("Name") == Some(&*column.name)).ok_or_else(|| {
-                let place = format!("Piece, array '{}'", shown(&column.name));
+            let array = piece.scalars().find(|&n| name_of(n) == column.name).ok_or_else(|| {
+                let place = format!("Piece, array {}", column.name);
                 FieldError::new(place, "nothing", "every piece must have it, as the first one has")
             })?;
             column.numbers.extend(DataArray::new(array)?.numbers(piece.count, &coding, &appended)?);
@@ -74,10 +74,16 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
     })
 }
 
+/// Fit for a line, as all that messages may quote.
+fn name_of(array: Node<'_, '_>) -> String {
+    shown(array.attribute("Name").unwrap_or_default())
+}
+
 /// What to say of cells.
 fn left_out(pieces: &[Piece<'_, '_>]) -> Vec<String> {
     let cells: u64 = pieces.iter().map(Piece::cells).fold(0, u64::saturating_add);
-    let cell_arrays = pieces.iter().map(|p| p.children("CellData").filter(|n| n.has_tag_name("DataArray")).count()).max();
+    let cell_arrays =
+        pieces.iter().map(|p| p.children("CellData").filter(|n| n.has_tag_name("DataArray")).count()).max();
     let mut notes = Vec::new();
     if cells > 0 {
         notes.push(format!("{cells} cells are left out: their points are taken"));
@@ -99,7 +105,7 @@ impl<'d, 't> Piece<'d, 't> {
     fn new(node: Node<'d, 't>) -> Result<Self, Trouble> {
         let text = node.attribute("NumberOfPoints").unwrap_or_default();
         let count = text.trim().parse().ok().filter(|&count: &usize| count <= u32::MAX as usize);
-        let wrong = || Trouble::new("Piece, NumberOfPoints", shown(text), "must be a whole number below 2^32");
+        let wrong = || Trouble::new("Piece, NumberOfPoints", text, "must be a whole number below 2^32");
         Ok(Self { node, count: count.ok_or_else(wrong)? })
     }
 
@@ -109,14 +115,17 @@ impl<'d, 't> Piece<'d, 't> {
 
     /// The arrays with one number for each point.
     fn scalars(&self) -> impl Iterator<Item = Node<'d, 't>> {
-        let single = |n: &Node<'_, '_>| n.attribute("NumberOfComponents").is_none_or(|c| matches!(c.trim(), "1" | "0" | ""));
+        let single =
+            |n: &Node<'_, '_>| n.attribute("NumberOfComponents").is_none_or(|c| matches!(c.trim(), "1" | "0" | ""));
         let is_number = |n: &Node<'_, '_>| n.attribute("type") != Some("String");
         self.children("PointData").filter(move |n| n.has_tag_name("DataArray") && single(n) && is_number(n))
     }
 
     fn positions(&self) -> Result<DataArray<'d, 't>, Trouble> {
         let array = self.children("Points").find(|n| n.has_tag_name("DataArray"));
-        DataArray::new(array.ok_or_else(|| Trouble::new("Piece", "no Points with a DataArray", "points have positions"))?)
+        DataArray::new(
+            array.ok_or_else(|| Trouble::new("Piece", "no Points with a DataArray", "points have positions"))?,
+        )
     }
 
     fn cells(&self) -> u64 {
