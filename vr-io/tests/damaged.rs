@@ -237,6 +237,8 @@ fn points() {
         ("e.vtk", small_points::vtk_binary()),
     ];
     files.extend(small_points::all_vtp().into_iter().map(|(_, file)| ("f.vtp", file)));
+    // Without the feature, it is refused after eight bytes.
+    files.push(("g.h5", small_points::GADGET.to_vec()));
     for (name, file) in files {
         survive(&file, |damaged| {
             case.set(case.get() + 1);

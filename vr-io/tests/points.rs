@@ -179,3 +179,35 @@ fn broken_vtk_files_are_refused_with_reasons() {
 fn hdf5_is_refused_with_the_way_to_read_it() {
     refused("x.h5", b"\x89HDF\r\n\x1a\n....", &["HDF5", "feature `hdf5`"]);
 }
+
+#[cfg(feature = "hdf5")]
+mod hdf5 {
+    use super::*;
+
+    #[test]
+    fn gadget_snapshots() {
+        let loaded = read("x.hdf5", small_points::GADGET).unwrap();
+        let points = &loaded.points;
+        assert_eq!(points.positions()[2], DVec3::new(3.0, 1.5, 1e3));
+        assert_eq!((points.radii(), points.values()), (&[1.0, 0.5, 2.0][..], &[10.0, 20.0, 30.0][..]));
+        // Mass by density.
+        assert_eq!(points.weights(), [4.0; 3]);
+        assert_eq!((loaded.info.format, loaded.info.scalar), ("HDF5 (Gadget)", vr_io::ScalarType::F64));
+        assert!(loaded.notes.iter().any(|n| n.contains("PartType1 is left out")), "{:?}", loaded.notes);
+        let options = PointOptions { value: Some("density".to_owned()), ..PointOptions::default() };
+        assert_eq!(read_with("x.hdf5", small_points::GADGET, &options).unwrap().points.values(), [2.0; 3]);
+        let options = PointOptions { value: Some("Velocities".to_owned()), ..PointOptions::default() };
+        refused_with(
+            "x.h5",
+            small_points::GADGET,
+            &options,
+            &["value", "Velocities", "InternalEnergy, SmoothingLength, Masses"],
+        );
+    }
+
+    #[test]
+    fn broken_files_are_refused_with_reasons() {
+        refused("x.h5", b"\x89HDF\r\n\x1a\n....", &["HDF5"]);
+        refused("x.h5", &small_points::GADGET[..1000], &[]);
+    }
+}

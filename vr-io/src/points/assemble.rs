@@ -21,11 +21,8 @@ const NEIGHBOURS: usize = 58;
 /// # Errors
 /// A number that makes no sense, with its point and column; too few points, or all at one place, where radii are to be guessed.
 pub(super) fn assemble(table: Table, options: &PointOptions, notes: &mut Vec<String>) -> Result<PointSet, Trouble> {
-    let Table { positions, columns, lines } = table;
-    let place = |k: usize, what: &str| match lines.get(k) {
-        Some(line) => format!("line {line}, {what}"),
-        None => format!("point {k}, {what}"),
-    };
+    let Table { positions, columns, numbering } = table;
+    let place = |k: usize, what: &str| format!("{}, {what}", numbering.name(k));
     if let Some(k) = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(1e30)).all()) {
         let found = positions[k].to_array();
         return Err(Trouble::new(place(k, "position"), format!("{found:?}"), "must be finite, and smaller than 1e30"));
@@ -152,6 +149,7 @@ fn radii(
 
 #[cfg(test)]
 mod tests {
+    use super::super::Numbering;
     use super::*;
 
     fn column(name: &str, numbers: &[f64]) -> Option<Column> {
@@ -161,7 +159,7 @@ mod tests {
     fn three(columns: Roles<Column>, options: &PointOptions) -> Result<(PointSet, Vec<String>), String> {
         let positions = vec![DVec3::ZERO, DVec3::X, DVec3::new(3.0, 0.0, 0.0)];
         let mut notes = Vec::new();
-        let table = Table { positions, columns, lines: Vec::new() };
+        let table = Table { positions, columns, numbering: Numbering::FromZero };
         match assemble(table, options, &mut notes) {
             Ok(points) => Ok((points, notes)),
             Err(e) => Err(e.in_file(std::path::Path::new("x")).to_string()),

@@ -8,7 +8,7 @@ use crate::scalar::{Endian, ScalarType};
 
 use super::error::Trouble;
 use super::roles::{Roles, name_positions, positions};
-use super::{Column, Found, PointOptions, Table};
+use super::{Column, Found, Numbering, PointOptions, Table};
 
 /// What columns are where no line says so.
 const NAMELESS: [&str; 6] = ["x", "y", "z", "radius", "value", "weight"];
@@ -59,7 +59,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
         |c: usize| Ok::<_, Trouble>(Column { name: names[c].clone(), numbers: columns.next().unwrap_or_default() });
     let columns = roles.try_map(column)?;
     Ok(Found {
-        table: Table { positions: points, columns, lines },
+        table: Table { positions: points, columns, numbering: Numbering::Lines(lines) },
         format: delimiter.format(),
         encoding: "ascii",
         scalar: ScalarType::F64,

@@ -195,8 +195,27 @@ struct Found {
 struct Table {
     positions: Vec<DVec3>,
     columns: Roles<Column>,
-    /// The line of each point, from 1; empty where files have none.
-    lines: Vec<u64>,
+    numbering: Numbering,
+}
+
+/// How messages call a point.
+enum Numbering {
+    FromZero,
+    /// By its line, from 1.
+    Lines(Vec<u64>),
+    /// By its number in the file, where some were left out.
+    #[cfg_attr(not(feature = "hdf5"), expect(dead_code, reason = "only HDF5 leaves points out"))]
+    Points(Vec<usize>),
+}
+
+impl Numbering {
+    fn name(&self, k: usize) -> String {
+        match self {
+            Self::Lines(lines) => format!("line {}", lines[k]),
+            Self::Points(points) => format!("point {}", points[k]),
+            Self::FromZero => format!("point {k}"),
+        }
+    }
 }
 
 /// A number for each point.

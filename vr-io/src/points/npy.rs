@@ -8,7 +8,7 @@ use crate::scalar::{Endian, ScalarType};
 
 use super::error::Trouble;
 use super::roles::Roles;
-use super::{Found, Table, numbers};
+use super::{Found, Numbering, Table, numbers};
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -52,7 +52,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, Trouble> {
         numbers::positions(&all)
     };
     Ok(Found {
-        table: Table { positions, columns: Roles::default(), lines: Vec::new() },
+        table: Table { positions, columns: Roles::default(), numbering: Numbering::FromZero },
         format: "NumPy",
         encoding: "raw",
         scalar,

@@ -10,7 +10,7 @@ use crate::scalar::{Endian, ScalarType};
 
 use super::error::Trouble;
 use super::roles::Roles;
-use super::{Column, Found, PointOptions, Table, numbers};
+use super::{Column, Found, Numbering, PointOptions, Table, numbers};
 
 /// Whether the beginning of a file is that of a legacy VTK file with a kind of data that has points of its own.
 pub(super) fn holds_points(head: &[u8]) -> bool {
@@ -52,7 +52,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
     let columns = Roles::choose(&names, options)?.try_map(column)?;
     let positions = numbers::positions(&scan.numbers(&points)?);
     Ok(Found {
-        table: Table { positions, columns, lines: Vec::new() },
+        table: Table { positions, columns, numbering: Numbering::FromZero },
         format: "VTK (legacy)",
         encoding: if scan.binary { "raw" } else { "ascii" },
         scalar: points.scalar,

@@ -11,7 +11,7 @@ use crate::error::{FieldError, shown};
 
 use super::error::Trouble;
 use super::roles::Roles;
-use super::{Column, Found, PointOptions, Table, numbers};
+use super::{Column, Found, Numbering, PointOptions, Table, numbers};
 
 use arrays::{Appended, Coding, DataArray};
 
@@ -64,7 +64,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
         })?;
     }
     Ok(Found {
-        table: Table { positions, columns, lines: Vec::new() },
+        table: Table { positions, columns, numbering: Numbering::FromZero },
         format: if kind == "PolyData" { "VTK PolyData" } else { "VTK UnstructuredGrid" },
         encoding,
         scalar,
