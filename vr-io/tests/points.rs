@@ -201,7 +201,7 @@ mod hdf5 {
             "x.h5",
             small_points::GADGET,
             &options,
-            &["value", "Velocities", "InternalEnergy, SmoothingLength, Masses"],
+            &["value", "Velocities", "SmoothingLength, InternalEnergy, Density, Masses"],
         );
     }
 
