@@ -19,17 +19,20 @@ pub(super) fn distances(positions: &[Position], k: usize) -> Vec<f64> {
         axes: vec![0; positions.len()],
     };
     split(&mut tree.points, &mut tree.axes);
-    // In the order of the tree, so that one search finds warm what the one before it left.
+    // In the order of the tree: one search finds warm what the one before it left, and knows how far it has to look at most.
     let found: Vec<(usize, f64)> = tree
         .points
         .par_iter()
         .with_min_len(LEAF)
         .map_init(
-            || Nearest::new(k + 1),
-            |nearest, &(position, id)| {
-                nearest.clear();
+            || (Nearest::new(k + 1), [0.0; 3], f64::INFINITY),
+            |(nearest, before, distance), &(position, id)| {
+                // A little more, lest rounding cuts off the farthest.
+                let most = (*distance + squared(before, &position).sqrt()) * (1.0 + 1e-9);
+                nearest.clear(most * most);
                 tree.search(0..positions.len(), &position, [0.0; 3], nearest);
-                (id, nearest.farthest().sqrt())
+                (*before, *distance) = (position, nearest.farthest().sqrt());
+                (id, *distance)
             },
         )
         .collect();
@@ -113,8 +116,9 @@ impl Nearest {
         Self(vec![f64::INFINITY; count])
     }
 
-    fn clear(&mut self) {
-        self.0.fill(f64::INFINITY);
+    /// Forgets all; so many are known to be nearer than `most`.
+    fn clear(&mut self, most: f64) {
+        self.0.fill(most);
     }
 
     fn farthest(&self) -> f64 {

@@ -3,14 +3,15 @@
 //! Own code: `vtkio`, the crate at hand, does not know fields before the points, and drops, without a word, an array of a type that it does not
 //! know and all that follow.
 
-use std::ops::Range;
+mod scan;
 
-use crate::error::shown;
-use crate::scalar::{Endian, ScalarType};
+use crate::scalar::Endian;
 
 use super::error::Trouble;
 use super::roles::Roles;
 use super::{Column, Found, Numbering, PointOptions, Table, numbers};
+
+use scan::{Array, Scan};
 
 /// Whether the beginning of a file is that of a legacy VTK file with a kind of data that has points of its own.
 pub(super) fn holds_points(head: &[u8]) -> bool {
@@ -19,7 +20,7 @@ pub(super) fn holds_points(head: &[u8]) -> bool {
 }
 
 pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Trouble> {
-    let mut scan = Scan { bytes, at: 0, binary: false };
+    let mut scan = Scan::new(bytes);
     for _ in 0..2 {
         scan.line();
     }
@@ -62,14 +63,6 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
     })
 }
 
-/// Numbers in the file, not looked at yet.
-struct Array {
-    name: String,
-    scalar: ScalarType,
-    numbers: usize,
-    at: Range<usize>,
-}
-
 /// What the file holds, as far as it is of use.
 #[derive(Default)]
 struct Content {
@@ -87,8 +80,9 @@ impl Content {
     /// Takes in what a line begins.
     fn section(&mut self, line: &str, scan: &mut Scan<'_>) -> Result<(), Trouble> {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        let place = scan.place();
-        let wrong = |allowed: &str| Trouble::new(place.clone(), line, allowed);
+        // Names of places are for errors alone: they take a look at all lines before.
+        let here = *scan;
+        let wrong = |allowed: &str| Trouble::new(here.place(), line, allowed);
         let word = |i: usize| words.get(i).copied().ok_or_else(|| wrong("this line must say more"));
         let size = |i: usize| word(i)?.parse::<usize>().map_err(|_| wrong("must hold a whole number"));
         let keyword = word(0)?.to_ascii_uppercase();
@@ -111,16 +105,15 @@ impl Content {
                         scan.array("OFFSETS", offsets.split_whitespace().nth(1).unwrap_or_default(), count)?;
                         let connectivity = scan.line().unwrap_or_default();
                         let scalar = connectivity.strip_prefix("CONNECTIVITY").map(str::trim);
-                        let place = scan.place();
-                        let scalar =
-                            scalar.ok_or_else(|| Trouble::new(place, &connectivity, "must be CONNECTIVITY"))?;
+                        let wrong = || Trouble::new(scan.place(), &connectivity, "must be CONNECTIVITY");
+                        let scalar = scalar.ok_or_else(wrong)?;
                         scan.array("CONNECTIVITY", scalar, size)?;
-                        self.cells += count.saturating_sub(1);
+                        self.cells = self.cells.saturating_add(count.saturating_sub(1));
                     }
                     _ => {
                         scan.at = before;
                         scan.array(&keyword, "int", size)?;
-                        self.cells += count;
+                        self.cells = self.cells.saturating_add(count);
                     }
                 }
             }
@@ -168,9 +161,8 @@ impl Content {
 
     /// An array with so many numbers for each point or cell.
     fn attribute(&mut self, name: &str, scalar: &str, components: usize, scan: &mut Scan<'_>) -> Result<(), Trouble> {
-        let place = scan.place();
         let numbers = self.count.checked_mul(components);
-        let numbers = numbers.ok_or_else(|| Trouble::new(place, components, "must have fewer components"))?;
+        let numbers = numbers.ok_or_else(|| Trouble::new(scan.place(), components, "must have fewer components"))?;
         let array = scan.array(name, scalar, numbers)?;
         self.keep(array);
         Ok(())
@@ -182,7 +174,7 @@ impl Content {
             scan.skip_paragraph();
             line = scan.line();
         }
-        let (line, place) = (line.unwrap_or_default(), scan.place());
+        let line = line.unwrap_or_default();
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         let parsed = match words[..] {
             [name, components, tuples, scalar] => match (components.parse::<usize>(), tuples.parse::<usize>()) {
@@ -192,7 +184,7 @@ impl Content {
             _ => None,
         };
         let allowed = "an array of a field: its name, components, tuples and type";
-        let (name, scalar, numbers) = parsed.ok_or_else(|| Trouble::new(place, &line, allowed))?;
+        let (name, scalar, numbers) = parsed.ok_or_else(|| Trouble::new(scan.place(), &line, allowed))?;
         let array = scan.array(name, scalar, numbers)?;
         self.keep(array);
         Ok(())
@@ -206,144 +198,4 @@ impl Content {
             (false, _) => self.arrays.push(array),
         }
     }
-}
-
-/// A place in the file.
-struct Scan<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    binary: bool,
-}
-
-impl Scan<'_> {
-    /// The next line that is not empty, without blanks around it.
-    fn line(&mut self) -> Option<String> {
-        while self.at < self.bytes.len() {
-            let rest = &self.bytes[self.at..];
-            let end = rest.iter().position(|&c| c == b'\n').unwrap_or(rest.len());
-            self.at = (self.at + end + 1).min(self.bytes.len());
-            let line = rest[..end].trim_ascii();
-            if !line.is_empty() {
-                return Some(String::from_utf8_lossy(line).into_owned());
-            }
-        }
-        None
-    }
-
-    /// Where that line was: its number in text, the byte after it in binary files.
-    fn place(&self) -> String {
-        if self.binary {
-            format!("byte {}", self.at)
-        } else {
-            format!("line {}", self.line_of(self.at.saturating_sub(1)))
-        }
-    }
-
-    fn line_of(&self, at: usize) -> usize {
-        1 + self.bytes[..at].iter().filter(|&&c| c == b'\n').count()
-    }
-
-    fn skip_paragraph(&mut self) {
-        while let Some(end) = self.bytes[self.at..].iter().position(|&c| c == b'\n') {
-            let line = &self.bytes[self.at..self.at + end];
-            self.at += end + 1;
-            if line.trim_ascii().is_empty() {
-                return;
-            }
-        }
-        self.at = self.bytes.len();
-    }
-
-    /// Passes over the numbers of an array, which must all be there.
-    fn array(&mut self, name: &str, scalar: &str, numbers: usize) -> Result<Array, Trouble> {
-        let place = self.place();
-        let packed = scalar.eq_ignore_ascii_case("bit");
-        let scalar = type_of(scalar).ok_or_else(|| {
-            Trouble::new(&*place, scalar, "must be a type of numbers, like float, double, int or vtktypeint64")
-        })?;
-        let begin = self.at;
-        let end = if self.binary {
-            let length = if packed { Some(numbers.div_ceil(8)) } else { numbers.checked_mul(scalar.bytes()) };
-            length.and_then(|length| begin.checked_add(length)).filter(|&end| end <= self.bytes.len())
-        } else {
-            self.after_words(numbers)
-        };
-        let short = || {
-            let found = format!("{} bytes left", self.bytes.len() - begin);
-            Trouble::new(
-                format!("array {}", shown(name)),
-                found,
-                format!("{numbers} numbers of {scalar} are to follow"),
-            )
-        };
-        self.at = end.ok_or_else(short)?;
-        Ok(Array { name: shown(&unescaped(name)), scalar, numbers, at: begin..self.at })
-    }
-
-    /// Where so many words end.
-    fn after_words(&self, count: usize) -> Option<usize> {
-        let mut at = self.at;
-        for _ in 0..count {
-            at += self.bytes[at..].iter().position(|c| !c.is_ascii_whitespace())?;
-            at += self.bytes[at..].iter().position(u8::is_ascii_whitespace).unwrap_or(self.bytes.len() - at);
-        }
-        Some(at)
-    }
-
-    fn numbers(&self, array: &Array) -> Result<Vec<f64>, Trouble> {
-        let bytes = &self.bytes[array.at.clone()];
-        if self.binary {
-            return Ok(numbers::numbers(bytes, array.scalar, Endian::Big));
-        }
-        let words = bytes.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-        let number = |word: &[u8]| str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-        words
-            .map(|word| {
-                number(word).ok_or_else(|| {
-                    let at = array.at.start + word.as_ptr().addr() - bytes.as_ptr().addr();
-                    let place = format!("line {}, array {}", self.line_of(at), array.name);
-                    Trouble::new(place, String::from_utf8_lossy(word), "must be a number")
-                })
-            })
-            .collect()
-    }
-}
-
-/// The type of a name; of bits in binary files, which nobody chooses, that of the bytes around them.
-fn type_of(name: &str) -> Option<ScalarType> {
-    Some(match name.to_ascii_lowercase().as_str() {
-        "bit" | "unsigned_char" => ScalarType::U8,
-        "char" | "signed_char" => ScalarType::I8,
-        "unsigned_short" => ScalarType::U16,
-        "short" => ScalarType::I16,
-        "unsigned_int" => ScalarType::U32,
-        // What VTK calls an id, it writes as an int.
-        "int" | "vtkidtype" => ScalarType::I32,
-        "unsigned_long" | "unsigned_long_long" | "vtktypeuint64" => ScalarType::U64,
-        "long" | "long_long" | "vtktypeint64" => ScalarType::I64,
-        "float" => ScalarType::F32,
-        "double" => ScalarType::F64,
-        _ => return None,
-    })
-}
-
-/// A name as people know it: in the file, blanks and others are written as `%20`.
-fn unescaped(name: &str) -> String {
-    let mut bytes = Vec::new();
-    let mut rest = name;
-    while let Some((before, after)) = rest.split_once('%') {
-        bytes.extend_from_slice(before.as_bytes());
-        match after.get(..2).and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
-            Some(byte) => {
-                bytes.push(byte);
-                rest = &after[2..];
-            }
-            None => {
-                bytes.push(b'%');
-                rest = after;
-            }
-        }
-    }
-    bytes.extend_from_slice(rest.as_bytes());
-    String::from_utf8_lossy(&bytes).into_owned()
 }
