@@ -88,7 +88,7 @@ fn wrong_files_are_told_where_and_what() {
         assert!(message.contains(word) && !message.contains('\n'), "{message}");
     }
     for (text, word) in [
-        ("", "s.toml: volume: found nothing; must have a path, a phantom or data"),
+        ("", "s.toml: volume: found nothing; must have a path, a phantom, data or points"),
         ("[volume]\nphantom = \"fog\"\npath = \"x\"", "volume: found several"),
         ("[volume]\nphantom = \"frog\"", "volume.phantom: found 'frog' (did you mean 'fog'?); must be marschner-lobb"),
         ("[volume]\nphantom = \"fog\"\nsize = 1", "volume.size: found 1; must be 2 to 2048"),

@@ -271,8 +271,8 @@ fn points_of_phantom() {
     );
     // The largest smoothing lengths, 0.0323, are the boundaries'.
     assert!((radii[0] - 2.0 * 0.0139).abs() < 1e-3 && radii[1] < 2.0 * 0.0323, "{radii:?}");
-    // The field at a particle is the density that Phantom gave it, hfact = 1.2, to within the sum's own noise: Phantom iterates h until they
-    // agree, with boundary particles that are left out here; so in the middle.
+    // The field at a particle is the density that smoothing lengths tell, to within the noise of a sum over some thirty neighbours; in the
+    // middle, for boundaries are left out.
     let points = &dump.points;
     let middle = (0..count).min_by(|&a, &b| {
         let far = |k: usize| points.positions()[k].length();
@@ -280,7 +280,9 @@ fn points_of_phantom() {
     });
     let k = middle.unwrap();
     let sum: f64 = (0..count).map(|j| points.contribution(j, points.positions()[k])).sum();
-    let told = f64::from(points.weights()[k]) * (1.2 / (0.5 * f64::from(points.radii()[k]))).powi(3);
+    let options = PointOptions { value: Some("density".to_owned()), ..PointOptions::default() };
+    let (densities, ..) = points_of("particles/phantom_adiabatic_00000.h5", &options).unwrap();
+    let told = f64::from(densities.points.values()[k]);
     assert!((sum / told - 1.0).abs() < 0.02, "{sum} {told}");
 }
 
