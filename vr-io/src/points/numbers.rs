@@ -6,6 +6,7 @@ use crate::decode::{Scalar, with_scalar};
 use crate::scalar::{Endian, ScalarType};
 
 /// The numbers that whole groups of bytes stand for. Integers beyond 2⁵³ are rounded.
+#[allow(clippy::unnecessary_cast, reason = "one of the ten types is f64")]
 pub(super) fn numbers(bytes: &[u8], scalar: ScalarType, endian: Endian) -> Vec<f64> {
     with_scalar!(scalar, S => {
         let mut stored: Vec<S> = Vec::with_capacity(bytes.len() / size_of::<S>());
