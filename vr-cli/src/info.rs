@@ -9,12 +9,13 @@ use crate::args::InfoArgs;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
+use crate::points_info::PointsInfo;
 use crate::{mesh_info, number, volume_setup};
 
 /// Columns and rows of the drawn histogram.
 const DRAWN: (usize, usize) = (72, 8);
 
-/// Describes a volume, or a mesh.
+/// Describes a volume: a grid or scattered points; or a mesh.
 ///
 /// # Errors
 /// Whatever is wrong with the command line or the file.
@@ -23,6 +24,10 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         return mesh_info::run(path, console);
     }
     let (title, LoadedVolume { volume, info, notes, .. }) = volume_setup::load(&args.volume, console)?;
+    if let Some(points) = volume.points() {
+        let found = PointsInfo::new(&title, points, info.as_ref(), &notes);
+        return console.result(&found.text(), &found);
+    }
     let uniform = volume
         .uniform()
         .ok_or_else(|| Failure::failed(format!("{title}: a {} cannot be described yet", volume.kind())))?;

@@ -26,6 +26,7 @@ mod mesh_info;
 mod number;
 mod output_file;
 mod overrides;
+mod points_info;
 mod process;
 mod progress;
 mod ray;

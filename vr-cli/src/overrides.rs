@@ -102,13 +102,44 @@ impl Overrides {
         self.set_some("volume.skip", args.skip, &mut section.skip);
         self.set_some("volume.spacing", args.spacing, &mut section.spacing);
         self.set_some("volume.origin", args.origin, &mut section.origin);
-        let of_phantoms = |field: &str| ["volume.phantom", "volume.size"].contains(&field);
+        self.points(args, section)?;
+        let of_phantoms = |field: &str| ["volume.phantom", "volume.size", "volume.count"].contains(&field);
         let is_phantom = section.phantom.is_some();
         match self.fields.iter().find(|field| of_phantoms(field) != is_phantom) {
             Some(field) if is_phantom => Err(Failure::usage(format!("{field}: a phantom has none; only files do"))),
             Some(field) => Err(Failure::usage(format!("{field}: a file has none; only phantoms do"))),
             None => Ok(()),
         }
+    }
+
+    /// Writes the flags of scattered points.
+    fn points(&mut self, args: &VolumeArgs, section: &mut VolumeSection) -> Result<(), Failure> {
+        self.set_some("volume.count", args.points_count, &mut section.count);
+        self.set_some("volume.value", args.value.clone(), &mut section.value);
+        self.set_some("volume.kernel", args.kernel, &mut section.kernel);
+        self.set_some("volume.radius", args.radius, &mut section.radius);
+        self.set_some("volume.radius_scale", args.radius_scale, &mut section.radius_scale);
+        if args.position_columns.is_none() && args.column.is_empty() {
+            return Ok(());
+        }
+        let columns = section.columns.get_or_insert_default();
+        self.set_some("volume.columns", args.position_columns.clone(), &mut columns.position);
+        for (role, name) in &args.column {
+            let column = match role.as_str() {
+                "radius" => &mut columns.radius,
+                "smoothing_length" => &mut columns.smoothing_length,
+                "mass" => &mut columns.mass,
+                "density" => &mut columns.density,
+                "weight" => &mut columns.weight,
+                _ => {
+                    let allowed = "must be radius, smoothing_length, mass, density or weight";
+                    return Err(Failure::usage(format!("--column: found {role:?}; {allowed}")));
+                }
+            };
+            *column = Some(name.clone());
+            self.note("volume.columns");
+        }
+        Ok(())
     }
 
     fn transfer(&mut self, args: &TransferArgs, file: &mut SceneFile) {

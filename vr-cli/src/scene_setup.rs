@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, FromArgMatches};
 use vr_core::scene_file::{SceneFile, VolumeSection};
 use vr_core::{
-    Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, TriangleMesh, View, Volume,
+    Control, Geometry, OptionError, Options, ParameterError, RenderError, Renderer, Scene, TriangleMesh, View, Volume,
 };
 use vr_io::{LoadedScene, SceneFileError, SceneMesh};
 use vr_mesh::Surface;
@@ -184,16 +184,17 @@ pub fn default_scene(volume_named: bool) -> Result<SceneFile, Failure> {
     vr_io::parse_scene(EMBEDDED, Path::new("the embedded scene")).map_err(Failure::failed)
 }
 
-/// `phantom fog, 64×64×64 f32`.
+/// `phantom fog, 64×64×64 f32`, or `halo.npy, 32314 points`.
 pub fn title(section: &VolumeSection, volume: &Volume) -> String {
     let name = match (&section.path, &section.phantom) {
         (Some(path), _) => path.clone(),
         (None, Some(phantom)) => format!("phantom {phantom}"),
         (None, None) => "inline data".to_owned(),
     };
-    match volume.uniform() {
-        Some(u) => format!("{name}, {} {}", number::triple(u.dims(), "×"), u.voxel_type()),
-        None => format!("{name}, {}", volume.kind()),
+    match volume.geometry() {
+        Geometry::Uniform(u) => format!("{name}, {} {}", number::triple(u.dims(), "×"), u.voxel_type()),
+        Geometry::Points(p) => format!("{name}, {} points", p.count()),
+        _ => format!("{name}, {}", volume.kind()),
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::encoding::Encoding;
 use crate::error::ReadError;
+use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
 
 /// The formats that are read.
@@ -15,6 +16,7 @@ pub(crate) enum Format {
     Nifti,
     /// No header; what the name says.
     Raw(RawDescription),
+    Points(PointFormat),
 }
 
 /// The format of a file of which the first bytes are given.
@@ -26,6 +28,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, ReadError> {
     }
     if is_nifti(&unpacked) {
         return Ok(Format::Nifti);
+    }
+    if let Some(format) = points::by_content(head) {
+        return Ok(Format::Points(format));
     }
     if let Some(format) = unsupported_by_content(&unpacked) {
         return Err(ReadError::Unsupported { path: path.into(), format });
@@ -43,6 +48,10 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, ReadError> {
         extension => {
             if let Some(described) = RawDescription::from_name(path) {
                 return described.map(Format::Raw).map_err(|e| e.in_file(path));
+            }
+            // A compressed text has another ending.
+            if let Some(format) = points::by_extension(extension).filter(|_| plain == name) {
+                return Ok(Format::Points(format));
             }
             if let Some(format) = unsupported_by_extension(extension).or_else(|| bare_dicom(&unpacked)) {
                 return Err(ReadError::Unsupported { path: path.into(), format });
@@ -103,8 +112,6 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
         Some("Voreen (.vvd)")
     } else if at(128, b"DICM") {
         Some("DICOM")
-    } else if begins(b"\x89HDF\r\n\x1a\n") {
-        Some("HDF5")
     } else if begins(b"CDF\x01") || begins(b"CDF\x02") || begins(b"CDF\x05") {
         Some("netCDF")
     } else if begins(&[0x20, 0x42, 0x44, 0x56]) {
@@ -134,7 +141,7 @@ fn bare_dicom(head: &[u8]) -> Option<&'static str> {
 fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
     Some(match extension {
         "dcm" | "ima" => "DICOM",
-        "vtk" | "vti" | "vtr" | "vts" | "vtu" | "pvti" => "VTK",
+        "vtk" | "vti" | "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" => "VTK",
         "h5" | "hdf5" | "nc" => "HDF5/netCDF",
         "zarr" => "Zarr",
         "vdb" | "nvdb" => "OpenVDB",
@@ -170,9 +177,25 @@ mod tests {
     }
 
     #[test]
+    fn points_are_told_from_grids() {
+        let points = |name, head: &[u8]| detect(Path::new(name), head).unwrap();
+        assert_eq!(points("x.csv", b"x,y,z\n"), Format::Points(PointFormat::Delimited));
+        assert_eq!(points("x", b"\x93NUMPY\x01\0"), Format::Points(PointFormat::Npy));
+        assert_eq!(points("x.raw", b"\x89HDF\r\n\x1a\n...."), Format::Points(PointFormat::Hdf5));
+        let legacy = |kind| format!("# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET {kind}\n");
+        assert_eq!(points("x.vtk", legacy("POLYDATA").as_bytes()), Format::Points(PointFormat::VtkLegacy));
+        let xml = |kind| format!("<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\">\n");
+        assert_eq!(points("x", xml("UnstructuredGrid").as_bytes()), Format::Points(PointFormat::VtkXml));
+        for grid in [legacy("STRUCTURED_POINTS"), xml("ImageData")] {
+            let message = detect(Path::new("x.vtk"), grid.as_bytes()).unwrap_err().to_string();
+            assert!(message.contains("unsupported format VTK"), "{message}");
+        }
+    }
+
+    #[test]
     fn names_what_it_does_not_read() {
-        let message = detect(Path::new("x.raw"), b"\x89HDF\r\n\x1a\n....").unwrap_err().to_string();
-        assert!(message.contains("unsupported format HDF5; supported are NRRD"), "{message}");
+        let message = detect(Path::new("x.raw"), b"CDF\x01....").unwrap_err().to_string();
+        assert!(message.contains("unsupported format netCDF; supported are NRRD"), "{message}");
         let message = detect(Path::new("x.unheard"), b"....").unwrap_err().to_string();
         assert!(message.contains("not recognised"), "{message}");
     }

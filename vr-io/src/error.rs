@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use vr_core::GridError;
 
+use crate::points::PointFileError;
+
 /// Why a file gives no volume. Every message is one line that names the file, the field, what was found and what is allowed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -102,10 +104,13 @@ pub enum ReadError {
         /// What is wrong with it.
         source: GridError,
     },
+    /// A file of scattered points with something wrong in it.
+    #[error(transparent)]
+    Points(PointFileError),
 }
 
 /// The formats that are read, as messages list them.
-const SUPPORTED: &str = "NRRD, MetaImage, NIfTI-1 and -2, raw";
+const SUPPORTED: &str = "NRRD, MetaImage, NIfTI-1 and -2, raw; points as CSV, VTK, NumPy or HDF5";
 
 impl ReadError {
     pub(crate) fn io(path: &Path, source: io::Error) -> Self {

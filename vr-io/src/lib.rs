@@ -2,7 +2,7 @@
 //!
 //! [`read`] takes a volume of any supported format, told by its content first and by its name second, and gives a
 //! [`vr_core::Volume`], what the file said about it, and notes on what had to be assumed. [`load_scene`] takes a scene file with
-//! everything that it names, and [`read_mesh`] an opaque surface. [`write()`](write()), [`write_nrrd`] and [`write_scene`] go the other way. [`read_picture`] takes
+//! everything that it names, [`read_points`] scattered points, and [`read_mesh`] an opaque surface. [`write()`](write()), [`write_nrrd`] and [`write_scene`] go the other way. [`read_picture`] takes
 //! pictures of other programs, and our own, for comparison.
 //!
 //! ```
@@ -44,6 +44,20 @@
 //! samples that memory can hold as they are stay in the file, mapped. One frame of a series and one component of several are
 //! picked by [`ReadOptions`].
 //!
+//! # Scattered points that are read
+//!
+//! | format | files | what is taken |
+//! |---|---|---|
+//! | text | `.csv`, `.tsv`, `.txt`; commas, semicolons, tabs or blanks; with a line of names, or x y z \[radius \[value \[weight\]\]\] | columns by name |
+//! | VTK, XML | `.vtp`, `.vtu`: text, base64, appended (base64 or raw), zlib, LZ4 | points of all pieces, point data by name |
+//! | VTK, legacy | `.vtk` up to version 5.1 with POLYDATA or UNSTRUCTURED_GRID, text or binary | points, point data by name |
+//! | NumPy | `.npy`, N×3 | positions |
+//! | HDF5, feature `hdf5` | snapshots of Gadget's family (`PartType0/Coordinates`), dumps of Phantom (`particles/xyz`) | one kind of particle, datasets by name |
+//!
+//! [`read`] gives a volume of points, and so does [`read_points`], whose page tells where radii, weights and values come from; [`PointOptions`]
+//! choose columns, the kernel and radii. Points that make no sense (a radius of 0, a position that is NaN) are refused by number or line and column.
+//! Cells are left out, which is said.
+//!
 //! # Surfaces that are read
 //!
 //! | format | files | what is taken |
@@ -72,8 +86,11 @@
 //!
 //! # What is not here yet
 //!
-//! DICOM, VTK, OME-Zarr and OpenVDB are recognised and refused by name. Of ParaView's colour maps, those with indexed
-//! (categorical) colours are refused.
+//! DICOM, VTK's grids, OME-Zarr and OpenVDB are recognised and refused by name. Of VTK's points, blocks packed with LZMA are; so are parallel
+//! files (`.pvtp`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical) colours are refused.
+//!
+//! # Features
+//! * `hdf5`, off by default: points in HDF5, through a reader in Rust alone.
 
 mod atomic;
 mod decode;
@@ -95,6 +112,7 @@ mod payload;
 mod picture;
 mod picture_read;
 mod png;
+mod points;
 mod raw;
 mod read;
 mod samples;
@@ -113,6 +131,7 @@ pub use paraview::{ColorMap, ColorMapError, parse_color_maps, read_color_maps};
 pub use picture::write;
 pub use picture_read::{MOST_PIXELS, Picture, PictureError, SampleKind, read_picture};
 pub use png::{Encode, PngDepth, PngOptions, encode_png, write_png};
+pub use points::{LoadedPoints, PointFileError, PointOptions, read_points};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, read};
 pub use scalar::{Endian, ScalarType};

@@ -1,17 +1,18 @@
 //! The one way in: a file of any format becomes a volume, with what is worth knowing about it.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use vr_core::{Calibration, Placement, Volume};
 
 use crate::detect::{Format, detect, unsupported_folder};
 use crate::encoding::Encoding;
-use crate::error::ReadError;
+use crate::error::{FieldError, ReadError};
 use crate::layout::Layout;
 use crate::nifti::Transform;
 use crate::payload::Payload;
+use crate::points::{self, LoadedPoints, PointFormat, PointOptions};
 use crate::raw::RawDescription;
 use crate::scalar::{Endian, ScalarType};
 use crate::world::Space;
@@ -31,11 +32,20 @@ pub struct ReadOptions {
     /// Whether uncompressed samples of a memory type in native byte order may stay in the file, mapped into memory. On by
     /// default; off, they are copied, and the file may change or vanish afterwards.
     pub map: bool,
+    /// What is wanted of scattered points.
+    pub points: PointOptions,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { frame: None, component: None, transform: Transform::Auto, raw: None, map: true }
+        Self {
+            frame: None,
+            component: None,
+            transform: Transform::Auto,
+            raw: None,
+            map: true,
+            points: PointOptions::default(),
+        }
     }
 }
 
@@ -55,17 +65,17 @@ pub struct Loaded {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FileInfo {
-    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2` or `raw`.
+    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2` or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
     pub format: &'static str,
-    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`.
+    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of points also `base64` or `lz4`.
     pub encoding: &'static str,
-    /// Type of the samples in the file; in memory it may be another ([`vr_core::UniformVolume::voxel_type`]).
+    /// Type of the samples, or of the positions of points, in the file; in memory it may be another ([`vr_core::UniformVolume::voxel_type`]).
     pub scalar: ScalarType,
-    /// Byte order of the samples in the file.
+    /// Byte order of them.
     pub endian: Endian,
     /// The space that the file's positions refer to. Unless it is [`Space::Own`], the volume's world is RAS.
     pub space: Space,
-    /// What placed the samples: `space directions`, `spacings`, `sform`, … or `assumed`.
+    /// What placed the samples: `space directions`, `spacings`, `sform`, … or `assumed`; of points `positions`.
     pub placed_by: &'static str,
     /// What the positions are measured in, if the file says.
     pub units: Option<String>,
@@ -73,6 +83,8 @@ pub struct FileInfo {
     pub frames: usize,
     /// Components per voxel in the file; one of them is the volume.
     pub components: usize,
+    /// Columns or arrays of points, of which some may have been taken; none of a grid.
+    pub columns: Vec<String>,
     /// The files that hold the voxels.
     pub data_files: Vec<PathBuf>,
     /// Whether the samples stay in the file, mapped into memory.
@@ -93,8 +105,8 @@ pub(crate) struct Description {
     pub notes: Vec<String>,
 }
 
-/// Reads a volume of any supported format: NRRD, MetaImage, NIfTI-1 and -2, or raw. The format is told by the content first,
-/// by the name second.
+/// Reads a volume of any supported format: NRRD, MetaImage, NIfTI-1 and -2, raw, or those of scattered points ([`crate::read_points`]). The
+/// format is told by the content first, by the name second.
 ///
 /// # Errors
 /// A [`ReadError`] that names the file, the field, what was found and what is allowed.
@@ -104,25 +116,36 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, Rea
         return Err(unsupported_folder(path));
     }
     if let Some(description) = &options.raw {
-        let head = file_head(path)?;
+        let head = file_head(path).map_err(|e| ReadError::io(path, e))?;
         return load(path, raw::describe(path, description, Encoding::of_file(&head), options)?, options);
     }
-    let head = file_head(path)?;
+    let head = file_head(path).map_err(|e| ReadError::io(path, e))?;
     let described = match detect(path, &head)? {
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
+        Format::Points(format) => return load_points(path, format, options),
     };
     load(path, described, options)
 }
 
 /// The first few thousand bytes of a file: enough to tell every format.
-fn file_head(path: &Path) -> Result<Vec<u8>, ReadError> {
+pub(crate) fn file_head(path: &Path) -> io::Result<Vec<u8>> {
     const HEAD: u64 = 4096;
     let mut head = Vec::new();
-    File::open(path).and_then(|f| f.take(HEAD).read_to_end(&mut head)).map_err(|e| ReadError::io(path, e))?;
+    File::open(path)?.take(HEAD).read_to_end(&mut head)?;
     Ok(head)
+}
+
+fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Result<Loaded, ReadError> {
+    for (field, choice) in [("frame", options.frame), ("component", options.component)] {
+        if let Some(choice) = choice {
+            return Err(FieldError::new(field, choice, "scattered points have none to choose").in_file(path));
+        }
+    }
+    let LoadedPoints { points, info, notes } = points::read_as(format, path, &options.points)?;
+    Ok(Loaded { volume: points.into(), info, notes })
 }
 
 fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Loaded, ReadError> {
@@ -152,6 +175,7 @@ fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Lo
         units,
         frames: layout.frames,
         components: layout.components,
+        columns: Vec::new(),
         data_files,
         mapped,
     };

@@ -2,6 +2,7 @@
 //! panic. The random numbers are the same on every run.
 
 mod small_meshes;
+mod small_points;
 mod tiny;
 
 use std::cell::Cell;
@@ -12,7 +13,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use small_meshes::{obj, ply_binary, ply_text, stl_binary, stl_text};
 use tiny::{gzip, i16_bytes, join, metaimage, nifti_1, nifti_2, nrrd, zlib};
-use vr_io::{ReadOptions, parse_color_maps, parse_scene, read, read_mesh, resolve_scene};
+use vr_io::{PointOptions, ReadOptions, parse_color_maps, parse_scene, read, read_mesh, read_points, resolve_scene};
 
 #[derive(Clone, Debug)]
 enum Damage {
@@ -216,6 +217,42 @@ fn meshes() {
                 // What was read is a surface in earnest.
                 Ok(loaded) => {
                     let (low, high) = loaded.mesh.bounds();
+                    if low.is_finite() && high.is_finite() { Ok(()) } else { Err("bounds that are not finite".into()) }
+                }
+                Err(e) => one_line(e.to_string()),
+            }
+        });
+    }
+}
+
+#[test]
+fn points() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = Cell::new(0);
+    let mut files = vec![
+        ("a.csv", small_points::csv().into_bytes()),
+        ("b.txt", small_points::csv().replace(',', " ").into_bytes()),
+        ("c.npy", small_points::npy()),
+        ("d.vtk", small_points::vtk_text().into_bytes()),
+        ("e.vtk", small_points::vtk_binary()),
+    ];
+    files.extend(small_points::all_vtp().into_iter().map(|(_, file)| ("f.vtp", file)));
+    // Without the feature, it is refused after eight bytes.
+    files.push(("g.h5", small_points::GADGET.to_vec()));
+    for (name, file) in files {
+        survive(&file, |damaged| {
+            case.set(case.get() + 1);
+            let path = folder.path().join(format!("{}{name}", case.get()));
+            std::fs::write(&path, damaged).map_err(|e| e.to_string())?;
+            let outcome = read_points(&path, &PointOptions::default());
+            std::fs::remove_file(&path).map_err(|e| e.to_string())?;
+            match outcome {
+                // What was read is points in earnest.
+                Ok(loaded) => {
+                    let (low, high) = loaded.points.bounds();
+                    if loaded.notes.iter().any(|note| note.contains('\n')) {
+                        return Err(format!("a note of two lines: {:?}", loaded.notes));
+                    }
                     if low.is_finite() && high.is_finite() { Ok(()) } else { Err("bounds that are not finite".into()) }
                 }
                 Err(e) => one_line(e.to_string()),

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use vr_core::scene_file::SceneFile;
 use vr_core::transfer::srgb_to_linear;
-use vr_core::{Calibration, Placement, Scene, UniformGrid, View};
+use vr_core::{Calibration, Placement, PointKernel, PointSet, Scene, UniformGrid, View};
 use vr_io::{load_scene, parse_scene, resolve_scene, scene_text, write_scene};
 
 /// The example of the design, with a raw volume beside it.
@@ -88,7 +88,7 @@ fn wrong_files_are_told_where_and_what() {
         assert!(message.contains(word) && !message.contains('\n'), "{message}");
     }
     for (text, word) in [
-        ("", "s.toml: volume: found nothing; must have a path, a phantom or data"),
+        ("", "s.toml: volume: found nothing; must have a path, a phantom, data or points"),
         ("[volume]\nphantom = \"fog\"\npath = \"x\"", "volume: found several"),
         ("[volume]\nphantom = \"frog\"", "volume.phantom: found 'frog' (did you mean 'fog'?); must be marschner-lobb"),
         ("[volume]\nphantom = \"fog\"\nsize = 1", "volume.size: found 1; must be 2 to 2048"),
@@ -175,4 +175,91 @@ fn a_mesh_belongs_to_the_scene() {
     let mesh = loaded.mesh.unwrap();
     assert_eq!((mesh.mesh.triangles().len(), mesh.color), (1, Some([0.5, 0.25, 1.0])));
     assert!(parse_scene("[mesh]\ncolor = [1.0, 0.0, 0.0]\n", &path).unwrap_err().to_string().contains("path"));
+}
+
+#[test]
+fn points_stand_in_scene_files_and_come_back_identical() {
+    let positions = vec![DVec3::new(0.1, 1.0 / 3.0, -1e6), DVec3::ONE];
+    let points =
+        PointSet::new(positions, vec![0.1, 3.5], vec![1.0 / 3.0, -2.0], vec![1e-20, 7.5], PointKernel::Gaussian)
+            .unwrap();
+    let file =
+        parse_scene("[camera]\neye = [0,0,9]\ntarget = [0,0,0]\nup = [0,1,0]\nheight = 3\n", Path::new("")).unwrap();
+    let control_points = vec![vr_core::ControlPoint::new(0.0, [1.0; 3], 0.5)];
+    let (scene, view) = file.assemble(points.into(), control_points).unwrap();
+    let text = scene_text(&SceneFile::describe(&scene, &view).unwrap()).unwrap();
+    let back = resolve_scene(&parse_scene(&text, Path::new("x.toml")).unwrap(), Path::new("x.toml")).unwrap();
+    let (a, b) = (scene.volume.points().unwrap(), back.scene.volume.points().unwrap());
+    assert_eq!((a.positions(), a.radii(), a.kernel()), (b.positions(), b.radii(), b.kernel()), "{text}");
+    assert_eq!((a.weights(), a.values()), (b.weights(), b.values()), "{text}");
+    // Splatting is what draws them where nobody names another.
+    assert_eq!(back.renderer, "splat");
+}
+
+#[test]
+fn files_and_phantoms_of_points() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("x.csv"), "a,b,c,size,m,T\n0,0,0,2,1,5\n9,0,0,4,1,6\n").unwrap();
+    let text = "[volume]\npath = \"x.csv\"\nkernel = \"cone\"\nradius_scale = 0.5\nvalue = \"T\"\n\
+                columns = {position = [\"a\", \"b\", \"c\"], radius = \"size\", weight = \"m\"}\n";
+    let path = folder.path().join("x.toml");
+    let file = parse_scene(text, &path).unwrap();
+    let written = scene_text(&file).unwrap();
+    assert_eq!(parse_scene(&written, &path).unwrap(), file, "{written}");
+    let loaded = resolve_scene(&file, &path).unwrap();
+    let points = loaded.scene.volume.points().unwrap();
+    assert_eq!((points.radii(), points.weights(), points.values()), (&[1.0, 2.0][..], &[1.0; 2][..], &[5.0, 6.0][..]));
+    assert_eq!(points.kernel(), PointKernel::Cone);
+    assert!(
+        loaded.notes.iter().any(|n| n.starts_with("unit_distance is half the mean radius, 0.75")),
+        "{:?}",
+        loaded.notes
+    );
+    // The camera that nobody gave sees the supports, too.
+    assert_eq!(loaded.bounds(), (DVec3::new(-1.0, -2.0, -2.0), DVec3::new(11.0, 2.0, 2.0)));
+
+    let phantom = |text: &str| {
+        let path = Path::new("x.toml");
+        resolve_scene(&parse_scene(text, path).unwrap(), path)
+    };
+    for name in vr_core::phantom::POINT_NAMES {
+        let loaded = phantom(&format!("[volume]\nphantom = \"{name}\"\ncount = 50\n")).unwrap();
+        assert_eq!(loaded.scene.volume.points().unwrap().count(), 50);
+        let (_, unit_distance) = vr_core::phantom::point_transfer(name).unwrap();
+        assert_eq!(loaded.scene.transfer.unit_distance(), unit_distance);
+    }
+}
+
+#[test]
+fn keys_that_do_not_suit_the_volume_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("x.csv"), "x,y,z,r\n0,0,0,1\n").unwrap();
+    std::fs::write(folder.path().join("g_2x2x2_uint8.raw"), [0; 8]).unwrap();
+    let path = folder.path().join("x.toml");
+    for (volume, words) in [
+        ("path = \"x.csv\"\ncount = 4", &["volume.count", "only phantoms"][..]),
+        ("path = \"x.csv\"\nfilter = \"bspline\"", &["volume.filter", "points have a kernel"]),
+        ("path = \"x.csv\"\nradius = 0.0", &["volume.radius", "positive"]),
+        ("path = \"x.csv\"\nvalue = \"T\"", &["x.csv", "value: found T", "x, y, z, r"]),
+        ("path = \"x.csv\"\ncolumns = {density = \"rho\"}", &["density: found rho"]),
+        ("path = \"x.csv\"\ncolumns = {densities = \"rho\"}", &["densities", "did you mean 'density'"]),
+        ("path = \"x.csv\"\nkernel = \"cube\"", &["cube", "cubic-spline"]),
+        ("path = \"x.csv\"\npoints = [[0,0,0,1,1,1]]", &["several of path, phantom, data and points"]),
+        ("path = \"g_2x2x2_uint8.raw\"\nkernel = \"cone\"", &["volume.kernel", "grid"]),
+        ("phantom = \"fog\"\nsize = 4\ncount = 4", &["volume.count", "grid"]),
+        ("phantom = \"plummer\"\nsize = 4", &["volume.size", "made of points"]),
+        ("phantom = \"plummer\"\ncount = 0", &["volume.count", "1 to 100000000"]),
+        ("phantom = \"plummer\"\nkernel = \"cone\"", &["volume.kernel", "its own"]),
+        ("phantom = \"plumer\"", &["did you mean 'plummer'"]),
+        ("points = [[0,0,0,1,1,1]]\nradius = 2.0", &["volume.radius", "only points from files"]),
+        ("points = [[0,0,0,0,1,1]]", &["volume.points", "radius 0"]),
+        ("points = []", &["volume.points", "no point"]),
+        ("data = [0,0,0,0,0,0,0,0]\ndims = [2,2,2]\nvalue = \"T\"", &["volume.value", "grid"]),
+    ] {
+        let text = format!("[volume]\n{volume}\n");
+        let error = parse_scene(&text, &path).and_then(|file| resolve_scene(&file, &path)).unwrap_err().to_string();
+        for word in words {
+            assert!(error.contains(word) && !error.contains('\n'), "{volume}: no {word:?} in {error}");
+        }
+    }
 }

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use vr_core::{AnyGrid, GridError, UniformVolume, VoxelType, with_grid};
 use vr_io::{
-    FileInfo, Loaded, RawDescription, ReadError, ReadOptions, ScalarType, Space, Transform, orientation, read,
+    FileInfo, Loaded, LoadedPoints, PointOptions, RawDescription, ReadError, ReadOptions, ScalarType, Space, Transform,
+    orientation, read, read_points,
 };
 
 /// A file of the shared data, or `None` after a word where there are none.
@@ -176,7 +177,7 @@ fn transforms_can_be_chosen() {
 }
 
 /// Every broken file of these formats, and a word of the message that it must give; `""` for files that are odd but right.
-const BROKEN: [(&str, &str); 38] = [
+const BROKEN: [(&str, &str); 40] = [
     ("nan_be_f32.nii", ""),
     ("complex64.nii.gz", "datatype: found 32 (complex numbers"),
     ("header_only.hdr.gz", "bad/header_only.img.gz: "),
@@ -209,13 +210,81 @@ const BROKEN: [(&str, &str); 38] = [
     ("fuel_plus_one_64x64x64_uint8.raw", "claims 262144 bytes of voxels, found 262145"),
     ("lies_128x128x128_uint8.raw", "claims 2097152 bytes of voxels, found 68921"),
     ("hydrogen_truncated.vti", "unsupported format VTK (XML); supported are NRRD"),
-    ("tets_no_scalars.vtk", "unsupported format VTK (legacy)"),
+    ("tets_no_scalars.vtk", ""),
+    ("tets_bad_index.vtk", ""),
+    ("tets_nan_scalar.vtk", ""),
     ("Bucky_truncated.pvm", "unsupported format PVM"),
-    ("sph_zero_h.h5", "unsupported format HDF5"),
+    ("sph_zero_h.h5", SPH_ZERO_H),
     ("no_meta.dcm", "unsupported format DICOM"),
     ("JPEG2000.dcm", "unsupported format DICOM"),
     ("amrex_missing_levels", "unsupported format folder of files"),
 ];
+
+const SPH_ZERO_H: &str =
+    if cfg!(feature = "hdf5") { "position: found" } else { "HDF5 is read by builds with the feature `hdf5`" };
+
+/// Count, and smallest and largest radius.
+fn points_of(name: &str, options: &PointOptions) -> Option<(LoadedPoints, usize, [f32; 2])> {
+    let loaded = read_points(data(name)?, options).unwrap_or_else(|e| panic!("{e}"));
+    println!("{name}: {:?}", loaded.notes);
+    let radii = loaded.points.radii();
+    let ends = radii.iter().fold([f32::INFINITY, 0.0], |[low, high], &r| [low.min(r), high.max(r)]);
+    let count = radii.len();
+    Some((loaded, count, ends))
+}
+
+#[test]
+fn points_of_numpy_and_vtk() {
+    let default = PointOptions::default();
+    let Some((halo, count, radii)) = points_of("particles/halo_low_res.npy", &default) else { return };
+    assert_eq!((count, halo.info.scalar), (32_314, ScalarType::F32));
+    assert!(radii[0] > 0.0 && radii[1] > 10.0 * radii[0], "clustered: {radii:?}");
+    let (post, count, _) = points_of("unstructured/post.vtk", &default).unwrap();
+    assert_eq!((count, post.info.columns.as_slice()), (2288, &["Pressure".to_owned()][..]));
+    let values = post.points.values();
+    let ends = values.iter().fold([f32::INFINITY, 0.0], |[low, high], &v| [low.min(v), high.max(v)]);
+    assert!((ends[0] - 0.355).abs() < 1e-3 && (ends[1] - 1.641).abs() < 1e-3, "{ends:?}");
+    let options = PointOptions { value: Some("t".to_owned()), ..PointOptions::default() };
+    let (fire, count, _) = points_of("unstructured/fire_ug.vtu", &options).unwrap();
+    assert_eq!((count, fire.info.encoding), (12_323, "zlib"));
+    let values = fire.points.values();
+    let ends = values.iter().fold([f32::INFINITY, 0.0], |[low, high], &v| [low.min(v), high.max(v)]);
+    assert!((ends[0] - 298.0).abs() < 1.0 && (ends[1] - 692.0).abs() < 1.0, "{ends:?}");
+    let options = PointOptions { value: Some("DistanceToCenter".to_owned()), ..PointOptions::default() };
+    let (_, count, _) = points_of("unstructured/Tetrahedron.vtu", &options).unwrap();
+    assert_eq!(count, 35);
+    assert_eq!(points_of("unstructured/tetraMesh.vtk", &default).unwrap().1, 55);
+    assert_eq!(points_of("unstructured/uGridEx.vtk", &default).unwrap().1, 27);
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+fn points_of_phantom() {
+    let Some((dump, count, radii)) = points_of("particles/phantom_adiabatic_00000.h5", &PointOptions::default()) else {
+        return;
+    };
+    assert!(count < 20_736, "boundaries are left out");
+    assert!(
+        dump.notes.iter().any(|n| n.contains(&format!("{} particles are left out", 20_736 - count))),
+        "{:?}",
+        dump.notes
+    );
+    // The largest smoothing lengths, 0.0323, are the boundaries'.
+    assert!((radii[0] - 2.0 * 0.0139).abs() < 1e-3 && radii[1] < 2.0 * 0.0323, "{radii:?}");
+    // The field at a particle is the density that smoothing lengths tell, to within the noise of a sum over some thirty neighbours; in the
+    // middle, for boundaries are left out.
+    let points = &dump.points;
+    let middle = (0..count).min_by(|&a, &b| {
+        let far = |k: usize| points.positions()[k].length();
+        far(a).total_cmp(&far(b))
+    });
+    let k = middle.unwrap();
+    let sum: f64 = (0..count).map(|j| points.contribution(j, points.positions()[k])).sum();
+    let options = PointOptions { value: Some("density".to_owned()), ..PointOptions::default() };
+    let (densities, ..) = points_of("particles/phantom_adiabatic_00000.h5", &options).unwrap();
+    let told = f64::from(densities.points.values()[k]);
+    assert!((sum / told - 1.0).abs() < 0.02, "{sum} {told}");
+}
 
 #[test]
 fn broken_files_are_met() {

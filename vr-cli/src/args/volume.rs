@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use vr_core::PointKernel;
 
 use super::value;
 
@@ -10,7 +11,8 @@ use super::value;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Volume")]
 pub struct VolumeArgs {
-    /// A volume file: NRRD, MetaImage, NIfTI, or raw with the size in its name; without it, the embedded scene
+    /// A volume file: NRRD, MetaImage, NIfTI, or raw with the size in its name; or scattered points: CSV, VTK (.vtp, .vtu, .vtk), NumPy or
+    /// HDF5; without it, the embedded scene
     #[arg(value_name = "VOLUME")]
     pub path: Option<PathBuf>,
     /// A phantom instead of a file
@@ -46,4 +48,25 @@ pub struct VolumeArgs {
     /// Raw files: world position of the first sample
     #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true, requires = "dims")]
     pub origin: Option<[f64; 3]>,
+    /// Points of a phantom that is made of them
+    #[arg(long, value_name = "N", conflicts_with = "path")]
+    pub points_count: Option<usize>,
+    /// Points: the column or array of the values, of those that vr info lists; 1 for the same everywhere
+    #[arg(long, value_name = "NAME")]
+    pub value: Option<String>,
+    /// Points: how each is spread (cubic-spline, gaussian or cone)
+    #[arg(long, value_name = "NAME", value_parser = value::word::<PointKernel>)]
+    pub kernel: Option<PointKernel>,
+    /// Points: how far all of them reach, in world units, whatever the file tells; twice a smoothing length
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub radius: Option<f64>,
+    /// Points: multiplies every radius
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
+    pub radius_scale: Option<f64>,
+    /// Points: the columns of positions (text alone), as X,Y,Z
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<String>)]
+    pub position_columns: Option<[String; 3]>,
+    /// Points: the column that is the radius, smoothing_length, mass, density or weight; may be repeated
+    #[arg(long, value_name = "ROLE=NAME", value_parser = value::key_value)]
+    pub column: Vec<(String, String)>,
 }

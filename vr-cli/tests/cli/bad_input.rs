@@ -156,7 +156,11 @@ fn broken_files_of_every_kind_are_refused() {
         let start = Instant::now();
         let run = vr.run_with(&["render", path.to_str().unwrap(), "--size", "16", "--error", "none", "-o", "x.png"]);
         assert!(start.elapsed() < Duration::from_secs(10), "{name} takes {:?}", start.elapsed());
-        if VALID.contains(&name.as_str()) && run.code == 0 {
+        if name.starts_with("tets_") && name.ends_with(".vtk") {
+            // Bad cells, but sound points, which are all that is taken: drawn where a renderer draws points.
+            assert!(run.stderr.contains("their points are taken") && run.code <= 2, "{name}: {}", run.stderr);
+            let _ = std::fs::remove_file(vr.folder().join("x.png"));
+        } else if VALID.contains(&name.as_str()) && run.code == 0 {
             std::fs::remove_file(vr.folder().join("x.png")).unwrap();
         } else {
             let error = run.failed(1);

@@ -6,5 +6,6 @@ mod commands;
 mod diff;
 mod harness;
 mod mesh;
+mod points;
 mod ray;
 mod report;

@@ -2,6 +2,7 @@
 
 mod error;
 mod resolve;
+mod volume;
 
 use std::path::Path;
 
@@ -11,7 +12,8 @@ use crate::atomic::write_whole;
 use crate::error::WriteError;
 
 pub use error::SceneFileError;
-pub use resolve::{LoadedScene, LoadedVolume, SceneMesh, load_volume, resolve_scene};
+pub use resolve::{LoadedScene, SceneMesh, resolve_scene};
+pub use volume::{LoadedVolume, load_volume};
 
 /// Reads a scene file, without the files that it names.
 ///

@@ -3,6 +3,8 @@
 //! Unknown keys are errors. What is absent has the defaults of the house: trilinear, power rule, unit distance = mean spacing,
 //! linear colours, no shading, no clipping, a 512×512 picture of the whole volume before black.
 
+mod points;
+
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
@@ -14,13 +16,16 @@ use crate::error::ParameterError;
 use crate::filter::Filter;
 use crate::grid::UniformGrid;
 use crate::options::Options;
+use crate::point_kernel::PointKernel;
 use crate::scene::Scene;
 use crate::shading::{GradientMethod, Light, Shading};
 use crate::transfer::{ControlPoint, OpacityRule, TransferFunction};
 use crate::view::{Clip, Plane, View};
-use crate::volume::{AnyGrid, Volume};
+use crate::volume::{AnyGrid, Geometry, UniformVolume, Volume};
 use crate::voxel::{Voxel, VoxelType};
 use crate::with_grid;
+
+pub use points::{MOST_INLINE_POINTS, PointColumns};
 
 /// A whole scene file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,7 +54,7 @@ pub struct SceneFile {
     pub render: RenderSection,
 }
 
-/// `[volume]`: a file, a phantom, or numbers.
+/// `[volume]`: a file, a phantom, samples, or points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct VolumeSection {
@@ -101,7 +106,28 @@ pub struct VolumeSection {
     /// What places a NIfTI file: `auto`, `sform`, `qform` or `spacing`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transform: Option<String>,
-    /// The filter that makes the canonical field.
+    /// Or points themselves: x, y, z, radius, weight, value of each, up to 4096 of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<Vec<[f64; 6]>>,
+    /// Points of a phantom that is made of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub count: Option<usize>,
+    /// How points are spread: `cubic-spline`, `gaussian` or `cone`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kernel: Option<PointKernel>,
+    /// How far the kernel of every point reaches, in world units, whatever the file tells; files alone, as what follows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius: Option<f64>,
+    /// Multiplies the radii.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius_scale: Option<f64>,
+    /// The column or array of the points' values; `1` for 1 everywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<String>,
+    /// The other columns or arrays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub columns: Option<PointColumns>,
+    /// The filter that makes the canonical field of a grid.
     pub filter: Filter,
 }
 
@@ -361,8 +387,9 @@ impl Default for ImageSection {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RenderSection {
-    /// Which renderer.
-    pub renderer: String,
+    /// Which renderer; absent: the one that suits the volume.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub renderer: Option<String>,
     /// over, first, average, maximum, minimum or accumulate.
     pub compositing: CompositingName,
     /// For `first`.
@@ -382,7 +409,7 @@ pub struct RenderSection {
 impl Default for RenderSection {
     fn default() -> Self {
         Self {
-            renderer: "raycast".to_owned(),
+            renderer: None,
             compositing: CompositingName::default(),
             threshold: None,
             level: None,
@@ -407,6 +434,15 @@ pub enum CompositingName {
 }
 
 impl RenderSection {
+    /// The renderer: the one that is named, or else the one that draws volumes of this kind.
+    pub fn renderer(&self, volume: &Volume) -> &str {
+        self.renderer.as_deref().unwrap_or(match volume.geometry() {
+            Geometry::Uniform(_) => "raycast",
+            // No ray caster finds the few points, of all, that a ray meets.
+            Geometry::Points(_) => "splat",
+        })
+    }
+
     /// The compositing scheme with its parameter.
     ///
     /// # Errors
@@ -460,7 +496,7 @@ impl SceneFile {
     /// Describes a scene whose volume is small enough to stand in the file; the view's layer, which no file can say, is left out.
     ///
     /// # Errors
-    /// A volume of more than 64³ samples or of another kind than a uniform grid.
+    /// A volume of more than 64³ samples or 4096 points.
     pub fn describe(scene: &Scene, view: &View) -> Result<Self, ParameterError> {
         let t = &scene.transfer;
         let point =
@@ -523,8 +559,14 @@ impl SceneFile {
 pub const MOST_INLINE: usize = 64 * 64 * 64;
 
 fn inline_volume(volume: &Volume) -> Result<VolumeSection, ParameterError> {
+    match volume.geometry() {
+        Geometry::Uniform(u) => inline_grid(u),
+        Geometry::Points(p) => points::inline_points(p),
+    }
+}
+
+fn inline_grid(u: &UniformVolume) -> Result<VolumeSection, ParameterError> {
     let allowed = "only uniform grids of up to 64^3 samples can be written into a scene file";
-    let u = volume.uniform().ok_or_else(|| ParameterError::new("volume", volume.kind(), allowed))?;
     if u.dims().iter().product::<usize>() > MOST_INLINE {
         return Err(ParameterError::new("volume.dims", u.dims(), allowed));
     }

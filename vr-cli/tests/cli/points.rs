@@ -1,0 +1,68 @@
+//! Scattered points: told of, chosen by flags, refused in one line.
+
+use crate::harness::{Vr, test_data};
+
+const CSV: &str = "x,y,z,h,Temperature,m\n0,0,0,0.5,10,1\n1,-2,0.5,0.25,20,1\n3,1.5,2,1,30,1\n";
+
+#[test]
+fn info_tells_of_points() {
+    let vr = Vr::new();
+    vr.write("p.csv", CSV);
+    let run = vr.run("info p.csv").succeeded();
+    for word in ["p.csv, 3 points", "CSV", "x, y, z, h, Temperature, m", "cubic-spline", "0.5 to 2", "10 to 30"] {
+        assert!(run.stdout.contains(word), "no {word:?} in\n{}", run.stdout);
+    }
+    assert!(run.stderr.contains("2 smoothing lengths, 'h'"), "{}", run.stderr);
+    let json = vr.run("info p.csv --json").succeeded().json();
+    assert_eq!((&json["points"], &json["radius"][1], &json["values"][0]), (&3.into(), &2.0.into(), &10.0.into()));
+    assert_eq!(json["bounds"], serde_json::json!([[-1.0, -2.5, -1.0], [5.0, 3.5, 4.0]]));
+    assert_eq!(json["file"]["columns"][5], "m");
+
+    let flags = "--value m --kernel cone --radius 0.25 --radius-scale 2 --column weight=h --position-columns y,x,z";
+    let json = vr.run(&format!("info p.csv --json {flags}")).succeeded().json();
+    assert_eq!(json["bounds"][0], serde_json::json!([-2.5, -0.5, -0.5]));
+    assert_eq!((&json["kernel"], &json["weight_sum"]), (&"cone".into(), &1.75.into()));
+    let json = vr.run("info --phantom plummer --points-count 70 --json").succeeded().json();
+    assert_eq!((&json["points"], &json["volume"]), (&70.into(), &"phantom plummer, 70 points".into()));
+    assert!(vr.run("info nowhere.csv").failed(1).contains("nowhere.csv"));
+}
+
+#[test]
+fn wrong_flags_and_files_get_one_line() {
+    let vr = Vr::new();
+    vr.write("p.csv", CSV);
+    vr.write("zero.csv", CSV.replace("0.25", "0"));
+    vr.write("p.toml", "[volume]\npath = \"p.csv\"\nradius = -1.0\n");
+    for (arguments, code, words) in [
+        ("zero.csv", 1, &["zero.csv", "line 3", "'h'", "positive"][..]),
+        ("p.csv --points-count 3", 2, &["--points-count"]),
+        ("p.csv --value Pressure", 1, &["value", "Pressure", "Temperature"]),
+        ("p.csv --radius 0", 2, &["volume.radius", "positive"]),
+        ("p.csv --kernel cube", 2, &["--kernel", "cubic-spline"]),
+        ("p.csv --column x=h", 2, &["--column", "smoothing_length"]),
+        ("p.csv --frame 0", 1, &["frame", "scattered points"]),
+        ("--phantom plummer --phantom-size 4", 2, &["volume.size", "made of points"]),
+        ("--phantom plummer --kernel cone", 2, &["volume.kernel"]),
+        ("--phantom fog --points-count 4", 2, &["volume.count", "grid"]),
+    ] {
+        let error = vr.run(&format!("info {arguments}")).failed(code);
+        for word in words {
+            assert!(error.contains(word), "{arguments}: no {word:?} in {error}");
+        }
+    }
+    assert!(vr.run("render --scene p.toml").failed(1).contains("p.toml: volume.radius"));
+    // A grid is what it takes.
+    let error = vr.run("render p.csv --renderer shearwarp --error none").failed(1);
+    assert!(error.contains("shearwarp") && error.contains("scattered points"), "{error}");
+    assert_eq!(vr.files(), ["p.csv", "p.toml", "zero.csv"]);
+}
+
+#[test]
+fn real_points() {
+    let Some(data) = test_data() else { return };
+    let vr = Vr::new();
+    let halo = data.join("particles/halo_low_res.npy");
+    let run = vr.run_with(&["info", halo.to_str().unwrap()]).succeeded();
+    assert!(run.stdout.contains("halo_low_res.npy, 32314 points"), "{}", run.stdout);
+    assert!(run.stderr.contains("58th neighbour"), "{}", run.stderr);
+}

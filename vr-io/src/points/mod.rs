@@ -1,0 +1,226 @@
+//! Scattered points in: text, VTK, NumPy and HDF5.
+
+mod assemble;
+mod delimited;
+mod error;
+#[cfg(feature = "hdf5")]
+mod hdf5;
+mod neighbours;
+mod npy;
+mod numbers;
+mod roles;
+mod vtk_legacy;
+mod vtk_xml;
+
+use std::path::Path;
+
+use glam::DVec3;
+use vr_core::scene_file::PointColumns;
+use vr_core::{ParameterError, PointKernel, PointSet};
+
+use crate::detect::{Format, detect};
+use crate::read::{FileInfo, file_head};
+use crate::scalar::{Endian, ScalarType};
+use crate::world::Space;
+
+pub use error::PointFileError;
+
+use error::Trouble;
+use roles::Roles;
+
+/// The formats that are read, as messages list them.
+const SUPPORTED: &str = "CSV and TSV, VTK PolyData and UnstructuredGrid (.vtp, .vtu, .vtk), NumPy (.npy, N x 3) and, with the feature hdf5, Gadget and Phantom HDF5";
+
+/// How to read points. `PointOptions::default()` is right where columns have the usual names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointOptions {
+    /// How each point is spread.
+    pub kernel: PointKernel,
+    /// How far the kernels of all points reach, in world units, whatever the file tells.
+    pub radius: Option<f64>,
+    /// Multiplies every radius: more than 1 smoothes.
+    pub radius_scale: Option<f64>,
+    /// The column or array of the values; `1` for a value of 1 at every point.
+    pub value: Option<String>,
+    /// The other columns or arrays.
+    pub columns: PointColumns,
+}
+
+impl PointOptions {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A radius or factor that is not positive and finite.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        for (field, number) in [("volume.radius", self.radius), ("volume.radius_scale", self.radius_scale)] {
+            if let Some(x) = number.filter(|&x| !(x > 1e-30 && x < 1e30)) {
+                return Err(ParameterError::new(field, x, "must be positive, between 1e-30 and 1e30"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Points from a file.
+#[derive(Clone, Debug)]
+pub struct LoadedPoints {
+    /// The points, where the file puts them.
+    pub points: PointSet,
+    /// What the file said.
+    pub info: FileInfo,
+    /// What was assumed, chosen or left out on the way, one line each.
+    pub notes: Vec<String>,
+}
+
+/// Reads scattered points of any supported format, told by the content first and by the name second.
+///
+/// f(x) = Σ wₖ vₖ W(|x − xₖ| / Rₖ) / Rₖ³ (see [`PointSet`]) needs a radius, a weight and a value for each point. They are the file's where
+/// it has them, found by the usual names of columns or by those that options give, and otherwise assumed, which the notes tell:
+///
+/// | | the first that there is |
+/// |---|---|
+/// | radius R | [`PointOptions::radius`]; column radius; 2 smoothing lengths; 2.4 (mass / density)^(1/3); the distance of the 58th neighbour |
+/// | weight w | column weight; mass / density; with a value, the volume (R / 2.4)³; mass; (R / 2.4)³ density; 1 |
+/// | value v | the column that is chosen or has a usual name; 1 |
+///
+/// So the field follows the values where there are any, and is the density of mass, or of points, where there are none. Radii of 2.4 mean
+/// distances hold 58 points each (Price 2012, "Smoothed particle hydrodynamics and magnetohydrodynamics").
+///
+/// # Errors
+/// A [`PointFileError`] that names the file, the line or point and the column, what was found and what is allowed. Points that make no
+/// sense are refused, not left out.
+pub fn read_points(path: impl AsRef<Path>, options: &PointOptions) -> Result<LoadedPoints, PointFileError> {
+    let path = path.as_ref();
+    let unrecognised = || PointFileError::Unrecognised { path: path.into() };
+    let head = file_head(path).map_err(|source| PointFileError::Io { path: path.into(), source })?;
+    match detect(path, &head) {
+        Ok(Format::Points(format)) => read_as(format, path, options),
+        _ => Err(unrecognised()),
+    }
+}
+
+/// The formats of points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PointFormat {
+    Delimited,
+    Npy,
+    VtkLegacy,
+    VtkXml,
+    Hdf5,
+}
+
+/// The format of points that the beginning of a file shows.
+pub(crate) fn by_content(head: &[u8]) -> Option<PointFormat> {
+    if head.starts_with(npy::MAGIC) {
+        Some(PointFormat::Npy)
+    } else if head.starts_with(b"\x89HDF\r\n\x1a\n") {
+        Some(PointFormat::Hdf5)
+    } else if vtk_legacy::holds_points(head) {
+        Some(PointFormat::VtkLegacy)
+    } else if vtk_xml::holds_points(head) {
+        Some(PointFormat::VtkXml)
+    } else {
+        None
+    }
+}
+
+/// The format of points that the end of a name tells, in lower case.
+pub(crate) fn by_extension(extension: &str) -> Option<PointFormat> {
+    Some(match extension {
+        "csv" | "tsv" | "txt" => PointFormat::Delimited,
+        "npy" => PointFormat::Npy,
+        "vtp" | "vtu" => PointFormat::VtkXml,
+        _ => return None,
+    })
+}
+
+/// Reads points of a known format.
+pub(crate) fn read_as(
+    format: PointFormat,
+    path: &Path,
+    options: &PointOptions,
+) -> Result<LoadedPoints, PointFileError> {
+    let in_file = |trouble: Trouble| trouble.in_file(path);
+    options.validate().map_err(|e| Trouble::new(e.field, e.found, e.allowed)).map_err(in_file)?;
+    if format != PointFormat::Delimited && options.columns.position.is_some() {
+        let allowed = "the format itself tells which numbers are positions; only text has a choice";
+        return Err(in_file(Trouble::new("columns.position", "names", allowed)));
+    }
+    let bytes = || std::fs::read(path).map_err(|source| PointFileError::Io { path: path.into(), source });
+    let found = match format {
+        PointFormat::Delimited => delimited::read(&bytes()?, options),
+        PointFormat::Npy => npy::read(&bytes()?),
+        PointFormat::VtkLegacy => vtk_legacy::read(&bytes()?, options),
+        PointFormat::VtkXml => vtk_xml::read(&bytes()?, options),
+        #[cfg(feature = "hdf5")]
+        PointFormat::Hdf5 => hdf5::read(path, options),
+        #[cfg(not(feature = "hdf5"))]
+        PointFormat::Hdf5 => {
+            return Err(PointFileError::Feature { path: path.into(), format: "HDF5", feature: "hdf5" });
+        }
+    };
+    let Found { table, format, encoding, scalar, endian, names, mut notes } = found.map_err(in_file)?;
+    let points = assemble::assemble(table, options, &mut notes).map_err(in_file)?;
+    let info = FileInfo {
+        format,
+        encoding,
+        scalar,
+        endian,
+        space: Space::Own,
+        placed_by: "positions",
+        units: None,
+        frames: 1,
+        components: 1,
+        columns: names,
+        data_files: vec![path.into()],
+        mapped: false,
+    };
+    Ok(LoadedPoints { points, info, notes })
+}
+
+/// What a file holds, before it is made points.
+struct Found {
+    table: Table,
+    format: &'static str,
+    encoding: &'static str,
+    /// The type of the positions.
+    scalar: ScalarType,
+    endian: Endian,
+    /// All columns that could be chosen.
+    names: Vec<String>,
+    notes: Vec<String>,
+}
+
+/// Positions, and the columns that have a role: as long as the positions.
+struct Table {
+    positions: Vec<DVec3>,
+    columns: Roles<Column>,
+    numbering: Numbering,
+}
+
+/// How messages call a point.
+enum Numbering {
+    FromZero,
+    /// By its line, from 1.
+    Lines(Vec<u64>),
+    /// By its number in the file, where some were left out.
+    #[cfg_attr(not(feature = "hdf5"), expect(dead_code, reason = "only HDF5 leaves points out"))]
+    Points(Vec<usize>),
+}
+
+impl Numbering {
+    fn name(&self, k: usize) -> String {
+        match self {
+            Self::Lines(lines) => format!("line {}", lines[k]),
+            Self::Points(points) => format!("point {}", points[k]),
+            Self::FromZero => format!("point {k}"),
+        }
+    }
+}
+
+/// A number for each point.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Column {
+    name: String,
+    numbers: Vec<f64>,
+}

@@ -1,0 +1,136 @@
+//! Points of VTK's XML files: PolyData (.vtp) and UnstructuredGrid (.vtu), with arrays as text, base64 or appended, raw or compressed.
+//!
+//! Own code over a parser of XML: `vtkio`, the crate at hand, reads no raw appended data, which is how ParaView writes, panics on offsets beyond the
+//! end, and allocates what headers claim.
+
+mod arrays;
+
+use roxmltree::{Document, Node};
+
+use crate::error::{FieldError, shown};
+
+use super::error::Trouble;
+use super::roles::Roles;
+use super::{Column, Found, Numbering, PointOptions, Table, numbers};
+
+use arrays::{Appended, Coding, DataArray};
+
+/// Whether the beginning of a file is that of a VTK file with a kind of data that has points of its own.
+pub(super) fn holds_points(head: &[u8]) -> bool {
+    let contains = |text: &[u8]| head.windows(text.len()).any(|w| w == text);
+    head.trim_ascii_start().starts_with(b"<")
+        && contains(b"<VTKFile")
+        && (contains(b"type=\"PolyData\"") || contains(b"type=\"UnstructuredGrid\""))
+}
+
+pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Trouble> {
+    let (text, appended) = Appended::split(bytes)?;
+    let document = Document::parse(&text).map_err(|e| Trouble::new("XML", e, "must be well-formed"))?;
+    let root = document.root_element();
+    let kind = root.attribute("type").unwrap_or_default();
+    if !root.has_tag_name("VTKFile") || !matches!(kind, "PolyData" | "UnstructuredGrid") {
+        return Err(Trouble::new("VTKFile type", kind, "must be PolyData or UnstructuredGrid"));
+    }
+    let coding = Coding::of(root)?;
+    let pieces: Vec<Piece<'_, '_>> = root
+        .children()
+        .filter(|n| n.has_tag_name(kind))
+        .flat_map(|n| n.children())
+        .filter(|n| n.has_tag_name("Piece"))
+        .map(Piece::new)
+        .collect::<Result<_, _>>()?;
+    let notes = left_out(&pieces);
+    let filled: Vec<&Piece<'_, '_>> = pieces.iter().filter(|p| p.count > 0).collect();
+    let Some(first) = filled.first() else {
+        return Err(vr_core::PointError::Empty.into());
+    };
+
+    let names: Vec<String> = first.scalars().map(name_of).collect();
+    let mut positions = Vec::new();
+    let mut columns = Roles::choose(&names, options)?
+        .try_map(|i| Ok::<_, Trouble>(Column { name: names[i].clone(), numbers: Vec::new() }))?;
+    let place = first.positions()?;
+    let (scalar, encoding) = (place.scalar, place.encoding(&coding, &appended));
+    for piece in filled {
+        let all = piece.positions()?.numbers(piece.count * 3, &coding, &appended)?;
+        positions.extend(numbers::positions(&all));
+        columns = columns.try_map(|mut column| {
+            let array = piece.scalars().find(|&n| name_of(n) == column.name).ok_or_else(|| {
+                let place = format!("Piece, array {}", column.name);
+                FieldError::new(place, "nothing", "every piece must have it, as the first one has")
+            })?;
+            column.numbers.extend(DataArray::new(array)?.numbers(piece.count, &coding, &appended)?);
+            Ok::<_, Trouble>(column)
+        })?;
+    }
+    Ok(Found {
+        table: Table { positions, columns, numbering: Numbering::FromZero },
+        format: if kind == "PolyData" { "VTK PolyData" } else { "VTK UnstructuredGrid" },
+        encoding,
+        scalar,
+        endian: coding.endian,
+        names,
+        notes,
+    })
+}
+
+/// Fit for a line, as all that messages may quote.
+fn name_of(array: Node<'_, '_>) -> String {
+    shown(array.attribute("Name").unwrap_or_default())
+}
+
+/// What to say of cells.
+fn left_out(pieces: &[Piece<'_, '_>]) -> Vec<String> {
+    let cells: u64 = pieces.iter().map(Piece::cells).fold(0, u64::saturating_add);
+    let cell_arrays =
+        pieces.iter().map(|p| p.children("CellData").filter(|n| n.has_tag_name("DataArray")).count()).max();
+    let mut notes = Vec::new();
+    if cells > 0 {
+        notes.push(format!("{cells} cells are left out: their points are taken"));
+    }
+    if let Some(count) = cell_arrays.filter(|&count| count > 0) {
+        notes.push(format!("{count} arrays of cell data are left out"));
+    }
+    notes
+}
+
+/// A part of the data.
+struct Piece<'d, 't> {
+    node: Node<'d, 't>,
+    /// Points that it claims: not to be believed before their numbers have been found.
+    count: usize,
+}
+
+impl<'d, 't> Piece<'d, 't> {
+    fn new(node: Node<'d, 't>) -> Result<Self, Trouble> {
+        let text = node.attribute("NumberOfPoints").unwrap_or_default();
+        let count = text.trim().parse().ok().filter(|&count: &usize| count <= u32::MAX as usize);
+        let wrong = || Trouble::new("Piece, NumberOfPoints", text, "must be a whole number below 2^32");
+        Ok(Self { node, count: count.ok_or_else(wrong)? })
+    }
+
+    fn children(&self, section: &'static str) -> impl Iterator<Item = Node<'d, 't>> {
+        self.node.children().filter(move |n| n.has_tag_name(section)).flat_map(|n| n.children())
+    }
+
+    /// The arrays with one number for each point.
+    fn scalars(&self) -> impl Iterator<Item = Node<'d, 't>> {
+        let single =
+            |n: &Node<'_, '_>| n.attribute("NumberOfComponents").is_none_or(|c| matches!(c.trim(), "1" | "0" | ""));
+        let is_number = |n: &Node<'_, '_>| n.attribute("type") != Some("String");
+        self.children("PointData").filter(move |n| n.has_tag_name("DataArray") && single(n) && is_number(n))
+    }
+
+    fn positions(&self) -> Result<DataArray<'d, 't>, Trouble> {
+        let array = self.children("Points").find(|n| n.has_tag_name("DataArray"));
+        DataArray::new(
+            array.ok_or_else(|| Trouble::new("Piece", "no Points with a DataArray", "points have positions"))?,
+        )
+    }
+
+    fn cells(&self) -> u64 {
+        let kinds = ["NumberOfCells", "NumberOfVerts", "NumberOfLines", "NumberOfStrips", "NumberOfPolys"];
+        let count = |kind| self.node.attribute(kind).and_then(|n| n.trim().parse::<u64>().ok()).unwrap_or(0);
+        kinds.into_iter().map(count).fold(0, u64::saturating_add)
+    }
+}
