@@ -35,7 +35,7 @@ pub struct PointCrossings {
 }
 
 /// The most places that a range of values is taken from.
-const MOST_PLACES: usize = 1 << 16;
+const MOST_PLACES: usize = 1 << 14;
 
 impl PointSet {
     /// The field at a world position; `None` in vacuum, which is where no support reaches. A support ends before its radius.
@@ -95,7 +95,7 @@ impl PointSet {
         PointCrossings { offset, all }
     }
 
-    /// Smallest and largest value of the field at the points' own places (at up to 65 536 of them, evenly chosen by number). Elsewhere it may
+    /// Smallest and largest value of the field at the points' own places (at up to 16 384 of them, evenly chosen by number). Elsewhere it may
     /// be beyond them: down to 0 at the edge of a support, and a little higher between points. Made once and kept.
     pub fn value_range(&self) -> (f64, f64) {
         *self.range().get_or_init(|| {
