@@ -20,11 +20,11 @@ use crate::model::SplatModel;
 use crate::projection::SplatView;
 use crate::shading::{Shader, brightest};
 use crate::sheets::{ImageSheets, OwnSheets};
-use crate::source::{GridSplats, PointSplats, Source};
+use crate::source::{GridSplats, PointSplats, Source, Spread};
 use crate::splatting::{Buffers, SheetOrder, Splatting};
 use crate::support::{Things, check, check_view};
 use crate::tile::{Bounds, Classifier, Content, Met, Operator, Painter};
-use crate::visible::{VisibleRanges, VisibleVoxels, missing};
+use crate::visible::{CellBits, VisibleRanges, VisibleVoxels, missing};
 use crate::voxel_optics::VoxelOptics;
 
 /// The scene, what can be seen of it, and tables.
@@ -227,6 +227,16 @@ impl Prepared for PreparedSplatting {
     }
 }
 
+/// What is drawn in a view, and where.
+struct Drawing<'a> {
+    source: &'a dyn Source,
+    splat_view: &'a SplatView,
+    /// The axis of the volume's own sheets, and the layer of each.
+    layers: Option<(usize, &'a [u32])>,
+    /// Where something can be seen at all, and the size of the grid.
+    cells: Option<(&'a CellBits, [usize; 3])>,
+}
+
 /// Draws a grid, whatever its samples are.
 struct DrawGrid<'a> {
     prepared: &'a PreparedSplatting,
@@ -247,20 +257,12 @@ impl LatticeVisitor for DrawGrid<'_> {
         let splat_view = prepared.splat_view(things, view)?;
         let own = (renderer.buffers == Buffers::Axis).then(|| OwnSheets::new(renderer, grid, view)).transpose()?;
         let sheets = own.as_ref().map(|own| (own.axis, own.order.as_slice()));
-        let reach = renderer.kernel.reach();
-        let source = GridSplats::new(
-            lattice,
-            voxels,
-            &splat_view,
-            grid.placement(),
-            reach,
-            renderer.low_pass,
-            offset(things).0,
-            sheets,
-        );
+        let spread = Spread { reach: renderer.kernel.reach(), low_pass: renderer.low_pass, offset: offset(things).0 };
+        let source = GridSplats::new(lattice, voxels, &splat_view, grid.placement(), spread, sheets);
         let layers = own.as_ref().map(|own| (own.axis, own.layers.as_slice()));
         let cells = voxels.cells.as_ref().map(|cells| (cells, grid.dims()));
-        prepared.draw(things, &source, view, (&splat_view, layers, cells), control, stats)
+        let drawing = Drawing { source: &source, splat_view: &splat_view, layers, cells };
+        prepared.draw(things, view, &drawing, control, stats)
     }
 }
 
@@ -276,7 +278,8 @@ impl PreparedSplatting {
         let things = Things::Points(points);
         let splat_view = self.splat_view(things, view)?;
         let source = PointSplats { points, visible, view: &splat_view, low_pass: self.renderer.low_pass };
-        self.draw(things, &source, view, (&splat_view, None, None), control, stats)
+        let drawing = Drawing { source: &source, splat_view: &splat_view, layers: None, cells: None };
+        self.draw(things, view, &drawing, control, stats)
     }
 
     /// The view of all that may be drawn.
@@ -287,16 +290,12 @@ impl PreparedSplatting {
     fn draw(
         &self,
         things: Things<'_>,
-        source: &dyn Source,
         view: &View,
-        (splat_view, layers, cells): (
-            &SplatView,
-            Option<(usize, &[u32])>,
-            Option<(&crate::visible::CellBits, [usize; 3])>,
-        ),
+        drawing: &Drawing<'_>,
         control: &Control,
         stats: &mut RenderStats,
     ) -> Result<Frame, RenderError> {
+        let &Drawing { source, splat_view, layers, cells } = drawing;
         let (renderer, scene) = (&self.renderer, &self.scene);
         let (_, calibration) = offset(things);
         let grid = match things {

@@ -263,8 +263,7 @@ impl BitRows {
 
     fn runs(&self) -> Vec<Run> {
         let mut runs = Vec::new();
-        let height = if self.stride == 0 { 0 } else { self.words.len() / self.stride };
-        for y in 0..height {
+        for y in 0..self.words.len() / self.stride {
             let row = self.row(y);
             let mut x = 0;
             while x < self.width {

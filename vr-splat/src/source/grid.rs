@@ -9,6 +9,16 @@ use crate::source::Source;
 use crate::splat::Splat;
 use crate::visible::VisibleVoxels;
 
+/// How voxels are spread.
+pub(crate) struct Spread {
+    /// How far kernels reach along the grid's axes, in voxels.
+    pub(crate) reach: [f64; 3],
+    /// In pixels.
+    pub(crate) low_pass: f64,
+    /// Subtracted from stored numbers.
+    pub(crate) offset: f32,
+}
+
 /// The visible voxels of a grid, in a view.
 pub(crate) struct GridSplats<'a, T> {
     pub(crate) lattice: Lattice<'a, T>,
@@ -17,11 +27,7 @@ pub(crate) struct GridSplats<'a, T> {
     origin: DVec3,
     /// Change of place from one voxel to the next along each axis.
     steps: [DVec3; 3],
-    /// One over the product of a kernel's reaches, in voxels.
-    weight: f64,
-    low_pass: f64,
-    /// Subtracted from stored numbers.
-    offset: f32,
+    spread: Spread,
     /// The axis whose layers are sheets, and the place of each in the order of sheets.
     sheets: Option<(usize, &'a [u32])>,
 }
@@ -32,16 +38,13 @@ impl<'a, T: Voxel> GridSplats<'a, T> {
         visible: &'a VisibleVoxels,
         view: &'a SplatView,
         placement: &Placement,
-        reach: [f64; 3],
-        low_pass: f64,
-        offset: f32,
+        spread: Spread,
         sheets: Option<(usize, &'a [u32])>,
     ) -> Self {
         let axes = placement.axes();
         let steps = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| view.place_of_vector(axis));
         let origin = view.place(placement.origin());
-        let weight = 1.0 / (reach[0] * reach[1] * reach[2]);
-        Self { lattice, visible, view, origin, steps, weight, low_pass, offset, sheets }
+        Self { lattice, visible, view, origin, steps, spread, sheets }
     }
 }
 
@@ -56,6 +59,8 @@ impl<T: Voxel> Source for GridSplats<'_, T> {
 
     fn splats(&self, chunk: usize, emit: &mut dyn FnMut(Splat, u32)) {
         let [nx, ny, _] = self.lattice.dims;
+        let Spread { reach, low_pass, offset } = self.spread;
+        let whole = 1.0 / (reach[0] * reach[1] * reach[2]);
         let size = self.view.kernel.axes.determinant().abs().cbrt();
         for run in &self.visible.layers[chunk] {
             let index = [usize::from(run.x), usize::from(run.y), chunk];
@@ -63,10 +68,10 @@ impl<T: Voxel> Source for GridSplats<'_, T> {
             let samples = &self.lattice.samples[(chunk * ny + index[1]) * nx + index[0]..];
             for i in 0..usize::from(run.length) {
                 let place = row + self.steps[0] * (index[0] + i) as f64;
-                let (mut scale, mut weight) = (1.0, self.weight);
-                if self.low_pass > 0.0 {
+                let (mut scale, mut weight) = (1.0, whole);
+                if low_pass > 0.0 {
                     // Radii add in squares, in units of what a kernel's radius is on average.
-                    let pixel = self.low_pass * self.view.pixel_at(place.z) * size;
+                    let pixel = low_pass * self.view.pixel_at(place.z) * size;
                     scale = 1.0 / (1.0 + pixel * pixel).sqrt();
                     weight *= scale * scale * scale;
                 }
@@ -77,7 +82,7 @@ impl<T: Voxel> Source for GridSplats<'_, T> {
                         place: place.as_vec3().to_array(),
                         scale: scale as f32,
                         weight: weight as f32,
-                        value: samples[i].to_f32() - self.offset,
+                        value: samples[i].to_f32() - offset,
                     },
                     sheet,
                 );

@@ -3,7 +3,7 @@
 mod grid;
 mod points;
 
-pub(crate) use grid::GridSplats;
+pub(crate) use grid::{GridSplats, Spread};
 pub(crate) use points::PointSplats;
 
 use crate::splat::Splat;

@@ -255,7 +255,7 @@ pub(crate) fn whole<S: Simd>(
             for k in 0..4 {
                 let (middle, half) = ((cuts[k] + cuts[k + 1]) * 0.5, (cuts[k + 1] - cuts[k]) * 0.5);
                 let aside = half * 0.577_350_26;
-                sum = sum + half * (crossing.bilinear(simd, middle - aside) + crossing.bilinear(simd, middle + aside));
+                sum += half * (crossing.bilinear(simd, middle - aside) + crossing.bilinear(simd, middle + aside));
             }
             Some(sum)
         }
@@ -272,7 +272,7 @@ pub(crate) fn whole<S: Simd>(
                 let middle = from + half * (2 * part + 1) as f32;
                 let aside = half * 0.774_596_7;
                 let ends = crossing.b_spline(simd, middle - aside) + crossing.b_spline(simd, middle + aside);
-                sum = sum + ends * (5.0 / 9.0) + crossing.b_spline(simd, middle) * (8.0 / 9.0);
+                sum += ends * (5.0 / 9.0) + crossing.b_spline(simd, middle) * (8.0 / 9.0);
             }
             Some(sum * half)
         }
@@ -289,7 +289,7 @@ pub(crate) fn whole<S: Simd>(
                 let middle = from + half * (2 * part + 1) as f32;
                 let aside = half * 0.774_596_7;
                 let ends = crossing.sinc(simd, table, middle - aside) + crossing.sinc(simd, table, middle + aside);
-                sum = sum + ends * (5.0 / 9.0) + crossing.sinc(simd, table, middle) * (8.0 / 9.0);
+                sum += ends * (5.0 / 9.0) + crossing.sinc(simd, table, middle) * (8.0 / 9.0);
             }
             Some(sum * half)
         }

@@ -434,7 +434,7 @@ impl Tile<'_> {
                 let value = sum / pick(there, divisor, one);
                 if let Some((cells, dims)) = cells {
                     let visible = self.in_visible_cells(simd, number, depth, cells, *dims);
-                    there = there & Lanes(visible).load(simd).simd_gt(zero);
+                    there &= Lanes(visible).load(simd).simd_gt(zero);
                     if !there.any_true() {
                         return;
                     }
