@@ -115,20 +115,27 @@ impl Classified {
     fn new(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Self {
         let transfer = &scene.transfer;
         let (offset, calibration) = offset(things);
-        let (integer, field) = match things {
+        let (integer, field, carried) = match things {
             Things::Grid(grid) => {
                 let (low, high) = grid.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
                 let beyond = overshoot(renderer) * (high - low);
-                (grid.voxel_type().is_integer(), (-beyond, high - low + beyond))
+                let field = (-beyond, high - low + beyond);
+                (grid.voxel_type().is_integer(), field, field)
             }
-            // Sums may be any number.
-            Things::Points(_) => (false, (f64::MIN / 4.0, f64::MAX / 4.0)),
+            Things::Points(points) => {
+                let values = || points.values().iter().map(|&v| f64::from(v));
+                let carried = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+                // Sums may be any number, but of none below 0 they are not below 0, where tables have an end then, and no chord across a kink.
+                let negative = (0..points.count()).any(|k| points.amplitude(k) < 0.0);
+                (false, (if negative { f64::MIN / 4.0 } else { 0.0 }, f64::MAX / 4.0), carried)
+            }
         };
         let range = table_range(field, integer, calibration, transfer);
         let baked = BakedTransfer::new(transfer, calibration, range, integer, unit(things));
         let values = OpticsTable::new(&baked, transfer, calibration, unit(things));
         let resolved = resolves_ramps(baked.spacing(), calibration, transfer);
-        let light = VoxelOptics::new(transfer, calibration, range, integer);
+        let light =
+            VoxelOptics::new(transfer, calibration, table_range(carried, integer, calibration, transfer), integer);
         let visible = match things {
             Things::Grid(grid) => {
                 let seen = VisibleRanges::new(transfer, calibration, range, offset);

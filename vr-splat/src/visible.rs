@@ -179,6 +179,13 @@ impl CellBits {
                         row_high[x] = row_high[x].max(high[j * nx + x]);
                     }
                 }
+                // Where all of a row is out of sight, no cell of it is looked at.
+                let least = row_low.iter().copied().fold(f32::INFINITY, f32::min);
+                let most = row_high.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                let more = overshoot * (most - least);
+                if !ranges.shows(least - more, most + more) {
+                    continue;
+                }
                 for x in 0..nx - 1 {
                     let around = x.saturating_sub(other[0])..(x + 2 + other[0]).min(nx);
                     let least = row_low[around.clone()].iter().copied().fold(f32::INFINITY, f32::min);

@@ -54,7 +54,7 @@ fn integral(scene: &Scene, kernel: &SplatKernel, ray: &Ray) -> f64 {
         (0.538_469_310_105_683, 0.478_628_670_499_366),
         (0.906_179_845_938_664, 0.236_926_885_056_189),
     ];
-    let parts = 300;
+    let parts = 200;
     let step = half / f64::from(parts);
     (0..2 * parts)
         .map(|i| {
@@ -73,7 +73,7 @@ fn off(scene: &Scene, renderer: &Splatting, view: &View) -> f64 {
     let frame = draw(renderer, scene, view).frame;
     let rays = Rays::new(view).unwrap();
     let (mut worst, mut most) = (0.0f64, 0.0f64);
-    for pixel in (0..view.size[0] * view.size[1]).step_by(13) {
+    for pixel in (0..view.size[0] * view.size[1]).step_by(41) {
         let (x, y) = (pixel % view.size[0], pixel / view.size[0]);
         let want = integral(scene, &renderer.kernel, &rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5));
         let got = frame.pixels()[pixel as usize];

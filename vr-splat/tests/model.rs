@@ -8,11 +8,11 @@ use vr_splat::{Buffers, Classification, Shape, SheetOrder, SplatKernel, Splattin
 
 fn scenes() -> Vec<(&'static str, Scene)> {
     vec![
-        ("fog u8", phantom_scene::<u8>("fog", 32, 1.0)),
-        ("hydrogen f32", phantom_scene::<f32>("hydrogen", 28, 0.1)),
-        ("marschner-lobb", phantom_scene::<f32>("marschner-lobb", 28, 1.0)),
-        ("blobs i16", phantom_scene::<i16>("blobs", 28, 1.0)),
-        ("shaded", Scene { shading: Some(Shading::default().into()), ..phantom_scene::<u16>("fog", 28, 1.0) }),
+        ("fog u8", phantom_scene::<u8>("fog", 24, 1.0)),
+        ("hydrogen f32", phantom_scene::<f32>("hydrogen", 24, 0.1)),
+        ("marschner-lobb", phantom_scene::<f32>("marschner-lobb", 24, 1.0)),
+        ("blobs i16", phantom_scene::<i16>("blobs", 24, 1.0)),
+        ("shaded", Scene { shading: Some(Shading::default().into()), ..phantom_scene::<u16>("fog", 24, 1.0) }),
     ]
 }
 
@@ -39,6 +39,10 @@ fn pictures_are_what_the_model_sums() {
     for (name, scene) in scenes() {
         for (how, renderer) in renderers() {
             for (azimuth, elevation, fov) in [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(35.0))] {
+                // Along an axis, one scene tells.
+                if azimuth == 0.0 && name != "hydrogen f32" {
+                    continue;
+                }
                 if renderer.prepare(&scene, &Control::default()).is_err() {
                     assert!(
                         name == "shaded" && renderer.classification == Classification::Voxels
@@ -46,7 +50,7 @@ fn pictures_are_what_the_model_sums() {
                     );
                     continue;
                 }
-                let view = view(&scene, azimuth, elevation, fov, 9);
+                let view = view(&scene, azimuth, elevation, fov, 7);
                 let m = to_model(&renderer, &scene, &view);
                 println!("{name:<16} {how:<30} {azimuth:>5} {fov:?}: max {:.1e} RMSE {:.1e}", m.max, m.rmse);
                 // Rounding in f32 and tables leave 10⁻⁵; rules for B-splines and sincs a little more, and normals turn fast where gradients are small.

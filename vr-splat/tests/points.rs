@@ -102,8 +102,7 @@ fn one_point_and_many_at_one_place() {
     let none = linear(some(&[([0.0; 3], 1.0, 0.0)], PointKernel::Cone), 1.0, 1.0);
     let blank =
         Splatting::default().prepare(&none, &control).unwrap().render(&view(&none, 0.0, 0.0, None, 8), &control);
-    // The table of the transfer function has a chord across its kink at 0.
-    assert!(blank.unwrap().frame.pixels().iter().flatten().all(|p| *p < 1e-3));
+    assert!(blank.unwrap().frame.pixels().iter().all(|p| *p == [0.0; 4]));
 }
 
 #[test]
@@ -158,13 +157,32 @@ fn total_emission_is_what_points_carry() {
     let transfer = TransferFunction::new(vec![glow(0.0), glow(most)], OpacityRule::Extinction, 1.0).unwrap();
     let scene = Scene::new(points.into(), transfer);
     for (azimuth, elevation) in [(0.0, 0.0), (33.0, 21.0), (-100.0, 70.0)] {
-        let view = view(&scene, azimuth, elevation, None, 200);
+        let view = view(&scene, azimuth, elevation, None, 300);
         let Projection::Orthographic { height } = view.camera.projection else { unreachable!("no fov") };
-        let renderer = Splatting { low_pass: 2.0, termination: 1.0, ..Splatting::default() };
+        let renderer = Splatting { low_pass: 3.0, termination: 1.0, ..Splatting::default() };
         let frame = draw(&renderer, &scene, &view).frame;
-        let seen = frame.pixels().iter().map(|p| f64::from(p[0])).sum::<f64>() * (height / 200.0) * (height / 200.0);
+        let seen = frame.pixels().iter().map(|p| f64::from(p[0])).sum::<f64>() * (height / 300.0) * (height / 300.0);
         println!("{azimuth}: {seen} for {total}");
-        // No point is narrower than two pixels to its edge: what their centres miss is then a hundredth.
-        assert!((seen / total - 1.0).abs() < 1e-2, "{azimuth}: {seen} for {total}");
+        // No point is narrower than three pixels to its edge: what their centres miss is next to nothing.
+        assert!((seen / total - 1.0).abs() < 1e-4, "{azimuth}: {seen} for {total}");
+    }
+}
+
+#[test]
+fn random_clouds_are_what_the_model_sums() {
+    use vr_physics::check::strategies::tame_point_scene;
+    use vr_physics::check::{Effort, agrees_with_its_model};
+    for renderer in [
+        Splatting::default(),
+        Splatting { classification: Classification::Voxels, ..Splatting::default() },
+        Splatting { buffers: Buffers::Samples, ..Splatting::default() },
+    ] {
+        // Early termination leaves 10⁻⁴, and a table of the transfer function what bends within an entry. Of values that are picked there is no model.
+        let bound = |scene: &Scene, _: &View| {
+            if scene.compositing == Compositing::Over { 5e-4 } else { f64::INFINITY }
+        };
+        let report = agrees_with_its_model(&renderer, tame_point_scene(), bound, &Effort::cases(48));
+        let report = report.unwrap_or_else(|e| panic!("{renderer:?}: {e}"));
+        println!("held {}, refused {}, worst {:.1e}", report.held, report.refused, report.worst);
     }
 }

@@ -47,8 +47,8 @@ mod tests {
             (Shape::Bilinear, 0.0, 1e-12),
             (Shape::BSpline, 0.0, 1e-12),
             (Shape::Gaussian, 0.005, 0.01),
-            (Shape::Cone, 0.01, 0.1),
-            (Shape::Sinc, 0.001, 0.3),
+            (Shape::Cone, 0.1, 0.15),
+            (Shape::Sinc, 0.005, 0.01),
         ] {
             let error = SplatKernel::new(shape).partition_error();
             println!("{shape:?}: {error:.2e}");

@@ -100,6 +100,16 @@ impl ExactSplat {
         [line.axes * beside * self.scale, line.along * self.scale]
     }
 
+    /// The depths at which a ray enters its kernel, a ball, and leaves it; the wrong way round where it misses it.
+    pub(crate) fn chord(&self, line: &Line) -> [f64; 2] {
+        let [at, along] = self.meet(line);
+        let square = along.length_squared();
+        let ahead = at.dot(along) / square;
+        let room = 1.0 - (at - along * ahead).length_squared();
+        let half = if room > 0.0 { (room / square).sqrt() } else { f64::NEG_INFINITY };
+        [self.place.z - ahead - half, self.place.z - ahead + half]
+    }
+
     /// ∫ of its kernel between two depths, in world units.
     pub(crate) fn section(&self, profile: &Profile, line: &Line, from: f64, to: f64) -> f64 {
         let [at, along] = self.meet(line);

@@ -192,10 +192,17 @@ impl SplatModel {
                 sum += w * s.value;
                 weight += w;
             }
-            let length = (to - from) * line.stretch;
-            let there = weight > 0.0 && !line.in_vacuum(things, middle);
-            if there {
-                let divisor = if matches!(things, Things::Grid(_)) { weight } else { length };
+            let (length, divisor) = if matches!(things, Things::Grid(_)) {
+                ((to - from) * line.stretch, weight)
+            } else {
+                // From the first support's front to the last one's back.
+                let chords = parts.iter().map(|s| s.chord(line)).map(|[a, b]| [a.max(from), b.min(to)]);
+                let inside = chords.filter(|[a, b]| a < b);
+                let [front, back] = inside.fold([to, from], |[f, l], [a, b]| [f.min(a), l.max(b)]);
+                let covered = (back - front).max(0.0) * line.stretch;
+                (covered, covered)
+            };
+            if divisor > 0.0 && !line.in_vacuum(things, middle) {
                 terms.push(self.step(things, line, middle, sum / divisor, length));
             }
         }

@@ -122,6 +122,14 @@ impl<S: Simd> Passing<S> {
         })
     }
 
+    /// The depths at which the rays enter the kernel and leave it; the same twice where they miss it.
+    #[inline(always)]
+    pub(crate) fn chord(&self, simd: S) -> [f32x16<S>; 2] {
+        let one = splat(simd, 1.0);
+        let half = ((one - self.distance) * (one + self.distance)).max(splat(simd, 0.0)).sqrt() / self.speed;
+        [self.nearest - half, self.nearest + half]
+    }
+
     /// ∫ W up to a depth, from the place that is nearest to the middle.
     #[inline(always)]
     pub(crate) fn up_to(&self, simd: S, table: &SectionTable, depth: f32x16<S>) -> f32x16<S> {

@@ -51,10 +51,11 @@ pub(crate) struct Painter<'a> {
 
 /// What is added to sheets.
 pub(crate) enum Content<'a> {
-    /// Values, and the weights that they are divided by; classified sheet by sheet.
+    /// Values, and what they are divided by; classified sheet by sheet.
     Values {
         classifier: Classifier<'a>,
-        /// Whether weights are divided out (of a grid), or values are sums as they are (of points).
+        /// Whether weights are divided out (of a grid), or the length that supports cover (of points): from the first one's front to the last one's
+        /// back, in each sheet.
         normalised: bool,
         /// Where something can be seen at all.
         cells: Option<(&'a CellBits, [usize; 3])>,
@@ -124,7 +125,8 @@ impl Painter<'_> {
 
     fn channels(&self) -> usize {
         match self.content {
-            Content::Values { .. } => 2,
+            Content::Values { normalised: true, .. } => 2,
+            Content::Values { .. } => 3,
             Content::Light(_) => 4,
             Content::Sums => 0,
         }
@@ -288,17 +290,23 @@ impl Tile<'_> {
             Met::Radial(table) => {
                 let Some(passing) = Passing::new(simd, &self.axes, block, splat_) else { return };
                 let factor = block.stretch.load(simd) * splat_.weight / passing.speed;
-                let start = splat(simd, first as f32 * painter.distance);
-                let mut before = passing.up_to(simd, table, start.max(near).min(far));
+                let [enter, leave] = passing.chord(simd);
+                let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
+                let mut before = passing.up_to(simd, table, start);
                 for sheet in first..=last {
-                    let end = splat(simd, (sheet + 1) as f32 * painter.distance);
-                    let after = passing.up_to(simd, table, end.max(near).min(far));
+                    let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
+                    let after = passing.up_to(simd, table, end);
                     // Radial kernels are nowhere negative; tables and rounding might be.
                     let section = (after - before).max(splat(simd, 0.0)) * factor;
                     before = after;
                     let slot = (sheet & (painter.ring - 1)) as usize;
                     let at = (slot * BLOCKS + number) * channels;
-                    add(simd, &mut self.sheets[at..at + channels], section, splat_.value, optics);
+                    let sheet = &mut self.sheets[at..at + channels];
+                    add(simd, sheet, section, splat_.value, optics);
+                    if let [_, to_back, to_front] = sheet {
+                        cover(simd, to_back, to_front, [start, end], [enter, leave]);
+                    }
+                    start = end;
                     self.touched[slot] |= bit;
                 }
             }
@@ -426,11 +434,18 @@ impl Tile<'_> {
         match &painter.content {
             Content::Values { classifier, normalised, cells, shader } => {
                 let (sum, weight) = (self.sheets[at].load(simd), self.sheets[at + 1].load(simd));
-                let mut there = weight.simd_gt(zero) & length.simd_gt(zero);
+                let (length, divisor) = if *normalised {
+                    (length, weight)
+                } else {
+                    // From the first front to the back of the sheet, and from its front to the last back: what they have in common.
+                    let both = weight + self.sheets[at + 2].load(simd);
+                    let covered = (both * self.blocks[number].stretch.load(simd) - length).max(zero);
+                    (covered, covered)
+                };
+                let mut there = divisor.simd_gt(zero) & length.simd_gt(zero);
                 if !there.any_true() {
                     return;
                 }
-                let divisor = if *normalised { weight } else { length };
                 let value = sum / pick(there, divisor, one);
                 if let Some((cells, dims)) = cells {
                     let visible = self.in_visible_cells(simd, number, depth, cells, *dims);
@@ -585,12 +600,30 @@ fn share<S: Simd>(simd: S, tau: f32x16<S>, alpha: f32x16<S>) -> f32x16<S> {
     pick(clear, one, alpha / pick(clear, one, tau))
 }
 
-/// Adds a section of a kernel to a sheet: a value and its weight, or emission and optical depth.
+/// Takes note of what a support covers of a sheet: how far its front is from the sheet's back, and its back from the sheet's front.
+#[inline(always)]
+fn cover<S: Simd>(
+    simd: S,
+    to_back: &mut Lanes,
+    to_front: &mut Lanes,
+    [start, end]: [f32x16<S>; 2],
+    [enter, leave]: [f32x16<S>; 2],
+) {
+    let zero = splat(simd, 0.0);
+    let (front, back) = (enter.max(start), leave.min(end));
+    let covered = front.simd_lt(back);
+    *to_back = Lanes::of(to_back.load(simd).max(pick(covered, end - front, zero)));
+    *to_front = Lanes::of(to_front.load(simd).max(pick(covered, back - start, zero)));
+}
+
+/// Adds a section of a kernel to a sheet: a value, and its weight where that is divided out, or emission and optical depth.
 #[inline(always)]
 fn add<S: Simd>(simd: S, sheet: &mut [Lanes], section: f32x16<S>, value: f32, optics: [f32; 4]) {
     if let [sum, weight] = sheet {
         *sum = Lanes::of(sum.load(simd) + section * value);
         *weight = Lanes::of(weight.load(simd) + section);
+    } else if let [sum, _, _] = sheet {
+        *sum = Lanes::of(sum.load(simd) + section * value);
     } else if let [r, g, b, tau] = sheet {
         *r = Lanes::of(r.load(simd) + section * optics[0]);
         *g = Lanes::of(g.load(simd) + section * optics[1]);
