@@ -59,6 +59,8 @@
 //! Frames have no depth.
 
 mod bins;
+mod bit_rows;
+mod classified;
 mod finish;
 mod hard_cases;
 mod kernel;

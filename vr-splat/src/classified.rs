@@ -1,0 +1,117 @@
+//! What follows from the transfer function: tables, and which voxels or points are splatted.
+
+use vr_core::filter::Lattice;
+use vr_core::transfer::{BakedTransfer, resolves_ramps, table_range};
+use vr_core::vector::OpticsTable;
+use vr_core::{Calibration, LatticeVisitor, Scene, UniformVolume, Voxel};
+
+use crate::kernel::Shape;
+use crate::prepared::unit;
+use crate::splatting::{Buffers, Splatting};
+use crate::support::Things;
+use crate::visible::{VisibleRanges, VisibleVoxels, missing};
+use crate::voxel_optics::VoxelOptics;
+
+/// What follows from the transfer function.
+pub(crate) struct Classified {
+    pub(crate) visible: Visible,
+    pub(crate) light: VoxelOptics,
+    /// For lengths in view units.
+    pub(crate) values: OpticsTable,
+    /// Whether that table tells apart all that the transfer function does.
+    pub(crate) resolved: bool,
+}
+
+/// Which voxels or points are splatted.
+pub(crate) enum Visible {
+    Voxels(VisibleVoxels),
+    Points(Vec<u32>),
+}
+
+/// What is subtracted from a grid's stored numbers before they are splatted, and what the rest means: sums of small numbers round less, and a constant
+/// stays one.
+pub(crate) fn offset(things: Things<'_>) -> (f32, Calibration) {
+    let Things::Grid(grid) = things else { return (0.0, Calibration::default()) };
+    let low = grid.census().range.map_or(0.0, |(low, _)| low);
+    let calibration = grid.calibration();
+    (low, Calibration { intercept: calibration.value(low.into()), ..calibration })
+}
+
+impl Classified {
+    pub(crate) fn new(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Self {
+        let transfer = &scene.transfer;
+        let (offset, calibration) = offset(things);
+        let (integer, field, carried) = match things {
+            Things::Grid(grid) => {
+                let (low, high) = grid.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
+                let beyond = overshoot(renderer) * (high - low);
+                let field = (-beyond, high - low + beyond);
+                (grid.voxel_type().is_integer(), field, field)
+            }
+            Things::Points(points) => {
+                let values = || points.values().iter().map(|&v| f64::from(v));
+                let carried = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+                // Sums may be any number, but of none below 0 they are not below 0, where tables have an end then, and no chord across a kink.
+                let negative = (0..points.count()).any(|k| points.amplitude(k) < 0.0);
+                (false, (if negative { f64::MIN / 4.0 } else { 0.0 }, f64::MAX / 4.0), carried)
+            }
+        };
+        let range = table_range(field, integer, calibration, transfer);
+        let baked = BakedTransfer::new(transfer, calibration, range, integer, unit(things));
+        let values = OpticsTable::new(&baked, transfer, calibration, unit(things));
+        let resolved = resolves_ramps(baked.spacing(), calibration, transfer);
+        let light =
+            VoxelOptics::new(transfer, calibration, table_range(carried, integer, calibration, transfer), integer);
+        let visible = match things {
+            Things::Grid(grid) => {
+                let seen = VisibleRanges::new(transfer, calibration, range, offset);
+                let all = !scene.compositing.integrates_light() || (seen.shows_all() && grid.vacuum_cells().is_none());
+                Visible::Voxels(if all {
+                    VisibleVoxels::all(grid.dims())
+                } else {
+                    grid.with_lattice(FindVisible { renderer, grid, seen: &seen })
+                })
+            }
+            Things::Points(points) => {
+                let shows = |k: usize| {
+                    let counts = points.weights()[k] != 0.0;
+                    let seen = || light.at(points.values()[k]) != [0.0; 4];
+                    counts && (!renderer.splats_light() || seen())
+                };
+                Visible::Points((0..points.count()).filter(|&k| shows(k)).map(|k| k as u32).collect())
+            }
+        };
+        Self { visible, light, values, resolved }
+    }
+}
+
+/// How far a field may lie beyond its samples, by their range: kernels with negative weights overshoot.
+fn overshoot(renderer: &Splatting) -> f64 {
+    if renderer.kernel.shape == Shape::Sinc { 0.5 } else { 0.0 }
+}
+
+/// Finds the voxels that matter.
+struct FindVisible<'a> {
+    renderer: &'a Splatting,
+    grid: &'a UniformVolume,
+    seen: &'a VisibleRanges,
+}
+
+impl LatticeVisitor for FindVisible<'_> {
+    type Output = VisibleVoxels;
+
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> VisibleVoxels {
+        if self.renderer.splats_light() {
+            return VisibleVoxels::classified(&lattice, &missing(self.grid), self.seen);
+        }
+        let reach = self.renderer.kernel.reach();
+        // What a sheet is classified by is a mean over its thickness, but for products, which are taken in its middle.
+        let beyond = match (self.renderer.buffers, self.renderer.kernel.shape.is_separable()) {
+            (Buffers::Image, true) => 0.0,
+            (Buffers::Image, false) => 0.5 * self.renderer.slice_distance,
+            _ => reach.into_iter().fold(0.0, f64::max),
+        };
+        let overshoot = overshoot(self.renderer) as f32;
+        VisibleVoxels::reconstructed(&lattice, self.grid.vacuum_cells(), self.seen, reach, beyond, overshoot)
+    }
+}

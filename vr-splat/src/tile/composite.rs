@@ -1,0 +1,151 @@
+//! What a sheet holds becomes light, and joins what is before it.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+use vr_core::vector::{LANES, Lanes, light_of, opacity_of_depth, pick, splat};
+
+use crate::visible::CellBits;
+
+use super::Tile;
+use super::painter::{Classifier, Content};
+use super::state::Operator;
+
+impl Tile<'_> {
+    /// Classifies what a sheet holds in a block, and takes it in.
+    #[inline(always)]
+    pub(super) fn composite<S: Simd>(
+        &mut self,
+        simd: S,
+        number: usize,
+        at: usize,
+        length: f32x16<S>,
+        depth: f32x16<S>,
+    ) {
+        let painter = self.painter;
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let operator = painter.operator;
+        match &painter.content {
+            Content::Values { classifier, normalised, cells, shader } => {
+                let (sum, weight) = (self.sheets[at].load(simd), self.sheets[at + 1].load(simd));
+                let (length, divisor) = if *normalised {
+                    (length, weight)
+                } else {
+                    // From the first front to the back of the sheet, and from its front to the last back: what they have in common.
+                    let both = weight + self.sheets[at + 2].load(simd);
+                    let covered = (both * self.blocks[number].stretch.load(simd) - length).max(zero);
+                    (covered, covered)
+                };
+                let mut there = divisor.simd_gt(zero) & length.simd_gt(zero);
+                if !there.any_true() {
+                    return;
+                }
+                let value = sum / pick(there, divisor, one);
+                if let Some((cells, dims)) = cells {
+                    let visible = self.in_visible_cells(simd, number, depth, cells, *dims);
+                    there &= Lanes(visible).load(simd).simd_gt(zero);
+                    if !there.any_true() {
+                        return;
+                    }
+                }
+                if !matches!(operator, Operator::Under { .. } | Operator::Over) {
+                    self.states[number].choose(simd, operator, value, length, there);
+                    return;
+                }
+                let length = pick(there, length, zero);
+                let light = match classifier {
+                    Classifier::Table(optics) => {
+                        let unit = 1.0 / painter.view.unit as f32;
+                        light_of(simd, optics.rows().at(simd, value), length * unit, optics.emits)
+                    }
+                    Classifier::Exact(step) => {
+                        let (value, length) = (value.to_array(), length.to_array());
+                        let mut light = [Lanes::ZERO; 4];
+                        for i in 0..LANES {
+                            let one = step(value[i], length[i]);
+                            for c in 0..4 {
+                                light[c].0[i] = one[c];
+                            }
+                        }
+                        [light[0].load(simd), light[1].load(simd), light[2].load(simd), light[3].load(simd)]
+                    }
+                };
+                let light = match shader {
+                    Some(shader) if light[3].simd_gt(zero).any_true() => {
+                        let mut lanes = light.map(Lanes::of);
+                        let place = self.place(simd, number, depth);
+                        shader.shade(simd, &self.lights[number], place, &mut lanes);
+                        [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
+                    }
+                    _ => light,
+                };
+                self.states[number].blend(simd, operator, light);
+            }
+            Content::Light(_) => {
+                let tau = self.sheets[at + 3].load(simd);
+                let alpha = opacity_of_depth(simd, tau.max(zero));
+                // A sinc's sides may outweigh its middle: less than nothing sends nothing.
+                let share = pick(tau.simd_lt(zero), zero, share(simd, tau, alpha));
+                let [r, g, b] = [0, 1, 2].map(|c| self.sheets[at + c].0);
+                let light =
+                    [Lanes(r).load(simd) * share, Lanes(g).load(simd) * share, Lanes(b).load(simd) * share, alpha];
+                self.states[number].blend(simd, operator, light);
+            }
+            Content::Sums => {}
+        }
+        self.retire(simd, number);
+    }
+
+    /// Of a block that is opaque: takes no more.
+    #[inline(always)]
+    pub(super) fn retire<S: Simd>(&mut self, simd: S, number: usize) {
+        if let Operator::Under { level } = self.painter.operator {
+            let block = &self.blocks[number];
+            let clear = self.states[number].clear.load(simd);
+            let least = splat(simd, self.painter.negligible.max(1.0 - level));
+            let open = clear.simd_gt(least) & block.near.load(simd).simd_lt(block.far.load(simd));
+            if !open.any_true() {
+                self.done |= 1 << number;
+                self.work.opaque += 1;
+            }
+        }
+    }
+
+    /// 1 for rays that are in a cell in which something can be seen at a depth.
+    #[inline(always)]
+    pub(super) fn in_visible_cells<S: Simd>(
+        &self,
+        simd: S,
+        number: usize,
+        depth: f32x16<S>,
+        cells: &CellBits,
+        dims: [usize; 3],
+    ) -> [f32; LANES] {
+        let index = self.place(simd, number, depth);
+        let mut visible = [0.0; LANES];
+        for i in 0..LANES {
+            // `as` saturates at 0.
+            let cell = |a: usize| (index[a].0[i] as usize).min(dims[a] - 2);
+            visible[i] = if cells.is_visible(cell(0), cell(1), cell(2)) { 1.0 } else { 0.0 };
+        }
+        visible
+    }
+
+    /// Where a block's rays are in a grid at some depths.
+    #[inline(always)]
+    pub(super) fn place<S: Simd>(&self, simd: S, number: usize, depth: f32x16<S>) -> [Lanes; 3] {
+        let [from, step] = &self.blocks[number].index;
+        let mut place = [Lanes::ZERO; 3];
+        for a in 0..3 {
+            place[a] = Lanes::of(from[a].load(simd) + step[a].load(simd) * depth);
+        }
+        place
+    }
+}
+
+/// (1 − e^(−τ)) / τ: what of a homogeneous sheet's light comes out at its front.
+#[inline(always)]
+pub(super) fn share<S: Simd>(simd: S, tau: f32x16<S>, alpha: f32x16<S>) -> f32x16<S> {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let clear = tau.simd_le(zero);
+    pick(clear, one, alpha / pick(clear, one, tau))
+}

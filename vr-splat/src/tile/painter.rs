@@ -1,0 +1,121 @@
+//! What the tiles of a picture share, and what becomes of each.
+
+use fearless_simd::Level;
+use vr_core::vector::{LANES, OpticsTable};
+
+use crate::bins::Keyed;
+use crate::projection::SplatView;
+use crate::shading::Shader;
+use crate::splatting::Buffers;
+use crate::visible::CellBits;
+use crate::voxel_optics::VoxelOptics;
+
+use super::block::{Bounds, EDGE};
+use super::meeting::Met;
+use super::state::{Operator, State};
+use super::{ACROSS, TileJob};
+
+/// All that tiles share.
+pub(crate) struct Painter<'a> {
+    pub(crate) view: &'a SplatView,
+    pub(crate) bounds: Bounds<'a>,
+    pub(crate) kernel: &'a Met,
+    pub(crate) operator: Operator,
+    pub(crate) buffers: Buffers,
+    /// Between sheets that are parallel to the image, in the view's units.
+    pub(crate) distance: f32,
+    /// How many of these there are.
+    pub(crate) sheets: u32,
+    /// How many of them are held at once: a power of two, and at least as many as one splat is in.
+    pub(crate) ring: u32,
+    /// Sheets of the volume's own: their axis, and the layer of each.
+    pub(crate) layers: Option<(usize, &'a [u32])>,
+    pub(crate) content: Content<'a>,
+    /// What may still come through pixels that are left as they are.
+    pub(crate) negligible: f32,
+    pub(crate) level: Level,
+}
+
+/// What is added to sheets.
+pub(crate) enum Content<'a> {
+    /// Values, and what they are divided by; classified sheet by sheet.
+    Values {
+        classifier: Classifier<'a>,
+        /// Whether weights are divided out (of a grid), or the length that supports cover (of points): from the first one's front to the last one's
+        /// back, in each sheet.
+        normalised: bool,
+        /// Where something can be seen at all.
+        cells: Option<(&'a CellBits, [usize; 3])>,
+        /// What shades light.
+        shader: Option<&'a Shader<'a>>,
+    },
+    /// Emission and optical depth of what is classified already.
+    Light(&'a VoxelOptics),
+    /// Sums of values over whole kernels alone.
+    Sums,
+}
+
+/// How a sheet's values become light.
+pub(crate) enum Classifier<'a> {
+    /// By a table, over lengths in the view's units.
+    Table(&'a OpticsTable),
+    /// One by one: of a stored number and a length.
+    Exact(&'a (dyn Fn(f32, f32) -> [f32; 4] + Sync)),
+}
+
+/// The work on a tile.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Work {
+    pub(crate) rays: u64,
+    /// Splats times blocks.
+    pub(crate) met: u64,
+    /// Splats that nothing was done for, what is before them being opaque.
+    pub(crate) skipped: u64,
+    pub(crate) opaque: u64,
+}
+
+/// Pixels of a tile, block by block.
+pub(crate) struct Drawn {
+    pub(crate) column: u32,
+    pub(crate) row: u32,
+    pub(super) blocks: Vec<(u32, State)>,
+    pub(crate) work: Work,
+}
+
+impl Drawn {
+    /// Calls back with place, state and lane of every pixel that anything may be in.
+    pub(crate) fn each(&self, size: [u32; 2], mut take: impl FnMut([u32; 2], &State, usize)) {
+        for (number, state) in &self.blocks {
+            let (x, y) = (self.column + number % ACROSS * EDGE, self.row + number / ACROSS * EDGE);
+            for i in 0..LANES {
+                let at = [x + i as u32 % EDGE, y + i as u32 / EDGE];
+                if at[0] < size[0] && at[1] < size[1] {
+                    take(at, state, i);
+                }
+            }
+        }
+    }
+}
+
+impl Painter<'_> {
+    /// Draws the tile whose first pixel is (column, row).
+    pub(crate) fn draw(&self, column: u32, row: u32, splats: Vec<Keyed>) -> Drawn {
+        vr_core::vector::run(self.level, TileJob { painter: self, column, row, splats: &splats })
+    }
+
+    pub(super) fn shader(&self) -> Option<&Shader<'_>> {
+        match self.content {
+            Content::Values { shader, .. } => shader,
+            _ => None,
+        }
+    }
+
+    pub(super) fn channels(&self) -> usize {
+        match self.content {
+            Content::Values { normalised: true, .. } => 2,
+            Content::Values { .. } => 3,
+            Content::Light(_) => 4,
+            Content::Sums => 0,
+        }
+    }
+}

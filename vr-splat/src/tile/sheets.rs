@@ -1,0 +1,232 @@
+//! Splats are added to sheets: parallel to the image, or the volume's own.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+use vr_core::vector::{Lanes, pick, splat};
+
+use crate::bins::Keyed;
+use crate::splat::Splat;
+
+use super::meeting::{Crossing, Met, Passing, whole};
+use super::painter::Content;
+use super::{BLOCKS, Tile};
+
+impl Tile<'_> {
+    /// Sheets parallel to the image: a ring of those that splats are still added to.
+    #[inline(always)]
+    pub(super) fn image_sheets<S: Simd>(&mut self, simd: S, splats: &[Keyed]) {
+        let painter = self.painter;
+        let half = painter.view.half_depth() as f32;
+        // Sheets from `next` to `open` may hold something.
+        let (mut next, mut open) = (0, 0);
+        for (i, Keyed { key, splat }) in splats.iter().enumerate() {
+            while next < *key && next < open {
+                self.finish_image(simd, next);
+                next += 1;
+            }
+            next = *key;
+            if self.done == u64::MAX {
+                self.work.skipped += (splats.len() - i) as u64;
+                return;
+            }
+            let Some(covered) = self.covered(splat) else { continue };
+            let back = (splat.place[2] + half / splat.scale) / painter.distance;
+            // `as` saturates; rounding must not take more sheets than the ring has.
+            let last = (back as u32).clamp(*key, key + painter.ring - 1).min(painter.sheets - 1);
+            open = open.max(last + 1);
+            for y in covered.y[0]..=covered.y[1] {
+                for x in covered.x[0]..=covered.x[1] {
+                    if let Some(number) = self.take(x, y) {
+                        self.add_sections(simd, number, splat, *key, last);
+                    }
+                }
+            }
+        }
+        for sheet in next..open {
+            self.finish_image(simd, sheet);
+        }
+    }
+
+    /// Adds what lies in each of some sheets of a splat.
+    #[inline(always)]
+    pub(super) fn add_sections<S: Simd>(&mut self, simd: S, number: usize, splat_: &Splat, first: u32, last: u32) {
+        let painter = self.painter;
+        let block = &self.blocks[number];
+        let (near, far) = (block.near.load(simd), block.far.load(simd));
+        let optics = match painter.content {
+            Content::Light(optics) => optics.at(splat_.value),
+            _ => [0.0; 4],
+        };
+        let channels = painter.channels();
+        let bit = 1u64 << number;
+        match painter.kernel {
+            Met::Radial(table) => {
+                let Some(passing) = Passing::new(simd, &self.axes, block, splat_) else { return };
+                let factor = block.stretch.load(simd) * splat_.weight / passing.speed;
+                let [enter, leave] = passing.chord(simd);
+                let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
+                let mut before = passing.up_to(simd, table, start);
+                for sheet in first..=last {
+                    let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
+                    let after = passing.up_to(simd, table, end);
+                    // Radial kernels are nowhere negative; tables and rounding might be.
+                    let section = (after - before).max(splat(simd, 0.0)) * factor;
+                    before = after;
+                    let slot = (sheet & (painter.ring - 1)) as usize;
+                    let at = (slot * BLOCKS + number) * channels;
+                    let sheet = &mut self.sheets[at..at + channels];
+                    add(simd, sheet, section, splat_.value, optics);
+                    if let [_, to_back, to_front] = sheet {
+                        cover(simd, to_back, to_front, [start, end], [enter, leave]);
+                    }
+                    start = end;
+                    self.touched[slot] |= bit;
+                }
+            }
+            kernel => {
+                let crossing = Crossing::new(simd, &self.axes, block, splat_);
+                let factor = block.stretch.load(simd) * splat_.weight;
+                let mut start = splat(simd, first as f32 * painter.distance).max(near).min(far);
+                for sheet in first..=last {
+                    let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
+                    let middle = (start + end) * 0.5;
+                    let weight = match kernel {
+                        Met::Bilinear => crossing.bilinear(simd, middle),
+                        Met::Sinc(table) => crossing.sinc(simd, table, middle),
+                        _ => crossing.b_spline(simd, middle),
+                    };
+                    // Values are divided by weights: lengths, which may be 0, must not be in both.
+                    let section = if channels == 2 { weight } else { weight * factor * (end - start) };
+                    start = end;
+                    let slot = (sheet & (painter.ring - 1)) as usize;
+                    let at = (slot * BLOCKS + number) * channels;
+                    add(simd, &mut self.sheets[at..at + channels], section, splat_.value, optics);
+                    self.touched[slot] |= bit;
+                }
+            }
+        }
+    }
+
+    /// Composites a sheet parallel to the image, and clears it.
+    #[inline(always)]
+    pub(super) fn finish_image<S: Simd>(&mut self, simd: S, sheet: u32) {
+        let painter = self.painter;
+        let slot = (sheet & (painter.ring - 1)) as usize;
+        let mut touched = std::mem::take(&mut self.touched[slot]);
+        let channels = painter.channels();
+        let [a, b] = [sheet, sheet + 1].map(|k| k as f32 * painter.distance);
+        while touched != 0 {
+            let number = touched.trailing_zeros() as usize;
+            touched &= touched - 1;
+            let at = (slot * BLOCKS + number) * channels;
+            let block = &self.blocks[number];
+            let (near, far) = (block.near.load(simd), block.far.load(simd));
+            let from = splat(simd, a).max(near).min(far);
+            let to = splat(simd, b).max(near).min(far);
+            let length = (to - from) * block.stretch.load(simd);
+            self.composite(simd, number, at, length, (from + to) * 0.5);
+            self.sheets[at..at + channels].fill(Lanes::ZERO);
+        }
+    }
+
+    /// The volume's own sheets, one after another.
+    #[inline(always)]
+    pub(super) fn own_sheets<S: Simd>(&mut self, simd: S, splats: &[Keyed]) {
+        let mut i = 0;
+        while i < splats.len() {
+            if self.done == u64::MAX {
+                self.work.skipped += (splats.len() - i) as u64;
+                return;
+            }
+            let sheet = splats[i].key;
+            while i < splats.len() && splats[i].key == sheet {
+                self.add_whole(simd, &splats[i].splat);
+                i += 1;
+            }
+            self.finish_own(simd, sheet);
+        }
+    }
+
+    /// Adds a splat's whole kernel to the only sheet.
+    #[inline(always)]
+    pub(super) fn add_whole<S: Simd>(&mut self, simd: S, splat: &Splat) {
+        let Some(covered) = self.covered(splat) else { return };
+        let channels = self.painter.channels();
+        let optics = match self.painter.content {
+            Content::Light(optics) => optics.at(splat.value),
+            _ => [0.0; 4],
+        };
+        for y in covered.y[0]..=covered.y[1] {
+            for x in covered.x[0]..=covered.x[1] {
+                let Some(number) = self.take(x, y) else { continue };
+                let Some(weight) = self.weight(simd, number, splat) else { continue };
+                let at = number * channels;
+                add(simd, &mut self.sheets[at..at + channels], weight, splat.value, optics);
+                self.touched[0] |= 1 << number;
+            }
+        }
+    }
+
+    /// ∫ of a splat's kernel along the rays of a block, in world units; `None` if none meets it.
+    #[inline(always)]
+    pub(super) fn weight<S: Simd>(&self, simd: S, number: usize, splat: &Splat) -> Option<f32x16<S>> {
+        let block = &self.blocks[number];
+        let ends = [block.near.load(simd), block.far.load(simd)];
+        let sum = whole(simd, self.painter.kernel, &self.axes, block, splat, ends)?;
+        Some(sum * block.stretch.load(simd) * splat.weight)
+    }
+
+    /// Composites one of the volume's own sheets, and clears it.
+    #[inline(always)]
+    pub(super) fn finish_own<S: Simd>(&mut self, simd: S, sheet: u32) {
+        let channels = self.painter.channels();
+        let mut touched = std::mem::take(&mut self.touched[0]);
+        while touched != 0 {
+            let number = touched.trailing_zeros() as usize;
+            touched &= touched - 1;
+            let at = number * channels;
+            let mut depth = splat(simd, 0.0);
+            if let Some((axis, layers)) = self.painter.layers {
+                let [from, step] = self.blocks[number].index.map(|v| v[axis].load(simd));
+                let flat = step.abs().simd_lt(splat(simd, 1e-12));
+                depth = (splat(simd, layers[sheet as usize] as f32) - from) / pick(flat, splat(simd, 1e-12), step);
+            }
+            // Weights of a sheet sum to its length along the ray.
+            let length = if channels == 2 { self.sheets[at + 1].load(simd) } else { splat(simd, 1.0) };
+            self.composite(simd, number, at, length, depth);
+            self.sheets[at..at + channels].fill(Lanes::ZERO);
+        }
+    }
+}
+
+/// Takes note of what a support covers of a sheet: how far its front is from the sheet's back, and its back from the sheet's front.
+#[inline(always)]
+fn cover<S: Simd>(
+    simd: S,
+    to_back: &mut Lanes,
+    to_front: &mut Lanes,
+    [start, end]: [f32x16<S>; 2],
+    [enter, leave]: [f32x16<S>; 2],
+) {
+    let zero = splat(simd, 0.0);
+    let (front, back) = (enter.max(start), leave.min(end));
+    let covered = front.simd_lt(back);
+    *to_back = Lanes::of(to_back.load(simd).max(pick(covered, end - front, zero)));
+    *to_front = Lanes::of(to_front.load(simd).max(pick(covered, back - start, zero)));
+}
+
+/// Adds a section of a kernel to a sheet: a value, and its weight where that is divided out, or emission and optical depth.
+#[inline(always)]
+fn add<S: Simd>(simd: S, sheet: &mut [Lanes], section: f32x16<S>, value: f32, optics: [f32; 4]) {
+    if let [sum, weight] = sheet {
+        *sum = Lanes::of(sum.load(simd) + section * value);
+        *weight = Lanes::of(weight.load(simd) + section);
+    } else if let [sum, _, _] = sheet {
+        *sum = Lanes::of(sum.load(simd) + section * value);
+    } else if let [r, g, b, tau] = sheet {
+        *r = Lanes::of(r.load(simd) + section * optics[0]);
+        *g = Lanes::of(g.load(simd) + section * optics[1]);
+        *b = Lanes::of(b.load(simd) + section * optics[2]);
+        *tau = Lanes::of(tau.load(simd) + section * optics[3]);
+    }
+}
