@@ -3,12 +3,11 @@
 use vr_core::filter::Lattice;
 use vr_core::transfer::{BakedTransfer, resolves_ramps, table_range};
 use vr_core::vector::OpticsTable;
-use vr_core::{Calibration, LatticeVisitor, Scene, UniformVolume, Voxel};
+use vr_core::{LatticeVisitor, Scene, UniformVolume, Voxel};
 
 use crate::kernel::Shape;
-use crate::prepared::unit;
 use crate::splatting::{Buffers, Splatting};
-use crate::support::Things;
+use crate::things::{Things, offset, unit};
 use crate::visible::{VisibleRanges, VisibleVoxels, missing};
 use crate::voxel_optics::VoxelOptics;
 
@@ -26,15 +25,6 @@ pub(crate) struct Classified {
 pub(crate) enum Visible {
     Voxels(VisibleVoxels),
     Points(Vec<u32>),
-}
-
-/// What is subtracted from a grid's stored numbers before they are splatted, and what the rest means: sums of small numbers round less, and a constant
-/// stays one.
-pub(crate) fn offset(things: Things<'_>) -> (f32, Calibration) {
-    let Things::Grid(grid) = things else { return (0.0, Calibration::default()) };
-    let low = grid.census().range.map_or(0.0, |(low, _)| low);
-    let calibration = grid.calibration();
-    (low, Calibration { intercept: calibration.value(low.into()), ..calibration })
 }
 
 impl Classified {

@@ -77,6 +77,7 @@ mod source;
 mod splat;
 mod splatting;
 mod support;
+mod things;
 mod tile;
 mod visible;
 mod voxel_optics;

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use fearless_simd::Level;
-use glam::{DMat3, DVec3};
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
 use vr_core::{
@@ -12,16 +11,16 @@ use vr_core::{
 };
 
 use crate::bins::{Bins, Keys, TILE};
-use crate::classified::{Classified, Visible, offset};
+use crate::classified::{Classified, Visible};
 use crate::finish::Picture;
-use crate::kernel::{Profile, point_profile};
 use crate::model::SplatModel;
 use crate::projection::SplatView;
 use crate::shading::{Shader, brightest};
 use crate::sheets::{ImageSheets, OwnSheets};
 use crate::source::{GridSplats, PointSplats, Source, Spread};
 use crate::splatting::{Buffers, SheetOrder, Splatting};
-use crate::support::{Things, check, check_view};
+use crate::support::{check, check_view};
+use crate::things::{Things, offset, profile};
 use crate::tile::{Bounds, Classifier, Content, Met, Operator, Painter};
 use crate::visible::{CellBits, VisibleVoxels};
 
@@ -34,28 +33,6 @@ pub(crate) struct PreparedSplatting {
     classified: Classified,
     /// What was made since the last picture, and how long it took.
     stats: RenderStats,
-}
-
-/// World length of a unit of views: the shortest edge of a voxel, or half the mean radius of points.
-pub(crate) fn unit(things: Things<'_>) -> f64 {
-    match things {
-        Things::Grid(grid) => grid.placement().spacing().min_element(),
-        Things::Points(points) => points.mean_spacing(),
-    }
-}
-
-/// The kernel that things are spread by.
-pub(crate) fn profile(renderer: &Splatting, things: Things<'_>) -> Profile {
-    match things {
-        Things::Grid(_) => renderer.kernel.profile(),
-        Things::Points(points) => point_profile(points.kernel()),
-    }
-}
-
-/// From world vectors to kernel space, of a grid.
-pub(crate) fn kernel_space(renderer: &Splatting, grid: &UniformVolume) -> DMat3 {
-    let reach = renderer.kernel.reach();
-    DMat3::from_diagonal(DVec3::from_array(reach.map(|r| 1.0 / r))) * grid.placement().inverse_axes()
 }
 
 impl PreparedSplatting {

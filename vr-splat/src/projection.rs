@@ -46,13 +46,15 @@ impl KernelSpace {
 const EVERYWHERE: f64 = 1e9;
 
 impl SplatView {
-    /// Of a view with its subpixels as pixels. `of_world` takes world vectors to kernel space; `bounds` hold all that is drawn.
+    /// Of a view with its subpixels as pixels. `of_world` takes world vectors to kernel space; `bounds` hold all that is drawn, but for
+    /// what a low-pass of so many pixels adds.
     pub(crate) fn new(
         view: &View,
         unit: f64,
         of_world: Option<DMat3>,
         cube: bool,
         bounds: (DVec3, DVec3),
+        low_pass: f64,
     ) -> Result<Self, ParameterError> {
         view.validate()?;
         let fine =
@@ -80,7 +82,11 @@ impl SplatView {
             let pick = |a: usize| if i >> a & 1 == 0 { bounds.0[a] } else { bounds.1[a] };
             made.place(DVec3::new(pick(0), pick(1), pick(2))).z
         };
-        made.base = (0..8).map(corner).fold(f64::INFINITY, f64::min).max(0.0);
+        let corners: [f64; 8] = std::array::from_fn(corner);
+        let [nearest, farthest] =
+            [corners.into_iter().fold(f64::INFINITY, f64::min), corners.into_iter().fold(0.0, f64::max)];
+        // Widened kernels begin before what they are of.
+        made.base = (nearest - low_pass * made.pixel_at(farthest)).max(0.0);
         Ok(made)
     }
 

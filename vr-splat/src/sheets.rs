@@ -3,10 +3,9 @@
 use glam::DVec3;
 use vr_core::{Compositing, ParameterError, Projection, Scene, UniformVolume, View, Volume};
 
-use crate::prepared::{kernel_space, unit};
 use crate::projection::SplatView;
 use crate::splatting::{Buffers, SheetOrder, Splatting};
-use crate::support::Things;
+use crate::things::{Things, kernel_space, unit};
 
 /// The most sheets, and the most that one kernel may be in: they are held at once.
 const MOST_SHEETS: f64 = 1e6;
@@ -39,9 +38,9 @@ pub(crate) fn splat_view(
                 let beyond = axes.x_axis.abs() * reach[0] + axes.y_axis.abs() * reach[1] + axes.z_axis.abs() * reach[2];
                 bounds = (bounds.0 - beyond, bounds.1 + beyond);
             }
-            SplatView::new(view, unit, Some(kernel_space(renderer, grid)), cube, bounds)
+            SplatView::new(view, unit, Some(kernel_space(renderer, grid)), cube, bounds, renderer.low_pass)
         }
-        Things::Points(_) => SplatView::new(view, unit, None, false, scene.volume.bounds()),
+        Things::Points(_) => SplatView::new(view, unit, None, false, scene.volume.bounds(), renderer.low_pass),
     }
 }
 

@@ -1,19 +1,13 @@
 //! What the renderer can draw, and what it says of the rest.
 
-use vr_core::{Compositing, Filter, GradientMethod, PointSet, RenderError, Scene, UniformVolume, View};
+use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, View};
 
 use crate::shading::is_shaded;
 use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
+use crate::things::Things;
 
 pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
     RenderError::Unsupported { renderer: Splatting::NAME, feature: feature.into() }
-}
-
-/// What is splatted.
-#[derive(Clone, Copy)]
-pub(crate) enum Things<'s> {
-    Grid(&'s UniformVolume),
-    Points(&'s PointSet),
 }
 
 /// Whether this renderer can draw this scene; what is in it, if so.

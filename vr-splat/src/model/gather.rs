@@ -8,7 +8,7 @@ use crate::kernel::Profile;
 use crate::projection::SplatView;
 use crate::sheets::OwnSheets;
 use crate::splatting::Splatting;
-use crate::support::Things;
+use crate::things::Things;
 use crate::visible::missing;
 
 /// A ray, as splats are met by it.

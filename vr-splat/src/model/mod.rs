@@ -11,12 +11,12 @@ use vr_core::{
 };
 
 use crate::kernel::Profile;
-use crate::prepared::profile;
 use crate::projection::SplatView;
 use crate::shading::is_shaded;
 use crate::sheets::{ImageSheets, OwnSheets, is_boxed, splat_view};
 use crate::splatting::{Buffers, Splatting};
-use crate::support::{Things, check};
+use crate::support::check;
+use crate::things::{Things, profile};
 use crate::voxel_optics::optics_of;
 
 use gather::{ExactSplat, Line, gather};
