@@ -60,7 +60,8 @@ fn with_step(renderer: &dyn Renderer, key: &str, step: f64) -> Box<dyn Renderer>
 #[test]
 fn every_scene_is_drawn_right_or_refused() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases");
-    let mut paths: Vec<_> = std::fs::read_dir(&folder).expect("the scenes").map(|e| e.expect("an entry").path()).collect();
+    let mut paths: Vec<_> =
+        std::fs::read_dir(&folder).expect("the scenes").map(|e| e.expect("an entry").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|e| e == "toml"));
     paths.sort();
     assert_eq!(paths.len(), 33);
@@ -76,7 +77,8 @@ fn every_scene_is_drawn_right_or_refused() {
 
         // The default ray caster comes as near as it aims.
         let own = errors(&RayCaster::default(), drawn, &exact);
-        let told_of = |e: Option<[f64; 2]>| e.map_or("refused".to_owned(), |[rmse, max]| format!("{rmse:.1e} (max {max:.1e})"));
+        let told_of =
+            |e: Option<[f64; 2]>| e.map_or("refused".to_owned(), |[rmse, max]| format!("{rmse:.1e} (max {max:.1e})"));
         let mut line = format!("{name}: {}; raycast {}", exact.certainty_text(), told_of(own));
         if own.is_some_and(|[rmse, _]| rmse > documented(&name)) {
             wrong.push(format!("{name}: raycast {}", told_of(own)));

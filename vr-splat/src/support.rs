@@ -1,5 +1,6 @@
 //! What the renderer can draw, and what it says of the rest.
 
+use vr_core::transfer::beyond_f32;
 use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, View};
 
 use crate::kernel::SplatKernel;
@@ -23,6 +24,9 @@ pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things
     if let Things::Grid(grid) = things {
         if scene.filter != Filter::Trilinear {
             let feature = format!("the filter '{}': the option 'kernel' says how voxels are spread", scene.filter);
+            return Err(unsupported(feature));
+        }
+        if let Some(feature) = beyond_f32(grid, &scene.transfer) {
             return Err(unsupported(feature));
         }
         if grid.dims().iter().any(|&n| n > usize::from(u16::MAX)) {

@@ -1,5 +1,6 @@
 //! What the renderer can draw, and what it says of the rest.
 
+use vr_core::transfer::beyond_f32;
 use vr_core::{Compositing, Filter, GradientMethod, Projection, RenderError, Scene, UniformVolume, View};
 
 use crate::classified::is_shaded;
@@ -20,6 +21,9 @@ pub(crate) fn check<'s>(renderer: &TexSlice, scene: &'s Scene) -> Result<&'s Uni
     }
     if volume.dims().iter().product::<usize>() > i32::MAX as usize {
         return Err(unsupported("volumes of 2³¹ samples and more"));
+    }
+    if let Some(feature) = beyond_f32(volume, &scene.transfer) {
+        return Err(unsupported(feature));
     }
     let picks = !scene.compositing.integrates_light();
     if picks && renderer.holds_light() {

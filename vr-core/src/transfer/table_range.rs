@@ -74,7 +74,15 @@ pub fn rounding_in_f32(volume: &UniformVolume, transfer: &TransferFunction) -> f
 }
 
 /// Largest [`rounding_in_f32`] of a scene that kernels in f32 draw: a ramp is known to a thirtieth then.
-pub const MAX_ROUNDING: f64 = 1.0 / 32.0;
+const MAX_ROUNDING: f64 = 1.0 / 32.0;
+
+/// The feature that a renderer whose kernels are f32 must refuse: a transfer function with ramps that f32 does not tell apart.
+pub fn beyond_f32(volume: &UniformVolume, transfer: &TransferFunction) -> Option<String> {
+    let rounding = rounding_in_f32(volume, transfer);
+    (rounding > MAX_ROUNDING).then(|| {
+        format!("a transfer function that changes within {:.1} roundings of the stored numbers to f32", 1.0 / rounding)
+    })
+}
 
 #[cfg(test)]
 mod tests {
@@ -101,6 +109,20 @@ mod tests {
         assert_eq!(rounding([1e9, 1e9], [1e9, 1e9]), 0.0, "a constant");
         // Carried as distances from the first.
         assert!(rounding([1e6, 1_000_010.0], [1e6, 1_000_001.0]) <= 10.0 * unit);
+    }
+
+    #[test]
+    fn what_f32_cannot_tell_apart_is_a_feature_to_refuse() {
+        let samples = vec![0.0f32, 1e6, 5e5, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let volume: Volume = UniformGrid::new([2; 3], samples, placement, Calibration::default()).unwrap().into();
+        let refused = |width: f64| {
+            let points = [(5e5, 0.1), (5e5 + width, 0.9)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
+            let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
+            beyond_f32(volume.uniform().unwrap(), &transfer)
+        };
+        assert_eq!(refused(10.0), None);
+        assert!(refused(0.5).is_some_and(|feature| feature.contains("8.4 roundings")));
     }
 
     #[test]
