@@ -132,7 +132,7 @@ fn point(
 }
 
 fn named(counts: Counts) -> BTreeMap<String, u64> {
-    let Counts { rays, samples, skipped, terminated, unbounded, repeated } = counts;
+    let Counts { rays, samples, skipped, terminated, unbounded, repeated, max_unbounded: _ } = counts;
     let all = [
         ("rays", rays),
         ("samples", samples),

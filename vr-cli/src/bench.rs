@@ -12,7 +12,8 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::process;
 use crate::progress::under_bar;
-use crate::scene_setup::Setup;
+use crate::promise::Promise;
+use crate::scene_setup::{Configured, Setup};
 
 /// Prepares once, draws frame after frame, tells what they took.
 ///
@@ -20,13 +21,14 @@ use crate::scene_setup::Setup;
 /// Whatever goes wrong with the command line, the volume, or the scene.
 pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), Failure> {
     let setup = Setup::new(&args.scene, console)?;
-    let (renderer, options) = setup.renderer_and_options(&args.renderer)?;
+    let Configured { renderer, options, promised } = setup.renderer(&args.renderer, console)?;
     let measured =
         under_bar(console, control, "timing", |told| measure(&*renderer, &setup, args.timing, control, told))
             .map_err(|e| setup.render_failure(e))?;
     // Before the exact solution, which uses memory of its own.
     let peak_bytes = process::peak_bytes();
     let error = args.timing.error.then(|| judge(&setup, &measured.first, console, control)).transpose()?;
+    let promise = promised.map(|error| Promise::new(error, &measured.counts(), setup.view.samples));
     let report = Report {
         setup: &setup,
         renderer: &*renderer,
@@ -35,9 +37,11 @@ pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), 
         threads: control.threads(),
         measured: &measured,
         peak_bytes,
+        promise,
         error: error.as_ref().map(|exact| (exact.judge(&measured.first), exact)),
     };
-    console.result(&report.text(), &report.json())
+    console.result(&report.text(), &report.json())?;
+    promise.map_or(Ok(()), |promise| promise.outcome())
 }
 
 /// What was measured.
@@ -48,6 +52,15 @@ pub struct Measured {
     pub frames: Vec<Timed>,
     /// The picture of frame 0: the scene's own view.
     first: Frame,
+}
+
+impl Measured {
+    /// The work of all timed frames.
+    fn counts(&self) -> Counts {
+        let mut all = Counts::default();
+        self.frames.iter().for_each(|frame| all += frame.counts);
+        all
+    }
 }
 
 /// What one frame took.

@@ -11,6 +11,7 @@ use vr_physics::metrics::Metrics;
 use crate::args::TimingArgs;
 use crate::bench::{Measured, Timed};
 use crate::number;
+use crate::promise::Promise;
 use crate::scene_setup::Setup;
 use crate::table::Table;
 
@@ -30,6 +31,8 @@ pub struct Report<'a> {
     pub measured: &'a Measured,
     /// Largest resident set in bytes.
     pub peak_bytes: Option<u64>,
+    /// What became of the largest error that was promised for every frame, where one was.
+    pub promise: Option<Promise>,
     /// How far frame 0 is from the exact solution.
     pub error: Option<(Metrics, &'a Exact)>,
 }
@@ -53,6 +56,8 @@ pub struct Json<'a> {
     samples: u64,
     peak_bytes: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    promise: Option<Promise>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<ErrorFigures>,
 }
 
@@ -73,6 +78,7 @@ impl Report<'_> {
             cpu_ms: self.cpu().map(ms),
             samples: self.samples(),
             peak_bytes: self.peak_bytes,
+            promise: self.promise,
             error: self.error.as_ref().map(|(metrics, exact)| ErrorFigures::new(metrics, exact)),
         }
     }
@@ -114,6 +120,9 @@ impl Report<'_> {
             &self.cpu().map_or_else(|| "\n".to_owned(), |cpu| format!("; CPU time {} a frame\n", number::time(cpu)));
         if let Some(peak) = self.peak_bytes {
             text += &format!("memory   {} at the peak, the volume included\n", number::bytes(peak));
+        }
+        if let Some(promise) = &self.promise {
+            text += &format!("{}, in all frames together\n", promise.line());
         }
         if let Some((metrics, exact)) = &self.error {
             text += &format!("error    {metrics}\n");

@@ -18,6 +18,15 @@ pub type Sight<'a> = ((DVec3, DVec3), Option<&'a FileInfo>);
 /// # Errors
 /// A camera that sees nothing.
 pub fn apply(args: &CameraArgs, own: Option<Camera>, sight: Sight<'_>) -> Result<Camera, ParameterError> {
+    match (args.projection, args.fov, args.height) {
+        (Some(ProjectionName::Orthographic), Some(fov), _) => {
+            return Err(ParameterError::new("camera.fov", fov, "an orthographic camera has a height, not an angle"));
+        }
+        (Some(ProjectionName::Perspective), _, Some(height)) => {
+            return Err(ParameterError::new("camera.height", height, "a perspective camera has a fov, not a height"));
+        }
+        _ => {}
+    }
     let fov = match (args.projection, args.fov, own.map(|camera| camera.projection)) {
         (_, Some(fov), _) => Some(fov),
         (Some(ProjectionName::Orthographic), ..) => None,

@@ -36,6 +36,8 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     output_file::check(&args.output, &["png"])?;
     let contestants = contestants(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
     let mut setup = Setup::new(&args.scene, console)?;
+    setup.protect([("--output", &*args.output)])?;
+    setup.note_unused_renderer("renderers are compared under settings of their own", console);
     if args.scene.scene.is_none() && args.scene.image.size.is_none() {
         setup.resize(DEFAULT_SIZE)?;
     }

@@ -10,7 +10,7 @@ use vr_physics::spread;
 
 use crate::args::{ErrorMeasure, OutputArgs};
 use crate::failure::Failure;
-use crate::{heat_map, output_file};
+use crate::{heat_map, inputs, output_file};
 
 /// A map that was written.
 #[derive(Debug, Serialize)]
@@ -32,10 +32,7 @@ pub fn check(output: &OutputArgs) -> Result<(), Failure> {
     if output.error == ErrorMeasure::None {
         return Err(Failure::usage("--error-map: no pixels are compared; must go with --error subgrid or full"));
     }
-    if output.outputs.contains(path) {
-        return Err(Failure::usage(format!("--error-map: {} is the picture's place, too", path.display())));
-    }
-    Ok(())
+    output.outputs.iter().try_for_each(|picture| inputs::apart(("--error-map", path), ("the picture", picture)))
 }
 
 /// Draws and writes the map of a frame's error against its exact solution, which was found on all pixels or on the subgrid.

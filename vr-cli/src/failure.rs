@@ -10,6 +10,8 @@ pub enum Failure {
     Usage(String),
     /// The command line is fine, and something else is not (a file, the scene in it, the disk): exit code 1.
     Failed(String),
+    /// Everything is done and written, and a promised error is not proven for every pixel: exit code 3.
+    Promise(String),
 }
 
 impl Failure {
@@ -28,6 +30,7 @@ impl Failure {
         match self {
             Self::Usage(_) => ExitCode::from(2),
             Self::Failed(_) => ExitCode::from(1),
+            Self::Promise(_) => ExitCode::from(3),
         }
     }
 }
@@ -35,7 +38,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(message) | Self::Failed(message) => f.write_str(message),
+            Self::Usage(message) | Self::Failed(message) | Self::Promise(message) => f.write_str(message),
         }
     }
 }

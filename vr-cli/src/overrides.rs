@@ -160,7 +160,8 @@ impl Overrides {
             let entry =
                 |&[value, r, g, b, opacity]: &[f64; 5]| PointEntry { value, color: [r, g, b], opacity, emission: None };
             section.points = Some(point.iter().map(entry).collect());
-            (section.preset, section.file) = (None, None);
+            // What stretched those is not for points.
+            (section.preset, section.file, section.range) = (None, None, None);
             self.note("transfer.points");
         }
         self.set_some("transfer.range", *range, &mut section.range);

@@ -15,7 +15,8 @@ use crate::console::Console;
 use crate::error_map::ErrorMap;
 use crate::failure::Failure;
 use crate::progress::under_bar;
-use crate::scene_setup::Setup;
+use crate::promise::Promise;
+use crate::scene_setup::{Configured, Setup};
 use crate::target::Chosen;
 use crate::{error_map, exact_cache, number, output_file, target};
 
@@ -27,15 +28,16 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     for path in &args.output.outputs {
         output_file::check(path, &["png", "exr"])?;
     }
+    args.output.check_png_options()?;
     error_map::check(&args.output)?;
     let setup = Setup::new(&args.scene, console)?;
+    setup.protect(args.output.places())?;
     let (scene, view) = (&setup.scene, &setup.view);
     let cache = exact_cache::open(&args.cache);
-    let mut drawn = match args.target.target_rmse {
+    let drawn = match args.target.target_rmse {
         Some(target) => target::draw(target, &args.renderer, &setup, &cache, console, control)?,
         None => draw(&args.renderer, &setup, console, control)?,
     };
-    let known = drawn.exact.take();
     let frame = &drawn.frame;
     let png = PngOptions { background: scene.background, ..args.output.png() };
     for path in &args.output.outputs {
@@ -54,10 +56,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         let solve = |control: &Control| cache.solve((scene, view), &Model::Canonical, pixels, control);
         under_bar(console, control, "measuring the error", solve)
     };
-    let exact = match known {
-        Some(known) if wanted == ErrorMeasure::Subgrid => Some(known),
-        _ => pixels.map(solve).transpose().map_err(|e| setup.render_failure(e))?,
-    };
+    let exact = pixels.map(solve).transpose().map_err(|e| setup.render_failure(e))?;
     let map = match (&args.output.error_map, &exact) {
         (Some(path), Some(exact)) => Some(error_map::write(path, exact, frame)?),
         _ => None,
@@ -70,7 +69,8 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         map,
         outputs: &args.output.outputs,
     };
-    console.result(&done.text(), &done.json())
+    console.result(&done.text(), &done.json())?;
+    drawn.promise.map_or(Ok(()), |promise| promise.outcome())
 }
 
 /// A picture, and what it took.
@@ -85,15 +85,15 @@ pub struct Drawn {
     pub prepare: Duration,
     /// Time of the picture.
     pub render: Duration,
+    /// What became of the largest error that was promised, where one was.
+    pub promise: Option<Promise>,
     /// How the renderer and its setting were chosen, where an error was asked for.
     pub chosen: Option<Chosen>,
-    /// The exact solution on the subgrid, where the choice needed it.
-    pub exact: Option<Exact>,
 }
 
 /// Draws with the renderer that flags or the scene file ask for.
 fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control) -> Result<Drawn, Failure> {
-    let renderer = setup.renderer(args)?;
+    let Configured { renderer, promised, .. } = setup.renderer(args, console)?;
     let start = Instant::now();
     let mut prepared = under_bar(console, control, "preparing", |control| renderer.prepare(&setup.scene, control))
         .map_err(|e| setup.render_failure(e))?;
@@ -101,8 +101,9 @@ fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control)
     let start = Instant::now();
     let Rendered { frame, stats } = under_bar(console, control, "rendering", |c| prepared.render(&setup.view, c))
         .map_err(|e| setup.render_failure(e))?;
-    let (renderer, render) = (renderer.name().to_owned(), start.elapsed());
-    Ok(Drawn { renderer, frame, counts: stats.counts, prepare, render, chosen: None, exact: None })
+    let (renderer, render, counts) = (renderer.name().to_owned(), start.elapsed(), stats.counts);
+    let promise = promised.map(|error| Promise::new(error, &counts, setup.view.samples));
+    Ok(Drawn { renderer, frame, counts, prepare, render, promise, chosen: None })
 }
 
 /// What there is to tell.
@@ -127,6 +128,7 @@ struct Json<'a> {
     terminated: u64,
     unbounded: u64,
     repeated: u64,
+    promise: Option<&'a Promise>,
     chosen: Option<&'a Chosen>,
     error: Option<ErrorFigures>,
     error_map: Option<&'a ErrorMap>,
@@ -136,7 +138,7 @@ struct Json<'a> {
 
 impl Done<'_> {
     fn text(&self) -> String {
-        let Counts { rays, samples, skipped, terminated, unbounded, repeated } = self.drawn.counts;
+        let Counts { rays, samples, skipped, terminated, repeated, .. } = self.drawn.counts;
         let [w, h] = self.setup.view.size;
         let mut text = format!("scene    {}, {w}x{h} pixels, {}\n", self.setup.title, self.drawn.renderer);
         if let Some(chosen) = &self.drawn.chosen {
@@ -154,12 +156,9 @@ impl Done<'_> {
         if repeated > 0 {
             text += &format!("         {} rays done again in higher precision\n", number::count(repeated));
         }
-        if unbounded > 0 {
-            text += &format!(
-                "promise  not kept for {} of {} rays: no bound within it was found there (the truth jumps, or nearly)\n",
-                number::count(unbounded),
-                number::count(rays)
-            );
+        if let Some(promise) = &self.drawn.promise {
+            text += &promise.line();
+            text.push('\n');
         }
         if let Some((metrics, exact)) = &self.error {
             let all = u64::from(w) * u64::from(h);
@@ -179,7 +178,7 @@ impl Done<'_> {
     }
 
     fn json(&self) -> Json<'_> {
-        let Counts { rays, samples, skipped, terminated, unbounded, repeated } = self.drawn.counts;
+        let Counts { rays, samples, skipped, terminated, unbounded, repeated, .. } = self.drawn.counts;
         Json {
             volume: &self.setup.title,
             renderer: &self.drawn.renderer,
@@ -192,6 +191,7 @@ impl Done<'_> {
             terminated,
             unbounded,
             repeated,
+            promise: self.drawn.promise.as_ref(),
             chosen: self.drawn.chosen.as_ref(),
             error: self.error.as_ref().map(|(metrics, exact)| ErrorFigures::new(metrics, exact)),
             error_map: self.map.as_ref(),

@@ -68,14 +68,12 @@ pub fn with_flags(mut options: Options, flags: &[(String, String)]) -> Options {
 /// # Errors
 /// A renderer that cannot promise, or a promise that no picture can keep.
 pub fn promise(renderer: &dyn Renderer, options: Options, max_error: f64) -> Result<Options, RenderError> {
-    /// Frames are f32: rounding is half of this at most.
-    const LEAST: f64 = 1e-6;
-    let option = |key: &str| renderer.options().iter().find(|option| option.key == key);
-    let Some(option) = option(MAX_ERROR).or_else(|| option(TOLERANCE)) else {
+    let key = promising_option(renderer);
+    let Some(option) = renderer.options().iter().find(|option| Some(option.key) == key) else {
         let feature = "max_error: it cannot promise one".to_owned();
         return Err(RenderError::Unsupported { renderer: renderer.name(), feature });
     };
-    if max_error.is_nan() || max_error < LEAST {
+    if max_error.is_nan() || max_error < LEAST_MAX_ERROR {
         return Err(
             ParameterError::new("render.max_error", max_error, "must be at least 1e-6: pictures are f32").into()
         );
@@ -85,9 +83,18 @@ pub fn promise(renderer: &dyn Renderer, options: Options, max_error: f64) -> Res
     Ok(options.with(option.key, wanted.min(most)))
 }
 
-/// The options in which a promise is expressed.
-const MAX_ERROR: &str = "max-error";
-const TOLERANCE: &str = "tolerance";
+/// The option by which a renderer is told what to promise; `None` for one that cannot.
+pub fn promising_option(renderer: &dyn Renderer) -> Option<&'static str> {
+    [MAX_ERROR, TOLERANCE].into_iter().find(|key| renderer.options().iter().any(|option| option.key == *key))
+}
+
+/// The smallest error that is promised. Frames are f32: rounding is half of this at most.
+pub const LEAST_MAX_ERROR: f64 = 1e-6;
+
+/// The option in which a promise is expressed.
+pub const MAX_ERROR: &str = "max-error";
+/// The same, of a renderer of which it is the accuracy.
+pub const TOLERANCE: &str = "tolerance";
 
 /// What `--set` takes, for the help text.
 pub fn option_help() -> String {

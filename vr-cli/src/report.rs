@@ -15,6 +15,7 @@ use crate::args::{ReportArgs, SuiteName};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::heap::Heap;
+use crate::inputs::Inputs;
 use crate::progress::under_bar;
 use crate::scene_setup::{Setup, named_scene};
 use crate::{exact_cache, renderers};
@@ -37,11 +38,18 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
     let chosen = renderers::chosen(&args.renderers)?;
     let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
     let setup = named_scene(&args.scene, console)?;
+    if let Some(setup) = &setup {
+        setup.note_unused_renderer("renderers are measured under settings of their own", console);
+    }
     if setup.is_some() && matches!(suite, Suite::Hard | Suite::Scaling) {
         console.note(&format!("the suite {} has scenes of its own: the one that was named is not used", suite.name()));
     }
-    fs::create_dir_all(&args.output).map_err(|e| cannot_write(&args.output, &e))?;
     let journal = args.output.join(format!("journal-{}.jsonl", suite.name()));
+    let read = setup.iter().flat_map(|setup| setup.inputs.iter().cloned()).chain(args.baseline.clone());
+    let inputs = Inputs::new("a file that is read", read);
+    let written = FILES.iter().map(|name| args.output.join(name));
+    written.chain([journal.clone()]).try_for_each(|place| inputs.protect("--output", &place))?;
+    fs::create_dir_all(&args.output).map_err(|e| cannot_write(&args.output, &e))?;
     let cache = exact_cache::open(&args.cache);
     let run = Run {
         renderers: &chosen,
@@ -100,17 +108,24 @@ fn cannot_write(path: &Path, e: &std::io::Error) -> Failure {
     Failure::failed(format!("{}: cannot be written: {e}", path.display()))
 }
 
+/// Every file that [`write`] may make.
+const FILES: [&str; 6] = [PAGE, REPORT, POINTS, ERRORS, HEADLINE_PLOT, HEADLINE_TABLE];
+const PAGE: &str = "index.html";
+const REPORT: &str = "report.json";
+const POINTS: &str = "points.csv";
+const ERRORS: &str = "errors.json";
+const HEADLINE_PLOT: &str = "headline.svg";
+const HEADLINE_TABLE: &str = "headline.md";
+
 /// Writes everything; returns what was written, the page first.
 fn write(report: &Report, errors: &Baseline, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let mut files = vec![
-        ("index.html", page(report).map_err(Failure::failed)?.into_bytes()),
-        ("report.json", pretty(report)?.into_bytes()),
-    ];
+    let mut files =
+        vec![(PAGE, page(report).map_err(Failure::failed)?.into_bytes()), (REPORT, pretty(report)?.into_bytes())];
     if !report.subjects.is_empty() {
-        files.push(("points.csv", csv(&report.subjects).map_err(Failure::failed)?));
-        files.push(("errors.json", (pretty(errors)? + "\n").into_bytes()));
-        files.push(("headline.svg", headline_plot(&report.subjects).map_err(Failure::failed)?.into_bytes()));
-        files.push(("headline.md", headline_table(&report.subjects).into_bytes()));
+        files.push((POINTS, csv(&report.subjects).map_err(Failure::failed)?));
+        files.push((ERRORS, (pretty(errors)? + "\n").into_bytes()));
+        files.push((HEADLINE_PLOT, headline_plot(&report.subjects).map_err(Failure::failed)?.into_bytes()));
+        files.push((HEADLINE_TABLE, headline_table(&report.subjects).into_bytes()));
     }
     let write = |(name, bytes): (&str, Vec<u8>)| {
         let path = folder.join(name);

@@ -13,8 +13,9 @@ use vr_mesh::Surface;
 use crate::args::{RendererArgs, SceneArgs};
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::inputs::Inputs;
 use crate::overrides::Overrides;
-use crate::{camera_flags, number, renderers};
+use crate::{camera_flags, number, promise, renderers};
 
 /// What is drawn where nothing is named.
 const EMBEDDED: &str = include_str!("embedded.toml");
@@ -29,14 +30,27 @@ pub struct Setup {
     pub title: String,
     /// What was assumed.
     pub notes: Vec<String>,
+    /// Every file that was read for it.
+    pub inputs: Vec<PathBuf>,
     /// The phantom that the volume is made of, if it is.
     pub phantom: Option<String>,
     /// The opaque surface among the volume, and what it looks like.
     mesh: Option<(TriangleMesh, Surface)>,
     renderer: String,
+    is_renderer_named: bool,
     options: Options,
     max_error: Option<f64>,
     origin: Origin,
+}
+
+/// A renderer, ready to draw.
+pub struct Configured {
+    /// The renderer.
+    pub renderer: Box<dyn Renderer>,
+    /// The options that were set to make it; all others are at their defaults.
+    pub options: Options,
+    /// The largest error that it promises, if it promises any.
+    pub promised: Option<f64>,
 }
 
 impl Setup {
@@ -59,7 +73,8 @@ impl Setup {
         let path = args.scene.as_deref().unwrap_or(Path::new(""));
         let loaded = vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
         let bounds = loaded.bounds();
-        let LoadedScene { scene, mut view, mesh, renderer, options, max_error, info, notes } = loaded;
+        let LoadedScene { scene, mut view, mesh, renderer, options, max_error, info, files, notes } = loaded;
+        let inputs = args.scene.iter().cloned().chain(files).collect();
 
         let own = file.camera.is_some().then_some(view.camera);
         origin.overrides.camera(&args.camera);
@@ -76,7 +91,21 @@ impl Setup {
         let shading = scene.shading.as_deref().cloned().unwrap_or_default();
         let mesh = mesh.map(|SceneMesh { mesh, color }| (mesh, Surface { color, shading }));
         let phantom = file.volume.phantom;
-        let mut setup = Self { scene, view, title, notes, phantom, mesh, renderer, options, max_error, origin };
+        let is_renderer_named = file.render.renderer.is_some();
+        let mut setup = Self {
+            scene,
+            view,
+            title,
+            notes,
+            inputs,
+            phantom,
+            mesh,
+            renderer,
+            is_renderer_named,
+            options,
+            max_error,
+            origin,
+        };
         setup.view = setup.with_mesh(&setup.view).map_err(|e| setup.render_failure(e))?;
         if setup.view.layer.as_ref().is_some_and(|layer| layer.pixels.iter().all(|p| p.1 == f32::INFINITY)) {
             console.note("the mesh is nowhere in the picture");
@@ -106,19 +135,11 @@ impl Setup {
         Ok(())
     }
 
-    /// The renderer that flags or the scene file ask for, with its options set.
+    /// The renderer that flags or the scene file ask for, configured. Tells what of the scene file is not for it.
     ///
     /// # Errors
-    /// An unknown renderer, an option that it does not have or take, or a promise that it cannot make.
-    pub fn renderer(&self, args: &RendererArgs) -> Result<Box<dyn Renderer>, Failure> {
-        self.renderer_and_options(args).map(|(renderer, _)| renderer)
-    }
-
-    /// The same renderer, and the options that were set to make it; all others are at their defaults.
-    ///
-    /// # Errors
-    /// As [`Self::renderer`].
-    pub fn renderer_and_options(&self, args: &RendererArgs) -> Result<(Box<dyn Renderer>, Options), Failure> {
+    /// An unknown renderer, an option that it does not have or take, a promise that it cannot make, or two promises.
+    pub fn renderer(&self, args: &RendererArgs, console: Console) -> Result<Configured, Failure> {
         let complaint = |by_flag: bool, message: String| match &self.origin.scene_file {
             Some(path) if !by_flag => Failure::failed(format!("{}: {message}", path.display())),
             _ => Failure::usage(message),
@@ -126,22 +147,65 @@ impl Setup {
         let name = args.renderer.as_ref().unwrap_or(&self.renderer);
         let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
         // Another renderer than the scene file's: the options there are not for it.
-        let own = if *name == self.renderer { self.options.clone() } else { Options::new() };
+        let is_own = *name == self.renderer;
+        let own = if is_own { self.options.clone() } else { Options::new() };
+        if !is_own && !self.options.0.is_empty() {
+            console
+                .note(&format!("options of the scene file have no effect: they are for {}, not {name}", self.renderer));
+        }
+        let set = |key: &str| args.set.iter().any(|(k, _)| k == key);
+        let max_error = match (args.max_error, renderers::promising_option(&*renderer)) {
+            (Some(_), Some(key)) if set(key) => {
+                return Err(Failure::usage(format!(
+                    "--max-error sets the option {key} of {name}: --set {key} must not, too"
+                )));
+            }
+            (Some(max_error), _) => Some(max_error),
+            // A flag overrides the scene file.
+            (None, Some(key)) if set(key) => None,
+            (None, Some(key)) if self.max_error.is_some() && own.0.contains_key(key) => {
+                let message =
+                    format!("render.max_error sets the option {key} of {name}: render.{key} must not be there, too");
+                return Err(complaint(false, message));
+            }
+            (None, _) => self.max_error,
+        };
         let mut options = renderers::with_flags(own, &args.set);
-        if let Some(max_error) = args.max_error.or(self.max_error) {
+        if let Some(max_error) = max_error {
             options = renderers::promise(&*renderer, options, max_error)
                 .map_err(|e| complaint(args.max_error.is_some() || args.renderer.is_some(), e.to_string()))?;
         }
         let configured = renderer.configure(&options).map_err(|e| {
             let by_flag = match &e {
                 OptionError::Unknown { key, .. } | OptionError::Value { key, .. } => {
-                    args.renderer.is_some() || args.set.iter().any(|(k, _)| k == key)
+                    args.renderer.is_some() || set(key)
                 }
                 _ => false,
             };
             complaint(by_flag, e.to_string())
         })?;
-        Ok((configured, options))
+        let promised = promise::promised(&*configured, &options, max_error);
+        Ok(Configured { renderer: configured, options, promised })
+    }
+
+    /// Tells that what the scene file says about a renderer has no effect, where it says anything: for commands that try several.
+    pub fn note_unused_renderer(&self, why: &str, console: Console) {
+        let options = self.options.0.keys().map(|key| format!("render.{key}"));
+        let max_error = self.max_error.map(|_| "render.max_error".to_owned());
+        let named = self.is_renderer_named.then(|| "render.renderer".to_owned());
+        let unused: Vec<String> = named.into_iter().chain(max_error).chain(options).collect();
+        if !unused.is_empty() {
+            console.note(&format!("{} of the scene file: without effect, {why}", unused.join(", ")));
+        }
+    }
+
+    /// Refuses places to write where one of the scene's own files is; each comes with its flag.
+    ///
+    /// # Errors
+    /// As [`Inputs::protect`].
+    pub fn protect<'a>(&self, places: impl IntoIterator<Item = (&'a str, &'a Path)>) -> Result<(), Failure> {
+        let inputs = Inputs::new("a file that is read", self.inputs.iter().cloned());
+        places.into_iter().try_for_each(|(flag, place)| inputs.protect(flag, place))
     }
 
     /// Why there is no picture.

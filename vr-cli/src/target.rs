@@ -1,10 +1,10 @@
 //! `vr render --target-rmse`.
 
 use serde::Serialize;
-use vr_benches::choose::{CONFIDENCE, Choice, ChoiceError, draw_within};
+use vr_benches::choose::{CONFIDENCE, Choice, ChoiceError, Prover, draw_within};
 use vr_benches::contestant::contestants;
 use vr_benches::exact::ExactCache;
-use vr_core::{Control, Options};
+use vr_core::{Control, Options, Renderer};
 
 use crate::args::RendererArgs;
 use crate::console::Console;
@@ -29,11 +29,15 @@ pub struct Chosen {
     within: usize,
     /// Settings whose whole picture was not, though their small one was, and what its RMSE does not exceed.
     disappointed: Vec<(String, f64)>,
-    /// The RMSE of this picture on a sample of its pixels.
+    /// The RMSE of this picture on the pixels that were compared, weighted so that it stands for all.
     rmse: f64,
-    /// What the RMSE of all pixels does not exceed, with the confidence.
+    /// Largest RMSE of all pixels.
     rmse_at_most: f64,
+    /// True if that is proven.
+    proven: bool,
+    /// How often it holds where it is not: one-sided.
     confidence: f64,
+    /// Pixels that were compared.
     sample_pixels: usize,
     pixels: u64,
 }
@@ -55,17 +59,19 @@ pub fn draw(
     if !(target >= LEAST && target.is_finite()) {
         return Err(Failure::usage(format!("--target-rmse: found {target}; must be at least 1e-7: pictures are f32")));
     }
+    setup.note_unused_renderer("--target-rmse chooses", console);
     let only: Vec<String> = args.renderer.iter().cloned().collect();
     let contestants = contestants(&renderers::chosen(&only)?).map_err(Failure::failed)?;
+    let provers = provers(target);
     let choice = under_bar(console, control, "trying settings", |told| {
         let told = |share| told.report(share);
-        draw_within(target, &contestants, (&setup.scene, &setup.view), cache, (control, &told))
+        draw_within(target, &contestants, &provers, (&setup.scene, &setup.view), cache, (control, &told))
     });
     let choice = choice.map_err(|e| match e {
         ChoiceError::Render(e) => setup.render_failure(e),
         other => Failure::failed(other),
     })?;
-    let Choice { contestant, rendered, prepare, render, error, exact, rehearsals, disappointed } = choice;
+    let Choice { contestant, rendered, prepare, render, error, rehearsals, disappointed } = choice;
     let winner = &contestants[contestant];
     let [w, h] = setup.view.size.map(u64::from);
     let chosen = Chosen {
@@ -77,12 +83,13 @@ pub fn draw(
         disappointed: disappointed.iter().map(|(i, e)| (contestants[*i].name(), e.upper)).collect(),
         rmse: error.rmse,
         rmse_at_most: error.upper,
+        proven: error.proven,
         confidence: CONFIDENCE,
         sample_pixels: error.pixels,
         pixels: w * h,
     };
     let (renderer, counts) = (winner.renderer.clone(), rendered.stats.counts);
-    Ok(Drawn { renderer, frame: rendered.frame, counts, prepare, render, chosen: Some(chosen), exact: Some(exact) })
+    Ok(Drawn { renderer, frame: rendered.frame, counts, prepare, render, promise: None, chosen: Some(chosen) })
 }
 
 impl Chosen {
@@ -97,11 +104,30 @@ impl Chosen {
         for (name, rmse) in &self.disappointed {
             text += &format!("         not {name}: the RMSE of its whole picture may be {}\n", number::small(*rmse));
         }
+        let certainty = if self.proven {
+            "proven".to_owned()
+        } else {
+            format!(
+                "with a confidence of {:.0} %, if no pixel is further off than the worst of those",
+                100.0 * self.confidence
+            )
+        };
         text + &format!(
-            "target   RMSE {} on {sample_pixels} of {pixels} pixels; at most {} for all, with a nominal confidence of {:.0} %\n",
+            "target   RMSE {} on {sample_pixels} of {pixels} pixels; at most {} for all, {certainty}\n",
             number::small(*rmse),
             number::small(*rmse_at_most),
-            100.0 * self.confidence
         )
     }
+}
+
+/// Renderers that can prove a picture to be well within a target: by it, others are judged.
+fn provers(target: f64) -> Vec<Prover> {
+    // An eighth is little beside the target, and costs little more than the target itself would; no picture of floats keeps less than the least.
+    let max_error = (target / 8.0).max(renderers::LEAST_MAX_ERROR);
+    let configured = |renderer: Box<dyn Renderer>| {
+        let options = renderers::promise(&*renderer, Options::new(), max_error).ok()?;
+        // One whose tolerance is all that it has draws as slowly as exact pixels are solved: it is no help.
+        options.0.contains_key(renderers::MAX_ERROR).then(|| renderer.configure(&options).ok()).flatten()
+    };
+    renderers::all().into_iter().filter_map(configured).map(|renderer| Prover { renderer, max_error }).collect()
 }

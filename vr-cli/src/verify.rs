@@ -24,6 +24,9 @@ pub fn run(args: &VerifyArgs, console: Console, control: &Control) -> Result<(),
         return Err(Failure::usage("no renderer that was named documents an order of convergence"));
     }
     let setup = named_scene(&args.scene, console)?;
+    if let Some(setup) = &setup {
+        setup.note_unused_renderer("orders are measured under settings of their own", console);
+    }
     let cache = exact_cache::open(&args.cache);
     let proven = under_bar(console, control, "verifying", |told| {
         let prover = Prover { cache: &cache, control };

@@ -3,6 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::error::ParameterError;
+use crate::limits::{DIRECTION_LENGTHS, MAX_COORDINATE, MAX_HEIGHTS_AWAY, MIN_FOV};
 
 /// Orthographic or perspective.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,33 +67,44 @@ impl Camera {
     /// Unit vectors (right, up, forward).
     ///
     /// # Errors
-    /// Eye = target, up parallel to the view, a height or field of view that makes no sense, or numbers that are not finite.
+    /// Eye = target, up parallel to the view, a height or field of view that makes no sense, numbers that are not finite, or a camera so far
+    /// away that f64 does not tell its rays apart.
     pub fn frame(&self) -> Result<DMat3, ParameterError> {
         for (field, v) in [("camera.eye", self.eye), ("camera.target", self.target), ("camera.up", self.up)] {
-            if !v.is_finite() {
-                return Err(ParameterError::new(field, v.to_array(), "must be finite"));
+            if !(v.abs().max_element() <= MAX_COORDINATE && v.is_finite()) {
+                return Err(ParameterError::new(field, v.to_array(), "must be finite, coordinates 1e30 at most"));
             }
         }
         let view = self.target - self.eye;
-        if !(view.length() > 0.0 && view.is_finite()) {
+        // Shorter, its square is 0.
+        if !DIRECTION_LENGTHS.contains(&view.length()) {
             return Err(ParameterError::new("camera.eye", self.eye.to_array(), "must differ from camera.target"));
         }
         let forward = view.normalize();
         let right = forward.cross(self.up.normalize_or_zero());
-        if right.length() < 1e-9 {
-            let allowed = "must be a vector that is not parallel to the view";
+        if right.length() < 1e-9 || !DIRECTION_LENGTHS.contains(&self.up.length()) {
+            let allowed = "must be a vector that is not parallel to the view, its length 1e-100 or more";
             return Err(ParameterError::new("camera.up", self.up.to_array(), allowed));
         }
         let right = right.normalize();
-        match self.projection {
-            Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
-                Err(ParameterError::new("camera.height", height, "must be positive and finite"))
+        let height = match self.projection {
+            Projection::Orthographic { height } if !(height > 0.0 && height <= MAX_COORDINATE) => {
+                return Err(ParameterError::new("camera.height", height, "must be positive and finite, 1e30 at most"));
             }
-            Projection::Perspective { fov } if !(fov > 0.0 && fov < 180.0) => {
-                Err(ParameterError::new("camera.fov", fov, "must be above 0 and below 180 degrees"))
+            Projection::Perspective { fov } if !(fov >= MIN_FOV && fov < 180.0) => {
+                return Err(ParameterError::new("camera.fov", fov, "must be 1e-6 degrees at least, and below 180"));
             }
-            _ => Ok(DMat3::from_cols(right, right.cross(forward), forward)),
+            Projection::Orthographic { height } => height,
+            Projection::Perspective { fov } => 2.0 * view.length() * libm::tan(0.5 * fov.to_radians()),
+        };
+        for (field, v) in [("camera.eye", self.eye), ("camera.target", self.target)] {
+            if v.length() > MAX_HEIGHTS_AWAY * height {
+                let allowed = "must be within 1e10 heights of the picture (at the target) from the world's origin: f64 keeps no rays \
+                               apart further out";
+                return Err(ParameterError::new(field, v.to_array(), allowed));
+            }
         }
+        Ok(DMat3::from_cols(right, right.cross(forward), forward))
     }
 }
 
@@ -121,7 +133,23 @@ mod tests {
         assert_eq!(field(Camera { up: DVec3::ZERO, ..good }), "camera.up");
         assert_eq!(field(Camera { target: DVec3::NAN, ..good }), "camera.target");
         assert_eq!(field(Camera { projection: Projection::Perspective { fov: 180.0 }, ..good }), "camera.fov");
+        assert_eq!(field(Camera { projection: Projection::Perspective { fov: 1e-300 }, ..good }), "camera.fov");
         assert_eq!(field(Camera { projection: Projection::Orthographic { height: 0.0 }, ..good }), "camera.height");
+        // Beyond what arithmetic can keep.
+        assert_eq!(field(Camera { projection: Projection::Orthographic { height: 1e-11 }, ..good }), "camera.eye");
+        assert_eq!(field(Camera { eye: DVec3::Z * 1e11, ..good }), "camera.eye");
+        assert_eq!(field(Camera { target: DVec3::Z * -1e200, ..good }), "camera.target");
+        assert_eq!(field(Camera { eye: DVec3::Z * 1e-200, ..good }), "camera.eye");
+        assert_eq!(field(Camera { up: DVec3::Y * 1e-200, ..good }), "camera.up");
+        assert!(Camera { eye: DVec3::Z * 1e9, ..good }.frame().is_ok());
+        // Framing the smallest and the largest volumes, through the narrowest of angles.
+        for scale in [1e-15, 1.0, 1e18] {
+            let bounds = (DVec3::splat(-scale), DVec3::splat(scale));
+            for fov in [None, Some(1e-6), Some(30.0), Some(179.0)] {
+                let framed = Camera::framing(bounds, 10.0, 20.0, fov).frame();
+                assert!(framed.is_ok(), "{scale} {fov:?}: {framed:?}");
+            }
+        }
     }
 
     #[test]

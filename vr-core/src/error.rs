@@ -20,8 +20,8 @@ pub enum GridError {
         /// Samples given.
         found: usize,
     },
-    /// A spacing that is not positive and finite.
-    #[error("spacing of axis {axis} is {found}: must be positive and finite")]
+    /// A spacing that is not positive and finite, or beyond what arithmetic can keep.
+    #[error("spacing of axis {axis} is {found}: must be positive and finite, 1e-15 to 1e15")]
     Spacing {
         /// 0, 1 or 2.
         axis: usize,
@@ -36,8 +36,10 @@ pub enum GridError {
         /// Its columns.
         axes: [[f64; 3]; 3],
     },
-    /// An origin that is not finite.
-    #[error("origin {found:?}: must be finite")]
+    /// An origin that is not finite, or so far away that positions in f64 do not tell points of a voxel apart.
+    #[error(
+        "origin {found:?}: must be finite, and at most 1e12 steps (of the smallest spacing) from the world's origin"
+    )]
     Origin {
         /// The origin found.
         found: [f64; 3],

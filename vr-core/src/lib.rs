@@ -49,6 +49,7 @@ mod frame;
 mod grid;
 pub mod image_order;
 mod level_ranges;
+mod limits;
 mod missing;
 mod model;
 pub mod optics;

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::error::GridError;
+use crate::limits::{MAX_STEPS_AWAY, is_length};
 
 /// The affine placement of a grid: `world = origin + axes · index`.
 ///
@@ -20,17 +21,23 @@ impl Placement {
     ///
     /// # Errors
     /// [`GridError::Origin`] or [`GridError::Direction`] where a number is not finite or the axes are (nearly) linearly dependent;
-    /// [`GridError::Spacing`] where a step has length zero.
+    /// [`GridError::Spacing`] where a step is shorter or longer than kernels in f32 can keep, 10⁻¹⁵ to 10¹⁵; [`GridError::Origin`] where the
+    /// origin is more than 10¹² of the shortest steps away.
     pub fn new(origin: DVec3, axes: DMat3) -> Result<Self, GridError> {
+        let misplaced = GridError::Origin { found: origin.to_array() };
         if !origin.is_finite() {
-            return Err(GridError::Origin { found: origin.to_array() });
+            return Err(misplaced);
         }
         let columns = [axes.x_axis, axes.y_axis, axes.z_axis];
         for (axis, column) in columns.iter().enumerate() {
             let length = column.length();
-            if length == 0.0 || !length.is_finite() {
+            if !is_length(length) {
                 return Err(GridError::Spacing { axis, found: length });
             }
+        }
+        let smallest = columns.iter().map(|c| c.length()).fold(f64::INFINITY, f64::min);
+        if origin.abs().max_element() > MAX_STEPS_AWAY * smallest {
+            return Err(misplaced);
         }
         // The volume of the parallelepiped of the *unit* steps: 1 when orthogonal, 0 when flat, whatever the spacing.
         let unit = columns.map(DVec3::normalize);
@@ -38,7 +45,7 @@ impl Placement {
         if skew < 1e-9 || !skew.is_finite() {
             return Err(GridError::Direction { axes: columns.map(|c| c.to_array()) });
         }
-        // Inverted per unit axes, then scaled, so that spacings of 1e-20 or 1e20 neither underflow nor overflow.
+        // Inverted per unit axes, then scaled, so that products of three small or large spacings neither underflow nor overflow.
         let inverse_unit = DMat3::from_cols(unit[0], unit[1], unit[2]).inverse();
         let scale = DVec3::from_array(columns.map(|c| 1.0 / c.length()));
         let inverse = DMat3::from_diagonal(scale) * inverse_unit;
@@ -51,7 +58,7 @@ impl Placement {
     /// Axis-parallel, with sample (0, 0, 0) at the world's origin.
     ///
     /// # Errors
-    /// [`GridError::Spacing`] where a spacing is not positive and finite.
+    /// [`GridError::Spacing`] where a spacing is not 10⁻¹⁵ to 10¹⁵.
     pub fn from_spacing(spacing: [f64; 3]) -> Result<Self, GridError> {
         Self::oriented(DVec3::ZERO, spacing, DMat3::IDENTITY)
     }
@@ -60,10 +67,10 @@ impl Placement {
     /// they are normalised here.
     ///
     /// # Errors
-    /// As [`Placement::new`]; a spacing must be positive and finite.
+    /// As [`Placement::new`].
     pub fn oriented(origin: DVec3, spacing: [f64; 3], direction: DMat3) -> Result<Self, GridError> {
         for (axis, &s) in spacing.iter().enumerate() {
-            if !(s > 0.0 && s.is_finite()) {
+            if !is_length(s) {
                 return Err(GridError::Spacing { axis, found: s });
             }
         }
@@ -117,7 +124,7 @@ mod tests {
 
     #[test]
     fn index_and_world_are_inverse_at_any_scale() {
-        for scale in [1e-20, 1e-3, 1.0, 1e20] {
+        for scale in [1e-14, 1e-3, 1.0, 1e14] {
             let axes = DMat3::from_cols(
                 DVec3::new(1.0, 0.1, 0.0) * scale,
                 DVec3::new(-0.2, 2.0, 0.3) * scale,
@@ -133,11 +140,23 @@ mod tests {
     fn refuses_flat_axes_and_bad_spacing() {
         let flat = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::X + DVec3::Y);
         assert!(matches!(Placement::new(DVec3::ZERO, flat), Err(GridError::Direction { .. })));
-        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-46, 9e-16, 1.1e15, 1e200] {
             assert!(
                 matches!(Placement::from_spacing([1.0, bad, 1.0]), Err(GridError::Spacing { axis: 1, .. })),
                 "{bad}"
             );
         }
+    }
+
+    #[test]
+    fn refuses_origins_where_positions_cannot_be_told_apart() {
+        let at =
+            |x: f64, spacing: f64| Placement::oriented(DVec3::new(0.0, x, 0.0), [1.0, spacing, 1.0], DMat3::IDENTITY);
+        for (x, spacing) in [(1e6, 1e-3), (-1e6, 1e-3), (1e15, 1e3), (0.0, 1e-15), (1e-3, 1e-15)] {
+            let placed = at(x, spacing);
+            assert_eq!(placed.is_ok(), x.abs() <= 1e12 * spacing.min(1.0), "{x} {spacing}: {placed:?}");
+        }
+        let refused = at(1e13, 1.0).unwrap_err().to_string();
+        assert!(refused.contains("10000000000000") && refused.contains("1e12 steps"), "{refused}");
     }
 }

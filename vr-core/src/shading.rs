@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::error::ParameterError;
+use crate::limits::{DIRECTION_LENGTHS, MAX_FACTOR, MAX_LIGHT, MAX_MAGNITUDE, MAX_POWER};
 use crate::real::Real;
 
 /// How surfaces in the volume reflect light (Blinn 1977), two-sided:
@@ -73,34 +74,34 @@ impl Shading {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// Coefficients that are negative or not finite, a light without direction, gradient points that are not sorted.
+    /// Coefficients that are negative or beyond 10³ (the exponent 10⁴, lights 10⁶), a light without direction, gradient points that are not
+    /// sorted.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        let coefficients = [
-            ("shading.ambient", self.ambient),
-            ("shading.diffuse", self.diffuse),
-            ("shading.specular", self.specular),
-            ("shading.power", self.power),
-        ];
+        let coefficients =
+            [("shading.ambient", self.ambient), ("shading.diffuse", self.diffuse), ("shading.specular", self.specular)];
         for (field, x) in coefficients {
-            if !(x >= 0.0 && x.is_finite()) {
-                return Err(ParameterError::new(field, x, "must be finite and not negative"));
+            if !(0.0..=MAX_FACTOR).contains(&x) {
+                return Err(ParameterError::new(field, x, "must be finite and not negative, 1000 at most"));
             }
         }
+        if !(0.0..=MAX_POWER).contains(&self.power) {
+            let allowed = "must be finite and not negative, 10000 at most";
+            return Err(ParameterError::new("shading.power", self.power, allowed));
+        }
         for (i, l) in self.lights.iter().enumerate() {
-            if l.direction.is_some_and(|d| !(d.is_finite() && d.length() > 0.0)) {
-                let allowed = "must be finite and not zero";
+            if l.direction.is_some_and(|d| !DIRECTION_LENGTHS.contains(&d.length())) {
+                let allowed = "must be finite and not zero, its length 1e-100 to 1e100";
                 return Err(ParameterError::new(format!("shading.lights[{i}].direction"), l.direction, allowed));
             }
-            if l.color.iter().any(|&c| !(c >= 0.0 && c.is_finite())) {
-                let allowed = "must be finite and not negative";
+            if l.color.iter().any(|c| !(0.0..=MAX_LIGHT).contains(c)) {
+                let allowed = "must be finite and not negative, 1e6 at most";
                 return Err(ParameterError::new(format!("shading.lights[{i}].color"), l.color, allowed));
             }
         }
         let points = &self.gradient_opacity;
-        if points.iter().any(|&(m, f)| !(m >= 0.0 && m.is_finite() && f >= 0.0 && f.is_finite()))
-            || points.windows(2).any(|w| w[1].0 <= w[0].0)
-        {
-            let allowed = "magnitudes must be strictly increasing, factors finite, none negative";
+        let possible = |&(m, f): &(f64, f64)| (0.0..=MAX_MAGNITUDE).contains(&m) && (0.0..=MAX_FACTOR).contains(&f);
+        if !points.iter().all(possible) || points.windows(2).any(|w| w[1].0 <= w[0].0) {
+            let allowed = "magnitudes must be strictly increasing, 1e30 at most, factors 1000 at most, none negative";
             return Err(ParameterError::new("shading.gradient_opacity", points, allowed));
         }
         Ok(())
@@ -222,5 +223,30 @@ mod tests {
         let s = Shading { gradient_opacity: vec![(1.0, 0.0), (3.0, 1.0)], ..Shading::default() };
         assert_eq!([0.0, 1.0, 2.0, 9.0].map(|m| s.modulation(m)), [0.0, 0.0, 0.5, 1.0]);
         assert_eq!(Shading::default().modulation(5.0), 1.0);
+    }
+
+    #[test]
+    fn refuses_numbers_that_sums_in_f32_cannot_keep() {
+        let good = Shading::default();
+        let light = |direction: f64, color: f64| {
+            vec![Light { direction: Some(DVec3::X * direction), color: [0.0, color, 0.0] }]
+        };
+        let of = |lights| Shading { lights, ..Shading::default() };
+        let all = Shading { ambient: 1e3, diffuse: 1e3, specular: 1e3, power: 1e4, ..of(light(1e-100, 1e6)) };
+        all.validate().unwrap();
+        for (bad, field) in [
+            (Shading { ambient: 1001.0, ..good.clone() }, "shading.ambient"),
+            (Shading { diffuse: f64::INFINITY, ..good.clone() }, "shading.diffuse"),
+            (Shading { specular: f64::NAN, ..good.clone() }, "shading.specular"),
+            (Shading { power: 1e300, ..good.clone() }, "shading.power"),
+            (of(light(1.0, 1e7)), "shading.lights[0].color"),
+            // Squares of these lengths are 0 and infinite: such lights would light nothing.
+            (of(light(1e-200, 1.0)), "shading.lights[0].direction"),
+            (of(light(1e200, 1.0)), "shading.lights[0].direction"),
+            (Shading { gradient_opacity: vec![(0.0, 1e4)], ..good.clone() }, "shading.gradient_opacity"),
+            (Shading { gradient_opacity: vec![(1e31, 1.0)], ..good.clone() }, "shading.gradient_opacity"),
+        ] {
+            assert_eq!(bad.validate().unwrap_err().field, field);
+        }
     }
 }

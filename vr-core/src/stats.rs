@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 /// Counts of the work along rays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     /// Rays that met the volume.
     pub rays: u64,
@@ -15,8 +15,21 @@ pub struct Counts {
     pub terminated: u64,
     /// Rays whose error no bound within the promise was found for, where one was promised: the truth jumps there, or nearly.
     pub unbounded: u64,
+    /// Largest bound that was found for one of those, in units of max(1, the picture's largest magnitude); infinite where one has none at
+    /// all, 0 where there are no such rays.
+    pub max_unbounded: f64,
     /// Rays that a more precise kernel did again.
     pub repeated: u64,
+}
+
+impl Counts {
+    /// Counts a ray whose error is not within the promise, and the bound that was found for it: of one that is not a number, nothing is
+    /// known.
+    pub fn count_unbounded(&mut self, bound: f64) {
+        self.unbounded += 1;
+        // Not `max` alone, which takes the other number for NaN.
+        self.max_unbounded = self.max_unbounded.max(if bound.is_nan() { f64::INFINITY } else { bound });
+    }
 }
 
 impl std::ops::AddAssign for Counts {
@@ -26,6 +39,7 @@ impl std::ops::AddAssign for Counts {
         self.skipped += other.skipped;
         self.terminated += other.terminated;
         self.unbounded += other.unbounded;
+        self.max_unbounded = self.max_unbounded.max(other.max_unbounded);
         self.repeated += other.repeated;
     }
 }
@@ -46,5 +60,24 @@ impl RenderStats {
         let result = work();
         self.stages.push((stage, start.elapsed()));
         result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_bound_of_all_parts_is_kept() {
+        let mut all = Counts::default();
+        for bounds in [&[0.5, 0.25][..], &[], &[0.75]] {
+            let mut part = Counts::default();
+            bounds.iter().for_each(|&bound| part.count_unbounded(bound));
+            all += part;
+        }
+        assert_eq!((all.unbounded, all.max_unbounded), (3, 0.75));
+        all.count_unbounded(f64::NAN);
+        all += Counts::default();
+        assert_eq!((all.unbounded, all.max_unbounded), (4, f64::INFINITY));
     }
 }

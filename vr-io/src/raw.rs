@@ -99,6 +99,7 @@ pub(crate) fn describe(
     };
     Ok(Description {
         format: "raw",
+        header: path.into(),
         payload,
         layout,
         placement,

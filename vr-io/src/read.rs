@@ -1,5 +1,6 @@
 //! The one way in: a file of any format becomes a volume, with what is worth knowing about it.
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -87,6 +88,9 @@ pub struct FileInfo {
     pub columns: Vec<String>,
     /// The files that hold the voxels.
     pub data_files: Vec<PathBuf>,
+    /// Every file that was read, once each: the header, where it is one of its own, and the data files. None of them may be written over
+    /// while the volume is used.
+    pub files: Vec<PathBuf>,
     /// Whether the samples stay in the file, mapped into memory.
     pub mapped: bool,
 }
@@ -94,6 +98,8 @@ pub struct FileInfo {
 /// What a header turned out to describe: everything but the voxels.
 pub(crate) struct Description {
     pub format: &'static str,
+    /// The file that the header was read from; not always the one that was named.
+    pub header: PathBuf,
     pub payload: Payload,
     pub layout: Layout,
     /// In RAS already, where the space is a patient's.
@@ -149,7 +155,8 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
 }
 
 fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Loaded, ReadError> {
-    let Description { format, payload, layout, placement, placed_by, calibration, space, units, mut notes } = described;
+    let Description { format, header, payload, layout, placement, placed_by, calibration, space, units, mut notes } =
+        described;
     let samples = payload.load(path, &layout, options, &mut notes)?;
     let mapped = samples.is_mapped();
     let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| ReadError::grid(path, e))?;
@@ -164,7 +171,8 @@ fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Lo
             notes.push(format!("{} of {count} samples are infinite and count as NaN", census.infinite));
         }
     }
-    let data_files = payload.segments.iter().map(|s| s.path.clone()).collect();
+    let data_files: Vec<PathBuf> = payload.segments.iter().map(|s| s.path.clone()).collect();
+    let files = each_once([path.to_path_buf(), header].into_iter().chain(data_files.iter().cloned()));
     let info = FileInfo {
         format,
         encoding: payload.encoding.name(),
@@ -177,7 +185,14 @@ fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Lo
         components: layout.components,
         columns: Vec::new(),
         data_files,
+        files,
         mapped,
     };
     Ok(Loaded { volume, info, notes })
+}
+
+/// Paths without those that were there before.
+pub(crate) fn each_once(paths: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
+    let mut seen = HashSet::new();
+    paths.into_iter().filter(|path| seen.insert(path.clone())).collect()
 }

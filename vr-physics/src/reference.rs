@@ -45,6 +45,20 @@ impl Solution {
         let worst = Certainty::Bound(0.0);
         self.pixels.iter().fold(worst, |w, p| w.and(p.certainty, w.value().max(p.certainty.value())))
     }
+
+    /// Counts the pixels of a whole picture that are not proven to be within a tolerance, relative to max(1, the picture's largest
+    /// magnitude).
+    fn count_unbounded(&self, tolerance: f64, counts: &mut Counts) {
+        let peak = self.pixels.iter().flat_map(|p| p.rgba).map(f64::abs).fold(1.0, f64::max);
+        for pixel in &self.pixels {
+            match pixel.certainty {
+                Certainty::Bound(error) if error <= tolerance * peak => {}
+                Certainty::Bound(error) => counts.count_unbounded(error / peak),
+                // What is estimated may be off by anything.
+                Certainty::Estimate(_) => counts.count_unbounded(f64::INFINITY),
+            }
+        }
+    }
 }
 
 /// A pixel in f64.
@@ -232,6 +246,7 @@ impl Prepared for PreparedReference {
         let mut stats = RenderStats::default();
         let solution = stats.time("rays", || self.reference.solve(&self.scene, view, &Model::Canonical, control))?;
         stats.counts = solution.counts;
+        solution.count_unbounded(self.reference.tolerance, &mut stats.counts);
         let pixels = solution.pixels.iter().map(|p| p.rgba.map(|x| x as f32)).collect();
         let depth = solution.pixels.iter().map(|p| p.depth as f32).collect();
         Ok(Rendered { frame: Frame::new(view.size, pixels, Some(depth)), stats })

@@ -8,7 +8,7 @@ mod scene;
 mod value;
 mod volume;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use vr_io::{PngDepth, PngOptions};
@@ -27,7 +27,7 @@ use crate::renderers;
 ///
 /// Every command but `diff` works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
-#[command(name = "vr", version, args_override_self = true)]
+#[command(name = "vr", version, args_override_self = true, after_help = EXIT_CODES)]
 pub struct Cli {
     /// Options of every command.
     #[command(flatten)]
@@ -36,6 +36,14 @@ pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
 }
+
+/// What the shell is told; scripts rely on it.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done; a largest error that was promised (--max-error) is proven for every pixel
+  1  failed: a file, the scene in it, the disk, a check that did not pass
+  2  wrong usage: the command line asks for what cannot be, or for writing over a file that is read
+  3  done and written, but a promised error could not be proven for every pixel; stderr says for how many, even under --quiet";
 
 /// Options of every command.
 #[derive(Clone, Copy, Debug, Args)]
@@ -103,7 +111,7 @@ pub struct RendererArgs {
     /// Set an option of the renderer (listed below); may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = value::key_value)]
     pub set: Vec<(String, String)>,
-    /// Have the renderer promise this largest error; those that cannot promise refuse
+    /// Have the renderer promise this largest error; those that cannot promise refuse. Exit code 3 where it is not proven for every pixel
     #[arg(long, value_name = "E")]
     pub max_error: Option<f64>,
 }
@@ -142,6 +150,28 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
+    /// Every file that is written, with the flag that names it.
+    pub fn places(&self) -> impl Iterator<Item = (&str, &Path)> {
+        let outputs = self.outputs.iter().map(|path| ("--output", path.as_path()));
+        outputs.chain(self.error_map.iter().map(|path| ("--error-map", path.as_path())))
+    }
+
+    /// Refuses options of PNGs where there is none.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] naming the option.
+    pub fn check_png_options(&self) -> Result<(), Failure> {
+        let is_png = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        if self.outputs.iter().any(is_png) {
+            return Ok(());
+        }
+        let set =
+            [("--encode", self.encode != Curve::Srgb), ("--bits", self.bits != Bits::Eight), ("--alpha", self.alpha)];
+        set.iter().find(|(_, set)| *set).map_or(Ok(()), |(flag, _)| {
+            Err(Failure::usage(format!("{flag}: no picture is a PNG; OpenEXR holds linear floats, opacity among them")))
+        })
+    }
+
     /// How a PNG is written, the background apart.
     pub fn png(&self) -> PngOptions {
         PngOptions {
@@ -218,8 +248,8 @@ impl Cli {
     pub fn from_command_line() -> Result<Self, Failure> {
         let options = renderers::option_help();
         let command = Self::command()
-            .mut_subcommand("render", |render| render.after_help(options.clone()))
-            .mut_subcommand("bench", |bench| bench.after_help(options.clone()))
+            .mut_subcommand("render", |render| render.after_help(options.clone() + EXIT_CODES))
+            .mut_subcommand("bench", |bench| bench.after_help(options.clone() + EXIT_CODES))
             .mut_subcommand("ray", |ray| ray.after_help(options));
         match command.try_get_matches().and_then(|matches| Self::from_arg_matches(&matches)) {
             Ok(cli) => Ok(cli),

@@ -14,6 +14,7 @@ use vr_io::{Picture, PngOptions, read_picture};
 use crate::args::DiffArgs;
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::inputs::Inputs;
 use crate::{heat_map, number, output_file};
 
 use comparison::Comparison;
@@ -25,11 +26,10 @@ use report::{Report, Side};
 /// Whatever goes wrong with the command line, the pictures, or the files to be written; pictures of different sizes; and an RMSE
 /// above the one that is allowed, after everything else is done.
 pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
+    let inputs = Inputs::new("a picture to be compared", [args.reference.clone(), args.picture.clone()]);
     for path in &args.outputs {
         output_file::check(path, &["png", "exr"])?;
-        if [&args.reference, &args.picture].into_iter().any(|input| is_same_file(input, path)) {
-            return Err(Failure::usage(format!("--output: {} is a picture to be compared", path.display())));
-        }
+        inputs.protect("--output", path)?;
     }
     if !args.background.iter().all(|c| c.is_finite()) {
         return Err(Failure::usage(format!("--background: found {:?}; must be finite", args.background)));
@@ -75,11 +75,6 @@ pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
-}
-
-/// Whether two paths lead to one file that exists.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// The picture of the difference that a name asks for.

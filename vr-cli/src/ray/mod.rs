@@ -31,9 +31,15 @@ pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Fa
         output_file::check(path, &["csv"])?;
     }
     let setup = Setup::new(&args.scene, console)?;
+    setup.protect(args.csv.iter().map(|path| ("--csv", path.as_path())))?;
     let pixel = pixel(args, setup.view.size)?;
-    let renderer = setup.renderer(&args.renderer)?;
+    let renderer = setup.renderer(&args.renderer, console)?.renderer;
     // The one ray through the pixel's centre, whatever else the picture's pixel is made of.
+    if setup.view.samples > 1 {
+        let n = setup.view.samples;
+        console
+            .note(&format!("one ray is told of, the one through the pixel's centre: {n} x {n} samples have no effect"));
+    }
     let view = View { samples: 1, ..setup.view.clone() };
     let failed = |e: RenderError| setup.render_failure(e);
     let seen = under_bar(console, control, "looking", |control| look(&*renderer, &setup, &view, pixel, control))

@@ -40,6 +40,16 @@ fn flags_that_cannot_be() {
         ("--point 1,0,0,0,nan", &["points[0].opacity", "NaN"]),
         ("--point 1,0,0,-1,0.5", &["points[0].color", "-1"]),
         ("--unit-distance 0", &["unit_distance", "0"]),
+        // Beyond what arithmetic can keep.
+        ("--unit-distance 1e-46", &["unit_distance", "1e-46", "1e-15 to 1e15"]),
+        ("--point 0,1e7,0,0,0.5", &["points[0].color", "1e6"]),
+        ("--point 0,inf,0,0,0.5", &["points[0].color", "1e6"]),
+        ("--diffuse 1e20", &["shading.diffuse", "1e20", "1000"]),
+        ("--power 1e9", &["shading.power", "10000"]),
+        ("--eye 0,1e200,0", &["camera.eye", "1e200", "1e30"]),
+        ("--eye 0,1e25,0 --height 1", &["camera.eye", "1e25", "1e10 heights"]),
+        ("--height 1e-40", &["camera", "1e10 heights"]),
+        ("--fov 1e-9", &["camera.fov", "1e-9", "1e-6"]),
         ("--crop 1,1,1,0,0,0", &["clip.box"]),
         ("--clip-plane 0,0,0,1", &["clip.planes[0]"]),
         ("--background nan,0,0", &["background"]),
@@ -63,6 +73,46 @@ fn flags_that_cannot_be() {
     }
     assert_eq!(vr.run("").code, 2);
     vr.run("draw").failed(2);
+}
+
+/// Spacings of 10⁻⁴⁶ are 0 in f32: the ray caster went on for ever.
+#[test]
+fn spacings_that_arithmetic_cannot_keep() {
+    let vr = Vr::new();
+    for spacing in ["1e-46", "1e40", "inf"] {
+        let scene =
+            format!("[volume]\ndims = [2, 2, 2]\ndata = [0, 1, 0, 1, 0, 1, 0, 1]\nspacing = [1.0, {spacing}, 1.0]\n");
+        vr.write("scene.toml", scene);
+        refused(&vr, "--scene scene.toml", 1, &["scene.toml", "spacing of axis 1", "1e-15 to 1e15"]);
+    }
+    vr.write("scene.toml", "[volume]\ndims = [2, 2, 2]\ndata = [0, 1, 0, 1, 0, 1, 0, 1]\norigin = [0, 1e15, 0]\n");
+    refused(&vr, "--scene scene.toml", 1, &["scene.toml", "origin", "1e12 steps"]);
+}
+
+/// Every renderer draws the same picture of a scene that is scaled to the ends of what is allowed.
+#[test]
+fn the_ends_of_what_is_allowed_are_drawn() {
+    let vr = Vr::new();
+    let scene = |scale: f64| {
+        format!(
+            "[volume]\ndims = [3, 3, 3]\ndata = [0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 1, 2, 1, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0]\n\
+             spacing = [{scale:e}, {scale:e}, {scale:e}]\n\
+             [transfer]\nunit_distance = {scale:e}\n\
+             points = [{{ value = 0.0, color = [0.0, 0.0, 1.0], opacity = 0.0 }}, {{ value = 2.0, color = [1.0, 0.5, 0.0], opacity = 0.6 }}]\n\
+             [shading]\n[image]\nsize = [16, 16]\n"
+        )
+    };
+    for renderer in ["raycast", "shearwarp", "texslice", "splat", "physics"] {
+        vr.write("one.toml", scene(1.0));
+        vr.run(&format!("render --scene one.toml --renderer {renderer} --error none -o one.exr")).succeeded();
+        for scale in [1e-15, 1e15] {
+            vr.write("far.toml", scene(scale));
+            vr.run(&format!("render --scene far.toml --renderer {renderer} --error none -o far.exr")).succeeded();
+            let diff = vr.run("diff one.exr far.exr --json").succeeded().json();
+            let max = diff["error"]["max"].as_f64().or(diff["max"].as_f64());
+            assert!(max.is_some_and(|max| max < 1e-4), "{renderer} {scale:e}: {diff}");
+        }
+    }
 }
 
 #[test]

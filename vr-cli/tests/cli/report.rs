@@ -135,3 +135,26 @@ fn a_target_chooses_a_setting_that_keeps_it() {
     assert_eq!((run.code, run.stderr.contains("at least 1e-7")), (2, true), "{}", run.stderr);
     assert_eq!(vr.run(&format!("{render} 1e-2 --set step=1")).code, 2, "settings are what is chosen");
 }
+
+/// Single bright voxels: a handful of pixels make all of the error, and an even sample of pixels holds none of them.
+#[test]
+fn a_target_is_kept_where_large_errors_are_rare() {
+    let vr = Vr::new();
+    let mut voxels = vec![0u8; 32 * 32 * 32];
+    for star in 0..6 {
+        voxels[(star * 5003 + 1234) % (32 * 32 * 32)] = 255;
+    }
+    vr.write("stars.raw", &voxels);
+    let scene = "[volume]\npath = \"stars.raw\"\ndims = [32, 32, 32]\ntype = \"u8\"\n[transfer]\nunit_distance = 1.0\n\
+                 points = [{ value = 200.0, color = [1.0, 0.9, 0.6], opacity = 0.0 }, { value = 255.0, color = [1.0, 0.9, 0.6], opacity = 0.95 }]\n\
+                 [image]\nsize = [160, 160]\n";
+    vr.write("stars.toml", scene);
+    for (target, shading) in [(1e-2, ""), (1e-3, ""), (1e-4, ""), (1e-3, "--shading")] {
+        let run = vr
+            .run(&format!("render --scene stars.toml --no-cache --error full --json --target-rmse {target} {shading}"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let json = run.json();
+        let (rmse, at_most) = (number(&json, "/error/rmse"), number(&json, "/chosen/rmse_at_most"));
+        assert!(rmse <= at_most && at_most <= target, "{target} {shading}: {json}");
+    }
+}

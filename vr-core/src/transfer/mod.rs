@@ -20,6 +20,7 @@ pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use table_range::{beyond_f32, outwards, resolves_ramps, rounding_in_f32, table_range};
 
 use crate::error::ParameterError;
+use crate::limits::{MAX_EMISSION, MAX_LIGHT, is_length};
 use crate::optics::{extinction_of_opacity, opacity_of_depth, opacity_of_thickness, source_weight};
 
 /// A point of a transfer function.
@@ -133,14 +134,15 @@ impl TransferFunction {
     ///
     /// # Errors
     /// A [`ParameterError`] naming the point for: no point, values not sorted, α outside [0, 1], negative or non-finite numbers,
-    /// emission on some points only, a unit distance that is not positive and finite.
+    /// emission on some points only, a unit distance that is not 10⁻¹⁵ to 10¹⁵, colours above 10⁶ or emission above 10⁹, which sums in f32
+    /// might not keep.
     pub fn new(points: Vec<ControlPoint>, rule: OpacityRule, unit_distance: f64) -> Result<Self, ParameterError> {
         if points.is_empty() {
             return Err(ParameterError::new("transfer.points", "none", "at least one point is needed"));
         }
-        if !(unit_distance > 0.0 && unit_distance.is_finite()) {
+        if !is_length(unit_distance) {
             let field = "transfer.unit_distance";
-            return Err(ParameterError::new(field, unit_distance, "must be positive and finite"));
+            return Err(ParameterError::new(field, unit_distance, "must be positive and finite, 1e-15 to 1e15"));
         }
         let has_emission = points[0].emission.is_some();
         for (i, p) in points.iter().enumerate() {
@@ -154,16 +156,21 @@ impl TransferFunction {
             if !(0.0..=1.0).contains(&p.opacity) {
                 return Err(ParameterError::new(field("opacity"), p.opacity, "must be in [0, 1]"));
             }
-            let light = |c: [f64; 3]| c.iter().all(|&x| x >= 0.0 && x.is_finite());
-            if !light(p.color) {
-                return Err(ParameterError::new(field("color"), p.color, "must be finite and not negative"));
+            let light = |c: [f64; 3], most: f64| c.iter().all(|x| (0.0..=most).contains(x));
+            if !light(p.color, MAX_LIGHT) {
+                return Err(ParameterError::new(
+                    field("color"),
+                    p.color,
+                    "must be finite and not negative, 1e6 at most",
+                ));
             }
             if p.emission.is_some() != has_emission {
                 let allowed = "emission must be given on all points or on none";
                 return Err(ParameterError::new(field("emission"), p.emission, allowed));
             }
-            if !light(p.emission.unwrap_or_default()) {
-                return Err(ParameterError::new(field("emission"), p.emission, "must be finite and not negative"));
+            if !light(p.emission.unwrap_or_default(), MAX_EMISSION) {
+                let allowed = "must be finite and not negative, 1e9 at most";
+                return Err(ParameterError::new(field("emission"), p.emission, allowed));
             }
         }
         let segments = segments(&points);
@@ -335,5 +342,27 @@ mod tests {
         assert!(new(vec![p(0.0, [0.0; 3], 0.0)], 0.0).is_err());
         let mixed = vec![p(0.0, [0.0; 3], 0.0), ControlPoint { emission: Some([1.0; 3]), ..p(1.0, [0.0; 3], 0.0) }];
         assert!(new(mixed, 1.0).is_err());
+    }
+
+    #[test]
+    fn refuses_what_arithmetic_cannot_keep() {
+        let with = |color: f64, emission: Option<f64>, unit| {
+            let p = ControlPoint { emission: emission.map(|e| [e; 3]), ..ControlPoint::new(0.0, [color; 3], 0.5) };
+            TransferFunction::new(vec![p], OpacityRule::Power, unit)
+        };
+        // The largest and the smallest that are allowed leave κ and its inverse finite in f32.
+        for unit in [1e-15, 1e15] {
+            let kappa = with(1e6, Some(1e9), unit).unwrap().extinction_at(0.0) as f32;
+            assert!(kappa.is_normal() && (1.0 / kappa).is_normal(), "{kappa}");
+        }
+        for unit in [1e-46, 9e-16, 2e15, f64::INFINITY] {
+            let e = with(1.0, None, unit).unwrap_err();
+            assert!(e.field == "transfer.unit_distance" && e.allowed.contains("1e-15 to 1e15"), "{e}");
+        }
+        let field = |color, emission| with(color, emission, 1.0).unwrap_err().field;
+        assert_eq!(field(1.1e6, None), "transfer.points[0].color");
+        assert_eq!(field(f64::INFINITY, None), "transfer.points[0].color");
+        assert_eq!(field(1.0, Some(1.1e9)), "transfer.points[0].emission");
+        assert_eq!(field(1.0, Some(f64::NAN)), "transfer.points[0].emission");
     }
 }

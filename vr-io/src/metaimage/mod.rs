@@ -43,6 +43,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     };
     Ok(Description {
         format: "MetaImage",
+        header: path.into(),
         payload,
         layout,
         placement,

@@ -73,6 +73,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     };
     Ok(Description {
         format: header.version,
+        header: path.clone(),
         payload,
         layout,
         placement,

@@ -41,6 +41,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let calibration = calibration(&header).map_err(in_file)?;
     Ok(Description {
         format: "NRRD",
+        header: path.into(),
         payload,
         layout,
         placement: world.placement,

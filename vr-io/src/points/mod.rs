@@ -173,6 +173,7 @@ pub(crate) fn read_as(
         components: 1,
         columns: names,
         data_files: vec![path.into()],
+        files: vec![path.into()],
         mapped: false,
     };
     Ok(LoadedPoints { points, info, notes })

@@ -39,7 +39,9 @@ pub fn parse_scene(text: &str, path: &Path) -> Result<SceneFile, SceneFileError>
 /// A [`SceneFileError`] naming the file and the field.
 pub fn load_scene(path: impl AsRef<Path>) -> Result<LoadedScene, SceneFileError> {
     let path = path.as_ref();
-    resolve_scene(&read_scene(path)?, path)
+    let mut loaded = resolve_scene(&read_scene(path)?, path)?;
+    loaded.files.insert(0, path.into());
+    Ok(loaded)
 }
 
 /// A scene file's text.

@@ -1,6 +1,6 @@
 //! From a scene file's sections to the scene that they describe: volumes, phantoms, presets and colour maps by name.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use vr_core::scene_file::{ColorEncoding, SceneFile, TransferSection};
@@ -10,7 +10,7 @@ use vr_core::{ControlPoint, Geometry, Options, ParameterError, Scene, TriangleMe
 use crate::framing::{OBLIQUE, framing};
 use crate::mesh::read_mesh;
 use crate::paraview::read_color_maps;
-use crate::read::FileInfo;
+use crate::read::{FileInfo, each_once};
 
 use super::error::{SceneFileError, nearest};
 use super::volume::load_volume;
@@ -32,6 +32,9 @@ pub struct LoadedScene {
     pub max_error: Option<f64>,
     /// What the volume's file said, where there is one.
     pub info: Option<FileInfo>,
+    /// Every file that was read for it, once each: the scene file (by [`crate::load_scene`]), headers, data files, the mesh and the colour
+    /// map. None of them may be written over.
+    pub files: Vec<PathBuf>,
     /// What was assumed, one line each.
     pub notes: Vec<String>,
 }
@@ -69,8 +72,15 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
     let mut notes = Vec::new();
     let found = load_volume(&file.volume, path)?;
     notes.extend(found.notes);
+    let volume_files = found.info.as_ref().map_or_else(Vec::new, |info| info.files.clone());
+    let named = file.mesh.as_ref().map(|mesh| &mesh.path).into_iter();
+    let named = named.chain(file.transfer.as_ref().and_then(|transfer| transfer.file.as_ref()));
+    let files = each_once(volume_files.into_iter().chain(named.map(|name| folder.join(name))));
 
     let mut file = file.clone();
+    if let Some(section) = &file.transfer {
+        check_transfer(section, &mut notes).map_err(in_file)?;
+    }
     let points = match (&mut file.transfer, found.transfer) {
         // A phantom brings its own, made for one unit distance.
         (transfer, Some((points, unit_distance))) if transfer.as_ref().is_none_or(names_no_points) => {
@@ -112,8 +122,26 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
         options: render.options,
         max_error: render.max_error,
         info: found.info,
+        files,
         notes,
     })
+}
+
+/// Refuses, or says, what has no effect on the points of a section.
+fn check_transfer(section: &TransferSection, notes: &mut Vec<String>) -> Result<(), ParameterError> {
+    let TransferSection { preset, range, file, points, colors, .. } = section;
+    match (points, range) {
+        (Some(_), Some(range)) if preset.is_none() && file.is_none() => {
+            let allowed = "points have values of their own: only a preset or a file is stretched over a range";
+            return Err(ParameterError::new("transfer.range", range, allowed));
+        }
+        (None, _) if *colors == ColorEncoding::Srgb => {
+            notes
+                .push("transfer.colors has no effect: only points leave open how their colours are encoded".to_owned());
+        }
+        _ => {}
+    }
+    Ok(())
 }
 
 /// Whether a section leaves the points to the volume.

@@ -187,6 +187,11 @@ impl Account {
         error > self.budget() || error.is_nan()
     }
 
+    /// The bound as a multiple of what is promised: above 1 where the promise is not kept, NaN where nothing is known.
+    pub(super) fn overrun(&self) -> f64 {
+        (self.error + self.unseen) / self.budget()
+    }
+
     /// What is left at the end of the ray.
     pub(super) fn finish(&mut self) {
         self.settle(self.end);

@@ -158,7 +158,9 @@ impl Promised<'_> {
         }
         counts.repeated += u64::from(self.single);
         let (account, kept) = self.volume.with_sampler(self.promise.filter, self.job::<f64>(ray, backdrop));
-        counts.unbounded += u64::from(!kept);
+        if !kept {
+            counts.count_unbounded(self.promise.error * account.overrun());
+        }
         counts.samples += account.steps;
         account
     }

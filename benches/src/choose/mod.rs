@@ -1,51 +1,31 @@
 //! The cheapest renderer and setting whose picture is within a given RMSE.
 
+mod judge;
+mod rmse;
+mod strata;
+
 use std::time::{Duration, Instant};
 
-use vr_core::{Control, Frame, Model, RenderError, Rendered, Scene, View};
-use vr_physics::metrics::subgrid;
+use vr_core::{Control, Frame, RenderError, Rendered, Renderer, Scene, View};
 
 use crate::contestant::Contestant;
-use crate::exact::{Exact, ExactCache, SUBGRID};
+use crate::exact::ExactCache;
 use crate::subject::reduced;
 
-/// An RMSE from a sample of pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RmseEstimate {
-    /// Of the sample.
-    pub rmse: f64,
-    /// What the RMSE of the whole picture does not exceed, with a confidence of [`CONFIDENCE`].
-    pub upper: f64,
-    /// Pixels in the sample.
-    pub pixels: usize,
-}
+use judge::Judge;
 
-/// Of [`RmseEstimate::upper`]: one-sided, by the normal distribution of means, as if pixels were drawn at random and without replacement; they are
-/// spread evenly, which makes means more certain than that. It is that of one picture: of many that are tried, some pass by chance.
-///
-/// What lies in a few pixels alone, none of them in the sample, no sample knows of.
+pub use rmse::RmseEstimate;
+
+/// How often [`RmseEstimate::upper`] holds, of one that is not proven: nineteen times in twenty. It is that of one picture: of many that are
+/// tried, some pass by chance.
 pub const CONFIDENCE: f64 = 0.95;
-/// The quantile of the normal distribution that belongs to it.
-const QUANTILE: f64 = 1.645;
 
-impl RmseEstimate {
-    /// From the exact solution of a sample of a frame's pixels.
-    pub fn of(exact: &Exact, frame: &Frame) -> Self {
-        let square = |e: [f64; 4]| {
-            let square = e.iter().map(|c| c * c).sum::<f64>() / 4.0;
-            if square.is_nan() { f64::INFINITY } else { square }
-        };
-        let squares: Vec<f64> = exact.signed(frame).into_iter().map(square).collect();
-        let n = squares.len() as f64;
-        let mean = squares.iter().sum::<f64>() / n;
-        let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-        let all = f64::from(frame.size()[0]) * f64::from(frame.size()[1]);
-        let left = (1.0 - n / all).max(0.0);
-        let upper = mean + QUANTILE * (variance / n * left).sqrt();
-        // What the solution itself may be off by comes on top. (Infinite errors leave no mean of squares.)
-        let upper = upper.sqrt() + exact.certainty.value() / exact.scale();
-        Self { rmse: mean.sqrt(), upper: if upper.is_nan() { f64::INFINITY } else { upper }, pixels: squares.len() }
-    }
+/// A renderer whose pixels are proven to be within an error, if it counts none as unbounded ([`vr_core::Counts::unbounded`]).
+pub struct Prover {
+    /// It, configured.
+    pub renderer: Box<dyn Renderer>,
+    /// The error, in units of max(1, the picture's largest magnitude).
+    pub max_error: f64,
 }
 
 /// A contestant on a small picture.
@@ -73,8 +53,6 @@ pub struct Choice {
     pub render: Duration,
     /// The RMSE of this picture.
     pub error: RmseEstimate,
-    /// The exact pixels that it was measured on.
-    pub exact: Exact,
     /// What the small pictures told.
     pub rehearsals: Vec<Rehearsal>,
     /// Contestants whose whole picture did not keep what their small one had promised, and its RMSE.
@@ -108,25 +86,27 @@ const SMALL: f64 = 96.0 * 96.0;
 const LARGER: f64 = 192.0 * 192.0;
 /// Contestants that draw it at most.
 const FINALISTS: usize = 12;
-/// Parts along each side of the small picture that a pixel is taken of.
-const SMALL_SUBGRID: u32 = 40;
 /// No further contestant rehearses after this time.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Draws a small picture with every contestant, and a larger one with those that were within the target, to see how their time grows; then
 /// the whole one with the cheapest of them; and if that one is not within the target, with the next.
 ///
+/// Pictures are judged on all their pixels by one of which every pixel is proven, where a prover can draw the scene, or where exact pixels are
+/// cheap; else on a sample of pixels in which those that may be wrong are not rare.
+///
 /// # Errors
 /// See [`ChoiceError`].
 pub fn draw_within(
     target: f64,
     contestants: &[Contestant],
+    provers: &[Prover],
     (scene, view): (&Scene, &View),
     cache: &ExactCache,
     (control, told): (&Control, &dyn Fn(f64)),
 ) -> Result<Choice, ChoiceError> {
     let small = reduced(view, SMALL);
-    let truth = cache.solve((scene, &small), &Model::Canonical, subgrid(SMALL_SUBGRID, small.size), control)?;
+    let judge = Judge::of_small(target, provers, (scene, &small), cache, control)?;
     let pixels = |v: &View| f64::from(v.size[0]) * f64::from(v.size[1]);
     let growth = pixels(view) / pixels(&small);
     let started = Instant::now();
@@ -134,7 +114,7 @@ pub fn draw_within(
     for (i, contestant) in contestants.iter().enumerate() {
         match timed(contestant, scene, &small, control) {
             Ok((prepare, time, frame)) => {
-                let error = RmseEstimate::of(&truth, &frame);
+                let error = judge.rmse(&frame, None, (scene, &small), cache, control)?;
                 rehearsals.push(Rehearsal { contestant: i, error, time, expected: prepare + time.mul_f64(growth) });
             }
             Err(RenderError::Unsupported { .. }) => {}
@@ -163,7 +143,8 @@ pub fn draw_within(
     }
     let order: Vec<usize> = order.iter().map(|r| r.contestant).collect();
 
-    let exact = cache.solve((scene, view), &Model::Canonical, subgrid(SUBGRID, view.size), control)?;
+    let judge = Judge::of_whole(target, provers, (scene, view), control)?;
+    let mut guides = Guides::new(&rehearsals, contestants);
     let mut disappointed: Vec<(usize, RmseEstimate)> = Vec::new();
     for (k, &i) in order.iter().enumerate() {
         told(0.5 + 0.5 * k as f64 / order.len() as f64);
@@ -173,9 +154,10 @@ pub fn draw_within(
         let start = Instant::now();
         let rendered = prepared.render(view, control)?;
         let render = start.elapsed();
-        let error = RmseEstimate::of(&exact, &rendered.frame);
+        let finer = if judge.needs_a_guide() { guides.beside(i, (scene, view), control)? } else { None };
+        let error = judge.rmse(&rendered.frame, finer, (scene, view), cache, control)?;
         if error.upper <= target {
-            return Ok(Choice { contestant: i, rendered, prepare, render, error, exact, rehearsals, disappointed });
+            return Ok(Choice { contestant: i, rendered, prepare, render, error, rehearsals, disappointed });
         }
         disappointed.push((i, error));
     }
@@ -185,6 +167,40 @@ pub fn draw_within(
     match known.min_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((i, error)) => Err(ChoiceError::OutOfReach { target, best: contestants[i].name(), error }),
         None => Err(ChoiceError::Nobody),
+    }
+}
+
+/// Fine pictures that others are compared with, to see where they may be wrong: those of the contestants that were nearest on the small picture.
+struct Guides<'a> {
+    /// Two at most, the nearest first.
+    nearest: Vec<(usize, Option<Frame>)>,
+    contestants: &'a [Contestant],
+}
+
+impl<'a> Guides<'a> {
+    fn new(rehearsals: &[Rehearsal], contestants: &'a [Contestant]) -> Self {
+        let mut nearest: Vec<&Rehearsal> = rehearsals.iter().collect();
+        nearest.sort_by(|a, b| a.error.rmse.total_cmp(&b.error.rmse).then(a.expected.cmp(&b.expected)));
+        // One that takes far longer than all others (an exact one) is no guide, but what it would be a guide to.
+        let mut times: Vec<Duration> = nearest.iter().map(|r| r.expected).collect();
+        times.sort_unstable();
+        let longest = times.get(times.len() / 2).map_or(Duration::ZERO, |&median| 30 * median);
+        nearest.retain(|r| r.expected <= longest);
+        Self { nearest: nearest.iter().take(2).map(|r| (r.contestant, None)).collect(), contestants }
+    }
+
+    /// The finest picture that is not of the same contestant.
+    fn beside(
+        &mut self,
+        contestant: usize,
+        (scene, view): (&Scene, &View),
+        control: &Control,
+    ) -> Result<Option<&Frame>, RenderError> {
+        let Some((i, frame)) = self.nearest.iter_mut().find(|(i, _)| *i != contestant) else { return Ok(None) };
+        if frame.is_none() {
+            *frame = Some(self.contestants[*i].configured.prepare(scene, control)?.render(view, control)?.frame);
+        }
+        Ok(frame.as_ref())
     }
 }
 
@@ -213,10 +229,19 @@ fn timed(
 mod tests {
     use super::*;
     use crate::contestant::contestants;
+    use crate::exact::Exact;
     use crate::subject::phantom_subject;
-    use vr_core::Renderer;
+    use vr_core::{Model, Options};
     use vr_physics::Reference;
+    use vr_physics::metrics::subgrid;
     use vr_raycast::RayCaster;
+
+    /// The ray caster, under a promise of an eighth of the target.
+    pub(super) fn provers(target: f64) -> Vec<Prover> {
+        let max_error = (target / 8.0).max(1e-6);
+        let renderer = RayCaster::default().configure(&Options::new().with("max-error", max_error)).unwrap();
+        vec![Prover { renderer, max_error }]
+    }
 
     fn chosen(target: f64) -> Result<(String, Choice), ChoiceError> {
         let renderers: Vec<Box<dyn Renderer>> = vec![Box::new(RayCaster::default()), Box::new(Reference::default())];
@@ -224,7 +249,9 @@ mod tests {
         let subject = phantom_subject("blobs", 24, [64, 48]).unwrap();
         let control = Control::default();
         let told: (&Control, &dyn Fn(f64)) = (&control, &|_| {});
-        let choice = draw_within(target, &contestants, (&subject.scene, &subject.view), &ExactCache::none(), told)?;
+        let provers = provers(target);
+        let choice =
+            draw_within(target, &contestants, &provers, (&subject.scene, &subject.view), &ExactCache::none(), told)?;
         Ok((contestants[choice.contestant].name(), choice))
     }
 
@@ -245,16 +272,5 @@ mod tests {
     fn what_nobody_reaches_is_said() {
         let error = chosen(1e-12).map(|(name, _)| name).unwrap_err();
         assert!(error.to_string().contains("comes nearest"), "{error}");
-    }
-
-    #[test]
-    fn all_pixels_leave_nothing_to_guess() {
-        let subject = phantom_subject("fog", 8, [6, 5]).unwrap();
-        let all = subgrid(u32::MAX, subject.view.size);
-        let view = (&subject.scene, &subject.view);
-        let exact = Exact::solve(view, &Model::Canonical, all, &Control::default()).unwrap();
-        let frame = Frame::new([6, 5], vec![[0.5; 4]; 30], None);
-        let estimate = RmseEstimate::of(&exact, &frame);
-        assert!((estimate.rmse - exact.judge(&frame).rmse).abs() < 1e-12 && estimate.upper - estimate.rmse < 1e-9);
     }
 }

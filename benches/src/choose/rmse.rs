@@ -1,0 +1,107 @@
+//! The RMSE of a picture, and what it does not exceed.
+
+use vr_core::Frame;
+
+use crate::exact::Exact;
+
+/// The RMSE of a picture, known or estimated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RmseEstimate {
+    /// Of the pixels that were compared, weighted so that it stands for all.
+    pub rmse: f64,
+    /// Largest RMSE that the whole picture may have: proven, or with a confidence of [`CONFIDENCE`](super::CONFIDENCE).
+    pub upper: f64,
+    /// Pixels that were compared.
+    pub pixels: usize,
+    /// True if `upper` is proven: every pixel was compared with one of which the error is bounded.
+    pub proven: bool,
+}
+
+/// The quantile of the normal distribution for a confidence of 95 %.
+const QUANTILE: f64 = 1.645;
+
+impl RmseEstimate {
+    /// From the exact solution of a sample of a frame's pixels that is spread evenly, by the normal distribution of means: good enough to choose
+    /// what is worth a closer look. Errors in a few pixels alone, none of them in the sample, it does not know of. Of all pixels, it is
+    /// proven.
+    pub fn of_sample(exact: &Exact, frame: &Frame) -> Self {
+        let squares = squares(exact, frame);
+        let n = squares.len() as f64;
+        let mean = squares.iter().sum::<f64>() / n;
+        let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        let all = f64::from(frame.size()[0]) * f64::from(frame.size()[1]);
+        let left = (1.0 - n / all).max(0.0);
+        let spread = if left > 0.0 { QUANTILE * (variance / n * left).sqrt() } else { 0.0 };
+        Self::new(mean, mean + spread, exact, left == 0.0)
+    }
+
+    /// From a mean of squares and the largest that it may be; what the solution itself may be off by comes on top.
+    pub(super) fn new(mean: f64, upper: f64, exact: &Exact, proven: bool) -> Self {
+        let upper = upper.sqrt() + exact.certainty.value() / exact.scale();
+        Self {
+            rmse: mean.sqrt(),
+            // Infinite errors leave no mean of squares.
+            upper: if upper.is_nan() { f64::INFINITY } else { upper },
+            pixels: exact.count(),
+            proven,
+        }
+    }
+
+    /// From a picture of the same view of which every pixel is within `error` of the truth, in units of max(1, the largest magnitude): the
+    /// triangle inequality of root mean squares, over all pixels.
+    pub fn against(frame: &Frame, proven: &Frame, error: f64) -> Self {
+        let peak = proven.pixels().iter().flatten().map(|c| f64::from(c.abs())).fold(1.0, f64::max);
+        // The truth's own largest magnitude is this at least.
+        let scale = (peak * (1.0 - error)).max(1.0);
+        let pairs = frame.pixels().iter().zip(proven.pixels());
+        let square =
+            |(a, b): (&[f32; 4], &[f32; 4])| mean_square(std::array::from_fn(|c| f64::from(a[c]) - f64::from(b[c])));
+        let pixels = frame.pixels().len();
+        let rmse = (pairs.map(square).sum::<f64>() / pixels as f64).sqrt() / scale;
+        Self { rmse, upper: rmse + error, pixels, proven: true }
+    }
+}
+
+/// The mean square of the components' errors, of each pixel that was solved.
+pub(super) fn squares(exact: &Exact, frame: &Frame) -> Vec<f64> {
+    exact.signed(frame).into_iter().map(mean_square).collect()
+}
+
+/// Infinite where there is no number.
+fn mean_square(errors: [f64; 4]) -> f64 {
+    let square = errors.iter().map(|c| c * c).sum::<f64>() / 4.0;
+    if square.is_nan() { f64::INFINITY } else { square }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::subject::phantom_subject;
+    use vr_core::{Control, Model};
+    use vr_physics::metrics::subgrid;
+
+    #[test]
+    fn all_pixels_leave_nothing_to_guess() {
+        let subject = phantom_subject("fog", 8, [6, 5]).unwrap();
+        let all = subgrid(u32::MAX, subject.view.size);
+        let view = (&subject.scene, &subject.view);
+        let exact = Exact::solve(view, &Model::Canonical, all, &Control::default()).unwrap();
+        let frame = Frame::new([6, 5], vec![[0.5; 4]; 30], None);
+        let estimate = RmseEstimate::of_sample(&exact, &frame);
+        assert!((estimate.rmse - exact.judge(&frame).rmse).abs() < 1e-12 && estimate.upper - estimate.rmse < 1e-9);
+        assert!(estimate.proven);
+    }
+
+    #[test]
+    fn a_proven_picture_bounds_every_pixel() {
+        let proven = Frame::new([10, 10], vec![[0.25; 4]; 100], None);
+        let mut pixels = vec![[0.25; 4]; 100];
+        assert_eq!(RmseEstimate::against(&Frame::new([10, 10], pixels.clone(), None), &proven, 1e-4).upper, 1e-4);
+        // One pixel in a hundred, wherever it is.
+        pixels[37] = [0.75; 4];
+        let estimate = RmseEstimate::against(&Frame::new([10, 10], pixels.clone(), None), &proven, 1e-4);
+        assert!((estimate.rmse - 0.05).abs() < 1e-12 && (estimate.upper - 0.0501).abs() < 1e-12, "{estimate:?}");
+        pixels[3] = [f32::NAN; 4];
+        assert_eq!(RmseEstimate::against(&Frame::new([10, 10], pixels, None), &proven, 1e-4).upper, f64::INFINITY);
+    }
+}

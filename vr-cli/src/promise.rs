@@ -1,0 +1,118 @@
+//! The largest error that a picture was promised to have, and what became of the promise.
+
+use serde::Serialize;
+use vr_core::{Counts, OptionValue, Options, Renderer};
+
+use crate::failure::Failure;
+use crate::number;
+use crate::renderers::{MAX_ERROR, TOLERANCE};
+
+/// The largest error that the options of a renderer promise, in units of max(1, the picture's largest magnitude); `None` where they promise
+/// none. `asked` is what `--max-error` or the scene file asks for: the options keep it with room to spare.
+pub fn promised(renderer: &dyn Renderer, options: &Options, asked: Option<f64>) -> Option<f64> {
+    /// The word of the ray caster for steps that keep the default of its `max-error`.
+    const STEPS_THAT_PROMISE: (&str, &str) = ("steps", TOLERANCE);
+    let specs = renderer.options();
+    let spec = |key: &str| specs.iter().find(|spec| spec.key == key);
+    let number = |value: &OptionValue| if let OptionValue::Number(x) = value { Some(*x) } else { None };
+    let own = if let Some(spec) = spec(MAX_ERROR) {
+        let (steps, word) = STEPS_THAT_PROMISE;
+        let by_steps = options.0.get(steps).is_some_and(|value| value.to_string() == word);
+        options.0.get(MAX_ERROR).or(by_steps.then_some(&spec.default)).and_then(number)
+    } else {
+        // Storing pixels as f32 comes on top of a tolerance.
+        spec(TOLERANCE).and(options.0.get(TOLERANCE)).and_then(number).map(|x| x + f64::from(f32::EPSILON))
+    };
+    own.map(|own| asked.unwrap_or(own))
+}
+
+/// What became of a promise.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Promise {
+    /// What was promised: the largest error of a pixel, in units of max(1, the picture's largest magnitude).
+    max_error: f64,
+    /// True if every pixel is proven to be within it.
+    kept: bool,
+    /// Rays that are not.
+    unbounded: u64,
+    /// The largest bound of any of them; `null` where one has none.
+    max_bound: Option<f64>,
+    /// Rays of the volume, of those that were looked at.
+    #[serde(skip)]
+    rays: u64,
+    /// True if each pixel is one ray.
+    #[serde(skip)]
+    one_ray: bool,
+}
+
+impl Promise {
+    /// Judges a promise by the counts of the picture, of which each pixel is the mean of `samples` × `samples` rays.
+    pub fn new(max_error: f64, counts: &Counts, samples: u32) -> Self {
+        let Counts { rays, unbounded, max_unbounded, .. } = *counts;
+        // Options are stricter than what was asked for; storing a pixel as f32 adds to its bound.
+        let kept = unbounded == 0 || max_unbounded + f64::from(f32::EPSILON) <= max_error;
+        let max_bound = (unbounded > 0 && max_unbounded.is_finite()).then_some(max_unbounded);
+        Self { max_error, kept, unbounded: if kept { 0 } else { unbounded }, max_bound, rays, one_ray: samples == 1 }
+    }
+
+    /// What is said of it, in one line.
+    pub fn line(&self) -> String {
+        let error = number::small(self.max_error);
+        if self.kept {
+            return format!("promise kept: every pixel within {error}");
+        }
+        let what = if self.one_ray { "pixels" } else { "rays (pixels are means of several)" };
+        let by_how_much = match self.max_bound {
+            Some(bound) => format!("the largest bound found there is {}", number::small(bound)),
+            None => "no bound at all was found for some of them".to_owned(),
+        };
+        format!(
+            "promise not kept: {} of {} {what} could not be proven to be within {error}; {by_how_much}",
+            number::count(self.unbounded),
+            number::count(self.rays)
+        )
+    }
+
+    /// Ends the command with an exit code of its own where the promise is not kept.
+    ///
+    /// # Errors
+    /// [`Failure::Promise`].
+    pub fn outcome(&self) -> Result<(), Failure> {
+        if self.kept { Ok(()) } else { Err(Failure::Promise(self.line())) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::renderers::named;
+
+    #[test]
+    fn options_tell_what_is_promised() {
+        let of = |name: &str, options: &Options, asked| promised(&*named(name).unwrap(), options, asked);
+        let none = Options::new();
+        assert_eq!(of("raycast", &none, None), None);
+        assert_eq!(of("raycast", &none.clone().with(MAX_ERROR, 1e-3), None), Some(1e-3));
+        assert_eq!(of("raycast", &none.clone().with(MAX_ERROR, 1.0), Some(7.0)), Some(7.0));
+        assert_eq!(of("raycast", &none.clone().with("steps", TOLERANCE), None), Some(4e-3));
+        assert_eq!(of("raycast", &none.clone().with("steps", "uniform"), None), None);
+        assert_eq!(of("physics", &none, None), None);
+        assert_eq!(of("physics", &none.clone().with(TOLERANCE, 1e-3), None), Some(1e-3 + f64::from(f32::EPSILON)));
+        assert_eq!(of("texslice", &none, None), None);
+    }
+
+    #[test]
+    fn one_ray_breaks_a_promise() {
+        let mut counts = Counts { rays: 20, ..Counts::default() };
+        assert!(Promise::new(1e-3, &counts, 1).outcome().is_ok());
+        // Within what was asked for, if not within what the options ask for.
+        counts.count_unbounded(9e-4);
+        assert!(Promise::new(1e-3, &counts, 1).outcome().is_ok());
+        counts.count_unbounded(0.25);
+        let line = Promise::new(1e-3, &counts, 1).outcome().unwrap_err().to_string();
+        assert!(line.contains("2 of 20 pixels") && line.contains("2.50e-1"), "{line}");
+        counts.count_unbounded(f64::NAN);
+        let line = Promise::new(1e-3, &counts, 2).line();
+        assert!(line.contains("3 of 20 rays") && line.contains("no bound at all"), "{line}");
+    }
+}
