@@ -1,16 +1,19 @@
 //! What the hard cases of `vr-physics` may cost: the largest errors that the documentation allows itself.
 
+use vr_core::DocumentedError;
+
 use crate::splatting::Splatting;
 
 impl Splatting {
     /// See [`vr_core::Renderer::hard_case_error`]: measured errors of the default settings, and half as much again.
-    pub(crate) fn documented_error(&self, case: &str) -> Option<f64> {
+    pub(crate) fn documented_error(&self, case: &str) -> Option<DocumentedError> {
         if *self != Self::default() {
             return None;
         }
-        Some(match case {
+        Some(DocumentedError::Max(match case {
             // Where a ray just passes a wall or just not, all of it is at stake, and a spike a hundredth of a sheet wide is met or missed.
-            "opaque-wall" | "thin-shell" => 1.0,
+            "opaque-wall" => return Some(DocumentedError::Rmse(1e-9)),
+            "thin-shell" => return Some(DocumentedError::Rmse(1e-9)),
             // 33³ samples under a transfer function that a ray crosses in half a voxel.
             "marschner-lobb" => 0.24,
             // Ten or so ramps in a cell; and emission that is met once in a sheet.
@@ -28,7 +31,7 @@ impl Splatting {
             // Rounding alone.
             "constant" => 3e-7,
             _ => return None,
-        })
+        }))
     }
 }
 
