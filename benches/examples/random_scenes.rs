@@ -12,6 +12,7 @@ use std::time::Instant;
 
 use vr_core::{Options, Renderer};
 use vr_physics::Reference;
+use vr_physics::check::faulty_marcher::{Fault, Marcher};
 use vr_physics::check::strategies::Kind;
 use vr_physics::check::{Fall, Falling, KindFall, TestScene, survey_kind};
 use vr_raycast::RayCaster;
@@ -19,8 +20,8 @@ use vr_shearwarp::ShearWarp;
 use vr_splat::Splatting;
 use vr_texslice::TexSlice;
 
-const USAGE: &str = "usage: random_scenes [--kind KIND] [--seed FIRST] [--out FOLDER] RENDERER COUNT
-RENDERER: raycast, raycast-steps, raycast-exact, texslice, pre-integrated, shearwarp, splat
+const USAGE: &str = "usage: random_scenes [--kind KIND] [--seed FIRST] [--slack FACTOR] [--out FOLDER] RENDERER COUNT
+RENDERER: marcher (plain, in f64), raycast, raycast-steps, raycast-exact, texslice, pre-integrated, shearwarp, splat
 KIND: one of those that the table names; all of them if absent, COUNT scenes together";
 
 type Error = Box<dyn std::error::Error>;
@@ -31,18 +32,20 @@ const MOST_FILES: usize = 20;
 fn main() -> Result<(), Error> {
     let (mut kinds, mut first, mut out) = (Kind::ALL.to_vec(), 0, PathBuf::from("target/random_scenes"));
     let mut words = std::env::args().skip(1);
-    let mut rest = Vec::new();
+    let (mut rest, mut slack) = (Vec::new(), None);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(USAGE);
         match word.as_str() {
             "--kind" => kinds = vec![Kind::from_name(&value()?).ok_or(USAGE)?],
             "--seed" => first = value()?.parse()?,
+            "--slack" => slack = Some(value()?.parse()?),
             "--out" => out = value()?.into(),
             _ => rest.push(word),
         }
     }
     let [name, count] = rest.as_slice() else { return Err(USAGE.into()) };
-    let (renderer, falling) = subject(name).ok_or(USAGE)?;
+    let (renderer, mut falling) = subject(name).ok_or(USAGE)?;
+    falling.scene_slack = slack.unwrap_or(falling.scene_slack);
     survey(name, (&*renderer, &falling), (&kinds, first, count.parse()?), &out)
 }
 
@@ -50,6 +53,7 @@ fn main() -> Result<(), Error> {
 fn subject(name: &str) -> Option<(Box<dyn Renderer>, Falling)> {
     let step = |key, coarsest| Falling { coarsest, floor: 3e-4, ..Falling::new(key) };
     Some(match name {
+        "marcher" => (Box::new(Marcher::new(Fault::None)), Falling::new("step")),
         // A local error a sixteenth as large takes steps a quarter as long.
         "raycast" => {
             let falling =

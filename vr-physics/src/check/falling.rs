@@ -18,11 +18,6 @@ const CHECK: &str = "errors fall with the step";
 /// of spikes; three that have no common multiple seldom do.
 const PHASES: [f64; 3] = [1.0, 0.87, 0.76];
 
-/// The error of a scene's shortest steps may be so many times that of its longer ones: three phases of some thirty rays leave
-/// chance that much of a say where a few rays graze a jump. A fault that grows with the number of steps is beyond it by far, for
-/// steps are 16 times as short.
-const SCENE_SLACK: f64 = 1.5;
-
 /// The same for all scenes of a kind together, where chance evens out, on top of the fall that the order says.
 const POOLED_SLACK: f64 = 2.0;
 
@@ -42,12 +37,15 @@ pub struct Falling {
     pub order: f64,
     /// RMSE below which rounding and tables decide: two right computations of a steep scene in f32 differ by 10⁻⁵ to 4·10⁻⁵.
     pub floor: f64,
+    /// The error of one scene's shortest steps may be so many times that of its longer ones: three phases of some thirty rays leave
+    /// chance a say where a few of them graze a jump. A fault that grows with the number of steps is beyond it by far.
+    pub scene_slack: f64,
 }
 
 impl Falling {
-    /// Quarters of a step from 1 on, order ½, a floor of 10⁻⁴.
+    /// Quarters of a step from 1 on, order ½, a floor of 10⁻⁴, one scene's error at most 1.5 times what it was.
     pub fn new(step: &'static str) -> Self {
-        Self { options: Options::new(), step, coarsest: 1.0, ratio: 4.0, order: 0.5, floor: 1e-4 }
+        Self { options: Options::new(), step, coarsest: 1.0, ratio: 4.0, order: 0.5, floor: 1e-4, scene_slack: 1.5 }
     }
 
     /// A renderer at every step.
@@ -65,7 +63,7 @@ impl Falling {
 
     /// The largest error of the shortest steps, by those of the longer ones, for one scene.
     fn allowed(&self, errors: &[f64; 3], uncertainty: f64) -> f64 {
-        (self.floor + uncertainty).max(SCENE_SLACK * errors[0].max(errors[1]))
+        (self.floor + uncertainty).max(self.scene_slack * errors[0].max(errors[1]))
     }
 
     /// The same for all scenes of a kind together.
@@ -256,7 +254,7 @@ pub fn survey_kind(
 /// one that has grown half as much again has not grown yet.
 ///
 /// # Errors
-/// The first scene that shows otherwise, made smaller; or the kind, with its table.
+/// The first scene that shows otherwise, made smaller; or the kind, with its table and its worst scene.
 pub fn errors_fall(renderer: &dyn Renderer, falling: &Falling, effort: &Effort) -> Result<Vec<KindFall>, CheckFailure> {
     let failure = |reason: String, scene| CheckFailure { check: CHECK, renderer: renderer.name(), reason, scene };
     let ladder = falling.ladder(renderer).map_err(|e| failure(e.to_string(), None))?;
@@ -275,7 +273,8 @@ pub fn errors_fall(renderer: &dyn Renderer, falling: &Falling, effort: &Effort) 
             return Err(failure(reason, Some(Box::new(scene))));
         }
         if table.falls_short() {
-            return Err(failure(format!("all scenes of a kind together:\n{table}"), None));
+            let worst = table.worst.map(|(_, seed)| Box::new(kind.draw(seed)));
+            return Err(failure(format!("all scenes of a kind together:\n{table}"), worst));
         }
         tables.push(table);
     }

@@ -216,9 +216,13 @@ fn errors_that_do_not_fall_are_seen() {
 
 #[test]
 fn a_scene_whose_error_grows_is_made_smaller_and_printed() {
-    let failure = falling(Fault::MissingIsZero, &[Kind::Masks], 48).unwrap_err();
-    assert!(failure.reason.contains("kind 'masks', seed"), "{failure}");
+    let failure = falling(Fault::BleedingJumps, &[Kind::Jumps], 48).unwrap_err();
+    assert!(failure.reason.contains("kind 'jumps', seed"), "{failure}");
     assert!(failure.to_string().contains("[volume]"), "{failure}");
+    let shrunk = failure.scene.unwrap().scene;
+    assert!(shrunk.transfer.points().len() <= 4, "from up to three jumps: {:?}", shrunk.transfer.points());
+    // All scenes together have a worst one.
+    assert!(falling(Fault::MissingIsZero, &[Kind::Masks], 48).unwrap_err().scene.is_some());
 }
 
 #[test]
