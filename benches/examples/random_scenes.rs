@@ -54,10 +54,10 @@ fn subject(name: &str) -> Option<(Box<dyn Renderer>, Falling)> {
     let step = |key, coarsest| Falling { coarsest, floor: 3e-4, ..Falling::new(key) };
     Some(match name {
         "marcher" => (Box::new(Marcher::new(Fault::None)), Falling::new("step")),
-        // A local error a sixteenth as large takes steps a quarter as long.
+        // A local error a 32nd as large takes steps about a sixth as long.
         "raycast" => {
             let falling =
-                Falling { coarsest: 3.2e-2, ratio: 8.0, order: 0.25, floor: 5e-4, ..Falling::new("local-error") };
+                Falling { coarsest: 3.2e-2, ratio: 32.0, order: 0.25, floor: 5e-4, ..Falling::new("local-error") };
             (Box::new(RayCaster::default()), falling)
         }
         "raycast-steps" => (Box::new(RayCaster::uniform(1.0)), step("step", 1.0)),

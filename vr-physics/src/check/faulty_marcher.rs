@@ -160,6 +160,9 @@ impl Prepared for Marching {
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        if view.layer.is_some() {
+            return Err(unsupported("opaque layers"));
+        }
         let rays = Rays::new(view)?;
         let volume = self.scene.volume.uniform().expect("a uniform grid");
         let threads = control.run(rayon::current_num_threads);

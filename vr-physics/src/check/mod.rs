@@ -50,7 +50,7 @@ mod tests;
 pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_reference_on};
 pub use convergence::{Convergence, Refinement, converges};
 pub use effort::Effort;
-pub use falling::{Fall, Falling, KindFall, Ladder, errors_fall, survey_kind};
+pub use falling::{CHANCE, Fall, Falling, KindFall, Ladder, errors_fall, survey_kind};
 pub use hard_cases::{CaseOutcome, CaseResult, HardCases, survives_hard_cases};
 pub use invariants::obeys_invariants;
 pub use outcome::{CheckFailure, Report};
