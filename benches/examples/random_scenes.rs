@@ -68,11 +68,8 @@ fn subject(name: &str) -> Option<(Box<dyn Renderer>, Falling)> {
             (Box::new(TexSlice::default()), Falling { options, ..step("slice-distance", 1.0) })
         }
         "splat" => (Box::new(Splatting::default()), step("slice-distance", 1.0)),
-        // Slices closer as texels shrink would be two options: texels alone leave what slices one voxel apart do.
-        "shearwarp" => {
-            let options = Options::new().with("slice-distance", 0.0625);
-            (Box::new(ShearWarp::default()), Falling { options, ratio: 3.0, ..step("texel", 1.0) })
-        }
+        // Slices are as far apart as texels are wide, or half of that: one option refines both.
+        "shearwarp" => (Box::new(ShearWarp::default()), Falling { ratio: 5.0, ..step("texel", 1.0) }),
         _ => return None,
     })
 }

@@ -1,6 +1,6 @@
 //! The checks that every renderer is put through.
 
-use vr_core::{Compositing, Options, Renderer, Scene, View};
+use vr_core::{Compositing, Renderer, Scene, View};
 use vr_physics::Reference;
 use vr_physics::cases::Case;
 use vr_physics::check::invariants::{
@@ -112,9 +112,8 @@ fn few(kinds: &[Kind]) -> Effort {
 }
 
 fn errors_of(kinds: &[Kind]) {
-    // What slices sixteen to a voxel leave is below what texels do; the nearest entry of tables, and the levels of codes.
-    let options = Options::new().with("slice-distance", 0.0625);
-    let falling = Falling { options, ratio: 3.0, floor: 3e-4, ..Falling::new("texel") };
+    // Slices are as far apart as texels are wide, or half of that. The nearest entry of tables, and the levels of codes, are below.
+    let falling = Falling { ratio: 5.0, floor: 3e-4, ..Falling::new("texel") };
     for table in errors_fall(&ShearWarp::default(), &falling, &few(kinds)).unwrap_or_else(|e| panic!("{e}")) {
         println!("{table}");
     }

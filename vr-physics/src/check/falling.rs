@@ -126,6 +126,8 @@ impl Ladder {
             Ok(Ok(Some((errors, uncertainty)))) => self.weigh(errors, uncertainty),
             Ok(Ok(None)) => Fall::Unjudged,
             Ok(Err(RenderError::Unsupported { .. })) => Fall::Refused,
+            // Steps that are too short or too many for this volume, and said to be so.
+            Ok(Err(RenderError::Parameter(e))) if e.field.starts_with("render.") => Fall::Refused,
             Ok(Err(other)) => Fall::Failed(format!("an error on a valid scene: {other}")),
             Err(_) => Fall::Failed("panics".to_owned()),
         }
