@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
-use vr_core::{Control, Model, RenderError, Renderer};
+use vr_core::{Control, DocumentedError, Model, RenderError, Renderer};
 use vr_physics::cases::{self, Case};
 use vr_physics::metrics::subgrid;
 
@@ -66,8 +66,11 @@ pub struct CaseResult {
     pub summary: String,
     /// Who.
     pub contestant: String,
-    /// The largest error that is documented.
+    /// The error that is documented.
     pub bound: Option<f64>,
+    /// True if that is of the RMSE, false if it is of the largest error.
+    #[serde(default)]
+    pub bound_of_rmse: bool,
     /// The error, where there is a picture.
     pub error: Option<ErrorFigures>,
     /// What is to be thought of it.
@@ -110,7 +113,8 @@ fn judge(
         case: case.name.to_owned(),
         summary: case.summary.to_owned(),
         contestant: name.to_owned(),
-        bound,
+        bound: bound.map(DocumentedError::value),
+        bound_of_rmse: matches!(bound, Some(DocumentedError::Rmse(_))),
         error: None,
         verdict: Verdict::Unjudged,
     };
@@ -142,16 +146,21 @@ fn judge(
     let uncertainty = truth.certainty.value() / truth.scale();
     result.error = Some(ErrorFigures::new(&metrics, &truth));
     let pixels_beyond = |e: f64| truth.errors(&rendered.frame).into_iter().filter(|&error| error > e).count() as u64;
-    result.verdict = match bound {
-        None => Verdict::Undocumented,
-        Some(bound) if metrics.max <= bound => Verdict::Held,
-        Some(bound) if metrics.max <= bound + uncertainty && uncertainty > bound => Verdict::Unjudged,
-        Some(bound) if metrics.max <= bound + uncertainty => Verdict::Held,
+    let Some(documented) = bound else {
+        result.verdict = Verdict::Undocumented;
+        return Ok(result);
+    };
+    let (bound, error) = (documented.value(), documented.choose(metrics.max, metrics.rmse));
+    let counted = || pixels_beyond(bound + uncertainty) <= rendered.stats.counts.unbounded;
+    result.verdict = if error <= bound {
+        Verdict::Held
+    } else if error <= bound + uncertainty {
+        if uncertainty > bound { Verdict::Unjudged } else { Verdict::Held }
+    } else if matches!(documented, DocumentedError::Max(_)) && counted() {
         // No more pixels than the renderer itself said that it cannot promise anything for.
-        Some(bound) if pixels_beyond(bound + uncertainty) <= rendered.stats.counts.unbounded => {
-            Verdict::Counted { rays: rendered.stats.counts.unbounded }
-        }
-        Some(bound) => Verdict::Failed { reason: format!("{:.2e} beyond the documented {bound:.2e}", metrics.max) },
+        Verdict::Counted { rays: rendered.stats.counts.unbounded }
+    } else {
+        Verdict::Failed { reason: format!("{error:.2e} beyond the documented {bound:.2e}") }
     };
     Ok(result)
 }

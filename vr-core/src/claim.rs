@@ -1,4 +1,4 @@
-//! What a renderer documents of its convergence.
+//! What a renderer documents of its convergence and of its errors.
 
 use crate::options::Options;
 
@@ -33,4 +33,40 @@ pub struct Orders {
     pub grid: f64,
     /// In the size of a pixel: of the light that falls on a patch of the picture.
     pub pixels: f64,
+}
+
+/// The error that a renderer allows itself in a picture, relative to max(1, largest magnitude of the picture).
+///
+/// Where a wall or a shell decides between everything and nothing, the largest error says little: no picture can be off by more
+/// than all. The root mean square does, since it says how many rays are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DocumentedError {
+    /// Of every component of every pixel.
+    Max(f64),
+    /// Root mean square over all of them.
+    Rmse(f64),
+}
+
+impl DocumentedError {
+    /// The number, whatever it is of.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Max(error) | Self::Rmse(error) => error,
+        }
+    }
+
+    /// Of a picture's largest error and its RMSE, the one that this is about.
+    pub fn choose(self, max: f64, rmse: f64) -> f64 {
+        match self {
+            Self::Max(_) => max,
+            Self::Rmse(_) => rmse,
+        }
+    }
+}
+
+/// A bound of the largest error.
+impl From<f64> for DocumentedError {
+    fn from(error: f64) -> Self {
+        Self::Max(error)
+    }
 }

@@ -81,7 +81,7 @@ mod voxel;
 
 pub use camera::{Camera, Projection};
 pub use central_differences::{gradient_at_sample, gradient_between_samples};
-pub use claim::{OrderClaim, Orders};
+pub use claim::{DocumentedError, OrderClaim, Orders};
 pub use compositing::Compositing;
 pub use control::Control;
 pub use error::{GridError, MeshError, OptionError, ParameterError, PointError, RenderError};

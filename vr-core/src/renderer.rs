@@ -1,6 +1,6 @@
 //! The seam: everything that draws scenes stands behind [`Renderer`].
 
-use crate::claim::OrderClaim;
+use crate::claim::{DocumentedError, OrderClaim};
 use crate::control::Control;
 use crate::error::{OptionError, RenderError};
 use crate::frame::Frame;
@@ -33,9 +33,9 @@ pub trait Renderer: Send + Sync {
         Vec::new()
     }
 
-    /// The largest error that it documents, as it is configured, for a hard case of that name (`vr_physics::cases`); `None` where it
-    /// documents none.
-    fn hard_case_error(&self, _case: &str) -> Option<f64> {
+    /// The error that it documents, as it is configured, for a hard case of that name (`vr_physics::cases`); `None` where it documents
+    /// none.
+    fn hard_case_error(&self, _case: &str) -> Option<DocumentedError> {
         None
     }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use vr_core::image_order::{PixelValue, Spot, trace_pixels, trace_view};
 use vr_core::{
-    Control, Counts, Frame, Geometry, Model, NamedSetting, OptionError, OptionKind, OptionSpec, OptionValue, Options,
-    Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Scene, View,
+    Control, Counts, DocumentedError, Frame, Geometry, Model, NamedSetting, OptionError, OptionKind, OptionSpec,
+    OptionValue, Options, Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Scene, View,
 };
 
 use crate::segments::RaySegment;
@@ -214,9 +214,9 @@ impl Renderer for Reference {
         }]
     }
 
-    fn hard_case_error(&self, _case: &str) -> Option<f64> {
+    fn hard_case_error(&self, _case: &str) -> Option<DocumentedError> {
         // The picture is f32.
-        Some(self.tolerance + f64::from(f32::EPSILON))
+        Some(DocumentedError::Max(self.tolerance + f64::from(f32::EPSILON)))
     }
 
     fn prepare(&self, scene: &Scene, _control: &Control) -> Result<Box<dyn Prepared>, RenderError> {

@@ -1,7 +1,8 @@
 //! The ray caster behind the trait that all renderers stand behind.
 
 use vr_core::{
-    Control, NamedSetting, OptionError, OptionSpec, Options, OrderClaim, Prepared, RenderError, Renderer, Scene,
+    Control, DocumentedError, NamedSetting, OptionError, OptionSpec, Options, OrderClaim, Prepared, RenderError,
+    Renderer, Scene,
 };
 
 use crate::caster::RayCaster;
@@ -30,8 +31,8 @@ impl Renderer for RayCaster {
         orders()
     }
 
-    fn hard_case_error(&self, case: &str) -> Option<f64> {
-        self.documented_error(case)
+    fn hard_case_error(&self, case: &str) -> Option<DocumentedError> {
+        self.documented_error(case).map(Into::into)
     }
 
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {

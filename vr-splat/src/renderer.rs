@@ -1,7 +1,8 @@
 //! The splatting renderer behind the trait that all renderers stand behind.
 
 use vr_core::{
-    Control, NamedSetting, OptionError, OptionSpec, Options, OrderClaim, Prepared, RenderError, Renderer, Scene,
+    Control, DocumentedError, NamedSetting, OptionError, OptionSpec, Options, OrderClaim, Prepared, RenderError,
+    Renderer, Scene,
 };
 
 use crate::options::{SPECS, configure};
@@ -30,7 +31,7 @@ impl Renderer for Splatting {
         orders()
     }
 
-    fn hard_case_error(&self, case: &str) -> Option<f64> {
+    fn hard_case_error(&self, case: &str) -> Option<DocumentedError> {
         self.documented_error(case)
     }
 

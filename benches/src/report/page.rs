@@ -6,6 +6,7 @@ use time::OffsetDateTime;
 use crate::convergence::{Convergence, Outcome, Refined};
 use crate::error::StudyError;
 use crate::error_colors;
+use crate::figures::ErrorFigures;
 use crate::front::{THRESHOLDS, pareto_front, reigns};
 use crate::machine::Machine;
 use crate::point::Point;
@@ -311,7 +312,7 @@ fn stability(results: &[CaseResult], failures: usize) -> Markup {
             h2 { "Hard cases" }
             p {
                 @if failures == 0 { "No unexplained failure." } @else { b.bad { (failures) " unexplained failures." } }
-                " In each cell: largest error, documented bound, verdict."
+                " In each cell: largest error (or RMSE, where the bound is one of that), documented bound, verdict."
             }
             div.wide {
                 table {
@@ -323,8 +324,10 @@ fn stability(results: &[CaseResult], failures: usize) -> Markup {
                                 @for contestant in &contestants {
                                     @match results.iter().find(|r| r.case == *case && r.contestant == *contestant) {
                                         Some(r) => td class=(class(&r.verdict)) {
-                                            (r.error.as_ref().map_or_else(|| "–".to_owned(), |e| format!("{:.1e}", e.max)))
+                                            @let error = |e: &ErrorFigures| if r.bound_of_rmse { e.rmse } else { e.max };
+                                            (r.error.as_ref().map_or_else(|| "–".to_owned(), |e| format!("{:.1e}", error(e))))
                                             " / " (r.bound.map_or_else(|| "–".to_owned(), |b| format!("{b:.1e}")))
+                                            @if r.bound_of_rmse { " RMSE" }
                                             br; (r.verdict.word())
                                             @if let Verdict::Failed { reason } = &r.verdict { ": " (reason) }
                                         },

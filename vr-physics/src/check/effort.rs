@@ -2,11 +2,12 @@
 
 use std::cell::{Cell, RefCell};
 
-use proptest::strategy::Strategy;
+use proptest::strategy::{BoxedStrategy, Strategy};
 use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestCaseError, TestError, TestRunner};
 use vr_core::{RenderError, Renderer};
 
 use super::outcome::{CheckFailure, Report};
+use super::strategies::{Kind, scene, scene_of};
 use super::test_scene::TestScene;
 use crate::Reference;
 
@@ -21,11 +22,13 @@ pub struct Effort {
     pub shrink_steps: u32,
     /// The truth.
     pub reference: Reference,
+    /// The kinds of scenes that checks over any scenes draw; `None`: their own.
+    pub kinds: Option<Vec<Kind>>,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { cases: 64, seed: 0x5eed, shrink_steps: 2000, reference: Reference::default() }
+        Self { cases: 64, seed: 0x5eed, shrink_steps: 2000, reference: Reference::default(), kinds: None }
     }
 }
 
@@ -33,6 +36,17 @@ impl Effort {
     /// The default with another number of random scenes.
     pub fn cases(cases: u32) -> Self {
         Self { cases, ..Self::default() }
+    }
+
+    /// The same with scenes of these kinds, in checks over any scenes: those that look at tame or smooth ones draw their own.
+    #[must_use]
+    pub fn of_kinds(self, kinds: &[Kind]) -> Self {
+        Self { kinds: Some(kinds.to_vec()), ..self }
+    }
+
+    /// Any scenes: of the kinds asked for, or of [`scene`].
+    pub(super) fn any_scene(&self) -> BoxedStrategy<TestScene> {
+        self.kinds.as_ref().map_or_else(|| scene().boxed(), |kinds| scene_of(kinds).boxed())
     }
 }
 

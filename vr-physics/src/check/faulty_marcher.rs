@@ -8,7 +8,7 @@ use vr_core::transfer::Optical;
 use vr_core::{
     Compositing, Control, Frame, IndexRay, Model, NamedSetting, OptionError, OptionKind, OptionSpec, OptionValue,
     Options, OrderClaim, Orders, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer, Sampler, SamplerVisitor,
-    Scene, View, Voxel,
+    Scene, TransferFunction, View, Voxel,
 };
 
 /// The classic mistakes.
@@ -46,6 +46,21 @@ pub enum Fault {
     PreClassification,
     /// Rays go through the corners of pixels.
     PixelCorners,
+    /// A table of optics is interpolated across the jumps of the transfer function: the shorter the steps, the more of them land
+    /// between two entries, where there is neither the one side's colour nor the other's.
+    BleedingJumps,
+    /// Values are carried in half the digits of f32, whatever the transfer function tells apart.
+    NarrowValues,
+    /// The second frame and all later ones come without the depth that the first has.
+    LosesDepth,
+    /// An update leaves the old transfer function.
+    StaleTransfer,
+    /// An update leaves the old volume.
+    StaleVolume,
+    /// An update leaves the old filter.
+    StaleFilter,
+    /// An update is not asked whether it can be drawn.
+    StaleSupport,
 }
 
 /// Marches along every ray, for over, without shading.
@@ -130,12 +145,24 @@ struct Marching {
 
 impl Prepared for Marching {
     fn update(&mut self, scene: &Scene, _: &Control) -> Result<(), RenderError> {
-        supports(scene)?;
+        let (old, fault) = (self.scene.clone(), self.marcher.fault);
+        if fault != Fault::StaleSupport {
+            supports(scene)?;
+        }
         self.scene = scene.clone();
+        match fault {
+            Fault::StaleTransfer => self.scene.transfer = old.transfer,
+            Fault::StaleVolume => self.scene.volume = old.volume,
+            Fault::StaleFilter => self.scene.filter = old.filter,
+            _ => (),
+        }
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        if view.layer.is_some() {
+            return Err(unsupported("opaque layers"));
+        }
         let rays = Rays::new(view)?;
         let volume = self.scene.volume.uniform().expect("a uniform grid");
         let threads = control.run(rayon::current_num_threads);
@@ -163,7 +190,9 @@ impl Prepared for Marching {
             }
             mean.map(|x| x as f32)
         });
-        let frame = Frame::new(view.size, pixels.collect(), None);
+        let with_depth = self.marcher.fault == Fault::LosesDepth && frame_number == 0;
+        let depth = with_depth.then(|| vec![f32::INFINITY; (w * h) as usize]);
+        let frame = Frame::new(view.size, pixels.collect(), depth);
         Ok(Rendered { frame, stats: RenderStats::default() })
     }
 
@@ -213,10 +242,14 @@ impl SamplerVisitor for March<'_> {
             if f64::is_nan(value) {
                 continue;
             }
-            let optical = if fault == Fault::PreClassification {
-                classified_before(&sampler, p, |stored| scene.transfer.at(volume.calibration().value(stored)))
-            } else {
-                scene.transfer.at(volume.calibration().value(value))
+            let value = volume.calibration().value(value);
+            let optical = match fault {
+                Fault::PreClassification => {
+                    classified_before(&sampler, p, |stored| scene.transfer.at(volume.calibration().value(stored)))
+                }
+                Fault::BleedingJumps => bled(&scene.transfer, value),
+                Fault::NarrowValues => scene.transfer.at(narrow(value)),
+                _ => scene.transfer.at(value),
             };
             let length = if fault == Fault::NoOpacityCorrection { scene.transfer.unit_distance() } else { length };
             let tau = scene.transfer.extinction(optical.opacity) * length;
@@ -233,6 +266,32 @@ impl SamplerVisitor for March<'_> {
         }
         self.rgba[3] = 1.0 - transmittance;
         self
+    }
+}
+
+/// A number of 12 binary digits.
+fn narrow(value: f64) -> f64 {
+    let scale = libm::exp2(libm::floor(libm::log2(value.abs().max(f64::MIN_POSITIVE))) - 11.0);
+    (value / scale).round() * scale
+}
+
+/// Linear between the entries of a table of 64, whatever lies between them.
+fn bled(transfer: &TransferFunction, value: f64) -> Optical {
+    const ENTRIES: f64 = 64.0;
+    let points = transfer.points();
+    let (low, high) = (points[0].value, points[points.len() - 1].value);
+    let width = 1.2 * (high - low).max(1e-3 * low.abs()).max(f64::MIN_POSITIVE) / ENTRIES;
+    let place = (value - low) / width;
+    let below = place.floor();
+    let (a, b) = (transfer.at(low + below * width), transfer.at(low + (below + 1.0) * width));
+    let t = place - below;
+    let mix = |a: f64, b: f64| a + t * (b - a);
+    // Opacity as an extinction of 1 is: any share of an opaque entry is opaque, in whatever colour.
+    let opacity = if a.opacity == 1.0 || b.opacity == 1.0 { 1.0 } else { mix(a.opacity, b.opacity) };
+    Optical {
+        opacity,
+        color: std::array::from_fn(|c| mix(a.color[c], b.color[c])),
+        emission: std::array::from_fn(|c| mix(a.emission[c], b.emission[c])),
     }
 }
 

@@ -5,13 +5,14 @@ use vr_core::{Control, Frame, RenderError, Renderer, View};
 use super::drawn::draw;
 use super::effort::{Effort, Verdict};
 use super::outcome::{CheckFailure, Report};
-use super::strategies::{scene, tame_scene};
+use super::strategies::tame_scene;
 use super::test_scene::TestScene;
 use super::transformed::{quarter_turned, scaled_world, with_emission_times, without_highlights};
+pub use super::updates::update_is_prepare;
 use crate::Metrics;
 
 /// All of the invariants: [`stays_in_range`], [`is_linear_in_emission`], [`is_free_of_scale`], [`turns_with_its_data`],
-/// [`ignores_threads`], [`forgets_earlier_frames`]. Where rounding is allowed, it may be `tolerance` relative to max(1, largest
+/// [`ignores_threads`], [`forgets_earlier_frames`], [`update_is_prepare`]. Where rounding is allowed, it may be `tolerance` relative to max(1, largest
 /// magnitude of the picture).
 ///
 /// # Errors
@@ -24,6 +25,7 @@ pub fn obeys_invariants(renderer: &dyn Renderer, tolerance: f64, effort: &Effort
         turns_with_its_data(renderer, tolerance, effort)?,
         ignores_threads(renderer, effort)?,
         forgets_earlier_frames(renderer, effort)?,
+        update_is_prepare(renderer, effort)?,
     ])
 }
 
@@ -33,7 +35,7 @@ pub fn obeys_invariants(renderer: &dyn Renderer, tolerance: f64, effort: &Effort
 /// # Errors
 /// The failure, with a scene that shows it.
 pub fn stays_in_range(renderer: &dyn Renderer, tolerance: f64, effort: &Effort) -> Result<Report, CheckFailure> {
-    effort.over("stays in range", renderer, scene(), |test| {
+    effort.over("stays in range", renderer, effort.any_scene(), |test| {
         let frame = draw(renderer, test, &Control::default())?;
         let (scene, mut excess) = (&test.scene, 0.0f64);
         let bounded = scene.shading.is_none() && !scene.transfer.has_emission();
@@ -57,7 +59,7 @@ pub fn stays_in_range(renderer: &dyn Renderer, tolerance: f64, effort: &Effort) 
 /// # Errors
 /// The failure, with a scene that shows it.
 pub fn is_linear_in_emission(renderer: &dyn Renderer, tolerance: f64, effort: &Effort) -> Result<Report, CheckFailure> {
-    effort.over("is linear in emission", renderer, scene(), |test| {
+    effort.over("is linear in emission", renderer, effort.any_scene(), |test| {
         let test = without_highlights(test);
         let of = |factor: &dyn Fn(usize) -> f64| {
             let frame = draw(renderer, &with_emission_times(&test, factor), &Control::default())?;
@@ -90,7 +92,7 @@ pub fn is_linear_in_emission(renderer: &dyn Renderer, tolerance: f64, effort: &E
 /// # Errors
 /// The failure, with a scene that shows it.
 pub fn is_free_of_scale(renderer: &dyn Renderer, tolerance: f64, effort: &Effort) -> Result<Report, CheckFailure> {
-    let exact = effort.over("is free of scale, powers of two", renderer, scene(), |test| {
+    let exact = effort.over("is free of scale, powers of two", renderer, effort.any_scene(), |test| {
         let original = draw(renderer, test, &Control::default())?;
         // 2^±66 ≈ 7·10^±19.
         for exponent in [-66, 1, 66] {
@@ -133,9 +135,9 @@ pub fn turns_with_its_data(renderer: &dyn Renderer, tolerance: f64, effort: &Eff
 /// The failure, with a scene that shows it.
 pub fn ignores_threads(renderer: &dyn Renderer, effort: &Effort) -> Result<Report, CheckFailure> {
     let (one, three) = (Control::default().with_threads(1), Control::default().with_threads(3));
-    effort.over("ignores the number of threads", renderer, scene(), |test| {
+    effort.over("ignores the number of threads", renderer, effort.any_scene(), |test| {
         // More than one tile of rays, so that there is something to share out.
-        let view = View { size: [40, 40], ..test.view.clone() };
+        let view = View { size: [40, 40], layer: None, ..test.view.clone() };
         let test = TestScene { view, ..test.clone() };
         let (a, b) = (draw(renderer, &test, &one)?, draw(renderer, &test, &three)?);
         Ok(identical(&a, &b, "three threads instead of one"))
@@ -149,12 +151,12 @@ pub fn ignores_threads(renderer: &dyn Renderer, effort: &Effort) -> Result<Repor
 /// The failure, with a scene that shows it.
 pub fn forgets_earlier_frames(renderer: &dyn Renderer, effort: &Effort) -> Result<Report, CheckFailure> {
     let control = Control::default();
-    effort.over("forgets earlier frames", renderer, scene(), |test| {
+    effort.over("forgets earlier frames", renderer, effort.any_scene(), |test| {
         let fresh = draw(renderer, test, &control)?;
         let mut prepared = renderer.prepare(&test.scene, &control)?;
         let [width, height] = test.view.size;
         let camera = test.view.camera.orbit(40.0, 10.0);
-        let elsewhere = View { camera, size: [height + 1, width], ..test.view.clone() };
+        let elsewhere = View { camera, size: [height + 1, width], layer: None, ..test.view.clone() };
         prepared.render(&elsewhere, &control)?;
         let again = prepared.render(&test.view, &control)?.frame;
         if let Verdict::Broken(reason) = identical(&fresh, &again, "after another view") {
@@ -179,7 +181,7 @@ fn wide(frame: &Frame) -> Vec<[f64; 4]> {
     frame.pixels().iter().map(|p| p.map(f64::from)).collect()
 }
 
-fn identical(expected: &Frame, found: &Frame, when: &str) -> Verdict {
+pub(super) fn identical(expected: &Frame, found: &Frame, when: &str) -> Verdict {
     match first_difference(expected, found, 1.0) {
         Some(difference) => Verdict::Broken(format!("{when}: {difference}")),
         None => Verdict::Held { measured: 0.0, allowed: 0.0 },
@@ -194,6 +196,12 @@ fn first_difference(expected: &Frame, found: &Frame, depth_scale: f32) -> Option
     let mut different = colors.filter(|(_, (a, b))| bits(a) != bits(b));
     if let Some((i, (a, b))) = different.next() {
         return Some(format!("pixel {:?} is {b:?} instead of {a:?}", at(i)));
+    }
+    if let (a, b) = (expected.depth().is_some(), found.depth().is_some())
+        && a != b
+    {
+        let has = |depth| if depth { "has a depth" } else { "has none" };
+        return Some(format!("the picture {} where the other {}", has(b), has(a)));
     }
     let depths = expected.depth().unwrap_or_default().iter().zip(found.depth().unwrap_or_default()).enumerate();
     let mut different = depths.filter(|(_, (a, b))| (**a * depth_scale).to_bits() != b.to_bits());

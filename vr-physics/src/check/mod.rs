@@ -16,6 +16,7 @@
 //! | [`agrees_with_reference`] | the distance from the canonical pixel is within the bound that the renderer documents |
 //! | [`agrees_with_its_model`] | the same for what the renderer says that it integrates |
 //! | [`converges`] | the error falls with the step at the documented order |
+//! | [`errors_fall`] | the error falls with the step, whatever is hard about a scene |
 //! | [`obeys_invariants`] | what must not change a picture does not, what must change it does so by the right amount |
 //! | [`survives_hard_cases`] | every [named case](crate::cases) gives a finite picture within its bound |
 //!
@@ -33,6 +34,7 @@ mod agreement;
 mod convergence;
 mod drawn;
 mod effort;
+mod falling;
 pub mod faulty_marcher;
 mod hard_cases;
 pub mod invariants;
@@ -40,6 +42,7 @@ mod outcome;
 pub mod strategies;
 mod test_scene;
 pub mod transformed;
+mod updates;
 
 #[cfg(test)]
 mod tests;
@@ -47,6 +50,7 @@ mod tests;
 pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_reference_on};
 pub use convergence::{Convergence, Refinement, converges};
 pub use effort::Effort;
+pub use falling::{CHANCE, Fall, Falling, KindFall, Ladder, errors_fall, survey_kind};
 pub use hard_cases::{CaseOutcome, CaseResult, HardCases, survives_hard_cases};
 pub use invariants::obeys_invariants;
 pub use outcome::{CheckFailure, Report};

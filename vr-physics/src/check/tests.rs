@@ -4,8 +4,8 @@ use super::faulty_marcher::{Fault, Marcher};
 use super::*;
 use crate::Reference;
 use proptest::strategy::Strategy;
-use strategies::{scene, smooth_scene, tame_scene};
-use vr_core::{Filter, Renderer, Scene, View};
+use strategies::{Kind, scene, smooth_scene, tame_scene};
+use vr_core::{DocumentedError, Filter, Renderer, Scene, View};
 
 /// Enough scenes to meet every fault; a test takes seconds.
 fn effort(cases: u32) -> Effort {
@@ -132,8 +132,134 @@ fn hard_cases_catch_what_leaks_and_what_breaks() {
     assert!(run(Fault::MissingIsZero).unwrap_err().reason.starts_with("missing-voxels"));
     assert!(run(Fault::Panic).unwrap_err().reason.contains("panics"));
     assert!(run(Fault::Nan).unwrap_err().reason.contains("NaN"));
-    let refused = run(Fault::RefusesEverything).unwrap();
-    assert!(refused.results.iter().all(|r| r.outcome == CaseOutcome::Refused));
+    assert!(run(Fault::RefusesEverything).unwrap_err().reason.contains("refuses all"));
+}
+
+#[test]
+fn a_case_without_a_bound_needs_no_reference() {
+    let solved = |bound: f64| {
+        let marcher = Marcher { fault: Fault::None, step: 1.0 };
+        let table = survives_hard_cases(&marcher, |_| bound, &Reference::default()).unwrap();
+        table.results.into_iter().filter(|r| matches!(r.outcome, CaseOutcome::Drawn(_))).count()
+    };
+    assert_eq!(solved(f64::INFINITY), 0);
+    assert!(solved(1e3) > 0);
+}
+
+#[test]
+fn a_bound_of_the_rmse_is_of_the_rmse() {
+    // Where a wall is met or missed, all is at stake in a few pixels, and little in the mean.
+    let run = |fault, bound: DocumentedError| {
+        let bound = |case: &crate::cases::Case| match case.name {
+            "opaque-wall" => bound,
+            _ => DocumentedError::Max(f64::INFINITY),
+        };
+        survives_hard_cases(&Marcher::new(fault), bound, &Reference::default())
+    };
+    println!("{}", run(Fault::None, DocumentedError::Rmse(0.05)).unwrap());
+    assert!(run(Fault::None, DocumentedError::Max(0.05)).is_err());
+    assert!(run(Fault::HalfVoxelShift, DocumentedError::Rmse(0.05)).is_err());
+}
+
+/// What the marcher draws.
+const MARCHED: [Kind; 14] = [
+    Kind::Plain,
+    Kind::Jumps,
+    Kind::Spikes,
+    Kind::Opaque,
+    Kind::Masks,
+    Kind::Holes,
+    Kind::Constants,
+    Kind::Labels,
+    Kind::NegativeSlopes,
+    Kind::Offsets,
+    Kind::Extremes,
+    Kind::Filters,
+    Kind::Far,
+    Kind::Inside,
+];
+
+fn falling(fault: Fault, kinds: &[Kind], cases: u32) -> Result<Vec<KindFall>, CheckFailure> {
+    let effort = Effort { reference: Reference::new(1e-6), ..effort(cases) }.of_kinds(kinds);
+    errors_fall(&Marcher::new(fault), &Falling::new("step"), &effort)
+}
+
+#[test]
+fn the_errors_of_a_right_renderer_fall() {
+    for table in falling(Fault::None, &MARCHED, 100).unwrap() {
+        println!("{table}");
+    }
+}
+
+#[test]
+fn errors_that_do_not_fall_are_seen() {
+    for (fault, kind) in [
+        (Fault::BleedingJumps, Kind::Jumps),
+        (Fault::BleedingJumps, Kind::Labels),
+        (Fault::MissingIsZero, Kind::Masks),
+        (Fault::MissingIsZero, Kind::Holes),
+        (Fault::NarrowValues, Kind::Offsets),
+        (Fault::HalfVoxelShift, Kind::Plain),
+        (Fault::NoOpacityCorrection, Kind::Plain),
+        (Fault::PreClassification, Kind::Spikes),
+        (Fault::PixelCorners, Kind::Inside),
+        (Fault::ClampedLight, Kind::Emission),
+        (Fault::Nan, Kind::Opaque),
+        (Fault::Panic, Kind::Plain),
+        (Fault::RefusesEverything, Kind::Plain),
+    ] {
+        let failure = falling(fault, &[kind], 48).expect_err("the fault is seen");
+        println!("{fault:?} {}: {}", kind.name(), failure.reason);
+    }
+    assert!(falling(Fault::BleedingJumps, &[Kind::Plain], 16).is_ok(), "no jump, no fault");
+}
+
+#[test]
+fn a_scene_whose_error_grows_is_made_smaller_and_printed() {
+    let failure = falling(Fault::BleedingJumps, &[Kind::Jumps], 48).unwrap_err();
+    assert!(failure.reason.contains("kind 'jumps', seed"), "{failure}");
+    assert!(failure.to_string().contains("[volume]"), "{failure}");
+    let shrunk = failure.scene.unwrap().scene;
+    assert!(shrunk.transfer.points().len() <= 4, "from up to three jumps: {:?}", shrunk.transfer.points());
+    // All scenes together have a worst one.
+    assert!(falling(Fault::MissingIsZero, &[Kind::Masks], 48).unwrap_err().scene.is_some());
+}
+
+#[test]
+fn updates_that_leave_something_are_seen() {
+    use invariants::update_is_prepare;
+    println!("{}", update_is_prepare(&Marcher::new(Fault::None), &effort(32)).unwrap());
+    for (fault, what) in [
+        (Fault::StaleTransfer, "after another transfer function"),
+        (Fault::StaleVolume, "after a volume"),
+        (Fault::StaleFilter, "after the nearest sample"),
+        (Fault::StaleSupport, "though a new preparation refuses"),
+    ] {
+        let failure = update_is_prepare(&Marcher::new(fault), &effort(32)).expect_err("the fault is seen");
+        assert!(failure.reason.contains(what), "{fault:?}: {}", failure.reason);
+    }
+}
+
+#[test]
+fn a_lost_depth_is_seen() {
+    let failure = invariants::forgets_earlier_frames(&Marcher::new(Fault::LosesDepth), &effort(8)).unwrap_err();
+    assert!(failure.reason.contains("depth"), "{}", failure.reason);
+}
+
+#[test]
+fn invariants_hold_over_scenes_of_every_kind() {
+    use invariants::*;
+    let (marcher, effort) = (Marcher::new(Fault::None), effort(100).of_kinds(&Kind::ALL));
+    for report in [
+        stays_in_range(&marcher, 1e-6, &effort),
+        is_linear_in_emission(&marcher, 1e-6, &effort),
+        is_free_of_scale(&marcher, 1e-6, &effort),
+        ignores_threads(&marcher, &effort),
+        forgets_earlier_frames(&marcher, &effort),
+        update_is_prepare(&marcher, &effort),
+    ] {
+        println!("{}", report.unwrap());
+    }
 }
 
 #[test]

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use vr_core::{
-    AnyGrid, Clip, ControlPoint, Light, Placement, Plane, Projection, Scene, Shading, TransferFunction, UniformGrid,
-    Voxel, with_grid,
+    AnyGrid, Clip, ControlPoint, Layer, Light, Placement, Plane, Projection, Scene, Shading, TransferFunction,
+    UniformGrid, Voxel, with_grid,
 };
 
 use super::test_scene::TestScene;
@@ -40,7 +40,7 @@ pub fn without_highlights(test: &TestScene) -> TestScene {
 }
 
 /// The world `s` times as large, with κ and q divided by `s`: the same picture, to the last bit where `s` is a power of two.
-/// A layer is left out; depths are `s` times as large.
+/// Depths are `s` times as large, those of a layer, too.
 ///
 /// # Panics
 /// If `s` is not positive, or takes a number beyond what f64 holds.
@@ -57,7 +57,10 @@ pub fn scaled_world(test: &TestScene, s: f64) -> TestScene {
         Arc::new(Shading { gradient_opacity, ..(**shading).clone() })
     });
     let mut view = test.view.clone();
-    view.layer = None;
+    view.layer = test.view.layer.as_ref().map(|layer| {
+        let pixels = layer.pixels.iter().map(|&(color, depth)| (color, (f64::from(depth) * s) as f32));
+        Arc::new(Layer { pixels: pixels.collect() })
+    });
     view.camera.eye *= s;
     view.camera.target *= s;
     if let Projection::Orthographic { height } = &mut view.camera.projection {
@@ -89,7 +92,6 @@ pub fn quarter_turned(test: &TestScene, axis: usize) -> TestScene {
         turned
     };
     let mut view = test.view.clone();
-    view.layer = None;
     let camera = &mut view.camera;
     (camera.eye, camera.target, camera.up) = (turn(camera.eye), turn(camera.target), turn(camera.up));
     view.clip = Clip {

@@ -10,6 +10,8 @@ use vr_core::{Camera, Clip, Plane, Projection, UniformVolume, Volume};
 pub(super) enum Viewpoint {
     /// Orthographic or perspective, from one place in the box's coordinates towards another.
     Generic { eye: [f64; 3], target: [f64; 3], up: usize, fov: Option<f64>, zoom: f64 },
+    /// From ten to a million diagonals away, the volume filling the picture.
+    Far { direction: [f64; 3], decades: f64, perspective: bool, zoom: f64 },
     /// Orthographic along an axis of the grid, the image centre on a lattice line, two pixels a voxel.
     AlongAxis { axis: usize, backwards: bool, rows: u32 },
     /// Orthographic, nearly parallel to a face of the box and in it.
@@ -31,6 +33,18 @@ impl Viewpoint {
                     None => Projection::Orthographic { height: zoom * diagonal },
                 };
                 Camera { eye, target, up: upright(target - eye, up), projection }
+            }
+            Self::Far { direction, decades, perspective, zoom } => {
+                let (target, diagonal) = (place(volume, DVec3::splat(0.5)), diagonal(volume));
+                let distance = libm::pow(10.0, decades);
+                let direction = DVec3::from(direction).normalize();
+                let projection = if perspective {
+                    Projection::Perspective { fov: (2.0 * libm::atan(0.5 * zoom / distance)).to_degrees() }
+                } else {
+                    Projection::Orthographic { height: zoom * diagonal }
+                };
+                let eye = target - direction * (distance * diagonal);
+                Camera { eye, target, up: upright(direction, 0), projection }
             }
             Self::AlongAxis { axis, backwards, .. } => {
                 let (grid, columns) = lattice(volume);
@@ -60,7 +74,7 @@ impl Viewpoint {
     pub fn rows(&self) -> Option<u32> {
         match *self {
             Self::AlongAxis { rows, .. } => Some(rows),
-            Self::Generic { .. } | Self::Grazing { .. } => None,
+            Self::Generic { .. } | Self::Far { .. } | Self::Grazing { .. } => None,
         }
     }
 }
@@ -118,6 +132,21 @@ pub(super) fn generic() -> impl Strategy<Value = Viewpoint> {
     let inside = || 0.2..0.8;
     let fov = proptest::option::weighted(0.5, 20.0..110.0);
     (eye, [inside(), inside(), inside()], 0usize..3, fov, 0.3..1.5)
+        .prop_map(|(eye, target, up, fov, zoom)| Viewpoint::Generic { eye, target, up, fov, zoom })
+}
+
+/// Far away, ten to a million diagonals.
+pub(super) fn far() -> impl Strategy<Value = Viewpoint> {
+    ([-1.0..1.0, -1.0..1.0, 0.1..1.0], 1.0..=6.0, any::<bool>(), 0.5..1.2)
+        .prop_map(|(direction, decades, perspective, zoom)| Viewpoint::Far { direction, decades, perspective, zoom })
+}
+
+/// Inside the volume.
+pub(super) fn inside() -> impl Strategy<Value = Viewpoint> {
+    let within = || 0.05..0.95;
+    let eye = [within(), within(), within()];
+    let target = [-0.5..1.5, -0.5..1.5, -0.5..1.5];
+    (eye, target, 0usize..3, proptest::option::weighted(0.7, 20.0..110.0), 0.3..1.5)
         .prop_map(|(eye, target, up, fov, zoom)| Viewpoint::Generic { eye, target, up, fov, zoom })
 }
 

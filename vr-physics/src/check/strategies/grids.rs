@@ -30,7 +30,7 @@ pub fn smooth_grid() -> impl Strategy<Value = Volume> {
         .prop_map(|(dims, data, placement)| build(VoxelType::F32, dims, &data, placement, Calibration::default()))
 }
 
-fn voxel_type() -> impl Strategy<Value = VoxelType> {
+pub(super) fn voxel_type() -> impl Strategy<Value = VoxelType> {
     prop_oneof![
         Just(VoxelType::F32),
         Just(VoxelType::U8),
@@ -40,14 +40,14 @@ fn voxel_type() -> impl Strategy<Value = VoxelType> {
     ]
 }
 
-fn dims(least: usize) -> impl Strategy<Value = [usize; 3]> {
+pub(super) fn dims(least: usize) -> impl Strategy<Value = [usize; 3]> {
     [least..=MOST, least..=MOST, least..=MOST]
 }
 
 /// Where in the range of the sample type the samples lie, 0 to 1, as a function of the index. Independent of the dims, so that
 /// these can shrink by themselves and leave the samples where they were.
 #[derive(Clone, Debug)]
-enum Data {
+pub(super) enum Data {
     Constant(f64),
     /// Value at the middle, slopes per axis, and the curvature along all of them.
     Smooth {
@@ -57,6 +57,73 @@ enum Data {
     Noise(Vec<f64>),
     /// Noise with NaN and infinities.
     Holes(Vec<f64>, Vec<u8>),
+    /// Half a wave or so along each axis, from one phase on: bent everywhere, of moderate slope.
+    Wave {
+        turns: [f64; 3],
+        phase: f64,
+    },
+    /// Other data, NaN in some regions: what scanners write outside of what they see.
+    Masked(Box<Data>, Vec<Region>),
+    /// Other data, the same value throughout each of some regions.
+    Flat(Box<Data>, Vec<(Region, f64)>),
+    /// Numbers of parts, as fractions of [`LABELS`]: the last region that holds a sample names it.
+    Labels(Vec<(Region, u8)>),
+}
+
+/// The highest label.
+pub(super) const LABELS: u8 = 4;
+
+/// A box or an ellipsoid, in fractions of the grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Region {
+    middle: [f64; 3],
+    half: [f64; 3],
+    round: bool,
+}
+
+impl Region {
+    fn holds(&self, p: [usize; 3], dims: [usize; 3]) -> bool {
+        let off: [f64; 3] =
+            std::array::from_fn(|a| (p[a] as f64 / (dims[a] - 1) as f64 - self.middle[a]).abs() / self.half[a]);
+        if self.round { off.iter().map(|x| x * x).sum::<f64>() <= 1.0 } else { off.iter().all(|&x| x <= 1.0) }
+    }
+}
+
+fn region() -> impl Strategy<Value = Region> {
+    let half = || 0.12..0.5;
+    ([0.0..1.0, 0.0..1.0, 0.0..1.0], [half(), half(), half()], any::<bool>()).prop_map(|(middle, half, round)| Region {
+        middle,
+        half,
+        round,
+    })
+}
+
+/// Whatever changes from sample to sample: a ramp, a wave, noise.
+pub(super) fn varied() -> impl Strategy<Value = Data> {
+    prop_oneof![1 => ramp(), 3 => wave(), 2 => noise()]
+}
+
+fn wave() -> impl Strategy<Value = Data> {
+    ([-0.5..0.5, -0.5..0.5, 0.1..0.5], 0.0..1.0).prop_map(|(turns, phase)| Data::Wave { turns, phase })
+}
+
+/// Samples that are missing in one or two blocks or spheres.
+pub(super) fn masked() -> impl Strategy<Value = Data> {
+    let inside = prop_oneof![2 => varied(), 1 => constant()];
+    (inside, vec(region(), 1..=2)).prop_map(|(data, regions)| Data::Masked(Box::new(data), regions))
+}
+
+/// Constant throughout, or in one to three regions.
+pub(super) fn flat() -> impl Strategy<Value = Data> {
+    let regions = vec((region(), prop_oneof![Just(0.0), Just(1.0), 0.0..1.0]), 1..=3);
+    prop_oneof![
+        1 => constant(),
+        3 => (varied(), regions).prop_map(|(data, regions)| Data::Flat(Box::new(data), regions)),
+    ]
+}
+
+pub(super) fn labels() -> impl Strategy<Value = Data> {
+    vec((region(), 1..=LABELS), 1..=4).prop_map(Data::Labels)
 }
 
 fn constant() -> impl Strategy<Value = Data> {
@@ -73,11 +140,11 @@ fn smooth() -> impl Strategy<Value = Data> {
         .prop_map(|(slopes, curvature)| Data::Smooth { slopes, curvature })
 }
 
-fn noise() -> impl Strategy<Value = Data> {
+pub(super) fn noise() -> impl Strategy<Value = Data> {
     vec(0.0..=1.0, MOST * MOST * MOST).prop_map(Data::Noise)
 }
 
-fn with_holes() -> impl Strategy<Value = Data> {
+pub(super) fn with_holes() -> impl Strategy<Value = Data> {
     let n = MOST * MOST * MOST;
     // One in eight is missing: 5 NaN, 6 +∞, 7 −∞.
     let hole = prop_oneof![21 => Just(0u8), 1 => Just(5u8), 1 => Just(6u8), 1 => Just(7u8)];
@@ -85,8 +152,14 @@ fn with_holes() -> impl Strategy<Value = Data> {
 }
 
 impl Data {
+    /// True if some samples may be NaN or infinite.
+    pub fn has_missing(&self) -> bool {
+        matches!(self, Self::Holes(..) | Self::Masked(..))
+    }
+
     fn at(&self, p: [usize; 3], dims: [usize; 3]) -> f64 {
-        let i = (p[2] * MOST + p[1]) * MOST + p[0];
+        // Larger grids repeat what is random.
+        let i = (p[2] % MOST * MOST + p[1] % MOST) * MOST + p[0] % MOST;
         match self {
             Self::Constant(v) => *v,
             Self::Smooth { slopes, curvature } => {
@@ -102,18 +175,32 @@ impl Data {
                 7 => f64::NEG_INFINITY,
                 _ => values[i],
             },
+            Self::Wave { turns, phase } => {
+                let turn: f64 = (0..3).map(|a| turns[a] * p[a] as f64 / (dims[a] - 1) as f64).sum();
+                0.5 + 0.5 * libm::sin(std::f64::consts::TAU * (turn + phase))
+            }
+            Self::Masked(data, regions) if !regions.iter().any(|r| r.holds(p, dims)) => data.at(p, dims),
+            Self::Masked(..) => f64::NAN,
+            Self::Flat(data, regions) => {
+                let last = regions.iter().rev().find(|(r, _)| r.holds(p, dims));
+                last.map_or_else(|| data.at(p, dims), |&(_, value)| value)
+            }
+            Self::Labels(regions) => {
+                let last = regions.iter().rev().find(|(r, _)| r.holds(p, dims));
+                f64::from(last.map_or(0, |&(_, label)| label)) / f64::from(LABELS)
+            }
         }
     }
 }
 
 /// Spacings along an axis relative to each other: usually near 1, at most 1:50.
-fn any_spacing() -> impl Strategy<Value = f64> + Clone {
+pub(super) fn any_spacing() -> impl Strategy<Value = f64> + Clone {
     // Boxed, for unions cannot be cloned otherwise.
     prop_oneof![4 => Just(1.0).boxed(), 3 => (0.5..2.0).boxed(), 1 => Just(25.0).boxed()]
 }
 
 /// The affine placement: any scale, a rotation, perhaps a shear, flips.
-fn placement(spacing: impl Strategy<Value = f64> + Clone) -> impl Strategy<Value = Placement> {
+pub(super) fn placement(spacing: impl Strategy<Value = f64> + Clone) -> impl Strategy<Value = Placement> {
     let scale = prop_oneof![4 => Just(1.0), 1 => Just(0.01), 1 => Just(100.0)];
     let spacing = (scale, [spacing.clone(), spacing.clone(), spacing])
         .prop_map(|(scale, spacing): (f64, [f64; 3])| spacing.map(|s| s * scale));
@@ -145,9 +232,21 @@ fn calibration() -> impl Strategy<Value = Calibration> {
 }
 
 fn build(kind: VoxelType, dims: [usize; 3], data: &Data, placement: Placement, calibration: Calibration) -> Volume {
+    build_in((0.0, 1.0), kind, dims, data, placement, calibration)
+}
+
+/// As [`build`], with floats between two numbers other than 0 and 1.
+pub(super) fn build_in(
+    (least, greatest): (f64, f64),
+    kind: VoxelType,
+    dims: [usize; 3],
+    data: &Data,
+    placement: Placement,
+    calibration: Calibration,
+) -> Volume {
     // Integers have no missing samples: their cast takes NaN to 0 and infinities to the ends of the range.
     let scaled = |low: f64, high: f64| samples(dims, |p| (low + data.at(p, dims) * (high - low)).round());
-    let float = || samples(dims, |p| data.at(p, dims));
+    let float = || samples(dims, |p| least + data.at(p, dims) * (greatest - least));
     fn cast<T: vr_core::Voxel>(
         dims: [usize; 3],
         numbers: Vec<f64>,

@@ -35,6 +35,39 @@ pub fn shading() -> impl Strategy<Value = Option<Shading>> {
     proptest::option::weighted(0.25, shading)
 }
 
+/// A headlight or one to three lights of any colour, either gradient.
+pub(super) fn lit() -> impl Strategy<Value = Shading> {
+    let direction = [-1.0..1.0, -1.0..1.0, 0.1..1.0];
+    let light = (proptest::option::weighted(0.7, direction), [0.0..1.0, 0.0..1.0, 0.0..1.0])
+        .prop_map(|(direction, color)| Light { direction: direction.map(DVec3::from), color });
+    let gradient = prop_oneof![3 => Just(GradientMethod::CentralDifferences), 1 => Just(GradientMethod::Analytic)];
+    (0.0..0.5, 0.2..1.0, prop_oneof![Just(0.0), 0.0..0.5], 1.0..20.0, vec(light, 1..=3), gradient).prop_map(
+        |(ambient, diffuse, specular, power, lights, gradient)| Shading {
+            ambient,
+            diffuse,
+            specular,
+            power,
+            lights,
+            gradient,
+            gradient_opacity: Vec::new(),
+        },
+    )
+}
+
+/// Factors on κ, at fractions of the steepest slope that there can be: rising, falling, one that is 0 in the middle.
+pub(super) fn modulation() -> impl Strategy<Value = Vec<(f64, f64)>> {
+    let factor = || prop_oneof![1 => Just(0.0), 1 => Just(1.0), 2 => 0.0..2.0];
+    vec((0.02..0.4, factor()), 1..=3).prop_map(|points| {
+        let mut magnitude = 0.0;
+        let mut place = |&(gap, factor): &(f64, f64)| {
+            let at = magnitude;
+            magnitude += gap;
+            (at, factor)
+        };
+        points.iter().map(&mut place).collect()
+    })
+}
+
 /// A compositing scheme, with its threshold as a fraction of the range of values.
 pub(super) fn scheme() -> impl Strategy<Value = Compositing> {
     prop_oneof![

@@ -9,10 +9,14 @@
 //!   rays that lie in faces. Here errors have bounds.
 //! - [`smooth_scene`]: also free of kinks, as far as a filter allows: here errors have orders.
 //!
+//! [`Kind`] names what can be hard about a scene, and [`scene_of`] draws any of it: what [`errors_fall`](super::errors_fall) and
+//! the long runs of `vr-benches` look at.
+//!
 //! All of these are grids. [`point_scene`] and [`tame_point_scene`] are the first two of scattered points.
 
 mod cameras;
 mod grids;
+mod kinds;
 mod looks;
 mod points;
 mod scenes;
@@ -20,6 +24,7 @@ mod transfers;
 
 pub use cameras::{camera, clip, generic_camera};
 pub use grids::{grid, smooth_grid, tame_grid};
+pub use kinds::{Kind, scene_of};
 pub use looks::{compositing, filter, shading, tame_compositing};
 pub use points::{point_scene, point_set, tame_point_scene};
 pub use scenes::{scene, smooth_scene, tame_scene};

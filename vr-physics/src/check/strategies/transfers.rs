@@ -15,6 +15,7 @@ pub(super) struct Recipe {
     unit_distance: f64,
 }
 
+/// How light is given.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     DensityEmitter,
@@ -85,6 +86,90 @@ pub(super) fn smooth_recipe() -> impl Strategy<Value = Recipe> {
             Recipe { points, kind, rule, unit_distance }
         },
     )
+}
+
+/// Jumps, one to three: to opaque, to nearly so, to anything; from fog or from nothing; with the same colour on both sides, or
+/// with black or another one.
+pub(super) fn jumping_recipe() -> impl Strategy<Value = Recipe> {
+    let before = prop_oneof![1 => Just(0.0), 2 => 0.0..0.5];
+    let after = prop_oneof![2 => Just(1.0), 2 => Just(0.999), 3 => 0.0..1.0];
+    let colors = prop_oneof![
+        1 => color().prop_map(|c| (c, c)),
+        1 => color().prop_map(|c| ([0.0; 3], c)),
+        2 => (color(), color()),
+    ];
+    let jump = (0.1..0.35, before, after, colors, color());
+    (vec(jump, 1..=3), 0.05..0.4, kind(), rule(), 0.5..4.0).prop_map(|(jumps, first, kind, rule, unit_distance)| {
+        let mut value = first;
+        let mut points = Vec::new();
+        for (gap, before, after, (below, above), emission) in jumps {
+            points.push((value, below, before, emission.map(|e| 0.3 * e)));
+            points.push((value, above, after, emission));
+            value += gap;
+        }
+        Recipe { points, kind, rule, unit_distance }
+    })
+}
+
+/// One or two triangles, 0.003 to 0.05 of the range of values wide: shells much thinner than a cell.
+pub(super) fn spiked_recipe() -> impl Strategy<Value = Recipe> {
+    let width = (-2.5..-1.3).prop_map(|e| libm::pow(10.0, e));
+    let peak = prop_oneof![1 => Just(1.0), 2 => Just(0.999), 3 => 0.2..1.0];
+    let fog = prop_oneof![2 => Just(0.0), 1 => 0.0..0.1];
+    let spike = (0.1..0.4, width, peak, color(), color());
+    (vec(spike, 1..=2), fog, color(), -0.05..0.4, kind(), rule(), 0.3..2.0).prop_map(
+        |(spikes, fog, fog_color, first, kind, rule, unit_distance)| {
+            let mut value = first;
+            let mut points = Vec::new();
+            for (gap, width, peak, color, emission) in spikes {
+                value += gap;
+                points.push((value - 0.5 * width, fog_color, fog, [0.0; 3]));
+                points.push((value, color, peak, emission));
+                points.push((value + 0.5 * width, fog_color, fog, [0.0; 3]));
+            }
+            Recipe { points, kind, rule, unit_distance }
+        },
+    )
+}
+
+/// A ramp up to a plateau of 1, the colour changing on it.
+pub(super) fn opaque_recipe() -> impl Strategy<Value = Recipe> {
+    ([color(), color(), color()], 0.0..0.5, 0.02..0.4, 0.0..0.3, rule(), 0.5..2.0).prop_map(
+        |([before, entry, inside], first, ramp, fog, rule, unit_distance)| Recipe {
+            points: vec![
+                (first, before, fog, [0.0; 3]),
+                (first + ramp, entry, 1.0, [0.0; 3]),
+                (1.1, inside, 1.0, [0.0; 3]),
+            ],
+            kind: Kind::DensityEmitter,
+            rule,
+            unit_distance,
+        },
+    )
+}
+
+/// Each of so many labels, at equal distances over the range of values, has a colour and an opacity of its own; jumps half-way.
+pub(super) fn label_recipe(labels: usize) -> impl Strategy<Value = Recipe> {
+    let opacity = prop_oneof![2 => Just(0.0), 1 => Just(1.0), 3 => 0.0..1.0];
+    let look = vec((color(), opacity, color()), labels + 1);
+    (look, rule(), 0.5..2.0).prop_map(move |(looks, rule, unit_distance)| {
+        let edge = |i: usize| (i as f64 - 0.5) / labels as f64;
+        let points = looks.iter().enumerate();
+        let points = points.flat_map(|(i, &(c, a, e))| [(edge(i), c, a, e), (edge(i + 1), c, a, e)]).collect();
+        Recipe { points, kind: Kind::DensityEmitter, rule, unit_distance }
+    })
+}
+
+/// A transfer function that gives emission on its own, with jumps or without.
+pub(super) fn emitting_recipe() -> impl Strategy<Value = Recipe> {
+    let recipe = prop_oneof![2 => tame_recipe(), 1 => jumping_recipe()];
+    let kind = prop_oneof![1 => Just(Kind::EmissionAlone), 2 => Just(Kind::EmissionAndAbsorption)];
+    (recipe, kind).prop_map(|(recipe, kind)| Recipe { kind, ..recipe })
+}
+
+/// Light that is κ·c: all that shading acts on.
+pub(super) fn reflecting_recipe() -> impl Strategy<Value = Recipe> {
+    tame_recipe().prop_map(|recipe| Recipe { kind: Kind::DensityEmitter, ..recipe })
 }
 
 fn from_parts(
