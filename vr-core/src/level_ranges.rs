@@ -17,6 +17,8 @@ pub struct LevelRanges {
     origin: f64,
     spacing: f64,
     ranges: Vec<[u8; 2]>,
+    /// True for blocks of which a part is vacuum; empty where no sample is missing.
+    holes: Vec<bool>,
 }
 
 impl LevelRanges {
@@ -42,7 +44,7 @@ impl LevelRanges {
             [(level(range.low) + Self::SLACK).floor() as u8, (level(range.high) - Self::SLACK).ceil() as u8]
         };
         let (blocks, ranges) = block_ranges(volume, filter, Self::EDGE, keep);
-        Self { blocks, origin: low, spacing, ranges }
+        Self { blocks, origin: low, spacing, ranges, holes: holes(volume, blocks) }
     }
 
     /// The range of a block that is vacuum throughout: its ends are the wrong way round.
@@ -65,6 +67,16 @@ impl LevelRanges {
         &self.ranges
     }
 
+    /// True if a part of a block is vacuum, of which its range says nothing: cells with a missing corner.
+    pub fn has_hole(&self, block: usize) -> bool {
+        self.holes.get(block).is_some_and(|&hole| hole)
+    }
+
+    /// True if a part of any block is vacuum.
+    pub fn has_holes(&self) -> bool {
+        !self.holes.is_empty()
+    }
+
     /// The bounds that [`crate::RangeBlocks`] would give of a trilinear field between two levels, where levels are exact.
     pub fn bounds(&self, levels: [u8; 2]) -> (f32, f32) {
         let [low, high] = levels.map(|level| self.stored(level) as f32);
@@ -75,6 +87,22 @@ impl LevelRanges {
     pub fn stored(&self, level: u8) -> f64 {
         self.origin + f64::from(level) * self.spacing
     }
+}
+
+/// Blocks of which a part is vacuum; none where no sample is missing.
+fn holes(volume: &UniformVolume, blocks: [usize; 3]) -> Vec<bool> {
+    let Some(vacuum) = volume.vacuum_cells() else { return Vec::new() };
+    let mut holes = vec![false; blocks.iter().product()];
+    let cells = volume.dims().map(|n| n - 1);
+    for z in 0..cells[2] {
+        for y in 0..cells[1] {
+            let row = (z / LevelRanges::EDGE * blocks[1] + y / LevelRanges::EDGE) * blocks[0];
+            for x in 0..cells[0] {
+                holes[row + x / LevelRanges::EDGE] |= vacuum.is_vacuum([x, y, z]);
+            }
+        }
+    }
+    holes
 }
 
 #[cfg(test)]
@@ -136,5 +164,16 @@ mod tests {
     fn vacuum_is_nothing() {
         let volume = volume([2, 2, 2], vec![f32::NAN; 8]);
         assert_eq!(volume.uniform().unwrap().level_ranges(Filter::Trilinear).ranges(), [LevelRanges::NOTHING]);
+    }
+
+    #[test]
+    fn holes_are_noted_beside_the_range_of_the_rest() {
+        let mut samples = vec![3.0f32; 9 * 5 * 5];
+        samples[7] = f32::NAN;
+        let ranges = volume([9, 5, 5], samples);
+        let ranges = ranges.uniform().unwrap().level_ranges(Filter::Trilinear);
+        assert_eq!((ranges.has_hole(0), ranges.has_hole(1)), (false, true));
+        assert_eq!(ranges.ranges()[0], ranges.ranges()[1]);
+        assert!(!volume([2, 2, 2], vec![1.0f32; 8]).uniform().unwrap().level_ranges(Filter::Trilinear).has_holes());
     }
 }

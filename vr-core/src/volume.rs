@@ -14,6 +14,7 @@ use crate::placement::Placement;
 use crate::point_set::PointSet;
 use crate::range_blocks::RangeBlocks;
 use crate::sampler::Sampler;
+use crate::value_frame::framed;
 use crate::voxel::{Voxel, VoxelType};
 
 /// A volume of any kind. Cloning is cheap: everything is shared.
@@ -166,9 +167,11 @@ pub struct UniformVolume {
 }
 
 impl UniformVolume {
+    /// Numbers are carried in a frame that suits f32: see [`ValueFrame`](crate::ValueFrame).
     fn new(grid: AnyGrid) -> Self {
+        let framed = if let AnyGrid::F32(g) = &grid { framed(g) } else { None };
         Self {
-            grid,
+            grid: framed.map_or(grid, AnyGrid::F32),
             filled: OnceLock::new(),
             coefficients: OnceLock::new(),
             blocks: Mutex::default(),

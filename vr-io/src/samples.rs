@@ -1,6 +1,6 @@
 //! Samples in a memory type, owned or mapped, and how the other types get there.
 
-use vr_core::{AnyGrid, Calibration, GridError, Placement, UniformGrid, Voxel};
+use vr_core::{AnyGrid, Calibration, GridError, Placement, UniformGrid, ValueFrame, Voxel};
 
 use crate::decode::Scalar;
 use crate::mapped::MappedSamples;
@@ -27,6 +27,8 @@ pub(crate) enum Samples {
     U16(Stored<u16>),
     I16(Stored<i16>),
     F32(Stored<f32>),
+    /// Numbers of a wider type, in a frame in which f32 keeps their digits.
+    Framed(Vec<f32>, ValueFrame),
 }
 
 impl Samples {
@@ -53,6 +55,11 @@ impl Samples {
             Self::U16(s) => grid(dims, s, placement, calibration),
             Self::I16(s) => grid(dims, s, placement, calibration),
             Self::F32(s) => grid(dims, s, placement, calibration),
+            Self::Framed(s, frame) => {
+                let Calibration { slope, intercept } = calibration;
+                let framed = frame.calibration(calibration).ok_or(GridError::Calibration { slope, intercept })?;
+                grid(dims, Stored::Owned(s), placement, framed)
+            }
         }
     }
 
@@ -113,6 +120,10 @@ macro_rules! wide_integer {
                 let floats: Vec<f32> = s.iter().map(|&x| x as f32).collect();
                 // Through i128, since casts from float saturate: u64::MAX rounds up to 2^64 and must not count as exact.
                 let rounded = s.iter().zip(&floats).filter(|&(&x, &f)| i128::from(x) != f as i128).count();
+                if rounded > 0 && let Some(frame) = ValueFrame::of_range(low as f64, high as f64) {
+                    notes.push(framed_note(name));
+                    return Samples::Framed(s.iter().map(|&x| frame.stored(x as f64)).collect(), frame);
+                }
                 notes.push(float_note(name, rounded, s.len()));
                 Samples::F32(Stored::Owned(floats))
             }
@@ -128,6 +139,15 @@ impl Remember for f64 {
         let floats: Vec<f32> = s.iter().map(|&x| x as f32).collect();
         // NaN differs from itself and is not rounded; what overflows f32 becomes infinite, which is.
         let rounded = s.iter().zip(&floats).filter(|&(&x, &f)| !x.is_nan() && x != f64::from(f)).count();
+        let finite = || s.iter().copied().filter(|x| x.is_finite());
+        let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+        if rounded > 0
+            && low <= high
+            && let Some(frame) = ValueFrame::of_range(low, high)
+        {
+            notes.push(framed_note("f64"));
+            return Samples::Framed(s.iter().map(|&x| frame.stored(x)).collect(), frame);
+        }
         notes.push(float_note("f64", rounded, s.len()));
         Samples::F32(Stored::Owned(floats))
     }
@@ -138,6 +158,10 @@ fn float_note(name: &str, rounded: usize, of: usize) -> String {
         0 => format!("{name} samples are held as f32, all of them exactly"),
         n => format!("{name} samples are held as f32: {n} of {of} were rounded"),
     }
+}
+
+fn framed_note(name: &str) -> String {
+    format!("{name} samples are held as f32 distances from one of them, to seven digits of their range")
 }
 
 #[cfg(test)]
@@ -165,5 +189,19 @@ mod tests {
         assert!(remember(vec![0i32, (1 << 24) + 1]).1.contains("1 of 2 were rounded"));
         assert!(remember(vec![u64::MAX, 0]).1.contains("1 of 2 were rounded"));
         assert!(remember(vec![0.1f64, 0.5, f64::NAN]).1.contains("1 of 3 were rounded"));
+    }
+
+    #[test]
+    fn digits_far_from_zero_are_kept() {
+        let values = vec![1e7 + 0.25, 1e7 + 0.26, f64::NAN, 1e7 + 0.5, 1e7, 1e7 + 0.75, 1e7 + 0.1, 1e7 + 0.3];
+        let (samples, note) = remember(values.clone());
+        assert!(note.contains("distances"), "{note}");
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let calibration = Calibration { slope: 3.0, intercept: 1.0 };
+        let AnyGrid::F32(grid) = samples.into_grid([2; 3], placement, calibration).unwrap() else { panic!("floats") };
+        for (stored, value) in grid.samples().iter().zip(values) {
+            let (got, wanted) = (grid.calibration().value(f64::from(*stored)), calibration.value(value));
+            assert!((got - wanted).abs() < 1e-6 || wanted.is_nan(), "{got} {wanted}");
+        }
     }
 }

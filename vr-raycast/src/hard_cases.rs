@@ -24,7 +24,7 @@ impl RayCaster {
         match self.step {
             Step::Tolerance(error) if self.screen == Screen::EveryPixel => Some(error),
             Step::Uniform(step) if midpoint && step <= FINE => of_fine_steps(case),
-            step if midpoint && step == Step::default() => of_default_steps(case),
+            Step::Auto | Step::Local { error: Step::ERROR } if midpoint => of_default_steps(case),
             _ => None,
         }
     }

@@ -92,9 +92,9 @@ impl Homogeneity {
         let mut nodes: Vec<Range> = levels
             .ranges()
             .iter()
-            .map(|&levels| Range { levels, holed: levels == LevelRanges::NOTHING, bend: f32::INFINITY })
+            .enumerate()
+            .map(|(i, &range)| Range { levels: range, holed: levels.has_hole(i), bend: f32::INFINITY })
             .collect();
-        note_holes(volume, blocks, &mut nodes);
         let mut bytes = vec![MIXED; nodes.len()];
         let mut size = blocks;
         for level in 0..u32::from(CLEAR) {
@@ -156,20 +156,6 @@ fn parents(nodes: &[Range], size: [usize; 3]) -> (Vec<Range>, [usize; 3]) {
         }
     }
     (parents, half)
-}
-
-/// Marks the blocks that have a vacuum cell.
-fn note_holes(volume: &UniformVolume, blocks: [usize; 3], nodes: &mut [Range]) {
-    let Some(vacuum) = volume.vacuum_cells() else { return };
-    let cells = volume.dims().map(|n| n - 1);
-    for z in 0..cells[2] {
-        for y in 0..cells[1] {
-            let row = (z / Homogeneity::EDGE * blocks[1] + y / Homogeneity::EDGE) * blocks[0];
-            for x in 0..cells[0] {
-                nodes[row + x / Homogeneity::EDGE].holed |= vacuum.is_vacuum([x, y, z]);
-            }
-        }
-    }
 }
 
 #[derive(Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use vr_core::transfer::{BakedTransfer, PreIntegrated, outwards, resolves_ramps};
 use vr_core::{Filter, Real, Scene, UniformVolume};
 
-use crate::caster::{Classification, Leaping, Precision, RayCaster, Rule, Step, Traversal};
+use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
 use crate::homogeneity::Homogeneity;
 use crate::leap::{EmptySpace, Visibility};
@@ -170,11 +170,10 @@ impl<R: Real> Instruments<R> {
         let kept = last.and_then(|i| i.classifier.table.clone()).filter(|(_, length)| *length == step);
         // Local steps are of many lengths, none of which has a table.
         let follows = matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples;
-        let leaping = caster.leaping != Leaping::None;
         let pace = |error: f64| {
             last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
                 let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
-                let map = PaceMap::new(&levels, scene, volume.calibration(), voxel, error, leaping);
+                let map = PaceMap::new(&levels, scene, field, volume.calibration(), voxel, error);
                 Arc::new(map)
             })
         };

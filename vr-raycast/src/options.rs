@@ -21,6 +21,7 @@ const RULES: &[(&str, Rule)] = &[
 const TRAVERSALS: &[(&str, Traversal)] =
     &[("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)];
 const LEAPINGS: &[(&str, Leaping)] = &[
+    ("auto", Leaping::Auto),
     ("none", Leaping::None),
     ("octree", Leaping::Octree),
     ("pyramid", Leaping::Pyramid),
@@ -56,6 +57,7 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         spec(
             "leaping",
             OptionKind::Choice(&[
+                "auto",
                 "none",
                 "octree",
                 "pyramid",
@@ -64,7 +66,7 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
                 "boxes",
                 "polyhedron",
             ]),
-            "how rays find out where nothing is visible; changes no pixel",
+            "how rays find out where nothing is visible; changes no pixel. But for auto, it goes with uniform steps, and all but none with the plain engine",
         ),
         spec(
             "rule",
@@ -241,7 +243,7 @@ mod tests {
         }
         assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
         for (word, leaping) in LEAPINGS {
-            let options = Options::new().with("leaping", *word);
+            let options = Options::new().with("leaping", *word).with("step", 0.2);
             assert_eq!(configure(&RayCaster::default(), &options).unwrap().leaping, *leaping);
         }
         // The numbers of other kinds of steps than the default's choose those.

@@ -13,6 +13,7 @@ const COARSE: &str = "coarse";
 
 /// Every kind of steps, and the numbers that it takes.
 const KINDS: &[(&str, &[&str])] = &[
+    ("auto", &[]),
     ("uniform", &[STEP]),
     ("local", &[LOCAL_ERROR]),
     ("vicinity", &[STEP, COARSE]),
@@ -23,20 +24,16 @@ const KINDS: &[(&str, &[&str])] = &[
 /// The numbers: the largest allowed, what they are where none is given, and help.
 const NUMBERS: &[(&str, f64, f64, &str)] = &[
     (STEP, RayCaster::LONGEST_STEP, 0.2, "length of a step, as a fraction of the smallest voxel edge"),
-    (LOCAL_ERROR, 1.0, 2e-3, "RMSE that local steps aim at"),
+    (LOCAL_ERROR, 1.0, Step::ERROR, "RMSE that local steps aim at"),
     (HOMOGENEITY, 1.0, 1e-2, "largest error that all the long ones of homogeneous steps may make together on a ray"),
     (MAX_ERROR, 1.0, 4e-3, "largest error of the picture that steps of a tolerance promise; 1e-6 at the least"),
-    (
-        COARSE,
-        RayCaster::LONGEST_STEP,
-        8.0,
-        "length in voxels of the coarse steps of steps=vicinity, which needs leaping=none",
-    ),
+    (COARSE, RayCaster::LONGEST_STEP, 8.0, "length in voxels of the coarse steps of steps=vicinity"),
 ];
 
 /// The kind of a step and its numbers, in the order of [`KINDS`].
 fn parts(step: Step) -> (&'static str, Vec<f64>) {
     match step {
+        Step::Auto => ("auto", vec![]),
         Step::Uniform(step) => ("uniform", vec![step]),
         Step::Local { error } => ("local", vec![error]),
         Step::Homogeneous { step, error } => ("homogeneous", vec![step, error]),
@@ -48,6 +45,7 @@ fn parts(step: Step) -> (&'static str, Vec<f64>) {
 /// The step of a kind, from its numbers by name.
 fn build(kind: &str, number: impl Fn(&str) -> f64) -> Step {
     match kind {
+        "auto" => Step::Auto,
         "uniform" => Step::Uniform(number(STEP)),
         "local" => Step::Local { error: number(LOCAL_ERROR) },
         "homogeneous" => Step::Homogeneous { step: number(STEP), error: number(HOMOGENEITY) },
@@ -71,9 +69,9 @@ fn held(step: Step) -> Vec<(&'static str, f64)> {
 pub(crate) fn specs() -> Vec<OptionSpec> {
     let kind = OptionSpec {
         key: STEPS,
-        kind: OptionKind::Choice(&["uniform", "local", "vicinity", "homogeneous", "tolerance"]),
+        kind: OptionKind::Choice(&["auto", "uniform", "local", "vicinity", "homogeneous", "tolerance"]),
         default: parts(Step::default()).0.into(),
-        help: "how long steps are: all alike; as what is in each place allows; alike, with coarse ones where nothing is visible; long \
+        help: "how long steps are: local where light is followed, else uniform; all alike; as what is in each place allows; alike, with coarse ones where nothing is visible; long \
                where the medium is nearly the same; as a promised error asks for",
     };
     let default = held(Step::default());

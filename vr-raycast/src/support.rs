@@ -2,7 +2,9 @@
 
 use vr_core::{Compositing, Filter, RenderError, Scene, UniformVolume};
 
-use crate::caster::{Classification, Connectivity, Order, Precision, RayCaster, Rule, Screen, Step, Traversal};
+use crate::caster::{
+    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal,
+};
 
 pub(crate) fn unsupported(feature: String) -> RenderError {
     RenderError::Unsupported { renderer: RayCaster::NAME, feature }
@@ -14,6 +16,19 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
     scene.validate()?;
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
+    }
+    if matches!(caster.step, Step::Local { .. }) && !caster.follows_light(scene) {
+        let what = if caster.order == Order::BackToFront { "back to front" } else { scene.compositing.name() };
+        return Err(unsupported(format!(
+            "local steps (local-error) under '{what}', where there is no light to follow: set a step"
+        )));
+    }
+    let samples_all = !scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. });
+    let leaps =
+        matches!(caster.step, Step::Vicinity { .. }) || !matches!(caster.leaping, Leaping::Auto | Leaping::None);
+    if samples_all && leaps {
+        let what = scene.compositing.name();
+        return Err(unsupported(format!("leaping over what is clear under '{what}', which depends on it, too")));
     }
     if let Some(what) = beyond_screen(caster, scene) {
         return Err(unsupported(what));
@@ -65,6 +80,7 @@ fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
                 (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
                 (caster.order == Order::BackToFront).then_some("compositing back to front".to_owned()),
                 uneven,
+                (caster.leaping != Leaping::Auto).then_some("a way of leaping".to_owned()),
                 (caster.rule != Rule::Midpoint).then(|| format!("the rule '{}'", caster.rule.name())),
                 (caster.precision == Precision::F64).then_some("64-bit precision".to_owned()),
                 (caster.classification == Classification::Exact).then_some("exact classification".to_owned()),

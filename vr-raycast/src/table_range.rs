@@ -52,28 +52,10 @@ pub(crate) fn resolves<R: Real>(
     resolves_ramps(table.spacing(), volume.calibration(), transfer)
 }
 
-/// Of the largest stored number, what the narrowest ramp must span for f32: a value rounded a few times is then known to 10⁻³ of it.
-/// A field in which something jumps must span as much, for the place of the jump to be known to 10⁻³ of the field.
-const RAMP_IN_F32: f64 = 1.0 / 4096.0;
-
-/// Whether f32 tells apart all that the transfer function does. How narrow a jump is does not count: no precision has room for it.
+/// Whether f32 tells apart all that the transfer function does: a value that is rounded a few times is known to 10⁻³ of the narrowest
+/// ramp, and the place of a jump to 10⁻³ of the field.
 pub(crate) fn single_precision_resolves(volume: &UniformVolume, transfer: &TransferFunction) -> bool {
-    let calibration = volume.calibration();
-    let (low, high) = volume.census().range.map_or((0.0, 0.0), |(low, high)| (f64::from(low), f64::from(high)));
-    let least = RAMP_IN_F32 * low.abs().max(high.abs());
-    // A constant is exact in f32.
-    if high > low && high - low < least && jumps_within(volume, transfer, low, high) {
-        return false;
-    }
-    let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
-    // Ramps beyond the data are never seen, but a few of them do no harm.
-    ramps.map(|s| (s.to - s.from) / calibration.slope.abs()).all(|width| width >= least)
-}
-
-/// Whether the transfer function jumps at a stored number of a range, ends included.
-fn jumps_within(volume: &UniformVolume, transfer: &TransferFunction, low: f64, high: f64) -> bool {
-    let jumps = transfer.points().windows(2).filter(|pair| pair[0].value == pair[1].value);
-    jumps.map(|pair| volume.calibration().stored(pair[0].value)).any(|at| low <= at && at <= high)
+    transfer::rounding_in_f32(volume, transfer) <= 1.0 / 4096.0
 }
 
 #[cfg(test)]
@@ -98,21 +80,5 @@ mod tests {
         assert!(!resolved(&[0.0, 30000.0, 30001.0, 65535.0], Filter::Trilinear));
         assert!(resolved(&[29990.0, 30000.0, 30010.0], Filter::Trilinear), "the table covers what the points do");
         assert!(resolved(&[29990.0, 30000.0, 30001.0, 30010.0], Filter::Nearest));
-    }
-
-    #[test]
-    fn jumps_in_narrow_fields_need_more_than_f32() {
-        let resolves = |width: f32, jump: f64| {
-            let samples = vec![1000.0, 1000.0 + width, 1000.0, 1000.0, 1000.0, 1000.0, 1000.0, 1000.0];
-            let placement = Placement::from_spacing([1.0; 3]).unwrap();
-            let volume: Volume = UniformGrid::new([2; 3], samples, placement, Calibration::default()).unwrap().into();
-            let points = [0.1, 0.9].map(|opacity| ControlPoint::new(jump, [1.0; 3], opacity));
-            let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
-            single_precision_resolves(volume.uniform().unwrap(), &transfer)
-        };
-        assert!(!resolves(0.2, 1000.1) && !resolves(0.2, 1000.0));
-        assert!(resolves(0.3, 1000.1), "1/4096 of 1000.3 is 0.244");
-        assert!(resolves(0.2, 999.9), "nothing jumps in the field");
-        assert!(resolves(0.0, 1000.0), "a constant");
     }
 }

@@ -71,7 +71,6 @@ fn errors_fall_with_the_step() {
 }
 
 #[test]
-#[ignore = "until tables of optics hold jumps, and ranges of blocks know of vacuum"]
 fn errors_fall_with_the_step_whatever_is_hard() {
     errors_of(&[uniform(), local()], &Kind::ALL);
 }

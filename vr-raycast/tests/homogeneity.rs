@@ -15,7 +15,7 @@ fn short(step: f64) -> RayCaster {
 }
 
 fn long(step: f64, error: f64) -> RayCaster {
-    RayCaster { step: Step::Homogeneous { step, error }, ..short(step) }
+    RayCaster { step: Step::Homogeneous { step, error }, leaping: Leaping::Auto, ..short(step) }
 }
 
 proptest! {

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex};
 use fearless_simd::Level;
 use glam::DVec3;
 use vr_core::{
-    Compositing, Control, Frame, Model, Prepared, RenderError, RenderStats, Rendered, Scene, Shading, UniformVolume,
-    View,
+    Calibration, Compositing, Control, Frame, Model, Prepared, RenderError, RenderStats, Rendered, Scene, Shading,
+    UniformVolume, View,
 };
 
 use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume};
@@ -229,13 +229,8 @@ impl PreparedShearWarp {
             scratch: &self.scratch,
             control,
         };
+        let choice = Choice::of(self.scene.compositing, self.calibration());
         let image = &mut self.image;
-        let choice = match self.scene.compositing {
-            Compositing::Maximum => Some(Choice::Largest),
-            Compositing::Minimum => Some(Choice::Smallest),
-            Compositing::Average => Some(Choice::Mean),
-            _ => None,
-        };
         if let Some(choice) = choice {
             return match &axis.voxels.codes {
                 Codewords::Bytes(voxels) => job.draw(&Pick { voxels, choice }, image),
@@ -282,6 +277,10 @@ impl PreparedShearWarp {
         Ok(self.image.texels())
     }
 
+    fn calibration(&self) -> Calibration {
+        self.scene.volume.uniform().expect("checked before").calibration()
+    }
+
     /// Makes the table of what normals reflect, unless neither light nor view has changed.
     fn reflect(&mut self, view: &View, control: &Control) -> Result<(), RenderError> {
         let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
@@ -295,8 +294,7 @@ impl PreparedShearWarp {
 
     /// Turns the values of texels into light and opacity.
     fn classify_picks(&mut self, choice: Choice) {
-        let volume = self.scene.volume.uniform().expect("checked before");
-        let (calibration, transfer, codes) = (volume.calibration(), &self.scene.transfer, &self.codes);
+        let (calibration, transfer, codes) = (self.calibration(), &self.scene.transfer, &self.codes);
         for texel in self.image.texels_mut() {
             let [value, weight, ..] = texel.map(f64::from);
             if weight > 0.0 {

@@ -1,6 +1,7 @@
 //! What the renderer can draw, and what it says of the rest.
 
 use glam::DVec3;
+use vr_core::transfer::beyond_f32;
 use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, UniformVolume, View};
 
 use crate::shear_warp::ShearWarp;
@@ -27,7 +28,12 @@ pub(crate) fn check<'s>(renderer: &ShearWarp, scene: &'s Scene) -> Result<&'s Un
             return Err(unsupported("analytic gradients: normals are encoded at the samples"));
         }
     }
-    scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
+    let volume =
+        scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    match beyond_f32(volume, &scene.transfer) {
+        Some(feature) => Err(unsupported(feature)),
+        None => Ok(volume),
+    }
 }
 
 /// Whether this renderer can draw this view; the index box that is left of the volume, if so. Its corners are the wrong way round where

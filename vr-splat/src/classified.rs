@@ -57,7 +57,7 @@ impl Classified {
                 let seen = VisibleRanges::new(transfer, calibration, range, offset);
                 let all = !scene.compositing.integrates_light() || (seen.shows_all() && grid.vacuum_cells().is_none());
                 Visible::Voxels(if all {
-                    VisibleVoxels::all(grid.dims())
+                    VisibleVoxels::all(grid.dims(), grid.vacuum_cells())
                 } else {
                     grid.with_lattice(FindVisible { renderer, grid, seen: &seen })
                 })

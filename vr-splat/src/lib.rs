@@ -49,14 +49,20 @@
 //! [`Classification::Voxels`], each point is classified by its value and what it emits and absorbs is spread: κ(x) = Σ wₖ κ(vₖ) Wₖ(x).
 //!
 //! # What it integrates
-//! [`vr_core::Prepared::model`] gives θ and b of every sheet or splat along a ray, computed in f64. Where light is not composited under `over`, it is the
-//! scene as it is.
+//! [`vr_core::Prepared::model`] gives θ and b of every sheet or splat along a ray, computed in f64: `Discrete` under `over`. Under every other operator it is
+//! `Canonical`, the pixel that bilinear weights converge to; the other kernels smooth, and have a value of their own.
+//!
+//! - `average`: ∫ Σ fₖ wₖ ds / ∫ Σ wₖ ds over what box, clip and opaque layer leave of the ray. A constant's mean is the constant, with any kernel; with bilinear
+//!   weights Σ wₖ = 1, and the mean is exact but for rounding, on chords of any length.
+//! - `maximum`, `minimum`: of values in the middle of sheets. `first`: colour at the threshold, or that of the sheet in which the ray enters.
+//! - Missing voxels: vacuum is known to a sheet, and errors at its faces fall with the distance of sheets by the order 1; so with `average` there.
 //!
 //! # What cannot be drawn
 //! Answered by [`vr_core::RenderError::Unsupported`]: shading but of a grid's values by central differences (they come from the grid, at the places
 //! where sheets are classified), and not of gaps; opacity that follows the gradient; filters of the scene but the trilinear one (kernels are an option); the volume's own
-//! sheets of points; maximum, minimum and first but of values in sheets parallel to the image; back to front but of the volume's own sheets under `over`.
-//! Frames have no depth.
+//! sheets of points; another kernel for points than their own; maximum, minimum, average and first but of values in sheets parallel to the image; back to
+//! front but of the volume's own sheets under `over`. Frames have no depth. Options that have no effect beside the others (`sigma` of what is no Gaussian,
+//! `slice-distance` where sheets are not parallel to the image, `termination` back to front) are errors where they are set.
 
 mod bins;
 mod bit_rows;

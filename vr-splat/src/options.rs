@@ -40,21 +40,25 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         spec(
             "kernel",
             OptionKind::Choice(&["bilinear", "bspline", "gaussian", "cone", "sinc"]),
-            "how a voxel is spread; scattered points have kernels of their own",
+            "how a voxel is spread; scattered points have kernels of their own, and take none of these five",
         ),
         spec(
             "radius",
             OptionKind::Number { above: -f64::MIN_POSITIVE, most: 8.0 },
             "how far a kernel reaches, in voxels, 0.5 to 8; 0: 1 bilinear, 2 bspline and gaussian, 1.6 cone, 3 sinc",
         ),
-        spec("sigma", OptionKind::Number { above: 0.0, most: 8.0 }, "standard deviation of a gaussian, in voxels"),
+        spec(
+            "sigma",
+            OptionKind::Number { above: 0.0, most: 8.0 },
+            "standard deviation of the kernel gaussian, in voxels",
+        ),
         spec("width-x", width, "factor on a kernel's width along the volume's x, 0.25 to 4"),
         spec("width-y", width, "the same along y"),
         spec("width-z", width, "the same along z"),
         spec(
             "slice-distance",
             OptionKind::Number { above: 0.0, most: 64.0 },
-            "between sheets parallel to the image, in smallest voxel edges, or in half mean radii of points; at least 0.02",
+            "between sheets parallel to the image, in smallest voxel edges, or in half mean radii of points; at least 0.02; means over grids need no sheets but where voxels are missing",
         ),
         spec(
             "low-pass",
@@ -69,7 +73,7 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         spec(
             "termination",
             OptionKind::Number { above: 0.0, most: 1.0 },
-            "opacity from which on pixels take no more; 1: never",
+            "opacity from which on pixels take no more, front to back; 1: never",
         ),
     ]
 });
@@ -151,6 +155,32 @@ mod tests {
         for (key, value) in [("radius", 0.1), ("slice-distance", 0.001), ("width-y", 0.01), ("termination", 0.0)] {
             let error = configure(&Splatting::default(), &Options::new().with(key, value)).unwrap_err();
             assert!(error.to_string().contains(key), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_effect_is_refused_where_it_is_set() {
+        let new = Options::new;
+        let axis = || new().with("buffers", "axis");
+        for (idle, key) in [
+            (new().with("sigma", 0.9), "sigma"),
+            (new().with("kernel", "sinc").with("sigma", 0.9), "sigma"),
+            (axis().with("slice-distance", 0.5), "slice-distance"),
+            (new().with("buffers", "samples").with("slice-distance", 0.5), "slice-distance"),
+            (axis().with("order", "back-to-front").with("termination", 0.9), "termination"),
+        ] {
+            let error = configure(&Splatting::default(), &idle).unwrap_err().to_string();
+            assert!(error.contains(key) && error.contains("absent"), "{error}");
+        }
+        let backwards = || axis().with("order", "back-to-front");
+        // At their defaults options may be there; 1 is what happens back to front.
+        for fine in [
+            axis().with("sigma", 0.7).with("slice-distance", 1.0),
+            new().with("kernel", "gaussian").with("sigma", 0.9).with("slice-distance", 0.5),
+            backwards().with("termination", 0.9999),
+            backwards().with("termination", 1.0),
+        ] {
+            assert!(configure(&Splatting::default(), &fine).is_ok(), "{fine:?}");
         }
     }
 }

@@ -96,7 +96,7 @@ impl Prepared for PreparedSplatting {
         Ok(Rendered { frame, stats })
     }
 
-    /// What is composited; of what is picked, the scene as it is.
+    /// The sum over sheets or splats under `over`; the canonical pixel under every other operator.
     fn model(&self, view: &View) -> Model {
         if self.scene.compositing != Compositing::Over {
             return Model::Canonical;
@@ -181,7 +181,8 @@ impl PreparedSplatting {
             Things::Points(_) => None,
         };
         let operator = self.operator(calibration);
-        let sums = operator == Operator::Average && grid.is_some();
+        // Where nothing is missing, a mean needs no sheets.
+        let sums = operator == Operator::Average && grid.is_some_and(|grid| grid.vacuum_cells().is_none());
         let sheets = ImageSheets::new(renderer, &scene.volume, things, splat_view)?;
         let exact = |stored: f32, length: f32| {
             if length <= 0.0 {
@@ -197,7 +198,7 @@ impl PreparedSplatting {
                 layer: view.layer.as_deref(),
                 samples: view.samples,
                 grid: grid.map(|grid| (grid.placement(), grid.dims())),
-                boxed: crate::sheets::is_boxed(renderer, scene, things),
+                boxed: crate::sheets::is_boxed(renderer, things),
             },
             kernel: &self.kernel,
             operator,
@@ -235,7 +236,7 @@ impl PreparedSplatting {
             Buffers::Axis => Keys::Own,
             Buffers::Samples => Keys::Depth,
         };
-        let mut picture = Picture::new(scene, view, calibration, sums.then_some(offset(things).0));
+        let mut picture = Picture::new(scene, view, calibration);
         let [across, down] = splat_view.size.map(|n| n.div_ceil(TILE));
         let rows = rows_at_once(source.count(), down);
         for first in (0..down).step_by(rows as usize) {

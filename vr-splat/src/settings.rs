@@ -34,6 +34,9 @@ pub(crate) fn settings() -> Vec<NamedSetting> {
     all.push(named("axis".to_owned(), &axis, None));
     all.push(named("axis voxels".to_owned(), &voxels(Buffers::Axis, Shape::Gaussian), None));
     all.push(named("samples".to_owned(), &voxels(Buffers::Samples, Shape::Gaussian), None));
+    // These for scattered points, too, which have kernels of their own.
+    all.push(named("image 1 voxels bilinear".to_owned(), &voxels(Buffers::Image, Shape::Bilinear), None));
+    all.push(named("samples bilinear".to_owned(), &voxels(Buffers::Samples, Shape::Bilinear), None));
     all
 }
 

@@ -1,7 +1,7 @@
 //! Where sheets lie: parallel to the image, or the volume's own.
 
 use glam::DVec3;
-use vr_core::{Compositing, ParameterError, Projection, Scene, UniformVolume, View, Volume};
+use vr_core::{ParameterError, Projection, Scene, UniformVolume, View, Volume};
 
 use crate::projection::SplatView;
 use crate::splatting::{Buffers, SheetOrder, Splatting};
@@ -11,13 +11,10 @@ use crate::things::{Things, kernel_space, unit};
 const MOST_SHEETS: f64 = 1e6;
 const MOST_AT_ONCE: f64 = 2048.0;
 
-/// Whether a grid's box cuts rays. Where values are classified in sheets parallel to the image it does, as in the canonical pixel; else kernels are
-/// integrated over all of space.
-pub(crate) fn is_boxed(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> bool {
-    matches!(things, Things::Grid(_))
-        && renderer.buffers == Buffers::Image
-        && !renderer.splats_light()
-        && scene.compositing != Compositing::Average
+/// True if a grid's box cuts rays. Where values are classified in sheets parallel to the image, or averaged, it does, as in the canonical pixel; else
+/// kernels are integrated over all of space.
+pub(crate) fn is_boxed(renderer: &Splatting, things: Things<'_>) -> bool {
+    matches!(things, Things::Grid(_)) && renderer.buffers == Buffers::Image && !renderer.splats_light()
 }
 
 /// The view of all that may be drawn.
@@ -32,7 +29,7 @@ pub(crate) fn splat_view(
         Things::Grid(grid) => {
             let cube = renderer.kernel.shape.is_separable();
             let mut bounds = scene.volume.bounds();
-            if !is_boxed(renderer, scene, things) {
+            if !is_boxed(renderer, things) {
                 let axes = grid.placement().axes();
                 let reach = renderer.kernel.reach();
                 let beyond = axes.x_axis.abs() * reach[0] + axes.y_axis.abs() * reach[1] + axes.z_axis.abs() * reach[2];

@@ -2,7 +2,7 @@
 
 use vr_core::ParameterError;
 
-use crate::kernel::SplatKernel;
+use crate::kernel::{Shape, SplatKernel};
 
 /// A renderer that splats.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,6 +90,26 @@ impl Splatting {
         if !(self.termination > 0.0 && self.termination <= 1.0) {
             return Err(ParameterError::new("render.termination", self.termination, "must be above 0 and at most 1"));
         }
-        Ok(())
+        match self.idle_option() {
+            Some((key, found, allowed)) => Err(ParameterError::new(format!("render.{key}"), found, allowed)),
+            None => Ok(()),
+        }
+    }
+
+    /// Finds an option that is set and has no effect beside the others: its name, its value, and the reason. One left at its default is none.
+    pub(crate) fn idle_option(&self) -> Option<(&'static str, f64, &'static str)> {
+        let default = Self::default();
+        if self.kernel.sigma != default.kernel.sigma && self.kernel.shape != Shape::Gaussian {
+            return Some(("sigma", self.kernel.sigma, "only the kernel 'gaussian' has one: must be absent"));
+        }
+        if self.slice_distance != default.slice_distance && self.buffers != Buffers::Image {
+            let why = "only sheets parallel to the image have a distance of their own: must be absent";
+            return Some(("slice-distance", self.slice_distance, why));
+        }
+        // 1 is what happens: never.
+        if self.order == SheetOrder::BackToFront && ![default.termination, 1.0].contains(&self.termination) {
+            return Some(("termination", self.termination, "back to front, no pixel can end early: must be absent"));
+        }
+        None
     }
 }

@@ -1,7 +1,9 @@
 //! What the renderer can draw, and what it says of the rest.
 
+use vr_core::transfer::beyond_f32;
 use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, View};
 
+use crate::kernel::SplatKernel;
 use crate::shading::is_shaded;
 use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
 use crate::things::Things;
@@ -24,12 +26,20 @@ pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things
             let feature = format!("the filter '{}': the option 'kernel' says how voxels are spread", scene.filter);
             return Err(unsupported(feature));
         }
+        if let Some(feature) = beyond_f32(grid, &scene.transfer) {
+            return Err(unsupported(feature));
+        }
         if grid.dims().iter().any(|&n| n > usize::from(u16::MAX)) {
             return Err(unsupported("grids of more than 65535 samples along an axis"));
         }
     }
     if matches!(things, Things::Points(_)) && renderer.buffers == Buffers::Axis {
         return Err(unsupported("sheets of the volume's own among scattered points: they have no layers"));
+    }
+    if matches!(things, Things::Points(_)) && renderer.kernel != SplatKernel::default() {
+        return Err(unsupported(
+            "another kernel, radius, sigma or width than the default for scattered points: they have kernels of their own",
+        ));
     }
     check_shading(renderer, scene, things)?;
     if renderer.order == SheetOrder::BackToFront
@@ -40,30 +50,28 @@ pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things
     let values_in_image_sheets =
         renderer.buffers == Buffers::Image && renderer.classification == Classification::Values;
     match scene.compositing {
-        Compositing::Maximum | Compositing::Minimum | Compositing::First { .. } if !values_in_image_sheets => {
-            Err(unsupported(format!(
-                "compositing '{}' but of values in sheets parallel to the image",
-                scene.compositing.name()
-            )))
+        picks if !picks.integrates_light() && !values_in_image_sheets => {
+            Err(unsupported(format!("compositing '{}' but of values in sheets parallel to the image", picks.name())))
         }
         Compositing::First { .. } if scene.shading.is_some() => {
             Err(unsupported("compositing 'first' of a shaded surface"))
-        }
-        Compositing::Average if matches!(things, Things::Points(_)) && !values_in_image_sheets => {
-            Err(unsupported("compositing 'average' of points but of values in sheets parallel to the image"))
         }
         _ => Ok(things),
     }
 }
 
 fn check_shading(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Result<(), RenderError> {
-    let Some(shading) = scene.shading.as_ref().filter(|_| is_shaded(scene)) else { return Ok(()) };
+    let Some(shading) = scene.shading.as_ref().filter(|_| scene.compositing.integrates_light()) else { return Ok(()) };
+    // It multiplies κ, whether or not what shines is shaded.
+    if !shading.gradient_opacity.is_empty() {
+        return Err(unsupported("opacity that follows the gradient"));
+    }
+    if !is_shaded(scene) {
+        return Ok(());
+    }
     let Things::Grid(grid) = things else { return Err(unsupported("shading of scattered points")) };
     if renderer.splats_light() {
         return Err(unsupported("shading of what is classified before it is splatted"));
-    }
-    if !shading.gradient_opacity.is_empty() {
-        return Err(unsupported("opacity that follows the gradient"));
     }
     if shading.gradient == GradientMethod::Analytic {
         return Err(unsupported("analytic gradients: those at the samples are interpolated"));

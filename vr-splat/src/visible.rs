@@ -10,7 +10,7 @@ use crate::bit_rows::{BitRows, Run};
 pub(crate) struct VisibleVoxels {
     /// Of each layer z.
     pub(crate) layers: Vec<Vec<Run>>,
-    /// `None`: all voxels are splatted, and every cell may show something.
+    /// `None`: every cell may show something.
     pub(crate) cells: Option<CellBits>,
 }
 
@@ -20,10 +20,11 @@ impl VisibleVoxels {
         self.layers.iter().flatten().map(|run| u64::from(run.length)).sum()
     }
 
-    /// All voxels.
-    pub(crate) fn all(dims: [usize; 3]) -> Self {
+    /// All voxels, and all cells but those that are vacuum.
+    pub(crate) fn all(dims: [usize; 3], vacuum: Option<&VacuumCells>) -> Self {
         let row = |y: usize| Run { x: 0, y: y as u16, length: dims[0] as u16 };
-        Self { layers: vec![(0..dims[1]).map(row).collect(); dims[2]], cells: None }
+        let cells = vacuum.map(|vacuum| CellBits::all_but(dims, vacuum));
+        Self { layers: vec![(0..dims[1]).map(row).collect(); dims[2]], cells }
     }
 
     /// Voxels that are classified themselves: those that absorb or shine.
@@ -144,6 +145,17 @@ pub(crate) struct CellBits {
 }
 
 impl CellBits {
+    fn all_but([nx, ny, nz]: [usize; 3], vacuum: &VacuumCells) -> Self {
+        let layer = |z: usize| {
+            let mut bits = BitRows::new(nx - 1, ny - 1);
+            for y in 0..ny - 1 {
+                (0..nx - 1).filter(|&x| !vacuum.is_vacuum([x, y, z])).for_each(|x| bits.set(x, y));
+            }
+            bits
+        };
+        Self { layers: (0..nz - 1).into_par_iter().map(layer).collect() }
+    }
+
     fn new<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
         vacuum: Option<&VacuumCells>,
@@ -243,6 +255,21 @@ mod tests {
         let wide = VisibleVoxels::reconstructed(&lattice, None, &ranges, [2.0; 3], 0.0, 0.0);
         assert!(wide.cells.as_ref().unwrap().is_visible(62, 0, 1));
         assert!(voxels(&wide).contains(&[61, 0, 0]) && !voxels(&wide).contains(&[60, 0, 0]));
+    }
+
+    #[test]
+    fn cells_around_a_missing_voxel_show_nothing() {
+        let mut samples = vec![1.0f32; 4 * 3 * 3];
+        samples[(3 + 1) * 4 + 2] = f32::NAN;
+        let placement = vr_core::Placement::from_spacing([1.0; 3]).unwrap();
+        let grid = vr_core::UniformGrid::new([4, 3, 3], samples, placement, Calibration::default()).unwrap();
+        let all = VisibleVoxels::all([4, 3, 3], Some(&VacuumCells::new(&grid)));
+        assert_eq!(all.count(), 36);
+        let cells = all.cells.unwrap();
+        for (x, seen) in [(0, true), (1, false), (2, false)] {
+            assert!((0..2).all(|y| (0..2).all(|z| cells.is_visible(x, y, z) == seen)), "{x}");
+        }
+        assert!(VisibleVoxels::all([4, 3, 3], None).cells.is_none());
     }
 
     #[test]

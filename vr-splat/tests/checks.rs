@@ -1,14 +1,15 @@
 //! The checks that every renderer is put through.
 
-use vr_core::{Compositing, Renderer, Scene, View};
-use vr_physics::Reference;
+use proptest::strategy::Strategy;
+use vr_core::{Compositing, DocumentedError, Renderer, Scene, View};
 use vr_physics::cases::Case;
 use vr_physics::check::invariants::{
     forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
-    turns_with_its_data, update_is_prepare,
+    turns_with_its_data,
 };
-use vr_physics::check::strategies::{Kind, scene_of};
-use vr_physics::check::{self, Effort, Falling, Refinement, converges, errors_fall};
+use vr_physics::check::strategies::tame_scene;
+use vr_physics::check::{self, CaseOutcome, CaseResult, Effort, HardCases, Refinement, TestScene, converges};
+use vr_physics::{Metrics, Reference};
 use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
 
 fn voxels(buffers: Buffers, shape: Shape) -> Splatting {
@@ -21,7 +22,51 @@ fn survives_hard_cases() {
     let renderer = Splatting::default();
     let bound = |case: &Case| renderer.hard_case_error(case.name).expect("every case has a documented error");
     let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
-    println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
+    let table = table.unwrap_or_else(|e| panic!("{e}"));
+    println!("{table}");
+    // A wall just met or just missed is all of a pixel: here, too, the RMSE says more.
+    assert_eq!(hold(&table, "default", true), table.results.len());
+}
+
+/// RMSE that a case may cost: what was measured at worst of these, and half as much again.
+fn rmse_bound(case: &str, image_values: bool) -> f64 {
+    let [a, b] = match case {
+        "opaque-wall" => [0.072, 0.65],
+        "thin-shell" => [0.092, 0.10],
+        "marschner-lobb" => [0.051, 0.14],
+        "anisotropy" => [0.042, 0.084],
+        "grazing-rays" => [0.018, 0.042],
+        "axis-aligned" => [0.026, 0.027],
+        "camera-inside" => [0.018, 0.077],
+        "far-origin" => [0.018, 0.14],
+        "faint" => [4.2e-3, 0.059],
+        "many-faint-steps" => [6.2e-5, 0.12],
+        "bright" => [0.011, 0.063],
+        "missing-voxels" => [0.012, 0.17],
+        "two-samples" => [0.017, 0.36],
+        "constant" => [1e-7, 0.29],
+        "full-u16" => [0.081, 0.21],
+        other => panic!("{other}: no figures"),
+    };
+    if image_values { a } else { b }
+}
+
+/// Holds every case that was drawn to its bound; says how many there were.
+fn hold(table: &HardCases, how: &str, image_values: bool) -> usize {
+    let drawn = table.results.iter().filter_map(|result| match result.outcome {
+        CaseOutcome::Drawn(metrics) => Some((result, metrics)),
+        _ => None,
+    });
+    let check = |(result, metrics): (&CaseResult, Metrics)| {
+        let bound = rmse_bound(result.name, image_values) + result.uncertainty;
+        assert!(
+            metrics.rmse <= bound,
+            "{how}, {}: RMSE {:.2e}, measured before {bound:.2e}",
+            result.name,
+            metrics.rmse
+        );
+    };
+    drawn.map(check).count()
 }
 
 #[test]
@@ -36,8 +81,14 @@ fn every_kernel_and_buffer_survives_hard_cases() {
     ] {
         for classification in [Classification::Values, Classification::Voxels] {
             let renderer = Splatting { classification, ..voxels(buffers, shape) };
-            let table = check::survives_hard_cases(&renderer, |_| f64::INFINITY, &Reference::new(1e-5));
-            println!("{buffers:?} {shape:?} {classification:?}\n{}", table.unwrap_or_else(|e| panic!("{e}")));
+            let how = format!("{buffers:?} {shape:?} {classification:?}");
+            let image_values = buffers == Buffers::Image && classification == Classification::Values;
+            // The largest error of what smooths may be anything: the RMSE says more.
+            let bound = |case: &Case| DocumentedError::Rmse(rmse_bound(case.name, image_values));
+            let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-5));
+            let table = table.unwrap_or_else(|e| panic!("{how}: {e}"));
+            println!("{how}\n{table}");
+            assert!(hold(&table, &how, image_values) >= 13, "{how}");
         }
     }
 }
@@ -83,10 +134,9 @@ fn converges_at_its_documented_order() {
 
 #[test]
 fn agrees_with_its_model_on_random_scenes() {
-    use vr_physics::check::strategies::tame_scene;
     for renderer in [Splatting::default(), voxels(Buffers::Image, Shape::Gaussian), voxels(Buffers::Axis, Shape::Cone)]
     {
-        // Random transfer functions bend within a table's entry, and early termination leaves 10⁻⁴. Of values that are picked there is no model.
+        // Random transfer functions bend within a table's entry, and early termination leaves 10⁻⁴. What the others may be off by: see below.
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
         };
@@ -96,53 +146,34 @@ fn agrees_with_its_model_on_random_scenes() {
     }
 }
 
-/// Scenes of some kinds, with a truth that is as good as f32 can show.
-fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
-}
-
-fn errors_of(kinds: &[Kind]) {
-    // Tables of some thousand entries, and rounding.
-    let falling = Falling { floor: 3e-4, ..Falling::new("slice-distance") };
-    for table in errors_fall(&Splatting::default(), &falling, &few(kinds)).unwrap_or_else(|e| panic!("{e}")) {
-        println!("{table}");
-    }
+/// Random scenes, all of them under one operator.
+fn under(compositing: Compositing) -> impl Strategy<Value = TestScene> {
+    tame_scene().prop_map(move |test| TestScene { scene: Scene { compositing, ..test.scene }, view: test.view })
 }
 
 #[test]
-fn errors_fall_with_the_step() {
-    errors_of(&[Kind::Plain, Kind::Spikes, Kind::Opaque, Kind::GradientOpacity, Kind::Lights]);
-}
-
-#[test]
-#[ignore = "until tables of optics hold jumps, and ranges of blocks know of vacuum"]
-fn errors_fall_with_the_step_whatever_is_hard() {
-    errors_of(&Kind::ALL);
-}
-
-fn agrees_with_its_model_on(kinds: &[Kind]) {
-    for renderer in [Splatting::default(), voxels(Buffers::Image, Shape::Gaussian)] {
-        // Under the other operators the model is the scene itself, which errors fall towards.
-        let bound = |scene: &Scene, _: &View| {
-            if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
-        };
-        let effort = Effort { cases: 120, ..few(kinds) };
-        let report = check::agrees_with_its_model(&renderer, scene_of(kinds), bound, &effort);
-        println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
-    }
-}
-
-#[test]
-#[ignore = "until tables of optics hold jumps"]
-fn agrees_with_its_model_whatever_is_hard() {
-    agrees_with_its_model_on(&Kind::ALL);
-}
-
-#[test]
-fn an_update_is_a_new_preparation() {
-    for renderer in [Splatting::default(), voxels(Buffers::Axis, Shape::BSpline)] {
-        for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
-            println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
-        }
+fn other_operators_come_near_the_canonical_pixel() {
+    // Measured on these scenes, and half as much again: noise of a few voxels, and samples lie as far apart as they do. Means of grids are exact.
+    for (compositing, bound) in [
+        (Compositing::Average, 2e-6),
+        (Compositing::Maximum, 0.71),
+        (Compositing::Minimum, 0.24),
+        (Compositing::Accumulate { level: 0.4 }, 0.2),
+    ] {
+        let report = check::agrees_with_reference_on(
+            &Splatting::default(),
+            under(compositing),
+            |_, _| bound,
+            &Effort::cases(48),
+        );
+        let report = report.unwrap_or_else(|e| panic!("{compositing:?}: {e}"));
+        println!(
+            "{}: held {}, refused {}, worst {:.1e}",
+            compositing.name(),
+            report.held,
+            report.refused,
+            report.worst
+        );
+        assert!(report.held > 0, "{compositing:?}");
     }
 }

@@ -127,31 +127,6 @@ fn pictures_are_integrals_of_sums_of_kernels() {
     }
 }
 
-#[test]
-fn the_average_is_the_integral_over_the_chord() {
-    let scene = glowing([9, 8, 7], random_samples(9 * 8 * 7, 3), [1.0; 3]);
-    let points = [0.0, 1.0].map(|v| ControlPoint::new(v, [v; 3], 1.0)).to_vec();
-    let transfer = TransferFunction::new(points, OpacityRule::Extinction, 1.0).unwrap();
-    let scene = Scene { compositing: Compositing::Average, transfer: transfer.into(), ..scene };
-    for shape in [Shape::Bilinear, Shape::Gaussian] {
-        let renderer = Splatting { kernel: SplatKernel::new(shape), ..Splatting::default() };
-        for (azimuth, fov) in [(33.0, None), (-60.0, Some(35.0))] {
-            let view = view(&scene, azimuth, 21.0, fov, 23);
-            let frame = draw(&renderer, &scene, &view).frame;
-            let (rays, volume) = (Rays::new(&view).unwrap(), scene.volume.uniform().unwrap());
-            for pixel in (0..23 * 23).step_by(9) {
-                let ray = rays.at(f64::from(pixel % 23) + 0.5, f64::from(pixel / 23) + 0.5);
-                let chord = IndexRay::new(&ray, volume.placement(), volume.dims(), &Clip::default(), f64::INFINITY);
-                // Shorter ones divide what kernels have beyond the box by next to nothing.
-                let Some(chord) = chord.filter(|c| c.length() >= 2.0) else { continue };
-                let want = (integral(&scene, &renderer.kernel, &ray) / chord.length()).min(1.0);
-                let got = f64::from(frame.pixels()[pixel as usize][0]);
-                assert!((got - want).abs() < 2e-5, "{shape:?} {azimuth} {pixel}: {got} for {want}");
-            }
-        }
-    }
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(11), ..ProptestConfig::default() })]
     #[test]

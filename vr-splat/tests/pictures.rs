@@ -188,6 +188,32 @@ fn what_cannot_be_drawn_is_said() {
     assert!(refused(axis, &brightest).contains("maximum"));
     assert!(refused(Splatting { order: SheetOrder::BackToFront, ..Splatting::default() }, &scene).contains("back"));
     let points = PointSet::new(vec![glam::DVec3::ZERO], vec![1.0], vec![1.0], vec![1.0], PointKernel::Cone).unwrap();
-    let cloud = Scene { volume: points.into(), ..scene };
+    let cloud = Scene { volume: points.into(), ..scene.clone() };
     assert!(refused(Splatting { buffers: Buffers::Axis, ..Splatting::default() }, &cloud).contains("layers"));
+    let shape = |shape| SplatKernel::new(shape);
+    for kernel in [
+        shape(Shape::Gaussian),
+        SplatKernel { radius: 2.0, ..SplatKernel::default() },
+        SplatKernel { width: [1.0, 1.0, 2.0], ..SplatKernel::default() },
+    ] {
+        let feature = refused(Splatting { kernel, ..Splatting::default() }, &cloud);
+        assert!(feature.contains("kernels of their own"), "{feature}");
+    }
+    let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
+    let analytic = Scene { shading: Some(Arc::new(analytic)), ..scene.clone() };
+    assert!(refused(Splatting::default(), &analytic).contains("analytic"));
+    let surface = Scene { compositing: Compositing::First { threshold: 0.4 }, ..shaded.clone() };
+    assert!(refused(Splatting::default(), &surface).contains("first"));
+    let placement = Placement::from_spacing([1.0; 3]).unwrap();
+    let holed = UniformGrid::new([2; 3], vec![f32::NAN; 8], placement, Calibration::default()).unwrap();
+    let holed = Scene { volume: holed.into(), ..shaded };
+    assert!(refused(Splatting::default(), &holed).contains("missing"));
+    // What follows the gradient thins what absorbs, whether or not what shines is given on its own.
+    let modulated = Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::default() };
+    let modulated = Scene { shading: Some(Arc::new(modulated)), ..scene.clone() };
+    assert!(refused(Splatting::default(), &modulated).contains("gradient"));
+    let glow = ControlPoint { emission: Some([1.0; 3]), ..ControlPoint::new(0.0, [1.0; 3], 0.5) };
+    let transfer = TransferFunction::new(vec![glow], OpacityRule::Power, 1.0).unwrap();
+    let glowing = Scene { transfer: Arc::new(transfer), ..modulated };
+    assert!(refused(Splatting::default(), &glowing).contains("gradient"));
 }

@@ -61,7 +61,7 @@
 //! | paletted | 1 | 256 entries | nothing |
 //!
 //! [`RenderStats::stages`](vr_core::RenderStats::stages) of the next picture tells what had to be made, and how long it took: `table`, `palette`, `classify`,
-//! `compress`, `stack`. Textures, tables apart, stay within [`TexSlice::budget`], or there is a typed error; [bricks](TexSlice::brick) come and go within it.
+//! `compress`, `stack`; what was there already is not listed. Textures, tables apart, stay within [`TexSlice::budget`], or there is a typed error; [bricks](TexSlice::brick) come and go within it.
 //!
 //! # Accuracy
 //! Against the canonical pixel, errors fall with the distance of slices by the order 2 where field and transfer function are continuous, of planes, shells and
@@ -72,7 +72,7 @@
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients, and opacity that
 //! follows the gradient; shading of volumes with missing samples, of segments, palettes and compressed textures, and in perspective of voxels that are classified
-//! beforehand; values picked from textures of light; `first` but through 3D textures that are not compressed; stacks but of values; bricks and
+//! beforehand, or of luminance alone by lights of a colour; values picked from textures of light, or back to front; `first` but through 3D textures that are not compressed; stacks but of values; bricks and
 //! whole slices but of unshaded values in 3D textures, under `over`, front to back; whole slices that are shells. Depths are told of `over` and `accumulate`, front to
 //! back, and of `first`. `maximum` and `minimum` are of samples.
 

@@ -40,7 +40,7 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         spec(
             "blend",
             OptionKind::Choice(&["front-to-back", "back-to-front"]),
-            "the order in which fragments are blended under over",
+            "the order in which fragments are blended under over; nothing else can be back to front",
         ),
         spec(
             "order",
@@ -51,7 +51,7 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         spec(
             "termination",
             OptionKind::Number { above: 0.0, most: 1.0 },
-            "opacity at which a pixel takes no more fragments; changes none by more than 1 - termination; 1: never",
+            "opacity at which a pixel takes no more fragments, front to back; changes none by more than 1 - termination; 1: never",
         ),
         spec(
             "correction",
@@ -120,6 +120,9 @@ pub(crate) fn configure(renderer: &TexSlice, options: &Options) -> Result<TexSli
             _ => unreachable!("checked against the list"),
         }
     }
+    if let Some((key, found, allowed)) = new.idle_option() {
+        return Err(refuse(key, found, allowed));
+    }
     Ok(new)
 }
 
@@ -153,6 +156,17 @@ mod tests {
         {
             let error = configure(&TexSlice::default(), &Options::new().with(key, value)).unwrap_err();
             assert!(error.to_string().contains(key), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_early_end_back_to_front_is_refused_where_it_is_set() {
+        let ending = |at: f64| Options::new().with("blend", "back-to-front").with("termination", at);
+        let error = configure(&TexSlice::default(), &ending(0.9)).unwrap_err().to_string();
+        assert!(error.contains("termination") && error.contains("back to front"), "{error}");
+        assert!(TexSlice { blend: Blend::BackToFront, termination: 0.9, ..TexSlice::default() }.validate().is_err());
+        for fine in [0.9999, 1.0] {
+            assert!(configure(&TexSlice::default(), &ending(fine)).is_ok());
         }
     }
 }

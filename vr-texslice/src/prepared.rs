@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::sync::Arc;
+use std::time::Instant;
 
 use fearless_simd::Level;
 use vr_core::filter::Lattice;
@@ -130,11 +131,11 @@ impl Prepared for PreparedTexSlice {
         let operator = self.operator(volume);
         let on_faces = operator.wants_faces() || (self.renderer.is_pre_integrated() && !operator.picks());
         let slices = Slices::new(&self.renderer, view, volume.placement(), volume.dims(), on_faces)?;
-        stats.time("table", || self.tables.tabulate(&scene, volume, slices.table_length()));
+        time_if_made(&mut stats, "table", || Ok(self.tables.tabulate(&scene, volume, slices.table_length())))?;
         let axes = slices.axis().map_or([0, 1, 2], axes_of_stack);
         match slices.axis() {
             Some(axis) => {
-                stats.time("stack", || self.stacks.make(&self.renderer, volume, axis))?;
+                time_if_made(&mut stats, "stack", || self.stacks.make(&self.renderer, volume, axis))?;
             }
             None if self.renderer.holds_light() => self.classify(&scene, volume, view, &slices, control, &mut stats)?,
             None if self.compressed.is_some() || self.renderer.brick.is_some() => {}
@@ -224,6 +225,19 @@ impl Prepared for PreparedTexSlice {
         let compressed = self.compressed.clone();
         Model::Discrete(Arc::new(SliceModel::new(&self.renderer, &self.scene, view, compressed)))
     }
+}
+
+/// Does work that tells if anything had to be made; only then it is a stage.
+fn time_if_made(
+    stats: &mut RenderStats,
+    stage: &'static str,
+    work: impl FnOnce() -> Result<bool, RenderError>,
+) -> Result<(), RenderError> {
+    let start = Instant::now();
+    if work()? {
+        stats.stages.push((stage, start.elapsed()));
+    }
+    Ok(())
 }
 
 /// A picture to draw.

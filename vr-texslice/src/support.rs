@@ -1,5 +1,6 @@
 //! What the renderer can draw, and what it says of the rest.
 
+use vr_core::transfer::beyond_f32;
 use vr_core::{Compositing, Filter, GradientMethod, Projection, RenderError, Scene, UniformVolume, View};
 
 use crate::classified::is_shaded;
@@ -21,6 +22,9 @@ pub(crate) fn check<'s>(renderer: &TexSlice, scene: &'s Scene) -> Result<&'s Uni
     if volume.dims().iter().product::<usize>() > i32::MAX as usize {
         return Err(unsupported("volumes of 2³¹ samples and more"));
     }
+    if let Some(feature) = beyond_f32(volume, &scene.transfer) {
+        return Err(unsupported(feature));
+    }
     let picks = !scene.compositing.integrates_light();
     if picks && renderer.holds_light() {
         return Err(unsupported(format!("compositing '{}' of light: take values", scene.compositing.name())));
@@ -30,11 +34,17 @@ pub(crate) fn check<'s>(renderer: &TexSlice, scene: &'s Scene) -> Result<&'s Uni
     {
         return Err(unsupported("compositing 'first' but through 3D textures that are not compressed"));
     }
-    if let Compositing::Accumulate { level } = scene.compositing
-        && level < 1.0
-        && renderer.blend == Blend::BackToFront
-    {
-        return Err(unsupported("compositing 'accumulate' back to front: it ends at what is nearest"));
+    if renderer.blend == Blend::BackToFront {
+        match scene.compositing {
+            Compositing::Accumulate { level } if level < 1.0 => {
+                return Err(unsupported("compositing 'accumulate' back to front: it ends at what is nearest"));
+            }
+            _ if picks => {
+                let name = scene.compositing.name();
+                return Err(unsupported(format!("compositing '{name}' back to front: nothing is blended")));
+            }
+            _ => {}
+        }
     }
     check_shading(renderer, scene, volume)?;
     check_texture(renderer, scene, volume)?;
@@ -42,9 +52,13 @@ pub(crate) fn check<'s>(renderer: &TexSlice, scene: &'s Scene) -> Result<&'s Uni
 }
 
 fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> Result<(), RenderError> {
-    let Some(shading) = scene.shading.as_ref().filter(|_| shades(scene)) else { return Ok(()) };
-    if !shading.gradient_opacity.is_empty() {
+    let Some(shading) = &scene.shading else { return Ok(()) };
+    // It multiplies κ, whether or not what shines is shaded.
+    if !shading.gradient_opacity.is_empty() && scene.compositing.integrates_light() {
         return Err(unsupported("opacity that follows the gradient"));
+    }
+    if !shades(scene) {
+        return Ok(());
     }
     if shading.gradient == GradientMethod::Analytic {
         return Err(unsupported("analytic gradients: those at the samples are interpolated"));
@@ -66,6 +80,10 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> 
         let points = scene.transfer.points();
         if !points.iter().all(|p| grey(p.color) && grey(p.emission.unwrap_or_default())) {
             return Err(unsupported("colours in textures of luminance and alpha"));
+        }
+        let mut lights = scene.shading.iter().flat_map(|shading| &shading.lights);
+        if shades(scene) && !lights.all(|light| grey(light.color)) {
+            return Err(unsupported("lights of a colour on textures of luminance and alpha"));
         }
     }
     if renderer.format == Format::Compressed && volume.census().nan + volume.census().infinite > 0 {
@@ -104,9 +122,11 @@ pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Res
     Ok(())
 }
 
-/// Whether colours are shaded at all: emission that is given on its own is not, and neither is a value that is picked.
+/// True if colours are shaded: those that light is made of, unless emission is given on its own, and that of a surface.
 pub(crate) fn shades(scene: &Scene) -> bool {
-    scene.shading.is_some()
-        && !scene.transfer.has_emission()
-        && (scene.compositing.integrates_light() || matches!(scene.compositing, Compositing::First { .. }))
+    let reflects = match scene.compositing {
+        Compositing::First { .. } => true,
+        other => other.integrates_light() && !scene.transfer.has_emission(),
+    };
+    scene.shading.is_some() && reflects
 }

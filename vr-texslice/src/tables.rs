@@ -49,7 +49,7 @@ impl Tables {
         let tables = self.of_length();
         match &self.segments {
             Some(segments) => !segments.is_clear(low, high),
-            None if tables.resolves(&scene.transfer, volume) => tables.shows(low, high),
+            None if tables.resolves(&scene.transfer, volume) => tables.baked.shows(low, high),
             None => is_visible(&scene.transfer, volume, low, high),
         }
     }
@@ -79,15 +79,6 @@ impl LengthTables {
     /// Whether the table tells apart all that the transfer function does.
     pub(crate) fn resolves(&self, transfer: &TransferFunction, volume: &UniformVolume) -> bool {
         resolves_ramps(self.baked.spacing(), volume.calibration(), transfer)
-    }
-
-    /// Whether the table has light or opacity anywhere between two stored numbers.
-    pub(crate) fn shows(&self, low: f32, high: f32) -> bool {
-        let rows = self.baked.entries();
-        let [from, to] = [low, high].map(|v| self.baked.position(v));
-        // A number on an entry is not interpolated.
-        let end = (to as usize + usize::from(to.fract() > 0.0)).min(rows.len() - 1);
-        rows[from as usize..=end].iter().any(|row| *row != [0.0; 4])
     }
 }
 

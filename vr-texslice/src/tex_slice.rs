@@ -146,6 +146,17 @@ impl TexSlice {
         if !(self.budget > 0.0 && self.budget <= Self::MOST_BUDGET) {
             return Err(ParameterError::new("render.budget", self.budget, "must be above 0 and at most a tebibyte"));
         }
-        Ok(())
+        match self.idle_option() {
+            Some((key, found, allowed)) => Err(ParameterError::new(format!("render.{key}"), found, allowed)),
+            None => Ok(()),
+        }
+    }
+
+    /// Finds an option that is set and has no effect beside the others: its name, its value, and the reason. One left at its default is none.
+    pub(crate) fn idle_option(&self) -> Option<(&'static str, f64, &'static str)> {
+        // 1 is what happens: never.
+        let early = ![Self::default().termination, 1.0].contains(&self.termination);
+        let why = "back to front, no pixel can end early: must be absent";
+        (early && self.blend == Blend::BackToFront).then_some(("termination", self.termination, why))
     }
 }

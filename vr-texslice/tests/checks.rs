@@ -1,14 +1,15 @@
 //! The checks that every renderer is put through.
 
-use vr_core::{Compositing, Renderer, Scene, View};
-use vr_physics::Reference;
+use proptest::strategy::Strategy;
+use vr_core::{Compositing, DocumentedError, Renderer, Scene, View};
 use vr_physics::cases::Case;
 use vr_physics::check::invariants::{
     forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
-    turns_with_its_data, update_is_prepare,
+    turns_with_its_data,
 };
-use vr_physics::check::strategies::{Kind, scene_of};
-use vr_physics::check::{self, Effort, Falling, Refinement, converges, errors_fall};
+use vr_physics::check::strategies::tame_scene;
+use vr_physics::check::{self, CaseOutcome, CaseResult, Effort, HardCases, Refinement, TestScene, converges};
+use vr_physics::{Metrics, Reference};
 use vr_texslice::{Format, Proxy, TexSlice};
 
 #[test]
@@ -16,23 +17,73 @@ fn survives_hard_cases() {
     let renderer = TexSlice::default();
     let bound = |case: &Case| renderer.hard_case_error(case.name).expect("every case has a documented error");
     let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
-    println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
+    let table = table.unwrap_or_else(|e| panic!("{e}"));
+    println!("{table}");
+    // A wall just met or just missed is all of a pixel: here, too, the RMSE says more.
+    assert_eq!(hold(&table, "default", true), table.results.len());
+}
+
+/// RMSE that a case may cost: what was measured at worst of these, and half as much again.
+fn rmse_bound(case: &str, values: bool) -> f64 {
+    let [a, b] = match case {
+        "opaque-wall" => [0.053, 0.063],
+        "thin-shell" => [0.075, 0.071],
+        "marschner-lobb" => [0.012, 0.077],
+        "anisotropy" => [3.3e-3, 0.041],
+        "grazing-rays" => [2.7e-3, 0.011],
+        "axis-aligned" => [3.2e-3, 0.011],
+        "camera-inside" => [0.05, 4.2e-3],
+        "far-origin" => [7.8e-3, 0.018],
+        "faint" => [1.3e-3, 1.3e-3],
+        "many-faint-steps" => [3.3e-6, 3.3e-6],
+        "bright" => [5.6e-3, 0.036],
+        "missing-voxels" => [0.026, 7.4e-3],
+        "two-samples" => [6.2e-3, 0.057],
+        "constant" => [1e-7, 1e-7],
+        "full-u16" => [0.033, 0.3],
+        other => panic!("{other}: no figures"),
+    };
+    if values { a } else { b }
+}
+
+/// Holds every case that was drawn to its bound; says how many there were.
+fn hold(table: &HardCases, how: &str, values: bool) -> usize {
+    let drawn = table.results.iter().filter_map(|result| match result.outcome {
+        CaseOutcome::Drawn(metrics) => Some((result, metrics)),
+        _ => None,
+    });
+    let check = |(result, metrics): (&CaseResult, Metrics)| {
+        let bound = rmse_bound(result.name, values) + result.uncertainty;
+        assert!(
+            metrics.rmse <= bound,
+            "{how}, {}: RMSE {:.2e}, measured before {bound:.2e}",
+            result.name,
+            metrics.rmse
+        );
+    };
+    drawn.map(check).count()
 }
 
 #[test]
 fn every_texture_survives_hard_cases() {
-    for format in [
-        Format::PreIntegrated,
-        Format::Compressed,
-        Format::Rgba,
-        Format::LuminanceAlpha,
-        Format::Paletted,
-        Format::Scalar,
-    ] {
+    // All of these are of colours, which luminance and alpha alone cannot hold: those are the same as RGBA where all is grey (capabilities.rs).
+    for format in [Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::Paletted, Format::Scalar] {
         for proxy in [Proxy::Planes, Proxy::Shells, Proxy::Stacks] {
             let renderer = TexSlice { format, proxy, ..TexSlice::default() };
-            let table = check::survives_hard_cases(&renderer, |_| f64::INFINITY, &Reference::new(1e-5));
-            println!("{format:?} {proxy:?}\n{}", table.unwrap_or_else(|e| panic!("{e}")));
+            let how = format!("{format:?} {proxy:?}");
+            let values = matches!(format, Format::Scalar | Format::PreIntegrated | Format::Compressed);
+            let stackable = matches!(format, Format::Scalar | Format::PreIntegrated) || proxy != Proxy::Stacks;
+            // The largest error of light that is interpolated may be anything: the RMSE says more.
+            let bound = |case: &Case| DocumentedError::Rmse(rmse_bound(case.name, values));
+            let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-5));
+            if !stackable {
+                let refused = table.expect_err("no case has such a stack");
+                assert!(refused.reason.contains("refuses all"), "{how}: {refused}");
+                continue;
+            }
+            let table = table.unwrap_or_else(|e| panic!("{how}: {e}"));
+            println!("{how}\n{table}");
+            assert!(hold(&table, &how, values) >= 12, "{how}");
         }
     }
 }
@@ -73,13 +124,12 @@ fn converges_at_its_documented_order() {
 
 #[test]
 fn agrees_with_its_model_on_random_scenes() {
-    use vr_physics::check::strategies::tame_scene;
     for renderer in [
         TexSlice::default(),
         TexSlice { proxy: Proxy::Shells, ..TexSlice::default() },
         TexSlice { proxy: Proxy::Stacks, ..TexSlice::default() },
     ] {
-        // Random transfer functions bend within a table's entry, and early termination leaves 10⁻⁴. Of values that are picked there is no model.
+        // Random transfer functions bend within a table's entry, and early termination leaves 10⁻⁴. What the others may be off by: see below.
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 2e-4 } else { f64::INFINITY }
         };
@@ -94,58 +144,30 @@ fn agrees_with_its_model_on_random_scenes() {
     }
 }
 
-/// Scenes of some kinds, with a truth that is as good as f32 can show.
-fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
-}
-
-fn errors_of(kinds: &[Kind]) {
-    let planes = TexSlice::default();
-    let shells = TexSlice { proxy: Proxy::Shells, ..TexSlice::default() };
-    let pre_integrated = TexSlice { format: Format::PreIntegrated, ..TexSlice::default() };
-    for renderer in [planes, shells, pre_integrated] {
-        // Tables of some thousand entries, and rounding.
-        let falling = Falling { floor: 3e-4, ..Falling::new("slice-distance") };
-        for table in errors_fall(&renderer, &falling, &few(kinds)).unwrap_or_else(|e| panic!("{renderer:?}: {e}")) {
-            println!("{table}");
-        }
-    }
+/// Random scenes, all of them under one operator.
+fn under(compositing: Compositing) -> impl Strategy<Value = TestScene> {
+    tame_scene().prop_map(move |test| TestScene { scene: Scene { compositing, ..test.scene }, view: test.view })
 }
 
 #[test]
-fn errors_fall_with_the_step() {
-    errors_of(&[Kind::Plain, Kind::Spikes, Kind::Opaque, Kind::GradientOpacity, Kind::Lights]);
-}
-
-#[test]
-#[ignore = "until tables of optics hold jumps, and ranges of blocks know of vacuum"]
-fn errors_fall_with_the_step_whatever_is_hard() {
-    errors_of(&Kind::ALL);
-}
-
-fn agrees_with_its_model_on(kinds: &[Kind]) {
-    for renderer in [TexSlice::default(), TexSlice { proxy: Proxy::Shells, ..TexSlice::default() }] {
-        // Under the other operators the model is the scene itself, which errors fall towards.
-        let bound = |scene: &Scene, _: &View| {
-            if scene.compositing == Compositing::Over { 2e-4 } else { f64::INFINITY }
-        };
-        let effort = Effort { cases: 120, ..few(kinds) };
-        let report = check::agrees_with_its_model(&renderer, scene_of(kinds), bound, &effort);
-        println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
-    }
-}
-
-#[test]
-#[ignore = "until tables of optics hold jumps"]
-fn agrees_with_its_model_whatever_is_hard() {
-    agrees_with_its_model_on(&Kind::ALL);
-}
-
-#[test]
-fn an_update_is_a_new_preparation() {
-    for renderer in [TexSlice::default(), TexSlice { format: Format::Rgba, ..TexSlice::default() }] {
-        for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
-            println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
-        }
+fn other_operators_come_near_the_canonical_pixel() {
+    // Measured on these scenes, and half as much again: noise of a few voxels, and samples lie as far apart as they do.
+    for (compositing, bound) in [
+        (Compositing::Average, 0.011),
+        (Compositing::Maximum, 0.08),
+        (Compositing::Minimum, 0.17),
+        (Compositing::Accumulate { level: 0.4 }, 0.052),
+    ] {
+        let report =
+            check::agrees_with_reference_on(&TexSlice::default(), under(compositing), |_, _| bound, &Effort::cases(48));
+        let report = report.unwrap_or_else(|e| panic!("{compositing:?}: {e}"));
+        println!(
+            "{}: held {}, refused {}, worst {:.1e}",
+            compositing.name(),
+            report.held,
+            report.refused,
+            report.worst
+        );
+        assert!(report.held > 0, "{compositing:?}");
     }
 }

@@ -277,7 +277,7 @@ fn palettes_change_without_a_look_at_voxels() {
     };
     assert!(stages(Format::Paletted).contains(&"palette") && !stages(Format::Paletted).contains(&"classify"));
     assert!(stages(Format::Rgba).contains(&"classify"));
-    assert!(stages(Format::Scalar).contains(&"table") && !stages(Format::Scalar).contains(&"classify"));
+    assert!(!stages(Format::Scalar).contains(&"classify"));
 }
 
 #[test]
@@ -304,31 +304,6 @@ fn shaded_pictures_are_what_the_model_sums() {
     let control = Control::default();
     let refused = rgba.prepare(&scene, &control).and_then(|mut p| p.render(&perspective, &control));
     assert!(matches!(refused, Err(RenderError::Unsupported { renderer: "texslice", .. })));
-}
-
-#[test]
-fn what_it_cannot_draw_it_refuses() {
-    let scene = phantom_scene::<u8>("fog", 8, 1.0);
-    let view = view(&scene, 30.0, 20.0, None, 8);
-    let control = Control::default();
-    let refused = |renderer: TexSlice, scene: &Scene, view: &View| {
-        let drawn = renderer.prepare(scene, &control).and_then(|mut p| p.render(view, &control));
-        matches!(drawn, Err(RenderError::Unsupported { renderer: "texslice", .. }))
-    };
-    let plain = TexSlice::default;
-    assert!(!refused(plain(), &scene, &view));
-    assert!(refused(plain(), &Scene { filter: Filter::BSpline, ..scene.clone() }, &view));
-    assert!(refused(TexSlice { format: Format::LuminanceAlpha, ..plain() }, &scene, &view), "colours");
-    let maximum = Scene { compositing: Compositing::Maximum, ..scene.clone() };
-    assert!(refused(TexSlice { format: Format::Rgba, ..plain() }, &maximum, &view));
-    assert!(refused(TexSlice { brick: Some(16), ..plain() }, &maximum, &view));
-    assert!(refused(TexSlice { order: Order::Slices, proxy: Proxy::Stacks, ..plain() }, &scene, &view));
-    let level = Scene { compositing: Compositing::Accumulate { level: 0.5 }, ..scene.clone() };
-    assert!(refused(TexSlice { blend: Blend::BackToFront, ..plain() }, &level, &view));
-    let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
-    assert!(!refused(plain(), &shaded, &view));
-    assert!(refused(TexSlice { format: Format::PreIntegrated, ..plain() }, &shaded, &view));
-    assert!(refused(TexSlice { order: Order::Slices, ..plain() }, &scene, &View { samples: 2, ..view.clone() }));
 }
 
 #[test]

@@ -1,42 +1,40 @@
 //! A transfer function baked into a table for one step length: a look-up instead of an exponential.
 
-use super::{OpacityRule, Segment, TransferFunction};
+use super::TransferFunction;
+use super::table_grid::TableGrid;
 use crate::grid::Calibration;
-use crate::optics::{opacity_of_depth, opacity_of_thickness, source_weight};
 use crate::real::Real;
 
-/// The opacity and the premultiplied light of one step of a given length, tabulated over *stored* numbers at equal distances and
+/// Opacity and premultiplied light of one step of a given length, tabulated over *stored* numbers at equal distances and
 /// interpolated linearly.
 ///
-/// Everything that depends on the step (the exponential, the source weight, the calibration) is folded in, in f64. An entry is
-/// (r, g, b, α): the light that a homogeneous step sends out and its opacity. A step of another
-/// length is [`TransferFunction::step`].
+/// Everything that depends on the step (the exponential, the source weight, the calibration) is folded in, in f64. A row is
+/// (r, g, b, α): the light that a homogeneous step sends out and its opacity. Each interval has a row of its own for both of its
+/// ends, so that a jump of the transfer function is a jump of the table. A step of another length is [`TransferFunction::step`].
 #[derive(Clone, Debug)]
 pub struct BakedTransfer<R> {
-    /// One more than there are intervals; the last is repeated, so that index + 1 always exists.
-    entries: Vec<[R; 4]>,
+    grid: TableGrid,
+    /// Start and end of each interval; and the last end once more, as an interval of no length.
+    rows: Vec<[[R; 4]; 2]>,
+    /// Entry i: how many of the first i intervals are not clear.
+    visible: Vec<u32>,
     origin: R,
     per_unit: R,
     last: R,
     error: TableError,
 }
 
-/// How far a table can be from the transfer function, at any stored number, apart from the rounding of its entries.
+/// How far a table can be from the transfer function, at any stored number, apart from the rounding of its rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TableError {
     /// Largest deviation of a step's opacity.
     pub opacity: f64,
     /// Largest deviation of a component of a step's light.
     pub light: f64,
-    /// Where the transfer function jumps, the table ramps over this many stored units (and the deviations above do not hold
-    /// there); 0 where no jump falls between two entries.
-    pub jump_width: f64,
+    /// Stored units by which the table moves a jump of the transfer function (and between the two places the deviations above do
+    /// not hold); 0 where all of them lie on entries.
+    pub jump_shift: f64,
 }
-
-/// Intervals that a table has, unless its values are few integers.
-const INTERVALS: usize = 4096;
-/// Integer values get one entry each (or several) up to this many intervals, so that labels and jumps at integers are exact.
-const MOST_INTERVALS: usize = 16384;
 
 impl<R: Real> BakedTransfer<R> {
     /// Tabulates over the stored numbers `range` (of integers, if `integer`) for steps of `step` world units.
@@ -47,31 +45,23 @@ impl<R: Real> BakedTransfer<R> {
         integer: bool,
         step: f64,
     ) -> Self {
-        let (low, high) = (f64::from(range.0), f64::from(range.1));
-        let span = high - low;
-        let intervals = if span == 0.0 {
-            1
-        } else if integer && span as usize <= MOST_INTERVALS {
-            span as usize * (INTERVALS / span as usize).max(1)
-        } else {
-            INTERVALS
+        let grid = TableGrid::new(transfer, calibration, range, integer);
+        let intervals = grid.intervals();
+        let entry = |interval: usize, end: usize| {
+            transfer.step_of(&grid.optical(transfer, calibration, interval, grid.place(interval + end)), step)
         };
-        let spacing = if span == 0.0 { 1.0 } else { span / intervals as f64 };
-        let step_of = |stored: f64| {
-            let value = calibration.value(stored);
-            step_entry(transfer, transfer.segment_at(value), value, step)
-        };
-        let exact: Vec<[f64; 4]> = (0..=intervals).map(|i| step_of(low + i as f64 * spacing)).collect();
-        let error = table_error(transfer, calibration, low, spacing, &exact, step);
-        let mut entries: Vec<[R; 4]> = exact.iter().map(|e| e.map(R::from_f64)).collect();
-        entries.push(entries[intervals]);
-        Self {
-            entries,
-            origin: R::from_f64(low),
-            per_unit: R::from_f64(1.0 / spacing),
-            last: R::from_f64(intervals as f64),
-            error,
+        let exact: Vec<[[f64; 4]; 2]> = (0..intervals).map(|i| [entry(i, 0), entry(i, 1)]).collect();
+        let end = entry(intervals, 0);
+        let error = table_error(transfer, calibration, &grid, &exact, step);
+        let rows: Vec<[[R; 4]; 2]> =
+            exact.iter().chain([&[end, end]]).map(|ends| ends.map(|e| e.map(R::from_f64))).collect();
+        let mut visible = vec![0];
+        for row in &rows {
+            visible.push(visible[visible.len() - 1] + u32::from(*row != [[R::ZERO; 4]; 2]));
         }
+        let origin = R::from_f64(grid.origin());
+        let per_unit = per_unit(&grid, calibration, origin);
+        Self { grid, rows, visible, origin, per_unit, last: R::from_f64(intervals as f64), error }
     }
 
     /// What the table adds to the error.
@@ -81,12 +71,17 @@ impl<R: Real> BakedTransfer<R> {
 
     /// Stored units from one entry to the next.
     pub fn spacing(&self) -> f64 {
-        1.0 / self.per_unit.to_f64()
+        self.grid.spacing().abs()
     }
 
-    /// The entries (r, g, b, α), evenly spaced; the last one is there twice.
-    pub fn entries(&self) -> &[[R; 4]] {
-        &self.entries
+    /// The places of the entries.
+    pub(crate) fn grid(&self) -> &TableGrid {
+        &self.grid
+    }
+
+    /// Rows (r, g, b, α) at the start and the end of each interval; and an interval of no length after the last.
+    pub fn rows(&self) -> &[[[R; 4]; 2]] {
+        &self.rows
     }
 
     /// The stored number of the first entry.
@@ -94,14 +89,14 @@ impl<R: Real> BakedTransfer<R> {
         self.origin
     }
 
-    /// Entries per stored unit.
+    /// Intervals per stored unit; negative where larger stored numbers have smaller values.
     pub fn per_unit(&self) -> R {
         self.per_unit
     }
 
-    /// Where a stored number, which is not NaN, lies among the entries: at entry i + t for an index i and a fraction t.
+    /// Place of a stored number, which is not NaN, in the table: i + t for an interval i and a fraction t of it.
     ///
-    /// It grows with the stored number, rounding included; numbers beyond the ends lie at the ends.
+    /// It grows with the calibrated value, rounding included; numbers beyond the ends lie at the ends.
     #[inline(always)]
     pub fn position(&self, stored: R) -> R {
         ((stored - self.origin) * self.per_unit).max(R::ZERO).min(self.last)
@@ -116,26 +111,48 @@ impl<R: Real> BakedTransfer<R> {
         let x = self.position(stored);
         let i = x.to_index();
         let t = x - R::from_index(i);
-        let (a, b) = (self.entries[i], self.entries[i + 1]);
+        let [a, b] = self.rows[i];
         std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
+    }
+
+    /// True if a step at any stored number from `low` to `high`, ends included, has light or opacity.
+    ///
+    /// Repeats what [`BakedTransfer::step`] does, rounding included: what is clear there is clear here.
+    pub fn shows(&self, low: R, high: R) -> bool {
+        let (a, b) = (self.position(low), self.position(high));
+        let (from, to) = if a <= b { (a, b) } else { (b, a) };
+        let (first, last) = (from.to_index(), to.to_index());
+        let [start, end] = self.rows[last];
+        // On an entry, the end of the interval has the weight 0.
+        let reached = start != [R::ZERO; 4] || (to > R::from_index(last) && end != [R::ZERO; 4]);
+        reached || self.visible[last] > self.visible[first]
     }
 }
 
-/// Light and opacity of a homogeneous step at a value, with the line of a given segment.
-pub(super) fn step_entry(transfer: &TransferFunction, segment: &Segment, value: f64, step: f64) -> [f64; 4] {
-    let o = segment.at(value);
-    let ratio = step / transfer.unit_distance();
-    let (alpha, tau) = match transfer.rule() {
-        OpacityRule::Power => (opacity_of_thickness(o.opacity, ratio), transfer.extinction(o.opacity) * step),
-        OpacityRule::Extinction => (opacity_of_depth(o.opacity * ratio), o.opacity * ratio),
+/// Intervals per stored unit, in the precision of the look-up, such that what lies on a break is found behind it: at a jump, the
+/// later point holds.
+fn per_unit<R: Real>(grid: &TableGrid, calibration: Calibration, origin: R) -> R {
+    let mut per_unit = 1.0 / grid.spacing();
+    // The first number of this precision that is on the break or past it.
+    let behind = |stored: f64| {
+        let nearest = R::from_f64(stored);
+        let short = (stored - nearest.to_f64()) * grid.spacing() > 0.0;
+        if short {
+            R::from_f64(nearest.to_f64() + stored.abs() * 2.0 * R::ROUNDOFF * grid.spacing().signum())
+        } else {
+            nearest
+        }
     };
-    let light = if transfer.has_emission() {
-        let weight = source_weight(tau) * step;
-        o.emission.map(|e| e * weight)
-    } else {
-        o.color.map(|c| c * alpha)
-    };
-    [light[0], light[1], light[2], alpha]
+    // Each round moves the last place by about one unit of rounding; three are what the look-up can lose.
+    for _ in 0..4 {
+        let tried = R::from_f64(per_unit);
+        let missed = |(stored, entry): (f64, usize)| (behind(stored) - origin) * tried < R::from_index(entry);
+        if !grid.breaks(calibration).any(missed) {
+            break;
+        }
+        per_unit *= 1.0 + 2.0 * R::ROUNDOFF;
+    }
+    R::from_f64(per_unit)
 }
 
 /// Bounds the deviation of every interval from its chord.
@@ -146,41 +163,29 @@ pub(super) fn step_entry(transfer: &TransferFunction, segment: &Segment, value: 
 fn table_error(
     transfer: &TransferFunction,
     calibration: Calibration,
-    low: f64,
-    spacing: f64,
-    exact: &[[f64; 4]],
+    grid: &TableGrid,
+    exact: &[[[f64; 4]; 2]],
     step: f64,
 ) -> TableError {
-    let mut error = TableError::default();
+    let mut error = TableError { jump_shift: grid.break_shift(), ..TableError::default() };
     let knots: Vec<f64> = transfer.segments()[1..].iter().map(|s| calibration.stored(s.from)).collect();
-    for (i, ends) in exact.windows(2).enumerate() {
-        let (a, b) = (low + i as f64 * spacing, low + (i + 1) as f64 * spacing);
-        let mut cuts: Vec<f64> = knots.iter().copied().filter(|&k| k > a && k < b).collect();
-        cuts.sort_by(f64::total_cmp);
-        cuts.insert(0, a);
-        cuts.push(b);
+    for (i, ends) in exact.iter().enumerate() {
+        let (a, b) = (grid.place(i), grid.place(i + 1));
+        let inside = |k: &f64| (*k - a) * (*k - b) < 0.0;
+        let mut cuts: Vec<f64> = knots.iter().copied().filter(inside).chain([a, b]).collect();
+        cuts.sort_by(|x, y| ((x - a) / (b - a)).total_cmp(&((y - a) / (b - a))));
         for part in cuts.windows(2) {
-            let middle = 0.5 * (part[0] + part[1]);
-            let segment = transfer.segment_at(calibration.value(middle));
-            let entry = |x: f64| step_entry(transfer, segment, calibration.value(x), step);
+            let optical = |x: f64| grid.optical(transfer, calibration, i, x);
+            let entry = |x: f64| transfer.step_of(&optical(x), step);
             let chord = |x: f64, c: usize| ends[0][c] + (x - a) / (b - a) * (ends[1][c] - ends[0][c]);
-            let (start, mid, end) = (entry(part[0]), entry(middle), entry(part[1]));
-            // At a jump the entry at the end of a part belongs to the other side: it is the jump, not the table, that is far off.
-            let jumps = [(part[0], start), (part[1], end)].iter().any(|&(x, e)| {
-                let here = step_entry(transfer, transfer.segment_at(calibration.value(x)), calibration.value(x), step);
-                (0..4).any(|c| (here[c] - e[c]).abs() > 1e-12 * (1.0 + here[c].abs()))
-            });
-            if jumps {
-                error.jump_width = error.jump_width.max(spacing);
-                continue;
-            }
+            let (start, mid, end) = (entry(part[0]), entry(0.5 * (part[0] + part[1])), entry(part[1]));
             let at_ends = |c: usize| {
                 let ends = [(part[0], start[c]), (part[1], end[c])];
                 ends.iter().map(|&(x, e)| (e - chord(x, c)).abs()).fold(0.0, f64::max)
             };
             let bend = 2.0 * (mid[3] - 0.5 * (start[3] + end[3])).abs();
             error.opacity = error.opacity.max(at_ends(3) + bend);
-            let (o0, o1) = (segment.at(calibration.value(part[0])), segment.at(calibration.value(part[1])));
+            let (o0, o1) = (optical(part[0]), optical(part[1]));
             for c in 0..3 {
                 let inside = if transfer.has_emission() {
                     (end[c] - start[c]).abs()
@@ -198,10 +203,10 @@ fn table_error(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::transfer::ControlPoint;
+    use crate::transfer::{ControlPoint, OpacityRule};
 
     fn exact(t: &TransferFunction, v: f64, step: f64) -> [f64; 4] {
-        step_entry(t, t.segment_at(v), v, step)
+        t.step(v, step)
     }
 
     #[test]
@@ -216,7 +221,7 @@ mod tests {
                     .unwrap();
                 let table = BakedTransfer::<f64>::new(&t, Calibration::default(), (0.0, 1.0), false, 0.31);
                 // The logarithm at α = 1 is what a chord follows worst.
-                assert!(table.error().opacity < 4e-2 && table.error().jump_width == 0.0, "{:?}", table.error());
+                assert!(table.error().opacity < 4e-2 && table.error().jump_shift == 0.0, "{:?}", table.error());
                 for i in 0..=100_000 {
                     let v = f64::from(i) / 1e5;
                     let (got, want) = (table.step(v), exact(&t, v, 0.31));
@@ -241,5 +246,52 @@ mod tests {
         let table = BakedTransfer::<f32>::new(&t, Calibration::default(), (0.0, 29.0), true, 0.5);
         let opacity = [2.0, 3.0, 4.0].map(|v| table.step(v)[3]);
         assert_eq!(opacity, [0.0, 1.0, 0.0]);
+    }
+
+    /// Blue fog, and an orange wall from a value on.
+    fn fog_and_wall(at: f64) -> TransferFunction {
+        let (blue, orange) = ([0.0, 0.0, 1.0], [1.0, 0.7, 0.3]);
+        let points = [(0.0, blue, 0.002), (at, blue, 0.002), (at, orange, 1.0), (100.0, orange, 1.0)];
+        let points = points.map(|(value, color, opacity)| ControlPoint::new(value, color, opacity));
+        TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap()
+    }
+
+    #[test]
+    fn a_jump_shows_nothing_of_its_other_side() {
+        for (slope, at) in [(1.0, 0.1f32), (1.0, 12.3), (-1.0, 33.3), (0.01, 77.7)] {
+            let calibration = Calibration { slope, intercept: 0.0 };
+            let transfer = fog_and_wall(f64::from(at));
+            let stored = |value: f64| calibration.stored(value) as f32;
+            let range = (stored(0.0).min(stored(100.0)), stored(0.0).max(stored(100.0)));
+            let table = BakedTransfer::<f32>::new(&transfer, calibration, range, false, 1e-4);
+            let jump = stored(f64::from(at));
+            for k in -1000i16..=1000 {
+                let stored = jump + f32::from(k) * jump.abs() * 1e-6;
+                // Up to the rounding of the look-up.
+                if k.abs() > 3 {
+                    let wanted = exact(&transfer, calibration.value(f64::from(stored)), 1e-4);
+                    let got = table.step(stored).map(f64::from);
+                    assert!((0..4).all(|c| (got[c] - wanted[c]).abs() < 1e-6), "{stored}: {got:?}, not {wanted:?}");
+                }
+            }
+            if calibration.value(f64::from(jump)) >= f64::from(at) {
+                assert_eq!(table.step(jump)[3], 1.0, "at the jump, the later point holds: {slope} {at}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_shows_is_what_steps_show() {
+        let transfer = fog_and_wall(12.5);
+        let clear = ControlPoint::new(-5.0, [1.0; 3], 0.0);
+        let points = [&[clear, ControlPoint { value: 0.0, ..clear }], transfer.points()].concat();
+        let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+        for slope in [1.0, -1.0] {
+            let calibration = Calibration { slope, intercept: 0.0 };
+            let range = if slope > 0.0 { (-20.0, 100.0) } else { (-100.0, 20.0) };
+            let table = BakedTransfer::<f32>::new(&transfer, calibration, range, true, 1.0);
+            let shows = |low: f32, high: f32| table.shows(slope as f32 * low, slope as f32 * high);
+            assert!(!shows(-20.0, -1.0) && shows(-20.0, 0.0) && shows(50.0, 60.0) && shows(0.0, 0.0));
+        }
     }
 }

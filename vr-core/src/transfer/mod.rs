@@ -7,6 +7,7 @@ mod msh;
 mod preintegrated;
 mod presets;
 mod srgb;
+mod table_grid;
 mod table_range;
 
 pub use baked::{BakedTransfer, TableError};
@@ -16,10 +17,10 @@ pub use msh::{Msh, diverging};
 pub use preintegrated::{PreIntegrated, PreIntegratedRow, TablePlace, WALL_DEPTH};
 pub use presets::{Preset, is_hounsfield};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
-pub use table_range::{outwards, resolves_ramps, table_range};
+pub use table_range::{beyond_f32, outwards, resolves_ramps, rounding_in_f32, table_range};
 
 use crate::error::ParameterError;
-use crate::optics::extinction_of_opacity;
+use crate::optics::{extinction_of_opacity, opacity_of_depth, opacity_of_thickness, source_weight};
 
 /// A point of a transfer function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -205,6 +206,21 @@ impl TransferFunction {
         self.segment_at(value).at(value)
     }
 
+    /// The limit of opacity, colour and emission as values approach this one from below.
+    pub fn at_below(&self, value: f64) -> Optical {
+        let i = self.segments.partition_point(|s| s.from < value);
+        let segment = &self.segments[i.max(1) - 1];
+        if value == segment.to { segment.end } else { segment.at(value) }
+    }
+
+    /// Values at which light or extinction jumps, ascending: where two different points have one value, and at the ends of
+    /// ranges that are opaque, where extinction goes to infinity and stays there.
+    pub fn breaks(&self) -> impl Iterator<Item = f64> + '_ {
+        let opaque = |s: &Segment| s.is_opaque() && self.rule == OpacityRule::Power;
+        let breaks = self.segments.windows(2).filter(move |w| w[0].end != w[1].start || opaque(&w[0]) != opaque(&w[1]));
+        breaks.map(|w| w[1].from)
+    }
+
     /// κ of an opacity of this transfer function, per world unit; +∞ for 1 under the power rule.
     pub fn extinction(&self, opacity: f64) -> f64 {
         match self.rule {
@@ -220,7 +236,23 @@ impl TransferFunction {
 
     /// Light (r, g, b) and opacity of a homogeneous step of `length` world units at a value: b = q·length·w(τ), α = 1 − e^(−τ).
     pub fn step(&self, value: f64, length: f64) -> [f64; 4] {
-        baked::step_entry(self, self.segment_at(value), value, length)
+        self.step_of(&self.at(value), length)
+    }
+
+    /// Light and opacity of a homogeneous step of `length` world units with the given properties; see [`TransferFunction::step`].
+    pub(crate) fn step_of(&self, at: &Optical, length: f64) -> [f64; 4] {
+        let ratio = length / self.unit_distance;
+        let (alpha, tau) = match self.rule {
+            OpacityRule::Power => (opacity_of_thickness(at.opacity, ratio), self.extinction(at.opacity) * length),
+            OpacityRule::Extinction => (opacity_of_depth(at.opacity * ratio), at.opacity * ratio),
+        };
+        let light = if self.has_emission {
+            let weight = source_weight(tau) * length;
+            at.emission.map(|e| e * weight)
+        } else {
+            at.color.map(|c| c * alpha)
+        };
+        [light[0], light[1], light[2], alpha]
     }
 
     /// The largest colour or emission component of any point.

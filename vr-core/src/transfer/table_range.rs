@@ -1,7 +1,8 @@
-//! The stored numbers that a table must cover, and whether its entries tell apart all that a transfer function does.
+//! The stored numbers that a table must cover, and whether its entries, and single precision, tell apart all that a transfer function does.
 
 use super::TransferFunction;
 use crate::grid::Calibration;
+use crate::volume::UniformVolume;
 
 /// Of a table's range, what lies beyond the first and the last control point and yet belongs into it: more than the distance of two
 /// entries, so that a jump at an end point has its other side in the table.
@@ -49,9 +50,80 @@ pub fn resolves_ramps(spacing: f64, calibration: Calibration, transfer: &Transfe
     ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= least)
 }
 
+/// Part of the narrowest ramp by which a stored number may be off for being rounded to f32; of the field's range, where something
+/// jumps in it. 0 for a constant, which is exact.
+///
+/// Ramps that no number of the field comes near do not count. How narrow a jump is does not count: no precision has room for it.
+pub fn rounding_in_f32(volume: &UniformVolume, transfer: &TransferFunction) -> f64 {
+    let Some((low, high)) = volume.census().range.map(|(low, high)| (f64::from(low), f64::from(high))) else {
+        return 0.0;
+    };
+    if low == high {
+        return 0.0;
+    }
+    let calibration = volume.calibration();
+    let rounding = 0.5 * f64::from(f32::EPSILON) * low.abs().max(high.abs());
+    let inside = |at: f64| low <= at && at <= high;
+    let jumps = transfer.points().windows(2).filter(|pair| pair[0].value == pair[1].value);
+    let jumps = jumps.map(|pair| calibration.stored(pair[0].value)).any(inside).then_some(high - low);
+    let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
+    let ramps = ramps.map(|s| [s.from, s.to].map(|v| calibration.stored(v)));
+    let met = ramps.filter(|[a, b]| a.min(*b) <= high && a.max(*b) >= low).map(|[a, b]| (b - a).abs());
+    let narrowest = met.chain(jumps).fold(f64::INFINITY, f64::min);
+    rounding / narrowest
+}
+
+/// Largest [`rounding_in_f32`] of a scene that kernels in f32 draw: a ramp is known to a thirtieth then.
+const MAX_ROUNDING: f64 = 1.0 / 32.0;
+
+/// The feature that a renderer whose kernels are f32 must refuse: a transfer function with ramps that f32 does not tell apart.
+pub fn beyond_f32(volume: &UniformVolume, transfer: &TransferFunction) -> Option<String> {
+    let rounding = rounding_in_f32(volume, transfer);
+    (rounding > MAX_ROUNDING).then(|| {
+        format!("a transfer function that changes within {:.1} roundings of the stored numbers to f32", 1.0 / rounding)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::UniformGrid;
+    use crate::placement::Placement;
+    use crate::transfer::{ControlPoint, OpacityRule};
+    use crate::volume::Volume;
+
+    #[test]
+    fn narrow_ramps_and_jumps_in_narrow_fields_are_rounded() {
+        let rounding = |values: [f32; 2], ramp: [f64; 2]| {
+            let samples = vec![values[0], values[1], values[0], values[0], values[0], values[0], values[0], values[0]];
+            let placement = Placement::from_spacing([1.0; 3]).unwrap();
+            let volume: Volume = UniformGrid::new([2; 3], samples, placement, Calibration::default()).unwrap().into();
+            let points = [(ramp[0], 0.1), (ramp[1], 0.9)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
+            let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
+            rounding_in_f32(volume.uniform().unwrap(), &transfer)
+        };
+        let unit = 0.5f64.powi(24);
+        assert_eq!(rounding([0.0, 1024.0], [100.0, 102.0]), 512.0 * unit);
+        assert_eq!(rounding([0.0, 1024.0], [2000.0, 2000.1]), 0.0, "beyond the field");
+        assert_eq!(rounding([0.0, 1024.0], [2.0, 2.0]), unit, "a jump");
+        assert_eq!(rounding([1e9, 1e9], [1e9, 1e9]), 0.0, "a constant");
+        // Carried as distances from the first.
+        assert!(rounding([1e6, 1_000_010.0], [1e6, 1_000_001.0]) <= 10.0 * unit);
+    }
+
+    #[test]
+    fn what_f32_cannot_tell_apart_is_a_feature_to_refuse() {
+        let samples = vec![0.0f32, 1e6, 5e5, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let volume: Volume = UniformGrid::new([2; 3], samples, placement, Calibration::default()).unwrap().into();
+        let refused = |width: f64| {
+            let points = [(5e5, 0.1), (5e5 + width, 0.9)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
+            let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
+            beyond_f32(volume.uniform().unwrap(), &transfer)
+        };
+        assert_eq!(refused(10.0), None);
+        assert!(refused(0.5).is_some_and(|feature| feature.contains("8.4 roundings")));
+    }
 
     #[test]
     fn ends_are_rounded_outwards() {

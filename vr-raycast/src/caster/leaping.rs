@@ -9,10 +9,14 @@
 /// Visible is a block of 8³ cells whose range of values holds anything that the transfer function, and the table made of it, do not
 /// make perfectly clear (under `first`: that reaches the threshold). Each structure is made anew when the transfer function changes.
 ///
-/// [`Step::Local`](super::Step::Local) leaps by its own map of smaller blocks: to it, all choices but `None` are the same, and
-/// without leaping its steps lie elsewhere.
+/// Steps that follow the medium ([`Step::Local`](super::Step::Local), [`Step::Homogeneous`](super::Step::Homogeneous),
+/// [`Step::Tolerance`](super::Step::Tolerance)) leap by maps of their own, and packets of rays by distances between small blocks:
+/// to them belongs `Auto`. A structure that is asked for by name goes with uniform steps alone, and is the plain engine's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Leaping {
+    /// As the engine that draws the scene leaps best; the plain one by [`Leaping::ExactCloud`].
+    #[default]
+    Auto,
     /// All steps are sampled.
     None,
     /// An octree of minima and maxima, from the root down.
@@ -21,8 +25,7 @@ pub enum Leaping {
     Pyramid,
     /// Balls: each block stores its exact Euclidean distance to the nearest block of the other kind.
     ///
-    /// The default: the fastest of all on sparse blobs, thin shells and a real scan; a fog loses nothing by it (`benches/leaping.rs`).
-    #[default]
+    /// The fastest of all on sparse blobs, thin shells and a real scan; a fog loses nothing by it (`benches/leaping.rs`).
     ExactCloud,
     /// Cubes: each block stores its distance to the nearest block of the other kind as a king moves on a chessboard.
     ChessboardCloud,

@@ -20,7 +20,7 @@ pub use screen::{Connectivity, Screen};
 pub use step::Step;
 pub use traversal::Traversal;
 
-/// Casts rays and samples them at equal distances; the crate's front page says how.
+/// Casts rays through the pixels of a view and samples the volume along them; the crate's front page says how.
 ///
 /// ```
 /// use vr_raycast::{Order, RayCaster, Step};
@@ -79,13 +79,19 @@ impl RayCaster {
         self.filter.unwrap_or(scene.filter)
     }
 
-    /// The caster that draws a scene: where there is no light to follow, or no way to, local steps are uniform ones.
+    /// The caster that draws a scene: what [`Step::Auto`] means for it.
     pub(crate) fn settled_for(&self, scene: &Scene) -> Self {
-        let follows = scene.compositing.integrates_light() && self.order != Order::BackToFront;
-        match self.step {
-            Step::Local { .. } if !follows => Self { step: Step::Uniform(Step::OTHERWISE), ..self.clone() },
-            _ => self.clone(),
-        }
+        let step = match (self.step, self.traversal) {
+            (Step::Auto, _) if !self.follows_light(scene) => Step::Uniform(Step::OTHERWISE),
+            (Step::Auto, Traversal::Samples) => Step::Local { error: Step::ERROR },
+            (step, _) => step,
+        };
+        Self { step, ..self.clone() }
+    }
+
+    /// True if light is added up along a ray from its begin on, so that steps can follow it.
+    pub(crate) fn follows_light(&self, scene: &Scene) -> bool {
+        scene.compositing.integrates_light() && self.order != Order::BackToFront
     }
 
     /// World length of a step.
@@ -95,7 +101,7 @@ impl RayCaster {
                 voxels
             }
             // They have no one length.
-            Step::Local { .. } | Step::Tolerance(_) => 1.0,
+            Step::Auto | Step::Local { .. } | Step::Tolerance(_) => 1.0,
         };
         voxels * volume.placement().spacing().min_element()
     }
@@ -103,7 +109,7 @@ impl RayCaster {
     /// World length that no step of a walk exceeds; +∞: cells are not cut. Nothing is gained by cutting what is exact already.
     pub(crate) fn longest_step(&self, volume: &UniformVolume) -> f64 {
         match (self.traversal, self.rule, self.step) {
-            (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Local { .. }) => f64::INFINITY,
+            (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Auto) => f64::INFINITY,
             _ => self.world_step(volume),
         }
     }
@@ -120,10 +126,6 @@ impl RayCaster {
                 let allowed = "must be longer than the fine step, and at most 64";
                 return Err(ParameterError::new("render.coarse", coarse, allowed));
             }
-            Step::Vicinity { .. } if self.leaping != Leaping::None => {
-                let allowed = "coarse steps find the empty space themselves: must be none";
-                return Err(ParameterError::new("render.leaping", self.leaping, allowed));
-            }
             Step::Homogeneous { error, .. } if !(error > 0.0 && error <= 1.0) => {
                 return Err(ParameterError::new("render.homogeneity", error, "must be above 0 and at most 1"));
             }
@@ -138,9 +140,10 @@ impl RayCaster {
             Step::Local { error } if !(error > 0.0 && error <= 1.0) => {
                 return Err(ParameterError::new("render.local-error", error, "must be above 0 and at most 1"));
             }
-            Step::Uniform(_) | Step::Vicinity { .. } | Step::Local { .. } | Step::Homogeneous { .. } => {}
+            Step::Auto | Step::Uniform(_) | Step::Vicinity { .. } | Step::Local { .. } | Step::Homogeneous { .. } => {}
         }
-        if self.traversal != Traversal::Samples && !matches!(self.step, Step::Uniform(_) | Step::Local { .. }) {
+        self.validate_leaping()?;
+        if self.traversal != Traversal::Samples && !matches!(self.step, Step::Auto | Step::Uniform(_)) {
             let allowed = "steps of this kind follow the medium, not cells or voxels: must be samples";
             return Err(ParameterError::new("render.traversal", self.traversal, allowed));
         }
@@ -163,6 +166,18 @@ impl RayCaster {
                 Err(ParameterError::new("render.termination", termination, "must be above 0 and at most 1"))
             }
             _ => Ok(()),
+        }
+    }
+
+    /// Checks that the way of leaping that was asked for can act.
+    fn validate_leaping(&self) -> Result<(), ParameterError> {
+        let refuse = |allowed| Err(ParameterError::new("render.leaping", self.leaping, allowed));
+        match (self.leaping, self.step, self.traversal) {
+            (Leaping::Auto, ..) | (Leaping::None, Step::Vicinity { .. }, _) => Ok(()),
+            (_, Step::Vicinity { .. }, _) => refuse("coarse steps find the empty space themselves: must be none"),
+            (_, _, Traversal::Cells | Traversal::Voxels) => refuse("every cell is walked: must be absent"),
+            (_, Step::Uniform(_), _) => Ok(()),
+            _ => refuse("steps that follow the medium leap by a map of their own: needs uniform steps (set step)"),
         }
     }
 }

@@ -1,8 +1,12 @@
 //! How long steps are.
 
 /// How long steps are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Step {
+    /// [`Step::Local`] with [`Step::ERROR`] where light is followed along a ray, front to back; [`Step::Uniform`] with
+    /// [`Step::OTHERWISE`] elsewhere; whole cells or voxels where the [`Traversal`](super::Traversal) says so.
+    #[default]
+    Auto,
     /// The same everywhere: a fraction of the smallest voxel edge, in world distance whatever the spacing. The last step of a ray is
     /// as long as is left, and counts as that.
     ///
@@ -36,7 +40,7 @@ pub enum Step {
     /// passes nothing that is visible from where the flag is not set. Fine steps are those of [`Step::Uniform`]: the picture is the same,
     /// bit for bit. Coarse steps are a whole number of fine ones.
     ///
-    /// It finds the empty space itself, and so [`Leaping`](super::Leaping) must be `None`.
+    /// It finds the empty space itself, and so no [`Leaping`](super::Leaping) goes with it.
     Vicinity {
         /// Length of coarse steps: above `fine`, at most 64, in voxels.
         coarse: f64,
@@ -47,8 +51,8 @@ pub enum Step {
     /// where they hardly do; and nothing is sampled where nothing is visible.
     ///
     /// Steps are chosen so that the picture's RMSE is about `error`: it is aimed at, not promised ([`Step::Local`] knows the
-    /// size of changes, not their shape). For over and accumulate, front to back: other operators, and rays from back to front, take uniform
-    /// steps of [`Step::OTHERWISE`].
+    /// size of changes, not their shape). Where the field jumps, at the faces of voxels under the filter nearest and of vacuum, steps
+    /// end. For over and accumulate, front to back: other operators, and rays from back to front, have no light to follow.
     Local {
         /// RMSE to aim at, in (0, 1].
         error: f64,
@@ -60,10 +64,4 @@ impl Step {
     pub const OTHERWISE: f64 = 0.2;
     /// The error that local steps aim at by default; the crate's README says how it was chosen.
     pub const ERROR: f64 = 5e-4;
-}
-
-impl Default for Step {
-    fn default() -> Self {
-        Self::Local { error: Self::ERROR }
-    }
 }

@@ -52,8 +52,8 @@ impl EmptySpace {
             let blocks = VisibleBlocks::new(dims, &volume.range_blocks(field, edge), &visibility);
             return Some(Self::Vicinity(Arc::new(VicinityFlags::new(&blocks))));
         }
-        // Local steps have a map of their own.
-        if caster.leaping == Leaping::None || matches!(caster.step, Step::Local { .. }) {
+        // The others have maps of their own.
+        if caster.leaping == Leaping::None || !matches!(caster.step, Step::Uniform(_)) {
             return None;
         }
         let ranges = volume.range_blocks(field, EDGE);
@@ -68,7 +68,7 @@ impl EmptySpace {
                 Self::Octree(Arc::new(Octree::new(nodes, &ranges, &visibility)))
             }
             Leaping::Pyramid => Self::Leaper(Arc::new(Pyramid::new(&blocks()))),
-            Leaping::ExactCloud => Self::Leaper(Arc::new(ExactCloud::new(&blocks()))),
+            Leaping::Auto | Leaping::ExactCloud => Self::Leaper(Arc::new(ExactCloud::new(&blocks()))),
             Leaping::ChessboardCloud => Self::Leaper(Arc::new(ChessboardCloud::new(&blocks()))),
             Leaping::Boxes => Self::Leaper(Arc::new(Boxes::new(&blocks()))),
             Leaping::Polyhedron => Self::Leaper(Arc::new(Polyhedron::new(&blocks()))),

@@ -30,7 +30,7 @@ pub(crate) struct LightVisibility<R> {
     calibration: Calibration,
     /// Of the transfer function itself: a shorter step at the end of a ray is not looked up.
     visible: Vec<OpenRange>,
-    table: Option<SummedEntries<R>>,
+    table: Option<Arc<BakedTransfer<R>>>,
     /// Of the table that rules which integrate between samples look segments up in.
     segments: Option<SummedRows<R>>,
 }
@@ -41,14 +41,6 @@ struct OpenRange {
     from: f64,
     to: f64,
     open: bool,
-}
-
-/// How many of a table's first entries are not zero: a summed-area table over the value axis.
-#[derive(Clone, Debug)]
-struct SummedEntries<R> {
-    /// Entry i: visible ones among the first i.
-    count: Vec<u32>,
-    table: Arc<BakedTransfer<R>>,
 }
 
 /// How many of the first rows of a table of segments are not zero.
@@ -67,7 +59,7 @@ impl<R: Real> Visibility<R> {
         table: Option<&Arc<BakedTransfer<R>>>,
     ) -> Self {
         let visible = visible_ranges(transfer.segments());
-        Self::Light(LightVisibility { calibration, visible, table: table.map(SummedEntries::new), segments: None })
+        Self::Light(LightVisibility { calibration, visible, table: table.map(Arc::clone), segments: None })
     }
 
     /// The same where segments between samples are looked up, in this table: what is visible in it is visible, too.
@@ -107,7 +99,7 @@ impl<R: Real> Visibility<R> {
 impl<R: Real> LightVisibility<R> {
     fn is_visible(&self, low: f32, high: f32) -> bool {
         if let Some(table) = &self.table
-            && table.is_visible(R::from_f32(low), R::from_f32(high))
+            && table.shows(R::from_f32(low), R::from_f32(high))
         {
             return true;
         }
@@ -121,28 +113,6 @@ impl<R: Real> LightVisibility<R> {
         // Ranges are disjoint and sorted: the first one that does not end below `low` is the only candidate.
         let next = self.visible.partition_point(|range| range.to <= low);
         self.visible.get(next).is_some_and(|range| if range.open { range.from < high } else { range.from <= high })
-    }
-}
-
-impl<R: Real> SummedEntries<R> {
-    fn new(table: &Arc<BakedTransfer<R>>) -> Self {
-        let mut count = Vec::with_capacity(table.entries().len() + 1);
-        count.push(0);
-        let mut sum = 0;
-        for entry in table.entries() {
-            sum += u32::from(*entry != [R::ZERO; 4]);
-            count.push(sum);
-        }
-        Self { count, table: Arc::clone(table) }
-    }
-
-    /// Whether any entry counts that a look-up between two numbers interpolates.
-    fn is_visible(&self, low: R, high: R) -> bool {
-        let (x0, x1) = (self.table.position(low), self.table.position(high));
-        let (i0, i1) = (x0.to_index(), x1.to_index());
-        // On an entry, the next one has the weight 0.
-        let past = i1 + if x1 > R::from_index(i1) { 2 } else { 1 };
-        self.count[past] > self.count[i0]
     }
 }
 

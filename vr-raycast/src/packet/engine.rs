@@ -99,6 +99,10 @@ impl PacketEngine {
             && caster.traversal == Traversal::Samples
             && caster.filter_of(scene) == Filter::Trilinear
             && caster.classification == Classification::Table;
+        // The structures that leap along whole rays are the plain engine's.
+        if !matches!(caster.leaping, Leaping::Auto | Leaping::None) {
+            return None;
+        }
         let step = caster.world_step(volume);
         let corners = volume.corners();
         let extent = corners.iter().map(|c| c.distance(corners[0])).fold(0.0, f64::max);

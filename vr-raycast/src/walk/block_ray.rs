@@ -48,6 +48,21 @@ impl BlockRay {
         self.exit(faces) - self.at
     }
 
+    /// How far it is to the next face across any axis, of those that lie so far behind each sample.
+    pub(super) fn to_face(&self, behind: &[f64]) -> f64 {
+        let (origin, direction) = (self.ray.origin.to_array(), self.ray.direction.to_array());
+        let position = self.ray.at(self.at + self.nudge).to_array();
+        let mut nearest = f64::INFINITY;
+        for a in (0..3).filter(|&a| direction[a] != 0.0) {
+            for shift in behind {
+                let x = position[a] - shift;
+                let face = shift + if direction[a] > 0.0 { x.floor() + 1.0 } else { x.ceil() - 1.0 };
+                nearest = nearest.min((face - origin[a]) / direction[a]);
+            }
+        }
+        (nearest - self.at).max(self.nudge)
+    }
+
     /// Goes on to where the ray leaves a box of blocks, without a step.
     pub(super) fn leap(&mut self, faces: impl Fn(usize) -> [f64; 2]) {
         self.at = self.exit(faces).max(self.at + self.nudge);

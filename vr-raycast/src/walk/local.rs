@@ -27,6 +27,10 @@ impl<'a> LocalWalk<'a> {
             match self.map.at(block) {
                 Pace::Leap(radius) => self.ray.leap(cube(block, radius)),
                 Pace::Step(length) => self.ray.step(f64::from(length), steps),
+                Pace::CutStep(length) => {
+                    let face = self.ray.to_face(self.map.faces());
+                    self.ray.step(f64::from(length).min(face), steps);
+                }
             }
         }
         steps.len > 0

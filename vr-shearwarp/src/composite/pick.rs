@@ -3,17 +3,32 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use vr_core::vector::{LANES, pick, splat};
+use vr_core::{Calibration, Compositing};
 
 use super::cells::{Columns, Edges, STEPS_F32, values};
 use super::kernel::{Added, Chunk, Kernel, Row};
 use crate::codes::Code;
 
-/// Which value.
+/// Which code a ray is left with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
     Largest,
     Smallest,
     Mean,
+}
+
+impl Choice {
+    /// The choice that an operator makes among codes, which ascend with stored numbers: `None` where light is integrated.
+    pub(crate) fn of(compositing: Compositing, calibration: Calibration) -> Option<Self> {
+        // A negative slope turns the order of values round.
+        let ascending = calibration.slope > 0.0;
+        match compositing {
+            Compositing::Maximum => Some(if ascending { Self::Largest } else { Self::Smallest }),
+            Compositing::Minimum => Some(if ascending { Self::Smallest } else { Self::Largest }),
+            Compositing::Average => Some(Self::Mean),
+            _ => None,
+        }
+    }
 }
 
 /// Texels hold (value, weight, 0, 0) until they are classified; weight 0 where no sample was.

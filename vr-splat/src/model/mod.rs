@@ -49,7 +49,7 @@ impl SplatModel {
             layer.depth((row * view.size[0] + column) as usize)
         });
         match things {
-            Things::Grid(grid) if is_boxed(&self.renderer, &self.scene, things) => {
+            Things::Grid(grid) if is_boxed(&self.renderer, things) => {
                 let inside = IndexRay::new(ray, grid.placement(), grid.dims(), &view.clip, layer)?;
                 Some([inside.start, inside.end].map(|s| depth(s + inside.offset)))
             }

@@ -40,15 +40,16 @@ impl Tile<'_> {
                     return;
                 }
                 let value = sum / pick(there, divisor, one);
+                let inside = there;
                 if let Some((cells, dims)) = cells {
                     let visible = self.in_visible_cells(simd, number, depth, cells, *dims);
                     there &= Lanes(visible).load(simd).simd_gt(zero);
-                    if !there.any_true() {
-                        return;
-                    }
                 }
                 if !matches!(operator, Operator::Under { .. } | Operator::Over) {
-                    self.states[number].choose(simd, operator, value, length, there);
+                    self.states[number].choose(simd, operator, value, length, [there, inside & !there]);
+                    return;
+                }
+                if !there.any_true() {
                     return;
                 }
                 let length = pick(there, length, zero);

@@ -68,7 +68,7 @@ impl State {
         }
     }
 
-    /// Takes in values over lengths, where a mask is set; `previous` are the values before, for what is found between two.
+    /// Takes in values over lengths, where the first mask is set; where the second one is, there is vacuum.
     #[inline(always)]
     pub(crate) fn choose<S: Simd>(
         &mut self,
@@ -76,7 +76,7 @@ impl State {
         operator: Operator,
         value: f32x16<S>,
         length: f32x16<S>,
-        there: mask32x16<S>,
+        [there, vacuum]: [mask32x16<S>; 2],
     ) {
         let (before, sum) = (self.value.load(simd), self.length.load(simd));
         let zero = splat(simd, 0.0);
@@ -94,11 +94,12 @@ impl State {
             Operator::First { sign, threshold } => {
                 let reaches = there & (value * sign).simd_ge(splat(simd, threshold * sign));
                 let found = self.clear.load(simd).simd_le(zero);
-                // Whatever comes before reaches less: what is found lies between two sheets, at the threshold, or it is the first of all.
+                // Whatever comes before reaches less: what is found lies between two sheets, at the threshold, or it is the first of all or the
+                // first behind vacuum.
                 let at = pick(fresh, value, splat(simd, threshold));
                 self.value = Lanes::of(pick(found, before, pick(reaches, at, value)));
                 self.clear = Lanes::of(pick(reaches, zero, self.clear.load(simd)));
-                self.length = Lanes::of(sum + pick(there, length, zero));
+                self.length = Lanes::of(pick(vacuum & !found, zero, sum + pick(there, length, zero)));
             }
             Operator::Under { .. } | Operator::Over => {}
         }

@@ -6,7 +6,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
-use vr_core::vector::{Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, light_of, pick, run, splat};
+use vr_core::vector::{
+    Cells as Places, Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, light_of, pick, run, splat,
+};
 use vr_core::{Control, Counts, RenderError};
 
 use super::classify::Classifier;
@@ -35,7 +37,7 @@ pub(crate) struct Waiting {
     /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more. +∞: no more.
     next: Lanes,
     pub(crate) drawn: u64,
-    skipped: u64,
+    pub(crate) skipped: u64,
 }
 
 impl<T: Pairs> Bricked<'_, T> {
@@ -188,7 +190,10 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
                 break;
             }
             let count = u64::from(here.to_bitmask().count_ones());
-            if let Some(field) = &field {
+            // A slab of the whole volume: its samples may lie in blocks in which nothing can be visible.
+            let hidden = chosen.is_some()
+                && self.scene.pass.occupancy.is_some_and(|o| o.is_empty(touched(here.to_bitmask() as u32, &places)));
+            if let Some(field) = field.as_ref().filter(|_| !hidden) {
                 *drawn += count;
                 field.fetch(simd, &places, &mut stage);
                 let value = field.value(simd, &places, &stage);
@@ -226,6 +231,19 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
         *next = Lanes::of(number);
         sums.store(&mut state.sums);
     }
+}
+
+/// The box of cells, from the first to the last along each axis, that some of sixteen places lie in. There must be one.
+#[inline(always)]
+fn touched<S: Simd>(which: u32, places: &Places<S>) -> [[usize; 2]; 3] {
+    let mut all = [[usize::MAX, 0]; 3];
+    for (ends, cell) in all.iter_mut().zip(places.cell) {
+        let cell = cell.to_array();
+        for i in (0..LANES).filter(|i| which >> i & 1 == 1) {
+            *ends = [ends[0].min(cell[i] as usize), ends[1].max(cell[i] as usize)];
+        }
+    }
+    all
 }
 
 /// Whether low ≤ cell < high.

@@ -57,9 +57,10 @@ pub(crate) fn draw_slices<T: Pairs>(
     let mut pixels = vec![Pixel::NOTHING; size[0] as usize * size[1] as usize];
     let mut counts = Counts::default();
     for waiting in rays.into_iter().map(Mutex::into_inner) {
-        let Waiting { at, rays, state, drawn, .. } = waiting.unwrap_or_else(PoisonError::into_inner);
+        let Waiting { at, rays, state, drawn, skipped, .. } = waiting.unwrap_or_else(PoisonError::into_inner);
         counts.rays += u64::from(rays.hits.count_ones());
         counts.samples += drawn;
+        counts.skipped += skipped;
         at.finish(scene, &rays, &state, |number, pixel| pixels[number] = pixel);
     }
     Ok((pixels, counts))

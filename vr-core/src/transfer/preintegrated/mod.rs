@@ -115,7 +115,13 @@ impl<R: Real> PreIntegrated<R> {
         let end = |i: usize| low + i as f64 * spacing;
         let mut cells: Vec<Cell> = Vec::with_capacity(intervals + 2);
         let beyond = 1e-3 * spacing;
-        cells.push(Cell::beside(transfer, calibration, low, -beyond));
+        // A constant field is nowhere but at its value.
+        let constant = field.0 >= field.1;
+        let beside = |stored: f64, beyond: f64| match constant {
+            true => Cell::at(transfer, calibration, low),
+            false => Cell::beside(transfer, calibration, stored, beyond),
+        };
+        cells.push(beside(low, -beyond));
         if high > low {
             cells.extend((0..intervals).map(|i| Cell::new(transfer, calibration, &knots, end(i), end(i + 1))));
         } else if field.0 < field.1 && knots.contains(&low) {
@@ -124,7 +130,7 @@ impl<R: Real> PreIntegrated<R> {
         } else {
             cells.push(Cell::at(transfer, calibration, low));
         }
-        cells.push(Cell::beside(transfer, calibration, end(intervals), beyond));
+        cells.push(beside(end(intervals), beyond));
 
         let inner = &cells[1..=intervals];
         let total: [f64; 4] = std::array::from_fn(|c| inner.iter().map(|e| e.mean[c]).sum());

@@ -1,17 +1,24 @@
 //! How a ray moves through each small block: over it, or in steps as long as what is in it allows.
 
+mod classes;
+mod features;
+
 use rayon::prelude::*;
-use vr_core::transfer::Optical;
-use vr_core::{Calibration, LevelRanges, Scene, TransferFunction};
+use vr_core::{Calibration, Filter, LevelRanges, Scene};
 
 use crate::leap::{VisibleBlocks, chessboard_distances};
+use classes::{Classes, class_of, step_of};
 
 /// A byte per block of 4³ cells: the step to take in it, or how far it is from anything visible.
 ///
 /// The error of a midpoint step of length h is h²/24 times the second derivative, along the ray, of what is integrated: extinction κ and
 /// emission q. That derivative is of the size D/e², D how much κ and q vary within a block of edge e. So the step is h = e·√(ε/D)
 /// where D (the sum of all rises and falls over the block's range of values) is the largest of the block's own and those that the step can lead into, ε the error allowed per unit length; it is kept between
-/// bounds. Changes beyond an optical depth of about one a voxel do not show: light saturates.
+/// bounds. Changes beyond an optical depth of about one a voxel do not show: light saturates. Where a peak or a gap of the transfer
+/// function is thinner than such a step, the step follows from that (see `features.rs`).
+///
+/// Where the field jumps, at the faces of voxels under the filter nearest and of cells that are vacuum, no second derivative tells
+/// anything: steps end at those faces.
 ///
 /// It is an estimate, not a bound. What it comes to in pictures is measured, and [`crate::Step::Local`] says so.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +26,21 @@ pub(crate) struct PaceMap {
     blocks: [usize; 3],
     bytes: Vec<u8>,
     steps: [f32; CLASSES],
+    cuts: Cuts,
+}
+
+/// Where steps end at faces at which the field jumps.
+#[derive(Clone, Debug, PartialEq)]
+enum Cuts {
+    /// Nowhere: it does not jump.
+    None,
+    /// In these blocks: there are missing samples in them or next to them.
+    Holes(Vec<bool>),
+    /// In all blocks: the field is constant around each sample.
+    Voxels {
+        /// True if samples are missing: cells end at faces of their own.
+        holes: bool,
+    },
 }
 
 /// What a ray does in a block.
@@ -26,6 +48,8 @@ pub(crate) struct PaceMap {
 pub(crate) enum Pace {
     /// A step of this length, in world units.
     Step(f32),
+    /// A step of this length, or to the next of [`PaceMap::faces`].
+    CutStep(f32),
     /// Nothing is visible in the blocks up to this many around: on to where the ray leaves them.
     Leap(u8),
 }
@@ -33,46 +57,46 @@ pub(crate) enum Pace {
 /// From this byte on, blocks are clear; the difference is how many blocks around are, too.
 pub(crate) const CLEAR: u8 = 128;
 /// Classes of steps, each longer than the one before by √2.
-const CLASSES: usize = 17;
+const CLASSES: usize = 23;
 /// Voxels of the shortest step. No multiple of it by a power of √2 is near a small ratio of whole numbers: along an axis, samples would meet
 /// voxels always at the same phase, and mistake what alternates from voxel to voxel for a constant.
-const SHORTEST: f64 = 0.0577;
+const SHORTEST: f64 = 0.0577 / 8.0;
 /// Voxels of the longest step: just under four blocks.
-const LONGEST: f64 = SHORTEST * 256.0;
-/// Error per unit length that is allowed for an error of 1 of the picture: calibrated on ten scenes, opaque and translucent, so that their
-/// RMSE is the error asked for or less.
-const RATE: f64 = 5.0;
-/// Change of optical depth, per voxel, beyond which light is saturated and its error grows no more.
-const SATURATION: f64 = 0.64;
+const LONGEST: f64 = SHORTEST * 2048.0;
 
 impl PaceMap {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
-    /// For a scene, and an error of the picture to aim at. `voxel`: world length of the smallest voxel edge. Without `leaping`,
-    /// what is clear is walked through in long steps.
+    /// For a scene, the filter of its field, and an error of the picture to aim at. `voxel`: world length of the smallest voxel edge.
     pub(crate) fn new(
         levels: &LevelRanges,
         scene: &Scene,
+        filter: Filter,
         calibration: Calibration,
         voxel: f64,
         error: f64,
-        leaping: bool,
     ) -> Self {
         let by_range = Classes::new(levels, scene, calibration, voxel, error);
         let blocks = levels.blocks();
         let mut bytes: Vec<u8> = levels.ranges().par_iter().with_min_len(1 << 12).map(|&r| by_range.of(r)).collect();
-        let distances = leaping.then(|| {
-            let mut distances: Vec<u8> = bytes.iter().map(|&b| if b == CLEAR { u8::MAX } else { 0 }).collect();
-            chessboard_distances(blocks, &mut distances);
-            distances
-        });
+        let mut distances: Vec<u8> = bytes.iter().map(|&b| if b == CLEAR { u8::MAX } else { 0 }).collect();
+        chessboard_distances(blocks, &mut distances);
         bytes.par_iter_mut().with_min_len(1 << 12).for_each(|b| *b = (*b).min(CLASSES as u8 - 1));
-        let mut map = Self { blocks, bytes, steps: std::array::from_fn(|c| (voxel * step_of(c)) as f32) };
-        map.look_around();
-        if let Some(distances) = distances {
-            map.leap(&distances);
+        if levels.has_holes() {
+            // No step from afar may pass a hole, and what is next to one is cut.
+            let of_block = class_of(Self::EDGE as f64);
+            let holes = bytes.iter_mut().enumerate().filter(|(i, _)| levels.has_hole(*i));
+            holes.for_each(|(_, b)| *b = (*b).min(of_block));
         }
+        let cuts = match filter {
+            Filter::Nearest => Cuts::Voxels { holes: levels.has_holes() },
+            _ if levels.has_holes() => Cuts::Holes(beside_holes(levels)),
+            _ => Cuts::None,
+        };
+        let mut map = Self { blocks, bytes, steps: std::array::from_fn(|c| (voxel * step_of(c)) as f32), cuts };
+        map.look_around();
+        map.leap(&distances);
         map
     }
 
@@ -99,9 +123,22 @@ impl PaceMap {
 
     /// What a ray does in a block.
     pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> Pace {
-        match self.bytes[(z * self.blocks[1] + y) * self.blocks[0] + x] {
-            leap @ CLEAR.. => Pace::Leap(leap - CLEAR),
-            class => Pace::Step(self.steps[usize::from(class)]),
+        let block = (z * self.blocks[1] + y) * self.blocks[0] + x;
+        match (self.bytes[block], &self.cuts) {
+            (leap @ CLEAR.., _) => Pace::Leap(leap - CLEAR),
+            // One sample stands for all of a voxel.
+            (_, Cuts::Voxels { .. }) => Pace::CutStep(f32::INFINITY),
+            (class, Cuts::Holes(cut)) if cut[block] => Pace::CutStep(self.steps[usize::from(class)]),
+            (class, _) => Pace::Step(self.steps[usize::from(class)]),
+        }
+    }
+
+    /// Where between two samples the faces lie at which steps are cut.
+    pub(crate) fn faces(&self) -> &'static [f64] {
+        match self.cuts {
+            Cuts::None | Cuts::Holes(_) => &[0.0],
+            Cuts::Voxels { holes: false } => &[0.5],
+            Cuts::Voxels { holes: true } => &[0.0, 0.5],
         }
     }
 
@@ -133,115 +170,10 @@ impl PaceMap {
     }
 }
 
-/// Voxels of a step of a class.
-fn step_of(class: usize) -> f64 {
-    SHORTEST * libm::exp2(0.5 * class as f64)
-}
-
-/// The class of the longest step that is no longer than so many voxels.
-fn class_of(voxels: f64) -> u8 {
-    let class = libm::floor(2.0 * libm::log2(voxels / SHORTEST) + 1e-9);
-    class.clamp(0.0, CLASSES as f64 - 1.0) as u8
-}
-
-/// The class of a block by its range of levels, for all ranges there are.
-struct Classes {
-    /// 256 × 256: lower level, upper level.
-    table: Vec<u8>,
-}
-
-/// Of κ and the three q over a range of values: how much they vary (the sum of all rises and falls), and the greatest of each.
-#[derive(Clone, Copy)]
-struct Variation {
-    total: [f64; 4],
-    greatest: [f64; 4],
-}
-
-impl Variation {
-    /// Of values in order.
-    fn of(path: impl Iterator<Item = [f64; 4]>) -> Self {
-        let mut all = Self { total: [0.0; 4], greatest: [0.0; 4] };
-        let mut last: Option<[f64; 4]> = None;
-        for here in path {
-            all.greatest = std::array::from_fn(|c| all.greatest[c].max(here[c]));
-            if let Some(last) = last {
-                for c in 0..4 {
-                    // ∞ − ∞ is no change.
-                    all.total[c] += if here[c] == last[c] { 0.0 } else { (here[c] - last[c]).abs() };
-                }
-            }
-            last = Some(here);
-        }
-        all
-    }
-
-    fn then(self, next: &Self) -> Self {
-        Self {
-            total: std::array::from_fn(|c| self.total[c] + next.total[c]),
-            greatest: std::array::from_fn(|c| self.greatest[c].max(next.greatest[c])),
-        }
-    }
-
-    /// Of the most varying one. Where light is `shaded`, it can go from all to nothing on a few voxels, whatever the values do.
-    fn largest(&self, shaded: bool) -> f64 {
-        let of = |c: usize| self.total[c] + if shaded { self.greatest[c] } else { 0.0 };
-        (0..4).map(of).fold(0.0, f64::max)
-    }
-}
-
-impl Classes {
-    fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
-        let transfer = &*scene.transfer;
-        let shaded = scene.shading.is_some();
-        const N: usize = LevelRanges::LAST as usize + 1;
-        let value = |level: usize| calibration.value(levels.stored(level as u8));
-        let at = |value: f64| optics(transfer, &transfer.at(value));
-        // From a level to the next, both included, with the points between them: all of a jump counts.
-        let between: Vec<Variation> = (0..N - 1)
-            .map(|level| {
-                let (a, b) = (value(level), value(level + 1));
-                let (a, b) = (a.min(b), a.max(b));
-                let points = transfer.points().iter().filter(|p| p.value >= a && p.value <= b);
-                let points = points.map(|p| optics(transfer, &Optical::of(p)));
-                Variation::of(std::iter::once(at(a.next_down())).chain(points).chain([at(b)]))
-            })
-            .collect();
-        let class = |variation: &Variation| {
-            if variation.greatest == [0.0; 4] {
-                return CLEAR;
-            }
-            let change = (variation.largest(shaded) * voxel).min(SATURATION);
-            let voxels = if change > 0.0 { PaceMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
-            class_of(voxels)
-        };
-        // An empty range (all vacuum) is clear.
-        let mut table = vec![CLEAR; N * N];
-        for low in 0..N {
-            let mut variation = Variation::of(std::iter::once(at(value(low))));
-            table[low * N + low] = class(&variation);
-            for high in low + 1..N {
-                variation = variation.then(&between[high - 1]);
-                table[low * N + high] = class(&variation);
-            }
-        }
-        Self { table }
-    }
-
-    fn of(&self, [low, high]: [u8; 2]) -> u8 {
-        self.table[usize::from(low) * (usize::from(LevelRanges::LAST) + 1) + usize::from(high)]
-    }
-}
-
-/// κ, and q of red, green and blue.
-fn optics(transfer: &TransferFunction, at: &Optical) -> [f64; 4] {
-    let kappa = transfer.extinction(at.opacity);
-    // κ·c with κ = ∞ and c = 0 would be NaN: an opaque wall that shines nowhere.
-    let q = |c: usize| match () {
-        () if transfer.has_emission() => at.emission[c],
-        () if at.color[c] == 0.0 => 0.0,
-        () => kappa * at.color[c],
-    };
-    [kappa, q(0), q(1), q(2)]
+/// True for blocks that have holes, or a neighbour that has.
+fn beside_holes(levels: &LevelRanges) -> Vec<bool> {
+    let open: Vec<u8> = (0..levels.ranges().len()).map(|i| u8::from(!levels.has_hole(i))).collect();
+    least_around(&open, levels.blocks(), 1).into_iter().map(|open| open == 0).collect()
 }
 
 /// The least byte among those of each block and the blocks up to `radius` around it.
@@ -280,10 +212,11 @@ fn least_around(bytes: &[u8], [nx, ny, nz]: [usize; 3], radius: usize) -> Vec<u8
 
 #[cfg(test)]
 mod tests {
+    use super::classes::RATE;
     use super::*;
-    use vr_core::{ControlPoint, Filter, OpacityRule, Placement, UniformGrid, Volume};
+    use vr_core::{ControlPoint, OpacityRule, Placement, TransferFunction, UniformGrid, Volume};
 
-    fn map(dims: [usize; 3], error: f64, leaping: bool, f: impl Fn(usize, usize, usize) -> u8) -> PaceMap {
+    fn map(dims: [usize; 3], error: f64, f: impl Fn(usize, usize, usize) -> u8) -> PaceMap {
         let at = |i: usize| f(i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1]));
         let samples: Vec<u8> = (0..dims.iter().product()).map(at).collect();
         let grid = UniformGrid::new(dims, samples, Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default());
@@ -291,13 +224,13 @@ mod tests {
         let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
         let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
         let levels = volume.uniform().unwrap().level_ranges(Filter::Trilinear);
-        PaceMap::new(&levels, &Scene::new(volume, transfer), Calibration::default(), 1.0, error, leaping)
+        PaceMap::new(&levels, &Scene::new(volume, transfer), Filter::Trilinear, Calibration::default(), 1.0, error)
     }
 
     #[test]
     fn clear_blocks_know_how_far_all_is_clear() {
         // Visible in one block of nine, at the low end.
-        let map = map([37, 5, 5], 1e-3, true, |x, _, _| if x == 2 { 255 } else { 0 });
+        let map = map([37, 5, 5], 1e-3, |x, _, _| if x == 2 { 255 } else { 0 });
         let paces: Vec<Pace> = (0..9).map(|x| map.at([x, 0, 0])).collect();
         assert!(matches!(paces[0], Pace::Step(_)));
         for (x, pace) in paces.iter().enumerate().skip(1) {
@@ -308,7 +241,7 @@ mod tests {
     #[test]
     fn steps_are_short_near_changes_and_long_far_from_them() {
         // A wall of change at x = 80 in a medium that is visible everywhere.
-        let map = map([161, 5, 5], 1e-3, true, |x, _, _| if x < 80 { 150 } else { 180 });
+        let map = map([161, 5, 5], 1e-3, |x, _, _| if x < 80 { 150 } else { 180 });
         let step = |x: usize| match map.at([x, 0, 0]) {
             Pace::Step(h) => f64::from(h),
             leap => panic!("{leap:?} at {x}"),
@@ -327,7 +260,7 @@ mod tests {
 
     #[test]
     fn smaller_errors_take_shorter_steps_down_to_the_shortest() {
-        let at = |error: f64| match map([5, 5, 5], error, true, |x, _, _| 50 * x as u8).at([0, 0, 0]) {
+        let at = |error: f64| match map([5, 5, 5], error, |x, _, _| 50 * x as u8).at([0, 0, 0]) {
             Pace::Step(h) => f64::from(h),
             leap => panic!("{leap:?}"),
         };
@@ -336,15 +269,30 @@ mod tests {
     }
 
     #[test]
-    fn without_leaping_clear_blocks_are_walked() {
-        let map = map([37, 5, 5], 1e-3, false, |_, _, _| 0);
-        assert!(map.bytes().iter().all(|&b| b < CLEAR));
-        assert_eq!(map.at([0, 0, 0]), Pace::Step(LONGEST as f32));
+    fn steps_end_at_the_faces_of_holes() {
+        let samples: Vec<f32> = (0..37 * 5 * 5).map(|i| if i % 37 == 18 { f32::NAN } else { 150.0 }).collect();
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let grid = UniformGrid::new([37, 5, 5], samples, placement, Calibration::default());
+        let volume: Volume = grid.unwrap().into();
+        let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
+        let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+        let levels = volume.uniform().unwrap().level_ranges(Filter::Trilinear);
+        let scene = Scene::new(volume, transfer);
+        let map = |filter| PaceMap::new(&levels, &scene, filter, Calibration::default(), 1.0, 1e-3);
+        // The missing sheet lies in the middle of block 4.
+        for x in 0..9usize {
+            let pace = map(Filter::Trilinear).at([x, 0, 0]);
+            assert_eq!(matches!(pace, Pace::CutStep(h) if h <= 4.0), x.abs_diff(4) <= 1, "{x}: {pace:?}");
+            let far = x.abs_diff(4) as f32 * 4.0;
+            assert!(matches!(pace, Pace::Step(h) if h <= far) || x.abs_diff(4) <= 1, "{x}: {pace:?}");
+            assert_eq!(map(Filter::Nearest).at([x, 0, 0]), Pace::CutStep(f32::INFINITY));
+        }
+        assert_eq!((map(Filter::Trilinear).faces(), map(Filter::Nearest).faces()), (&[0.0][..], &[0.0, 0.5][..]));
     }
 
     #[test]
     fn nothing_visible_is_far_everywhere() {
-        let map = map([37, 5, 5], 1e-3, true, |_, _, _| 0);
+        let map = map([37, 5, 5], 1e-3, |_, _, _| 0);
         assert!(map.bytes().iter().all(|&b| b == u8::MAX));
     }
 

@@ -1,0 +1,125 @@
+//! Values that are picked, against the canonical pixel.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::*;
+use glam::DVec3;
+use vr_core::*;
+use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
+
+const VIEWS: [(f64, f64, Option<f64>); 3] = [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0)), (140.0, -30.0, Some(80.0))];
+
+fn random_samples(count: usize, mut seed: u64) -> Vec<f32> {
+    let mut next = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 40) as f32 / (1 << 24) as f32
+    };
+    (0..count).map(|_| next()).collect()
+}
+
+/// Values from 0 to 1 as grey and opacity.
+fn scene(volume: impl Into<Volume>, compositing: Compositing) -> Scene {
+    let points = [0.0, 1.0].map(|v| ControlPoint::new(v, [1.0, 0.5, 1.0 - v], v)).to_vec();
+    let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+    Scene { compositing, ..Scene::new(volume.into(), transfer) }
+}
+
+fn grid(dims: [usize; 3], samples: Vec<f32>, calibration: Calibration) -> UniformGrid<f32> {
+    UniformGrid::new(dims, samples, Placement::from_spacing([0.7, 1.0, 1.3]).unwrap(), calibration).unwrap()
+}
+
+#[test]
+fn the_mean_of_a_constant_is_the_constant() {
+    let constant = scene(grid([5; 3], vec![0.4; 125], Calibration::default()), Compositing::Average);
+    for shape in Shape::ALL {
+        let renderer = Splatting { kernel: SplatKernel::new(shape), ..Splatting::default() };
+        for (azimuth, elevation, fov) in VIEWS {
+            // Many pixels, so that some have the shortest of chords.
+            let m = to_truth(&renderer, &constant, &view(&constant, azimuth, elevation, fov, 60));
+            assert!(m.max < 1e-6, "{shape:?} {azimuth}: {m}");
+        }
+    }
+}
+
+#[test]
+fn a_mean_is_over_what_there_is_of_the_chord() {
+    for calibration in [Calibration::default(), Calibration { slope: -1.0, intercept: 1.0 }] {
+        let noise = scene(grid([9, 8, 7], random_samples(504, 3), calibration), Compositing::Average);
+        let (low, high) = noise.volume.bounds();
+        for (azimuth, elevation, fov) in VIEWS {
+            let whole = view(&noise, azimuth, elevation, fov, 32);
+            let middle = (whole.camera.eye - whole.camera.target).length();
+            // A wall askew through the middle, and a corner cut off.
+            let depth = |i: usize| ([0.1, 0.2, 0.3], (middle + 0.2 * (i % 32) as f64 - 3.1) as f32);
+            let layer = Layer { pixels: (0..32 * 32).map(depth).collect() };
+            let walled = View { layer: Some(Arc::new(layer)), ..whole.clone() };
+            let crop = Some((low + DVec3::splat(0.7), high - DVec3::splat(1.1)));
+            let plane = Plane { normal: DVec3::new(1.0, 0.3, -0.2), offset: 2.0 };
+            let cut = View { clip: Clip { crop, planes: vec![plane] }, ..whole.clone() };
+            for view in [whole, walled, cut] {
+                // No sheets are needed, and nothing but f32 is left of chords of any length.
+                let m = to_truth(&Splatting::default(), &noise, &view);
+                assert!(m.max < 2e-5, "{azimuth}: {m}");
+            }
+        }
+    }
+}
+
+#[test]
+fn only_values_in_image_sheets_are_averaged() {
+    let mean = scene(grid([3; 3], vec![0.4; 27], Calibration::default()), Compositing::Average);
+    let voxels = Splatting { classification: Classification::Voxels, ..Splatting::default() };
+    for renderer in [Buffers::Axis, Buffers::Samples]
+        .map(|buffers| Splatting { buffers, ..Splatting::default() })
+        .into_iter()
+        .chain([voxels])
+    {
+        match renderer.prepare(&mean, &Control::default()) {
+            Err(RenderError::Unsupported { feature, .. }) => assert!(feature.contains("average"), "{feature}"),
+            other => panic!("{renderer:?}: {:?}", other.map(|_| "prepared")),
+        }
+    }
+}
+
+#[test]
+fn what_is_missing_has_no_value() {
+    // A hole where the values would be the largest on one side, and the smallest on the other.
+    let dims = [9, 9, 9];
+    let value = |i: usize| {
+        let at = [i % 9, i / 9 % 9, i / 81];
+        let hole = at.iter().all(|&x| (2..=6).contains(&x));
+        if hole { f32::NAN } else { 0.1 + 0.8 * at[0] as f32 / 8.0 }
+    };
+    let holed = || grid(dims, (0..729).map(value).collect(), Calibration::default());
+    let first = Compositing::First { threshold: 0.45 };
+    for compositing in [Compositing::Maximum, Compositing::Minimum, Compositing::Average, first] {
+        let scene = scene(holed(), compositing);
+        for (azimuth, elevation, fov) in VIEWS {
+            let view = view(&scene, azimuth, elevation, fov, 24);
+            let errors = [1.0, 0.25, 0.0625]
+                .map(|slice_distance| to_truth(&Splatting { slice_distance, ..Splatting::default() }, &scene, &view));
+            println!("{} {azimuth}: {} / {} / {}", compositing.name(), errors[0], errors[1], errors[2]);
+            // Holes are known to a sheet: order 1.
+            assert!(errors[2].rmse < 5e-3 && errors[2].rmse < errors[0].rmse / 4.0, "{compositing:?} {azimuth}");
+        }
+    }
+    // Nothing but holes.
+    let nothing = scene(grid([3; 3], vec![f32::NAN; 27], Calibration::default()), Compositing::Maximum);
+    let frame = draw(&Splatting::default(), &nothing, &view(&nothing, 33.0, 21.0, None, 8)).frame;
+    assert!(frame.pixels().iter().all(|p| *p == [0.0; 4]));
+}
+
+#[test]
+fn behind_a_hole_the_first_value_is_the_one_there() {
+    // Along z, far to near: 0.9, a hole, 0.2. The threshold is never passed from below.
+    let layers = [0.9, 0.9, 0.9, f32::NAN, 0.2, 0.2, 0.2];
+    let samples = (0..6 * 6 * 7).map(|i| layers[i / 36]).collect();
+    let scene = scene(grid([6, 6, 7], samples, Calibration::default()), Compositing::First { threshold: 0.5 });
+    let through = view(&scene, 0.0, 0.0, None, 9);
+    let m = to_truth(&Splatting { slice_distance: 0.1, ..Splatting::default() }, &scene, &through);
+    assert!(m.max < 1e-6, "{m}");
+    let seen = draw(&Splatting::default(), &scene, &through).frame.pixels()[40];
+    assert!((seen[2] - 0.1).abs() < 1e-6 && seen[3] == 1.0, "{seen:?}: not the colour of the threshold");
+}

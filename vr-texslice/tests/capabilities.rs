@@ -1,0 +1,173 @@
+//! Scenes that are drawn as they are, or refused: never as another scene.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::*;
+use vr_core::*;
+use vr_texslice::{Blend, Format, Order, Proxy, TexSlice};
+
+#[test]
+fn what_it_cannot_draw_it_refuses() {
+    let scene = phantom_scene::<u8>("fog", 8, 1.0);
+    let view = view(&scene, 30.0, 20.0, None, 8);
+    let control = Control::default();
+    let refused = |renderer: TexSlice, scene: &Scene, view: &View| {
+        let drawn = renderer.prepare(scene, &control).and_then(|mut p| p.render(view, &control));
+        matches!(drawn, Err(RenderError::Unsupported { renderer: "texslice", .. }))
+    };
+    let plain = TexSlice::default;
+    assert!(!refused(plain(), &scene, &view));
+    assert!(refused(plain(), &Scene { filter: Filter::BSpline, ..scene.clone() }, &view));
+    assert!(refused(TexSlice { format: Format::LuminanceAlpha, ..plain() }, &scene, &view), "colours");
+    let maximum = Scene { compositing: Compositing::Maximum, ..scene.clone() };
+    assert!(refused(TexSlice { format: Format::Rgba, ..plain() }, &maximum, &view));
+    assert!(refused(TexSlice { brick: Some(16), ..plain() }, &maximum, &view));
+    assert!(refused(TexSlice { order: Order::Slices, proxy: Proxy::Stacks, ..plain() }, &scene, &view));
+    let level = Scene { compositing: Compositing::Accumulate { level: 0.5 }, ..scene.clone() };
+    assert!(refused(TexSlice { blend: Blend::BackToFront, ..plain() }, &level, &view));
+    let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
+    assert!(!refused(plain(), &shaded, &view));
+    assert!(refused(TexSlice { format: Format::PreIntegrated, ..plain() }, &shaded, &view));
+    for compositing in [Compositing::Maximum, Compositing::Average, Compositing::First { threshold: 0.4 }] {
+        let picked = Scene { compositing, ..scene.clone() };
+        assert!(refused(TexSlice { blend: Blend::BackToFront, ..plain() }, &picked, &view), "nothing is blended");
+    }
+    let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
+    assert!(refused(plain(), &Scene { shading: Some(analytic.into()), ..scene.clone() }, &view));
+    let placement = Placement::from_spacing([1.0; 3]).unwrap();
+    let mut samples = vec![0.5f32; 64];
+    samples[21] = f32::NAN;
+    let hole = UniformGrid::new([4; 3], samples, placement, Calibration::default()).unwrap();
+    let mut holed = Scene { volume: hole.into(), ..scene.clone() };
+    assert!(!refused(plain(), &holed, &view));
+    holed.shading = Some(Shading::default().into());
+    assert!(refused(plain(), &holed, &view), "no gradient beside a hole");
+    // Light of a colour has three channels, and such a texture one.
+    let white = ControlPoint::new(0.0, [1.0; 3], 0.5);
+    let grey = TransferFunction::new(vec![white], OpacityRule::Power, 1.0).unwrap();
+    let lit = |color| {
+        let lights = vec![Light { color, ..Light::default() }];
+        let shading = Shading { lights, ..Shading::default() };
+        Scene { shading: Some(shading.into()), transfer: Arc::new(grey.clone()), ..scene.clone() }
+    };
+    let luminance = || TexSlice { format: Format::LuminanceAlpha, ..plain() };
+    assert!(refused(luminance(), &lit([1.0, 0.2, 0.1]), &view) && !refused(luminance(), &lit([0.7; 3]), &view));
+    let unlit = Scene { shading: None, ..lit([1.0, 0.2, 0.1]) };
+    assert!(!refused(luminance(), &unlit, &view));
+    assert!(refused(TexSlice { order: Order::Slices, ..plain() }, &scene, &View { samples: 2, ..view.clone() }));
+}
+
+#[test]
+fn stages_tell_what_had_to_be_made() {
+    let scene = phantom_scene::<u8>("fog", 16, 1.0);
+    let other = Scene { transfer: phantom_scene::<u8>("fog", 8, 0.3).transfer, ..scene.clone() };
+    let control = Control::default();
+    for (renderer, made_once) in [
+        (TexSlice::default(), "table"),
+        (TexSlice { proxy: Proxy::Stacks, ..TexSlice::default() }, "stack"),
+        (TexSlice { format: Format::Rgba, ..TexSlice::default() }, "classify"),
+        (TexSlice { format: Format::Paletted, ..TexSlice::default() }, "classify"),
+        (TexSlice { format: Format::Compressed, ..TexSlice::default() }, "compress"),
+    ] {
+        let mut prepared = renderer.prepare(&scene, &control).unwrap();
+        // Along x, whose stack has to be turned.
+        let mut next = |azimuth: f64| {
+            let drawn = prepared.render(&view(&scene, azimuth, 0.0, None, 8), &control).unwrap();
+            let stages: Vec<_> = drawn.stats.stages.iter().map(|(stage, _)| *stage).collect();
+            stages
+        };
+        assert!(next(90.0).contains(&made_once), "{made_once}");
+        for stage in ["table", "stack", "classify", "palette", "compress"] {
+            assert!(!next(90.0).contains(&stage), "{stage}");
+        }
+        prepared.update(&other, &control).unwrap();
+        let drawn = prepared.render(&view(&scene, 90.0, 0.0, None, 8), &control).unwrap();
+        let again = |stage| drawn.stats.stages.iter().any(|(s, _)| *s == stage);
+        assert!(again("table") && !again("stack") && !again("compress"), "{made_once}");
+    }
+}
+
+#[test]
+fn grey_light_is_the_same_in_two_channels_and_in_four() {
+    let colored = phantom_scene::<u8>("fog", 16, 1.0);
+    let mut points = colored.transfer.points().to_vec();
+    points.iter_mut().for_each(|p| p.color = [p.color[1]; 3]);
+    let transfer = TransferFunction::new(points, colored.transfer.rule(), colored.transfer.unit_distance()).unwrap();
+    let plain = Scene { transfer: transfer.into(), ..colored };
+    let shaded = Scene { shading: Some(Shading::default().into()), ..plain.clone() };
+    for (scene, fov) in [(&plain, None), (&plain, Some(40.0)), (&shaded, None)] {
+        let view = view(scene, 33.0, 21.0, fov, 24);
+        let of = |format| draw(&TexSlice { format, ..TexSlice::default() }, scene, &view).frame;
+        assert_eq!(of(Format::LuminanceAlpha), of(Format::Rgba));
+    }
+}
+
+#[test]
+fn whole_slices_leave_out_what_cannot_be_seen() {
+    let scene = phantom_scene::<u8>("blobs", 48, 1.0);
+    let view = view(&scene, 33.0, 21.0, None, 32);
+    let of = |skip| draw(&TexSlice { order: Order::Slices, skip, ..TexSlice::default() }, &scene, &view);
+    let (some, all) = (of(true), of(false));
+    assert_eq!(some.frame, all.frame);
+    let (some, all) = (some.stats.counts, all.stats.counts);
+    assert!(some.samples < all.samples && some.skipped > 0 && all.skipped == 0, "{some:?} {all:?}");
+    assert_eq!(some.samples + some.skipped, all.samples);
+}
+
+/// A ramp along z, from which light is given on its own, shaded.
+fn glowing(shading: Shading) -> Scene {
+    let samples: Vec<f32> = (0..5 * 5 * 5).map(|i| (i / 25 + i % 5) as f32).collect();
+    let grid = UniformGrid::new([5; 3], samples, Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default());
+    let point =
+        |v: f64| ControlPoint { emission: Some([0.4, 0.1, 0.0]), ..ControlPoint::new(v, [0.9, 0.5, 0.2], v / 9.0) };
+    let transfer = TransferFunction::new(vec![point(0.0), point(8.0)], OpacityRule::Power, 1.0).unwrap();
+    Scene { shading: Some(shading.into()), ..Scene::new(grid.unwrap().into(), transfer) }
+}
+
+#[test]
+fn a_surface_is_shaded_though_emission_is_given() {
+    let compositing = Compositing::First { threshold: 3.0 };
+    let scene = Scene { compositing, ..glowing(Shading { diffuse: 0.9, ambient: 0.1, ..Shading::default() }) };
+    for (azimuth, elevation, fov) in [(33.0, 21.0, None), (-120.0, 40.0, Some(30.0))] {
+        let m = to_truth(&TexSlice::default(), &scene, &view(&scene, azimuth, elevation, fov, 24));
+        // A plane that every ray crosses: nothing but f32 is left.
+        assert!(m.max < 1e-5, "{azimuth}: {m}");
+    }
+}
+
+#[test]
+fn opacity_by_the_gradient_is_refused_whatever_shines() {
+    let modulated = Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::default() };
+    let scene = glowing(modulated);
+    let control = Control::default();
+    for format in [Format::Scalar, Format::PreIntegrated, Format::Rgba, Format::Paletted, Format::Compressed] {
+        match (TexSlice { format, ..TexSlice::default() }).prepare(&scene, &control) {
+            Err(RenderError::Unsupported { feature, .. }) => assert!(feature.contains("gradient"), "{feature}"),
+            other => panic!("{format:?}: {:?}", other.map(|_| "prepared")),
+        }
+    }
+    // What picks a value has no opacity to modulate.
+    for compositing in [Compositing::Maximum, Compositing::First { threshold: 3.0 }] {
+        let picked = Scene { compositing, ..scene.clone() };
+        let m = to_truth(&TexSlice::default(), &picked, &view(&scene, 33.0, 21.0, None, 16));
+        assert!(m.max < 1e-5, "{compositing:?}: {m}");
+    }
+}
+
+#[test]
+fn a_negative_slope_turns_the_order_of_values_round() {
+    let samples: Vec<u8> = (0..6 * 6 * 6).map(|i| (i * 7919 % 251) as u8).collect();
+    let calibration = Calibration { slope: -0.5, intercept: 100.0 };
+    let grid = UniformGrid::new([6; 3], samples, Placement::from_spacing([1.0; 3]).unwrap(), calibration).unwrap();
+    let points = [-30.0, 100.0].map(|v| ControlPoint::new(v, [1.0, 0.5, 0.2], (v + 30.0) / 130.0)).to_vec();
+    let scene = Scene::new(grid.into(), TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap());
+    for compositing in [Compositing::Maximum, Compositing::Minimum, Compositing::Average] {
+        let scene = Scene { compositing, ..scene.clone() };
+        let renderer = TexSlice { slice_distance: 0.02, ..TexSlice::default() };
+        let m = to_truth(&renderer, &scene, &view(&scene, 33.0, 21.0, None, 16));
+        // Noise from voxel to voxel: an extreme between two samples is missed by less than a hundredth of that.
+        assert!(m.max < 1e-2, "{compositing:?}: {m}");
+    }
+}
