@@ -13,7 +13,7 @@ impl ShearWarp {
         }
         Some(DocumentedError::Max(match case {
             // Where a ray just passes a wall or just not, all of it is at stake, and between two texels that disagree half of it.
-            "opaque-wall" => return Some(DocumentedError::Rmse(0.13)),
+            "opaque-wall" => return Some(DocumentedError::Rmse(0.12)),
             "thin-shell" => return Some(DocumentedError::Rmse(5.7e-2)),
             // Ten or so ramps in a cell: light between two texels has no more to do with that at them.
             "full-u16" => 0.94,

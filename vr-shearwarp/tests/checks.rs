@@ -6,10 +6,10 @@ use vr_physics::Reference;
 use vr_physics::cases::Case;
 use vr_physics::check::invariants::{
     forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
-    turns_with_its_data, update_is_prepare,
+    turns_with_its_data,
 };
-use vr_physics::check::strategies::{Kind, scene_of, tame_scene};
-use vr_physics::check::{self, CaseOutcome, Effort, Falling, TestScene, errors_fall};
+use vr_physics::check::strategies::tame_scene;
+use vr_physics::check::{self, CaseOutcome, Effort, TestScene};
 use vr_shearwarp::{ShearWarp, WarpFilter};
 
 #[test]
@@ -187,65 +187,5 @@ fn other_operators_come_near_the_canonical_pixel() {
             report.worst
         );
         assert!(report.held > 0, "{compositing:?}");
-    }
-}
-
-/// Scenes of some kinds, with a truth that is as good as f32 can show.
-fn few(kinds: &[Kind]) -> Effort {
-    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
-}
-
-fn errors_of(kinds: &[Kind]) {
-    // Slices are as far apart as texels are wide, or half of that. The nearest entry of tables, and the levels of codes, are below.
-    let falling = Falling { ratio: 5.0, floor: 3e-4, ..Falling::new("texel") };
-    for table in errors_fall(&ShearWarp::default(), &falling, &few(kinds)).unwrap_or_else(|e| panic!("{e}")) {
-        println!("{table}");
-    }
-}
-
-#[test]
-fn errors_fall_with_the_step() {
-    errors_of(&[Kind::Plain, Kind::Spikes, Kind::Opaque, Kind::GradientOpacity, Kind::Lights]);
-}
-
-#[test]
-fn errors_fall_with_the_step_whatever_is_hard() {
-    errors_of(&Kind::ALL);
-}
-
-#[test]
-fn agrees_with_its_model_on_random_scenes() {
-    for renderer in [ShearWarp::default(), ShearWarp::classic()] {
-        let bound = |scene: &Scene, _: &View| {
-            if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
-        };
-        let report = check::agrees_with_its_model(&renderer, tame_scene(), bound, &Effort::cases(48));
-        println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
-    }
-}
-
-fn agrees_with_its_model_on(kinds: &[Kind]) {
-    for renderer in [ShearWarp::default(), ShearWarp::classic()] {
-        // Under the other operators the model is the scene itself, which errors fall towards.
-        let bound = |scene: &Scene, _: &View| {
-            if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
-        };
-        let effort = Effort { cases: 120, ..few(kinds) };
-        let report = check::agrees_with_its_model(&renderer, scene_of(kinds), bound, &effort);
-        println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
-    }
-}
-
-#[test]
-fn agrees_with_its_model_whatever_is_hard() {
-    agrees_with_its_model_on(&Kind::ALL);
-}
-
-#[test]
-fn an_update_is_a_new_preparation() {
-    for renderer in [ShearWarp::default(), ShearWarp::classic()] {
-        for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
-            println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
-        }
     }
 }

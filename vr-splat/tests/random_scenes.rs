@@ -1,0 +1,62 @@
+//! Random scenes of every kind: errors fall with the step, models and updates hold.
+
+use vr_core::{Compositing, Scene, View};
+use vr_physics::Reference;
+use vr_physics::check::invariants::update_is_prepare;
+use vr_physics::check::strategies::{Kind, scene_of};
+use vr_physics::check::{Effort, Falling, agrees_with_its_model, errors_fall};
+use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
+
+fn voxels(buffers: Buffers, shape: Shape) -> Splatting {
+    let kernel = SplatKernel::new(shape);
+    Splatting { buffers, classification: Classification::Voxels, kernel, ..Splatting::default() }
+}
+
+/// Scenes of some kinds, with a truth that is as good as f32 can show.
+fn few(kinds: &[Kind]) -> Effort {
+    Effort { reference: Reference::new(1e-6), ..Effort::cases(40) }.of_kinds(kinds)
+}
+
+fn errors_of(kinds: &[Kind]) {
+    // Tables of some thousand entries, and rounding.
+    let falling = Falling { floor: 3e-4, ..Falling::new("slice-distance") };
+    for table in errors_fall(&Splatting::default(), &falling, &few(kinds)).unwrap_or_else(|e| panic!("{e}")) {
+        println!("{table}");
+    }
+}
+
+#[test]
+fn errors_fall_with_the_step() {
+    errors_of(&[Kind::Plain, Kind::Spikes, Kind::Opaque, Kind::GradientOpacity, Kind::Lights]);
+}
+
+#[test]
+fn errors_fall_with_the_step_whatever_is_hard() {
+    errors_of(&Kind::ALL);
+}
+
+fn agrees_with_its_model_on(kinds: &[Kind]) {
+    for renderer in [Splatting::default(), voxels(Buffers::Image, Shape::Gaussian)] {
+        // Under the other operators the model is the scene itself, which errors fall towards.
+        let bound = |scene: &Scene, _: &View| {
+            if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
+        };
+        let effort = Effort { cases: 120, ..few(kinds) };
+        let report = agrees_with_its_model(&renderer, scene_of(kinds), bound, &effort);
+        println!("{}", report.unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
+    }
+}
+
+#[test]
+fn agrees_with_its_model_whatever_is_hard() {
+    agrees_with_its_model_on(&Kind::ALL);
+}
+
+#[test]
+fn an_update_is_a_new_preparation() {
+    for renderer in [Splatting::default(), voxels(Buffers::Axis, Shape::BSpline)] {
+        for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
+            println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
+        }
+    }
+}
