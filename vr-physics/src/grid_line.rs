@@ -135,7 +135,8 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         reach.value()
     }
 
-    /// The value of a stored number, and its rounding: none where slope and intercept add none.
+    /// The value of a stored number, as `Calibration::value` defines it, and what it rounds. A constant *is* that value; between samples
+    /// the field is slope and intercept of what is reconstructed.
     fn calibrated(&self, stored: f64) -> (f64, f64) {
         let Calibration { slope, intercept } = self.calibration;
         let value = self.calibration.value(stored);
@@ -180,6 +181,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
             (slopes, Bound::new(4096.0 * f64::EPSILON * reach + 4.0 * self.displaced(reach)))
         };
         let (gradient, gradient_error) = self.gradient(cell, middle, half, reach, analytic);
+        let calibration_error = if reach == 0.0 { 0.0 } else { calibration_error };
         let field_error = Bound::new(rounding) + calibration_error + tie;
         LineModel { field, field_error: field_error.value(), gradient, gradient_error, certain: true }
     }
@@ -285,7 +287,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
             let none = || ([Poly::constant(0.0); 3], Bound::ZERO);
             let (gradient, gradient_error) = self.gradient(cell, middle, half, reach, none);
             let field = Poly::constant(offset);
-            return LineModel { field, field_error: calibration_error, gradient, gradient_error, certain: true };
+            return LineModel { field, field_error: 0.0, gradient, gradient_error, certain: true };
         }
         let own_slopes = matches!(self.gradient, GradientSource::Analytic);
         let part = gaussian_cell::interpolate(lattice, cell, base, reach, [middle, half], own_slopes);

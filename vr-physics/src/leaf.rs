@@ -403,6 +403,12 @@ impl<'a> Leaf<'a> {
             || self.optics.has_walls() && Bound::new(self.clearest()).within((self.noise() * 4.0).value())
     }
 
+    /// True if 1 − α is much smaller somewhere than elsewhere, so that an error of the value weighs unequally, under the power rule.
+    pub fn is_graded(&self) -> bool {
+        let change = self.alpha.slope.abs() * self.model.field.spread(1.0);
+        self.optics.has_walls() && change > 0.5 * self.clear
+    }
+
     /// The largest 1 − α on the stretch, at a few points.
     pub fn clearest(&self) -> f64 {
         let field = &self.model.field;

@@ -1,6 +1,6 @@
 //! A scalar field along one ray, as the integrator wants it.
 
-use crate::bound::Bound;
+use crate::bound::{Bound, largest};
 use crate::poly::Poly;
 use crate::segments::Cut;
 
@@ -86,9 +86,17 @@ impl LineModel {
 
     /// The same on a part [a, b] of [−1, 1], stretched again.
     pub fn restricted(&self, a: f64, b: f64) -> Self {
+        // Each coefficient is rounded again: beside a large constant that is much.
+        let rounding = |p: &Poly| {
+            let (constant, spread) = (p.coefficients()[0].abs(), p.spread(1.0));
+            if spread == 0.0 { 0.0 } else { f64::EPSILON * (constant + p.degree() as f64 * spread) }
+        };
+        let turned = self.gradient.map_or(0.0, |g| largest(g.iter().map(rounding)));
         Self {
             field: self.field.restricted(a, b),
+            field_error: (self.error() + rounding(&self.field)).value(),
             gradient: self.gradient.map(|g| g.map(|p| p.restricted(a, b))),
+            gradient_error: (self.slope_error() + turned).value(),
             ..*self
         }
     }

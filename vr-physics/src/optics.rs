@@ -83,7 +83,14 @@ impl<'a> Optics<'a> {
         let (low, high) = (value - error.value(), value + error.value());
         let here = self.transfer.at(value).color;
         let ends = self.touching(low, high).iter().flat_map(|s| [low, high].map(|v| s.at(v.clamp(s.from, s.to)).color));
-        ends.map(|c| Bound::new(largest((0..3).map(|i| c[i] - here[i])))).fold(Bound::ZERO, Bound::max)
+        let apart = ends.map(|c| Bound::new(largest((0..3).map(|i| c[i] - here[i])))).fold(Bound::ZERO, Bound::max);
+        // An error below the value's own rounding does not show at the ends.
+        let unseen = error.min(4.0 * f64::EPSILON * value);
+        let steepest = self.touching(low, high).iter().filter(|s| (s.to - s.from).is_finite()).map(|s| {
+            let rise = largest((0..3).map(|c| s.end.color[c] - s.start.color[c]));
+            Bound::new(rise / (s.to - s.from))
+        });
+        apart + unseen * steepest.fold(Bound::ZERO, Bound::max)
     }
 
     /// How far reflected light may be off where each component of the gradient may be off by `error`.

@@ -48,6 +48,13 @@ impl Pick {
                 }
                 // The product of two lines bends by at most a quarter of the product of their rises.
                 let rise = largest((0..3).map(|c| s.end.color[c] - s.start.color[c]));
+                // An error below the value's own rounding does not show at the ends.
+                let unseen = off.min(4.0 * f64::EPSILON * self.value);
+                let run = s.to - s.from;
+                if run.is_finite() {
+                    let steep = (s.end.opacity - s.start.opacity).abs() * brightest + rise;
+                    error += unseen * (steep / run);
+                }
                 let part = ((high.min(s.to) - low.max(s.from)) / (s.to - s.from)).clamp(0.0, 1.0);
                 if part.is_finite() {
                     error += 0.25 * rise * (s.end.opacity - s.start.opacity).abs() * part * part;
@@ -167,10 +174,20 @@ pub fn extreme(line: &dyn LineField, sign: f64) -> Option<Pick> {
 
 /// The mean over the part that is not vacuum.
 pub fn average(line: &dyn LineField) -> Option<Pick> {
+    let stretches = stretches(line, HALVINGS, &|_| true);
+    let constant = |s: &Stretch| s.model.field.is_constant() && s.model.error() == Bound::ZERO;
+    if let Some(first) = stretches.first() {
+        let value = first.model.field.at(0.0);
+        // A field that is one number everywhere is its own mean, to the last bit.
+        if stretches.iter().all(|s| constant(s) && s.model.field.at(0.0) == value) {
+            let certain = stretches.iter().all(|s| s.model.certain);
+            return Some(Pick { value, error: 0.0, certain, s: f64::INFINITY });
+        }
+    }
     let (mut sum, mut length, mut count) = (0.0, 0.0, 0.0);
     let (mut doubt, mut size) = (Bound::ZERO, Bound::ZERO);
     let mut certain = true;
-    for Stretch { from, to, model, misplaced } in stretches(line, HALVINGS, &|_| true) {
+    for Stretch { from, to, model, misplaced } in stretches {
         let half = 0.5 * (to - from);
         let part = half * model.field.integral();
         let largest = Bound::new(model.field.coefficients()[0]) + model.field.spread(1.0);

@@ -131,6 +131,8 @@ pub fn transport(line: &dyn LineField, optics: &Optics<'_>, tolerance: f64, leve
 pub(crate) const HALF_DEPTH: f64 = std::f64::consts::LN_2;
 /// Halvings after which a stretch is enclosed crudely instead: 2⁻⁶⁰ of a cell.
 const MOST_HALVINGS: u32 = 60;
+/// Halvings of a stretch for the sake of its rounding: errors fall with its length.
+const MOST_GRADED: u32 = 20;
 /// Halvings of all stretches of one ray together: no scene may hang the reference.
 const MOST_SPLITS: u64 = 1 << 18;
 /// Halvings that may be spent on a field which is only known roughly.
@@ -310,6 +312,12 @@ impl Walk<'_> {
             return;
         };
         let (gain, rule, tau) = leaf.integrate(&choice);
+        // The value's error is charged as if 1 − α were small throughout: shorter stretches know better where it is.
+        let heavy = !gain.light_error.within(share) || !gain.depth_error.within(share / light);
+        if heavy && leaf.is_graded() && halvings < MOST_GRADED && self.splits < MOST_SPLITS {
+            self.halve(model, s, half, halvings, whole);
+            return;
+        }
         if self.result.depth + gain.depth > self.deepest {
             // The level is reached in here: the end is found by halving.
             if gain.depth <= 1e-15 * (1.0 + self.deepest) || halvings >= MOST_HALVINGS {

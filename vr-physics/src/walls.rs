@@ -5,7 +5,7 @@ use vr_core::transfer::{Optical, Segment};
 use crate::bound::{Bound, largest};
 use crate::line::{LineField, LineModel};
 use crate::poly::Poly;
-use crate::transport::{HALF_DEPTH, Walk};
+use crate::transport::{HALF_DEPTH, Walk, band};
 
 /// A side of a place where the medium jumps.
 #[derive(Clone, Copy, Default)]
@@ -165,7 +165,8 @@ impl<'a> Walk<'a> {
                 let slope = largest((0..3).map(|c| segment.end.color[c] - segment.start.color[c]));
                 let slope = slope / (segment.to - segment.from);
                 if slope > 0.0 {
-                    off = model.error() * (slope * self.optics.largest_color_factor());
+                    // The value itself is rounded where it is taken from the polynomial.
+                    off = Bound::new(band(model)) * (slope * self.optics.largest_color_factor());
                 }
             }
             off += 16.0 * f64::EPSILON * self.surface;

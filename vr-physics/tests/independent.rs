@@ -43,6 +43,10 @@ fn the_bound_is_never_below_the_difference() {
         let before = started.elapsed();
         let (ours, bound, other, apart) = compare(&scene, &view, pixel);
         let took = (started.elapsed() - before).as_secs_f64();
+        if std::env::var("SHOW").is_ok() {
+            println!("{:#?} {:#?} {:?} {:?} {view:?}", scene.transfer.points(), scene.shading, scene.compositing, scene.volume.value_range());
+            println!("{:?} {} {:?} {ours:?} {other:?} {bound:e}", scene.transfer.unit_distance(), scene.filter, scene.transfer.rule());
+        }
         let size = ours.iter().copied().fold(1.0, f64::max);
         lit += usize::from(other.rgba[3] > 0.0);
         if took > 1.0 {

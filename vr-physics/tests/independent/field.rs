@@ -256,8 +256,11 @@ impl Field {
                 equal &= taps[0].iter().all(|x| number(x.0, y.0, z.0) == first);
             }
         }
-        // Weights add up to 1: equal numbers are that number, to the last digit.
-        let stored = if equal { dd(first) } else { self.sum(&taps, None) };
+        // Weights add up to 1: equal numbers are that number, and its value is the f64 that it is calibrated to.
+        if equal {
+            return dd(self.slope * first + self.intercept);
+        }
+        let stored = self.sum(&taps, None);
         stored * dd(self.slope) + dd(self.intercept)
     }
 

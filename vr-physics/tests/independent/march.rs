@@ -44,6 +44,8 @@ pub struct March<'a> {
     error: f64,
     level: f64,
     done: bool,
+    /// Points of the medium that may still be looked at: no scene may take for ever.
+    budget: std::cell::Cell<i64>,
 }
 
 /// Points that a piece is looked at before it is cut.
@@ -72,6 +74,7 @@ impl<'a> March<'a> {
                 _ => f64::INFINITY,
             },
             done: false,
+            budget: std::cell::Cell::new(60_000),
         }
     }
 
@@ -303,6 +306,7 @@ impl<'a> March<'a> {
     }
 
     fn medium(&self, s: Dd, home: Dd, line: &Line) -> Medium {
+        self.budget.set(self.budget.get() - 1);
         let v = self.field.value(s, home);
         let alpha = Self::mix_exactly(line, v, |p| p.opacity);
         let kappa = if self.power {
@@ -341,6 +345,11 @@ impl<'a> March<'a> {
 
     /// A piece on which everything is smooth, but perhaps at its ends.
     fn piece(&mut self, a: Dd, b: Dd, home: Dd, line: &Line, depth: u32) {
+        if self.budget.get() < 0 {
+            self.error = f64::INFINITY;
+            self.done = true;
+            return;
+        }
         let middle = (a + b) * dd(0.5);
         let value = |s: Dd| self.field.value(s, home);
         let here = value(middle);
@@ -403,6 +412,7 @@ impl<'a> March<'a> {
         }
         let last = found.unwrap_or_else(|| rows[rows.len() - 1][rows.len() - 1]);
         if passes {
+            self.error += 1e-13 * self.brightest;
             self.done = true;
             self.tau = f64::INFINITY;
             return;
