@@ -106,6 +106,9 @@ impl<'a> Walk<'a> {
             depth.min(1.0) * self.brightest() + color * deepest.min(1.0) + shine * length
         };
         let mixed = walls > 0 && walls < touched.len();
+        // Beside a wall all of the part's depth is in doubt: it may be wall, or stand before one.
+        let (depth, light) =
+            if mixed { (Bound::new(deepest), light + deepest.min(1.0) * self.brightest()) } else { (depth, light) };
         let largest_factor = optics.largest_color_factor();
         if walls < touched.len() {
             self.depth_error += depth;

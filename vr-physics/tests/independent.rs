@@ -26,7 +26,11 @@ fn brute(scene: &Scene, view: &View, pixel: [u32; 2]) -> Answer {
 fn compare(scene: &Scene, view: &View, pixel: [u32; 2]) -> ([f64; 4], f64, Answer, f64) {
     let solution = Reference::default().solve_pixels(scene, view, &Model::Canonical, &[pixel], &Control::default());
     let ours = solution.expect("a scene that can be solved").pixels[0];
+    let started = std::time::Instant::now();
     let other = brute(scene, view, pixel);
+    if std::env::var("SHOW").is_ok() {
+        println!("brute force took {:?}", started.elapsed());
+    }
     let differences = (0..4).map(|c| (ours.rgba[c] - other.rgba[c]).abs());
     let apart = differences.fold(0.0, |m: f64, x| if x.is_nan() { f64::INFINITY } else { m.max(x) });
     (ours.rgba, ours.certainty.value(), other, apart)

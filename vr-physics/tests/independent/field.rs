@@ -41,6 +41,8 @@ pub struct Field {
     gradient: Option<GradientMethod>,
     origin: V3,
     direction: V3,
+    /// Work done so far, in taps.
+    pub spent: std::cell::Cell<u64>,
     pub to_eye: [f64; 3],
     pub ends: [Dd; 2],
 }
@@ -133,6 +135,7 @@ impl Field {
             gradient: scene.shading.as_ref().map(|s| s.gradient),
             origin,
             direction,
+            spent: std::cell::Cell::new(0),
             to_eye: toward.map(|x| -x.f()),
             ends,
         })
@@ -239,6 +242,13 @@ impl Field {
         sum
     }
 
+    /// True if all numbers under the filter are one.
+    fn equal(&self, taps: &[Vec<(usize, Dd, Dd)>; 3]) -> bool {
+        let number = |x: usize, y: usize, z: usize| self.numbers[(z * self.dims[1] + y) * self.dims[0] + x];
+        let first = number(taps[0][0].0, taps[1][0].0, taps[2][0].0);
+        taps[2].iter().all(|z| taps[1].iter().all(|y| taps[0].iter().all(|x| number(x.0, y.0, z.0) == first)))
+    }
+
     fn all_taps(&self, s: Dd, home: Dd) -> ([Vec<(usize, Dd, Dd)>; 3], [usize; 3], V3) {
         let (p, inside) = (self.at(s), self.at(home));
         let cell = self.cell(inside);
@@ -248,16 +258,10 @@ impl Field {
     /// The calibrated value; `home` is a point of the piece that the point belongs to.
     pub fn value(&self, s: Dd, home: Dd) -> Dd {
         let (taps, ..) = self.all_taps(s, home);
-        let number = |x: usize, y: usize, z: usize| self.numbers[(z * self.dims[1] + y) * self.dims[0] + x];
-        let first = number(taps[0][0].0, taps[1][0].0, taps[2][0].0);
-        let mut equal = true;
-        for z in &taps[2] {
-            for y in &taps[1] {
-                equal &= taps[0].iter().all(|x| number(x.0, y.0, z.0) == first);
-            }
-        }
+        self.spent.set(self.spent.get() + taps[0].len().pow(3) as u64 * if self.filter == Filter::Gaussian { 4 } else { 1 });
         // Weights add up to 1: equal numbers are that number, and its value is the f64 that it is calibrated to.
-        if equal {
+        if self.equal(&taps) {
+            let first = self.numbers[(taps[2][0].0 * self.dims[1] + taps[1][0].0) * self.dims[0] + taps[0][0].0];
             return dd(self.slope * first + self.intercept);
         }
         let stored = self.sum(&taps, None);
@@ -267,6 +271,10 @@ impl Field {
     /// The world gradient.
     pub fn gradient(&self, s: Dd, home: Dd) -> V3 {
         let (taps, cell, p) = self.all_taps(s, home);
+        self.spent.set(self.spent.get() + 3 * taps[0].len().pow(3) as u64);
+        if self.gradient == Some(GradientMethod::Analytic) && self.equal(&taps) {
+            return [dd(0.0); 3];
+        }
         let per_index: V3 = match self.gradient {
             None => return [dd(0.0); 3],
             Some(GradientMethod::Analytic) => {

@@ -44,10 +44,10 @@ pub struct March<'a> {
     error: f64,
     level: f64,
     done: bool,
-    /// Points of the medium that may still be looked at: no scene may take for ever.
-    budget: std::cell::Cell<i64>,
 }
 
+/// Taps of the filter that a pixel may cost: no scene may take for ever.
+const MAX_WORK: u64 = 1_500_000;
 /// Points that a piece is looked at before it is cut.
 const LOOKS: usize = 24;
 
@@ -74,7 +74,6 @@ impl<'a> March<'a> {
                 _ => f64::INFINITY,
             },
             done: false,
-            budget: std::cell::Cell::new(60_000),
         }
     }
 
@@ -190,11 +189,20 @@ impl<'a> March<'a> {
 
     /// Every place in (a, b) where a function changes its sign, by looking, then bisecting; touches are looked for, too.
     fn roots(&self, a: Dd, b: Dd, of: &dyn Fn(Dd) -> f64) -> Vec<Dd> {
+        let seen: Vec<f64> = Self::looks(a, b).map(of).collect();
+        Self::roots_of(a, b, &seen, of)
+    }
+
+    fn looks(a: Dd, b: Dd) -> impl Iterator<Item = Dd> {
+        (0..=LOOKS).map(move |k| a + (b - a) * dd(k as f64 / LOOKS as f64))
+    }
+
+    /// The same, of a function that has been looked at.
+    fn roots_of(a: Dd, b: Dd, seen: &[f64], of: &dyn Fn(Dd) -> f64) -> Vec<Dd> {
         let at = |k: usize| a + (b - a) * dd(k as f64 / LOOKS as f64);
-        let seen: Vec<f64> = (0..=LOOKS).map(|k| of(at(k))).collect();
         let mut roots = Vec::new();
         let bisect = |mut low: Dd, mut high: Dd, sign: f64| {
-            for _ in 0..75 {
+            for _ in 0..60 {
                 let middle = (low + high) * dd(0.5);
                 if of(middle) * sign > 0.0 { low = middle } else { high = middle }
             }
@@ -206,7 +214,8 @@ impl<'a> March<'a> {
                 roots.push(bisect(at(k), at(k + 1), if x == 0.0 { -y } else { x }));
             }
             // Nearer to 0 than its neighbours, on one side: it may dip to the other between them.
-            if k > 0 && x != 0.0 && x.abs() <= seen[k - 1].abs() && x.abs() <= y.abs() && x * y > 0.0 && x * seen[k - 1] > 0.0 {
+            let bend = if k > 0 { (seen[k - 1] - 2.0 * x + y).abs() } else { 0.0 };
+            if k > 0 && x != 0.0 && x.abs() <= bend && x.abs() <= seen[k - 1].abs() && x.abs() <= y.abs() && x * y > 0.0 && x * seen[k - 1] > 0.0 {
                 let sign = x.signum();
                 let (mut low, mut high) = (at(k - 1), at(k + 1));
                 for _ in 0..60 {
@@ -278,21 +287,25 @@ impl<'a> March<'a> {
         let mut cuts = vec![a, b];
         let mut knots: Vec<f64> = self.points.iter().map(|p| p.value).collect();
         knots.dedup();
+        let values: Vec<Dd> = Self::looks(a, b).map(|s| self.field.value(s, home)).collect();
         for v in knots {
-            cuts.extend(self.roots(a, b, &|s| (self.field.value(s, home) - dd(v)).f()));
+            let seen: Vec<f64> = values.iter().map(|&x| (x - dd(v)).f()).collect();
+            cuts.extend(Self::roots_of(a, b, &seen, &|s| (self.field.value(s, home) - dd(v)).f()));
         }
         if let Some(shading) = self.shading {
+            let gradients: Vec<V3> = Self::looks(a, b).map(|s| self.field.gradient(s, home)).collect();
+            let roots = |of: &dyn Fn(V3) -> f64| {
+                let seen: Vec<f64> = gradients.iter().map(|&g| of(g)).collect();
+                Self::roots_of(a, b, &seen, &|s| of(self.field.gradient(s, home)))
+            };
             for light in &shading.lights {
                 let (l, h) = self.vectors(light.direction);
                 for v in [l, h] {
-                    cuts.extend(self.roots(a, b, &|s| dot(self.field.gradient(s, home), v.map(dd)).f()));
+                    cuts.extend(roots(&|g| dot(g, v.map(dd)).f()));
                 }
             }
             for (m, _) in &shading.gradient_opacity {
-                cuts.extend(self.roots(a, b, &|s| {
-                    let g = self.field.gradient(s, home);
-                    (dot(g, g) - dd(*m) * dd(*m)).f()
-                }));
+                cuts.extend(roots(&|g| (dot(g, g) - dd(*m) * dd(*m)).f()));
             }
         }
         cuts.sort_by(|a, b| (*a - *b).f().total_cmp(&0.0));
@@ -306,7 +319,6 @@ impl<'a> March<'a> {
     }
 
     fn medium(&self, s: Dd, home: Dd, line: &Line) -> Medium {
-        self.budget.set(self.budget.get() - 1);
         let v = self.field.value(s, home);
         let alpha = Self::mix_exactly(line, v, |p| p.opacity);
         let kappa = if self.power {
@@ -345,7 +357,7 @@ impl<'a> March<'a> {
 
     /// A piece on which everything is smooth, but perhaps at its ends.
     fn piece(&mut self, a: Dd, b: Dd, home: Dd, line: &Line, depth: u32) {
-        if self.budget.get() < 0 {
+        if self.field.spent.get() > MAX_WORK {
             self.error = f64::INFINITY;
             self.done = true;
             return;

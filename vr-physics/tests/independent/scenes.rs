@@ -254,7 +254,7 @@ pub fn scene(seed: u64) -> (Scene, View, [u32; 2]) {
     let mut r = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
     let r = &mut r;
     use Filter::*;
-    let filter = r.of(&[Trilinear, Trilinear, Trilinear, Trilinear, Nearest, Nearest, BSpline, CatmullRom, Gaussian]);
+    let filter = r.of(&[Trilinear, Trilinear, Trilinear, Trilinear, Trilinear, Nearest, Nearest, Nearest, BSpline, CatmullRom, Gaussian]);
     let (volume, values) = volume(r, filter);
     let spacing = volume.mean_spacing();
     let transfer = transfer(r, &values, spacing);
