@@ -175,7 +175,9 @@ impl ExactPlacement {
             // The numbers themselves, and the product and the sum that make a position of them.
             let (o, d) = (origin[a], direction[a]);
             let run = d.round().abs() * farthest;
-            o.rest().abs() + d.rest().abs() * farthest + f64::EPSILON * (run + o.round().abs() * f64::from(run > 0.0))
+            o.rest().abs()
+                + d.rest().abs() * farthest
+                + f64::EPSILON * (run + o.round().abs() * f64::from(run > 0.0))
                 + self.axes_off[a]
         });
         let index = IndexRay {
@@ -263,7 +265,8 @@ mod tests {
                 assert!((ray.origin - precise.origin.round()).length() < 1e-14);
                 assert!((ray.direction - precise.direction.round()).length() < 1e-15);
                 let far = f64::INFINITY;
-                let (a, b) = (IndexRay::new(&ray, &placement, dims, &clip, far), exact_placement.chord(&precise, &clip, far));
+                let (a, b) =
+                    (IndexRay::new(&ray, &placement, dims, &clip, far), exact_placement.chord(&precise, &clip, far));
                 assert_eq!(a.is_some(), b.is_some());
                 let (Some(a), Some(b)) = (a, b) else { continue };
                 hits += 1;

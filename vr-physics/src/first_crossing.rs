@@ -72,7 +72,8 @@ pub fn first(line: &dyn LineField, threshold: f64) -> First {
                 let slope = p.derivative();
                 let steepest = Bound::new(slope.at(0.0)) + slope.spread(1.0);
                 let moved = place + (stretch.misplaced[0] / (0.5 * (to - from)));
-                let moved = if steepest == Bound::ZERO || moved == Bound::ZERO { Bound::ZERO } else { steepest * moved };
+                let moved =
+                    if steepest == Bound::ZERO || moved == Bound::ZERO { Bound::ZERO } else { steepest * moved };
                 moved + rounding(p)
             };
             let constant_zero = g.iter().all(|p| p.is_constant() && p.at(0.0) == 0.0);
@@ -125,7 +126,11 @@ impl Reach<'_> {
         let place = self.doubt / slope.at(t);
         let bend = slope.derivative();
         let bend = Bound::new(bend.at(0.0)) + bend.spread(1.0);
-        if place == Bound::ZERO || (place * bend).within(0.5 * slope.at(t).abs()) { place * 2.0 } else { Bound::UNKNOWN }
+        if place == Bound::ZERO || (place * bend).within(0.5 * slope.at(t).abs()) {
+            place * 2.0
+        } else {
+            Bound::UNKNOWN
+        }
     }
 }
 

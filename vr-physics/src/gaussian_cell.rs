@@ -168,7 +168,8 @@ mod tests {
             (size * turn.cos(), size * turn.sin())
         });
         let raw = bells.map(|b| (b.0 - bell(GAUSSIAN_RADIUS), b.1));
-        let slopes: [C; 4] = std::array::from_fn(|i| mul((-(re - (i as f64 - 1.0)) / variance, -im / variance), bells[i]));
+        let slopes: [C; 4] =
+            std::array::from_fn(|i| mul((-(re - (i as f64 - 1.0)) / variance, -im / variance), bells[i]));
         let add = |all: [C; 4]| all.iter().fold((0.0, 0.0), |s, x| (s.0 + x.0, s.1 + x.1));
         let (total, total_slope) = (add(raw), add(slopes));
         let size = |x: C| x.0.hypot(x.1);

@@ -299,6 +299,26 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         LineModel { field, field_error: field_error.value(), gradient, gradient_error, certain: true }
     }
 
+    /// How far a face at a distance may be off: its axis' error over how fast the ray crosses it.
+    fn place_error(&self, at: f64) -> f64 {
+        let IndexRay { origin, direction, start, end, .. } = self.chord.ray;
+        let rounding = f64::EPSILON * at.abs();
+        let mut most = Bound::new(rounding);
+        for (edge, off) in [start, end].into_iter().zip(self.chord.end_error) {
+            if at == edge {
+                most = most.max(off);
+            }
+        }
+        for a in (0..3).filter(|&a| direction[a] != 0.0) {
+            let (x, off) = (origin[a] + direction[a] * at, self.chord.position_error[a]);
+            let reach = 4.0 * (off + direction[a].abs() * rounding);
+            if self.shifts().iter().any(|shift| (x - shift - (x - shift).round()).abs() <= reach) {
+                most = most.max(off / direction[a].abs() + rounding);
+            }
+        }
+        most.value()
+    }
+
     /// True if the field, or its gradient where one is asked for, may jump at a face.
     fn jumps_at_faces(&self) -> bool {
         let smooth_gradient = match self.gradient {
@@ -335,6 +355,23 @@ impl<T: Voxel, F: Reconstruction> LineField for GridLine<'_, T, F> {
         self.each_face(|s, _, _| out.push(s));
         out[first..].sort_by(f64::total_cmp);
         out.push(self.chord.ray.end);
+        // Faces that may be one (an edge, a corner, the box itself) are one: what would lie between them need not exist.
+        let mut last = out[first - 1];
+        let end = self.chord.ray.end;
+        let mut kept = first;
+        for i in first..out.len() {
+            let (s, is_end) = (out[i], i + 1 == out.len());
+            let apart = 2.0 * (self.place_error(s) + self.place_error(last));
+            if is_end && kept > first && end - out[kept - 1] <= apart {
+                kept -= 1;
+            }
+            if is_end || s - last > apart {
+                out[kept] = s;
+                kept += 1;
+                last = s;
+            }
+        }
+        out.truncate(kept);
     }
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {
@@ -346,26 +383,14 @@ impl<T: Voxel, F: Reconstruction> LineField for GridLine<'_, T, F> {
     }
 
     fn misplaced(&self, at: f64) -> f64 {
-        let IndexRay { origin, direction, start, end, .. } = self.chord.ray;
+        let IndexRay { start, end, .. } = self.chord.ray;
         if at <= start {
             return self.chord.end_error[0];
         }
         if at >= end {
             return self.chord.end_error[1];
         }
-        if !self.jumps_at_faces() {
-            return 0.0;
-        }
-        let rounding = f64::EPSILON * at.abs();
-        let mut most = Bound::new(rounding);
-        for a in (0..3).filter(|&a| direction[a] != 0.0) {
-            let (x, off) = (origin[a] + direction[a] * at, self.chord.position_error[a]);
-            let reach = 4.0 * (off + direction[a].abs() * rounding);
-            if self.shifts().iter().any(|shift| (x - shift - (x - shift).round()).abs() <= reach) {
-                most = most.max(off / direction[a].abs() + rounding);
-            }
-        }
-        most.value()
+        if self.jumps_at_faces() { self.place_error(at) } else { 0.0 }
     }
 }
 

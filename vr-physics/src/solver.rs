@@ -3,8 +3,8 @@
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, Geometry, GradientMethod, LatticeVisitor, Model, PointSet, Ray, RenderError,
-    Sampler, SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
+    Compositing, Counts, Filter, Geometry, GradientMethod, LatticeVisitor, Model, PointSet, Ray, RenderError, Sampler,
+    SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
 };
 
 use crate::exact_ray::{ExactPlacement, ExactRay, ExactRays, IndexChord};

@@ -48,8 +48,19 @@ fn the_bound_is_never_below_the_difference() {
         let (ours, bound, other, apart) = compare(&scene, &view, pixel);
         let took = (started.elapsed() - before).as_secs_f64();
         if std::env::var("SHOW").is_ok() {
-            println!("{:#?} {:#?} {:?} {:?} {view:?}", scene.transfer.points(), scene.shading, scene.compositing, scene.volume.value_range());
-            println!("{:?} {} {:?} {ours:?} {other:?} {bound:e}", scene.transfer.unit_distance(), scene.filter, scene.transfer.rule());
+            println!(
+                "{:#?} {:#?} {:?} {:?} {view:?}",
+                scene.transfer.points(),
+                scene.shading,
+                scene.compositing,
+                scene.volume.value_range()
+            );
+            println!(
+                "{:?} {} {:?} {ours:?} {other:?} {bound:e}",
+                scene.transfer.unit_distance(),
+                scene.filter,
+                scene.transfer.rule()
+            );
         }
         let size = ours.iter().copied().fold(1.0, f64::max);
         lit += usize::from(other.rgba[3] > 0.0);
@@ -60,7 +71,11 @@ fn the_bound_is_never_below_the_difference() {
             wrong += 1;
             println!(
                 "seed {seed}: {apart:e} apart, bound {bound:e}, other {:e}; {} {} shaded {}: {ours:?} {:?}",
-                other.error, scene.filter, scene.compositing.name(), scene.shading.is_some(), other.rgba
+                other.error,
+                scene.filter,
+                scene.compositing.name(),
+                scene.shading.is_some(),
+                other.rgba
             );
         }
         if other.error > 1e-9 {
@@ -69,14 +84,19 @@ fn the_bound_is_never_below_the_difference() {
             loose += 1;
             if std::env::var("LOOSE").is_ok() {
                 println!(
-                    "seed {seed}: bound {bound:e}, apart {apart:e} {} {} shaded {}", scene.filter, scene.compositing.name(), scene.shading.is_some()
+                    "seed {seed}: bound {bound:e}, apart {apart:e} {} {} shaded {}",
+                    scene.filter,
+                    scene.compositing.name(),
+                    scene.shading.is_some()
                 );
             }
         } else {
             worst = worst.max(apart / size);
         }
     }
-    println!("{count} scenes, {lit} lit: {wrong} wrong, {loose} bounds above 1e-6, {vague} not told by brute force; largest difference {worst:e}");
+    println!(
+        "{count} scenes, {lit} lit: {wrong} wrong, {loose} bounds above 1e-6, {vague} not told by brute force; largest difference {worst:e}"
+    );
     assert_eq!(wrong, 0);
     assert!(lit as u64 > count / 4, "{lit} lit");
 }

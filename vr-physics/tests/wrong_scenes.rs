@@ -77,10 +77,7 @@ fn a_piecewise_constant_transfer_function_is_cut_under_the_gaussian() {
 fn a_value_at_the_point_of_entry_has_an_error() {
     // modes_20039, modes_first_shade_1040: `first` enters where the value is a jump's own, to rounding.
     let jump = 0.1 + 0.7 * (2.0 / 3.0);
-    let points = vec![
-        ControlPoint::new(jump, [3.0, 0.0, 0.0], 0.5),
-        ControlPoint::new(jump, [0.0, 1.0, 0.0], 0.5),
-    ];
+    let points = vec![ControlPoint::new(jump, [3.0, 0.0, 0.0], 0.5), ControlPoint::new(jump, [0.0, 1.0, 0.0], 0.5)];
     let samples = (0..27).map(|i| 0.1 + 0.35 * (i % 3) as f32).collect();
     let (mut scene, mut view) = cube(3, samples, points, 1.0);
     scene.compositing = Compositing::First { threshold: 0.0 };
@@ -111,7 +108,15 @@ fn opacity_one_under_modulation_is_a_wall_where_the_factor_is_not_zero() {
     let (scene, view) = cube(2, vec![0.0; 8], points, 1.0);
     let shaded = |gradient_opacity: Vec<(f64, f64)>| {
         let lights = vec![Light::default()];
-        let shading = Shading { ambient: 1.0, diffuse: 0.0, specular: 0.0, power: 1.0, lights, gradient_opacity, ..Shading::default() };
+        let shading = Shading {
+            ambient: 1.0,
+            diffuse: 0.0,
+            specular: 0.0,
+            power: 1.0,
+            lights,
+            gradient_opacity,
+            ..Shading::default()
+        };
         Scene { shading: Some(Arc::new(shading)), ..scene.clone() }
     };
     all_are(&shaded(vec![(0.0, 0.5)]), &view, [1.0, 0.5, 0.25, 1.0]);

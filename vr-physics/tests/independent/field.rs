@@ -1,9 +1,7 @@
 //! A volume's field along a ray: camera, box, clip, filters and gradients, all straight from their definitions.
 
 use vr_core::filter::Reconstruction;
-use vr_core::{
-    Filter, GradientMethod, LatticeVisitor, Projection, Sampler, SamplerVisitor, Scene, View, Voxel,
-};
+use vr_core::{Filter, GradientMethod, LatticeVisitor, Projection, Sampler, SamplerVisitor, Scene, View, Voxel};
 
 use super::dd::*;
 
@@ -111,7 +109,8 @@ impl Field {
         if !ends[0].below(ends[1]) {
             return None;
         }
-        let raw: Vec<f64> = vr_core::with_grid!(volume.grid(), g => g.samples().iter().map(|s| f64::from(s.to_f32())).collect());
+        let raw: Vec<f64> =
+            vr_core::with_grid!(volume.grid(), g => g.samples().iter().map(|s| f64::from(s.to_f32())).collect());
         let mut vacuum = vec![false; raw.len()];
         for (i, _) in raw.iter().enumerate().filter(|(_, s)| s.is_nan()) {
             let at = [i % dims[0], i / dims[0] % dims[1], i / dims[0] / dims[1]];
@@ -190,7 +189,15 @@ impl Field {
         let n = self.dims[a] as isize;
         let t = x - dd(cell as f64);
         let clamp = |i: isize| i.clamp(0, n - 1) as usize;
-        let mirror = |i: isize| (if i < 0 { -i } else if i >= n { 2 * n - 2 - i } else { i }) as usize;
+        let mirror = |i: isize| {
+            (if i < 0 {
+                -i
+            } else if i >= n {
+                2 * n - 2 - i
+            } else {
+                i
+            }) as usize
+        };
         let poly = |c: [f64; 4]| {
             let [c0, c1, c2, c3] = c.map(dd);
             let value = c0 + t * (c1 + t * (c2 + t * c3));
@@ -201,12 +208,22 @@ impl Field {
             Filter::Trilinear => vec![(cell, dd(1.0) - t, dd(-1.0)), (cell + 1, t, dd(1.0))],
             Filter::CatmullRom => {
                 let c = [[0.0, -0.5, 1.0, -0.5], [1.0, 0.0, -2.5, 1.5], [0.0, 0.5, 2.0, -1.5], [0.0, 0.0, -0.5, 0.5]];
-                (0..4).map(|k| { let (w, d) = poly(c[k]); (clamp(cell as isize + k as isize - 1), w, d) }).collect()
+                (0..4)
+                    .map(|k| {
+                        let (w, d) = poly(c[k]);
+                        (clamp(cell as isize + k as isize - 1), w, d)
+                    })
+                    .collect()
             }
             Filter::BSpline => {
                 let c = [[1.0, -3.0, 3.0, -1.0], [4.0, 0.0, -6.0, 3.0], [1.0, 3.0, 3.0, -3.0], [0.0, 0.0, 0.0, 1.0]];
                 let six = dd(6.0);
-                (0..4).map(|k| { let (w, d) = poly(c[k]); (mirror(cell as isize + k as isize - 1), w / six, d / six) }).collect()
+                (0..4)
+                    .map(|k| {
+                        let (w, d) = poly(c[k]);
+                        (mirror(cell as isize + k as isize - 1), w / six, d / six)
+                    })
+                    .collect()
             }
             Filter::Gaussian => {
                 let scale = dd(1.0) / (dd(0.7) * dd(0.7) * dd(-2.0));
@@ -258,7 +275,8 @@ impl Field {
     /// The calibrated value; `home` is a point of the piece that the point belongs to.
     pub fn value(&self, s: Dd, home: Dd) -> Dd {
         let (taps, ..) = self.all_taps(s, home);
-        self.spent.set(self.spent.get() + taps[0].len().pow(3) as u64 * if self.filter == Filter::Gaussian { 4 } else { 1 });
+        self.spent
+            .set(self.spent.get() + taps[0].len().pow(3) as u64 * if self.filter == Filter::Gaussian { 4 } else { 1 });
         // Weights add up to 1: equal numbers are that number, and its value is the f64 that it is calibrated to.
         if self.equal(&taps) {
             let first = self.numbers[(taps[2][0].0 * self.dims[1] + taps[1][0].0) * self.dims[0] + taps[0][0].0];
@@ -278,7 +296,11 @@ impl Field {
         let per_index: V3 = match self.gradient {
             None => return [dd(0.0); 3],
             Some(GradientMethod::Analytic) => {
-                if self.filter == Filter::Nearest { [dd(0.0); 3] } else { std::array::from_fn(|a| self.sum(&taps, Some(a))) }
+                if self.filter == Filter::Nearest {
+                    [dd(0.0); 3]
+                } else {
+                    std::array::from_fn(|a| self.sum(&taps, Some(a)))
+                }
             }
             Some(GradientMethod::CentralDifferences) => {
                 let mut g = [dd(0.0); 3];

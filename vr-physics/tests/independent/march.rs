@@ -56,7 +56,8 @@ impl<'a> March<'a> {
         let transfer = &scene.transfer;
         let light = |p: &ControlPoint| p.color.into_iter().chain(p.emission.unwrap_or_default()).fold(0.0, f64::max);
         let shading = scene.shading.as_deref();
-        let lamps: f64 = shading.map_or(0.0, |s| s.lights.iter().map(|l| l.color.into_iter().fold(0.0, f64::max)).sum());
+        let lamps: f64 =
+            shading.map_or(0.0, |s| s.lights.iter().map(|l| l.color.into_iter().fold(0.0, f64::max)).sum());
         let gain = shading.map_or(1.0, |s| 1.0 + s.ambient + (s.diffuse + s.specular) * lamps);
         Self {
             field,
@@ -106,7 +107,15 @@ impl<'a> March<'a> {
                     sum = sum + self.integral(a, b, 0);
                     length = length + (b - a);
                 }
-                if length.f() > 0.0 { self.picked(sum / length) } else { Answer { rgba: [0.0; 4], error: 0.0 } }
+                let mut mean = sum / length;
+                if let Some(&(a, b)) = pieces.first() {
+                    // The mean of a constant is the constant, to the last digit.
+                    let value = self.field.value((a + b) * dd(0.5), (a + b) * dd(0.5));
+                    if (mean - value).f().abs() <= 1e-25 * value.f().abs() {
+                        mean = value;
+                    }
+                }
+                if length.f() > 0.0 { self.picked(mean) } else { Answer { rgba: [0.0; 4], error: 0.0 } }
             }
             Compositing::First { threshold } => {
                 for &(a, b) in &pieces {
@@ -215,7 +224,14 @@ impl<'a> March<'a> {
             }
             // Nearer to 0 than its neighbours, on one side: it may dip to the other between them.
             let bend = if k > 0 { (seen[k - 1] - 2.0 * x + y).abs() } else { 0.0 };
-            if k > 0 && x != 0.0 && x.abs() <= bend && x.abs() <= seen[k - 1].abs() && x.abs() <= y.abs() && x * y > 0.0 && x * seen[k - 1] > 0.0 {
+            if k > 0
+                && x != 0.0
+                && x.abs() <= bend
+                && x.abs() <= seen[k - 1].abs()
+                && x.abs() <= y.abs()
+                && x * y > 0.0
+                && x * seen[k - 1] > 0.0
+            {
                 let sign = x.signum();
                 let (mut low, mut high) = (at(k - 1), at(k + 1));
                 for _ in 0..60 {
@@ -365,9 +381,11 @@ impl<'a> March<'a> {
         let middle = (a + b) * dd(0.5);
         let value = |s: Dd| self.field.value(s, home);
         let here = value(middle);
-        let still = (value(a) - here).f() == 0.0 && (value(b) - here).f() == 0.0 && (value((a + middle) * dd(0.5)) - here).f() == 0.0;
-        let opaque = line.a.opacity == 1.0 && line.b.opacity == 1.0
-            || still && Self::mix(line, here, |p| p.opacity) == 1.0;
+        let still = (value(a) - here).f() == 0.0
+            && (value(b) - here).f() == 0.0
+            && (value((a + middle) * dd(0.5)) - here).f() == 0.0;
+        let opaque =
+            line.a.opacity == 1.0 && line.b.opacity == 1.0 || still && Self::mix(line, here, |p| p.opacity) == 1.0;
         let clear = [line.a, line.b].iter().all(|p| p.opacity == 0.0 && p.emission.unwrap_or_default() == [0.0; 3]);
         let in_front = libm::exp(-self.tau);
         if clear || in_front * self.brightest * (1.0 + (self.field.ends[1] - a).f()) < 1e-22 {
@@ -400,7 +418,10 @@ impl<'a> March<'a> {
             }
             if k > 1 {
                 let scale = [0, 1, 2].map(|c| row[k][c].abs());
-                off = (0..4).map(|c| (row[k][c] - rows[k - 1][k - 1][c]).abs() * in_front * if c == 3 { self.brightest } else { 1.0 })
+                off = (0..4)
+                    .map(|c| {
+                        (row[k][c] - rows[k - 1][k - 1][c]).abs() * in_front * if c == 3 { self.brightest } else { 1.0 }
+                    })
                     .fold(0.0, |m: f64, x| if x.is_nan() { f64::INFINITY } else { m.max(x) });
                 let largest = scale.into_iter().fold(1.0, f64::max) * in_front.max(1e-30);
                 if off <= 1e-15 * largest {
@@ -429,7 +450,8 @@ impl<'a> March<'a> {
             self.tau = f64::INFINITY;
             return;
         }
-        self.error += 2.0 * if off.is_finite() { off } else { 1.0 } + 4e-16 * in_front * (last[3].min(30.0) * self.brightest);
+        self.error +=
+            2.0 * if off.is_finite() { off } else { 1.0 } + 4e-16 * in_front * (last[3].min(30.0) * self.brightest);
         for c in 0..3 {
             self.light[c] += in_front * last[c];
         }

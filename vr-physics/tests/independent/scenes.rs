@@ -66,14 +66,29 @@ fn samples(r: &mut Random, dims: [usize; 3]) -> Vec<f32> {
         0 => (0..n).map(|_| r.within(a, b) as f32).collect(),
         1 => {
             let k: [f64; 3] = std::array::from_fn(|_| r.within(0.2, 1.4));
-            (0..n).map(|i| { let p = place(i); ((0..3).map(|c| k[c] * p[c] as f64).sum::<f64>().sin()) as f32 }).collect()
+            (0..n)
+                .map(|i| {
+                    let p = place(i);
+                    ((0..3).map(|c| k[c] * p[c] as f64).sum::<f64>().sin()) as f32
+                })
+                .collect()
         }
         2 => vec![r.of(&[0.0, 1.0, a as f32, 7.0]); n],
-        3 => (0..n).map(|i| { let p = place(i); if p[0] + p[1] > dims[0] { r.within(a, b) as f32 } else { a as f32 } }).collect(),
+        3 => (0..n)
+            .map(|i| {
+                let p = place(i);
+                if p[0] + p[1] > dims[0] { r.within(a, b) as f32 } else { a as f32 }
+            })
+            .collect(),
         4 => (0..n).map(|_| r.below(4) as f32).collect(),
         5 => (0..n).map(|_| if r.chance(0.08) { b as f32 } else { a as f32 }).collect(),
         6 => (0..n).map(|i| if place(i)[0] < at { a as f32 } else { b as f32 }).collect(),
-        _ => (0..n).map(|i| { let p = place(i); (p[0] + 2 * p[1]) as f32 * 0.25 }).collect(),
+        _ => (0..n)
+            .map(|i| {
+                let p = place(i);
+                (p[0] + 2 * p[1]) as f32 * 0.25
+            })
+            .collect(),
     }
 }
 
@@ -82,7 +97,17 @@ fn volume(r: &mut Random, filter: Filter) -> (Volume, Vec<f64>) {
     let mut numbers = samples(r, dims);
     // Offsets, the ends of f32, and the usual.
     let (gain, offset) = r.of(&[
-        (1.0, 0.0), (1.0, 0.0), (1.0, 0.0), (1.0, 0.0), (1.0, 1e3), (1.0, 1e5), (0.5, 1e6), (4.0, 1e7), (1e-40, 0.0), (4e37, 0.0), (1e-7, 0.0),
+        (1.0, 0.0),
+        (1.0, 0.0),
+        (1.0, 0.0),
+        (1.0, 0.0),
+        (1.0, 1e3),
+        (1.0, 1e5),
+        (0.5, 1e6),
+        (4.0, 1e7),
+        (1e-40, 0.0),
+        (4e37, 0.0),
+        (1e-7, 0.0),
     ]);
     for s in &mut numbers {
         *s = (f64::from(*s) * gain + offset) as f32;
@@ -120,7 +145,11 @@ fn volume(r: &mut Random, filter: Filter) -> (Volume, Vec<f64>) {
                 }
             }
         }
-        1 => numbers.iter_mut().for_each(|s| if r.chance(0.06) { *s = f32::NAN }),
+        1 => numbers.iter_mut().for_each(|s| {
+            if r.chance(0.06) {
+                *s = f32::NAN
+            }
+        }),
         _ => {}
     }
     let _ = filter;
@@ -194,7 +223,8 @@ fn transfer(r: &mut Random, values: &[f64], spacing: f64) -> TransferFunction {
 }
 
 fn shading(r: &mut Random, values: &[f64], spacing: f64) -> Shading {
-    let span = values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - values.iter().copied().fold(f64::INFINITY, f64::min);
+    let span =
+        values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - values.iter().copied().fold(f64::INFINITY, f64::min);
     let steep = span / spacing;
     let mut lights = vec![Light { direction: None, color: r.color() }];
     if r.chance(0.5) {
@@ -254,7 +284,9 @@ pub fn scene(seed: u64) -> (Scene, View, [u32; 2]) {
     let mut r = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
     let r = &mut r;
     use Filter::*;
-    let filter = r.of(&[Trilinear, Trilinear, Trilinear, Trilinear, Trilinear, Nearest, Nearest, Nearest, BSpline, CatmullRom, Gaussian]);
+    let filter = r.of(&[
+        Trilinear, Trilinear, Trilinear, Trilinear, Trilinear, Nearest, Nearest, Nearest, BSpline, CatmullRom, Gaussian,
+    ]);
     let (volume, values) = volume(r, filter);
     let spacing = volume.mean_spacing();
     let transfer = transfer(r, &values, spacing);
