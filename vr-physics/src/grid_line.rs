@@ -361,7 +361,8 @@ impl<T: Voxel, F: Reconstruction> LineField for GridLine<'_, T, F> {
         let mut kept = first;
         for i in first..out.len() {
             let (s, is_end) = (out[i], i + 1 == out.len());
-            let apart = 2.0 * (self.place_error(s) + self.place_error(last));
+            // Of the surer one: a face that is grazed must not swallow another that is crossed.
+            let apart = 4.0 * self.place_error(s).min(self.place_error(last));
             if is_end && kept > first && end - out[kept - 1] <= apart {
                 kept -= 1;
             }
