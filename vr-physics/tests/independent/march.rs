@@ -258,8 +258,10 @@ impl<'a> March<'a> {
             if best.below(seen[k]) {
                 best = seen[k];
             }
-            if k > 0 && k < LOOKS && !seen[k].below(seen[k - 1]) && !seen[k].below(seen[k + 1]) {
-                let (mut low, mut high) = (at(k - 1), at(k + 1));
+            let (before, behind) = (k.saturating_sub(1), (k + 1).min(LOOKS));
+            // At an end, too: a crest may be hidden beside it.
+            if !seen[k].below(seen[before]) && !seen[k].below(seen[behind]) {
+                let (mut low, mut high) = (at(before), at(behind));
                 for _ in 0..80 {
                     let (p, q) = (low + (high - low) * dd(0.382), low + (high - low) * dd(0.618));
                     if of(q).below(of(p)) { high = q } else { low = p }
