@@ -350,29 +350,27 @@ fn trilinear_gradients(at: SampleGradients<'_>, cell: [usize; 3], middle: DVec3,
 
 impl<T: Voxel, F: Reconstruction> LineField for GridLine<'_, T, F> {
     fn breakpoints(&self, out: &mut Vec<f64>) {
-        out.push(self.chord.ray.start);
-        let first = out.len();
-        self.each_face(|s, _, _| out.push(s));
-        out[first..].sort_by(f64::total_cmp);
-        out.push(self.chord.ray.end);
-        // Faces that may be one (an edge, a corner, the box itself) are one: what would lie between them need not exist.
-        let mut last = out[first - 1];
-        let end = self.chord.ray.end;
-        let mut kept = first;
-        for i in first..out.len() {
-            let (s, is_end) = (out[i], i + 1 == out.len());
-            // Of the surer one: a face that is grazed must not swallow another that is crossed.
-            let apart = 4.0 * self.place_error(s).min(self.place_error(last));
-            if is_end && kept > first && end - out[kept - 1] <= apart {
-                kept -= 1;
-            }
-            if is_end || s - last > apart {
-                out[kept] = s;
-                kept += 1;
-                last = s;
+        let IndexRay { direction, start, end, .. } = self.chord.ray;
+        // Each with how far it may be off.
+        let mut faces = Vec::new();
+        self.each_face(|s, axis, _| {
+            faces.push((s, self.chord.position_error[axis] / direction[axis].abs() + f64::EPSILON * s.abs()));
+        });
+        faces.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let rounded = |end: f64, off: f64| (end, off + f64::EPSILON * end.abs());
+        let end = rounded(end, self.chord.end_error[1]);
+        let mut last = rounded(start, self.chord.end_error[0]);
+        out.push(start);
+        // Faces that may be one (an edge, a corner, the box itself) are one: what would lie between them need not exist. The surer
+        // one tells: a face that is grazed must not swallow another that is crossed.
+        for face in faces {
+            let same = |other: (f64, f64)| (face.0 - other.0).abs() <= 4.0 * face.1.min(other.1);
+            if !same(last) && !same(end) {
+                out.push(face.0);
+                last = face;
             }
         }
-        out.truncate(kept);
+        out.push(end.0);
     }
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {

@@ -47,8 +47,8 @@ pub struct Leaf<'a> {
     clear: f64,
     color: [Linear; 3],
     emission: [Linear; 3],
-    /// The larger opacity at the segment's ends.
-    most_opaque: f64,
+    /// Opacity at the segment's start.
+    first_opacity: f64,
     /// How fast opacity, colour and emission change with the value, wherever the field's error may take it.
     steepest: Slopes,
 }
@@ -150,7 +150,7 @@ impl<'a> Leaf<'a> {
             clear,
             color: std::array::from_fn(|c| linear(at.color[c], start.color[c], end.color[c])),
             emission: std::array::from_fn(|c| linear(at.emission[c], start.emission[c], end.emission[c])),
-            most_opaque: start.opacity.max(end.opacity),
+            first_opacity: start.opacity,
             steepest: Slopes::within(optics, model.range()),
         }
     }
@@ -313,10 +313,11 @@ impl<'a> Leaf<'a> {
         let unit = self.optics.transfer.unit_distance();
         let spread = model.field.spread(1.0);
         let steepest = self.steepest;
-        // How far off the opacity may be, and what that does to κ (a constant opacity is exact). Below ½ α has the digits of the segment's
-        // ends, above it 1 − α has all of its own.
+        // How far off the opacity may be, and what that does to κ (a constant opacity is exact). Below ½ α has the digits of the sum
+        // that it is, above it 1 − α has all of its own.
         let size = if self.alpha.middle - self.alpha.slope.abs() * spread < 0.5 {
-            self.most_opaque
+            // a + t (b − a): roundings of a, and of what is added to it.
+            self.first_opacity + self.alpha.bound(spread)
         } else {
             self.clear + self.alpha.slope.abs() * spread
         };
