@@ -3,6 +3,7 @@
 use vr_core::Ray;
 use vr_core::phantom::Phantom;
 
+use crate::bound::largest;
 use crate::line::{LineField, LineModel};
 use crate::poly::{Poly, chebyshev_point};
 
@@ -60,12 +61,12 @@ impl LineField for AnalyticLine<'_> {
         let values: Vec<f64> = (0..=DEGREE).map(|j| value(node(j))).collect();
         let field = Poly::through_chebyshev_points(&values);
         // Half the largest gap between nodes, times how fast truth and interpolant can part.
-        let gap = (0..DEGREE).map(|j| 0.5 * (node(j) - node(j + 1))).fold(0.0, f64::max);
+        let gap = largest((0..DEGREE).map(|j| 0.5 * (node(j) - node(j + 1))));
         let slope = field.derivative();
         let parting = self.phantom.lipschitz_between_breakpoints() * half + slope.at(0.0).abs() + slope.spread(1.0);
         let certain = self.proven && parting.is_finite();
         let seen = [0.13, -0.58, 0.91].map(|t| (value(t) - field.at(t)).abs());
-        let estimate = 4.0 * seen.into_iter().fold(0.0, f64::max);
+        let estimate = 4.0 * largest(seen);
         let field_error = if certain { (gap + INSIDE) * parting } else { estimate };
         Some(LineModel { field, field_error, gradient: None, gradient_error: 0.0, certain })
     }

@@ -2,17 +2,19 @@
 //!
 //! Along a ray each index coordinate is linear in the distance, so a trilinear cell is a cubic, a tricubic one has degree 9, and
 //! the nearest sample is constant between the middles of the lattice. The Gaussian is no polynomial; it is interpolated at
-//! Chebyshev points, with the bound on the remainder that its size in the complex plane gives.
-
-use std::sync::OnceLock;
+//! Chebyshev points (`gaussian_cell`).
 
 use glam::{DMat3, DVec3};
-use vr_core::filter::{GAUSSIAN_RADIUS, GAUSSIAN_SIGMA, Reconstruction};
+use vr_core::filter::Reconstruction;
 use vr_core::{Calibration, Filter, IndexRay, Real, Sampler, UniformVolume, Voxel};
 
+use crate::bound::Bound;
+use crate::exact_ray::{ExactPlacement, IndexChord};
+use crate::gaussian_cell;
 use crate::line::{Chord, LineField, LineModel, RayField};
-use crate::poly::{Poly, chebyshev_point};
+use crate::poly::Poly;
 use crate::segments::Cut;
+use crate::tap_weights::{Axis, BSPLINE, CATMULL_ROM, cubics};
 
 /// Gradients per index step at the samples, where shading takes them from there.
 pub type SampleGradients<'a> = &'a (dyn Fn([usize; 3]) -> [f64; 3] + Sync);
@@ -20,7 +22,7 @@ pub type SampleGradients<'a> = &'a (dyn Fn([usize; 3]) -> [f64; 3] + Sync);
 /// Where the gradient of a field comes from.
 #[derive(Clone, Copy)]
 pub enum GradientSource<'a> {
-    /// Nobody asks for it.
+    /// None is needed.
     None,
     /// The filter itself.
     Analytic,
@@ -31,23 +33,41 @@ pub enum GradientSource<'a> {
 /// A uniform grid along a ray.
 pub struct GridLine<'a, T, F> {
     sampler: Sampler<'a, T, F>,
-    ray: IndexRay,
+    chord: IndexChord,
     calibration: Calibration,
     to_world: DMat3,
+    /// Relative error of `to_world`.
+    to_world_error: f64,
     gradient: GradientSource<'a>,
 }
 
 impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
-    /// The field of a sampler of `volume` along a ray.
+    /// The field of a sampler of `volume` along a ray, whose numbers are taken to be exact.
     pub fn new(
         volume: &UniformVolume,
         sampler: Sampler<'a, T, F>,
         ray: IndexRay,
         gradient: GradientSource<'a>,
     ) -> Self {
+        let farthest = ray.start.abs().max(ray.end.abs());
+        let off = |a: usize| f64::EPSILON * (ray.origin[a].abs() + ray.direction[a].abs() * farthest);
+        let position_error = std::array::from_fn(off);
+        let chord = IndexChord { ray, position_error, end_error: [0.0; 2] };
+        Self::along(volume, &ExactPlacement::new(volume.placement(), volume.dims()), sampler, chord, gradient)
+    }
+
+    /// The field of a sampler of `volume` along a chord.
+    pub(crate) fn along(
+        volume: &UniformVolume,
+        placement: &ExactPlacement,
+        sampler: Sampler<'a, T, F>,
+        chord: IndexChord,
+        gradient: GradientSource<'a>,
+    ) -> Self {
         let calibration = volume.calibration();
-        let to_world = volume.placement().inverse_axes().transpose() * calibration.slope;
-        Self { sampler, ray, calibration, to_world, gradient }
+        let to_world = placement.inverse().transpose() * calibration.slope;
+        let to_world_error = 4.0 * f64::EPSILON + 2.0 * placement.axes_error();
+        Self { sampler, chord, calibration, to_world, to_world_error, gradient }
     }
 
     /// The closed cell that the middle of an interval lies in, per axis; `None` in vacuum.
@@ -103,87 +123,139 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         let lattice = self.sampler.lattice();
         let taps: [[usize; 4]; 3] = std::array::from_fn(|a| F::FILTER.taps(cell[a], lattice.dims[a]));
         let inner = if F::FILTER.reach() == 0 { 1..3 } else { 0..4 };
-        let mut reach = 0.0f64;
+        let mut reach = Bound::ZERO;
         for k in inner.clone() {
             for j in inner.clone() {
                 for i in inner.clone() {
                     let s: f64 = lattice.at(taps[0][i], taps[1][j], taps[2][k]);
-                    reach = reach.max((s - base).abs());
+                    reach = reach.max(s - base);
                 }
             }
         }
-        reach
+        reach.value()
+    }
+
+    /// The value of a stored number, as `Calibration::value` defines it, and what it rounds. A constant *is* that value; between samples
+    /// the field is slope and intercept of what is reconstructed.
+    fn calibrated(&self, stored: f64) -> (f64, f64) {
+        let Calibration { slope, intercept } = self.calibration;
+        let value = self.calibration.value(stored);
+        let product = slope * stored;
+        // What the product and the sum lose (Knuth's two-sum).
+        let part = value - product;
+        let lost = (product - (value - part)) + (intercept - part);
+        (value, slope.mul_add(stored, -product).abs() + lost.abs())
+    }
+
+    /// How far the field may be off because positions are, in stored units: its slope per index is below 5 times the samples' reach.
+    fn displaced(&self, reach: f64) -> f64 {
+        let steepest = if F::FILTER.reach() == 0 { 2.0 } else { 5.0 };
+        steepest * reach * self.chord.position_error.iter().sum::<f64>()
     }
 
     fn polynomial(&self, cell: [usize; 3], from: f64, to: f64) -> LineModel {
         let (middle, half) = self.middle_and_half(from, to);
         let axes: [Axis; 3] = std::array::from_fn(|a| self.axis(a, cell[a], middle[a], half[a]));
-        let lattice = self.sampler.lattice();
-        let base: f64 = lattice.at(axes[0].index[0], axes[1].index[0], axes[2].index[0]);
+        let base: f64 = self.sampler.lattice().at(axes[0].index[0], axes[1].index[0], axes[2].index[0]);
         let reach = if F::FILTER == Filter::Nearest { 0.0 } else { self.reach(cell, base) };
-        let offset = self.calibration.value(base);
+        let (offset, calibration_error) = self.calibrated(base);
+        let slope = self.calibration.slope;
         // A cell of equal samples is constant to the last bit: what a jump at exactly that value does depends on it.
-        let field = if reach == 0.0 {
-            Poly::constant(offset)
+        let (field, rounding) = if reach == 0.0 {
+            (Poly::constant(offset), 0.0)
         } else {
-            self.tensor(&axes, base) * self.calibration.slope + Poly::constant(offset)
+            // A few roundings per tap and axis, of products bounded by `reach` times the weights' gain.
+            let depth = if F::FILTER.reach() == 0 { 32.0 } else { 512.0 };
+            let stored = f64::EPSILON * depth * reach + self.displaced(reach);
+            let field = self.tensor(&axes, base) * slope + Poly::constant(offset);
+            (field, slope.abs() * stored + f64::EPSILON * offset.abs())
         };
-        // A few roundings per tap and axis, of products bounded by `reach` times the weights' gain; and of the position, which
-        // is exact to a few units in the last place of an index.
-        let depth = if F::FILTER.reach() == 0 { 32.0 } else { 512.0 };
-        let index_error = lattice.dims.iter().fold(1.0f64, |m, &n| m.max(n as f64));
-        let rounding = if reach == 0.0 {
-            0.0
-        } else {
-            f64::EPSILON * (self.calibration.slope.abs() * reach * (depth + 2.0 * index_error) + offset.abs())
+        let tie = if F::FILTER == Filter::Nearest { slope.abs() * self.tie(&axes, middle, half) } else { 0.0 };
+        let analytic = || {
+            let slopes: [Poly; 3] = std::array::from_fn(|a| {
+                let mut axes = axes;
+                axes[a] = axes[a].slopes(half[a], F::FILTER, middle[a] - cell[a] as f64);
+                // The slopes' weights sum to zero: any base will do.
+                self.tensor(&axes, base)
+            });
+            (slopes, Bound::new(4096.0 * f64::EPSILON * reach + 4.0 * self.displaced(reach)))
         };
-        let (gradient, gradient_error) = self.gradient(cell, middle, half, &axes, base, rounding);
-        LineModel { field, field_error: rounding, gradient, gradient_error, certain: true }
+        let (gradient, gradient_error) = self.gradient(cell, middle, half, reach, analytic);
+        let calibration_error = if reach == 0.0 { 0.0 } else { calibration_error };
+        let field_error = Bound::new(rounding) + calibration_error + tie;
+        LineModel { field, field_error: field_error.value(), gradient, gradient_error, certain: true }
     }
 
+    /// How much two samples differ whose middle the ray runs along, to what its place may be off by: it may be nearer to either.
+    fn tie(&self, axes: &[Axis; 3], middle: DVec3, half: DVec3) -> f64 {
+        let lattice = self.sampler.lattice();
+        let index = axes.map(|a| a.index[0]);
+        let here: f64 = lattice.at(index[0], index[1], index[2]);
+        let mut difference = 0.0;
+        for a in 0..3 {
+            let off = self.chord.position_error[a];
+            let face = (middle[a] + 0.5).round();
+            let along = half[a].abs() <= off && (middle[a] + 0.5 - face).abs() <= off;
+            if off > 0.0 && along && face >= 1.0 && face < lattice.dims[a] as f64 {
+                let mut other = index;
+                other[a] = if index[a] == face as usize { index[a] - 1 } else { face as usize };
+                let there: f64 = lattice.at(other[0], other[1], other[2]);
+                difference += (there - here).abs();
+            }
+        }
+        difference
+    }
+
+    /// The world gradient and the error of its components; `analytic`: the filter's own per index step, with its error.
     fn gradient(
         &self,
         cell: [usize; 3],
         middle: DVec3,
         half: DVec3,
-        axes: &[Axis; 3],
-        base: f64,
-        rounding: f64,
+        reach: f64,
+        analytic: impl FnOnce() -> ([Poly; 3], Bound),
     ) -> (Option<[Poly; 3]>, f64) {
-        let per_index: [Poly; 3] = match self.gradient {
+        let (per_index, off, size) = match self.gradient {
             GradientSource::None => return (None, 0.0),
-            GradientSource::Analytic => std::array::from_fn(|a| {
-                let mut axes = *axes;
-                axes[a] = axes[a].slopes(half[a], F::FILTER, middle[a] - cell[a] as f64);
-                // The slopes' weights sum to zero: any base will do.
-                self.tensor(&axes, base)
-            }),
-            GradientSource::Samples(at) => trilinear_gradients(at, cell, middle, half),
+            GradientSource::Analytic => {
+                let (slopes, off) = analytic();
+                (slopes, off, 5.0 * reach)
+            }
+            GradientSource::Samples(at) => {
+                let (slopes, size) = trilinear_gradients(at, cell, middle, half);
+                let displaced = 2.0 * self.chord.position_error.iter().sum::<f64>();
+                (slopes, Bound::new(size * (64.0 * f64::EPSILON + displaced)), size)
+            }
         };
         let rows = [0, 1, 2].map(|r| self.to_world.row(r));
         let world = rows.map(|row| per_index[0] * row.x + per_index[1] * row.y + per_index[2] * row.z);
-        // Relative to the field's own rounding: a gradient is a difference of as many products.
-        let norm = rows.iter().map(|r| r.length()).fold(0.0, f64::max);
-        let slope = self.calibration.slope.abs();
-        (Some(world), 8.0 * rounding * norm / slope.max(f64::MIN_POSITIVE))
+        if size == 0.0 {
+            return (Some(world), 0.0);
+        }
+        let norm = rows.iter().map(|r| Bound::new(r.abs().element_sum())).fold(Bound::ZERO, Bound::max);
+        (Some(world), ((off + self.to_world_error * size) * norm).value())
+    }
+
+    /// Shifts of the faces from the lattice.
+    fn shifts(&self) -> &'static [f64] {
+        match (F::FILTER, self.gradient, self.sampler.vacuum()) {
+            // Constant around each sample; vacuum and the samples' gradients change at the lattice.
+            (Filter::Nearest, GradientSource::None | GradientSource::Analytic, None) => &[0.5],
+            (Filter::Nearest, ..) => &[0.0, 0.5],
+            _ => &[0.0],
+        }
     }
 
     /// Calls `each` with every place inside the ray where the field goes over to another polynomial: its distance, and axis and index
     /// coordinate of the face that is crossed there; axis by axis.
     fn each_face(&self, mut each: impl FnMut(f64, usize, f64)) {
-        let IndexRay { origin, direction, start, end, .. } = self.ray;
+        let IndexRay { origin, direction, start, end, .. } = self.chord.ray;
         for a in 0..3 {
             let (o, d) = (origin[a], direction[a]);
             if d == 0.0 {
                 continue;
             }
-            let shifts: &[f64] = match (F::FILTER, self.gradient, self.sampler.vacuum()) {
-                // Constant around each sample; vacuum and the samples' gradients change at the lattice.
-                (Filter::Nearest, GradientSource::None | GradientSource::Analytic, None) => &[0.5],
-                (Filter::Nearest, ..) => &[0.0, 0.5],
-                _ => &[0.0],
-            };
-            for shift in shifts {
+            for shift in self.shifts() {
                 let (x0, x1) = (o + d * start - shift, o + d * end - shift);
                 let (low, high) = (x0.min(x1).ceil(), x0.max(x1).floor());
                 let mut k = low;
@@ -199,102 +271,70 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
     }
 
     fn middle_and_half(&self, from: f64, to: f64) -> (DVec3, DVec3) {
-        (self.ray.at(0.5 * (from + to)), self.ray.direction * (0.5 * (to - from)))
+        (self.chord.ray.at(0.5 * (from + to)), self.chord.ray.direction * (0.5 * (to - from)))
     }
 
-    /// Interpolates field (and gradient) of the Gaussian at Chebyshev points.
-    ///
-    /// On the Bernstein ellipse of parameter ρ the coordinates leave the real axis by at most y = b·|half|, b = (ρ − 1/ρ)/2. There a
-    /// tap is at most e^(y²/2σ²) times its real size, and the normaliser S at least its smallest real size less what it can
-    /// change over y. The remainder is at most 4 M ρ^(−n)/(ρ − 1) (Trefethen, *Approximation Theory and Approximation
-    /// Practice*, 2013, theorem 8.2).
+    /// The Gaussian's field, interpolated.
     fn interpolated(&self, cell: [usize; 3], from: f64, to: f64) -> LineModel {
-        // More would need fewer halvings, but the powers' coefficients grow as 2ⁿ, and rounding with them.
-        const DEGREE: usize = 12;
-        static NODES: OnceLock<[f64; DEGREE + 1]> = OnceLock::new();
         let (middle, half) = self.middle_and_half(from, to);
-        let nodes: &[f64; DEGREE + 1] = NODES.get_or_init(|| std::array::from_fn(|j| chebyshev_point(DEGREE, j)));
-        let at = |j: usize| {
-            let p = (middle + half * nodes[j]).to_array();
-            let (lattice, p) = (self.sampler.lattice(), inside(p, cell));
-            match self.gradient {
-                GradientSource::Analytic => F::value_and_gradient(lattice, p),
-                _ => (F::value(lattice, p), [0.0; 3]),
-            }
-        };
-        let samples: Vec<(f64, [f64; 3])> = (0..=DEGREE).map(at).collect();
-        let base = samples[0].0;
-        let values: Vec<f64> = samples.iter().map(|s| s.0 - base).collect();
+        let lattice = self.sampler.lattice();
+        let base: f64 = lattice.at(cell[0], cell[1], cell[2]);
         let reach = self.reach(cell, base);
-        let offset = self.calibration.value(base);
+        let (offset, calibration_error) = self.calibrated(base);
         let slope = self.calibration.slope;
-        let field = Poly::through_chebyshev_points(&values) * slope + Poly::constant(offset);
-        let remainder = gaussian_remainder(half, DEGREE) * reach * slope.abs();
-        let rounding = f64::EPSILON * (8192.0 * slope.abs() * reach + 2.0 * offset.abs());
-        let field_error = remainder + rounding;
-        let gradient = match self.gradient {
-            GradientSource::None => None,
-            GradientSource::Samples(g) => Some(trilinear_gradients(g, cell, middle, half)),
-            GradientSource::Analytic => Some(std::array::from_fn(|a| {
-                let values: Vec<f64> = samples.iter().map(|s| s.1[a]).collect();
-                Poly::through_chebyshev_points(&values)
-            })),
-        };
-        let rows = [0, 1, 2].map(|r| self.to_world.row(r));
-        let gradient = gradient.map(|g| rows.map(|row| g[0] * row.x + g[1] * row.y + g[2] * row.z));
-        // The derivative's remainder is not bounded here: shading by the Gaussian's own gradient is an estimate.
-        let certain = !matches!(self.gradient, GradientSource::Analytic);
-        let norm = rows.iter().map(|r| r.length()).fold(0.0, f64::max);
-        let gradient_error = 64.0 * f64::EPSILON * norm * reach + if certain { 0.0 } else { 4.0 * remainder * norm };
-        LineModel { field, field_error, gradient, gradient_error, certain }
-    }
-}
-
-/// Clamps a position into a closed cell: rounding must not take the neighbour's taps.
-fn inside(p: [f64; 3], cell: [usize; 3]) -> [f64; 3] {
-    // The cell's upper face belongs to the next cell in the lattice's eyes: stay a bit below.
-    std::array::from_fn(|a| {
-        let low = cell[a] as f64;
-        p[a].clamp(low, (low + 1.0).next_down())
-    })
-}
-
-/// Bounds |f − interpolant| of the Gaussian field per unit of the samples' spread.
-fn gaussian_remainder(half: DVec3, degree: usize) -> f64 {
-    let mut best = f64::INFINITY;
-    for rho in [3.0f64, 5.0, 8.0, 14.0, 30.0] {
-        let (a, b) = (0.5 * (rho + 1.0 / rho), 0.5 * (rho - 1.0 / rho));
-        let mut gain = 1.0;
-        for axis in 0..3 {
-            let h = half[axis].abs();
-            // Beyond the interval's ends, too, the real part moves: by (a − 1) h.
-            gain *= gaussian_gain(b * h, (a - 1.0) * h);
+        if reach == 0.0 {
+            // Weights sum to 1: equal samples make a constant, which needs no interpolation.
+            let none = || ([Poly::constant(0.0); 3], Bound::ZERO);
+            let (gradient, gradient_error) = self.gradient(cell, middle, half, reach, none);
+            let field = Poly::constant(offset);
+            return LineModel { field, field_error: 0.0, gradient, gradient_error, certain: true };
         }
-        best = best.min(4.0 * gain * rho.powi(-(degree as i32)) / (rho - 1.0));
+        let own_slopes = matches!(self.gradient, GradientSource::Analytic);
+        let part = gaussian_cell::interpolate(lattice, cell, base, reach, [middle, half], own_slopes);
+        let field = part.field * slope + Poly::constant(offset);
+        let field_error = (part.error + self.displaced(reach)) * slope + f64::EPSILON * offset + calibration_error;
+        let displaced = 4.0 * self.displaced(reach);
+        let slopes = || part.gradient.map_or(([Poly::constant(0.0); 3], Bound::ZERO), |(g, off)| (g, off + displaced));
+        let (gradient, gradient_error) = self.gradient(cell, middle, half, reach, slopes);
+        LineModel { field, field_error: field_error.value(), gradient, gradient_error, certain: true }
     }
-    best
+
+    /// How far a face at a distance may be off: its axis' error over how fast the ray crosses it.
+    fn place_error(&self, at: f64) -> f64 {
+        let IndexRay { origin, direction, start, end, .. } = self.chord.ray;
+        let rounding = f64::EPSILON * at.abs();
+        let mut most = Bound::new(rounding);
+        for (edge, off) in [start, end].into_iter().zip(self.chord.end_error) {
+            if at == edge {
+                most = most.max(off);
+            }
+        }
+        for a in (0..3).filter(|&a| direction[a] != 0.0) {
+            let (x, off) = (origin[a] + direction[a] * at, self.chord.position_error[a]);
+            let reach = 4.0 * (off + direction[a].abs() * rounding);
+            if self.shifts().iter().any(|shift| (x - shift - (x - shift).round()).abs() <= reach) {
+                most = most.max(off / direction[a].abs() + rounding);
+            }
+        }
+        most.value()
+    }
+
+    /// True if the field, or its gradient where one is asked for, may jump at a face.
+    fn jumps_at_faces(&self) -> bool {
+        let smooth_gradient = match self.gradient {
+            GradientSource::None => true,
+            GradientSource::Samples(_) => F::FILTER != Filter::Nearest,
+            GradientSource::Analytic => matches!(F::FILTER, Filter::BSpline | Filter::CatmullRom),
+        };
+        F::FILTER == Filter::Nearest || self.sampler.vacuum().is_some() || !smooth_gradient
+    }
 }
 
-/// Bounds Σ|wᵢ(z)| of the four normalised taps, for real parts up to `beyond` outside the cell and imaginary parts up to `y`.
-fn gaussian_gain(y: f64, beyond: f64) -> f64 {
-    let g = |x: f64| libm::exp(-0.5 * (x / GAUSSIAN_SIGMA) * (x / GAUSSIAN_SIGMA));
-    let edge = g(GAUSSIAN_RADIUS);
-    // |g(x + iy)| = g(x) e^(y²/2σ²)
-    let grow = libm::exp(0.5 * (y / GAUSSIAN_SIGMA) * (y / GAUSSIAN_SIGMA));
-    // Over the cell [0, 1] the four taps' sum is smallest at its ends, where they are at distances 1, 0, 1 and 2.
-    let smallest = 1.0 + 2.0 * g(1.0) + g(2.0) - 4.0 * edge;
-    // Σ g(xᵢ) over the lattice is nowhere above σ√(2π) (1 + 2e^(−2π²σ²)) (Poisson's sum).
-    let total = 1.76 * grow;
-    // |g'(z)| = |z|/σ² |g(z)|, and x g(x) ≤ σ/√e for each tap: what the sum can lose on the way from the cell's nearest point.
-    let steepest = grow * (4.0 * 0.607 * GAUSSIAN_SIGMA + 1.76 * y) / (GAUSSIAN_SIGMA * GAUSSIAN_SIGMA);
-    let loss = (y + beyond) * steepest;
-    if loss >= 0.8 * smallest { f64::INFINITY } else { (total + 4.0 * edge) / (smallest - loss) }
-}
-
-fn trilinear_gradients(at: SampleGradients<'_>, cell: [usize; 3], middle: DVec3, half: DVec3) -> [Poly; 3] {
+/// The samples' gradients along the ray, per index step, and the largest component of any.
+fn trilinear_gradients(at: SampleGradients<'_>, cell: [usize; 3], middle: DVec3, half: DVec3) -> ([Poly; 3], f64) {
     let one = Poly::constant(1.0);
     let x: [Poly; 3] = std::array::from_fn(|a| Poly::new(&[middle[a] - cell[a] as f64, half[a]]));
-    let mut sum = [Poly::constant(0.0); 3];
+    let (mut sum, mut size) = ([Poly::constant(0.0); 3], Bound::ZERO);
     for corner in 0..8 {
         let high = |a: usize| corner >> a & 1;
         let weight = |a: usize| if high(a) == 1 { x[a] } else { one + x[a] * -1.0 };
@@ -302,85 +342,65 @@ fn trilinear_gradients(at: SampleGradients<'_>, cell: [usize; 3], middle: DVec3,
         let g = at(std::array::from_fn(|a| cell[a] + high(a)));
         for c in 0..3 {
             sum[c] = sum[c] + w * g[c];
+            size = size.max(g[c]);
         }
     }
-    sum
-}
-
-/// Lattice indices and weights along one axis.
-#[derive(Clone, Copy)]
-struct Axis {
-    index: [usize; 4],
-    weight: [Poly; 4],
-    taps: usize,
-}
-
-impl Axis {
-    /// The weights' derivatives by the index coordinate, of which `half` is the rate by t and `middle` the value at t = 0.
-    fn slopes(&self, half: f64, filter: Filter, middle: f64) -> Self {
-        let x = Poly::new(&[middle, half]);
-        let weight = match filter {
-            Filter::Trilinear => {
-                let one = Poly::constant(1.0);
-                [one * -1.0, one, one, one]
-            }
-            Filter::BSpline => cubics(x, &derivatives(&BSPLINE)),
-            Filter::CatmullRom => cubics(x, &derivatives(&CATMULL_ROM)),
-            Filter::Nearest | Filter::Gaussian => [Poly::constant(0.0); 4],
-        };
-        Self { weight, ..*self }
-    }
-}
-
-/// Four cubics in the fraction: coefficients of 1, x, x², x³.
-type Cubics = [[f64; 4]; 4];
-
-const BSPLINE: Cubics = [
-    [1.0 / 6.0, -0.5, 0.5, -1.0 / 6.0],
-    [4.0 / 6.0, 0.0, -1.0, 0.5],
-    [1.0 / 6.0, 0.5, 0.5, -0.5],
-    [0.0, 0.0, 0.0, 1.0 / 6.0],
-];
-
-const CATMULL_ROM: Cubics =
-    [[0.0, -0.5, 1.0, -0.5], [1.0, 0.0, -2.5, 1.5], [0.0, 0.5, 2.0, -1.5], [0.0, 0.0, -0.5, 0.5]];
-
-fn derivatives(cubics: &Cubics) -> Cubics {
-    cubics.map(|c| [c[1], 2.0 * c[2], 3.0 * c[3], 0.0])
-}
-
-fn cubics(x: Poly, c: &Cubics) -> [Poly; 4] {
-    let (x2, one) = (x * x, Poly::constant(1.0));
-    let x3 = x2 * x;
-    c.map(|c| one * c[0] + x * c[1] + x2 * c[2] + x3 * c[3])
+    (sum, size.value())
 }
 
 impl<T: Voxel, F: Reconstruction> LineField for GridLine<'_, T, F> {
     fn breakpoints(&self, out: &mut Vec<f64>) {
-        out.push(self.ray.start);
-        let first = out.len();
-        self.each_face(|s, _, _| out.push(s));
-        out[first..].sort_by(f64::total_cmp);
-        out.push(self.ray.end);
+        let IndexRay { direction, start, end, .. } = self.chord.ray;
+        // Each with how far it may be off.
+        let mut faces = Vec::new();
+        self.each_face(|s, axis, _| {
+            faces.push((s, self.chord.position_error[axis] / direction[axis].abs() + f64::EPSILON * s.abs()));
+        });
+        faces.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let rounded = |end: f64, off: f64| (end, off + f64::EPSILON * end.abs());
+        let end = rounded(end, self.chord.end_error[1]);
+        let mut last = rounded(start, self.chord.end_error[0]);
+        out.push(start);
+        // Faces that may be one (an edge, a corner, the box itself) are one: what would lie between them need not exist. The surer
+        // one tells: a face that is grazed must not swallow another that is crossed.
+        for face in faces {
+            let same = |other: (f64, f64)| (face.0 - other.0).abs() <= 4.0 * face.1.min(other.1);
+            if !same(last) && !same(end) {
+                out.push(face.0);
+                last = face;
+            }
+        }
+        out.push(end.0);
     }
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {
-        let cell = self.cell(self.ray.at(0.5 * (from + to)))?;
+        let cell = self.cell(self.chord.ray.at(0.5 * (from + to)))?;
         Some(match F::FILTER {
             Filter::Gaussian => self.interpolated(cell, from, to),
             _ => self.polynomial(cell, from, to),
         })
     }
+
+    fn misplaced(&self, at: f64) -> f64 {
+        let IndexRay { start, end, .. } = self.chord.ray;
+        if at <= start {
+            return self.chord.end_error[0];
+        }
+        if at >= end {
+            return self.chord.end_error[1];
+        }
+        if self.jumps_at_faces() { self.place_error(at) } else { 0.0 }
+    }
 }
 
 impl<T: Voxel, F: Reconstruction> RayField for GridLine<'_, T, F> {
     fn chord(&self) -> Chord {
-        let IndexRay { start, end, offset, .. } = self.ray;
+        let IndexRay { start, end, offset, .. } = self.chord.ray;
         Chord { start, end, offset }
     }
 
     fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
-        out.push((self.ray.start, Cut::Entry));
+        out.push((self.chord.ray.start, Cut::Entry));
         self.each_face(|s, axis, at| out.push((s, Cut::Face { axis, at })));
     }
 }

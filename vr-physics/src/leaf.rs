@@ -16,6 +16,7 @@
 use vr_core::transfer::Segment;
 use vr_core::{OpacityRule, Shading};
 
+use crate::bound::{Bound, largest};
 use crate::line::LineModel;
 use crate::nodes::{DEGREES, Rule, rule};
 use crate::optics::Optics;
@@ -27,11 +28,11 @@ pub struct Gain {
     /// Optical depth.
     pub depth: f64,
     /// Upper bound of the error of `depth`.
-    pub depth_error: f64,
+    pub depth_error: Bound,
     /// Light at the stretch's front.
     pub light: [f64; 3],
     /// Upper bound of the error of each component of `light`.
-    pub light_error: f64,
+    pub light_error: Bound,
 }
 
 /// A stretch on which everything is smooth.
@@ -46,6 +47,33 @@ pub struct Leaf<'a> {
     clear: f64,
     color: [Linear; 3],
     emission: [Linear; 3],
+    /// Opacity at the segment's start.
+    first_opacity: f64,
+    /// How fast opacity, colour and emission change with the value, wherever the field's error may take it.
+    steepest: Slopes,
+}
+
+/// Slopes by the value.
+#[derive(Clone, Copy, Default)]
+struct Slopes {
+    alpha: f64,
+    color: f64,
+    emission: f64,
+}
+
+impl Slopes {
+    /// The steepest in any segment that a range of values touches.
+    fn within(optics: &Optics<'_>, [low, high]: [f64; 2]) -> Self {
+        let mut steepest = Self::default();
+        for s in optics.touching(low, high).iter().filter(|s| s.from.is_finite() && s.to.is_finite()) {
+            let span = s.to - s.from;
+            let apart = |a: [f64; 3], b: [f64; 3]| largest((0..3).map(|c| a[c] - b[c])) / span;
+            steepest.alpha = steepest.alpha.max((s.end.opacity - s.start.opacity).abs() / span);
+            steepest.color = steepest.color.max(apart(s.start.color, s.end.color));
+            steepest.emission = steepest.emission.max(apart(s.start.emission, s.end.emission));
+        }
+        steepest
+    }
 }
 
 /// The gradient's part in a stretch.
@@ -79,8 +107,8 @@ const RHO: [f64; 9] = [1.25, 1.6, 2.2, 3.2, 5.0, 8.0, 14.0, 30.0, 100.0];
 /// A rule, and what it may miss.
 pub struct Choice {
     which: usize,
-    depth_error: f64,
-    light_error: f64,
+    depth_error: Bound,
+    light_error: Bound,
 }
 
 impl<'a> Leaf<'a> {
@@ -103,11 +131,13 @@ impl<'a> Leaf<'a> {
             let dot = |v: [f64; 3]| g[0] * v[0] + g[1] * v[1] + g[2] * v[2];
             let square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
             let magnitude = square.at(0.0).max(0.0).sqrt();
+            // A gradient that does not change has one factor, at a knot of the factors, too.
+            let constant = square.is_constant();
             Some(Shade {
                 shading,
                 towards: ray.lights.iter().map(|l| (dot(l.to_light), dot(l.half))).collect(),
                 modulation: shading.modulation(magnitude),
-                modulation_slope: modulation_slope(shading, magnitude),
+                modulation_slope: if constant { 0.0 } else { modulation_slope(shading, magnitude) },
                 square,
             })
         });
@@ -120,6 +150,8 @@ impl<'a> Leaf<'a> {
             clear,
             color: std::array::from_fn(|c| linear(at.color[c], start.color[c], end.color[c])),
             emission: std::array::from_fn(|c| linear(at.emission[c], start.emission[c], end.emission[c])),
+            first_opacity: start.opacity,
+            steepest: Slopes::within(optics, model.range()),
         }
     }
 
@@ -137,9 +169,12 @@ impl<'a> Leaf<'a> {
             for which in 0..DEGREES.len() {
                 let n = DEGREES[which] as i32;
                 let decay = rho.powi(-n);
-                let depth_error = 2.0 * self.half * 4.0 * size.extinction * decay / (rho - 1.0);
-                let quadrature = 4.2 * size.integrand * decay / (rho * rho - 1.0);
-                let light_error = quadrature + depth_error * size.light_per_depth;
+                let depth_error = Bound::new(2.0 * self.half * 4.0 * size.extinction * decay / (rho - 1.0));
+                let quadrature = Bound::new(4.2 * size.integrand * decay / (rho * rho - 1.0));
+                // An extinction that does not change is integrated without error, however bright it is.
+                let from_depth =
+                    if depth_error == Bound::ZERO { Bound::ZERO } else { depth_error * size.light_per_depth };
+                let light_error = quadrature + from_depth;
                 let worst = |c: &Choice| (c.light_error / light_share).max(c.depth_error / depth_share);
                 let choice = Choice { which, depth_error, light_error };
                 if best[which].as_ref().is_none_or(|b| worst(&choice) < worst(b)) {
@@ -147,7 +182,8 @@ impl<'a> Leaf<'a> {
                 }
             }
         }
-        best.into_iter().flatten().find(|c| c.light_error <= light_share && c.depth_error <= depth_share)
+        let fits = |c: &Choice| c.light_error.within(light_share) && c.depth_error.within(depth_share);
+        best.into_iter().flatten().find(fits)
     }
 
     /// Bounds on one ellipse; `None` if something is singular in it.
@@ -164,7 +200,7 @@ impl<'a> Leaf<'a> {
             }
             OpacityRule::Power => {
                 let w = self.clear;
-                if r + 2.0 * self.noise() >= w {
+                if !is_below((self.noise() * 2.0 + r).value(), w) {
                     return None;
                 }
                 let kappa = |change: f64| self.extinction_of(self.alpha.middle + change, w - change);
@@ -179,12 +215,12 @@ impl<'a> Leaf<'a> {
         if let Some(s) = &self.shade {
             let (g, g_spread) = (s.square.coefficients()[0], s.square.spread(a));
             if self.is_shaded() {
-                if g_spread >= g {
+                if !is_below(g_spread, g) {
                     return None;
                 }
                 reflect = s.reflect_bound(a, g - g_spread)?;
             }
-            if s.modulation_slope != 0.0 && g_spread >= g {
+            if s.modulation_slope != 0.0 && !is_below(g_spread, g) {
                 return None;
             }
             if !s.shading.gradient_opacity.is_empty() {
@@ -195,11 +231,11 @@ impl<'a> Leaf<'a> {
             }
         }
         // Past e^30 the bound is useless anyway, and infinities would become NaN.
-        if growth > 30.0 {
+        if !is_below(growth, 30.0) {
             return None;
         }
         let growth = libm::exp(growth);
-        let most = |l: &[Linear; 3]| l.iter().map(|l| l.bound(spread)).fold(0.0, f64::max);
+        let most = |l: &[Linear; 3]| largest(l.iter().map(|l| l.bound(spread)));
         let (integrand, light_per_depth) = if self.optics.transfer.has_emission() {
             let e = most(&self.emission) * self.half;
             (e * growth, 2.0 * e)
@@ -207,7 +243,7 @@ impl<'a> Leaf<'a> {
             let c = most(&self.color) * reflect.0 + reflect.1;
             (self.half * size_of_kappa * c * growth, c * 2.0 * self.half * size_of_kappa)
         } else {
-            let slope = self.color.iter().map(|l| l.slope.abs()).fold(0.0, f64::max);
+            let slope = largest(self.color.iter().map(|l| l.slope));
             let run = self.model.field.derivative();
             let run = run.at(0.0).abs() + run.spread(a);
             // |E(b) − E(z)| ≤ |τ(b) − τ(z)| times the growth.
@@ -231,7 +267,7 @@ impl<'a> Leaf<'a> {
         let f0 = self.model.field.coefficients()[0];
         let run = self.model.field.derivative();
         let value = |l: &Linear, f: f64| l.middle + l.slope * (f - f0);
-        let (mut light, mut magnitude) = ([0.0; 3], 0.0f64);
+        let (mut light, mut magnitude) = ([0.0; 3], Bound::ZERO);
         for c in 0..3 {
             let terms = |j: usize| -> f64 {
                 if self.optics.transfer.has_emission() {
@@ -257,7 +293,7 @@ impl<'a> Leaf<'a> {
             light[c] = sum;
             magnitude = magnitude.max(size);
         }
-        let (depth_error, light_error) = self.rounding(depth, opacity, magnitude);
+        let (depth_error, light_error) = self.rounding(depth, opacity, magnitude.value());
         let gain = Gain {
             depth,
             depth_error: choice.depth_error + depth_error,
@@ -268,44 +304,58 @@ impl<'a> Leaf<'a> {
     }
 
     /// What rounding, and the field's own error, add to the errors of depth and light.
-    fn rounding(&self, depth: f64, opacity: f64, magnitude: f64) -> (f64, f64) {
+    fn rounding(&self, depth: f64, opacity: f64, magnitude: f64) -> (Bound, Bound) {
+        const ROUNDING: f64 = 8.0 * f64::EPSILON;
         let model = self.model;
         let length = 2.0 * self.half;
-        let delta = model.field_error;
+        let delta = model.error();
         let unit = self.optics.transfer.unit_distance();
-        // How far off the opacity may be, and what that does to κ (a constant opacity is exact).
-        let relative = if self.alpha.slope == 0.0 { 0.0 } else { 8.0 * f64::EPSILON };
-        let off = self.alpha.slope.abs() * delta
-            + relative * self.alpha.bound(model.field.spread(1.0)).min(self.clear.max(f64::EPSILON));
+        let spread = model.field.spread(1.0);
+        let steepest = self.steepest;
+        // How far off the opacity may be, and what that does to κ (a constant opacity is exact). Below ½ α has the digits of the sum
+        // that it is, above it 1 − α has all of its own.
+        let size = if self.alpha.middle - self.alpha.slope.abs() * spread < 0.5 {
+            // a + t (b − a): roundings of a, and of what is added to it.
+            self.first_opacity + self.alpha.bound(spread)
+        } else {
+            self.clear + self.alpha.slope.abs() * spread
+        };
+        let rounded = if self.alpha.slope == 0.0 { 0.0 } else { ROUNDING * size };
+        let off = product(delta, steepest.alpha) + rounded;
         let steepness = match self.optics.transfer.rule() {
-            OpacityRule::Extinction => 1.0 / unit,
+            OpacityRule::Extinction => Bound::new(1.0 / unit),
             OpacityRule::Power => {
-                let w = self.clear - self.alpha.slope.abs() * model.field.spread(1.0) - off;
-                1.0 / (unit * w.max(f64::MIN_POSITIVE))
+                let w = self.clear - self.alpha.slope.abs() * spread - off.value();
+                Bound::new(1.0 / (unit * if w > 0.0 { w } else { 0.0 }))
             }
         };
-        let factor = self.shade.as_ref().map_or(1.0, |s| s.modulation.abs().max(1.0));
-        let mut depth_error = length * steepness * off * factor + 24.0 * f64::EPSILON * depth;
-        let slope = |l: &[Linear; 3]| l.iter().map(|l| l.slope.abs()).fold(0.0, f64::max);
-        let color = self.color.iter().map(|l| l.bound(model.field.spread(1.0))).fold(0.0, f64::max);
-        let mut light_error = 24.0 * f64::EPSILON * magnitude;
+        let factor = self.shade.as_ref().map_or(1.0, |s| s.shading.largest_modulation().max(1.0));
+        let mut depth_error = product(off, steepness * (length * factor)) + 24.0 * f64::EPSILON * depth;
+        let color = largest(self.color.iter().map(|l| l.bound(spread)));
+        let mut light_error = Bound::new(24.0 * f64::EPSILON * magnitude);
         if self.optics.transfer.has_emission() {
-            light_error += length * slope(&self.emission) * delta + depth_error * magnitude;
+            light_error += product(delta, length * steepest.emission) + product(depth_error, magnitude);
         } else {
             let bright = self.optics.brightest_surface().max(color);
-            light_error += 2.0 * slope(&self.color) * delta * opacity + depth_error * 3.0 * bright;
+            light_error += product(delta, 2.0 * steepest.color * opacity) + product(depth_error, 3.0 * bright);
+            light_error += 4.0 * f64::EPSILON * self.optics.transfer.brightest_color() * opacity;
         }
         if let Some(s) = &self.shade {
-            let smallest = (s.square.coefficients()[0] - s.square.spread(1.0)).max(0.0).sqrt();
-            // 0/0 is a field without gradient and without error.
-            let off = if model.gradient_error == 0.0 { 0.0 } else { 2.0 * model.gradient_error / smallest };
-            let shading = s.shading;
-            let sensitivity = shading.diffuse + shading.specular * shading.power;
-            if !shading.gradient_opacity.is_empty() {
-                depth_error += depth * s.modulation_slope.abs() * 2.0 * model.gradient_error
-                    / s.modulation.abs().max(f64::MIN_POSITIVE);
+            let off = model.slope_error();
+            if !s.shading.gradient_opacity.is_empty() {
+                let r = self.alpha.slope.abs() * spread;
+                let kappa = self.extinction_of(self.alpha.middle + r, self.clear - r);
+                let more = product(off, Bound::new(kappa) * (2.0 * steepest_modulation(s.shading) * length));
+                depth_error += more;
+                light_error += product(more, 3.0 * self.optics.brightest_surface().max(magnitude));
             }
-            light_error += off.min(1.0) * sensitivity.max(1.0) * self.optics.brightest_surface() * opacity;
+            if !self.optics.transfer.has_emission() {
+                let smallest = (s.square.coefficients()[0] - s.square.spread(1.0)).max(0.0).sqrt();
+                // 0/0 is a field without gradient and without error.
+                let turn = if off == Bound::ZERO { Bound::ZERO } else { off * 4.0 / smallest };
+                light_error += product(self.optics.turned(turn), opacity);
+                light_error += ROUNDING * s.shading.power * magnitude;
+            }
         }
         (depth_error, light_error)
     }
@@ -343,13 +393,20 @@ impl<'a> Leaf<'a> {
     }
 
     /// How far rounding and the field's error may move the opacity.
-    fn noise(&self) -> f64 {
-        self.alpha.slope.abs() * self.model.field_error + 8.0 * f64::EPSILON * self.clear
+    fn noise(&self) -> Bound {
+        product(self.model.error(), self.alpha.slope.abs()) + 8.0 * f64::EPSILON * self.clear
     }
 
     /// Whether 1 − α is no more than what it may be off by, under the power rule.
     pub fn is_lost(&self) -> bool {
-        !self.model.field_error.is_finite() || self.optics.has_walls() && self.clearest() <= 4.0 * self.noise()
+        !self.model.error().is_finite()
+            || self.optics.has_walls() && Bound::new(self.clearest()).within((self.noise() * 4.0).value())
+    }
+
+    /// True if 1 − α is much smaller somewhere than elsewhere, so that an error of the value weighs unequally, under the power rule.
+    pub fn is_graded(&self) -> bool {
+        let change = self.alpha.slope.abs() * self.model.field.spread(1.0);
+        self.optics.has_walls() && change > 0.5 * self.clear
     }
 
     /// The largest 1 − α on the stretch, at a few points.
@@ -371,25 +428,37 @@ impl<'a> Leaf<'a> {
         let deepest = match self.optics.transfer.rule() {
             OpacityRule::Extinction => length * self.alpha.bound(field.spread(1.0)).min(1.0) / unit,
             OpacityRule::Power => {
-                let w = whole.clearest - self.noise();
+                let w = whole.clearest - self.noise().value();
                 let roots = if self.alpha.slope == 0.0 { 0.0 } else { field.degree() as f64 };
                 let each = 1.0 + libm::log(2.0 * whole.half / self.half);
                 if w > 0.0 { length / unit * (roots * each - libm::log(w)) } else { f64::INFINITY }
             }
         };
         let factor = self.shade.as_ref().map_or(1.0, |s| s.shading.largest_modulation());
-        let deepest = deepest.max(0.0) * factor;
+        // 0·∞: nothing absorbs where the factor is 0.
+        let deepest = if factor == 0.0 { 0.0 } else { Bound::new(deepest.max(0.0) * factor).value() };
         let depth = if deepest.is_finite() { 0.5 * deepest } else { 1.0 };
-        let depth_error = if deepest.is_finite() { depth } else { f64::INFINITY };
+        let depth_error = if deepest.is_finite() { Bound::new(depth) } else { Bound::UNKNOWN };
         let (light, light_error) = if self.optics.transfer.has_emission() {
             let e = self.emission.map(|l| l.bound(field.spread(1.0)) * length);
-            (e.map(|e| 0.5 * e), e.into_iter().fold(0.0, f64::max))
+            (e.map(|e| 0.5 * e), largest(e))
         } else {
             let opacity = -libm::expm1(-depth);
             (self.color.map(|l| l.middle * opacity), self.optics.brightest_surface() * -libm::expm1(-deepest))
         };
-        Gain { depth, depth_error, light, light_error }
+        Gain { depth, depth_error, light, light_error: Bound::new(light_error) }
     }
+}
+
+/// True if a number is surely below a limit: neither is NaN.
+fn is_below(x: f64, limit: f64) -> bool {
+    x < limit
+}
+
+/// A product that is 0 where a factor is: an error that there is none of, or that does not matter.
+fn product(error: Bound, factor: impl Into<Bound>) -> Bound {
+    let factor = factor.into();
+    if error == Bound::ZERO || factor == Bound::ZERO { Bound::ZERO } else { error * factor }
 }
 
 /// The stretch that a short one was halved from.
@@ -441,4 +510,9 @@ fn modulation_slope(shading: &Shading, magnitude: f64) -> f64 {
         (Some(j), Some(&(m1, f1))) => (f1 - points[j].1) / (m1 - points[j].0),
         _ => 0.0,
     }
+}
+
+/// How fast the factor on κ changes with the gradient's magnitude at most.
+fn steepest_modulation(shading: &Shading) -> f64 {
+    largest(shading.gradient_opacity.windows(2).map(|w| (w[1].1 - w[0].1) / (w[1].0 - w[0].0)))
 }

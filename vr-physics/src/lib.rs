@@ -45,11 +45,16 @@
 //! * `proptest`: random scenes, and checks that anyone's `Renderer` can be put through, in `check`.
 
 mod analytic_line;
+mod bound;
 pub mod cases;
 mod chebyshev;
 #[cfg(feature = "proptest")]
 pub mod check;
 mod crossings;
+mod double;
+mod exact_ray;
+mod first_crossing;
+mod gaussian_cell;
 mod grid_line;
 mod kernel_shape;
 mod leaf;
@@ -68,7 +73,9 @@ mod scattered;
 mod segments;
 mod solver;
 mod ssim;
+mod tap_weights;
 mod transport;
+mod walls;
 pub use analytic_line::AnalyticLine;
 pub use grid_line::{GradientSource, GridLine, SampleGradients};
 pub use line::{LineField, LineModel};

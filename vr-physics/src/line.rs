@@ -1,5 +1,6 @@
 //! A scalar field along one ray, as the integrator wants it.
 
+use crate::bound::{Bound, largest};
 use crate::poly::Poly;
 use crate::segments::Cut;
 
@@ -15,6 +16,12 @@ pub trait LineField {
     ///
     /// Asked again for parts of an interval where the error was too large: the bound should shrink then.
     fn between(&self, from: f64, to: f64) -> Option<LineModel>;
+
+    /// Upper bound of how far the breakpoint at a distance may be from its true place: an end of the line, or where the field jumps.
+    /// 0 where the field is continuous, for nothing depends on it there.
+    fn misplaced(&self, _at: f64) -> f64 {
+        0.0
+    }
 }
 
 /// The part of a ray that a field is given on.
@@ -60,11 +67,36 @@ pub struct LineModel {
 }
 
 impl LineModel {
+    /// The error of the field; unknown if it is NaN.
+    pub(crate) fn error(&self) -> Bound {
+        Bound::new(self.field_error)
+    }
+
+    /// The error of each component of the gradient.
+    pub(crate) fn slope_error(&self) -> Bound {
+        Bound::new(self.gradient_error)
+    }
+
+    /// Enclosure of the field's true values on the interval.
+    pub(crate) fn range(&self) -> [f64; 2] {
+        let (value, reach) = (self.field.coefficients()[0], Bound::new(self.field.spread(1.0)) + self.error());
+        let reach = (reach + 2.0 * f64::EPSILON * value).value();
+        if value.is_nan() { [f64::NEG_INFINITY, f64::INFINITY] } else { [value - reach, value + reach] }
+    }
+
     /// The same on a part [a, b] of [−1, 1], stretched again.
     pub fn restricted(&self, a: f64, b: f64) -> Self {
+        // Each coefficient is rounded again: beside a large constant that is much.
+        let rounding = |p: &Poly| {
+            let (constant, spread) = (p.coefficients()[0].abs(), p.spread(1.0));
+            if spread == 0.0 { 0.0 } else { f64::EPSILON * (constant + p.degree() as f64 * spread) }
+        };
+        let turned = self.gradient.map_or(0.0, |g| largest(g.iter().map(rounding)));
         Self {
             field: self.field.restricted(a, b),
+            field_error: (self.error() + rounding(&self.field)).value(),
             gradient: self.gradient.map(|g| g.map(|p| p.restricted(a, b))),
+            gradient_error: (self.slope_error() + turned).value(),
             ..*self
         }
     }

@@ -2,6 +2,7 @@
 
 use vr_core::{ContinuousModel, Medium, Ray, SegmentTerm};
 
+use crate::bound::{Bound, largest};
 use crate::nodes::rule;
 use crate::transport::{Certainty, Transport};
 
@@ -12,7 +13,7 @@ pub fn sum_segments(segments: &[SegmentTerm]) -> Transport {
         for c in 0..3 {
             radiance[c] += transparency * term.light[c];
         }
-        size += transparency * term.light.into_iter().map(f64::abs).fold(0.0, f64::max);
+        size += transparency * largest(term.light);
         transparency *= term.transparency;
     }
     // One rounding a product and one a sum, each relative to what has been gathered.
@@ -21,7 +22,7 @@ pub fn sum_segments(segments: &[SegmentTerm]) -> Transport {
         radiance,
         depth: -libm::log(transparency),
         half_way: f64::INFINITY,
-        certainty: Certainty::Bound(error),
+        certainty: Certainty::new(if transparency.is_nan() { f64::NAN } else { error }, true),
         pieces: segments.len() as u64,
     }
 }
@@ -43,7 +44,7 @@ pub fn integrate_continuous(model: &dyn ContinuousModel, ray: &Ray) -> Transport
         certainty: Certainty::Bound(0.0),
         pieces: 0,
     };
-    let (mut light_error, mut depth_error, mut certain) = (0.0, 0.0, true);
+    let (mut light_error, mut depth_error, mut certain) = (Bound::ZERO, Bound::ZERO, true);
     for pair in breakpoints.windows(2).filter(|w| w[1] > w[0]) {
         let bounds = model.bounds(ray, pair[0], pair[1]);
         certain &= bounds.is_some();
@@ -55,29 +56,39 @@ pub fn integrate_continuous(model: &dyn ContinuousModel, ray: &Ray) -> Transport
             let (d_depth, d_light) = match bounds {
                 Some(b) => {
                     let d = b.extinction_slope * length * length;
-                    let light = light.into_iter().map(f64::abs).fold(0.0, f64::max);
+                    let light = largest(light);
                     (d, b.emission_slope * length * length + light * d)
                 }
                 None => {
                     let (rough, rough_light) = stretch(model, ray, from, to, 0);
-                    let d = (0..3).map(|c| (light[c] - rough_light[c]).abs()).fold(0.0, f64::max);
+                    let d = largest((0..3).map(|c| light[c] - rough_light[c]));
                     ((depth - rough).abs(), d)
                 }
             };
             let in_front = libm::exp(-result.depth);
-            let mut brightest = 0.0f64;
+            let brightest = largest(light.map(|x| in_front * x));
             for c in 0..3 {
                 result.radiance[c] += in_front * light[c];
-                brightest = brightest.max(in_front * light[c].abs());
             }
-            light_error += in_front * d_light + brightest * (libm::expm1(depth_error) + 32.0 * f64::EPSILON);
+            let dimmed = Bound::new(libm::expm1(depth_error.value())) + 32.0 * f64::EPSILON;
+            light_error += Bound::new(d_light) * in_front;
+            if brightest > 0.0 {
+                light_error += dimmed * brightest;
+            }
             result.depth += depth;
-            depth_error += d_depth + 32.0 * f64::EPSILON * result.depth;
+            depth_error += d_depth;
+            if result.depth.is_finite() {
+                depth_error += 32.0 * f64::EPSILON * result.depth;
+            }
             result.pieces += 1;
         }
     }
-    let opacity_error = result.transmittance() * libm::expm1(depth_error);
-    result.certainty = Certainty::new(f64::max(light_error, opacity_error.min(1.0)) + f64::EPSILON, certain);
+    // Behind a wall nothing of the depth's error is left.
+    let opacity_error = match result.transmittance() {
+        0.0 => Bound::ZERO,
+        clear => Bound::new(libm::expm1(depth_error.value())) * clear,
+    };
+    result.certainty = Certainty::new(light_error.max(opacity_error.min(1.0)) + f64::EPSILON, certain);
     result
 }
 

@@ -1,6 +1,9 @@
 //! What one scene's transfer function and shading do to a field along one ray.
 
+use vr_core::transfer::Segment;
 use vr_core::{OpacityRule, RayShading, Shading, TransferFunction};
+
+use crate::bound::{Bound, largest};
 
 /// Transfer function and shading as one ray meets them.
 pub struct Optics<'a> {
@@ -24,16 +27,18 @@ impl<'a> Optics<'a> {
         Self { transfer, shading, kinks, jumps }
     }
 
-    /// Largest light that a wall, or an infinitely deep medium, can send: the brightest colour, shaded as bright as can be.
+    /// Largest light that a wall, or an infinitely deep medium, can send: none where emission is given on its own.
     pub(crate) fn brightest_surface(&self) -> f64 {
-        if self.transfer.has_emission() {
-            return 0.0;
-        }
+        if self.transfer.has_emission() { 0.0 } else { self.brightest_first() }
+    }
+
+    /// Largest light of a first crossing: the brightest colour, shaded as bright as can be.
+    pub(crate) fn brightest_first(&self) -> f64 {
         let color = self.transfer.brightest_color();
         match &self.shading {
             None => color,
             Some((s, _)) => {
-                let light: f64 = s.lights.iter().map(|l| l.color.into_iter().fold(0.0, f64::max)).sum();
+                let light = light_of(s);
                 (color * (s.ambient + s.diffuse * light) + s.specular * light).max(color)
             }
         }
@@ -48,4 +53,79 @@ impl<'a> Optics<'a> {
     pub(crate) fn has_walls(&self) -> bool {
         self.transfer.rule() == OpacityRule::Power
     }
+
+    /// The segments of the transfer function that hold somewhere between two values: one at least.
+    pub(crate) fn touching(&self, low: f64, high: f64) -> &[Segment] {
+        let all = self.transfer.segments();
+        let first = all.partition_point(|s| s.to < low).min(all.len() - 1);
+        let end = all.partition_point(|s| s.from <= high);
+        &all[first..end.max(first + 1)]
+    }
+
+    /// The largest factor on κ.
+    pub(crate) fn largest_modulation(&self) -> f64 {
+        self.shading.as_ref().map_or(1.0, |(s, _)| s.largest_modulation())
+    }
+
+    /// The largest factor on a colour.
+    pub(crate) fn largest_color_factor(&self) -> f64 {
+        self.shading.as_ref().map_or(1.0, |(s, _)| (s.ambient + s.diffuse * light_of(s)).max(1.0))
+    }
+
+    /// How far the colour may be off where the value is off by no more than `error`.
+    pub(crate) fn color_error(&self, value: f64, error: Bound) -> Bound {
+        if error == Bound::ZERO {
+            return error;
+        }
+        if !error.is_finite() {
+            return Bound::new(self.transfer.brightest_color());
+        }
+        let (low, high) = (value - error.value(), value + error.value());
+        let here = self.transfer.at(value).color;
+        let ends = self.touching(low, high).iter().flat_map(|s| [low, high].map(|v| s.at(v.clamp(s.from, s.to)).color));
+        let apart = ends.map(|c| Bound::new(largest((0..3).map(|i| c[i] - here[i])))).fold(Bound::ZERO, Bound::max);
+        // An error below the value's own rounding does not show at the ends.
+        let unseen = error.min(4.0 * f64::EPSILON * value);
+        let steepest = self.touching(low, high).iter().filter(|s| (s.to - s.from).is_finite()).map(|s| {
+            let rise = largest((0..3).map(|c| s.end.color[c] - s.start.color[c]));
+            Bound::new(rise / (s.to - s.from))
+        });
+        apart + unseen * steepest.fold(Bound::ZERO, Bound::max)
+    }
+
+    /// How far reflected light may be off where each component of the gradient may be off by `error`.
+    pub(crate) fn shaded_error(&self, gradient: [f64; 3], error: Bound) -> Bound {
+        if error == Bound::ZERO {
+            return error;
+        }
+        let largest = largest(gradient);
+        let size = if largest > 0.0 {
+            largest * gradient.iter().map(|x| (x / largest) * (x / largest)).sum::<f64>().sqrt()
+        } else {
+            0.0
+        };
+        self.turned(error * 4.0 / size)
+    }
+
+    /// How far reflected light may be off where the normal is turned by no more than the vector's length `turn`.
+    pub(crate) fn turned(&self, turn: Bound) -> Bound {
+        let Some((s, _)) = &self.shading else { return Bound::ZERO };
+        if turn == Bound::ZERO {
+            return turn;
+        }
+        let light = light_of(s);
+        // |x^p − y^p| ≤ p |x − y| on [0, 1] for p ≥ 1, and ≤ |x − y|^p below.
+        let highlight = match s.power {
+            0.0 => Bound::ZERO,
+            p if p >= 1.0 => turn * p,
+            p => Bound::new(libm::pow(turn.value(), p)),
+        };
+        let diffuse = turn * (s.diffuse * light * self.transfer.brightest_color());
+        (diffuse + highlight * (s.specular * light)).min(self.brightest_first())
+    }
+}
+
+/// The largest component of each light, added up.
+fn light_of(shading: &Shading) -> f64 {
+    shading.lights.iter().map(|l| largest(l.color)).sum()
 }

@@ -8,6 +8,7 @@ use vr_core::{
     Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Scene, View,
 };
 
+use crate::bound::{Bound, largest};
 use crate::segments::RaySegment;
 use crate::solver::{Answer, Solver, Want};
 use crate::transport::{Certainty, Transport};
@@ -43,7 +44,8 @@ impl Solution {
     /// The largest error of any pixel.
     pub fn certainty(&self) -> Certainty {
         let worst = Certainty::Bound(0.0);
-        self.pixels.iter().fold(worst, |w, p| w.and(p.certainty, w.value().max(p.certainty.value())))
+        let larger = |w: Certainty, c: Certainty| w.and(c, Bound::new(w.value()).max(c.value()));
+        self.pixels.iter().fold(worst, |w, p| larger(w, p.certainty))
     }
 }
 
@@ -72,16 +74,16 @@ impl PixelValue for Pixel {
     fn mean(values: &[Self]) -> Self {
         let n = values.len() as f64;
         let mut mean = Self::EMPTY;
-        let mut error = 0.0;
+        let mut error = Bound::ZERO;
         for v in values {
             for c in 0..4 {
                 mean.rgba[c] += v.rgba[c] / n;
             }
-            error += v.certainty.value() / n;
+            error += Bound::new(v.certainty.value()) / n;
             mean.certainty = mean.certainty.and(v.certainty, error);
             mean.depth = mean.depth.min(v.depth);
         }
-        let size = mean.rgba.into_iter().fold(0.0, f64::max);
+        let size = largest(mean.rgba);
         mean.certainty = mean.certainty.and(mean.certainty, error + 2.0 * n * f64::EPSILON * size);
         mean
     }

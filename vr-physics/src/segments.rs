@@ -1,5 +1,6 @@
 //! The reference's own account of one ray: cut wherever something changes, each part solved by itself and all of it so far.
 
+use crate::bound::{Bound, largest};
 use crate::crossings::crossings;
 use crate::line::{Chord, LineField, LineModel, RayField};
 use crate::optics::Optics;
@@ -180,6 +181,10 @@ impl LineField for Part<'_> {
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {
         self.line.between(from, to)
     }
+
+    fn misplaced(&self, at: f64) -> f64 {
+        self.line.misplaced(at)
+    }
 }
 
 /// The light of a ray so far.
@@ -192,8 +197,8 @@ struct Running {
     length: f64,
     radiance: [f64; 3],
     depth: f64,
-    radiance_error: f64,
-    transmittance_error: f64,
+    radiance_error: Bound,
+    transmittance_error: Bound,
     certain: bool,
     ended: bool,
 }
@@ -206,8 +211,8 @@ impl Running {
             length,
             radiance: [0.0; 3],
             depth: 0.0,
-            radiance_error: 0.0,
-            transmittance_error: 0.0,
+            radiance_error: Bound::ZERO,
+            transmittance_error: Bound::ZERO,
             certain: true,
             ended: false,
         }
@@ -242,16 +247,16 @@ impl Running {
 
     fn join(&mut self, part: &Transport) {
         let in_front = libm::exp(-self.depth);
-        let error = part.certainty.value();
-        let brightest = part.radiance.into_iter().fold(0.0, f64::max);
+        let error = Bound::new(part.certainty.value());
+        let brightest = largest(part.radiance);
         for c in 0..3 {
             self.radiance[c] += in_front * part.radiance[c];
         }
-        let size = self.radiance.into_iter().fold(0.0, f64::max);
-        self.radiance_error +=
-            in_front * error + self.transmittance_error * (brightest + error) + 4.0 * f64::EPSILON * size;
+        let size = largest(self.radiance);
+        let doubt = self.transmittance_error;
+        self.radiance_error += error * in_front + doubt * (error + brightest).value() + 4.0 * f64::EPSILON * size;
         self.transmittance_error =
-            in_front * error + self.transmittance_error * (part.transmittance() + error) + 2.0 * f64::EPSILON;
+            error * in_front + doubt * (error + part.transmittance()).value() + 2.0 * f64::EPSILON;
         self.depth += part.depth;
         self.certain &= matches!(part.certainty, Certainty::Bound(_));
     }

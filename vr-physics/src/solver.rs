@@ -3,10 +3,11 @@
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, Geometry, GradientMethod, IndexRay, LatticeVisitor, Model, PointSet, Ray, RenderError,
-    Sampler, SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
+    Compositing, Counts, Filter, Geometry, GradientMethod, LatticeVisitor, Model, PointSet, Ray, RenderError, Sampler,
+    SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
 };
 
+use crate::exact_ray::{ExactPlacement, ExactRay, ExactRays, IndexChord};
 use crate::grid_line::{GradientSource, GridLine};
 use crate::line::{LineField, RayField};
 use crate::model_solvers::{integrate_continuous, sum_segments};
@@ -23,13 +24,16 @@ pub(crate) struct Solver<'a> {
     scene: &'a Scene,
     view: &'a View,
     model: &'a Model,
+    rays: ExactRays,
     source: Source<'a>,
 }
 
 /// What a field along a ray comes from.
 #[derive(Clone, Copy)]
+// There is one for each view.
+#[expect(clippy::large_enum_variant)]
 enum Source<'a> {
-    Grid(&'a UniformVolume, Filter),
+    Grid(&'a UniformVolume, ExactPlacement, Filter),
     Points(&'a PointSet),
     /// From nothing here: the renderer's model says it all.
     Model,
@@ -41,7 +45,7 @@ impl<'a> Solver<'a> {
         let unsupported = |feature: String| RenderError::Unsupported { renderer: "physics", feature };
         let grid = |volume: &'a UniformVolume, filter| {
             volume.warm(filter);
-            Source::Grid(volume, filter)
+            Source::Grid(volume, ExactPlacement::new(volume.placement(), volume.dims()), filter)
         };
         let source = match (model, scene.volume.geometry()) {
             (Model::Continuous(_) | Model::Discrete(_), _) => Source::Model,
@@ -62,17 +66,23 @@ impl<'a> Solver<'a> {
             }
             _ => return Err(unsupported(format!("the model {model:?}"))),
         };
-        Ok(Self { tolerance, scene, view, model, source })
+        let rays = ExactRays::new(view)?;
+        Ok(Self { tolerance, scene, view, model, rays, source })
     }
 
     /// What is wanted of a ray up to the world distance `far`, and the world distance that its distances are counted from; `None` where it
     /// meets nothing.
     pub(crate) fn ask(&self, ray: &Ray, far: f64, want: Want<'_>) -> Option<(Answer, f64)> {
-        match self.source {
-            Source::Grid(volume, filter) => {
-                let index_ray = IndexRay::new(ray, volume.placement(), volume.dims(), &self.view.clip, far)?;
-                let job = Job { solver: self, volume, ray, index_ray, want };
-                Some((volume.with_sampler(filter, job), index_ray.offset))
+        self.ask_exactly(ray, &ExactRay::from(ray), far, want)
+    }
+
+    /// The same of a ray and the one that it was rounded from. Scattered points know how far rounding displaces them.
+    fn ask_exactly(&self, ray: &Ray, exact: &ExactRay, far: f64, want: Want<'_>) -> Option<(Answer, f64)> {
+        match &self.source {
+            Source::Grid(volume, placement, filter) => {
+                let chord = placement.chord(exact, &self.view.clip, far)?;
+                let job = Job { solver: self, volume, placement, ray, chord, want };
+                Some((volume.with_sampler(*filter, job), chord.ray.offset))
             }
             Source::Points(points) => {
                 let line = PointLine::new(points, ray, &self.view.clip, far)?;
@@ -113,7 +123,8 @@ impl<'a> Solver<'a> {
             Some(level) => Want::Transport(level),
             None => Want::Pick(self.scene.compositing),
         };
-        let Some((answer, offset)) = self.ask(ray, far, want) else { return Pixel::EMPTY };
+        let exact = self.rays.at(spot.x, spot.y);
+        let Some((answer, offset)) = self.ask_exactly(ray, &exact, far, want) else { return Pixel::EMPTY };
         counts.rays += 1;
         match answer {
             Answer::Transport(t) => {
@@ -152,8 +163,9 @@ pub(crate) enum Answer {
 struct Job<'a> {
     solver: &'a Solver<'a>,
     volume: &'a UniformVolume,
+    placement: &'a ExactPlacement,
     ray: &'a Ray,
-    index_ray: IndexRay,
+    chord: IndexChord,
     want: Want<'a>,
 }
 
@@ -161,7 +173,7 @@ impl SamplerVisitor for Job<'_> {
     type Output = Answer;
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Answer {
-        let Self { solver: Solver { scene, .. }, volume, .. } = self;
+        let Self { solver: Solver { scene, .. }, volume, placement, .. } = self;
         let shading = scene.shading.as_deref();
         let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(self.ray.direction))));
         let at_sample = |index: [usize; 3]| volume.with_lattice(SampleGradient(index));
@@ -170,7 +182,7 @@ impl SamplerVisitor for Job<'_> {
             Some(GradientMethod::Analytic) => GradientSource::Analytic,
             Some(GradientMethod::CentralDifferences) => GradientSource::Samples(&at_sample),
         };
-        let line = GridLine::new(volume, sampler, self.index_ray, source);
+        let line = GridLine::along(volume, placement, sampler, self.chord, source);
         self.solver.answer(&line, &optics, self.want)
     }
 }

@@ -6,6 +6,7 @@
 
 use vr_core::transfer::Segment;
 
+use crate::bound::{Bound, largest};
 use crate::crossings::crossings;
 use crate::leaf::{Gain, Leaf, Whole};
 use crate::line::{LineField, LineModel};
@@ -44,12 +45,14 @@ impl Certainty {
         }
     }
 
-    pub(crate) fn new(error: f64, certain: bool) -> Self {
+    /// Never NaN: of that nothing is known.
+    pub(crate) fn new(error: impl Into<Bound>, certain: bool) -> Self {
+        let error = error.into().value();
         if certain { Self::Bound(error) } else { Self::Estimate(error) }
     }
 
     /// Of a sum or a mean of two results, the error being at most `error`.
-    pub(crate) fn and(self, other: Self, error: f64) -> Self {
+    pub(crate) fn and(self, other: Self, error: impl Into<Bound>) -> Self {
         Self::new(error, matches!((self, other), (Self::Bound(_), Self::Bound(_))))
     }
 }
@@ -99,54 +102,64 @@ pub fn transport(line: &dyn LineField, optics: &Optics<'_>, tolerance: f64, leve
             certainty: Certainty::Bound(0.0),
             pieces: 0,
         },
-        light_error: 0.0,
-        depth_error: 0.0,
+        light_error: Bound::ZERO,
+        depth_error: Bound::ZERO,
         certain: true,
-        pending_wall: 0.0,
+        pending_wall: Bound::ZERO,
         splits: 0,
         ended: false,
+        level_reached: false,
         cuts: Vec::new(),
         values: Vec::new(),
     };
-    for pair in breakpoints.windows(2) {
+    for (i, pair) in breakpoints.windows(2).enumerate() {
         if walk.ended {
             break;
         }
+        walk.edge(line, &breakpoints, i);
         if pair[1] > pair[0] {
             walk.stretch(line, pair[0], pair[1], 0);
         }
+    }
+    if !walk.ended {
+        walk.edge(line, &breakpoints, breakpoints.len().saturating_sub(1));
     }
     walk.finish(level)
 }
 
 /// ln 2: the depth of opacity ½.
-const HALF_DEPTH: f64 = std::f64::consts::LN_2;
+pub(crate) const HALF_DEPTH: f64 = std::f64::consts::LN_2;
 /// Halvings after which a stretch is enclosed crudely instead: 2⁻⁶⁰ of a cell.
 const MOST_HALVINGS: u32 = 60;
+/// Halvings of a stretch for the sake of its rounding: errors fall with its length.
+const MOST_GRADED: u32 = 20;
 /// Halvings of all stretches of one ray together: no scene may hang the reference.
 const MOST_SPLITS: u64 = 1 << 18;
 /// Halvings that may be spent on a field which is only known roughly.
 const FIELD_HALVINGS: u32 = 8;
 
-struct Walk<'a> {
-    optics: &'a Optics<'a>,
+/// The light of a ray so far.
+pub(crate) struct Walk<'a> {
+    pub(crate) optics: &'a Optics<'a>,
     tolerance: f64,
-    length: f64,
-    end: f64,
+    pub(crate) length: f64,
+    pub(crate) end: f64,
     /// Largest light of a surface, and largest emission per unit.
-    surface: f64,
-    emission: f64,
+    pub(crate) surface: f64,
+    pub(crate) emission: f64,
     /// Optical depth to stop at.
-    deepest: f64,
-    result: Transport,
-    light_error: f64,
-    depth_error: f64,
+    pub(crate) deepest: f64,
+    pub(crate) result: Transport,
+    pub(crate) light_error: Bound,
+    pub(crate) depth_error: Bound,
     certain: bool,
     /// What it costs if the value of a wall, just passed within the field's error, was reached without being seen.
-    pending_wall: f64,
+    pub(crate) pending_wall: Bound,
     /// Halvings so far.
     splits: u64,
-    ended: bool,
+    pub(crate) ended: bool,
+    /// True once the opacity to stop at is reached.
+    pub(crate) level_reached: bool,
     cuts: Vec<f64>,
     values: Vec<f64>,
 }
@@ -155,23 +168,26 @@ impl Walk<'_> {
     /// A stretch between breakpoints.
     fn stretch(&mut self, line: &dyn LineField, from: f64, to: f64, halvings: u32) {
         let Some(model) = line.between(from, to) else { return };
-        let clear = |s: &Segment| s.is_clear();
-        let value = model.field.coefficients()[0];
-        let reach = model.field.spread(1.0) + model.field_error;
-        let (low, high) = (value - reach, value + reach);
+        if !model.field.coefficients().iter().all(|c| c.is_finite()) {
+            // Overflow: nothing is known of this ray any more.
+            self.light_error = Bound::UNKNOWN;
+            self.depth_error = Bound::UNKNOWN;
+            return;
+        }
+        let [low, high] = model.range();
         // Most of a typical scan is air: nothing to do there.
-        let t = self.optics.transfer;
-        let first = t.segments().partition_point(|s| s.to <= low);
-        let last = t.segments().partition_point(|s| s.from <= high).max(first + 1);
-        if t.segments()[first..last.min(t.segments().len())].iter().all(clear) {
+        let touched = self.optics.touching(low, high);
+        if touched.iter().all(Segment::is_clear) {
             return;
         }
         // A field known only roughly is asked again for halves, as long as that helps and its error matters.
+        let value = model.field.coefficients()[0];
         let rough = 1e3 * f64::EPSILON * (value.abs() + model.field.spread(1.0));
-        if model.field_error > rough && halvings < FIELD_HALVINGS {
-            let steep = self.steepness(low, high);
+        if !model.error().within(rough) && halvings < FIELD_HALVINGS {
             let share = self.tolerance * (to - from) / self.length;
-            if (to - from) * steep * model.field_error > share {
+            let costs = self.steepness(touched) * model.error() * (to - from);
+            // Beside a jump the error decides which side holds, however flat both are.
+            if touched.windows(2).any(|s| s[0].end != s[1].start) || !costs.within(share) {
                 let middle = 0.5 * (from + to);
                 self.stretch(line, from, middle, halvings + 1);
                 if !self.ended {
@@ -196,22 +212,19 @@ impl Walk<'_> {
         self.cuts = cuts;
     }
 
-    /// How steep κ and the emission are at most, per unit of value, where the field may be (1 − α is kept off 0 by its error).
-    fn steepness(&self, low: f64, high: f64) -> f64 {
-        let t = self.optics.transfer;
-        let unit = t.unit_distance();
-        let in_range =
-            t.segments().iter().filter(|s| s.to >= low && s.from <= high && s.from.is_finite() && s.to.is_finite());
-        in_range
-            .map(|s| {
-                let span = s.to - s.from;
-                let alpha = (s.end.opacity - s.start.opacity).abs() / span;
-                let least =
-                    if self.optics.has_walls() { (1.0 - s.start.opacity.max(s.end.opacity)).max(1e-3) } else { 1.0 };
-                let shine = (0..3).map(|c| (s.end.emission[c] - s.start.emission[c]).abs()).fold(0.0, f64::max) / span;
-                (alpha / (unit * least)).max(shine)
-            })
-            .fold(0.0, f64::max)
+    /// How steep κ and the emission are at most, per unit of value, in some segments (1 − α is kept off 0 by the field's error).
+    fn steepness(&self, segments: &[Segment]) -> Bound {
+        let unit = self.optics.transfer.unit_distance();
+        let finite = segments.iter().filter(|s| s.from.is_finite() && s.to.is_finite());
+        let slopes = finite.map(|s| {
+            let span = s.to - s.from;
+            let alpha = (s.end.opacity - s.start.opacity).abs() / span;
+            let least =
+                if self.optics.has_walls() { (1.0 - s.start.opacity.max(s.end.opacity)).max(1e-3) } else { 1.0 };
+            let shine = largest((0..3).map(|c| s.end.emission[c] - s.start.emission[c])) / span;
+            Bound::new(alpha / (unit * least)).max(shine)
+        });
+        slopes.fold(Bound::ZERO, Bound::max)
     }
 
     /// Fills `cuts` with the ends of the smooth parts of [−1, 1].
@@ -251,25 +264,33 @@ impl Walk<'_> {
         let in_front = libm::exp(-self.result.depth);
         let optics = self.optics;
         let mut segment = optics.transfer.segment_at(value);
-        // Between the two sides of a jump nobody knows which one holds.
+        // Between the two sides of a jump the value does not tell which one holds.
         let band = band(model);
-        let jump = optics.jumps.iter().copied().find(|v| band > 0.0 && (v - value).abs() <= band);
-        if let Some(v) = jump {
-            let below = optics.transfer.segment_at(v - 2.0 * band - f64::MIN_POSITIVE);
-            let above = optics.transfer.segment_at(v + 2.0 * band);
-            segment = self.doubtful(model, below, above, half, in_front);
+        let doubtful = optics.jumps.iter().any(|v| band > 0.0 && Bound::new(band) >= Bound::new(v - value));
+        if doubtful {
+            segment = self.doubtful(model, band, half, in_front);
         }
         // A constant field on a value where α only touches 1 has α = 1 over a length, too.
         let opaque = segment.is_opaque() || model.field.is_constant() && segment.at(value).opacity == 1.0;
-        let is_wall = opaque && optics.has_walls() && !self.is_modulated();
-        if jump.is_none() && !is_wall {
+        let [least, most] = self.modulation(model);
+        let is_wall = opaque && optics.has_walls() && least > 0.0;
+        if !doubtful && !is_wall {
             self.touched_wall();
         }
-        if segment.is_clear() {
+        if segment.is_clear() || most == 0.0 && segment.start.emission == [0.0; 3] && segment.end.emission == [0.0; 3] {
             return;
         }
         if is_wall {
             self.wall(model, segment, s, in_front);
+            return;
+        }
+        if opaque && optics.has_walls() && most > 0.0 {
+            // The factor on κ may vanish in here: a wall begins where it does not.
+            if halvings < MOST_HALVINGS && self.splits < MOST_SPLITS {
+                self.halve(model, s, half, halvings, whole);
+            } else {
+                self.pending_wall = self.pending_wall.max(2.0 * in_front * self.brightest());
+            }
             return;
         }
         let scale = self.result.radiance.into_iter().fold(1.0, f64::max);
@@ -283,18 +304,24 @@ impl Walk<'_> {
             let gain = leaf.enclosed(whole);
             // Where the field's own error covers all of 1 − α, halving does not help.
             let lost = leaf.is_lost() || halvings >= MOST_HALVINGS || self.splits >= MOST_SPLITS;
-            if lost || gain.light_error + gain.depth_error * light <= 1e-3 * budget {
-                self.add(gain, in_front);
+            if lost || (gain.light_error + gain.depth_error * light).within(1e-3 * budget) {
+                self.add(gain, in_front, s);
                 return;
             }
             self.halve(model, s, half, halvings, Some(whole));
             return;
         };
         let (gain, rule, tau) = leaf.integrate(&choice);
+        // The value's error is charged as if 1 − α were small throughout: shorter stretches know better where it is.
+        let heavy = !gain.light_error.within(share) || !gain.depth_error.within(share / light);
+        if heavy && leaf.is_graded() && halvings < MOST_GRADED && self.splits < MOST_SPLITS {
+            self.halve(model, s, half, halvings, whole);
+            return;
+        }
         if self.result.depth + gain.depth > self.deepest {
             // The level is reached in here: the end is found by halving.
             if gain.depth <= 1e-15 * (1.0 + self.deepest) || halvings >= MOST_HALVINGS {
-                self.ended = true;
+                self.reach_level(&gain, s, 2.0 * half, in_front);
             } else {
                 self.halve(model, s, half, halvings, whole);
             }
@@ -309,7 +336,7 @@ impl Walk<'_> {
             }
             self.result.half_way = s + half * (1.0 + a);
         }
-        self.add(gain, in_front);
+        self.add(gain, in_front, s);
         // What lies behind cannot be seen any more.
         let rest = libm::exp(-self.result.depth) * self.surface.max(1.0).max(self.emission * (self.end - s));
         if rest <= 0.02 * self.tolerance * scale {
@@ -318,8 +345,26 @@ impl Walk<'_> {
         }
     }
 
-    fn is_modulated(&self) -> bool {
-        self.optics.shading.as_ref().is_some_and(|(s, _)| !s.gradient_opacity.is_empty())
+    /// The opacity to stop at is reached at `s`, within a part of hardly any depth.
+    fn reach_level(&mut self, gain: &Gain, s: f64, length: f64, in_front: f64) {
+        self.level_reached = true;
+        self.ended = true;
+        self.light_error += in_front * self.surface * gain.depth.min(1.0);
+        if self.emission > 0.0 {
+            // The place is off by the depth's error over κ, and emission is lost or won on the way there.
+            let kappa = gain.depth / length;
+            let off = (self.depth_error + gain.depth + self.deepest * f64::EPSILON) * 2.0 / kappa;
+            self.light_error += off.min(self.end - s) * (in_front * self.emission);
+        }
+        // Where the level is ½ itself, that is half way.
+        if self.deepest >= HALF_DEPTH * (1.0 - 4.0 * f64::EPSILON) && self.result.half_way == f64::INFINITY {
+            self.result.half_way = s;
+        }
+    }
+
+    /// Largest light that can still come.
+    pub(crate) fn brightest(&self) -> f64 {
+        self.surface.max(self.emission * (self.end.max(0.0) + self.length)).max(1.0)
     }
 
     fn halve(&mut self, model: &LineModel, s: f64, half: f64, halvings: u32, whole: Option<Whole>) {
@@ -330,136 +375,69 @@ impl Walk<'_> {
         }
     }
 
-    /// A part on which it is not known which side of a jump holds: takes one that is no wall, and notes what that may cost.
-    fn doubtful<'s>(
-        &mut self,
-        model: &LineModel,
-        below: &'s Segment,
-        above: &'s Segment,
-        half: f64,
-        in_front: f64,
-    ) -> &'s Segment {
-        let wall = |s: &Segment| s.is_opaque() && self.optics.has_walls();
-        let (a, b) = (wall(below), wall(above));
-        let bright = self.surface.max(self.emission * (self.end.max(0.0) + self.length)).max(1.0);
-        if a != b {
-            self.pending_wall = 2.0 * in_front * bright;
-        }
-        let taken = if a { above } else { below };
-        let value = model.field.at(0.0);
-        let kappa = |s: &Segment| self.optics.transfer.extinction(s.at(value).opacity.min(1.0 - 1e-12));
-        let shine = |s: &Segment| s.at(value).emission.into_iter().fold(0.0, f64::max);
-        let other = if a { below } else { above };
-        let depth = 2.0 * half * if wall(other) { kappa(taken) } else { (kappa(below) - kappa(above)).abs() };
-        self.depth_error += depth;
-        let color = (0..3).map(|c| (below.at(value).color[c] - above.at(value).color[c]).abs()).fold(0.0, f64::max);
-        let deep = 2.0 * half * kappa(below).max(kappa(above));
-        self.light_error +=
-            in_front * (bright * depth + color * deep.min(1.0) + 2.0 * half * (shine(below) - shine(above)).abs());
-        taken
+    /// How far the transmittance of what is in front may be off.
+    pub(crate) fn front_error(&self) -> Bound {
+        let least = (self.result.depth - self.depth_error.value()).max(0.0);
+        let (here, clearest) = (self.result.transmittance(), libm::exp(-least));
+        Bound::new(clearest - here)
     }
 
-    /// A wall was touched within the field's error, and not entered: it may or may not be there.
-    fn touched_wall(&mut self) {
-        if self.pending_wall > 0.0 {
-            self.light_error += self.pending_wall;
-            self.depth_error = f64::INFINITY;
-            self.pending_wall = 0.0;
-        }
-    }
-
-    /// Opacity 1 over a length: the colour at the point of entry, and the ray ends.
-    fn wall(&mut self, model: &LineModel, segment: &Segment, s: f64, in_front: f64) {
-        self.pending_wall = 0.0;
-        let value = model.field.at(-1.0);
-        let transfer = self.optics.transfer;
-        // Up to the level, if there is one.
-        let share = if self.deepest.is_finite() { (in_front - libm::exp(-self.deepest)).max(0.0) } else { in_front };
-        let mut light = [0.0; 3];
-        let mut off = 0.0;
-        if !transfer.has_emission() {
-            light = segment.at(value).color;
-            let slope = if segment.to.is_finite() && segment.from.is_finite() {
-                (0..3).map(|c| (segment.end.color[c] - segment.start.color[c]).abs()).fold(0.0, f64::max)
-                    / (segment.to - segment.from)
-            } else {
-                0.0
-            };
-            off = slope * model.field_error;
-            if let (Some((shading, ray)), Some(g)) = (&self.optics.shading, &model.gradient) {
-                let gradient = g.map(|p| p.at(-1.0));
-                let (factor, added) = ray.reflect(gradient);
-                light = std::array::from_fn(|c| light[c] * factor[c] + added[c]);
-                let size = gradient.iter().map(|x| x * x).sum::<f64>().sqrt();
-                if size > 0.0 {
-                    let sensitivity = shading.diffuse + shading.specular * shading.power;
-                    let turn = 2.0
-                        * (model.gradient_error + 4.0 * f64::EPSILON * g.iter().map(|p| p.spread(1.0)).sum::<f64>())
-                        / size;
-                    off += sensitivity.max(1.0) * turn.min(1.0) * self.surface;
-                }
-            }
-        }
+    fn add(&mut self, gain: Gain, in_front: f64, s: f64) {
+        let brightest = largest(gain.light);
         for c in 0..3 {
-            self.result.radiance[c] += share * light[c];
+            self.result.radiance[c] += in_front * gain.light[c];
         }
-        self.light_error += share * (off + self.surface * self.doubt());
-        if self.result.half_way == f64::INFINITY {
-            self.result.half_way = s;
-        }
-        self.result.depth = f64::INFINITY;
-        self.result.pieces += 1;
-        // The depth is infinite whatever was in front; what was doubtful there is in the light's error.
-        self.depth_error = if self.depth_error == f64::INFINITY { f64::INFINITY } else { 0.0 };
-        self.ended = true;
-    }
-
-    /// How far the transmittance in front may be off, relative to itself (at most all of it).
-    fn doubt(&self) -> f64 {
-        if self.depth_error < 1.0 { libm::expm1(self.depth_error) } else { self.depth_error }.min(1e3)
-    }
-
-    fn add(&mut self, gain: Gain, in_front: f64) {
-        let doubt = self.doubt();
-        let mut brightest = 0.0f64;
-        for c in 0..3 {
-            let light = in_front * gain.light[c];
-            self.result.radiance[c] += light;
-            brightest = brightest.max(light.abs());
-        }
-        let radiance = self.result.radiance.into_iter().fold(0.0, f64::max);
-        self.light_error += in_front * gain.light_error + brightest * doubt + f64::EPSILON * (radiance + brightest);
+        let radiance = largest(self.result.radiance);
+        let dimmed = if brightest == 0.0 { Bound::ZERO } else { self.front_error() * brightest };
+        self.light_error += gain.light_error * (in_front + self.front_error().value()) + dimmed;
+        self.light_error += f64::EPSILON * (radiance + in_front * brightest);
         self.result.depth += gain.depth;
         self.depth_error += gain.depth_error + f64::EPSILON * self.result.depth;
         self.result.pieces += 1;
+        if self.result.half_way == f64::INFINITY && self.result.depth >= HALF_DEPTH && self.deepest >= HALF_DEPTH {
+            self.result.half_way = s;
+        }
     }
 
     fn finish(mut self, level: f64) -> Transport {
         self.touched_wall();
-        let reached = self.result.depth == f64::INFINITY
-            || (self.ended && self.deepest.is_finite() && self.result.depth >= self.deepest * (1.0 - 1e-9));
+        if !self.level_reached && self.emission > 0.0 && level < 1.0 {
+            // The level may have been reached before the end, to what the depth is off by.
+            let [least, most] = [-1.0, 1.0].map(|sign| self.result.depth + sign * self.depth_error.value());
+            if most >= self.deepest && least < self.deepest {
+                self.light_error += self.emission * self.length * self.result.transmittance();
+            }
+        }
+        let reached = self.result.depth == f64::INFINITY || self.level_reached || self.result.depth > self.deepest;
         if level < 1.0 && reached {
             self.result.depth = self.deepest;
         }
         let transmittance = self.result.transmittance();
-        let mut opacity_error = transmittance * self.doubt();
-        if self.depth_error == f64::INFINITY {
-            opacity_error = 1.0;
+        let mut opacity_error = self.front_error();
+        if level < 1.0 {
+            // No more than the level is ever drawn.
+            opacity_error += f64::EPSILON;
         }
-        if self.ended && level >= 1.0 {
+        if !self.depth_error.is_finite() {
+            opacity_error = Bound::new(1.0);
+        }
+        if self.ended && !reached {
             // Whatever was left out behind can only have darkened.
             opacity_error = opacity_error.max(transmittance);
         }
-        let error = self.light_error.max(opacity_error.min(1.0)) + 2.0 * f64::EPSILON;
+        let mut error = self.light_error.max(opacity_error.min(1.0)) + 2.0 * f64::EPSILON;
+        if !self.result.radiance.iter().all(|x| x.is_finite()) || self.result.depth.is_nan() {
+            error = Bound::UNKNOWN;
+        }
         self.result.certainty = Certainty::new(error, self.certain);
         self.result
     }
 }
 
 /// Half the width in value within which a jump's place is uncertain.
-fn band(model: &LineModel) -> f64 {
-    if model.field.is_constant() && model.field_error == 0.0 {
+pub(crate) fn band(model: &LineModel) -> f64 {
+    if model.field.is_constant() && model.error() == Bound::ZERO {
         return 0.0;
     }
-    4.0 * model.field_error + 8.0 * f64::EPSILON * (model.field.coefficients()[0].abs() + model.field.spread(1.0))
+    4.0 * model.error().value() + 8.0 * f64::EPSILON * (model.field.coefficients()[0].abs() + model.field.spread(1.0))
 }

@@ -1,0 +1,297 @@
+//! Rays as a scene's numbers say them, in double-double, and how far the f64 that they are rounded to may be off.
+//!
+//! `vr_core::Rays` gives renderers the same rays in f64. Far from the volume, or where axes are nearly parallel, its rounding moves a
+//! ray by much more than the rounding of an index; the reference follows the ray that was meant.
+
+use glam::DMat3;
+use vr_core::{Clip, IndexRay, ParameterError, Placement, Projection, Ray, View};
+
+use crate::bound::Bound;
+use crate::double::{Double, Double3, power_of_two_below};
+
+/// A world ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ExactRay {
+    pub(crate) origin: Double3,
+    /// Unit vector.
+    pub(crate) direction: Double3,
+}
+
+impl From<&Ray> for ExactRay {
+    /// The ray of just these numbers.
+    fn from(ray: &Ray) -> Self {
+        Self { origin: ray.origin.into(), direction: Double3::from(ray.direction) }
+    }
+}
+
+/// The rays of a view.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ExactRays {
+    eye: Double3,
+    right: Double3,
+    up: Double3,
+    ahead: Double3,
+    /// World size of a pixel, as in `vr_core::Rays`.
+    pixel: Double,
+    parallel: bool,
+    size: [u32; 2],
+    supersampling: f64,
+}
+
+impl ExactRays {
+    /// # Errors
+    /// As `vr_core::Rays::new`.
+    pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
+        view.validate()?;
+        view.camera.frame()?;
+        let camera = &view.camera;
+        let eye = Double3::from(camera.eye);
+        let ahead = (Double3::from(camera.target) - eye).normalized();
+        let right = ahead.cross(Double3::from(camera.up).normalized()).normalized();
+        let (parallel, height) = match camera.projection {
+            Projection::Orthographic { height } => (true, Double::from(height)),
+            Projection::Perspective { fov } => {
+                let (sin, cos) = Double::radians(fov).scaled(0.5).sin_cos();
+                (false, (sin / cos).scaled(2.0))
+            }
+        };
+        Ok(Self {
+            eye,
+            right,
+            up: right.cross(ahead),
+            ahead,
+            pixel: height / Double::from(f64::from(view.size[1])),
+            parallel,
+            size: view.size,
+            supersampling: f64::from(view.samples),
+        })
+    }
+
+    /// The ray through a point of the image, in pixels from its top left corner: the centre of a pixel, or of a subpixel.
+    pub(crate) fn at(&self, x: f64, y: f64) -> ExactRay {
+        let right = (self.exact(x) - Double::from(0.5 * f64::from(self.size[0]))) * self.pixel;
+        let up = (Double::from(0.5 * f64::from(self.size[1])) - self.exact(y)) * self.pixel;
+        let offset = self.right * right + self.up * up;
+        if self.parallel {
+            ExactRay { origin: self.eye + offset, direction: self.ahead }
+        } else {
+            ExactRay { origin: self.eye, direction: (self.ahead + offset).normalized() }
+        }
+    }
+
+    /// A subpixel's centre before it was rounded: an odd number of half subpixels.
+    fn exact(&self, x: f64) -> Double {
+        let halves = 2.0 * self.supersampling * x;
+        let nearest = halves.round();
+        if (halves - nearest).abs() < 1e-6 {
+            Double::from(nearest) / Double::from(2.0 * self.supersampling)
+        } else {
+            Double::from(x)
+        }
+    }
+}
+
+/// A grid's map from the world to its index space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ExactPlacement {
+    origin: Double3,
+    axes: [Double3; 3],
+    /// Its rows.
+    inverse: [Double3; 3],
+    dims: [usize; 3],
+    /// How far the rounding of the axes themselves (directions normalised, times spacings) moves an index, per axis.
+    axes_off: [f64; 3],
+}
+
+/// Rounding of a component of an axis: a normalised vector times a spacing.
+const AXIS_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+impl ExactPlacement {
+    pub(crate) fn new(placement: &Placement, dims: [usize; 3]) -> Self {
+        let columns = [placement.axes().x_axis, placement.axes().y_axis, placement.axes().z_axis];
+        // Scaled by powers of two, so that the determinant neither underflows nor overflows.
+        let scales = columns.map(|c| power_of_two_below(c.abs().max_element()));
+        let unit: [Double3; 3] = std::array::from_fn(|a| Double3::from(columns[a]).map(|x| x.scaled(1.0 / scales[a])));
+        let determinant = unit[0].dot(unit[1].cross(unit[2]));
+        let inverse: [Double3; 3] = std::array::from_fn(|a| {
+            let row = unit[(a + 1) % 3].cross(unit[(a + 2) % 3]);
+            row.map(|x| (x / determinant).scaled(1.0 / scales[a]))
+        });
+        let axes_off = std::array::from_fn(|a| {
+            let off = |b: usize| {
+                let column = columns[b].to_array();
+                // An axis along a world axis is as exact as its spacing.
+                if column.iter().filter(|x| **x != 0.0).count() < 2 {
+                    return 0.0;
+                }
+                let moved: f64 = (0..3).map(|c| (inverse[a].0[c].round() * column[c]).abs()).sum();
+                AXIS_ROUNDING * moved * (dims[b] - 1) as f64
+            };
+            off(0) + off(1) + off(2)
+        });
+        Self { origin: placement.origin().into(), axes: columns.map(Double3::from), inverse, dims, axes_off }
+    }
+
+    /// The rows of the inverse, rounded: world to index.
+    pub(crate) fn inverse(&self) -> DMat3 {
+        DMat3::from_cols(self.inverse[0].round(), self.inverse[1].round(), self.inverse[2].round()).transpose()
+    }
+
+    /// Relative error of a world gradient, per unit of its rows: how far the rounding of the axes turns it.
+    pub(crate) fn axes_error(&self) -> f64 {
+        let dims = self.dims;
+        (0..3).map(|a| self.axes_off[a] / (dims[a].max(2) - 1) as f64).fold(0.0, f64::max)
+    }
+
+    /// The part of a ray inside the box and the clip, up to the world distance `far`: as `IndexRay::new`.
+    pub(crate) fn chord(&self, ray: &ExactRay, clip: &Clip, far: f64) -> Option<IndexChord> {
+        let last = self.dims.map(|n| (n - 1) as f64);
+        let middle = (0..3).fold(self.origin, |sum, a| sum + self.axes[a] * Double::from(0.5 * last[a]));
+        let offset = (middle - ray.origin).dot(ray.direction).round();
+        let world = ray.origin + ray.direction * Double::from(offset);
+        let base = world - self.origin;
+        let origin = self.inverse.map(|row| row.dot(base));
+        let direction = self.inverse.map(|row| row.dot(ray.direction));
+        let mut part = Part { ends: [-offset, far - offset], off: [Bound::ZERO; 2] };
+        for a in 0..3 {
+            part.keep_between(origin[a], direction[a], 0.0, last[a], self.axes_off[a]);
+        }
+        if let Some((low, high)) = clip.crop {
+            for a in 0..3 {
+                part.keep_between(world.0[a], ray.direction.0[a], low[a], high[a], 0.0);
+            }
+        }
+        for plane in &clip.planes {
+            let normal = Double3::from(plane.normal);
+            let above = normal.dot(world) - Double::from(plane.offset);
+            part.keep_between(above, normal.dot(ray.direction), 0.0, f64::INFINITY, 0.0);
+        }
+        let [start, end] = part.ends;
+        if start.is_nan() || end.is_nan() || start >= end {
+            return None;
+        }
+        let farthest = start.abs().max(end.abs());
+        let position_error = std::array::from_fn(|a| {
+            // The numbers themselves, and the product and the sum that make a position of them.
+            let (o, d) = (origin[a], direction[a]);
+            let run = d.round().abs() * farthest;
+            o.rest().abs()
+                + d.rest().abs() * farthest
+                + f64::EPSILON * (run + o.round().abs() * f64::from(run > 0.0))
+                + self.axes_off[a]
+        });
+        let index = IndexRay {
+            origin: glam::DVec3::from_array(origin.map(Double::round)),
+            direction: glam::DVec3::from_array(direction.map(Double::round)),
+            start,
+            end,
+            offset,
+        };
+        Some(IndexChord { ray: index, position_error, end_error: part.off.map(Bound::value) })
+    }
+}
+
+/// A ray's part in a volume, in index space, with the error of its numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct IndexChord {
+    pub(crate) ray: IndexRay,
+    /// Upper bounds of how far a position may be off, in index steps.
+    pub(crate) position_error: [f64; 3],
+    /// Upper bounds of how far its start and its end may be off, in world units.
+    pub(crate) end_error: [f64; 2],
+}
+
+struct Part {
+    ends: [f64; 2],
+    off: [Bound; 2],
+}
+
+impl Part {
+    /// Keeps the s with low ≤ x + s·slope ≤ high, where x is off by `error` at most.
+    fn keep_between(&mut self, x: Double, slope: Double, low: f64, high: f64, error: f64) {
+        let rate = slope.round();
+        if rate == 0.0 {
+            // Parallel: all or nothing. 0/0 would be NaN.
+            let at = x.round();
+            if !(low <= at && at <= high) {
+                self.ends[1] = f64::NEG_INFINITY;
+            }
+            return;
+        }
+        let at = |limit: f64| {
+            if limit.is_infinite() { limit / rate } else { ((Double::from(limit) - x) / slope).round() }
+        };
+        let (a, b) = (at(low), at(high));
+        // Rounded once from the quotient.
+        let off = |s: f64| Bound::new(0.5 * f64::EPSILON * s) + Bound::new(error / rate.abs());
+        if a.min(b) > self.ends[0] {
+            self.ends[0] = a.min(b);
+            self.off[0] = off(self.ends[0]);
+        }
+        if a.max(b) < self.ends[1] {
+            self.ends[1] = a.max(b);
+            self.off[1] = off(self.ends[1]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use vr_core::{Camera, Rays};
+
+    fn view(eye: DVec3, projection: Projection) -> View {
+        View::new(Camera { eye, target: DVec3::new(1.0, 1.5, 2.0), up: DVec3::new(0.1, 1.0, 0.2), projection }, [7, 5])
+    }
+
+    #[test]
+    fn rays_and_chords_are_those_of_the_renderers_to_rounding() {
+        let axes = DMat3::from_cols(DVec3::new(1.0, 0.1, 0.0), DVec3::new(0.2, 2.0, 0.0), DVec3::new(0.0, 0.3, 0.7));
+        let placement = Placement::new(DVec3::new(0.5, -1.0, 0.25), axes).unwrap();
+        let dims = [4, 5, 6];
+        let exact_placement = ExactPlacement::new(&placement, dims);
+        let clip = Clip {
+            crop: Some((DVec3::splat(-3.0), DVec3::new(3.0, 6.0, 2.9))),
+            planes: vec![vr_core::Plane { normal: DVec3::new(1.0, 2.0, 0.5), offset: 0.75 }],
+        };
+        let mut hits = 0;
+        for projection in [Projection::Orthographic { height: 7.0 }, Projection::Perspective { fov: 40.0 }] {
+            let view = view(DVec3::new(9.0, -5.0, 7.0), projection);
+            let (rays, exact) = (Rays::new(&view).unwrap(), ExactRays::new(&view).unwrap());
+            for i in 0..35 {
+                let (x, y) = (f64::from(i % 7) + 0.5, f64::from(i / 7) + 0.5);
+                let (ray, precise) = (rays.at(x, y), exact.at(x, y));
+                assert!((ray.origin - precise.origin.round()).length() < 1e-14);
+                assert!((ray.direction - precise.direction.round()).length() < 1e-15);
+                let far = f64::INFINITY;
+                let (a, b) =
+                    (IndexRay::new(&ray, &placement, dims, &clip, far), exact_placement.chord(&precise, &clip, far));
+                assert_eq!(a.is_some(), b.is_some());
+                let (Some(a), Some(b)) = (a, b) else { continue };
+                hits += 1;
+                assert!((a.start + a.offset - b.ray.start - b.ray.offset).abs() < 1e-13);
+                assert!((a.end + a.offset - b.ray.end - b.ray.offset).abs() < 1e-13);
+                assert!((a.at(a.start) - b.ray.at(b.ray.start)).length() < 1e-13);
+                assert!(b.position_error.iter().all(|&e| e > 0.0 && e < 2e-14), "{b:?}");
+            }
+        }
+        assert!(hits > 8, "{hits}");
+    }
+
+    #[test]
+    fn a_far_ray_keeps_its_digits() {
+        // The same ray from near and from 10⁶ diagonals away, which numbers of few bits say exactly.
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let exact = ExactPlacement::new(&placement, [9, 9, 9]);
+        let chord = |distance: f64| {
+            let eye = DVec3::new(4.0, 4.0, 4.0) + DVec3::new(3.0, 4.0, 12.0) * distance;
+            let projection = Projection::Orthographic { height: 6.0 };
+            let camera = Camera { eye, target: DVec3::splat(4.0), up: DVec3::Y, projection };
+            let rays = ExactRays::new(&View::new(camera, [9, 9])).unwrap();
+            exact.chord(&rays.at(2.5, 6.5), &Clip::default(), f64::INFINITY).unwrap().ray
+        };
+        let (near, far) = (chord(1.0), chord(1e6));
+        assert!((near.origin - far.origin).length() < 2e-15 && (near.start - far.start).abs() < 2e-15);
+    }
+}
