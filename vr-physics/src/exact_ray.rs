@@ -167,7 +167,7 @@ impl ExactPlacement {
             part.keep_between(above, normal.dot(ray.direction), 0.0, f64::INFINITY, 0.0);
         }
         let [start, end] = part.ends;
-        if !(start < end) {
+        if start.is_nan() || end.is_nan() || start >= end {
             return None;
         }
         let farthest = start.abs().max(end.abs());

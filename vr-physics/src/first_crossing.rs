@@ -41,12 +41,13 @@ pub fn first(line: &dyn LineField, threshold: f64) -> First {
     let mut certain = true;
     // The value where the last stretch ended, and where that is.
     let mut before: Option<(f64, f64)> = None;
-    let near = |m: &LineModel| !(Bound::new(m.field.coefficients()[0] - threshold) > m.error() + m.field.spread(1.0));
+    let near = |m: &LineModel| Bound::new(m.field.coefficients()[0] - threshold) <= m.error() + m.field.spread(1.0);
     for stretch in stretches(line, HALVINGS_NEAR, &near) {
         let Stretch { from, to, model, .. } = &stretch;
         certain &= model.certain;
         let p = &model.field;
         let doubt = stretch.doubt();
+        certain &= doubt.is_finite();
         let continuous = before.is_some_and(|(s, v)| s == *from && Bound::new(v - p.at(-1.0)) <= doubt * 4.0);
         before = Some((*to, p.at(1.0)));
         if doubt + (p.coefficients()[0] + p.spread(1.0) - threshold).max(0.0) == Bound::ZERO {
@@ -99,7 +100,7 @@ impl Reach<'_> {
     fn search(&self, certain: &mut bool) -> Option<f64> {
         let Self { p, doubt, threshold } = *self;
         let at_front = p.at(-1.0);
-        let close = |v: f64| doubt > Bound::ZERO && !(Bound::new(v - threshold) > doubt);
+        let close = |v: f64| doubt > Bound::ZERO && Bound::new(v - threshold) <= doubt;
         // Just at the threshold, it is reached at once if the field rises.
         *certain &= !close(at_front) || p.derivative().at(-1.0) > 0.0 && self.place(-1.0).within(MAX_PLACE);
         if at_front >= threshold {

@@ -200,7 +200,7 @@ impl<'a> Leaf<'a> {
             }
             OpacityRule::Power => {
                 let w = self.clear;
-                if !Bound::new(r).within(w) || !(self.noise() * 2.0 + r < Bound::new(w)) {
+                if !is_below((self.noise() * 2.0 + r).value(), w) {
                     return None;
                 }
                 let kappa = |change: f64| self.extinction_of(self.alpha.middle + change, w - change);
@@ -215,13 +215,12 @@ impl<'a> Leaf<'a> {
         if let Some(s) = &self.shade {
             let (g, g_spread) = (s.square.coefficients()[0], s.square.spread(a));
             if self.is_shaded() {
-                // Also false for NaN.
-                if !(g_spread < g) {
+                if !is_below(g_spread, g) {
                     return None;
                 }
                 reflect = s.reflect_bound(a, g - g_spread)?;
             }
-            if s.modulation_slope != 0.0 && !(g_spread < g) {
+            if s.modulation_slope != 0.0 && !is_below(g_spread, g) {
                 return None;
             }
             if !s.shading.gradient_opacity.is_empty() {
@@ -232,7 +231,7 @@ impl<'a> Leaf<'a> {
             }
         }
         // Past e^30 the bound is useless anyway, and infinities would become NaN.
-        if !(growth <= 30.0) {
+        if !is_below(growth, 30.0) {
             return None;
         }
         let growth = libm::exp(growth);
@@ -449,6 +448,11 @@ impl<'a> Leaf<'a> {
         };
         Gain { depth, depth_error, light, light_error: Bound::new(light_error) }
     }
+}
+
+/// True if a number is surely below a limit: neither is NaN.
+fn is_below(x: f64, limit: f64) -> bool {
+    x < limit
 }
 
 /// A product that is 0 where a factor is: an error that there is none of, or that does not matter.

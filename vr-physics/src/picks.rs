@@ -84,6 +84,9 @@ impl Stretch {
     /// How far the field's values on it may be off: its own error, rounding, and what its ends' places do.
     pub(crate) fn doubt(&self) -> Bound {
         let p = &self.model.field;
+        if !p.coefficients().iter().all(|c| c.is_finite()) {
+            return Bound::UNKNOWN;
+        }
         if p.is_constant() {
             return self.model.error();
         }

@@ -30,6 +30,8 @@ pub(crate) struct Solver<'a> {
 
 /// What a field along a ray comes from.
 #[derive(Clone, Copy)]
+// There is one for each view.
+#[expect(clippy::large_enum_variant)]
 enum Source<'a> {
     Grid(&'a UniformVolume, ExactPlacement, Filter),
     Points(&'a PointSet),

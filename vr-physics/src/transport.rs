@@ -266,7 +266,7 @@ impl Walk<'_> {
         let mut segment = optics.transfer.segment_at(value);
         // Between the two sides of a jump the value does not tell which one holds.
         let band = band(model);
-        let doubtful = optics.jumps.iter().any(|v| band > 0.0 && !((v - value).abs() > band));
+        let doubtful = optics.jumps.iter().any(|v| band > 0.0 && Bound::new(band) >= Bound::new(v - value));
         if doubtful {
             segment = self.doubtful(model, band, half, in_front);
         }

@@ -5,6 +5,9 @@ use vr_core::{Filter, GradientMethod, LatticeVisitor, Projection, Sampler, Sampl
 
 use super::dd::*;
 
+/// Indices, weights and weights' slopes along one axis.
+type Taps = Vec<(usize, Dd, Dd)>;
+
 /// Numbers at lattice points.
 struct Numbers;
 
@@ -185,7 +188,7 @@ impl Field {
     }
 
     /// Indices, weights and weights' slopes along one axis, in the cell of `home`.
-    fn taps(&self, a: usize, cell: usize, x: Dd, home: Dd) -> Vec<(usize, Dd, Dd)> {
+    fn taps(&self, a: usize, cell: usize, x: Dd, home: Dd) -> Taps {
         let n = self.dims[a] as isize;
         let t = x - dd(cell as f64);
         let clamp = |i: isize| i.clamp(0, n - 1) as usize;
@@ -244,7 +247,7 @@ impl Field {
         }
     }
 
-    fn sum(&self, taps: &[Vec<(usize, Dd, Dd)>; 3], slope_of: Option<usize>) -> Dd {
+    fn sum(&self, taps: &[Taps; 3], slope_of: Option<usize>) -> Dd {
         let weight = |a: usize, t: &(usize, Dd, Dd)| if slope_of == Some(a) { t.2 } else { t.1 };
         let mut sum = dd(0.0);
         for z in &taps[2] {
@@ -260,13 +263,13 @@ impl Field {
     }
 
     /// True if all numbers under the filter are one.
-    fn equal(&self, taps: &[Vec<(usize, Dd, Dd)>; 3]) -> bool {
+    fn equal(&self, taps: &[Taps; 3]) -> bool {
         let number = |x: usize, y: usize, z: usize| self.numbers[(z * self.dims[1] + y) * self.dims[0] + x];
         let first = number(taps[0][0].0, taps[1][0].0, taps[2][0].0);
         taps[2].iter().all(|z| taps[1].iter().all(|y| taps[0].iter().all(|x| number(x.0, y.0, z.0) == first)))
     }
 
-    fn all_taps(&self, s: Dd, home: Dd) -> ([Vec<(usize, Dd, Dd)>; 3], [usize; 3], V3) {
+    fn all_taps(&self, s: Dd, home: Dd) -> ([Taps; 3], [usize; 3], V3) {
         let (p, inside) = (self.at(s), self.at(home));
         let cell = self.cell(inside);
         (std::array::from_fn(|a| self.taps(a, cell[a], p[a], inside[a])), cell, p)
