@@ -18,8 +18,8 @@ const CHECK: &str = "errors fall with the step";
 /// of spikes; three that have no common multiple seldom do.
 const PHASES: [f64; 3] = [1.0, 0.87, 0.76];
 
-/// RMSE that a single scene may have by chance: one ray of thirty in one of three phases off by a hundredth.
-pub const CHANCE: f64 = 1e-3;
+/// RMSE that a single scene may have by chance: one ray of thirty in one of three phases off by a fiftieth.
+pub const CHANCE: f64 = 2e-3;
 
 /// The error of all scenes of a kind together, where chance evens out, may be so many times what the order says.
 const POOLED_SLACK: f64 = 2.0;
@@ -49,7 +49,7 @@ pub struct Falling {
 impl Falling {
     /// Eighths of a step from 1 on, order ½, a floor of 10⁻⁴, one scene's error at most twice what it was.
     pub fn new(step: &'static str) -> Self {
-        Self { options: Options::new(), step, coarsest: 1.0, ratio: 4.0, order: 0.5, floor: 1e-4, scene_slack: 1.5 }
+        Self { options: Options::new(), step, coarsest: 1.0, ratio: 8.0, order: 0.5, floor: 1e-4, scene_slack: 2.0 }
     }
 
     /// A renderer at every step.
