@@ -67,7 +67,8 @@ fn subject(name: &str) -> Option<(Box<dyn Renderer>, Falling)> {
             let options = Options::new().with("format", "pre-integrated");
             (Box::new(TexSlice::default()), Falling { options, ..step("slice-distance", 1.0) })
         }
-        "splat" => (Box::new(Splatting::default()), step("slice-distance", 1.0)),
+        // Sheets are no closer than 0.02.
+        "splat" => (Box::new(Splatting::default()), Falling { ratio: 6.0, ..step("slice-distance", 1.0) }),
         // Slices are as far apart as texels are wide, or half of that: one option refines both.
         "shearwarp" => (Box::new(ShearWarp::default()), Falling { ratio: 5.0, ..step("texel", 1.0) }),
         _ => return None,

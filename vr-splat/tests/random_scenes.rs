@@ -18,8 +18,8 @@ fn few(kinds: &[Kind]) -> Effort {
 }
 
 fn errors_of(kinds: &[Kind]) {
-    // Tables of some thousand entries, and rounding.
-    let falling = Falling { floor: 3e-4, ..Falling::new("slice-distance") };
+    // Sheets are no closer than 0.02. Tables of some thousand entries, and rounding.
+    let falling = Falling { ratio: 6.0, floor: 3e-4, ..Falling::new("slice-distance") };
     for table in errors_fall(&Splatting::default(), &falling, &few(kinds)).unwrap_or_else(|e| panic!("{e}")) {
         println!("{table}");
     }
