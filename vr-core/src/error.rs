@@ -21,7 +21,7 @@ pub enum GridError {
         found: usize,
     },
     /// A spacing that is not positive and finite, or beyond what arithmetic can keep.
-    #[error("spacing of axis {axis} is {found}: must be positive and finite, 1e-15 to 1e15")]
+    #[error("spacing of axis {axis} is {found}: must be positive and finite, 1e-24 to 1e24")]
     Spacing {
         /// 0, 1 or 2.
         axis: usize,

@@ -1,20 +1,21 @@
 //! Ranges of the numbers of a scene: what f32 kernels and f64 set-up can keep.
 //!
-//! Kernels work in f32, whose normal numbers lie between 1.2·10⁻³⁸ and 3.4·10³⁸. Within these limits the products that they form stay there:
-//! * κ = −ln(1 − α) / unit distance is below 37 / [`MIN_LENGTH`] = 3.7·10¹⁶ in front of a wall; times [`MAX_FACTOR`] (gradient opacity) and a
-//!   step of [`MAX_LENGTH`], 4·10³⁷;
-//! * the light of a sample is at most [`MAX_LIGHT`]·([`MAX_FACTOR`] + [`MAX_FACTOR`]·[`MAX_LIGHT`]) a lamp: 10¹⁵, whose square and the sums of
-//!   squares over a picture are finite;
-//! * emission that is given on its own, [`MAX_EMISSION`] per world unit, along 10⁹ steps of [`MAX_LENGTH`]: 10³³;
-//! * squares of lengths, in gradients and distances: 10⁻³⁰ to 10³⁰.
+//! Kernels work in f32, whose normal numbers lie between 1.2·10⁻³⁸ and 3.4·10³⁸, and take lengths in steps or voxels. Within these limits what
+//! they form stays there:
+//! * κ = −ln(1 − α) / unit distance is below 37 / [`MIN_LENGTH`] = 3.7·10²⁵ in front of a wall; along a step of a volume that is larger by far,
+//!   it is a wall, and tables cut it at 10³⁰;
+//! * the light of a sample is at most [`MAX_COLOR`]·[`MAX_FACTOR`]·[`MAX_LIGHT`] a lamp: 10²¹, which f32 adds up along any ray;
+//! * emission that is given on its own, [`MAX_EMISSION`] per world unit, along a step of [`MAX_LENGTH`]: 10³³.
 //!
 //! A spacing of 10⁻⁴⁶, which is 0 in f32, once made a ray caster step on the spot for ever.
 
 /// Smallest spacing and unit distance, in world units.
-pub(crate) const MIN_LENGTH: f64 = 1e-15;
+pub(crate) const MIN_LENGTH: f64 = 1e-24;
 /// Largest spacing and unit distance, in world units.
-pub(crate) const MAX_LENGTH: f64 = 1e15;
-/// Largest component of a colour, be it of a control point or a light.
+pub(crate) const MAX_LENGTH: f64 = 1e24;
+/// Largest component of a control point's colour.
+pub(crate) const MAX_COLOR: f64 = 1e12;
+/// Largest component of a light's colour.
 pub(crate) const MAX_LIGHT: f64 = 1e6;
 /// Largest emission given on its own, per world unit.
 pub(crate) const MAX_EMISSION: f64 = 1e9;
@@ -23,7 +24,7 @@ pub(crate) const MAX_FACTOR: f64 = 1e3;
 /// Largest specular exponent: f32 keeps three digits of xᵖ up to there.
 pub(crate) const MAX_POWER: f64 = 1e4;
 /// Largest gradient magnitude of gradient opacity, per world unit.
-pub(crate) const MAX_MAGNITUDE: f64 = 1e30;
+pub(crate) const MAX_MAGNITUDE: f64 = 1e60;
 /// Largest distance of a volume from the world's origin, in its smallest spacing: f64 keeps 10⁻⁴ of a step there.
 pub(crate) const MAX_STEPS_AWAY: f64 = 1e12;
 /// Largest coordinate of a camera: distances along rays are stored as f32, and their squares are finite in f64.

@@ -101,7 +101,7 @@ impl Shading {
         let points = &self.gradient_opacity;
         let possible = |&(m, f): &(f64, f64)| (0.0..=MAX_MAGNITUDE).contains(&m) && (0.0..=MAX_FACTOR).contains(&f);
         if !points.iter().all(possible) || points.windows(2).any(|w| w[1].0 <= w[0].0) {
-            let allowed = "magnitudes must be strictly increasing, 1e30 at most, factors 1000 at most, none negative";
+            let allowed = "magnitudes must be strictly increasing, 1e60 at most, factors 1000 at most, none negative";
             return Err(ParameterError::new("shading.gradient_opacity", points, allowed));
         }
         Ok(())

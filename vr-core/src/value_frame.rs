@@ -36,6 +36,11 @@ impl ValueFrame {
         (base != 0.0 || scale != 1.0).then_some(Self { base, scale })
     }
 
+    /// True if numbers are carried as distances from one of them, which keeps digits that f32 would lose.
+    pub fn has_offset(&self) -> bool {
+        self.base != 0.0
+    }
+
     /// A number as it is carried.
     pub fn stored(&self, number: f64) -> f32 {
         ((number - self.base) * self.scale) as f32

@@ -120,7 +120,9 @@ macro_rules! wide_integer {
                 let floats: Vec<f32> = s.iter().map(|&x| x as f32).collect();
                 // Through i128, since casts from float saturate: u64::MAX rounds up to 2^64 and must not count as exact.
                 let rounded = s.iter().zip(&floats).filter(|&(&x, &f)| i128::from(x) != f as i128).count();
-                if rounded > 0 && let Some(frame) = ValueFrame::of_range(low as f64, high as f64) {
+                if rounded > 0
+                    && let Some(frame) = ValueFrame::of_range(low as f64, high as f64).filter(ValueFrame::has_offset)
+                {
                     notes.push(framed_note(name));
                     return Samples::Framed(s.iter().map(|&x| frame.stored(x as f64)).collect(), frame);
                 }

@@ -135,12 +135,12 @@ mod tests {
         let dims = [9, 7, 6];
         let number = |i: usize| (i * 7919 % 251) as f32;
         let bytes = compressed(dims, (0..378).map(|i| number(i) as u8).collect());
-        let floats = compressed(dims, (0..378).map(|i| number(i) * 1e30).collect::<Vec<f32>>());
+        let floats = compressed(dims, (0..378).map(|i| number(i) * 1e9).collect::<Vec<f32>>());
         for i in 0..378 {
             let at = [i % 9, i / 9 % 7, i / 63];
             assert!((bytes.at(at) - number(i)).abs() <= 250.0 / 14.0 + 1e-4, "{at:?}");
             // Rounding of a level, and of what it is multiplied by.
-            assert!((floats.at(at) / 1e30 - number(i)).abs() <= 250.0 / 30.0 + 1e-3, "{at:?}");
+            assert!((floats.at(at) / 1e9 - number(i)).abs() <= 250.0 / 30.0 + 1e-3, "{at:?}");
         }
         assert_eq!(bytes.cell([3, 2, 1])[7], bytes.at([4, 3, 2]));
         assert_eq!((bytes.bytes(), floats.bytes()), (3 * 2 * 2 * 26, 3 * 2 * 2 * 40));

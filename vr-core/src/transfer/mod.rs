@@ -20,7 +20,7 @@ pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use table_range::{beyond_f32, outwards, resolves_ramps, rounding_in_f32, table_range};
 
 use crate::error::ParameterError;
-use crate::limits::{MAX_EMISSION, MAX_LIGHT, is_length};
+use crate::limits::{MAX_COLOR, MAX_EMISSION, is_length};
 use crate::optics::{extinction_of_opacity, opacity_of_depth, opacity_of_thickness, source_weight};
 
 /// A point of a transfer function.
@@ -142,7 +142,7 @@ impl TransferFunction {
         }
         if !is_length(unit_distance) {
             let field = "transfer.unit_distance";
-            return Err(ParameterError::new(field, unit_distance, "must be positive and finite, 1e-15 to 1e15"));
+            return Err(ParameterError::new(field, unit_distance, "must be positive and finite, 1e-24 to 1e24"));
         }
         let has_emission = points[0].emission.is_some();
         for (i, p) in points.iter().enumerate() {
@@ -157,11 +157,11 @@ impl TransferFunction {
                 return Err(ParameterError::new(field("opacity"), p.opacity, "must be in [0, 1]"));
             }
             let light = |c: [f64; 3], most: f64| c.iter().all(|x| (0.0..=most).contains(x));
-            if !light(p.color, MAX_LIGHT) {
+            if !light(p.color, MAX_COLOR) {
                 return Err(ParameterError::new(
                     field("color"),
                     p.color,
-                    "must be finite and not negative, 1e6 at most",
+                    "must be finite and not negative, 1e12 at most",
                 ));
             }
             if p.emission.is_some() != has_emission {
@@ -351,13 +351,13 @@ mod tests {
             TransferFunction::new(vec![p], OpacityRule::Power, unit)
         };
         // The largest and the smallest that are allowed leave κ and its inverse finite in f32.
-        for unit in [1e-15, 1e15] {
-            let kappa = with(1e6, Some(1e9), unit).unwrap().extinction_at(0.0) as f32;
+        for unit in [1e-24, 1e24] {
+            let kappa = with(1e12, Some(1e9), unit).unwrap().extinction_at(0.0) as f32;
             assert!(kappa.is_normal() && (1.0 / kappa).is_normal(), "{kappa}");
         }
-        for unit in [1e-46, 9e-16, 2e15, f64::INFINITY] {
+        for unit in [1e-46, 9e-25, 2e24, f64::INFINITY] {
             let e = with(1.0, None, unit).unwrap_err();
-            assert!(e.field == "transfer.unit_distance" && e.allowed.contains("1e-15 to 1e15"), "{e}");
+            assert!(e.field == "transfer.unit_distance" && e.allowed.contains("1e-24 to 1e24"), "{e}");
         }
         let field = |color, emission| with(color, emission, 1.0).unwrap_err().field;
         assert_eq!(field(1.1e6, None), "transfer.points[0].color");

@@ -219,7 +219,8 @@ fn light_changes_with_depth() {
 #[test]
 fn a_constant_field_is_nowhere_but_at_its_value() {
     // A ramp that begins just above the value, a hundredth of a stored unit wide, and a slope that turns values around.
-    let ramp = transfer(&[(-32_929_982.425, 0.0), (-32_929_982.41, 0.05)], OpacityRule::Power, false);
+    let points = [(-32_929_982.425, 0.0), (-32_929_982.41, 0.05)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
+    let ramp = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
     let calibration = Calibration { slope: -1000.0, intercept: 17.3 };
     let table = PreIntegrated::<f32>::new(&ramp, calibration, (32930.0, 32930.0), 64);
     assert_eq!(table.segment(32930.0, 32930.0, 3.0), [0.0; 4]);
