@@ -42,8 +42,8 @@ fn flags_that_cannot_be() {
         ("--unit-distance 0", &["unit_distance", "0"]),
         // Beyond what arithmetic can keep.
         ("--unit-distance 1e-46", &["unit_distance", "1e-46", "1e-24 to 1e24"]),
-        ("--point 0,1e7,0,0,0.5", &["points[0].color", "1e6"]),
-        ("--point 0,inf,0,0,0.5", &["points[0].color", "1e6"]),
+        ("--point 0,1e13,0,0,0.5", &["points[0].color", "1e12"]),
+        ("--point 0,inf,0,0,0.5", &["points[0].color", "1e12"]),
         ("--diffuse 1e20", &["shading.diffuse", "1e20", "1000"]),
         ("--power 1e9", &["shading.power", "10000"]),
         ("--eye 0,1e200,0", &["camera.eye", "1e200", "1e30"]),

@@ -360,7 +360,7 @@ mod tests {
             assert!(e.field == "transfer.unit_distance" && e.allowed.contains("1e-24 to 1e24"), "{e}");
         }
         let field = |color, emission| with(color, emission, 1.0).unwrap_err().field;
-        assert_eq!(field(1.1e6, None), "transfer.points[0].color");
+        assert_eq!(field(1.1e12, None), "transfer.points[0].color");
         assert_eq!(field(f64::INFINITY, None), "transfer.points[0].color");
         assert_eq!(field(1.0, Some(1.1e9)), "transfer.points[0].emission");
         assert_eq!(field(1.0, Some(f64::NAN)), "transfer.points[0].emission");
