@@ -3,8 +3,8 @@
 use sha2::{Digest, Sha256};
 use vr_core::{Model, Scene, View, with_grid};
 
-/// Raised whenever what is kept, or how it is hashed, changes.
-const VERSION: u32 = 1;
+/// Raised whenever what is kept, how it is hashed, or what the reference finds changes.
+const VERSION: u32 = 2;
 
 /// The hash of everything that pixels of a view depend on: samples and their placement, filter, transfer function, shading,
 /// compositing, view, and which pixels; `None` for models that cannot be told apart.
