@@ -75,6 +75,9 @@ fn subject(name: &str) -> Option<(Box<dyn Renderer>, Falling)> {
     })
 }
 
+/// A scene that fell short: its error, its seed, what was wrong, and itself.
+type Failure = (f64, u64, String, TestScene);
+
 fn survey(
     name: &str,
     (renderer, falling): (&dyn Renderer, &Falling),
@@ -91,8 +94,8 @@ fn survey(
     println!("{:<16}{:>6}{:>8}{:>9}{:>7}{:>7}", "kind", "drawn", "refused", "unjudged", "within", "beyond");
     // Panics are counted: their messages would hide the table.
     std::panic::set_hook(Box::new(|_| {}));
-    let (mut tables, mut failures): (Vec<KindFall>, BTreeMap<&str, Vec<(f64, u64, String, TestScene)>>) =
-        Default::default();
+    let mut tables: Vec<KindFall> = Vec::new();
+    let mut failures: BTreeMap<&str, Vec<Failure>> = BTreeMap::new();
     for (i, &kind) in kinds.iter().enumerate() {
         let share = count / kinds.len() as u64 + u64::from((i as u64) < count % kinds.len() as u64);
         let table = survey_kind(&ladder, kind, first..first + share, &reference, |seed, test, fall| {

@@ -91,7 +91,7 @@ impl Camera {
             Projection::Orthographic { height } if !(height > 0.0 && height <= MAX_COORDINATE) => {
                 return Err(ParameterError::new("camera.height", height, "must be positive and finite, 1e30 at most"));
             }
-            Projection::Perspective { fov } if !(fov >= MIN_FOV && fov < 180.0) => {
+            Projection::Perspective { fov } if !(MIN_FOV..180.0).contains(&fov) => {
                 return Err(ParameterError::new("camera.fov", fov, "must be 1e-6 degrees at least, and below 180"));
             }
             Projection::Orthographic { height } => height,

@@ -230,7 +230,8 @@ impl KindFall {
     /// True if the errors of all scenes together do not fall as they must.
     pub fn falls_short(&self) -> bool {
         // Written so that NaN falls short.
-        !(self.errors()[2] <= self.allowed)
+        let falls = self.errors()[2] <= self.allowed;
+        !falls
     }
 }
 

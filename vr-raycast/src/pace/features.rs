@@ -41,7 +41,7 @@ impl Features {
         for feature in &self.0 {
             let thick = PaceMap::EDGE as f64 * feature.width / (high - low);
             // They are sorted: no further one is thinner.
-            if !(thick < 2.0 * usual) {
+            if thick >= 2.0 * usual {
                 break;
             }
             if feature.from < high && feature.to > low {

@@ -399,7 +399,7 @@ impl LayerPlane {
             let ray = rays.at(x, y);
             let across = x / f64::from(width) - 0.5;
             let depth = (middle - ray.origin).dot(ray.direction) + (self.behind + self.tilt * across) * diagonal;
-            let hole = i as usize % self.holes == 0 || depth <= 0.0;
+            let hole = (i as usize).is_multiple_of(self.holes) || depth <= 0.0;
             (self.color, if hole { f32::INFINITY } else { depth as f32 })
         });
         Layer { pixels: pixels.collect() }
