@@ -108,7 +108,7 @@ fn cannot_write(path: &Path, e: &std::io::Error) -> Failure {
     Failure::failed(format!("{}: cannot be written: {e}", path.display()))
 }
 
-/// Every file that [`write`] may make.
+/// Every file that [`write()`] may make.
 const FILES: [&str; 6] = [PAGE, REPORT, POINTS, ERRORS, HEADLINE_PLOT, HEADLINE_TABLE];
 const PAGE: &str = "index.html";
 const REPORT: &str = "report.json";
