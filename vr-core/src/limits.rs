@@ -5,7 +5,7 @@
 //! * κ = −ln(1 − α) / unit distance is below 37 / [`MIN_LENGTH`] = 3.7·10²⁵ in front of a wall; along a step of a volume that is larger by far,
 //!   it is a wall, and tables cut it at 10³⁰;
 //! * the light of a sample is at most [`MAX_COLOR`]·[`MAX_FACTOR`]·[`MAX_LIGHT`] a lamp: 10²¹, which f32 adds up along any ray;
-//! * emission that is given on its own, [`MAX_EMISSION`] per world unit, along a step of [`MAX_LENGTH`]: 10³³.
+//! * emission that is given on its own, [`MAX_EMISSION`] in a unit distance, along 10⁹ of them: 10²¹.
 //!
 //! A spacing of 10⁻⁴⁶, which is 0 in f32, once made a ray caster step on the spot for ever.
 
@@ -17,8 +17,8 @@ pub(crate) const MAX_LENGTH: f64 = 1e24;
 pub(crate) const MAX_COLOR: f64 = 1e12;
 /// Largest component of a light's colour.
 pub(crate) const MAX_LIGHT: f64 = 1e6;
-/// Largest emission given on its own, per world unit.
-pub(crate) const MAX_EMISSION: f64 = 1e9;
+/// Largest emission given on its own, in a unit distance.
+pub(crate) const MAX_EMISSION: f64 = 1e12;
 /// Largest coefficient of shading, and factor of gradient opacity.
 pub(crate) const MAX_FACTOR: f64 = 1e3;
 /// Largest specular exponent: f32 keeps three digits of xᵖ up to there.

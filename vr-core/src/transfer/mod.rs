@@ -168,8 +168,9 @@ impl TransferFunction {
                 let allowed = "emission must be given on all points or on none";
                 return Err(ParameterError::new(field("emission"), p.emission, allowed));
             }
-            if !light(p.emission.unwrap_or_default(), MAX_EMISSION) {
-                let allowed = "must be finite and not negative, 1e9 at most";
+            // Per world unit: large in small worlds.
+            if !light(p.emission.unwrap_or_default().map(|e| e * unit_distance), MAX_EMISSION) {
+                let allowed = "must be finite and not negative, 1e12 in a unit distance at most";
                 return Err(ParameterError::new(field("emission"), p.emission, allowed));
             }
         }
@@ -352,7 +353,7 @@ mod tests {
         };
         // The largest and the smallest that are allowed leave κ and its inverse finite in f32.
         for unit in [1e-24, 1e24] {
-            let kappa = with(1e12, Some(1e9), unit).unwrap().extinction_at(0.0) as f32;
+            let kappa = with(1e12, Some(1e11 / unit), unit).unwrap().extinction_at(0.0) as f32;
             assert!(kappa.is_normal() && (1.0 / kappa).is_normal(), "{kappa}");
         }
         for unit in [1e-46, 9e-25, 2e24, f64::INFINITY] {
@@ -362,7 +363,7 @@ mod tests {
         let field = |color, emission| with(color, emission, 1.0).unwrap_err().field;
         assert_eq!(field(1.1e12, None), "transfer.points[0].color");
         assert_eq!(field(f64::INFINITY, None), "transfer.points[0].color");
-        assert_eq!(field(1.0, Some(1.1e9)), "transfer.points[0].emission");
+        assert_eq!(field(1.0, Some(1.1e12)), "transfer.points[0].emission");
         assert_eq!(field(1.0, Some(f64::NAN)), "transfer.points[0].emission");
     }
 }
