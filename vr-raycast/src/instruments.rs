@@ -42,7 +42,8 @@ impl Kernel {
         volume: &UniformVolume,
         last: Option<(&Scene, &Self)>,
     ) -> Self {
-        let double = caster.precision == Precision::F64 || !single_precision_resolves(volume, &scene.transfer);
+        let single = single_precision_resolves(volume, caster.filter_of(scene), &scene.transfer);
+        let double = caster.precision == Precision::F64 || !single;
         match (double, last) {
             (true, Some((scene_then, Self::F64(last)))) => {
                 Self::F64(Instruments::new(caster, scene, volume, Some((scene_then, last))))

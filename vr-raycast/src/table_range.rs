@@ -54,8 +54,8 @@ pub(crate) fn resolves<R: Real>(
 
 /// Whether f32 tells apart all that the transfer function does: a value that is rounded a few times is known to 10⁻³ of the narrowest
 /// ramp, and the place of a jump to 10⁻³ of the field.
-pub(crate) fn single_precision_resolves(volume: &UniformVolume, transfer: &TransferFunction) -> bool {
-    transfer::rounding_in_f32(volume, transfer) <= 1.0 / 4096.0
+pub(crate) fn single_precision_resolves(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction) -> bool {
+    transfer::rounding_in_f32(volume, filter, transfer) <= 1.0 / 4096.0
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The stored numbers that a table must cover, and whether its entries, and single precision, tell apart all that a transfer function does.
 
 use super::TransferFunction;
+use crate::filter::Filter;
 use crate::grid::Calibration;
 use crate::volume::UniformVolume;
 
@@ -51,24 +52,33 @@ pub fn resolves_ramps(spacing: f64, calibration: Calibration, transfer: &Transfe
 }
 
 /// Part of the narrowest ramp by which a stored number may be off for being rounded to f32; of the field's range, where something
-/// jumps in it. 0 for a constant, which is exact.
+/// jumps in it.
 ///
-/// Ramps that no number of the field comes near do not count. How narrow a jump is does not count: no precision has room for it.
-pub fn rounding_in_f32(volume: &UniformVolume, transfer: &TransferFunction) -> f64 {
+/// A constant is exact under filters that take samples as they are, and of no rounding; the coefficients and weights of wider ones
+/// are rounded there, too, and their fields may leave the range of the samples. Ramps that no number of the field comes near do not
+/// count, nor does how narrow a jump is: no precision has room for it.
+pub fn rounding_in_f32(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction) -> f64 {
     let Some((low, high)) = volume.census().range.map(|(low, high)| (f64::from(low), f64::from(high))) else {
         return 0.0;
     };
-    if low == high {
+    let wide = filter.reach() > 0;
+    if low == high && !wide {
         return 0.0;
     }
     let calibration = volume.calibration();
     let rounding = 0.5 * f64::from(f32::EPSILON) * low.abs().max(high.abs());
     let inside = |at: f64| low <= at && at <= high;
     let jumps = transfer.points().windows(2).filter(|pair| pair[0].value == pair[1].value);
-    let jumps = jumps.map(|pair| calibration.stored(pair[0].value)).any(inside).then_some(high - low);
+    let jumps = jumps
+        .map(|pair| calibration.stored(pair[0].value))
+        .any(inside)
+        .then_some(high - low)
+        .filter(|span| *span > 0.0);
     let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
     let ramps = ramps.map(|s| [s.from, s.to].map(|v| calibration.stored(v)));
-    let met = ramps.filter(|[a, b]| a.min(*b) <= high && a.max(*b) >= low).map(|[a, b]| (b - a).abs());
+    let beyond = if wide { high - low + rounding } else { 0.0 };
+    let met =
+        ramps.filter(|[a, b]| a.min(*b) <= high + beyond && a.max(*b) >= low - beyond).map(|[a, b]| (b - a).abs());
     let narrowest = met.chain(jumps).fold(f64::INFINITY, f64::min);
     rounding / narrowest
 }
@@ -76,9 +86,10 @@ pub fn rounding_in_f32(volume: &UniformVolume, transfer: &TransferFunction) -> f
 /// Largest [`rounding_in_f32`] of a scene that kernels in f32 draw: a ramp is known to a thirtieth then.
 const MAX_ROUNDING: f64 = 1.0 / 32.0;
 
-/// The feature that a renderer whose kernels are f32 must refuse: a transfer function with ramps that f32 does not tell apart.
+/// The feature that a renderer whose kernels are f32 and whose filter is trilinear must refuse: a transfer function with ramps that
+/// f32 does not tell apart.
 pub fn beyond_f32(volume: &UniformVolume, transfer: &TransferFunction) -> Option<String> {
-    let rounding = rounding_in_f32(volume, transfer);
+    let rounding = rounding_in_f32(volume, Filter::Trilinear, transfer);
     (rounding > MAX_ROUNDING).then(|| {
         format!("a transfer function that changes within {:.1} roundings of the stored numbers to f32", 1.0 / rounding)
     })
@@ -100,15 +111,20 @@ mod tests {
             let volume: Volume = UniformGrid::new([2; 3], samples, placement, Calibration::default()).unwrap().into();
             let points = [(ramp[0], 0.1), (ramp[1], 0.9)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
             let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
-            rounding_in_f32(volume.uniform().unwrap(), &transfer)
+            let volume = volume.uniform().unwrap();
+            [Filter::Trilinear, Filter::BSpline].map(|filter| rounding_in_f32(volume, filter, &transfer))
         };
         let unit = 0.5f64.powi(24);
-        assert_eq!(rounding([0.0, 1024.0], [100.0, 102.0]), 512.0 * unit);
-        assert_eq!(rounding([0.0, 1024.0], [2000.0, 2000.1]), 0.0, "beyond the field");
-        assert_eq!(rounding([0.0, 1024.0], [2.0, 2.0]), unit, "a jump");
-        assert_eq!(rounding([1e9, 1e9], [1e9, 1e9]), 0.0, "a constant");
+        assert_eq!(rounding([0.0, 1024.0], [100.0, 102.0]), [512.0 * unit; 2]);
+        let [inside, beyond] = rounding([0.0, 1024.0], [1500.0, 1500.5]);
+        assert!(inside == 0.0 && beyond == 2048.0 * unit, "wider filters overshoot");
+        assert_eq!(rounding([0.0, 1024.0], [3000.0, 3000.5]), [0.0; 2], "beyond the field");
+        assert_eq!(rounding([0.0, 1024.0], [2.0, 2.0]), [unit; 2], "a jump");
+        assert_eq!(rounding([1e9, 1e9], [1e9, 1e9]), [0.0; 2], "a jump at a constant");
+        let [exact, coefficients] = rounding([65536.0, 65536.0], [65535.0, 65537.0]);
+        assert!(exact == 0.0 && coefficients == 32768.0 * unit, "a constant on a ramp");
         // Carried as distances from the first.
-        assert!(rounding([1e6, 1_000_010.0], [1e6, 1_000_001.0]) <= 10.0 * unit);
+        assert!(rounding([1e6, 1_000_010.0], [1e6, 1_000_001.0])[0] <= 10.0 * unit);
     }
 
     #[test]
