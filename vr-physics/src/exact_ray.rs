@@ -91,6 +91,9 @@ impl ExactRays {
     }
 }
 
+/// Rounding of a position in f64, by the sizes of the numbers that it is made of: some ten operations.
+const POSITION_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// A grid's map from the world to its index space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExactPlacement {
@@ -144,27 +147,53 @@ impl ExactPlacement {
     }
 
     /// The part of a ray inside the box and the clip, up to the world distance `far`: as `IndexRay::new`.
-    pub(crate) fn chord(&self, ray: &ExactRay, clip: &Clip, far: f64) -> Option<IndexChord> {
+    ///
+    /// A ray that lies in a face, as far as f64 can tell, is on either side of it by chance. Pixels are defined by the rays of
+    /// `vr_core::Rays`: `rounded` is what that one has inside, and is asked then.
+    pub(crate) fn chord(
+        &self,
+        ray: &ExactRay,
+        clip: &Clip,
+        far: f64,
+        rounded: impl Fn() -> Option<IndexRay>,
+    ) -> Option<IndexChord> {
         let last = self.dims.map(|n| (n - 1) as f64);
         let middle = (0..3).fold(self.origin, |sum, a| sum + self.axes[a] * Double::from(0.5 * last[a]));
         let offset = (middle - ray.origin).dot(ray.direction).round();
         let world = ray.origin + ray.direction * Double::from(offset);
         let base = world - self.origin;
-        let origin = self.inverse.map(|row| row.dot(base));
+        let mut origin = self.inverse.map(|row| row.dot(base));
         let direction = self.inverse.map(|row| row.dot(ray.direction));
-        let mut part = Part { ends: [-offset, far - offset], off: [Bound::ZERO; 2] };
+        // Sizes of the numbers that a position is made of in f64, and what a sum of products of them may be rounded by.
+        let sizes: [f64; 3] = std::array::from_fn(|c| {
+            let moved = (ray.direction.0[c].round() * offset).abs();
+            ray.origin.0[c].round().abs() + self.origin.0[c].round().abs() + moved
+        });
+        let rounding =
+            |row: Double3| POSITION_ROUNDING * (0..3).map(|c| (row.0[c].round() * sizes[c]).abs()).sum::<f64>();
+        let reach = (0..3).map(|a| 0.5 * last[a] * self.axes[a].round().length()).sum();
+        let rounded = || rounded().map(|ray| [ray.start, ray.end].map(|s| s + (ray.offset - offset)));
+        let mut part = Part { ends: [-offset, far - offset], off: [Bound::ZERO; 2], reach, rounded };
         for a in 0..3 {
-            part.keep_between(origin[a], direction[a], 0.0, last[a], self.axes_off[a]);
+            let faces = [0.0, last[a]];
+            part.keep_between(origin[a], direction[a], faces, [self.axes_off[a], rounding(self.inverse[a])]);
+            let at = origin[a].round();
+            if direction[a].round() == 0.0 && !(0.0..=last[a]).contains(&at) {
+                // Taken for inside: not beyond the face.
+                origin[a] = Double::from(at.clamp(0.0, last[a]));
+            }
         }
         if let Some((low, high)) = clip.crop {
             for a in 0..3 {
-                part.keep_between(world.0[a], ray.direction.0[a], low[a], high[a], 0.0);
+                let off = [0.0, POSITION_ROUNDING * sizes[a]];
+                part.keep_between(world.0[a], ray.direction.0[a], [low[a], high[a]], off);
             }
         }
         for plane in &clip.planes {
             let normal = Double3::from(plane.normal);
             let above = normal.dot(world) - Double::from(plane.offset);
-            part.keep_between(above, normal.dot(ray.direction), 0.0, f64::INFINITY, 0.0);
+            let off = [0.0, rounding(normal) + POSITION_ROUNDING * plane.offset.abs()];
+            part.keep_between(above, normal.dot(ray.direction), [0.0, f64::INFINITY], off);
         }
         let [start, end] = part.ends;
         if start.is_nan() || end.is_nan() || start >= end {
@@ -201,19 +230,28 @@ pub(crate) struct IndexChord {
     pub(crate) end_error: [f64; 2],
 }
 
-struct Part {
+struct Part<F> {
     ends: [f64; 2],
     off: [Bound; 2],
+    /// No s that matters is larger, at either sign.
+    reach: f64,
+    /// Ends of the ray as f64 has it, if it has any.
+    rounded: F,
 }
 
-impl Part {
-    /// Keeps the s with low ≤ x + s·slope ≤ high, where x is off by `error` at most.
-    fn keep_between(&mut self, x: Double, slope: Double, low: f64, high: f64, error: f64) {
-        let rate = slope.round();
+impl<F: Fn() -> Option<[f64; 2]>> Part<F> {
+    /// Keeps the s with low ≤ x + s·slope ≤ high, where x is off by `error` at most, and in f64 by `rounding`.
+    fn keep_between(&mut self, x: Double, slope: Double, [low, high]: [f64; 2], [error, rounding]: [f64; 2]) {
+        let (at, rate) = (x.round(), slope.round());
+        // In a limit, all the way: f64 decides.
+        if (at - low).abs().min((at - high).abs()) <= rounding && rate.abs() * self.reach <= rounding {
+            let [start, end] = (self.rounded)().unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+            self.ends = [self.ends[0].max(start), self.ends[1].min(end)];
+            return;
+        }
         if rate == 0.0 {
             // Parallel: all or nothing. 0/0 would be NaN.
-            let at = x.round();
-            if !(low <= at && at <= high) {
+            if !(low..=high).contains(&at) {
                 self.ends[1] = f64::NEG_INFINITY;
             }
             return;
@@ -265,8 +303,10 @@ mod tests {
                 assert!((ray.origin - precise.origin.round()).length() < 1e-14);
                 assert!((ray.direction - precise.direction.round()).length() < 1e-15);
                 let far = f64::INFINITY;
-                let (a, b) =
-                    (IndexRay::new(&ray, &placement, dims, &clip, far), exact_placement.chord(&precise, &clip, far));
+                let (a, b) = (
+                    IndexRay::new(&ray, &placement, dims, &clip, far),
+                    exact_placement.chord(&precise, &clip, far, || unreachable!("no ray in a face")),
+                );
                 assert_eq!(a.is_some(), b.is_some());
                 let (Some(a), Some(b)) = (a, b) else { continue };
                 hits += 1;
@@ -280,6 +320,37 @@ mod tests {
     }
 
     #[test]
+    fn a_ray_in_a_face_is_where_renderers_have_it() {
+        // Rays along faces of the box, whose places no f64 holds exactly: the sum of two of them decides.
+        let origin = DVec3::new(-61.188_975_791_226_845, 83.846_193_078_629_67, 6.981_876_542_898_195);
+        let axes = DMat3::from_diagonal(DVec3::new(1.926_049_110_543_03, 1.0, 1.0));
+        let placement = Placement::new(origin, axes).unwrap();
+        let exact = ExactPlacement::new(&placement, [6, 3, 3]);
+        let (clip, far) = (Clip::default(), f64::INFINITY);
+        let mut hits = [0; 2];
+        for shift in 0..64 {
+            // A unit in the last place more each time.
+            let side = 7.981_876_542_898_195 + f64::from(shift - 32) * 8.0 * f64::EPSILON;
+            let eye = DVec3::new(-38.076_386_464_710_48, 84.846_193_078_629_67, side);
+            let target = DVec3 { x: -57.336_877_570_140_786, ..eye };
+            let camera = Camera { eye, target, up: DVec3::Y, projection: Projection::Orthographic { height: 3.0 } };
+            let view = View::new(camera, [7, 6]);
+            let (rays, exact_rays) = (Rays::new(&view).unwrap(), ExactRays::new(&view).unwrap());
+            for x in 0..7 {
+                let (x, y) = (f64::from(x) + 0.5, 2.5);
+                let core = IndexRay::new(&rays.at(x, y), &placement, [6, 3, 3], &clip, far);
+                let chord = exact.chord(&exact_rays.at(x, y), &clip, far, || core);
+                assert_eq!(chord.is_some(), core.is_some(), "{shift} {x}");
+                hits[usize::from(chord.is_some())] += 1;
+                if let Some(chord) = chord {
+                    assert!((0.0..=2.0).contains(&chord.ray.at(chord.ray.start).z), "{chord:?}");
+                }
+            }
+        }
+        assert!(hits.iter().all(|&n| n > 64), "{hits:?}");
+    }
+
+    #[test]
     fn a_far_ray_keeps_its_digits() {
         // The same ray from near and from 10⁶ diagonals away, which numbers of few bits say exactly.
         let placement = Placement::from_spacing([1.0; 3]).unwrap();
@@ -289,7 +360,7 @@ mod tests {
             let projection = Projection::Orthographic { height: 6.0 };
             let camera = Camera { eye, target: DVec3::splat(4.0), up: DVec3::Y, projection };
             let rays = ExactRays::new(&View::new(camera, [9, 9])).unwrap();
-            exact.chord(&rays.at(2.5, 6.5), &Clip::default(), f64::INFINITY).unwrap().ray
+            exact.chord(&rays.at(2.5, 6.5), &Clip::default(), f64::INFINITY, || None).unwrap().ray
         };
         let (near, far) = (chord(1.0), chord(1e6));
         assert!((near.origin - far.origin).length() < 2e-15 && (near.start - far.start).abs() < 2e-15);

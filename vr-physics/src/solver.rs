@@ -3,8 +3,8 @@
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, Geometry, GradientMethod, LatticeVisitor, Model, PointSet, Ray, RenderError, Sampler,
-    SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
+    Compositing, Counts, Filter, Geometry, GradientMethod, IndexRay, LatticeVisitor, Model, PointSet, Ray, RenderError,
+    Sampler, SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
 };
 
 use crate::exact_ray::{ExactPlacement, ExactRay, ExactRays, IndexChord};
@@ -80,7 +80,9 @@ impl<'a> Solver<'a> {
     fn ask_exactly(&self, ray: &Ray, exact: &ExactRay, far: f64, want: Want<'_>) -> Option<(Answer, f64)> {
         match &self.source {
             Source::Grid(volume, placement, filter) => {
-                let chord = placement.chord(exact, &self.view.clip, far)?;
+                let clip = &self.view.clip;
+                let rounded = || IndexRay::new(ray, volume.placement(), volume.dims(), clip, far);
+                let chord = placement.chord(exact, clip, far, rounded)?;
                 let job = Job { solver: self, volume, placement, ray, chord, want };
                 Some((volume.with_sampler(*filter, job), chord.ray.offset))
             }

@@ -79,7 +79,6 @@ fn bounded(test: TestScene, pick: usize) -> TestScene {
 }
 
 #[test]
-#[ignore = "found 2026-11-22: four pixels, rays along cell faces, given emission: promise or reference is wrong; see docs/wrong-results.md"]
 fn random_scenes() {
     let wild = scenes(11, 150, strategies::scene()).into_iter().enumerate().map(|(i, t)| bounded(t, i));
     let tame = scenes(12, 60, strategies::tame_scene()).into_iter().enumerate().map(|(i, t)| bounded(t, 4 * i + 1));

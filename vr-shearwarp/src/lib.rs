@@ -62,11 +62,11 @@
 //! * Parallel rays shear along the axis that they go most along, so that no slice moves by more than a voxel.
 //! * In perspective each ray has its own such axis. The picture is split by it, and each part is composited along its own, from inside the
 //!   volume, too. Texels are as large as voxels in the volume's middle; no slice has more than 1¼ voxels to one, so that none is missed.
-//! * A crop box cuts slices where it is parallel to the volume's axes.
+//! * Crop boxes, clip planes and, of parallel rays, the plane through the eye cut each texel's ray where they meet it.
 //!
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; reconstruction filters other than the trilinear one; compositing
-//! `first`, for the place of a surface between slices is not known; clip planes and opaque layers; shading in perspective, where what a normal reflects
+//! `first`, for the place of a surface between slices is not known; opaque layers; shading in perspective, where what a normal reflects
 //! changes from ray to ray and no table serves; gradients other than central differences, and opacity that follows them. It tells no depths.
 //! `maximum`, `minimum` and `average` are of the samples in slices.
 
@@ -89,6 +89,7 @@ mod options;
 mod passes;
 mod prepared;
 mod reflections;
+mod region;
 mod renderer;
 mod settings;
 mod shear_warp;

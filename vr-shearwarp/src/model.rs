@@ -11,7 +11,7 @@ use crate::lengths::length;
 use crate::passes::{Pass, passes};
 use crate::shear_warp::{Classification, ShearWarp};
 use crate::slices::{Slice, Slices};
-use crate::support::{is_shaded, last_sample, visible_box};
+use crate::support::{is_shaded, last_sample, visible_region};
 
 /// The sum over slices.
 pub(crate) struct SlicedModel {
@@ -35,13 +35,13 @@ impl SlicedModel {
         };
         let Some(volume) = scene.volume.uniform() else { return model };
         let Ok(index_view) = IndexView::new(view, volume.placement()) else { return model };
-        let Ok(visible) = visible_box(scene, volume, view, index_view.is_perspective()) else { return model };
-        if visible[0].cmplt(visible[1]).all()
-            && let Ok(all) = passes(&index_view, visible, last_sample(volume.dims()), renderer.texel)
+        let Ok(region) = visible_region(scene, volume, view, index_view.is_perspective()) else { return model };
+        if let Some(region) = region
+            && let Ok(all) = passes(&index_view, region.corners(), last_sample(volume.dims()), renderer.texel)
         {
             let slices = |pass: &Pass| {
                 let layers = volume.dims()[pass.factorization.axes[2]];
-                Slices::new(pass.factorization, visible, layers, renderer.slice_spacing())
+                Slices::new(pass.factorization, &region, layers, renderer.slice_spacing())
             };
             model.passes = all.into_iter().map(|pass| (pass, slices(&pass))).collect();
         }

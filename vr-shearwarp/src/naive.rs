@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use vr_core::{
-    Calibration, Camera, Compositing, Control, ControlPoint, LatticeVisitor, OpacityRule, Placement, Projection,
+    Calibration, Camera, Compositing, Control, ControlPoint, LatticeVisitor, OpacityRule, Placement, Plane, Projection,
     Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel, gradient_at_sample,
 };
 
@@ -13,6 +13,7 @@ use crate::optics::{Entry, Optics};
 use crate::passes::passes;
 use crate::prepared::PreparedShearWarp;
 use crate::reflections::{Reflection, encode, table};
+use crate::region::Region;
 use crate::shear_warp::{Classification, Encoding, ShearWarp};
 use crate::slices::Slices;
 use crate::support::last_sample;
@@ -31,6 +32,8 @@ struct Case {
     renderer: ShearWarp,
     shaded: bool,
     level: Option<f64>,
+    /// Normal of a clip plane through a point near the middle.
+    cut: Option<[f64; 3]>,
 }
 
 fn cases() -> impl Strategy<Value = Case> {
@@ -55,9 +58,9 @@ fn cases() -> impl Strategy<Value = Case> {
     let eye = prop::array::uniform3(-1.0f64..1.0).prop_filter("a direction", |e| e.iter().any(|x| x.abs() > 0.1));
     let fov = prop::option::of(20.0f64..100.0);
     let optics = (1u8..255, prop_oneof![0.01f64..0.3, 0.3f64..1.0, Just(1.0)], any::<bool>());
-    let looks = (any::<bool>(), prop::option::of(0.2f64..0.9));
+    let looks = (any::<bool>(), prop::option::of(0.2f64..0.9), prop::option::of(prop::array::uniform3(-1.0f64..1.0)));
     (dims, samples, optics, eye, fov, renderer, looks).prop_map(
-        |(dims, samples, (threshold, opacity, wide), eye, fov, renderer, (shaded, level))| Case {
+        |(dims, samples, (threshold, opacity, wide), eye, fov, renderer, (shaded, level, cut))| Case {
             dims,
             samples,
             wide,
@@ -68,6 +71,7 @@ fn cases() -> impl Strategy<Value = Case> {
             renderer,
             shaded: shaded && fov.is_none(),
             level,
+            cut,
         },
     )
 }
@@ -109,7 +113,12 @@ impl Case {
             None => Projection::Orthographic { height: size },
         };
         let up = glam::DVec3::new(0.17, 0.9, -0.31);
-        View::new(Camera { eye, target: middle, up, projection }, [24, 20])
+        let mut view = View::new(Camera { eye, target: middle, up, projection }, [24, 20]);
+        view.clip.planes.extend(self.cut.map(|normal| {
+            let normal = glam::DVec3::from(normal) + 0.01;
+            Plane { normal, offset: normal.dot(middle) + 0.1 }
+        }));
+        view
     }
 }
 
@@ -127,9 +136,9 @@ fn texel<P: Code>(
     let mut sum = [0.0f64; 4];
     let level = case.level.unwrap_or(1.0);
     let chord = slices.chord(x as f64, y as f64);
-    for slice in &slices.slices {
-        let inside = (0..2).all(|a| (slice.valid.first[a]..slice.valid.end[a]).contains(&[x, y][a]));
-        if !inside || sum[3] >= case.renderer.termination.min(level) {
+    for (i, slice) in slices.slices.iter().enumerate() {
+        let [first, end] = slices.row(i, y).valid;
+        if !(first..end).contains(&x) || sum[3] >= case.renderer.termination.min(level) {
             continue;
         }
         let at: [f64; 2] = std::array::from_fn(|a| slice.map.offset[a] + slice.map.scale * [x, y][a] as f64);
@@ -236,7 +245,7 @@ fn compare<P: Code>(case: &Case) -> Differences {
     };
     let index_view = IndexView::new(&view, volume.placement()).unwrap();
     let last = last_sample(case.dims);
-    let visible = [glam::DVec3::ZERO, last];
+    let region = Region::of(&view, volume.placement(), case.dims).unwrap();
     let reflections = if case.shaded {
         table(scene.shading.as_ref().unwrap(), view.camera.frame().unwrap().z_axis)
     } else {
@@ -247,10 +256,11 @@ fn compare<P: Code>(case: &Case) -> Differences {
     let end = case.renderer.termination.min(case.level.unwrap_or(1.0));
     // Rounding; and a value half way between two entries of a table, at one sample or another, put to either by it.
     let allowed = 2e-5 + case.opacity / (256.0 - f64::from(case.threshold));
-    for pass in passes(&index_view, visible, last, case.renderer.texel).unwrap() {
+    let Some(region) = region else { return differences };
+    for pass in passes(&index_view, region.corners(), last, case.renderer.texel).unwrap() {
         let slices = Slices::new(
             pass.factorization,
-            visible,
+            &region,
             case.dims[pass.factorization.axes[2]],
             case.renderer.slice_spacing(),
         );

@@ -24,7 +24,7 @@ use crate::passes::{Pass, passes};
 use crate::reflections::{Reflection, table};
 use crate::shear_warp::{Classification, ShearWarp};
 use crate::slices::Slices;
-use crate::support::{check, is_shaded, last_sample, visible_box};
+use crate::support::{check, is_shaded, last_sample, visible_region};
 use crate::warp::{Texture, Warp};
 
 /// The scene, the volume as it is encoded for it, and what is kept from picture to picture.
@@ -169,17 +169,17 @@ impl Prepared for PreparedShearWarp {
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
         let volume = check(&self.renderer, &self.scene)?;
         let index_view = IndexView::new(view, volume.placement())?;
-        let visible = visible_box(&self.scene, volume, view, index_view.is_perspective())?;
+        let region = visible_region(&self.scene, volume, view, index_view.is_perspective())?;
         let dims = volume.dims();
         control.check()?;
         let [width, height] = view.size;
         let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
         let mut stats = RenderStats::default();
-        if visible[0].cmplt(visible[1]).all() {
-            for pass in passes(&index_view, visible, last_sample(dims), self.renderer.texel)? {
+        if let Some(region) = region {
+            for pass in passes(&index_view, region.corners(), last_sample(dims), self.renderer.texel)? {
                 let axis = pass.factorization.axes[2];
                 stats.time("encode", || self.encode(axis, control))?;
-                let slices = Slices::new(pass.factorization, visible, dims[axis], self.renderer.slice_spacing());
+                let slices = Slices::new(pass.factorization, &region, dims[axis], self.renderer.slice_spacing());
                 stats.time("composite", || self.composite(&index_view, view, &pass, &slices, control))?;
                 let lines = self.image.lines();
                 stats.counts.rays +=

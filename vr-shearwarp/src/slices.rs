@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use crate::composite::cells::Columns;
 use crate::factorization::{Factorization, SliceMap, permuted};
+use crate::region::{HalfSpace, Region};
 
 /// A slice of samples: a layer of voxels, or what lies between two.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +13,9 @@ pub(crate) struct Slice {
     pub(crate) layer: usize,
     /// How far between that layer and the next, in [0, 1].
     pub(crate) fraction: f32,
-    /// Where it lies on the principal axis, growing from front to back.
+    /// Where it lies on the principal axis.
+    w: f64,
+    /// The same, growing from front to back.
     pub(crate) depth: f64,
     pub(crate) map: SliceMap,
     /// Texels to a cell.
@@ -55,6 +58,29 @@ impl Slice {
     }
 }
 
+impl Slice {
+    /// Of the texels `first..end` of row `y`, those whose points of this slice are in a half space.
+    fn above(&self, plane: &HalfSpace, y: usize, [first, end]: [usize; 2]) -> [usize; 2] {
+        let SliceMap { offset, scale } = self.map;
+        // normal·(u, v, w) − least, as a function of x.
+        let rate = plane.normal.x * scale;
+        let at_zero = plane.normal.dot(DVec3::new(offset.x, offset.y + scale * y as f64, self.w)) - plane.least;
+        let meets = -at_zero / rate;
+        // `as` saturates.
+        let kept = if rate > 0.0 {
+            [first.max(meets.ceil() as usize), end]
+        } else if rate < 0.0 {
+            let last = meets.floor();
+            [first, if last < 0.0 { 0 } else { end.min(last as usize + 1) }]
+        } else if at_zero < 0.0 {
+            [0, 0]
+        } else {
+            [first, end]
+        };
+        if kept[0] < kept[1] { kept } else { [0, 0] }
+    }
+}
+
 /// A rectangle of texels: the first column and row, and those behind the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Texels {
@@ -72,7 +98,7 @@ impl Texels {
     }
 }
 
-/// All slices of a factorization, front to back, and the box that they fill.
+/// All slices of a factorization, front to back, and what they fill.
 #[derive(Clone, Debug)]
 pub(crate) struct Slices {
     pub(crate) slices: Vec<Slice>,
@@ -85,6 +111,17 @@ pub(crate) struct Slices {
     factorization: Factorization,
     low: DVec3,
     high: DVec3,
+    /// What cuts the box, of (u, v, w).
+    planes: Vec<HalfSpace>,
+}
+
+/// The texels of one row that a slice is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Row {
+    /// The first with a sample, and the one behind the last.
+    pub(crate) valid: [usize; 2],
+    /// The same of those whose sample stands for a whole distance between slices.
+    pub(crate) whole: [usize; 2],
 }
 
 /// What is this near to a face is on it.
@@ -93,11 +130,13 @@ const NEAR: f64 = 1e-9;
 const NEAREST: f64 = 1e-6;
 
 impl Slices {
-    /// The slices of the index box from `low` to `high`, `spacing` voxels apart, of a volume with `layers` layers along the axis.
+    /// The slices of a part of the index space, `spacing` voxels apart, of a volume with `layers` layers along the axis.
     ///
     /// They lie the same way seen from either end: among them are the layers, where the spacing is 1/n.
-    pub(crate) fn new(factorization: Factorization, [low, high]: [DVec3; 2], layers: usize, spacing: f64) -> Self {
-        let [low, high] = [low, high].map(|v| permuted(v, factorization.axes));
+    pub(crate) fn new(factorization: Factorization, region: &Region, layers: usize, spacing: f64) -> Self {
+        let [low, high] = region.corners().map(|v| permuted(v, factorization.axes));
+        let turned = |p: &HalfSpace| HalfSpace { normal: permuted(p.normal, factorization.axes), ..*p };
+        let planes = region.planes.iter().map(turned).collect();
         let length = (layers - 1) as f64;
         let anchor = 0.5 * (length - (length / spacing + NEAR).floor() * spacing);
         // A corner of a crop box that is meant to lie in a slice may miss it by rounding.
@@ -118,6 +157,7 @@ impl Slices {
                 Slice {
                     layer,
                     fraction,
+                    w,
                     depth: w * factorization.sign,
                     map,
                     per_cell: 1.0 / map.scale,
@@ -137,7 +177,7 @@ impl Slices {
         }
         let [front, back] = if factorization.sign > 0.0 { [low.z, high.z] } else { [-high.z, -low.z] };
         let front = factorization.eye().map_or(front, |eye| front.max(eye.z * factorization.sign + NEAREST));
-        Self { slices, spacing, per_voxel: 1.0 / spacing, depths: [front, back], factorization, low, high }
+        Self { slices, spacing, per_voxel: 1.0 / spacing, depths: [front, back], factorization, low, high, planes }
     }
 
     /// Which axes of the volume are u, v and w.
@@ -151,7 +191,47 @@ impl Slices {
         let f = &self.factorization;
         let (slope, at) = (f.slope(x, y), f.origin + f.spacing * DVec2::new(x, y));
         let [[a, b], [c, d]] = [0, 1].map(|a| self.between_faces(a, at[a], slope[a]));
-        [self.depths[0].max(a).max(c), self.depths[1].min(b).min(d)]
+        let chord = [self.depths[0].max(a).max(c), self.depths[1].min(b).min(d)];
+        self.planes.iter().fold(chord, |chord, plane| self.cut(chord, plane, at, slope))
+    }
+
+    /// What a half space leaves of a ray, given where it meets the plane of the image, and its slope.
+    fn cut(&self, [front, back]: [f64; 2], plane: &HalfSpace, at: DVec2, slope: DVec2) -> [f64; 2] {
+        let f = &self.factorization;
+        let above = plane.normal.dot(at.extend(f.plane)) - plane.least;
+        let rate = plane.normal.dot(slope.extend(1.0)) * f.sign;
+        let meets = f.plane * f.sign - above / rate;
+        if rate > 0.0 {
+            [front.max(meets), back]
+        } else if rate < 0.0 {
+            [front, back.min(meets)]
+        } else if above < 0.0 {
+            [f64::INFINITY, f64::NEG_INFINITY]
+        } else {
+            [front, back]
+        }
+    }
+
+    /// The texels of row `y` that the i-th slice is about.
+    #[inline(always)]
+    pub(crate) fn row(&self, i: usize, y: usize) -> Row {
+        let slice = &self.slices[i];
+        let of = |texels: &Texels| {
+            if (texels.first[1]..texels.end[1]).contains(&y) { [texels.first[0], texels.end[0]] } else { [0, 0] }
+        };
+        let row = Row { valid: of(&slice.valid), whole: of(&slice.whole) };
+        if self.planes.is_empty() { row } else { self.cut_row(i, y, row) }
+    }
+
+    /// Of a row of texels, what half spaces leave.
+    fn cut_row(&self, i: usize, y: usize, Row { mut valid, mut whole }: Row) -> Row {
+        let around = i.saturating_sub(1)..(i + 2).min(self.slices.len());
+        for plane in &self.planes {
+            valid = self.slices[i].above(plane, y, valid);
+            // Whole where the slices on both sides have a sample, too.
+            whole = self.slices[around.clone()].iter().fold(whole, |row, slice| slice.above(plane, y, row));
+        }
+        Row { valid, whole }
     }
 
     /// Where a ray is between the two faces across u (0) or v (1), given where it meets the plane of the image, and its slope.
@@ -188,10 +268,17 @@ impl Slices {
         let [first, last] = [first.max(self.depths[0]), last.min(self.depths[1])];
         front.resize(n, 0.0);
         back.resize(n, 0.0);
-        for (x, (front, back)) in front.iter_mut().zip(back).enumerate() {
+        for (x, (front, back)) in front.iter_mut().zip(&mut *back).enumerate() {
             let x = x as f64;
             let [enters, leaves] = self.between_faces(0, at.x + f.spacing * x, slope.x + bend * x);
             (*front, *back) = (first.max(enters), last.min(leaves));
+        }
+        for plane in &self.planes {
+            for (x, (front, back)) in front.iter_mut().zip(&mut *back).enumerate() {
+                let x = x as f64;
+                let (at, slope) = (at + DVec2::new(f.spacing * x, 0.0), slope + DVec2::new(bend * x, 0.0));
+                [*front, *back] = self.cut([*front, *back], plane, at, slope);
+            }
         }
     }
 }
@@ -217,9 +304,14 @@ mod tests {
 
     const BOX: [DVec3; 2] = [DVec3::ZERO, DVec3::new(9.0, 12.0, 7.0)];
 
+    /// Of many views of a box, some of them cut by half spaces.
     fn all_slices(spacing: f64) -> Vec<Slices> {
         let mut all = Vec::new();
         let middle = DVec3::new(4.5, 6.0, 3.5);
+        let half_space = |normal: DVec3, off: f64| HalfSpace { normal, least: normal.dot(middle) + off };
+        let oblique = half_space(DVec3::new(0.3, -0.7, 0.5), -0.4);
+        let parallel = half_space(DVec3::new(0.0, 0.0, -2.0), 0.3);
+        let cuts = [vec![], vec![oblique], vec![oblique, half_space(-oblique.normal, -2.1)], vec![parallel]];
         for projection in [Projection::Orthographic { height: 20.0 }, Projection::Perspective { fov: 50.0 }] {
             for d in [DVec3::new(0.3, 0.4, 1.0), DVec3::new(1.0, 0.1, -0.7), DVec3::new(0.0, -1.0, 0.0)] {
                 for distance in [30.0, 2.0] {
@@ -227,9 +319,12 @@ mod tests {
                     let camera = Camera { eye, target: middle, up: DVec3::new(0.9, 0.1, 0.5), projection };
                     let view = View::new(camera, [40, 40]);
                     let index = IndexView::new(&view, &Placement::from_spacing([1.0; 3]).unwrap()).unwrap();
-                    for pass in passes(&index, BOX, BOX[1], 1.0).unwrap() {
-                        let layers = BOX[1][pass.factorization.axes[2]] as usize + 1;
-                        all.push(Slices::new(pass.factorization, BOX, layers, spacing));
+                    for planes in &cuts {
+                        let region = Region { low: BOX[0], high: BOX[1], planes: planes.clone() };
+                        for pass in passes(&index, BOX, BOX[1], 1.0).unwrap() {
+                            let layers = BOX[1][pass.factorization.axes[2]] as usize + 1;
+                            all.push(Slices::new(pass.factorization, &region, layers, spacing));
+                        }
                     }
                 }
             }
@@ -242,27 +337,31 @@ mod tests {
         for spacing in [1.0, 0.5, 0.3, 0.7] {
             for slices in all_slices(spacing) {
                 let [w, h] = slices.factorization.size;
+                let (mut front, mut back) = (Vec::new(), Vec::new());
                 for y in 0..h {
+                    let rows: Vec<Row> = (0..slices.slices.len()).map(|i| slices.row(i, y)).collect();
+                    slices.chords(y, w, &mut front, &mut back);
                     for x in 0..w {
                         let chord = slices.chord(x as f64, y as f64);
-                        let hits: Vec<&Slice> = slices
+                        // A ray that misses has any ends, the first above the last.
+                        let ends = [(front[x], chord[0]), (back[x], chord[1])];
+                        let same = ends.iter().all(|(a, b)| (a - b).abs() < 1e-6);
+                        assert!(same || (chord[0] >= chord[1] && front[x] >= back[x]), "{ends:?}");
+                        let hits: Vec<_> = slices
                             .slices
                             .iter()
-                            .filter(|s| {
-                                (s.valid.first[0]..s.valid.end[0]).contains(&x)
-                                    && (s.valid.first[1]..s.valid.end[1]).contains(&y)
-                            })
+                            .zip(&rows)
+                            .filter(|(_, row)| (row.valid[0]..row.valid[1]).contains(&x))
                             .collect();
                         if hits.is_empty() {
                             // A corner between two slices.
                             assert!(chord[1] - chord[0] <= slices.spacing + 1e-6, "{chord:?}");
                             continue;
                         }
-                        let sum: f64 = hits.iter().map(|s| slices.share(s.depth, chord) * slices.spacing).sum();
+                        let sum: f64 = hits.iter().map(|(s, _)| slices.share(s.depth, chord) * slices.spacing).sum();
                         assert!((sum - (chord[1] - chord[0])).abs() < 1e-5, "{sum} of {chord:?}");
-                        for s in hits {
-                            let whole = (s.whole.first[0]..s.whole.end[0]).contains(&x)
-                                && (s.whole.first[1]..s.whole.end[1]).contains(&y);
+                        for (s, row) in hits {
+                            let whole = (row.whole[0]..row.whole[1]).contains(&x);
                             assert!(!whole || (slices.share(s.depth, chord) - 1.0).abs() < 1e-9);
                         }
                     }

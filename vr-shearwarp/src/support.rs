@@ -4,6 +4,7 @@ use glam::DVec3;
 use vr_core::transfer::beyond_f32;
 use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, UniformVolume, View};
 
+use crate::region::Region;
 use crate::shear_warp::ShearWarp;
 
 pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
@@ -36,33 +37,20 @@ pub(crate) fn check<'s>(renderer: &ShearWarp, scene: &'s Scene) -> Result<&'s Un
     }
 }
 
-/// Whether this renderer can draw this view; the index box that is left of the volume, if so. Its corners are the wrong way round where
-/// nothing is.
-pub(crate) fn visible_box(
+/// Whether this renderer can draw this view; the part of the volume that is seen, if so and if there is one.
+pub(crate) fn visible_region(
     scene: &Scene,
     volume: &UniformVolume,
     view: &View,
     perspective: bool,
-) -> Result<[DVec3; 2], RenderError> {
+) -> Result<Option<Region>, RenderError> {
     if view.layer.is_some() {
         return Err(unsupported("opaque layers: a texel of the intermediate image is no pixel"));
-    }
-    if !view.clip.planes.is_empty() {
-        return Err(unsupported("clip planes: slices are cut by boxes alone"));
     }
     if perspective && is_shaded(scene) {
         return Err(unsupported("shading in perspective: what a normal reflects changes from ray to ray"));
     }
-    let last = last_sample(volume.dims());
-    let Some((low, high)) = view.clip.crop else { return Ok([DVec3::ZERO, last]) };
-    let inverse = volume.placement().inverse_axes();
-    let axes = [inverse.x_axis, inverse.y_axis, inverse.z_axis];
-    if axes.iter().any(|a| a.to_array().iter().filter(|&&c| c != 0.0).count() != 1) {
-        return Err(unsupported("a crop box that is turned against the volume's axes"));
-    }
-    let origin = volume.placement().origin();
-    let (a, b) = (inverse * (low - origin), inverse * (high - origin));
-    Ok([a.min(b).max(DVec3::ZERO), a.max(b).min(last)])
+    Region::of(view, volume.placement(), volume.dims())
 }
 
 /// The index of the last sample along each axis.

@@ -25,7 +25,6 @@ fn errors_fall_with_the_step() {
 }
 
 #[test]
-#[ignore = "until parallel rays start at the plane through the eye"]
 fn errors_fall_with_the_step_whatever_is_hard() {
     errors_of(&Kind::ALL);
 }

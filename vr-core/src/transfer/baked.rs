@@ -1,7 +1,7 @@
 //! A transfer function baked into a table for one step length: a look-up instead of an exponential.
 
-use super::TransferFunction;
-use super::table_grid::TableGrid;
+use super::table_grid::{TableGrid, lone_walls};
+use super::{Optical, TransferFunction};
 use crate::grid::Calibration;
 use crate::real::Real;
 
@@ -10,12 +10,15 @@ use crate::real::Real;
 ///
 /// Everything that depends on the step (the exponential, the source weight, the calibration) is folded in, in f64. A row is
 /// (r, g, b, α): the light that a homogeneous step sends out and its opacity. Each interval has a row of its own for both of its
-/// ends, so that a jump of the transfer function is a jump of the table. A step of another length is [`TransferFunction::step`].
+/// ends, so that a jump of the transfer function is a jump of the table. Where opacity touches 1 at a single value, that value has a row
+/// to itself, and the rows around it have the same mean extinction. A step of another length is [`TransferFunction::step`].
 #[derive(Clone, Debug)]
 pub struct BakedTransfer<R> {
     grid: TableGrid,
     /// Start and end of each interval; and the last end once more, as an interval of no length.
     rows: Vec<[[R; 4]; 2]>,
+    /// Stored numbers at which alone opacity is 1, and their rows.
+    walls: Vec<(R, [R; 4])>,
     /// Entry i: how many of the first i intervals are not clear.
     visible: Vec<u32>,
     origin: R,
@@ -47,21 +50,20 @@ impl<R: Real> BakedTransfer<R> {
     ) -> Self {
         let grid = TableGrid::new(transfer, calibration, range, integer);
         let intervals = grid.intervals();
-        let entry = |interval: usize, end: usize| {
-            transfer.step_of(&grid.optical(transfer, calibration, interval, grid.place(interval + end)), step)
-        };
-        let exact: Vec<[[f64; 4]; 2]> = (0..intervals).map(|i| [entry(i, 0), entry(i, 1)]).collect();
-        let end = entry(intervals, 0);
-        let error = table_error(transfer, calibration, &grid, &exact, step);
-        let rows: Vec<[[R; 4]; 2]> =
-            exact.iter().chain([&[end, end]]).map(|ends| ends.map(|e| e.map(R::from_f64))).collect();
+        let row = |at: &Optical| transfer.step_of(at, step);
+        let interval = |i: usize| grid.ends(transfer, calibration, i).map(|end| row(&end));
+        let exact: Vec<[[f64; 4]; 2]> = (0..=intervals).map(interval).collect();
+        let error = table_error(transfer, calibration, &grid, &exact[..intervals], step);
+        let rounded = |row: [f64; 4]| row.map(R::from_f64);
+        let rows: Vec<[[R; 4]; 2]> = exact.iter().map(|ends| ends.map(rounded)).collect();
+        let walls = lone_walls(transfer, calibration).into_iter().map(|(at, wall)| (at, rounded(row(&wall)))).collect();
         let mut visible = vec![0];
         for row in &rows {
             visible.push(visible[visible.len() - 1] + u32::from(*row != [[R::ZERO; 4]; 2]));
         }
         let origin = R::from_f64(grid.origin());
         let per_unit = per_unit(&grid, calibration, origin);
-        Self { grid, rows, visible, origin, per_unit, last: R::from_f64(intervals as f64), error }
+        Self { grid, rows, walls, visible, origin, per_unit, last: R::from_f64(intervals as f64), error }
     }
 
     /// What the table adds to the error.
@@ -82,6 +84,11 @@ impl<R: Real> BakedTransfer<R> {
     /// Rows (r, g, b, α) at the start and the end of each interval; and an interval of no length after the last.
     pub fn rows(&self) -> &[[[R; 4]; 2]] {
         &self.rows
+    }
+
+    /// Stored numbers at which alone opacity is 1, and their rows.
+    pub fn walls(&self) -> &[(R, [R; 4])] {
+        &self.walls
     }
 
     /// The stored number of the first entry.
@@ -107,6 +114,9 @@ impl<R: Real> BakedTransfer<R> {
     pub fn step(&self, stored: R) -> [R; 4] {
         if stored.is_nan() {
             return [R::ZERO; 4];
+        }
+        if let Some((_, row)) = self.walls.iter().find(|(at, _)| *at == stored) {
+            return *row;
         }
         let x = self.position(stored);
         let i = x.to_index();

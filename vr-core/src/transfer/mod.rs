@@ -17,6 +17,7 @@ pub use msh::{Msh, diverging};
 pub use preintegrated::{PreIntegrated, PreIntegratedRow, TablePlace, WALL_DEPTH};
 pub use presets::{Preset, is_hounsfield};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
+pub(crate) use table_grid::lone_walls;
 pub use table_range::{beyond_f32, outwards, resolves_ramps, rounding_in_f32, table_range};
 
 use crate::error::ParameterError;

@@ -1,7 +1,8 @@
 //! Places of a table's entries: evenly spaced over stored numbers, with the breaks of the transfer function on entries.
 
-use super::{Optical, TransferFunction};
+use super::{OpacityRule, Optical, Segment, TransferFunction};
 use crate::grid::Calibration;
+use crate::real::Real;
 
 /// Intervals of a table, unless its values are few integers or its breaks ask for more.
 const INTERVALS: usize = 4096;
@@ -76,6 +77,26 @@ impl TableGrid {
         self.breaks.iter().map(move |&(value, entry)| (calibration.stored(value), entry))
     }
 
+    /// The properties at both ends of an interval, between which a table is interpolated.
+    ///
+    /// Where opacity touches 1 at one end only, extinction has an integrable logarithm there, and a single value is a wall: see
+    /// [`lone_walls`]. With w = 1 − α from ω to 0, the mean of −ln w is 1 − ln ω: a line from −ln ω to 2 − ln ω has the same mean,
+    /// and so the same optical depth.
+    pub(crate) fn ends(&self, transfer: &TransferFunction, calibration: Calibration, interval: usize) -> [Optical; 2] {
+        let entries = [interval, (interval + 1).min(self.intervals)];
+        let mut ends = entries.map(|entry| self.optical(transfer, calibration, interval, self.place(entry)));
+        let [a, b] = ends.map(|end| end.opacity);
+        let peak = |other: f64| 1.0 - (1.0 - other) * libm::exp(-2.0);
+        if transfer.rule() == OpacityRule::Power && (a < 1.0) != (b < 1.0) {
+            if a < 1.0 {
+                ends[1].opacity = peak(a);
+            } else {
+                ends[0].opacity = peak(b);
+            }
+        }
+        ends
+    }
+
     /// The properties at a stored number as an interval has them: those of the stretch between two breaks that it belongs to.
     pub(crate) fn optical(
         &self,
@@ -93,6 +114,21 @@ impl TableGrid {
             _ => transfer.at(value),
         }
     }
+}
+
+/// The stored numbers at which opacity is 1 and just above which it is not, and the properties there: what no interpolation of a table
+/// can show. A field is constant there or passes in no time; it is constant in the middle of labels and of saturated parts.
+pub(crate) fn lone_walls<R: Real>(transfer: &TransferFunction, calibration: Calibration) -> Vec<(R, Optical)> {
+    if transfer.rule() != OpacityRule::Power {
+        return Vec::new();
+    }
+    let tops = transfer.segments().iter().filter(|s| s.start.opacity >= 1.0 && s.end.opacity < 1.0);
+    // A field that never has exactly this value is nowhere a wall.
+    let exact = |s: &Segment| {
+        let stored = R::from_f64(calibration.stored(s.from));
+        (calibration.value(stored.to_f64()) == s.from).then_some((stored, s.start))
+    };
+    tops.filter_map(exact).collect()
 }
 
 /// Distance and number of the intervals over `span` stored units with breaks so far from its begin.
@@ -165,6 +201,35 @@ mod tests {
         let odd = [1.0f64, 2f64.sqrt(), std::f64::consts::PI, 7f64.sqrt() * 4.0];
         let shift = grid(&jumps(&odd), 1.0, false).break_shift();
         assert!(shift > 0.0 && shift < 110.0 / 4096.0 / 4.0, "{shift}");
+    }
+
+    #[test]
+    fn a_touch_of_opacity_one_keeps_its_mean_extinction_and_is_a_wall_by_itself() {
+        let point = |value, opacity| ControlPoint::new(value, [0.5; 3], opacity);
+        let points = vec![point(1.5, 0.0), point(2.0, 1.0), point(2.5, 0.0), point(70.0, 1.0)];
+        let tent = |rule| TransferFunction::new(points.clone(), rule, 1.0).unwrap();
+        for slope in [1.0, -1.0] {
+            let calibration = Calibration { slope, intercept: 0.0 };
+            let (transfer, grid) = (tent(OpacityRule::Power), grid(&tent(OpacityRule::Power), slope, true));
+            let (wall, entry) = (2.0 * slope, ((2.0 * slope - grid.origin()) / grid.spacing()).round() as usize);
+            assert_eq!(grid.place(entry), wall);
+            for interval in [entry - 1, entry] {
+                let ends = grid.ends(&transfer, calibration, interval).map(|end| transfer.extinction(end.opacity));
+                // Of −ln|1 − α| over the interval, by the midpoint rule: half a step from the pole it is good to (ln 2)/2n.
+                let (from, steps) = (grid.place(interval), 100_000);
+                let at = |i: u32| from + grid.spacing() * (f64::from(i) + 0.5) / f64::from(steps);
+                let sum: f64 = (0..steps).map(|i| transfer.extinction_at(calibration.value(at(i)))).sum();
+                let mean = 0.5 * (ends[0] + ends[1]);
+                assert!((mean - sum / f64::from(steps)).abs() < 1e-5, "{mean} {sum}");
+            }
+            // At 70 it stays 1: the rows say that.
+            let walls = lone_walls::<f32>(&transfer, calibration);
+            assert_eq!(walls.iter().map(|w| w.0).collect::<Vec<_>>(), [wall as f32]);
+        }
+        // 2 is no number that a field of such a calibration has; and extinction that is given is never infinite.
+        let odd = Calibration { slope: 0.3, intercept: 0.1 };
+        assert!(lone_walls::<f32>(&tent(OpacityRule::Power), odd).is_empty());
+        assert!(lone_walls::<f32>(&tent(OpacityRule::Extinction), Calibration::default()).is_empty());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::{LANES, opacity_of_depth, pick, splat, transpose};
 use crate::grid::Calibration;
-use crate::transfer::{BakedTransfer, Optical, TransferFunction};
+use crate::transfer::{BakedTransfer, Optical, TransferFunction, lone_walls};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 
@@ -16,6 +16,8 @@ use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 pub struct OpticsTable {
     /// (r, g, b, κ) at the start and the end of each interval, κ per step of length 1; the last end once more.
     rows: Vec<[[f32; 4]; 2]>,
+    /// Stored numbers at which alone opacity is 1, and their rows.
+    walls: Vec<(f32, [f32; 4])>,
     origin: f32,
     per_unit: f32,
     /// Whether the rows hold emission, per step of length 1, and not colour.
@@ -30,36 +32,19 @@ impl OpticsTable {
     pub fn new(table: &BakedTransfer<f32>, transfer: &TransferFunction, calibration: Calibration, step: f64) -> Self {
         let (grid, emits) = (table.grid(), transfer.has_emission());
         let light = |at: &Optical| if emits { at.emission.map(|q| q * step) } else { at.color };
-        let rows = (0..=grid.intervals()).map(|i| {
-            // The last interval has no length.
-            let ends = [i, (i + 1).min(grid.intervals())];
-            let optical = ends.map(|entry| grid.optical(transfer, calibration, i, grid.place(entry)));
-            let kappa = extinctions(transfer, &optical).map(|kappa| (kappa * step).min(OPAQUE));
-            [0, 1].map(|end| {
-                let [r, g, b] = light(&optical[end]);
-                [r, g, b, kappa[end]].map(|x| x as f32)
-            })
-        });
-        Self { rows: rows.collect(), origin: table.origin(), per_unit: table.per_unit(), emits }
+        let row = |at: &Optical| {
+            let [r, g, b] = light(at);
+            [r, g, b, (transfer.extinction(at.opacity) * step).min(OPAQUE)].map(|x| x as f32)
+        };
+        let rows = (0..=grid.intervals()).map(|i| grid.ends(transfer, calibration, i).map(|end| row(&end)));
+        let walls = lone_walls(transfer, calibration).into_iter().map(|(at, wall)| (at, row(&wall)));
+        Self { rows: rows.collect(), walls: walls.collect(), origin: table.origin(), per_unit: table.per_unit(), emits }
     }
 
     /// The rows, for look-ups.
     pub fn rows(&self) -> Rows<'_> {
-        Rows { rows: &self.rows, origin: self.origin, per_unit: self.per_unit, last: (self.rows.len() - 1) as f32 }
-    }
-}
-
-/// Extinctions at the ends of an interval.
-///
-/// Where opacity touches 1 at one end only, extinction has an integrable logarithm there. With w = 1 − α from ω to 0, the mean of
-/// −ln w is 1 − ln ω: a line from −ln ω to 2 − ln ω has the same mean, and so the same optical depth.
-fn extinctions(transfer: &TransferFunction, ends: &[Optical; 2]) -> [f64; 2] {
-    let [a, b] = ends.map(|o| transfer.extinction(o.opacity));
-    let peak = |other: f64| other + 2.0 / transfer.unit_distance();
-    match (a.is_finite(), b.is_finite()) {
-        (true, false) => [a, peak(a)],
-        (false, true) => [peak(b), b],
-        _ => [a, b],
+        let last = (self.rows.len() - 1) as f32;
+        Rows { rows: &self.rows, walls: &self.walls, origin: self.origin, per_unit: self.per_unit, last }
     }
 }
 
@@ -86,6 +71,7 @@ pub fn light_of<S: Simd>(simd: S, optics: [f32x16<S>; 4], length: f32x16<S>, emi
 pub struct Rows<'a> {
     /// Start and end of each interval; the last one has no length.
     rows: &'a [[[f32; 4]; 2]],
+    walls: &'a [(f32, [f32; 4])],
     origin: f32,
     per_unit: f32,
     /// The largest index.
@@ -96,7 +82,8 @@ impl<'a> Rows<'a> {
     /// Those of a baked table: light and opacity of whole steps.
     pub fn of(table: &'a BakedTransfer<f32>) -> Self {
         let rows = table.rows();
-        Self { rows, origin: table.origin(), per_unit: table.per_unit(), last: (rows.len() - 1) as f32 }
+        let last = (rows.len() - 1) as f32;
+        Self { rows, walls: table.walls(), origin: table.origin(), per_unit: table.per_unit(), last }
     }
 
     /// The interpolated rows of sixteen values, component by component.
@@ -116,11 +103,53 @@ impl<'a> Rows<'a> {
             high[j] = f32x4::load_array_ref(simd, &ends[1]);
         }
         let (low, high) = (transpose(low), transpose(high));
-        [
+        let found = [
             low[0] + t * (high[0] - low[0]),
             low[1] + t * (high[1] - low[1]),
             low[2] + t * (high[2] - low[2]),
             low[3] + t * (high[3] - low[3]),
-        ]
+        ];
+        if self.walls.is_empty() { found } else { self.with_walls(simd, value, found) }
+    }
+
+    /// The rows, but for values that are walls by themselves.
+    #[inline(always)]
+    fn with_walls<S: Simd>(&self, simd: S, value: f32x16<S>, mut found: [f32x16<S>; 4]) -> [f32x16<S>; 4] {
+        for (wall, row) in self.walls {
+            let here = value.simd_eq(splat(simd, *wall));
+            for (c, found) in found.iter_mut().enumerate() {
+                *found = pick(here, splat(simd, row[c]), *found);
+            }
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transfer::{ControlPoint, OpacityRule};
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn a_single_value_is_a_wall_and_its_neighbours_are_not() {
+        let point = |value, opacity| ControlPoint::new(value, [0.25, 0.5, 1.0], opacity);
+        let transfer =
+            TransferFunction::new(vec![point(1.0, 0.0), point(2.0, 1.0), point(3.0, 0.0)], OpacityRule::Power, 1.0)
+                .unwrap();
+        let calibration = Calibration::default();
+        let baked = BakedTransfer::<f32>::new(&transfer, calibration, (0.0, 4.0), true, 0.01);
+        let optics = OpticsTable::new(&baked, &transfer, calibration, 0.01);
+        let mut values = [0.5; LANES];
+        (values[3], values[7], values[11]) = (2.0, 2.0f32.next_up(), 2.0f32.next_down());
+        let at = |rows: Rows<'_>| dispatch!(Level::new(), simd => rows.at(simd, f32x16::load_array_ref(simd, &values)).map(|c| c.to_array()));
+        let (steps, kappas) = (at(Rows::of(&baked)), at(optics.rows()));
+        assert_eq!([0, 1, 2, 3].map(|c| steps[c][3]), [0.25, 0.5, 1.0, 1.0]);
+        assert_eq!([0, 1, 2, 3].map(|c| kappas[c][3]), [0.25, 0.5, 1.0, OPAQUE as f32]);
+        for (i, value) in values.iter().enumerate() {
+            assert_eq!(steps[3][i], baked.step(*value)[3]);
+            // e⁻⁹ is left over of one voxel at the peak of a table of 1024 entries to a number.
+            assert!(i == 3 || (steps[3][i] < 0.1 && kappas[3][i] < 0.1), "{} {}", steps[3][i], kappas[3][i]);
+        }
     }
 }

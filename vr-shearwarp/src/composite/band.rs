@@ -7,7 +7,7 @@ use super::cells::Edges;
 use super::kernel::{Added, Chunk, Kernel, Row};
 use crate::encode::{Run, Runs};
 use crate::links::Links;
-use crate::slices::{Slice, Slices};
+use crate::slices::{Row as SliceRow, Slice, Slices};
 
 /// Neighbouring rows of the intermediate image.
 pub(crate) struct Band<'a> {
@@ -88,7 +88,7 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
         scratch.resize(rows, width);
         let mut open = vec![true; rows];
         let mut left = rows;
-        for slice in &slices.slices {
+        for (i, slice) in slices.slices.iter().enumerate() {
             if runs.layer_is_empty(slice.layer) {
                 continue;
             }
@@ -103,16 +103,16 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
                 if of_row.is_empty() || !open[row] {
                     continue;
                 }
+                let texels = slices.row(i, y);
                 let line = &mut band.lines[row];
                 let (planes, chords) = scratch.row(row, *line);
-                let whole = (slice.whole.first[1]..slice.whole.end[1]).contains(&y);
                 let mut crossing = Crossing {
                     kernel,
                     slices,
                     slice,
                     y,
                     weights: weights((v - cell as f64) as f32, slice.fraction),
-                    whole: if whole { [slice.whole.first[0], slice.whole.end[0]] } else { [0, 0] },
+                    texels,
                     row: Row::new(planes),
                     chords,
                     links: Links::new(&mut band.links[row * (width + 1)..][..width + 1]),
@@ -147,8 +147,7 @@ struct Crossing<'a, 'b, K, const N: usize> {
     y: usize,
     /// Weights of the edges of cells.
     weights: [f32; N],
-    /// The texels whose samples are whole.
-    whole: [usize; 2],
+    texels: SliceRow,
     row: Row<'b>,
     chords: &'b mut [Vec<f64>; 2],
     links: Links<'b>,
@@ -176,19 +175,19 @@ fn weights<const N: usize>(down: f32, behind: f32) -> [f32; N] {
 impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
     #[inline(always)]
     fn runs<S: Simd>(&mut self, simd: S, runs: &[Run<N>], last: usize) {
-        let slice = self.slice;
+        let (slice, [first, end_of_row]) = (self.slice, self.texels.valid);
         // Up to here, from where the runs began, all is opaque.
-        let mut open = slice.valid.first[0];
+        let mut open = first;
         if K::CLOSES && self.line.opaque > 0 {
             open = self.links.next_open(open);
         }
         for run in runs {
-            if open >= slice.valid.end[0] {
+            if open >= end_of_row {
                 return;
             }
             let behind = run.start + run.len;
             let end = if behind as usize == last { usize::MAX } else { slice.first_texel(behind) };
-            let end = end.min(slice.valid.end[0]);
+            let end = end.min(end_of_row);
             if end <= open {
                 continue;
             }
@@ -221,7 +220,7 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
             let n = (end - x).min(K::AT_ONCE);
             let columns = self.slice.columns(x, run.start, edges.last);
             let chunk = Chunk { x, y: self.y, n };
-            let whole = x >= self.whole[0] && x + n <= self.whole[1];
+            let whole = x >= self.texels.whole[0] && x + n <= self.texels.whole[1];
             if !whole {
                 self.shares(x, &mut shares);
             }

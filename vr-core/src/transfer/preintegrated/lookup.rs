@@ -12,6 +12,13 @@ pub struct TablePlace<R> {
     pub fraction: R,
 }
 
+impl<R: Real> TablePlace<R> {
+    /// In entries from the first row's begin.
+    pub(super) fn x(self) -> R {
+        R::from_index(self.row) + self.fraction
+    }
+}
+
 impl<R: Real> PreIntegrated<R> {
     /// Whether nothing absorbs or shines at any value from `low` to `high`, as far as the table knows: segments between such values are
     /// zero to the last bit.

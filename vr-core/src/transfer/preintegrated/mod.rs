@@ -13,6 +13,7 @@ mod tests;
 pub use lookup::TablePlace;
 pub use medium::WALL_DEPTH;
 
+use super::table_grid::lone_walls;
 use super::{OpacityRule, TransferFunction};
 use crate::grid::Calibration;
 use crate::real::Real;
@@ -46,7 +47,7 @@ use wall::{Wall, walls};
 /// # Opaque walls
 /// Where α is 1 over a range of values and κ is infinite (the power rule), [`PreIntegrated::segment`] ends at the wall exactly. The
 /// rows themselves stay finite: κ is [`WALL_DEPTH`] per unit distance there. Where α only touches 1, κ has an integrable logarithm
-/// and its mean is finite.
+/// and its mean is finite; a stretch on which the value stays there is a wall.
 #[derive(Clone, Debug)]
 pub struct PreIntegrated<R> {
     rows: Vec<PreIntegratedRow<R>>,
@@ -56,6 +57,8 @@ pub struct PreIntegrated<R> {
     quantum: [R; 4],
     /// Ranges of α = 1 in entries, ascending, with the colour at their lower and upper end.
     walls: Vec<Wall<R>>,
+    /// Places at which alone α is 1, in entries, and their colours.
+    lone_walls: Vec<(R, [R; 3])>,
     /// Entries by which a wall must be entered: what is less is rounding, and only touches it.
     touch: R,
     /// The largest colour, channel by channel: no stretch shines brighter. Absent where emission is given on its own.
@@ -158,8 +161,9 @@ impl<R: Real> PreIntegrated<R> {
             let color = constant.color.map(R::from_f64);
             walls = vec![Wall { from: -R::ONE / R::ZERO, to: R::ONE / R::ZERO, color: [color; 2] }];
         }
-        Self {
+        let mut table = Self {
             rows,
+            lone_walls: Vec::new(),
             origin: R::from_f64(origin),
             per_unit: R::from_f64(1.0 / spacing),
             last: R::from_index(last),
@@ -168,7 +172,10 @@ impl<R: Real> PreIntegrated<R> {
             touch: R::from_f64(4.0 * nudge),
             brightest: (!transfer.has_emission()).then(|| transfer.brightest_color_by_channel().map(R::from_f64)),
             aligned,
-        }
+        };
+        let lone = lone_walls(transfer, calibration).into_iter();
+        table.lone_walls = lone.map(|(at, wall)| (table.place(at).x(), wall.color.map(R::from_f64))).collect();
+        table
     }
 
     /// The rows, by ascending value. The first and the last hold what is constant beyond the table.
@@ -197,8 +204,8 @@ impl<R: Real> PreIntegrated<R> {
         self.aligned
     }
 
-    /// Whether α is 1 over some range of values and κ infinite.
+    /// Whether α is 1 at some value, and κ infinite.
     pub fn has_walls(&self) -> bool {
-        !self.walls.is_empty()
+        !self.walls.is_empty() || !self.lone_walls.is_empty()
     }
 }

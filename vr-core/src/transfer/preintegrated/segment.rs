@@ -48,7 +48,7 @@ impl<R: Real> PreIntegrated<R> {
     /// As [`PreIntegrated::segment`], between places that are known already.
     #[inline(always)]
     pub fn segment_between(&self, front: TablePlace<R>, back: TablePlace<R>, length: R) -> [R; 4] {
-        if !self.walls.is_empty()
+        if self.has_walls()
             && let Some(step) = self.segment_to_wall(front, back, length)
         {
             return step;

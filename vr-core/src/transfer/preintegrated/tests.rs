@@ -39,7 +39,7 @@ fn means_are_exact_but_for_the_table() {
             for calibration in [Calibration::default(), Calibration { slope: -0.5, intercept: 80.0 }] {
                 let t = wild(rule, emits);
                 let table = Table::new(&t, calibration, (-200.0, 200.0), 1024);
-                assert!(table.is_aligned() && !table.has_walls());
+                assert!(table.is_aligned());
                 let stored = |value: f64| calibration.stored(value);
                 let pairs = [
                     (5.0, 150.0),
@@ -199,6 +199,20 @@ fn walls_end_a_segment_where_they_begin() {
         let before = 1.0 - 0.5f64.powf(1.0);
         [1.0 - before, 0.5 * (1.0 - before), 0.0, 1.0]
     });
+}
+
+#[test]
+fn a_value_that_stays_where_opacity_touches_one_is_a_wall() {
+    let point = |value, opacity| ControlPoint::new(value, [0.25, 0.5, 1.0], opacity);
+    let t = TransferFunction::new(vec![point(1.0, 0.0), point(2.0, 1.0), point(3.0, 0.0)], OpacityRule::Power, 1.0);
+    let table = PreIntegrated::<f32>::new(&t.unwrap(), Calibration::default(), (0.0, 4.0), 64);
+    assert!(table.has_walls());
+    assert_eq!(table.segment(2.0, 2.0, 1e-9), [0.25, 0.5, 1.0, 1.0]);
+    assert_eq!(table.segment3(2.0, 2.0, 2.0, 1e-9), [0.25, 0.5, 1.0, 1.0]);
+    // Over the whole tent the mean of −ln(1 − α) is 1.
+    assert!((table.segment(1.0, 3.0, 0.1)[3] - 0.095_162_6).abs() < 1e-6);
+    let near = 2.0f32.next_up();
+    assert!(table.segment(near, near, 1e-3)[3] < 0.02 && table.segment(2.0, near, 1e-3)[3] < 0.02);
 }
 
 #[test]

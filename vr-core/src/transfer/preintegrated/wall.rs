@@ -26,11 +26,7 @@ impl<R: Real> PreIntegrated<R> {
     /// Whether the two chords of a parabola get into a wall that its samples do not touch.
     #[cold]
     pub(super) fn overshoots(&self, samples: [R; 3], raise: R) -> bool {
-        let x = |stored: R| {
-            let p = self.place(stored);
-            R::from_index(p.row) + p.fraction
-        };
-        let places = samples.map(x);
+        let places = samples.map(|stored| self.place(stored).x());
         let (low, high) = (places[0].min(places[1]).min(places[2]), places[0].max(places[1]).max(places[2]));
         let raise = raise * self.per_unit;
         let (lowest, highest) = (low + raise.min(R::ZERO), high + raise.max(R::ZERO));
@@ -40,22 +36,25 @@ impl<R: Real> PreIntegrated<R> {
     /// A stretch that meets a wall: what lies before it, and the wall's own colour. `None` if it meets none.
     #[cold]
     pub(super) fn segment_to_wall(&self, front: TablePlace<R>, back: TablePlace<R>, length: R) -> Option<[R; 4]> {
-        let x = |p: TablePlace<R>| R::from_index(p.row) + p.fraction;
-        let (from, to) = (x(front), x(back));
+        let (from, to) = (front.x(), back.x());
+        let wall = |color: [R; 3]| if self.brightest.is_some() { color } else { [R::ZERO; 3] };
+        let lone = self.lone_walls.iter().find(|(at, _)| from == *at && to == *at);
+        if let Some((_, color)) = lone {
+            let [r, g, b] = wall(*color);
+            return Some([r, g, b, R::ONE]);
+        }
         let rising = from <= to;
-        let met = |w: &&Wall<R>| {
+        let is_met = |w: &&Wall<R>| {
             // A constant value is in or out, the upper end being out; a value that changes must get inside.
             if from == to { w.from <= from && from < w.to } else { self.enters(w, from.min(to), from.max(to)) }
         };
-        let wall = if rising { self.walls.iter().find(met)? } else { self.walls.iter().rev().find(met)? };
-        let entry = if rising { from.max(wall.from) } else { from.min(wall.to) };
+        let met = if rising { self.walls.iter().find(is_met)? } else { self.walls.iter().rev().find(is_met)? };
+        let entry = if rising { from.max(met.from) } else { from.min(met.to) };
         // 0/0 in a wall of which nothing else is known: an infinite one has one colour.
-        let share = (entry - wall.from) / (wall.to - wall.from);
+        let share = (entry - met.from) / (met.to - met.from);
         let share = share.max(R::ZERO).min(R::ONE);
-        let color = |c: usize| {
-            let [low, high] = [wall.color[0][c], wall.color[1][c]];
-            if low == high { low } else { low + share * (high - low) }
-        };
+        let [low, high] = met.color;
+        let color = |c: usize| if low[c] == high[c] { low[c] } else { low[c] + share * (high[c] - low[c]) };
         let mut step = [R::ZERO; 4];
         if entry != from {
             let row = entry.min(self.last).to_index();
@@ -65,8 +64,8 @@ impl<R: Real> PreIntegrated<R> {
             let share = (entry - from) / (to - from);
             step = self.open_segment(front, end, share * length);
         }
-        let wall = if self.brightest.is_some() { [color(0), color(1), color(2), R::ONE] } else { [R::ZERO; 4] };
-        let mut light = behind(step, wall);
+        let [r, g, b] = wall(std::array::from_fn(color));
+        let mut light = behind(step, [r, g, b, R::ONE]);
         light[3] = R::ONE;
         Some(light)
     }
