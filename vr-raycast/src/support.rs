@@ -23,6 +23,13 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
             "local steps (local-error) under '{what}', where there is no light to follow: set a step"
         )));
     }
+    if let Order::FrontToBack { termination } = caster.order
+        && !scene.compositing.integrates_light()
+        // 1 is what happens: never.
+        && ![Order::TERMINATION, 1.0].contains(&termination)
+    {
+        return Err(unsupported(format!("a termination under '{}': no opacity is gathered", scene.compositing.name())));
+    }
     let samples_all = !scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. });
     let leaps =
         matches!(caster.step, Step::Vicinity { .. }) || !matches!(caster.leaping, Leaping::Auto | Leaping::None);

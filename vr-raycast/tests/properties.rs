@@ -273,6 +273,9 @@ fn what_cannot_be_drawn_is_said() {
     let scene = Scene { compositing: Compositing::Maximum, ..bumpy() };
     let error = backwards.prepare(&scene, &control).err().unwrap();
     assert!(matches!(error, RenderError::Unsupported { renderer: "raycast", .. }), "{error}");
+    let early = RayCaster { order: Order::FrontToBack { termination: 0.5 }, ..RayCaster::uniform(0.2) };
+    let error = early.prepare(&scene, &control).err().unwrap();
+    assert!(error.to_string().contains("a termination under 'maximum'"), "{error}");
     for step in [0.0, -1.0, f64::NAN, 65.0] {
         let caster = RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) };
         assert!(matches!(caster.prepare(&bumpy(), &control), Err(RenderError::Parameter(_))), "{step}");

@@ -62,9 +62,11 @@ impl Slice {
     /// Of the texels `first..end` of row `y`, those whose points of this slice are in a half space.
     fn above(&self, plane: &HalfSpace, y: usize, [first, end]: [usize; 2]) -> [usize; 2] {
         let SliceMap { offset, scale } = self.map;
-        // normal·(u, v, w) − least, as a function of x.
+        // normal·(u, v, w) − least, as a function of x. What is as near to the plane as NEAR along a ray, none of which shears more than a
+        // voxel a slice, is on it: `Slices::share` counts on that.
         let rate = plane.normal.x * scale;
         let at_zero = plane.normal.dot(DVec3::new(offset.x, offset.y + scale * y as f64, self.w)) - plane.least;
+        let at_zero = at_zero + NEAR * plane.normal.abs().element_sum();
         let meets = -at_zero / rate;
         // `as` saturates.
         let kept = if rate > 0.0 {

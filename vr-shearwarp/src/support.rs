@@ -18,6 +18,12 @@ pub(crate) fn check<'s>(renderer: &ShearWarp, scene: &'s Scene) -> Result<&'s Un
     if let Compositing::First { .. } = scene.compositing {
         return Err(unsupported("compositing 'first': the place of a surface between slices is not known"));
     }
+    if let Some(option) = idle_option(renderer, scene) {
+        return Err(unsupported(format!(
+            "{option} under '{}': a ray is left with one value",
+            scene.compositing.name()
+        )));
+    }
     if scene.filter != Filter::Trilinear {
         return Err(unsupported(format!("the filter '{}': slices are interpolated linearly", scene.filter)));
     }
@@ -34,6 +40,26 @@ pub(crate) fn check<'s>(renderer: &ShearWarp, scene: &'s Scene) -> Result<&'s Un
     match beyond_f32(volume, &scene.transfer) {
         Some(feature) => Err(unsupported(feature)),
         None => Ok(volume),
+    }
+}
+
+/// An option that is set and changes nothing, as values are picked and no light is gathered. One left at its default is none.
+fn idle_option(renderer: &ShearWarp, scene: &Scene) -> Option<&'static str> {
+    if scene.compositing.integrates_light() {
+        return None;
+    }
+    let default = ShearWarp::default();
+    // Never to end early, and to leave nothing out, is what happens.
+    if renderer.classification != default.classification {
+        Some("classified voxels (the option classification)")
+    } else if ![default.termination, 1.0].contains(&renderer.termination) {
+        Some("a termination")
+    } else if renderer.opacity_threshold > 0.0 {
+        Some("an opacity-threshold")
+    } else if !renderer.correction {
+        Some("uncorrected opacity (the option correction)")
+    } else {
+        None
     }
 }
 

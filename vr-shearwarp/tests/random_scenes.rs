@@ -26,7 +26,8 @@ fn errors_fall_with_the_step() {
 
 #[test]
 fn errors_fall_with_the_step_whatever_is_hard() {
-    errors_of(&Kind::ALL);
+    // Other filters are refused: what is left of that kind is too little to judge.
+    errors_of(&Kind::ALL.into_iter().filter(|&kind| kind != Kind::Filters).collect::<Vec<_>>());
 }
 
 #[test]

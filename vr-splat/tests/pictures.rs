@@ -186,6 +186,7 @@ fn what_cannot_be_drawn_is_said() {
     let brightest = Scene { compositing: Compositing::Maximum, ..scene.clone() };
     let axis = Splatting { buffers: Buffers::Axis, ..Splatting::default() };
     assert!(refused(axis, &brightest).contains("maximum"));
+    assert!(refused(Splatting { termination: 0.5, ..Splatting::default() }, &brightest).contains("termination"));
     assert!(refused(Splatting { order: SheetOrder::BackToFront, ..Splatting::default() }, &scene).contains("back"));
     let points = PointSet::new(vec![glam::DVec3::ZERO], vec![1.0], vec![1.0], vec![1.0], PointKernel::Cone).unwrap();
     let cloud = Scene { volume: points.into(), ..scene.clone() };

@@ -24,6 +24,7 @@ fn what_it_cannot_draw_it_refuses() {
     let maximum = Scene { compositing: Compositing::Maximum, ..scene.clone() };
     assert!(refused(TexSlice { format: Format::Rgba, ..plain() }, &maximum, &view));
     assert!(refused(TexSlice { brick: Some(16), ..plain() }, &maximum, &view));
+    assert!(refused(TexSlice { termination: 0.5, ..plain() }, &maximum, &view), "no opacity is gathered");
     assert!(refused(TexSlice { order: Order::Slices, proxy: Proxy::Stacks, ..plain() }, &scene, &view));
     let level = Scene { compositing: Compositing::Accumulate { level: 0.5 }, ..scene.clone() };
     assert!(refused(TexSlice { blend: Blend::BackToFront, ..plain() }, &level, &view));

@@ -46,7 +46,8 @@ impl State {
                 if level < 1.0 {
                     // Only as much of it as the level has room for: a homogeneous sheet's light goes with its opacity.
                     let least = splat(simd, 1.0 - level);
-                    let beyond = after.simd_lt(least);
+                    // Once the level is reached, light that nothing absorbs has no room either.
+                    let beyond = after.simd_lt(least) | clear.simd_le(least);
                     let taken = clear * alpha;
                     let divisor = pick(taken.simd_gt(splat(simd, 0.0)), taken, one);
                     let part = ((clear - least) / divisor).max(splat(simd, 0.0)).min(one);
@@ -103,5 +104,30 @@ impl State {
             }
             Operator::Under { .. } | Operator::Over => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn nothing_shines_once_the_level_is_reached() {
+        let mut state = State::EMPTY;
+        let operator = Operator::Under { level: 0.5 };
+        let mut blend = |light: f32, alpha: f32| {
+            dispatch!(Level::new(), simd => {
+                let light = splat(simd, light);
+                state.blend(simd, operator, [light, light, light, splat(simd, alpha)]);
+            });
+            (state.light[0].0[3], state.clear.0[3])
+        };
+        // What is clear shines before the level; of an opaque sheet a half has room; behind it nothing has, clear or not.
+        assert_eq!(blend(0.25, 0.0), (0.25, 1.0));
+        let (light, clear) = blend(1.0, 1.0);
+        assert_eq!((light, clear), (0.75, 0.5));
+        assert_eq!(blend(1.0, 0.0), (0.75, 0.5));
+        assert_eq!(blend(1.0, 0.3), (0.75, 0.5));
     }
 }
