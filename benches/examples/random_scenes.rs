@@ -20,7 +20,9 @@ use vr_shearwarp::ShearWarp;
 use vr_splat::Splatting;
 use vr_texslice::TexSlice;
 
-const USAGE: &str = "usage: random_scenes [--kind KIND] [--seed FIRST] [--slack FACTOR] [--out FOLDER] RENDERER COUNT
+const USAGE: &str =
+    "usage: random_scenes [--kind KIND] [--seed FIRST] [--slack FACTOR] [--all] [--out FOLDER] RENDERER COUNT
+--all: scenes that are right are written, too
 RENDERER: marcher (plain, in f64), raycast, raycast-steps, raycast-exact, texslice, pre-integrated, shearwarp, splat
 KIND: one of those that the table names; all of them if absent, COUNT scenes together";
 
@@ -32,13 +34,14 @@ const MOST_FILES: usize = 20;
 fn main() -> Result<(), Error> {
     let (mut kinds, mut first, mut out) = (Kind::ALL.to_vec(), 0, PathBuf::from("target/random_scenes"));
     let mut words = std::env::args().skip(1);
-    let (mut rest, mut slack) = (Vec::new(), None);
+    let (mut rest, mut slack, mut all) = (Vec::new(), None, false);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(USAGE);
         match word.as_str() {
             "--kind" => kinds = vec![Kind::from_name(&value()?).ok_or(USAGE)?],
             "--seed" => first = value()?.parse()?,
             "--slack" => slack = Some(value()?.parse()?),
+            "--all" => all = true,
             "--out" => out = value()?.into(),
             _ => rest.push(word),
         }
@@ -46,7 +49,7 @@ fn main() -> Result<(), Error> {
     let [name, count] = rest.as_slice() else { return Err(USAGE.into()) };
     let (renderer, mut falling) = subject(name).ok_or(USAGE)?;
     falling.scene_slack = slack.unwrap_or(falling.scene_slack);
-    survey(name, (&*renderer, &falling), (&kinds, first, count.parse()?), &out)
+    survey(name, (&*renderer, &falling), (&kinds, first, count.parse()?), (&out, all))
 }
 
 /// A renderer by name, and how it is refined. The floors are what rounding in f32 and tables of a few thousand entries leave.
@@ -82,7 +85,7 @@ fn survey(
     name: &str,
     (renderer, falling): (&dyn Renderer, &Falling),
     (kinds, first, count): (&[Kind], u64, u64),
-    out: &Path,
+    (out, all): (&Path, bool),
 ) -> Result<(), Error> {
     let ladder = falling.ladder(renderer)?;
     let reference = Reference::new(1e-6);
@@ -99,7 +102,7 @@ fn survey(
     for (i, &kind) in kinds.iter().enumerate() {
         let share = count / kinds.len() as u64 + u64::from((i as u64) < count % kinds.len() as u64);
         let table = survey_kind(&ladder, kind, first..first + share, &reference, |seed, test, fall| {
-            if fall.falls_short() {
+            if all || fall.falls_short() {
                 let error = if let Fall::Beyond(errors, _) = fall { errors[2] } else { f64::INFINITY };
                 failures.entry(kind.name()).or_default().push((error, seed, fall.to_string(), test.clone()));
             }

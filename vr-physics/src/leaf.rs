@@ -400,7 +400,8 @@ impl<'a> Leaf<'a> {
     /// Whether 1 − α is no more than what it may be off by, under the power rule.
     pub fn is_lost(&self) -> bool {
         !self.model.error().is_finite()
-            || self.optics.has_walls() && Bound::new(self.clearest()).within((self.noise() * 4.0).value())
+            || self.optics.has_walls()
+                && Bound::new(self.clearest(&self.model.field)).within((self.noise() * 4.0).value())
     }
 
     /// True if 1 − α is much smaller somewhere than elsewhere, so that an error of the value weighs unequally, under the power rule.
@@ -409,27 +410,28 @@ impl<'a> Leaf<'a> {
         self.optics.has_walls() && change > 0.5 * self.clear
     }
 
-    /// The largest 1 − α on the stretch, at a few points.
-    pub fn clearest(&self) -> f64 {
-        let field = &self.model.field;
-        let clear = |t: f64| self.clear - self.alpha.slope * (field.at(t) - field.coefficients()[0]);
+    /// The largest |1 − α| of a field by this stretch's line, which may go on beyond 1, at a few points.
+    fn clearest(&self, field: &Poly) -> f64 {
+        let middle = self.model.field.coefficients()[0];
+        let clear = |t: f64| (self.clear - self.alpha.slope * (field.at(t) - middle)).abs();
         [-1.0, -0.5, 0.0, 0.5, 1.0].map(clear).into_iter().fold(0.0, f64::max)
     }
 
     /// A crude enclosure, for stretches so short that nothing more is worth while: around an opacity that touches 1, or a
     /// gradient that vanishes.
     ///
-    /// There w = 1 − α is a polynomial of degree d, whose maximum is at least W on a longer stretch of half length H (`whole`)
-    /// around this one of half length h. Each of its roots, wherever it lies, adds at most 2h (1 + ln(2H/h)) to ∫ −ln(w/W) ds.
-    pub fn enclosed(&self, whole: Whole) -> Gain {
+    /// There w = 1 − α is a polynomial of degree d; with this stretch's line it goes on to a longer one of half length H (`whole`)
+    /// around this one of half length h, and the maximum of |w| is at least W there. Each of its roots, wherever it lies, adds at most
+    /// 2h (1 + ln(2H/h)) to ∫ −ln|w/W| ds.
+    pub fn enclosed(&self, whole: Whole<'_>) -> Gain {
         let field = &self.model.field;
         let length = 2.0 * self.half;
         let unit = self.optics.transfer.unit_distance();
         let deepest = match self.optics.transfer.rule() {
             OpacityRule::Extinction => length * self.alpha.bound(field.spread(1.0)).min(1.0) / unit,
             OpacityRule::Power => {
-                let w = whole.clearest - self.noise().value();
-                let roots = if self.alpha.slope == 0.0 { 0.0 } else { field.degree() as f64 };
+                let w = self.clearest(whole.field) - self.noise().value();
+                let roots = if self.alpha.slope == 0.0 { 0.0 } else { whole.field.degree() as f64 };
                 let each = 1.0 + libm::log(2.0 * whole.half / self.half);
                 if w > 0.0 { length / unit * (roots * each - libm::log(w)) } else { f64::INFINITY }
             }
@@ -461,13 +463,13 @@ fn product(error: Bound, factor: impl Into<Bound>) -> Bound {
     if error == Bound::ZERO || factor == Bound::ZERO { Bound::ZERO } else { error * factor }
 }
 
-/// The stretch that a short one was halved from.
+/// The stretch that a short one was cut from: the field is one polynomial on it.
 #[derive(Clone, Copy, Debug)]
-pub struct Whole {
+pub struct Whole<'a> {
     /// Half its length.
     pub half: f64,
-    /// Its largest 1 − α.
-    pub clearest: f64,
+    /// The field on it.
+    pub field: &'a Poly,
 }
 
 /// Bounds on an ellipse.

@@ -207,7 +207,7 @@ impl Walk<'_> {
             }
             let part = if whole { model } else { model.restricted(pair[0], pair[1]) };
             let s = middle + half * pair[0];
-            self.part(&part, s, 0.5 * half * (pair[1] - pair[0]), 0, None);
+            self.part(&part, s, 0.5 * half * (pair[1] - pair[0]), 0, Whole { half, field: &model.field });
         }
         self.cuts = cuts;
     }
@@ -259,7 +259,7 @@ impl Walk<'_> {
     }
 
     /// A part in one segment of the transfer function, starting at `s`.
-    fn part(&mut self, model: &LineModel, s: f64, half: f64, halvings: u32, whole: Option<Whole>) {
+    fn part(&mut self, model: &LineModel, s: f64, half: f64, halvings: u32, whole: Whole<'_>) {
         let value = model.field.at(0.0);
         let in_front = libm::exp(-self.result.depth);
         let optics = self.optics;
@@ -300,7 +300,6 @@ impl Walk<'_> {
         let leaf = Leaf::new(optics, segment, model, half);
         let (light_share, depth_share) = (0.25 * share, 0.25 * share / light);
         let Some(choice) = leaf.choose(light_share, depth_share) else {
-            let whole = whole.unwrap_or_else(|| Whole { half, clearest: leaf.clearest() });
             let gain = leaf.enclosed(whole);
             // Where the field's own error covers all of 1 − α, halving does not help.
             let lost = leaf.is_lost() || halvings >= MOST_HALVINGS || self.splits >= MOST_SPLITS;
@@ -308,7 +307,7 @@ impl Walk<'_> {
                 self.add(gain, in_front, s);
                 return;
             }
-            self.halve(model, s, half, halvings, Some(whole));
+            self.halve(model, s, half, halvings, whole);
             return;
         };
         let (gain, rule, tau) = leaf.integrate(&choice);
@@ -367,7 +366,7 @@ impl Walk<'_> {
         self.surface.max(self.emission * (self.end.max(0.0) + self.length)).max(1.0)
     }
 
-    fn halve(&mut self, model: &LineModel, s: f64, half: f64, halvings: u32, whole: Option<Whole>) {
+    fn halve(&mut self, model: &LineModel, s: f64, half: f64, halvings: u32, whole: Whole<'_>) {
         self.splits += 1;
         self.part(&model.restricted(-1.0, 0.0), s, 0.5 * half, halvings + 1, whole);
         if !self.ended {

@@ -32,6 +32,8 @@ pub enum Kind {
     Constants,
     /// A few numbers of parts, nearest or trilinear, jumps between them.
     Labels,
+    /// The same with triangles of the transfer function whose tips, of opacity 1 or less, are at the numbers of the parts.
+    Peaks,
     /// Calibrations of a negative slope.
     NegativeSlopes,
     /// Values around 10³ to 10⁷, in the calibration or in the samples themselves.
@@ -66,7 +68,7 @@ pub enum Kind {
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Plain,
         Self::Jumps,
         Self::Spikes,
@@ -75,6 +77,7 @@ impl Kind {
         Self::Holes,
         Self::Constants,
         Self::Labels,
+        Self::Peaks,
         Self::NegativeSlopes,
         Self::Offsets,
         Self::Extremes,
@@ -103,6 +106,7 @@ impl Kind {
             Self::Holes => "holes",
             Self::Constants => "constants",
             Self::Labels => "labels",
+            Self::Peaks => "peaks",
             Self::NegativeSlopes => "negative-slopes",
             Self::Offsets => "offsets",
             Self::Extremes => "extremes",
@@ -147,7 +151,13 @@ impl Kind {
             Self::Labels => Parts {
                 volume: volume(grids::labels().boxed()),
                 recipe: transfers::label_recipe(usize::from(grids::LABELS)).boxed(),
-                filter: prop_oneof![1 => Just(Filter::Nearest), 1 => Just(Filter::Trilinear)].boxed(),
+                filter: label_filter(),
+                ..plain
+            },
+            Self::Peaks => Parts {
+                volume: volume(grids::labels().boxed()),
+                recipe: transfers::peak_recipe(usize::from(grids::LABELS)).boxed(),
+                filter: label_filter(),
                 ..plain
             },
             Self::NegativeSlopes => Parts { volume: falling(), recipe: over_jumps(), ..any_operator(plain) },
@@ -290,6 +300,10 @@ fn with_slopes(mut shading: Shading, steepest: f64) -> Arc<Shading> {
     }
     shading.gradient_opacity.iter_mut().for_each(|(magnitude, _)| *magnitude *= steepest);
     Arc::new(shading)
+}
+
+fn label_filter() -> BoxedStrategy<Filter> {
+    prop_oneof![1 => Just(Filter::Nearest), 1 => Just(Filter::Trilinear)].boxed()
 }
 
 fn any_operator(parts: Parts) -> Parts {
@@ -438,6 +452,15 @@ mod tests {
                 Kind::Masks | Kind::Holes => (share(&|t| grid(t).vacuum_cells().is_some()), 40),
                 Kind::Constants => (share(&|t| range(t).0 == range(t).1), 4),
                 Kind::Labels => (share(&|t| t.scene.filter == Filter::Nearest), 20),
+                Kind::Peaks => {
+                    // At the smallest number of all, if not at others.
+                    (
+                        share(&|t| {
+                            t.scene.transfer.segments().iter().any(|s| s.start.opacity == 1.0 && s.from == range(t).0)
+                        }),
+                        15,
+                    )
+                }
                 Kind::NegativeSlopes => (share(&|t| grid(t).calibration().slope < 0.0), 60),
                 Kind::Offsets => (share(&|t| range(t).0.abs() > 900.0), 60),
                 Kind::Extremes => (share(&|t| range(t).1 < 1e-36 || range(t).1 > 1e30), 60),

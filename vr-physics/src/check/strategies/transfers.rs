@@ -160,6 +160,21 @@ pub(super) fn label_recipe(labels: usize) -> impl Strategy<Value = Recipe> {
     })
 }
 
+/// Each of so many labels, at equal distances over the range of values, is the tip of a triangle that reaches no other label.
+pub(super) fn peak_recipe(labels: usize) -> impl Strategy<Value = Recipe> {
+    let opacity = prop_oneof![1 => Just(0.0), 2 => Just(1.0), 1 => Just(0.999), 1 => 0.0..1.0];
+    let look = vec((color(), opacity, 0.05..0.5), labels + 1);
+    (look, color(), rule(), 0.5..2.0).prop_map(move |(looks, foot, rule, unit_distance)| {
+        let place = |i: usize, side: f64| (i as f64 + side) / labels as f64;
+        let triangle = |(i, (tip, opacity, width)): (usize, ([f64; 3], f64, f64))| {
+            let none = |side: f64| (place(i, side), foot, 0.0, [0.0; 3]);
+            [none(-width), (place(i, 0.0), tip, opacity, [0.0; 3]), none(width)]
+        };
+        let points = looks.into_iter().enumerate().flat_map(triangle).collect();
+        Recipe { points, kind: Kind::DensityEmitter, rule, unit_distance }
+    })
+}
+
 /// A transfer function that gives emission on its own, with jumps or without.
 pub(super) fn emitting_recipe() -> impl Strategy<Value = Recipe> {
     let recipe = prop_oneof![2 => tame_recipe(), 1 => jumping_recipe()];
