@@ -148,8 +148,8 @@ impl ExactPlacement {
 
     /// The part of a ray inside the box and the clip, up to the world distance `far`: as `IndexRay::new`.
     ///
-    /// A ray that lies in a face, as far as f64 can tell, is on either side of it by chance. Pixels are defined by the rays of
-    /// `vr_core::Rays`: `rounded` is what that one has inside, and is asked then.
+    /// A ray that lies in a face, as far as f64 can tell, is on either side of it by chance; one that only touches the box has a short
+    /// part in it or none. Pixels are defined by the rays of `vr_core::Rays`: `rounded` is what that one has inside, and is asked then.
     pub(crate) fn chord(
         &self,
         ray: &ExactRay,
@@ -173,7 +173,9 @@ impl ExactPlacement {
             |row: Double3| POSITION_ROUNDING * (0..3).map(|c| (row.0[c].round() * sizes[c]).abs()).sum::<f64>();
         let reach = (0..3).map(|a| 0.5 * last[a] * self.axes[a].round().length()).sum();
         let rounded = || rounded().map(|ray| [ray.start, ray.end].map(|s| s + (ray.offset - offset)));
-        let mut part = Part { ends: [-offset, far - offset], off: [Bound::ZERO; 2], reach, rounded };
+        let ends = [-offset, far - offset];
+        let mut part =
+            Part { ends, off: [Bound::ZERO; 2], rounding: [POSITION_ROUNDING * offset.abs(); 2], reach, rounded };
         for a in 0..3 {
             let faces = [0.0, last[a]];
             part.keep_between(origin[a], direction[a], faces, [self.axes_off[a], rounding(self.inverse[a])]);
@@ -195,7 +197,7 @@ impl ExactPlacement {
             let off = [0.0, rounding(normal) + POSITION_ROUNDING * plane.offset.abs()];
             part.keep_between(above, normal.dot(ray.direction), [0.0, f64::INFINITY], off);
         }
-        let [start, end] = part.ends;
+        let [start, end] = part.decided();
         if start.is_nan() || end.is_nan() || start >= end {
             return None;
         }
@@ -233,6 +235,8 @@ pub(crate) struct IndexChord {
 struct Part<F> {
     ends: [f64; 2],
     off: [Bound; 2],
+    /// What f64 rounds the ends by.
+    rounding: [f64; 2],
     /// No s that matters is larger, at either sign.
     reach: f64,
     /// Ends of the ray as f64 has it, if it has any.
@@ -240,6 +244,15 @@ struct Part<F> {
 }
 
 impl<F: Fn() -> Option<[f64; 2]>> Part<F> {
+    /// The ends; where they are as near to each other as rounding, those of f64.
+    fn decided(&self) -> [f64; 2] {
+        let [start, end] = self.ends;
+        if (end - start).abs() <= self.rounding[0] + self.rounding[1] {
+            return (self.rounded)().unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+        }
+        self.ends
+    }
+
     /// Keeps the s with low ≤ x + s·slope ≤ high, where x is off by `error` at most, and in f64 by `rounding`.
     fn keep_between(&mut self, x: Double, slope: Double, [low, high]: [f64; 2], [error, rounding]: [f64; 2]) {
         let (at, rate) = (x.round(), slope.round());
@@ -262,13 +275,14 @@ impl<F: Fn() -> Option<[f64; 2]>> Part<F> {
         let (a, b) = (at(low), at(high));
         // Rounded once from the quotient.
         let off = |s: f64| Bound::new(0.5 * f64::EPSILON * s) + Bound::new(error / rate.abs());
+        let moved = |s: f64| rounding / rate.abs() + POSITION_ROUNDING * s.abs();
         if a.min(b) > self.ends[0] {
             self.ends[0] = a.min(b);
-            self.off[0] = off(self.ends[0]);
+            (self.off[0], self.rounding[0]) = (off(self.ends[0]), moved(self.ends[0]));
         }
         if a.max(b) < self.ends[1] {
             self.ends[1] = a.max(b);
-            self.off[1] = off(self.ends[1]);
+            (self.off[1], self.rounding[1]) = (off(self.ends[1]), moved(self.ends[1]));
         }
     }
 }
@@ -348,6 +362,29 @@ mod tests {
             }
         }
         assert!(hits.iter().all(|&n| n > 64), "{hits:?}");
+    }
+
+    #[test]
+    fn a_ray_that_touches_a_corner_has_what_renderers_have() {
+        // From a corner of the volume outwards: of some rays f64 has a last bit inside.
+        let placement = Placement::from_spacing([0.5; 3]).unwrap();
+        let (dims, clip, far) = ([4, 3, 3], Clip::default(), f64::INFINITY);
+        let exact = ExactPlacement::new(&placement, dims);
+        let projection = Projection::Perspective { fov: 90.0 };
+        let (eye, target) = (DVec3::new(0.75, 0.5, 1.0), DVec3::new(0.75, -0.5, 2.0));
+        let view = View::new(Camera { eye, target, up: DVec3::X, projection }, [8, 8]);
+        let (rays, exact_rays) = (Rays::new(&view).unwrap(), ExactRays::new(&view).unwrap());
+        let mut hits = [0; 2];
+        for y in 0..8 {
+            for x in 0..8 {
+                let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+                let core = IndexRay::new(&rays.at(x, y), &placement, dims, &clip, far);
+                let chord = exact.chord(&exact_rays.at(x, y), &clip, far, || core);
+                assert_eq!(chord.is_some(), core.is_some(), "{x} {y}: {chord:?} {core:?}");
+                hits[usize::from(core.is_some())] += 1;
+            }
+        }
+        assert!(hits.iter().all(|&n| n > 4), "{hits:?}");
     }
 
     #[test]
