@@ -68,6 +68,6 @@ impl LineField for AnalyticLine<'_> {
         let seen = [0.13, -0.58, 0.91].map(|t| (value(t) - field.at(t)).abs());
         let estimate = 4.0 * largest(seen);
         let field_error = if certain { (gap + INSIDE) * parting } else { estimate };
-        Some(LineModel { field, field_error, gradient: None, gradient_error: 0.0, certain })
+        Some(LineModel { field, field_error, gradient: None, gradient_error: 0.0, limits: None, certain })
     }
 }

@@ -9,6 +9,7 @@ use vr_core::filter::Reconstruction;
 use vr_core::{Calibration, Filter, IndexRay, Real, Sampler, UniformVolume, Voxel};
 
 use crate::bound::Bound;
+use crate::double::Double;
 use crate::exact_ray::{ExactPlacement, IndexChord};
 use crate::gaussian_cell;
 use crate::line::{Chord, LineField, LineModel, RayField};
@@ -183,7 +184,34 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         let (gradient, gradient_error) = self.gradient(cell, middle, half, reach, analytic);
         let calibration_error = if reach == 0.0 { 0.0 } else { calibration_error };
         let field_error = Bound::new(rounding) + calibration_error + tie;
-        LineModel { field, field_error: field_error.value(), gradient, gradient_error, certain: true }
+        let limits = if reach == 0.0 { None } else { self.limits(cell, middle, half) };
+        LineModel { field, field_error: field_error.value(), gradient, gradient_error, limits, certain: true }
+    }
+
+    /// The least and the largest sample of a cell. A trilinear field is a mean of all eight, all of which count inside the cell: it takes
+    /// neither there, unless they are all the same. A ray in a face, or so near that it may be, is not inside; and where calibration rounds,
+    /// the numbers are not those of the samples.
+    fn limits(&self, cell: [usize; 3], middle: DVec3, half: DVec3) -> Option<[f64; 2]> {
+        let inside = |a: usize| {
+            let (off, place) = (self.chord.position_error[a], middle[a] - cell[a] as f64);
+            half[a].abs() > off || place > off && place < 1.0 - off
+        };
+        if F::FILTER != Filter::Trilinear || !(0..3).all(inside) {
+            return None;
+        }
+        let lattice = self.sampler.lattice();
+        let (slope, intercept) = (Double::from(self.calibration.slope), Double::from(self.calibration.intercept));
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for corner in 0..8 {
+            let [x, y, z]: [usize; 3] = std::array::from_fn(|a| cell[a] + (corner >> a & 1));
+            let stored: f64 = lattice.at(x, y, z);
+            let value = slope * Double::from(stored) + intercept;
+            if value.rest() != 0.0 {
+                return None;
+            }
+            (low, high) = (low.min(value.round()), high.max(value.round()));
+        }
+        (low < high).then_some([low, high])
     }
 
     /// How much two samples differ whose middle the ray runs along, to what its place may be off by: it may be nearer to either.
@@ -287,7 +315,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
             let none = || ([Poly::constant(0.0); 3], Bound::ZERO);
             let (gradient, gradient_error) = self.gradient(cell, middle, half, reach, none);
             let field = Poly::constant(offset);
-            return LineModel { field, field_error: 0.0, gradient, gradient_error, certain: true };
+            return LineModel { field, field_error: 0.0, gradient, gradient_error, limits: None, certain: true };
         }
         let own_slopes = matches!(self.gradient, GradientSource::Analytic);
         let part = gaussian_cell::interpolate(lattice, cell, base, reach, [middle, half], own_slopes);
@@ -296,7 +324,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         let displaced = 4.0 * self.displaced(reach);
         let slopes = || part.gradient.map_or(([Poly::constant(0.0); 3], Bound::ZERO), |(g, off)| (g, off + displaced));
         let (gradient, gradient_error) = self.gradient(cell, middle, half, reach, slopes);
-        LineModel { field, field_error: field_error.value(), gradient, gradient_error, certain: true }
+        LineModel { field, field_error: field_error.value(), gradient, gradient_error, limits: None, certain: true }
     }
 
     /// How far a face at a distance may be off: its axis' error over how fast the ray crosses it.

@@ -62,6 +62,8 @@ pub struct LineModel {
     pub gradient: Option<[Poly; 3]>,
     /// See there.
     pub gradient_error: f64,
+    /// Two values between which the field surely is, neither of which it takes anywhere but at the interval's ends. None if not known.
+    pub limits: Option<[f64; 2]>,
     /// False if the errors are estimates and no bounds.
     pub certain: bool,
 }
@@ -82,6 +84,11 @@ impl LineModel {
         let (value, reach) = (self.field.coefficients()[0], Bound::new(self.field.spread(1.0)) + self.error());
         let reach = (reach + 2.0 * f64::EPSILON * value).value();
         if value.is_nan() { [f64::NEG_INFINITY, f64::INFINITY] } else { [value - reach, value + reach] }
+    }
+
+    /// Whether the field may have a value over a length, as far as its limits tell.
+    pub(crate) fn may_be(&self, value: f64) -> bool {
+        self.limits.is_none_or(|[low, high]| low < value && value < high)
     }
 
     /// The same on a part [a, b] of [−1, 1], stretched again.

@@ -4,6 +4,7 @@ use vr_core::transfer::Segment;
 use vr_core::{OpacityRule, RayShading, Shading, TransferFunction};
 
 use crate::bound::{Bound, largest};
+use crate::line::LineModel;
 
 /// Transfer function and shading as one ray meets them.
 pub struct Optics<'a> {
@@ -60,6 +61,20 @@ impl<'a> Optics<'a> {
         let first = all.partition_point(|s| s.to < low).min(all.len() - 1);
         let end = all.partition_point(|s| s.from <= high);
         &all[first..end.max(first + 1)]
+    }
+
+    /// The segment that holds at a value of a stretch: among those of more than one value that the stretch may have.
+    pub(crate) fn segment_of(&self, model: &LineModel, value: f64) -> &'a Segment {
+        let all = self.transfer.segments();
+        let at = self.transfer.segment_at(value);
+        let Some([low, high]) = model.limits else { return at };
+        if at.to <= low {
+            all.iter().find(|s| s.to > low).unwrap_or(at)
+        } else if at.from >= high {
+            all.iter().rev().find(|s| s.from < high).unwrap_or(at)
+        } else {
+            at
+        }
     }
 
     /// The largest factor on κ.

@@ -239,7 +239,7 @@ impl LineField for PointLine {
         // One rounding for each term of the sum, a few of its value; what moves a point moves the truth with it.
         let rounding = f64::EPSILON * ((parts.len() + degree + 16) as f64 * size + 4.0 * evaluation);
         let field_error = missed[chosen] + dropped + LEBESGUE * rounding + displaced;
-        Some(LineModel { field, field_error, gradient: None, gradient_error: 0.0, certain: true })
+        Some(LineModel { field, field_error, gradient: None, gradient_error: 0.0, limits: None, certain: true })
     }
 }
 

@@ -263,10 +263,11 @@ impl Walk<'_> {
         let value = model.field.at(0.0);
         let in_front = libm::exp(-self.result.depth);
         let optics = self.optics;
-        let mut segment = optics.transfer.segment_at(value);
+        let mut segment = optics.segment_of(model, value);
         // Between the two sides of a jump the value does not tell which one holds.
         let band = band(model);
-        let doubtful = optics.jumps.iter().any(|v| band > 0.0 && Bound::new(band) >= Bound::new(v - value));
+        let near = |v: f64| band > 0.0 && Bound::new(band) >= Bound::new(v - value);
+        let doubtful = optics.jumps.iter().any(|&v| model.may_be(v) && near(v));
         if doubtful {
             segment = self.doubtful(model, band, half, in_front);
         }
@@ -278,6 +279,15 @@ impl Walk<'_> {
             self.touched_wall();
         }
         if segment.is_clear() || most == 0.0 && segment.start.emission == [0.0; 3] && segment.end.emission == [0.0; 3] {
+            return;
+        }
+        let reach = band + model.field.spread(1.0);
+        if is_wall
+            && band > 0.0
+            && [segment.from, segment.to].iter().any(|edge| (edge - value).abs() + reach <= 2.0 * band)
+        {
+            // No farther in than the field's error: there may be no wall. One that there is goes on behind.
+            self.pending_wall = self.pending_wall.max(2.0 * in_front * self.brightest());
             return;
         }
         if is_wall {

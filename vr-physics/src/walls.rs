@@ -76,7 +76,12 @@ impl<'a> Walk<'a> {
         let optics = self.optics;
         let (value, reach) = (model.field.at(0.0), model.field.spread(1.0) + 2.0 * band);
         let (low, high) = (value - reach, value + reach);
-        let touched = optics.touching(low, high);
+        let [least, most] = model.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let all = optics.touching(low, high);
+        // Those that a stretch can be in, of which there is one at the least.
+        let first = all.iter().position(|s| s.to > least).unwrap_or(0);
+        let last = all.iter().rposition(|s| s.from < most).unwrap_or(all.len() - 1);
+        let touched = if first <= last { &all[first..=last] } else { all };
         let is_wall = |s: &Segment| s.is_opaque() && optics.has_walls();
         let open = || touched.iter().filter(|s| !is_wall(s));
         let ends = |s: &Segment| [low.clamp(s.from, s.to), high.clamp(s.from, s.to)].map(|v| s.at(v));
@@ -118,7 +123,7 @@ impl<'a> Walk<'a> {
             self.pending_wall = self.pending_wall.max(2.0 * in_front * self.brightest());
         }
         // The part's own side, if it may be passed.
-        let own = optics.transfer.segment_at(value);
+        let own = optics.segment_of(model, value);
         if walls == touched.len() || !is_wall(own) { own } else { open().next().unwrap_or(own) }
     }
 

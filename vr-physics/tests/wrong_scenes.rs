@@ -204,3 +204,22 @@ fn a_value_that_enters_where_opacity_touches_one_is_bounded() {
     let want = -libm::expm1(-4.0 * 0.4 / 0.7);
     assert!(pixel.certainty.value() < 1e-9 && (pixel.rgba[3] - want).abs() <= 1e-9, "{pixel:?} {want}");
 }
+
+#[test]
+fn a_ray_that_leaves_where_opacity_becomes_one_meets_no_wall() {
+    // Opacity is 1 up to the value 0, which the field has in one face of the volume alone: a sliver of rounding there was a wall, 0.46 off
+    // "within 1.7e-11". The same with a jump, from which 2 was all the bound that there was.
+    let ramp = vec![ControlPoint::new(0.0, [1.0, 0.5, 0.25], 1.0), ControlPoint::new(1.5, [1.0, 0.5, 0.25], 0.0)];
+    let jump = [(0.0, 1.0), (0.0, 0.5), (2.0, 0.5)].map(|(v, a)| ControlPoint::new(v, [1.0, 0.5, 0.25], a)).to_vec();
+    let samples: Vec<f32> = (0..27).map(|i| if i / 9 == 0 { 0.0 } else { 1.0 }).collect();
+    // From z = 2 the value is 1 down to z = 1, and falls to 0: −ln(1 − α) is ln 1.5, then of mean 1 + ln 1.5; or ln 2 throughout.
+    let depths = [2.0 * 1.5f64.ln() + 1.0, 2.0 * 2f64.ln()];
+    for (points, depth) in [ramp, jump].into_iter().zip(depths) {
+        let (scene, mut view) = cube(3, samples.clone(), points, 1.0);
+        for aside in [DVec3::new(0.0, 0.0, 4.5), DVec3::new(0.31, -0.17, 4.5), DVec3::new(-0.1, 0.45, 3.7)] {
+            view.camera.eye = view.camera.target + aside;
+            let alpha = -libm::expm1(-depth * aside.length() / aside.z);
+            all_are(&scene, &view, [alpha, 0.5 * alpha, 0.25 * alpha, alpha]);
+        }
+    }
+}
