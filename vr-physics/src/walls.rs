@@ -51,10 +51,13 @@ impl<'a> Walk<'a> {
         let value = model.field.at(if near > at { -1.0 } else { 1.0 });
         let moved = if slope == Bound::ZERO { Bound::ZERO } else { slope * off };
         let reach = (moved + model.error()).value();
-        let touched = self.optics.touching(value - reach, value + reach);
+        // A sliver between two faces tells no slope: there the samples around it say what is possible.
+        let [least, most] = model.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let [low, high] = [value - reach, value + reach].map(|v| v.max(least).min(most));
+        let touched = self.optics.touching(low, high);
         let factor = self.optics.largest_modulation();
         let side = |s: &Segment| {
-            let ends = [value - reach, value + reach].map(|v| s.at(v.clamp(s.from, s.to)));
+            let ends = [low, high].map(|v| s.at(v.clamp(s.from, s.to)));
             let wall = self.optics.has_walls() && ends.iter().all(|o| o.opacity == 1.0);
             let extinction = if wall { 0.0 } else { largest(ends.map(|o| self.extinction(o.opacity))) * factor };
             Side { extinction, emission: largest(ends.iter().flat_map(|o| o.emission)), wall }
