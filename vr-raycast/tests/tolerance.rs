@@ -161,29 +161,40 @@ fn labels() {
         let view = oblique(&scene, 24);
         for error in ERRORS {
             let j = judge(&promising(error), &scene, &view, error).unwrap();
-            // The samples at the far faces of the box are a layer of their own: where they are 4, a ray touches a wall for no length. The
-            // reference has no bound there, either.
-            assert!(j.beyond == 0 && j.counts.unbounded <= j.unknown && j.unknown < 60, "{filter} {error:e}: {j:?}");
-            assert!(filter == Filter::Trilinear || j.unknown == 0);
+            // The samples at the far faces of the box are a layer of their own: where they are 4, a ray touches a wall for no length. Hardly
+            // any is in doubt for it.
+            assert!(
+                j.beyond <= j.counts.unbounded && j.counts.unbounded < 16 && j.unknown < 4,
+                "{filter} {error:e}: {j:?}"
+            );
+            assert!(filter == Filter::Trilinear || (j.counts.unbounded, j.unknown) == (0, 0));
         }
     }
 }
 
-/// Where the field only touches the value at which a wall begins, nobody can say whether there is one: counted, and nothing else is.
+/// A field that only touches the value at which a wall begins, at its largest samples, has none. Where calibration rounds, nobody can say
+/// that: counted, and nothing else is.
 #[test]
 fn what_has_no_bound_is_counted() {
-    let scene = Scene::new(
-        volume([9; 3], |_, _, z| 1.0 - (z - 4.0).abs() / 8.0 - if z > 4.0 { 0.1 } else { 0.0 }),
-        transfer(&[(0.0, [1.0, 0.5, 0.2], 0.1), (1.0, [1.0, 0.5, 0.2], 0.2), (1.0, [0.0, 1.0, 0.0], 1.0)], 1.0),
-    );
-    let render = |view: &View| common::render(&promising(1e-3), &scene, view);
+    let points = [(0.0, [1.0, 0.5, 0.2], 0.1), (1.0, [1.0, 0.5, 0.2], 0.2), (1.0, [0.0, 1.0, 0.0], 1.0)];
+    let scene = |slope: f64| {
+        let layer = |z: f64| 1.0 - (z - 4.0).abs() / 8.0 - if z > 4.0 { 0.1 } else { 0.0 };
+        let samples: Vec<f32> = (0..9 * 9 * 9).map(|i| (layer(f64::from(i / 81)) / slope) as f32).collect();
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let grid = UniformGrid::new([9; 3], samples, placement, Calibration { slope, intercept: 0.0 }).unwrap();
+        Scene::new(grid.into(), transfer(&points, 1.0))
+    };
     // Every ray crosses the plane in which the field is exactly 1.
-    let through = render(&oblique(&scene, 16));
+    let view = oblique(&scene(1.0), 16);
+    let known = judge(&promising(1e-3), &scene(1.0), &view, 1e-3).unwrap();
+    assert_eq!((known.beyond, known.unknown, known.counts.unbounded), (0, 0, 0), "{known:?}");
+    let render = |view: &View| common::render(&promising(1e-3), &scene(0.1), view);
+    let through = render(&view);
     assert!(through.stats.counts.unbounded > 50, "{:?}", through.stats.counts);
     assert!(through.frame.pixels().iter().flatten().all(|x| x.is_finite()));
     // No ray does.
     let clip = Clip { planes: vec![Plane { normal: -DVec3::Z, offset: -3.999 }], ..Clip::default() };
-    assert_eq!(render(&View { clip, ..oblique(&scene, 16) }).stats.counts.unbounded, 0);
+    assert_eq!(render(&View { clip, ..view }).stats.counts.unbounded, 0);
 }
 
 #[test]

@@ -18,6 +18,8 @@ pub(crate) struct Optics {
     pub(crate) brightest: f64,
     /// How far a knot may lie from where calibration puts it, in stored units.
     pub(crate) knot_error: f64,
+    /// Whether knots are where they are in values, to the last bit: stored numbers are values.
+    pub(crate) knots_are_exact: bool,
     transfer: TransferFunction,
     calibration: Calibration,
 }
@@ -175,6 +177,7 @@ impl Optics {
             unit: transfer.unit_distance(),
             emits,
             brightest: if emits { transfer.brightest_emission() } else { transfer.brightest_color() },
+            knots_are_exact: calibration == Calibration::default(),
             knot_error: 8.0 * f64::EPSILON * (size / calibration.slope.abs()).max(largest),
             transfer: transfer.clone(),
             calibration,

@@ -22,13 +22,22 @@ pub(super) struct Integral<'a> {
     pub(super) gives_up: bool,
 }
 
+/// Where a trilinear field is along a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// The first corner, which the cubic counts from.
+    pub(super) base: f64,
+    /// Largest distance of a corner from it.
+    pub(super) reach: f64,
+    /// The least and the largest corner, where the field takes neither: inside the cell it is a mean in which all of them count.
+    pub(super) limits: Option<[f64; 2]>,
+    /// What positions are off by at most, as a fraction of the cell.
+    pub(super) misplaced: f64,
+}
+
 /// A field along a cell: what does not change while it is cut.
 struct Cell<R> {
-    base: f64,
-    /// Largest distance of a corner from `base`.
-    reach: f64,
-    /// What the positions are off by, as a fraction of the cell.
-    misplaced: f64,
+    place: Place,
     whole: Cubic<R>,
     length: f64,
 }
@@ -83,18 +92,9 @@ impl<'a> Integral<'a> {
         fits
     }
 
-    /// A cell, along which the field is `base` + `cubic`. `reach` bounds |corner − base|; positions are off by at most `misplaced` of
-    /// the cell.
-    pub(super) fn cell<R: Real>(
-        &mut self,
-        cubic: Cubic<R>,
-        base: f64,
-        reach: f64,
-        misplaced: f64,
-        s: f64,
-        length: f64,
-    ) {
-        let cell = Cell { base, reach, misplaced, whole: cubic, length };
+    /// A cell, along which the field is the place's base + `cubic`.
+    pub(super) fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, s: f64, length: f64) {
+        let cell = Cell { place, whole: cubic, length };
         self.part(&cell, Part { cubic, s, length, cuts: 0 });
     }
 
@@ -104,15 +104,16 @@ impl<'a> Integral<'a> {
         }
         let noise = self.noise(cell, part.cuts);
         let (low, high) = part.cubic.hull();
-        let (low, high) = (cell.base + low, cell.base + high);
-        if self.optics.is_clear(low - noise, high + noise) {
+        let (low, high) = (cell.place.base + low, cell.place.base + high);
+        let [least, most] = self.possible(&cell.place, [low, high], noise);
+        if self.optics.is_clear(least, most) {
             return;
         }
         let optics = self.optics;
-        let piece = optics.piece_at(0.5 * (low + high));
-        let single = piece.holds(low, high, noise);
+        let piece = optics.piece_at((0.5 * (low + high)).max(least).min(most));
+        let single = piece.holds(low, high, noise) || piece.holds(least, most, 0.0);
         if single && piece.opaque {
-            let entry = cell.base + part.cubic.0[0].to_f64();
+            let entry = cell.place.base + part.cubic.0[0].to_f64();
             let light = if optics.emits { [0.0; 3] } else { piece.source_at(entry) };
             let steepness = if optics.emits { 0.0 } else { piece.source_steepness() };
             self.account.wall(light, steepness * 5.0 * noise, steepness, part.s);
@@ -125,7 +126,7 @@ impl<'a> Integral<'a> {
                 return;
             }
         } else {
-            let extremes = optics.extremes(low - noise, high + noise);
+            let extremes = optics.extremes(least, most);
             let step = self.coarse_part(&extremes, cell, &part, noise);
             // Shorter parts would hold the same values, for all that is known.
             let blurred = high - low <= 4.0 * noise;
@@ -143,16 +144,24 @@ impl<'a> Integral<'a> {
         self.part(cell, Part { cubic: back, s: part.s + half, length: half, cuts });
     }
 
+    /// The numbers that may be met where `low` to `high` was found, to `noise`.
+    fn possible(&self, place: &Place, [low, high]: [f64; 2], noise: f64) -> [f64; 2] {
+        let range = [low - noise, high + noise];
+        let Some([least, most]) = place.limits.filter(|_| self.optics.knots_are_exact) else { return range };
+        let inside = [range[0].max(least.next_up()), range[1].min(most.next_down())];
+        if inside[0] <= inside[1] { inside } else { range }
+    }
+
     /// How far values are off: the corners' differences, three rounds of interpolation and what each cut adds, all of numbers up to
     /// `reach`; the place; and the knots that they are compared with.
     fn noise<R: Real>(&self, cell: &Cell<R>, cuts: u32) -> f64 {
         let u = 2.0 * R::ROUNDOFF;
-        cell.reach * (u * (16.0 + 4.0 * f64::from(cuts)) + 3.0 * cell.misplaced) + self.optics.knot_error
+        cell.place.reach * (u * (16.0 + 4.0 * f64::from(cuts)) + 3.0 * cell.place.misplaced) + self.optics.knot_error
     }
 
     fn smooth<R: Real>(&self, piece: &Piece, cell: &Cell<R>, part: &Part<R>, noise: f64) -> Option<Step> {
         let enough = self.account.enough(part.s + part.length);
-        smooth(self.optics, piece, &part.cubic, cell.base, noise, part.length, enough)
+        smooth(self.optics, piece, &part.cubic, cell.place.base, noise, part.length, enough)
     }
 
     fn coarse_part<R: Real>(&self, extremes: &Extremes, cell: &Cell<R>, part: &Part<R>, noise: f64) -> Step {
@@ -167,10 +176,10 @@ impl<'a> Integral<'a> {
         }
         let (low, high) = part.cubic.hull();
         let farthest = |v: f64| {
-            let at = |t: f64| (cell.base + cell.whole.at(R::from_f64(t)).to_f64() - v).abs() - noise;
+            let at = |t: f64| (cell.place.base + cell.whole.at(R::from_f64(t)).to_f64() - v).abs() - noise;
             [0.0, 0.25, 0.5, 0.75, 1.0].map(at).into_iter().fold(0.0, f64::max)
         };
-        let (low, high) = (cell.base + low - noise, cell.base + high + noise);
+        let (low, high) = (cell.place.base + low - noise, cell.place.base + high + noise);
         self.optics.depth_at_touch(low, high, farthest, part.length, cell.length)
     }
 
@@ -202,10 +211,11 @@ impl<'a> Integral<'a> {
         let [first, .., last] = part.cubic.0;
         let (first, last) = (first.to_f64(), last.to_f64());
         let rising = last > first;
-        let Some(knot) = self.optics.knot_between(cell.base + first.min(last), cell.base + first.max(last)) else {
+        let Some(knot) = self.optics.knot_between(cell.place.base + first.min(last), cell.place.base + first.max(last))
+        else {
             return false;
         };
-        let knot = knot - cell.base;
+        let knot = knot - cell.place.base;
         let t = crossing(&part.cubic, R::from_f64(knot), rising);
         let steepness = part.cubic.slope(t).abs().to_f64();
         let mut apart = (3.0 * noise / steepness).max(4.0 * R::ROUNDOFF);
@@ -243,7 +253,8 @@ impl<'a> Integral<'a> {
         }
         let noise = self.noise(cell, part.cuts);
         let (low, high) = part.cubic.hull();
-        let extremes = self.optics.extremes(cell.base + low - noise, cell.base + high + noise);
+        let [least, most] = self.possible(&cell.place, [cell.place.base + low, cell.place.base + high], noise);
+        let extremes = self.optics.extremes(least, most);
         let step = self.coarse_part(&extremes, cell, &part, noise);
         self.take_anyway(&extremes, step, cell, &part, noise);
     }

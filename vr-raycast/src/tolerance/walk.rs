@@ -5,7 +5,7 @@ use vr_core::{Filter, IndexRay, Real, Sampler, Voxel};
 
 use super::blocks::{Blocks, EDGE, State};
 use super::cubic::Cubic;
-use super::piece_by_piece::Integral;
+use super::piece_by_piece::{Integral, Place};
 
 /// Integrates along a ray: over clear blocks at once, over others in one step where that is good enough, else cell by cell.
 pub(super) fn along<R: Real, T: Voxel, F: Reconstruction>(
@@ -90,8 +90,12 @@ fn trilinear<R: Real, T: Voxel>(
     let mut v = c.map(|x| R::from_f32(x) - start);
     let ends = [ray.at(from).to_array(), ray.at(to).to_array()];
     // The same function, seen from the box between the two ends.
+    let mut in_face = false;
     for axis in 0..3 {
-        let t = [0, 1].map(|e| R::from_f64((ends[e][axis] - cell[axis] as f64).clamp(0.0, 1.0)));
+        let at = ends.map(|end| end[axis] - cell[axis] as f64);
+        // All along a face, for what is known of the place, some corners may not count.
+        in_face |= at.iter().all(|&t| t <= misplaced) || at.iter().all(|&t| t >= 1.0 - misplaced);
+        let t = at.map(|t| R::from_f64(t.clamp(0.0, 1.0)));
         for i in (0..8).filter(|i| i >> axis & 1 == 0) {
             let j = i | 1 << axis;
             let (a, b) = (v[i], v[j]);
@@ -99,7 +103,8 @@ fn trilinear<R: Real, T: Voxel>(
             v[j] = a + t[1] * (b - a);
         }
     }
-    integral.cell(Cubic::of_trilinear(&v), base, reach, misplaced, from, to - from);
+    let limits = (!in_face).then_some([f64::from(low), f64::from(high)]);
+    integral.cell(Cubic::of_trilinear(&v), Place { base, reach, limits, misplaced }, from, to - from);
 }
 
 /// How far positions along a ray may be off, in cells: a few units in the last place of the largest numbers that they are made of.
