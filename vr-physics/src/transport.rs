@@ -131,6 +131,8 @@ pub fn transport(line: &dyn LineField, optics: &Optics<'_>, tolerance: f64, leve
 pub(crate) const HALF_DEPTH: f64 = std::f64::consts::LN_2;
 /// Halvings after which a stretch is enclosed crudely instead: 2⁻⁶⁰ of a cell.
 const MOST_HALVINGS: u32 = 60;
+/// A stretch shorter than this part of the ray is a sliver.
+const SLIVER: f64 = 1e-6;
 /// Halvings of a stretch for the sake of its rounding: errors fall with its length.
 const MOST_GRADED: u32 = 20;
 /// Halvings of all stretches of one ray together: no scene may hang the reference.
@@ -201,13 +203,16 @@ impl Walk<'_> {
         let cuts = std::mem::take(&mut self.cuts);
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let whole = cuts.len() == 2;
+        // A sliver between two faces says nothing of where its polynomial goes: on a longer way that can be told.
+        let longer = (SLIVER * self.length / half).max(1.0);
+        let around = if longer > 1.0 { model.field.restricted(-longer, longer) } else { model.field };
         for pair in cuts.windows(2) {
             if self.ended {
                 break;
             }
             let part = if whole { model } else { model.restricted(pair[0], pair[1]) };
             let s = middle + half * pair[0];
-            self.part(&part, s, 0.5 * half * (pair[1] - pair[0]), 0, Whole { half, field: &model.field });
+            self.part(&part, s, 0.5 * half * (pair[1] - pair[0]), 0, Whole { half: half * longer, field: &around });
         }
         self.cuts = cuts;
     }
