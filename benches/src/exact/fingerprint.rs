@@ -4,7 +4,7 @@ use sha2::{Digest, Sha256};
 use vr_core::{Model, Scene, View, with_grid};
 
 /// Raised whenever what is kept, how it is hashed, or what the reference finds changes.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The hash of everything that pixels of a view depend on: samples and their placement, filter, transfer function, shading,
 /// compositing, view, and which pixels; `None` for models that cannot be told apart.
