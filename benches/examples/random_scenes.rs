@@ -22,7 +22,7 @@ use vr_texslice::TexSlice;
 
 const USAGE: &str =
     "usage: random_scenes [--kind KIND] [--seed FIRST] [--slack FACTOR] [--all] [--out FOLDER] RENDERER COUNT
---all: scenes that are right are written, too
+--all: writes every scene, not only those that fall short
 RENDERER: marcher (plain, in f64), raycast, raycast-steps, raycast-exact, texslice, pre-integrated, shearwarp, splat
 KIND: one of those that the table names; all of them if absent, COUNT scenes together";
 

@@ -148,8 +148,8 @@ impl ExactPlacement {
 
     /// The part of a ray inside the box and the clip, up to the world distance `far`: as `IndexRay::new`.
     ///
-    /// A ray that lies in a face, as far as f64 can tell, is on either side of it by chance; one that only touches the box has a short
-    /// part in it or none. Pixels are defined by the rays of `vr_core::Rays`: `rounded` is what that one has inside, and is asked then.
+    /// Rounding decides on which side of a face a ray is that lies in it, and whether one that only touches the box has a part inside.
+    /// Pixels are defined by the f64 rays of `vr_core::Rays`, so `rounded`, which returns that ray's part, decides these cases.
     pub(crate) fn chord(
         &self,
         ray: &ExactRay,
@@ -235,16 +235,16 @@ pub(crate) struct IndexChord {
 struct Part<F> {
     ends: [f64; 2],
     off: [Bound; 2],
-    /// What f64 rounds the ends by.
+    /// Upper bounds of the rounding of each end in f64, in world units.
     rounding: [f64; 2],
-    /// No s that matters is larger, at either sign.
+    /// Upper bound of |s| inside the box.
     reach: f64,
-    /// Ends of the ray as f64 has it, if it has any.
+    /// Computes the ends as f64 arithmetic has them; `None` if that finds no part inside.
     rounded: F,
 }
 
 impl<F: Fn() -> Option<[f64; 2]>> Part<F> {
-    /// The ends; where they are as near to each other as rounding, those of f64.
+    /// The ends, or those of f64 arithmetic if rounding decides whether there is anything between them.
     fn decided(&self) -> [f64; 2] {
         let [start, end] = self.ends;
         if (end - start).abs() <= self.rounding[0] + self.rounding[1] {

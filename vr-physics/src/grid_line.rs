@@ -188,9 +188,9 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         LineModel { field, field_error: field_error.value(), gradient, gradient_error, limits, certain: true }
     }
 
-    /// The least and the largest sample of a cell. A trilinear field is a mean of all eight, all of which count inside the cell: it takes
-    /// neither there, unless they are all the same. A ray in a face, or so near that it may be, is not inside; and where calibration rounds,
-    /// the numbers are not those of the samples.
+    /// Smallest and largest sample of a cell, which a trilinear field does not reach inside it: there all eight samples have a positive weight.
+    ///
+    /// `None` if all samples are equal, if the ray may lie in a face, where some weights are 0, and if calibration rounds a sample.
     fn limits(&self, cell: [usize; 3], middle: DVec3, half: DVec3) -> Option<[f64; 2]> {
         let inside = |a: usize| {
             let (off, place) = (self.chord.position_error[a], middle[a] - cell[a] as f64);

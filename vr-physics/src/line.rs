@@ -62,7 +62,8 @@ pub struct LineModel {
     pub gradient: Option<[Poly; 3]>,
     /// See there.
     pub gradient_error: f64,
-    /// Two values between which the field surely is, neither of which it takes anywhere but at the interval's ends. None if not known.
+    /// Open interval that holds every value of the field inside the stretch; its ends are reached at the stretch's ends at most. `None` if
+    /// unknown.
     pub limits: Option<[f64; 2]>,
     /// False if the errors are estimates and no bounds.
     pub certain: bool,
@@ -86,7 +87,7 @@ impl LineModel {
         if value.is_nan() { [f64::NEG_INFINITY, f64::INFINITY] } else { [value - reach, value + reach] }
     }
 
-    /// Whether the field may have a value over a length, as far as its limits tell.
+    /// True if the limits do not rule out that the field takes this value inside the stretch.
     pub(crate) fn may_be(&self, value: f64) -> bool {
         self.limits.is_none_or(|[low, high]| low < value && value < high)
     }

@@ -6,6 +6,14 @@ use vr_core::{OpacityRule, RayShading, Shading, TransferFunction};
 use crate::bound::{Bound, largest};
 use crate::line::LineModel;
 
+/// Those of some neighbouring segments that a stretch may be in over a length: the ones that its limits leave.
+pub(crate) fn inside<'s>(segments: &'s [Segment], model: &LineModel) -> &'s [Segment] {
+    let Some([low, high]) = model.limits else { return segments };
+    let first = segments.partition_point(|s| s.to <= low);
+    let end = segments.partition_point(|s| s.from < high);
+    &segments[first..end.max(first)]
+}
+
 /// Transfer function and shading as one ray meets them.
 pub struct Optics<'a> {
     /// From value to extinction and emission.
@@ -63,17 +71,14 @@ impl<'a> Optics<'a> {
         &all[first..end.max(first + 1)]
     }
 
-    /// The segment that holds at a value of a stretch: among those of more than one value that the stretch may have.
+    /// Segment that holds at a computed value of a stretch, which rounding may have put beyond the stretch's limits.
     pub(crate) fn segment_of(&self, model: &LineModel, value: f64) -> &'a Segment {
-        let all = self.transfer.segments();
         let at = self.transfer.segment_at(value);
         let Some([low, high]) = model.limits else { return at };
-        if at.to <= low {
-            all.iter().find(|s| s.to > low).unwrap_or(at)
-        } else if at.from >= high {
-            all.iter().rev().find(|s| s.from < high).unwrap_or(at)
-        } else {
-            at
+        match inside(self.transfer.segments(), model) {
+            [first, ..] if at.to <= low => first,
+            [.., last] if at.from >= high => last,
+            _ => at,
         }
     }
 

@@ -286,17 +286,14 @@ impl Walk<'_> {
         if segment.is_clear() || most == 0.0 && segment.start.emission == [0.0; 3] && segment.end.emission == [0.0; 3] {
             return;
         }
-        let reach = band + model.field.spread(1.0);
-        if is_wall
-            && band > 0.0
-            && [segment.from, segment.to].iter().any(|edge| (edge - value).abs() + reach <= 2.0 * band)
-        {
-            // No farther in than the field's error: there may be no wall. One that there is goes on behind.
-            self.pending_wall = self.pending_wall.max(2.0 * in_front * self.brightest());
-            return;
-        }
         if is_wall {
-            self.wall(model, segment, s, in_front);
+            let reach = model.field.spread(1.0);
+            if band > 0.0 && [segment.from, segment.to].iter().any(|edge| (edge - value).abs() + reach <= band) {
+                // No farther in than the field's error: there may be no wall. If there is one, it goes on in the next part.
+                self.pending_wall = self.pending_wall.max(2.0 * in_front * self.brightest());
+            } else {
+                self.wall(model, segment, s, in_front);
+            }
             return;
         }
         if opaque && optics.has_walls() && most > 0.0 {

@@ -4,6 +4,7 @@ use vr_core::transfer::{Optical, Segment};
 
 use crate::bound::{Bound, largest};
 use crate::line::{LineField, LineModel};
+use crate::optics::inside;
 use crate::poly::Poly;
 use crate::transport::{HALF_DEPTH, Walk, band};
 
@@ -79,12 +80,9 @@ impl<'a> Walk<'a> {
         let optics = self.optics;
         let (value, reach) = (model.field.at(0.0), model.field.spread(1.0) + 2.0 * band);
         let (low, high) = (value - reach, value + reach);
-        let [least, most] = model.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         let all = optics.touching(low, high);
-        // Those that a stretch can be in, of which there is one at the least.
-        let first = all.iter().position(|s| s.to > least).unwrap_or(0);
-        let last = all.iter().rposition(|s| s.from < most).unwrap_or(all.len() - 1);
-        let touched = if first <= last { &all[first..=last] } else { all };
+        let left = inside(all, model);
+        let touched = if left.is_empty() { all } else { left };
         let is_wall = |s: &Segment| s.is_opaque() && optics.has_walls();
         let open = || touched.iter().filter(|s| !is_wall(s));
         let ends = |s: &Segment| [low.clamp(s.from, s.to), high.clamp(s.from, s.to)].map(|v| s.at(v));

@@ -25,7 +25,7 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
     }
     if let Order::FrontToBack { termination } = caster.order
         && !scene.compositing.integrates_light()
-        // 1 is what happens: never.
+        // A termination of 1 asks for what is done anyway: no ray ends early.
         && ![Order::TERMINATION, 1.0].contains(&termination)
     {
         return Err(unsupported(format!("a termination under '{}': no opacity is gathered", scene.compositing.name())));

@@ -1,11 +1,11 @@
-//! What of a volume a view sees: a box of its index space, and the half spaces that cut it.
+//! The part of a volume that a view shows, in index space: a box, cut by half spaces.
 
 use glam::DVec3;
 use vr_core::{Placement, Projection, RenderError, View};
 
 use crate::support::last_sample;
 
-/// A part of index space: `normal`·p ≥ `least`.
+/// Half space of index space: all p with `normal`·p ≥ `least`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HalfSpace {
     pub(crate) normal: DVec3,
@@ -13,32 +13,32 @@ pub(crate) struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// Of a half space of the world.
+    /// Converts the half space `normal`·x ≥ `offset` of the world.
     fn of_world(placement: &Placement, normal: DVec3, offset: f64) -> Self {
         Self { normal: placement.axes().transpose() * normal, least: offset - normal.dot(placement.origin()) }
     }
 
-    /// The least and the largest of `normal`·p − `least` in a box.
+    /// Minimum and maximum of `normal`·p − `least` over a box.
     fn range(&self, [low, high]: [DVec3; 2]) -> [f64; 2] {
         let (a, b) = (self.normal * low, self.normal * high);
         [a.min(b).element_sum() - self.least, a.max(b).element_sum() - self.least]
     }
 }
 
-/// What a view sees of a volume, not empty.
+/// The part of a volume that a view shows; never empty.
 #[derive(Clone, Debug)]
 pub(crate) struct Region {
     pub(crate) low: DVec3,
     pub(crate) high: DVec3,
-    /// Those that cut the box.
+    /// Half spaces that cut the box; those that hold all of it are left out.
     pub(crate) planes: Vec<HalfSpace>,
 }
 
 impl Region {
-    /// Of a volume of that size; `None` where nothing is seen.
+    /// Computes the part of a volume of `dims` samples that a view shows; `None` if it shows nothing.
     ///
     /// # Errors
-    /// A camera without a direction.
+    /// [`RenderError::Parameter`] if the camera has no direction.
     pub(crate) fn of(view: &View, placement: &Placement, dims: [usize; 3]) -> Result<Option<Self>, RenderError> {
         let mut region = Self { low: DVec3::ZERO, high: last_sample(dims), planes: Vec::new() };
         let mut planes = Vec::new();
@@ -74,7 +74,7 @@ impl Region {
         Ok(region.low.cmplt(region.high).all().then_some(region))
     }
 
-    /// The box.
+    /// Lower and upper corner of the box.
     pub(crate) fn corners(&self) -> [DVec3; 2] {
         [self.low, self.high]
     }

@@ -59,7 +59,7 @@ impl Slice {
 }
 
 impl Slice {
-    /// Of the texels `first..end` of row `y`, those whose points of this slice are in a half space.
+    /// Cuts the texels `first..end` of row `y` to those whose point in this slice lies in a half space.
     fn above(&self, plane: &HalfSpace, y: usize, [first, end]: [usize; 2]) -> [usize; 2] {
         let SliceMap { offset, scale } = self.map;
         // normal·(u, v, w) − least, as a function of x. What is as near to the plane as NEAR along a ray, none of which shears more than a
@@ -113,11 +113,11 @@ pub(crate) struct Slices {
     factorization: Factorization,
     low: DVec3,
     high: DVec3,
-    /// What cuts the box, of (u, v, w).
+    /// Half spaces that cut the box, in coordinates (u, v, w).
     planes: Vec<HalfSpace>,
 }
 
-/// The texels of one row that a slice is about.
+/// Texels of one row that have a sample in a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Row {
     /// The first with a sample, and the one behind the last.
@@ -197,7 +197,7 @@ impl Slices {
         self.planes.iter().fold(chord, |chord, plane| self.cut(chord, plane, at, slope))
     }
 
-    /// What a half space leaves of a ray, given where it meets the plane of the image, and its slope.
+    /// Cuts a chord to a half space. The ray is given by where it meets the plane of the image, and its slope.
     fn cut(&self, [front, back]: [f64; 2], plane: &HalfSpace, at: DVec2, slope: DVec2) -> [f64; 2] {
         let f = &self.factorization;
         let above = plane.normal.dot(at.extend(f.plane)) - plane.least;
@@ -214,7 +214,7 @@ impl Slices {
         }
     }
 
-    /// The texels of row `y` that the i-th slice is about.
+    /// Texels of row `y` that have a sample in the i-th slice.
     #[inline(always)]
     pub(crate) fn row(&self, i: usize, y: usize) -> Row {
         let slice = &self.slices[i];
@@ -225,7 +225,7 @@ impl Slices {
         if self.planes.is_empty() { row } else { self.cut_row(i, y, row) }
     }
 
-    /// Of a row of texels, what half spaces leave.
+    /// Cuts a row of texels to the half spaces.
     fn cut_row(&self, i: usize, y: usize, Row { mut valid, mut whole }: Row) -> Row {
         let around = i.saturating_sub(1)..(i + 2).min(self.slices.len());
         for plane in &self.planes {

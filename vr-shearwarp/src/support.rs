@@ -43,13 +43,13 @@ pub(crate) fn check<'s>(renderer: &ShearWarp, scene: &'s Scene) -> Result<&'s Un
     }
 }
 
-/// An option that is set and changes nothing, as values are picked and no light is gathered. One left at its default is none.
+/// Finds an option that was set and has no effect because the operator picks values and gathers no light.
 fn idle_option(renderer: &ShearWarp, scene: &Scene) -> Option<&'static str> {
     if scene.compositing.integrates_light() {
         return None;
     }
     let default = ShearWarp::default();
-    // Never to end early, and to leave nothing out, is what happens.
+    // A termination of 1 asks for what is done anyway: no ray ends early.
     if renderer.classification != default.classification {
         Some("classified voxels (the option classification)")
     } else if ![default.termination, 1.0].contains(&renderer.termination) {
@@ -63,7 +63,7 @@ fn idle_option(renderer: &ShearWarp, scene: &Scene) -> Option<&'static str> {
     }
 }
 
-/// Whether this renderer can draw this view; the part of the volume that is seen, if so and if there is one.
+/// Checks that this renderer can draw a view. Returns the part of the volume that it shows; `None` if it shows nothing.
 pub(crate) fn visible_region(
     scene: &Scene,
     volume: &UniformVolume,

@@ -96,6 +96,11 @@ impl Splatting {
         }
     }
 
+    /// True if a termination was asked for: neither the default, nor 1, at which no pixel ends early.
+    pub(crate) fn sets_termination(&self) -> bool {
+        ![Self::default().termination, 1.0].contains(&self.termination)
+    }
+
     /// Finds an option that is set and has no effect beside the others: its name, its value, and the reason. One left at its default is none.
     pub(crate) fn idle_option(&self) -> Option<(&'static str, f64, &'static str)> {
         let default = Self::default();
@@ -106,8 +111,7 @@ impl Splatting {
             let why = "only sheets parallel to the image have a distance of their own: must be absent";
             return Some(("slice-distance", self.slice_distance, why));
         }
-        // 1 is what happens: never.
-        if self.order == SheetOrder::BackToFront && ![default.termination, 1.0].contains(&self.termination) {
+        if self.order == SheetOrder::BackToFront && self.sets_termination() {
             return Some(("termination", self.termination, "back to front, no pixel can end early: must be absent"));
         }
         None

@@ -47,9 +47,7 @@ pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things
     {
         return Err(unsupported("back to front but the volume's own sheets under 'over'"));
     }
-    // 1 is what happens: never.
-    let early = ![Splatting::default().termination, 1.0].contains(&renderer.termination);
-    if early && !scene.compositing.integrates_light() {
+    if renderer.sets_termination() && !scene.compositing.integrates_light() {
         return Err(unsupported(format!("a termination under '{}': no opacity is gathered", scene.compositing.name())));
     }
     let values_in_image_sheets =

@@ -29,8 +29,7 @@ pub(crate) fn check<'s>(renderer: &TexSlice, scene: &'s Scene) -> Result<&'s Uni
     if picks && renderer.holds_light() {
         return Err(unsupported(format!("compositing '{}' of light: take values", scene.compositing.name())));
     }
-    // 1 is what happens: never.
-    if picks && ![TexSlice::default().termination, 1.0].contains(&renderer.termination) {
+    if picks && renderer.sets_termination() {
         return Err(unsupported(format!("a termination under '{}': no opacity is gathered", scene.compositing.name())));
     }
     if let Compositing::First { .. } = scene.compositing

@@ -152,11 +152,14 @@ impl TexSlice {
         }
     }
 
+    /// True if a termination was asked for: neither the default, nor 1, at which no pixel ends early.
+    pub(crate) fn sets_termination(&self) -> bool {
+        ![Self::default().termination, 1.0].contains(&self.termination)
+    }
+
     /// Finds an option that is set and has no effect beside the others: its name, its value, and the reason. One left at its default is none.
     pub(crate) fn idle_option(&self) -> Option<(&'static str, f64, &'static str)> {
-        // 1 is what happens: never.
-        let early = ![Self::default().termination, 1.0].contains(&self.termination);
         let why = "back to front, no pixel can end early: must be absent";
-        (early && self.blend == Blend::BackToFront).then_some(("termination", self.termination, why))
+        (self.sets_termination() && self.blend == Blend::BackToFront).then_some(("termination", self.termination, why))
     }
 }

@@ -17,7 +17,7 @@ pub struct BakedTransfer<R> {
     grid: TableGrid,
     /// Start and end of each interval; and the last end once more, as an interval of no length.
     rows: Vec<[[R; 4]; 2]>,
-    /// Stored numbers at which alone opacity is 1, and their rows.
+    /// Isolated values of opacity 1: the stored number of each, and its row.
     walls: Vec<(R, [R; 4])>,
     /// Entry i: how many of the first i intervals are not clear.
     visible: Vec<u32>,
@@ -86,7 +86,7 @@ impl<R: Real> BakedTransfer<R> {
         &self.rows
     }
 
-    /// Stored numbers at which alone opacity is 1, and their rows.
+    /// Isolated values of opacity 1: the stored number of each, and its row.
     pub fn walls(&self) -> &[(R, [R; 4])] {
         &self.walls
     }

@@ -77,21 +77,20 @@ impl TableGrid {
         self.breaks.iter().map(move |&(value, entry)| (calibration.stored(value), entry))
     }
 
-    /// The properties at both ends of an interval, between which a table is interpolated.
+    /// Properties at both ends of an interval; a table interpolates between them.
     ///
-    /// Where opacity touches 1 at one end only, extinction has an integrable logarithm there, and a single value is a wall: see
-    /// [`lone_walls`]. With w = 1 − α from ω to 0, the mean of −ln w is 1 − ln ω: a line from −ln ω to 2 − ln ω has the same mean,
+    /// If opacity reaches 1 at one end only, extinction has an integrable singularity there, which the returned line replaces by one of
+    /// the same mean; the end itself, where extinction is infinite, is one of [`lone_walls`]. With w = 1 − α from ω to 0, the mean of −ln w is 1 − ln ω: a line from −ln ω to 2 − ln ω has the same mean,
     /// and so the same optical depth.
     pub(crate) fn ends(&self, transfer: &TransferFunction, calibration: Calibration, interval: usize) -> [Optical; 2] {
         let entries = [interval, (interval + 1).min(self.intervals)];
         let mut ends = entries.map(|entry| self.optical(transfer, calibration, interval, self.place(entry)));
-        let [a, b] = ends.map(|end| end.opacity);
         let peak = |other: f64| 1.0 - (1.0 - other) * libm::exp(-2.0);
-        if transfer.rule() == OpacityRule::Power && (a < 1.0) != (b < 1.0) {
-            if a < 1.0 {
-                ends[1].opacity = peak(a);
-            } else {
-                ends[0].opacity = peak(b);
+        if transfer.rule() == OpacityRule::Power {
+            match ends.map(|end| end.opacity) {
+                [a, b] if a < 1.0 && b >= 1.0 => ends[1].opacity = peak(a),
+                [a, b] if a >= 1.0 && b < 1.0 => ends[0].opacity = peak(b),
+                _ => {}
             }
         }
         ends
@@ -116,14 +115,15 @@ impl TableGrid {
     }
 }
 
-/// The stored numbers at which opacity is 1 and just above which it is not, and the properties there: what no interpolation of a table
-/// can show. A field is constant there or passes in no time; it is constant in the middle of labels and of saturated parts.
+/// Isolated values of opacity 1: the stored number of each, and the properties there.
+///
+/// A table that is interpolated cannot hold them. They matter where the field keeps such a value over a length, as inside a label.
 pub(crate) fn lone_walls<R: Real>(transfer: &TransferFunction, calibration: Calibration) -> Vec<(R, Optical)> {
     if transfer.rule() != OpacityRule::Power {
         return Vec::new();
     }
     let tops = transfer.segments().iter().filter(|s| s.start.opacity >= 1.0 && s.end.opacity < 1.0);
-    // A field that never has exactly this value is nowhere a wall.
+    // A field whose precision has no such number never takes it.
     let exact = |s: &Segment| {
         let stored = R::from_f64(calibration.stored(s.from));
         (calibration.value(stored.to_f64()) == s.from).then_some((stored, s.start))

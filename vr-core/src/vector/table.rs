@@ -16,7 +16,7 @@ use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 pub struct OpticsTable {
     /// (r, g, b, κ) at the start and the end of each interval, κ per step of length 1; the last end once more.
     rows: Vec<[[f32; 4]; 2]>,
-    /// Stored numbers at which alone opacity is 1, and their rows.
+    /// Isolated values of opacity 1: the stored number of each, and its row.
     walls: Vec<(f32, [f32; 4])>,
     origin: f32,
     per_unit: f32,

@@ -18,7 +18,7 @@ pub(crate) struct Optics {
     pub(crate) brightest: f64,
     /// How far a knot may lie from where calibration puts it, in stored units.
     pub(crate) knot_error: f64,
-    /// Whether knots are where they are in values, to the last bit: stored numbers are values.
+    /// True if knots need no conversion to stored numbers, and so are exact: the calibration is the identity.
     pub(crate) knots_are_exact: bool,
     transfer: TransferFunction,
     calibration: Calibration,

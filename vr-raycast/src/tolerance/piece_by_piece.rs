@@ -22,16 +22,16 @@ pub(super) struct Integral<'a> {
     pub(super) gives_up: bool,
 }
 
-/// Where a trilinear field is along a cell.
+/// A cell that a ray crosses: the range of its samples, and how well positions in it are known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    /// The first corner, which the cubic counts from.
+    /// Sample at the first corner, from which the cubic is counted.
     pub(super) base: f64,
-    /// Largest distance of a corner from it.
+    /// Largest difference between a sample and `base`.
     pub(super) reach: f64,
-    /// The least and the largest corner, where the field takes neither: inside the cell it is a mean in which all of them count.
+    /// Smallest and largest sample, which the field does not reach inside the cell; `None` if the ray may lie in a face.
     pub(super) limits: Option<[f64; 2]>,
-    /// What positions are off by at most, as a fraction of the cell.
+    /// Upper bound of the error of a position, as a fraction of the cell.
     pub(super) misplaced: f64,
 }
 
@@ -144,7 +144,7 @@ impl<'a> Integral<'a> {
         self.part(cell, Part { cubic: back, s: part.s + half, length: half, cuts });
     }
 
-    /// The numbers that may be met where `low` to `high` was found, to `noise`.
+    /// Range of the values that a part may hold if its computed range, off by up to `noise`, is `low` to `high`.
     fn possible(&self, place: &Place, [low, high]: [f64; 2], noise: f64) -> [f64; 2] {
         let range = [low - noise, high + noise];
         let Some([least, most]) = place.limits.filter(|_| self.optics.knots_are_exact) else { return range };

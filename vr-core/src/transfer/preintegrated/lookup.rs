@@ -13,7 +13,7 @@ pub struct TablePlace<R> {
 }
 
 impl<R: Real> TablePlace<R> {
-    /// In entries from the first row's begin.
+    /// Distance from the start of the first row, in entries.
     pub(super) fn x(self) -> R {
         R::from_index(self.row) + self.fraction
     }

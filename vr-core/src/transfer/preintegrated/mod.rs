@@ -57,7 +57,7 @@ pub struct PreIntegrated<R> {
     quantum: [R; 4],
     /// Ranges of α = 1 in entries, ascending, with the colour at their lower and upper end.
     walls: Vec<Wall<R>>,
-    /// Places at which alone α is 1, in entries, and their colours.
+    /// Isolated values with α = 1: the place of each, in entries, and its colour.
     lone_walls: Vec<(R, [R; 3])>,
     /// Entries by which a wall must be entered: what is less is rounding, and only touches it.
     touch: R,
@@ -204,7 +204,7 @@ impl<R: Real> PreIntegrated<R> {
         self.aligned
     }
 
-    /// Whether α is 1 at some value, and κ infinite.
+    /// True if α is 1, and κ infinite, at one value or more.
     pub fn has_walls(&self) -> bool {
         !self.walls.is_empty() || !self.lone_walls.is_empty()
     }
