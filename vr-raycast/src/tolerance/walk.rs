@@ -89,12 +89,14 @@ fn trilinear<R: Real, T: Voxel>(
     let start = R::from_f32(c[0]);
     let mut v = c.map(|x| R::from_f32(x) - start);
     let ends = [ray.at(from).to_array(), ray.at(to).to_array()];
+    // A sliver, which rounding leaves where faces meet, lies in none of them: the ray goes on.
+    let is_sliver = (0..3).all(|axis| (ends[1][axis] - ends[0][axis]).abs() <= 4.0 * misplaced);
     // The same function, seen from the box between the two ends.
     let mut in_face = false;
     for axis in 0..3 {
         let at = ends.map(|end| end[axis] - cell[axis] as f64);
-        // All along a face, for what is known of the place, some corners may not count.
-        in_face |= at.iter().all(|&t| t <= misplaced) || at.iter().all(|&t| t >= 1.0 - misplaced);
+        // In a face, as far as rounding can tell, some samples have no weight.
+        in_face |= !is_sliver && (at.iter().all(|&t| t <= misplaced) || at.iter().all(|&t| t >= 1.0 - misplaced));
         let t = at.map(|t| R::from_f64(t.clamp(0.0, 1.0)));
         for i in (0..8).filter(|i| i >> axis & 1 == 0) {
             let j = i | 1 << axis;
