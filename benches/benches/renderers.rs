@@ -6,12 +6,12 @@
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use vr_benches::subject::{Subject, phantom_subjects};
 use vr_core::{Control, Renderer};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_splat::Splatting;
+use vr_study::subject::{Subject, phantom_subjects};
 use vr_texslice::TexSlice;
 
 fn frames(c: &mut Criterion) {

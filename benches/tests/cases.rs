@@ -6,7 +6,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use vr_benches::exact::Exact;
 use vr_core::{Control, Model, Options, RenderError, Renderer, Scene, Shading, View};
 use vr_io::load_scene;
 use vr_mesh::{Surface, rasterize};
@@ -14,6 +13,7 @@ use vr_physics::metrics::subgrid;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_splat::Splatting;
+use vr_study::exact::Exact;
 use vr_texslice::TexSlice;
 
 /// Pixels along each side of a picture that are compared.

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_benches::subject::phantom_subjects;
 use vr_core::{Camera, Clip, Control, Plane, Renderer, Shading, TriangleMesh, View};
 use vr_mesh::{Surface, rasterize};
 use vr_physics::Reference;
 use vr_raycast::{RayCaster, Step};
+use vr_study::subject::phantom_subjects;
 
 /// A plane at a depth is a ray cut there: a square of two triangles across the volume hides what a clip plane in its place takes away,
 /// in the ray caster as in the reference; and the two agree.

@@ -1,10 +1,10 @@
 //! Orders of convergence: those that are documented are seen, and each classic mistake fails.
 
-use vr_benches::convergence::{Convergence, Outcome, Prover, Refined};
-use vr_benches::exact::ExactCache;
 use vr_core::{Control, Renderer};
 use vr_physics::check::faulty_marcher::{Fault, Marcher};
 use vr_raycast::RayCaster;
+use vr_study::convergence::{Convergence, Outcome, Prover, Refined};
+use vr_study::exact::ExactCache;
 
 fn proven(renderer: &dyn Renderer) -> Vec<Convergence> {
     let (cache, control) = (ExactCache::none(), Control::default());

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use vr_benches::exact::{Exact, SUBGRID};
 use vr_core::{Control, Counts, Frame, Model, Prepared, RenderError, Renderer, View};
 use vr_physics::metrics::subgrid;
+use vr_study::exact::{Exact, SUBGRID};
 
 use crate::args::{BenchArgs, TimingArgs};
 use crate::bench_report::Report;

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use serde::Serialize;
-use vr_benches::exact::Exact;
-use vr_benches::figures::ErrorFigures;
 use vr_core::{Options, Renderer};
 use vr_physics::metrics::Metrics;
+use vr_study::exact::Exact;
+use vr_study::figures::ErrorFigures;
 
 use crate::args::TimingArgs;
 use crate::bench::{Measured, Timed};

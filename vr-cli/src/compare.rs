@@ -3,12 +3,12 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use vr_benches::contestant::contestants;
-use vr_benches::exact::Exact;
-use vr_benches::figures::ErrorFigures;
 use vr_core::{Control, Model, Prepared, RenderError, Rendered, Renderer, View};
 use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
+use vr_study::contestant::contestants;
+use vr_study::exact::Exact;
+use vr_study::figures::ErrorFigures;
 
 use crate::args::CompareArgs;
 use crate::console::Console;

@@ -1,8 +1,8 @@
 //! The contact sheet of a comparison: each picture above the map of its error, numbered as in the table, and the scale of the
 //! maps below.
 
-use vr_benches::error_colors;
 use vr_core::Frame;
+use vr_study::error_colors;
 
 use crate::canvas::Canvas;
 use crate::digits;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vr_benches::exact::{Exact, SUBGRID};
 use vr_core::Frame;
 use vr_io::PngOptions;
 use vr_physics::spread;
+use vr_study::exact::{Exact, SUBGRID};
 
 use crate::args::{ErrorMeasure, OutputArgs};
 use crate::failure::Failure;

@@ -1,6 +1,6 @@
 //! The scale of error maps: a bar from the smallest to the largest error that has a colour, with the exponents of its decades.
 
-use vr_benches::error_colors;
+use vr_study::error_colors;
 
 use crate::canvas::Canvas;
 use crate::digits;

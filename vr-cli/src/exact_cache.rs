@@ -1,6 +1,6 @@
 //! Where exact solutions are kept.
 
-use vr_benches::exact::ExactCache;
+use vr_study::exact::ExactCache;
 
 use crate::args::CacheArgs;
 

@@ -1,7 +1,7 @@
 //! How much of the heap is in use.
 
 use peak_alloc::PeakAlloc;
-use vr_benches::memory::MemoryMeter;
+use vr_study::memory::MemoryMeter;
 
 /// The system's allocator, counted.
 #[global_allocator]

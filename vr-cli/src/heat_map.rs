@@ -1,7 +1,7 @@
 //! One map of an error, and its scale below.
 
-use vr_benches::error_colors;
 use vr_core::Frame;
+use vr_study::error_colors;
 
 use crate::canvas::Canvas;
 use crate::error_scale::{self, GAP, PAPER};

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use vr_benches::exact::{Exact, SUBGRID};
-use vr_benches::figures::ErrorFigures;
 use vr_core::{Control, Counts, Frame, Model, Rendered};
 use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
+use vr_study::exact::{Exact, SUBGRID};
+use vr_study::figures::ErrorFigures;
 
 use crate::args::{ErrorMeasure, RenderArgs, RendererArgs};
 use crate::console::Console;

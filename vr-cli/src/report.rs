@@ -4,12 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vr_benches::StudyError;
-use vr_benches::baseline::Baseline;
-use vr_benches::report::{csv, headline_plot, headline_table, page};
-use vr_benches::subject::{Subject, reduced};
-use vr_benches::suite::{Report, Run, Suite};
 use vr_core::{Control, RenderError};
+use vr_study::StudyError;
+use vr_study::baseline::Baseline;
+use vr_study::report::{csv, headline_plot, headline_table, page};
+use vr_study::subject::{Subject, reduced};
+use vr_study::suite::{Report, Run, Suite};
 
 use crate::args::{ReportArgs, SuiteName};
 use crate::console::Console;

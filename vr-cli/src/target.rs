@@ -1,10 +1,10 @@
 //! `vr render --target-rmse`.
 
 use serde::Serialize;
-use vr_benches::choose::{CONFIDENCE, Choice, ChoiceError, Prover, draw_within};
-use vr_benches::contestant::contestants;
-use vr_benches::exact::ExactCache;
 use vr_core::{Control, Options, Renderer};
+use vr_study::choose::{CONFIDENCE, Choice, ChoiceError, Prover, draw_within};
+use vr_study::contestant::contestants;
+use vr_study::exact::ExactCache;
 
 use crate::args::RendererArgs;
 use crate::console::Console;

@@ -1,9 +1,9 @@
 //! `vr verify`.
 
 use serde::Serialize;
-use vr_benches::StudyError;
-use vr_benches::convergence::{Convergence, Outcome, Prover};
 use vr_core::{Control, Renderer};
+use vr_study::StudyError;
+use vr_study::convergence::{Convergence, Outcome, Prover};
 
 use crate::args::VerifyArgs;
 use crate::console::Console;

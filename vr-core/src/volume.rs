@@ -1,18 +1,16 @@
 //! The volume that a scene holds: a grid or points, with what is derived from it once and kept.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
+use crate::derived::Derived;
 use crate::filter::{BSpline, Filter, Lattice, Reconstruction, interpolation_coefficients};
 use crate::filter::{CatmullRom, Gaussian, Nearest, Trilinear};
 use crate::grid::{Calibration, Census, UniformGrid};
-use crate::level_ranges::LevelRanges;
 use crate::missing::{VacuumCells, fill_missing};
 use crate::placement::Placement;
 use crate::point_set::PointSet;
-use crate::range_blocks::RangeBlocks;
 use crate::sampler::Sampler;
 use crate::value_frame::framed;
 use crate::voxel::{Voxel, VoxelType};
@@ -162,8 +160,7 @@ pub struct UniformVolume {
     /// Only where samples are missing.
     filled: OnceLock<Option<(UniformGrid<f32>, VacuumCells)>>,
     coefficients: OnceLock<Vec<f32>>,
-    blocks: Mutex<HashMap<(Filter, usize), Arc<RangeBlocks>>>,
-    levels: Mutex<HashMap<Filter, Arc<LevelRanges>>>,
+    derived: Derived,
 }
 
 impl UniformVolume {
@@ -174,8 +171,7 @@ impl UniformVolume {
             grid: framed.map_or(grid, AnyGrid::F32),
             filled: OnceLock::new(),
             coefficients: OnceLock::new(),
-            blocks: Mutex::default(),
-            levels: Mutex::default(),
+            derived: Derived::default(),
         }
     }
 
@@ -293,17 +289,9 @@ impl UniformVolume {
         }
     }
 
-    /// Ranges of the field of a filter per block of `edge`³ cells, in stored units; made once and kept.
-    pub fn range_blocks(&self, filter: Filter, edge: usize) -> Arc<RangeBlocks> {
-        let mut blocks = self.blocks.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let made = blocks.entry((filter, edge)).or_insert_with(|| Arc::new(RangeBlocks::of_field(self, filter, edge)));
-        Arc::clone(made)
-    }
-
-    /// Ranges of the field of a filter in small blocks, in two bytes each; made once and kept.
-    pub fn level_ranges(&self, filter: Filter) -> Arc<LevelRanges> {
-        let mut levels = self.levels.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        Arc::clone(levels.entry(filter).or_insert_with(|| Arc::new(LevelRanges::of_field(self, filter))))
+    /// Structures that renderers derive from the volume and keep with it.
+    pub fn derived(&self) -> &Derived {
+        &self.derived
     }
 }
 

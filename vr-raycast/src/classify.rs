@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use vr_core::optics::{depth_of_opacity, opacity_of_depth};
-use vr_core::transfer::BakedTransfer;
 use vr_core::{Calibration, Real, TransferFunction};
+use vr_kernels::tables::BakedTransfer;
 
 use crate::rule::Profile;
 use crate::run::Run;

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use vr_core::{Filter, LevelRanges, TransferFunction, UniformVolume};
+use vr_core::{Filter, TransferFunction, UniformVolume};
+use vr_kernels::ranges::LevelRanges;
 
 use crate::straightness::bends;
 use crate::tolerance::optics::{Extremes, Optics};
@@ -86,7 +87,7 @@ impl Homogeneity {
                 .map(|level| if filter == Filter::Trilinear { bends(volume, Self::EDGE << level) } else { Vec::new() })
         };
         let bends = last.map_or_else(|| Arc::new(make()), |last| Arc::clone(&last.bends));
-        let levels = volume.level_ranges(filter);
+        let levels = LevelRanges::of_volume(volume, filter);
         let blocks = levels.blocks();
         let verdicts = Verdicts::new(volume, &levels, filter, transfer, error);
         let mut nodes: Vec<Range> = levels

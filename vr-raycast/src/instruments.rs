@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use vr_core::transfer::{BakedTransfer, PreIntegrated, outwards, resolves_ramps};
 use vr_core::{Filter, Real, Scene, UniformVolume};
+use vr_kernels::ranges::LevelRanges;
+use vr_kernels::tables::{BakedTransfer, PreIntegrated, outwards, resolves_ramps};
 
 use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
@@ -173,7 +174,8 @@ impl<R: Real> Instruments<R> {
         let follows = matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples;
         let pace = |error: f64| {
             last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
-                let (levels, voxel) = (volume.level_ranges(field), volume.placement().spacing().min_element());
+                let (levels, voxel) =
+                    (LevelRanges::of_volume(volume, field), volume.placement().spacing().min_element());
                 let map = PaceMap::new(&levels, scene, field, volume.calibration(), voxel, error);
                 Arc::new(map)
             })

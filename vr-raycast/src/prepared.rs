@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use vr_core::transfer::BakedTransfer;
 use vr_core::{
     Compositing, Control, Model, ParameterError, Prepared, Probe, Projection, Rays, Real, RenderError, Rendered, Scene,
     UniformVolume, View,
 };
+use vr_kernels::tables::BakedTransfer;
 
 use crate::caster::{Connectivity, Order, Precision, RayCaster, Rule, Screen};
 use crate::engine::Engine;

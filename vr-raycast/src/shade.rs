@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::DMat3;
-use vr_core::vector::PacketShading;
 use vr_core::{GradientMethod, Placement, RayShading, Real, Shading};
+use vr_kernels::vector::PacketShading;
 
 use crate::chord::Chord;
 use crate::classify::Classifier;

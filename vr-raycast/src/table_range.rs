@@ -1,8 +1,8 @@
 //! The stored numbers that a table must cover, and whether tables and precisions tell them apart finely enough.
 
 use vr_core::filter::Reconstruction;
-use vr_core::transfer::{self, BakedTransfer, resolves_ramps};
 use vr_core::{Filter, Real, Sampler, SamplerVisitor, TransferFunction, UniformVolume, Voxel};
+use vr_kernels::tables::{self, BakedTransfer, resolves_ramps};
 
 /// The range of the field of a filter in stored units, overshoot included; `None` if all of it is vacuum.
 pub(crate) fn field_range(volume: &UniformVolume, filter: Filter) -> Option<(f64, f64)> {
@@ -35,7 +35,7 @@ impl SamplerVisitor for CoefficientRange {
 /// The part of the field's range in which the transfer function is not constant: a table over it can be finer.
 pub(crate) fn table_range(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction) -> (f32, f32) {
     let range = field_range(volume, filter).unwrap_or((0.0, 0.0));
-    transfer::table_range(range, volume.voxel_type().is_integer(), volume.calibration(), transfer)
+    tables::table_range(range, volume.voxel_type().is_integer(), volume.calibration(), transfer)
 }
 
 /// Whether a table tells apart all that the transfer function does.
@@ -55,7 +55,7 @@ pub(crate) fn resolves<R: Real>(
 /// Whether f32 tells apart all that the transfer function does: a value that is rounded a few times is known to 10⁻³ of the narrowest
 /// ramp, and the place of a jump to 10⁻³ of the field.
 pub(crate) fn single_precision_resolves(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction) -> bool {
-    transfer::rounding_in_f32(volume, filter, transfer) <= 1.0 / 4096.0
+    tables::rounding_in_f32(volume, filter, transfer) <= 1.0 / 4096.0
 }
 
 #[cfg(test)]

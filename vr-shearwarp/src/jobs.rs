@@ -4,8 +4,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use fearless_simd::Level;
 use vr_core::image_order::in_parallel;
-use vr_core::vector::{Vectorized, run};
 use vr_core::{Control, RenderError};
+use vr_kernels::vector::{Vectorized, run};
 
 use crate::axis::Cells;
 use crate::codes::Code;

@@ -6,7 +6,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::vector::splat;
+use vr_kernels::vector::splat;
 
 use crate::codes::Code;
 use crate::composite::cells::STEPS_F32;

@@ -1,8 +1,8 @@
 //! What the renderer can draw, and what it says of the rest.
 
 use glam::DVec3;
-use vr_core::transfer::beyond_f32;
 use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, UniformVolume, View};
+use vr_kernels::tables::beyond_f32;
 
 use crate::region::Region;
 use crate::shear_warp::ShearWarp;

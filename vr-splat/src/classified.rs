@@ -1,9 +1,9 @@
 //! What follows from the transfer function: tables, and which voxels or points are splatted.
 
 use vr_core::filter::Lattice;
-use vr_core::transfer::{BakedTransfer, resolves_ramps, table_range};
-use vr_core::vector::OpticsTable;
 use vr_core::{LatticeVisitor, Scene, UniformVolume, Voxel};
+use vr_kernels::tables::{BakedTransfer, resolves_ramps, table_range};
+use vr_kernels::vector::OpticsTable;
 
 use crate::kernel::Shape;
 use crate::splatting::{Buffers, Splatting};

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
-use vr_core::vector::{LANES, splat, transpose};
+use vr_kernels::vector::{LANES, splat, transpose};
 
 use crate::kernel::{Radial, quadrature};
 
@@ -67,7 +67,7 @@ impl SectionTable {
         let g = g0 + t * (g1 - g0) + onwards * (w0 + t * (w1 - w0));
         // No more than is there, and with the sign of z.
         let size = g.max(splat(simd, 0.0));
-        vr_core::vector::pick(z.simd_lt(splat(simd, 0.0)), -size, size)
+        vr_kernels::vector::pick(z.simd_lt(splat(simd, 0.0)), -size, size)
     }
 }
 

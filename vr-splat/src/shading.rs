@@ -5,8 +5,8 @@ use std::sync::Arc;
 use fearless_simd::Simd;
 use glam::DVec3;
 use vr_core::filter::Lattice;
-use vr_core::vector::{Field, LANES, Lanes, PacketLights, PacketShading, Shade, Stage};
 use vr_core::{AnyGrid, Scene, UniformGrid, UniformVolume, Voxel};
+use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, PacketShading, Shade, Stage};
 
 /// The scene's shading, and the samples that gradients come from.
 pub(crate) struct Shader<'a> {

@@ -1,7 +1,7 @@
 //! What the renderer can draw, and what it says of the rest.
 
-use vr_core::transfer::beyond_f32;
 use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, View};
+use vr_kernels::tables::beyond_f32;
 
 use crate::kernel::SplatKernel;
 use crate::shading::is_shaded;

@@ -1,8 +1,8 @@
 //! The fragments of sixteen pixels: where slices meet their rays, in f64, and what a kernel needs of that, in f32.
 
 use fearless_simd::Simd;
-use vr_core::vector::{Chords, LANES, Lanes};
 use vr_core::{Clip, Placement, Rays};
+use vr_kernels::vector::{Chords, LANES, Lanes};
 
 use crate::slices::{Slabs, Slices};
 

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::optics::opacity_of_thickness;
-use vr_core::transfer::PreIntegrated;
 use vr_core::{
     DiscreteModel, Filter, IndexRay, LatticeVisitor, Ray, Rays, Sampler, SamplerVisitor, Scene, SegmentTerm,
     UniformVolume, View, Voxel, gradient_between_samples,
 };
+use vr_kernels::tables::PreIntegrated;
 
 use crate::classified::{Codes, Made, light_of};
 use crate::compression::Compressed;

@@ -1,6 +1,6 @@
 //! Blocks of cells in which something can be visible.
 
-use vr_core::RangeBlocks;
+use vr_kernels::ranges::RangeBlocks;
 
 /// One bit a block of [`Occupancy::EDGE`]³ cells: whether any value in it is visible.
 #[derive(Clone, Debug)]

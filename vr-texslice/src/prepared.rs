@@ -6,11 +6,12 @@ use std::time::Instant;
 
 use fearless_simd::Level;
 use vr_core::filter::Lattice;
-use vr_core::vector::{Pairs, Rows};
 use vr_core::{
     Compositing, Control, Counts, Filter, Frame, Model, Prepared, Rays, RenderError, RenderStats, Rendered, Scene,
     UniformVolume, View, with_grid,
 };
+use vr_kernels::ranges::RangeBlocks;
+use vr_kernels::vector::{Pairs, Rows};
 
 use crate::bricks::{BrickLattice, Pool};
 use crate::classified::{Classified, Made};
@@ -89,7 +90,7 @@ impl PreparedTexSlice {
         if !self.renderer.skip || operator.picks() {
             return None;
         }
-        let ranges = volume.range_blocks(Filter::Trilinear, Occupancy::EDGE);
+        let ranges = RangeBlocks::of_volume(volume, Filter::Trilinear, Occupancy::EDGE);
         let light = self.renderer.holds_light();
         Occupancy::new(&ranges, axes, |low, high| {
             if light {
@@ -257,7 +258,7 @@ fn draw_bricks(
 ) -> Drawn {
     let lattice = BrickLattice::new(volume.dims(), edge);
     let order = lattice.front_to_back(job.scene.view, volume.placement())?;
-    let ranges = volume.range_blocks(Filter::Trilinear, edge);
+    let ranges = RangeBlocks::of_volume(volume, Filter::Trilinear, edge);
     let shows = |brick: [usize; 3]| {
         let range = ranges.at(brick);
         !range.is_empty() && shows(range.low, range.high)

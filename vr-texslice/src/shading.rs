@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use vr_core::vector::PacketShading;
 use vr_core::{Scene, UniformVolume};
+use vr_kernels::vector::PacketShading;
 
 use crate::draw::Brightest;
 use crate::support::shades;

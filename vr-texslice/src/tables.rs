@@ -1,8 +1,8 @@
 //! Tables of the transfer function, and what can be visible by them.
 
-use vr_core::transfer::{BakedTransfer, PreIntegrated, resolves_ramps, table_range};
-use vr_core::vector::OpticsTable;
 use vr_core::{Scene, TransferFunction, UniformVolume};
+use vr_kernels::tables::{BakedTransfer, PreIntegrated, resolves_ramps, table_range};
+use vr_kernels::vector::OpticsTable;
 
 use crate::tex_slice::{Format, TexSlice};
 

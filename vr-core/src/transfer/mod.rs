@@ -1,24 +1,16 @@
 //! Transfer functions: from the field's value to extinction and emission.
 
-mod baked;
 mod colormap;
 mod lab;
 mod msh;
-mod preintegrated;
 mod presets;
 mod srgb;
-mod table_grid;
-mod table_range;
 
-pub use baked::{BakedTransfer, TableError};
 pub use colormap::{cool_warm, inferno, viridis};
 pub use lab::Lab;
 pub use msh::{Msh, diverging};
-pub use preintegrated::{PreIntegrated, PreIntegratedRow, TablePlace, WALL_DEPTH};
 pub use presets::{Preset, is_hounsfield};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
-pub(crate) use table_grid::lone_walls;
-pub use table_range::{beyond_f32, outwards, resolves_ramps, rounding_in_f32, table_range};
 
 use crate::error::ParameterError;
 use crate::limits::{MAX_COLOR, MAX_EMISSION, is_length};
@@ -249,7 +241,7 @@ impl TransferFunction {
     }
 
     /// Light and opacity of a homogeneous step of `length` world units with the given properties; see [`TransferFunction::step`].
-    pub(crate) fn step_of(&self, at: &Optical, length: f64) -> [f64; 4] {
+    pub fn step_of(&self, at: &Optical, length: f64) -> [f64; 4] {
         let ratio = length / self.unit_distance;
         let (alpha, tau) = match self.rule {
             OpacityRule::Power => (opacity_of_thickness(at.opacity, ratio), self.extinction(at.opacity) * length),
@@ -275,7 +267,7 @@ impl TransferFunction {
     }
 
     /// The largest colour of any point, channel by channel.
-    pub(crate) fn brightest_color_by_channel(&self) -> [f64; 3] {
+    pub fn brightest_color_by_channel(&self) -> [f64; 3] {
         std::array::from_fn(|c| self.points.iter().map(|p| p.color[c]).fold(0.0, f64::max))
     }
 

@@ -3,7 +3,7 @@
 /// How a value becomes light and opacity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Classification {
-    /// Looked up in a table made for the step's length; see [`vr_core::transfer::BakedTransfer`] for what that adds to the error.
+    /// Looked up in a table made for the step's length; see [`vr_kernels::tables::BakedTransfer`] for what that adds to the error.
     /// Where a transfer function tells apart what no table of some thousand entries can, it is evaluated exactly after all.
     #[default]
     Table,

@@ -15,7 +15,7 @@ pub enum Rule {
     /// By the value where the ray enters the step (left rectangles): order 1. For study, not for use.
     Left,
     /// By a value that goes linearly from the begin of the step to its end, the transfer function being integrated over all values between
-    /// ([`vr_core::transfer::PreIntegrated`]): order 2, at kinks and jumps of the transfer function, too. One sample a step.
+    /// ([`vr_kernels::tables::PreIntegrated`]): order 2, at kinks and jumps of the transfer function, too. One sample a step.
     Linear,
     /// By the parabola through the values at begin, middle and end of the step, integrated so: order 4, at kinks of the transfer
     /// function, too, where Simpson's rule has 2. Two samples a step.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use vr_core::{Compositing, Real, Scene, UniformVolume};
+use vr_kernels::ranges::RangeBlocks;
 
 use super::{Boxes, ChessboardCloud, ExactCloud, Leaper, NodeRanges, Octree, Polyhedron, Pyramid};
 use super::{Visibility, VisibleBlocks};
@@ -49,14 +50,14 @@ impl EmptySpace {
         let field = caster.filter_of(scene);
         if let Step::Vicinity { coarse, .. } = caster.step {
             let edge = coarse.ceil() as usize;
-            let blocks = VisibleBlocks::new(dims, &volume.range_blocks(field, edge), &visibility);
+            let blocks = VisibleBlocks::new(dims, &RangeBlocks::of_volume(volume, field, edge), &visibility);
             return Some(Self::Vicinity(Arc::new(VicinityFlags::new(&blocks))));
         }
         // The others have maps of their own.
         if caster.leaping == Leaping::None || !matches!(caster.step, Step::Uniform(_)) {
             return None;
         }
-        let ranges = volume.range_blocks(field, EDGE);
+        let ranges = RangeBlocks::of_volume(volume, field, EDGE);
         let blocks = || VisibleBlocks::new(dims, &ranges, &visibility);
         Some(match caster.leaping {
             Leaping::None => return None,

@@ -1,6 +1,6 @@
 //! Empty-space leaping: where along a ray something can be visible.
 //!
-//! The field's range is known per block of cells ([`vr_core::RangeBlocks`], made once). When the transfer function changes,
+//! The field's range is known per block of cells ([`vr_kernels::ranges::RangeBlocks`], made once). When the transfer function changes,
 //! [`Visibility`] says of each block whether anything in it can be visible ([`VisibleBlocks`]), and from those one structure is
 //! made that rays are sent through:
 //!

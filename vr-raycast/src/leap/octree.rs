@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use vr_core::{IndexRay, RangeBlocks, Real};
+use vr_core::{IndexRay, Real};
+use vr_kernels::ranges::RangeBlocks;
 
 use super::beam::{Region, Regions, next_interval};
 use super::visible_blocks::BlockGrid;

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use vr_core::phantom::{self, Blobs, Fog, Phantom, Shells, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
+use vr_kernels::ranges::RangeBlocks;
 
 use super::tests::leapers;
 use super::*;
@@ -23,7 +24,7 @@ fn nanoseconds_per_ray() {
         let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE).unwrap();
         let uniform = volume.uniform().unwrap();
         let seen = Visibility::of_light(&transfer, uniform.calibration(), None);
-        let ranges = uniform.range_blocks(Filter::Trilinear, 8);
+        let ranges = RangeBlocks::of_volume(uniform, Filter::Trilinear, 8);
         let view = View::new(Camera::framing(volume.bounds(), 30.0, 20.0, None), [256, 256]);
         let rays = Rays::new(&view).unwrap();
         let pixels = (0..256u32 * 256).map(|i| rays.at(f64::from(i % 256) + 0.5, f64::from(i / 256) + 0.5));

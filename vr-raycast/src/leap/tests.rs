@@ -4,8 +4,9 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 use vr_core::filter::Reconstruction;
-use vr_core::transfer::BakedTransfer;
 use vr_core::*;
+use vr_kernels::ranges::RangeBlocks;
+use vr_kernels::tables::BakedTransfer;
 
 use super::*;
 
@@ -135,7 +136,7 @@ proptest! {
             Some(threshold) => value >= threshold as f32,
             None => !value.is_nan() && (transfer.at(value.into()).opacity > 0.0 || table.step(value)[3] > 0.0),
         };
-        let ranges = volume.range_blocks(filter, edge);
+        let ranges = RangeBlocks::of_volume(volume, filter, edge);
         let leapers = leapers(volume.dims(), &ranges, &seen);
         for line in lines {
             let Some(ray) = ray_between(volume, line) else { continue };
@@ -227,7 +228,7 @@ fn structures_are_small() {
     let placement = Placement::from_spacing([1.0; 3]).unwrap();
     let volume: Volume = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap().into();
     let volume = volume.uniform().unwrap();
-    let ranges = volume.range_blocks(Filter::Trilinear, empty_space::EDGE);
+    let ranges = RangeBlocks::of_volume(volume, Filter::Trilinear, empty_space::EDGE);
     let seen = Visibility::of_threshold(128.0, Calibration::default());
     for (name, leaper) in leapers(dims, &ranges, &seen) {
         let bytes = leaper.bytes() + size_of_val(ranges.ranges());

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use vr_core::transfer::{BakedTransfer, PreIntegrated, Segment};
-use vr_core::{BlockRange, Calibration, Real, TransferFunction};
+use vr_core::transfer::Segment;
+use vr_core::{Calibration, Real, TransferFunction};
+use vr_kernels::ranges::BlockRange;
+use vr_kernels::tables::{BakedTransfer, PreIntegrated};
 
 /// Says of a range of stored numbers whether any number in it is visible.
 ///

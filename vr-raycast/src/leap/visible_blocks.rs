@@ -1,7 +1,8 @@
 //! Which blocks can be seen.
 
 use rayon::prelude::*;
-use vr_core::{RangeBlocks, Real};
+use vr_core::Real;
+use vr_kernels::ranges::RangeBlocks;
 
 use super::{Visibility, reach};
 

@@ -1,7 +1,8 @@
 //! The class of a step by a block's range of values: how far the medium lets it go.
 
 use vr_core::transfer::Optical;
-use vr_core::{Calibration, LevelRanges, Scene, TransferFunction};
+use vr_core::{Calibration, Scene, TransferFunction};
+use vr_kernels::ranges::LevelRanges;
 
 use super::features::Features;
 use super::{CLASSES, CLEAR, LONGEST, PaceMap, SHORTEST};

@@ -4,7 +4,8 @@ mod classes;
 mod features;
 
 use rayon::prelude::*;
-use vr_core::{Calibration, Filter, LevelRanges, Scene};
+use vr_core::{Calibration, Filter, Scene};
+use vr_kernels::ranges::LevelRanges;
 
 use crate::leap::{VisibleBlocks, chessboard_distances};
 use classes::{Classes, class_of, step_of};
@@ -223,7 +224,7 @@ mod tests {
         let volume: Volume = grid.unwrap().into();
         let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
         let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
-        let levels = volume.uniform().unwrap().level_ranges(Filter::Trilinear);
+        let levels = LevelRanges::of_volume(volume.uniform().unwrap(), Filter::Trilinear);
         PaceMap::new(&levels, &Scene::new(volume, transfer), Filter::Trilinear, Calibration::default(), 1.0, error)
     }
 
@@ -276,7 +277,7 @@ mod tests {
         let volume: Volume = grid.unwrap().into();
         let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
         let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
-        let levels = volume.uniform().unwrap().level_ranges(Filter::Trilinear);
+        let levels = LevelRanges::of_volume(volume.uniform().unwrap(), Filter::Trilinear);
         let scene = Scene::new(volume, transfer);
         let map = |filter| PaceMap::new(&levels, &scene, filter, Calibration::default(), 1.0, 1e-3);
         // The missing sheet lies in the middle of block 4.

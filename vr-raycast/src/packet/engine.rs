@@ -6,13 +6,14 @@ use fearless_simd::{Level, Simd};
 use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::Spot;
-use vr_core::transfer::BakedTransfer;
-use vr_core::vector::{
-    self, Field, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Stage, Vectorized,
-};
 use vr_core::{
-    Compositing, Counts, Filter, GradientMethod, LevelRanges, ParameterError, Rays, Scene, UniformVolume, View,
-    with_grid,
+    Compositing, Counts, Filter, GradientMethod, ParameterError, Rays, Scene, UniformVolume, View, with_grid,
+};
+use vr_kernels::ranges::LevelRanges;
+use vr_kernels::ranges::RangeBlocks;
+use vr_kernels::tables::BakedTransfer;
+use vr_kernels::vector::{
+    self, Field, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Stage, Vectorized,
 };
 
 use super::leap::Distances;
@@ -154,9 +155,9 @@ impl PacketEngine {
     ) -> Option<Distances> {
         let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table));
         if edge == LevelRanges::EDGE && LevelRanges::are_exact(volume) {
-            return Distances::of_levels(&volume.level_ranges(Filter::Trilinear), &visibility);
+            return Distances::of_levels(&LevelRanges::of_volume(volume, Filter::Trilinear), &visibility);
         }
-        Distances::new(&volume.range_blocks(Filter::Trilinear, edge), &visibility)
+        Distances::new(&RangeBlocks::of_volume(volume, Filter::Trilinear, edge), &visibility)
     }
 }
 

@@ -3,8 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use rayon::prelude::*;
-use vr_core::vector::{Cells, LANES, pick, splat};
-use vr_core::{BlockRange, LevelRanges, RangeBlocks};
+use vr_kernels::ranges::{BlockRange, LevelRanges, RangeBlocks};
+use vr_kernels::vector::{Cells, LANES, pick, splat};
 
 use super::setup::Packet;
 use crate::leap::{Visibility, VisibleBlocks, chessboard_distances};

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::vector::{Cells, LANES, Lanes, PacketLights, Pairs, Stage, Sums, light_of, pick, splat};
+use vr_kernels::vector::{Cells, LANES, Lanes, PacketLights, Pairs, Stage, Sums, light_of, pick, splat};
 
 use super::leap::{Leaper, block_index};
 use super::march::{Marched, Medium, Path, finish, shaded};

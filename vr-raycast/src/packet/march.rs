@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_core::vector::{
+use vr_kernels::vector::{
     Cells, Field, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Shade, Stage, Sums, cells, inside,
     light_of, pick, splat,
 };

@@ -3,8 +3,8 @@
 use fearless_simd::Simd;
 use glam::DVec3;
 use vr_core::image_order::Spot;
-use vr_core::vector::{Chords, LANES, Lanes};
 use vr_core::{Clip, Layer, Placement, Rays};
+use vr_kernels::vector::{Chords, LANES, Lanes};
 
 /// What the rays of a frame share.
 #[derive(Clone, Debug)]

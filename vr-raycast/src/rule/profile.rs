@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use vr_core::transfer::PreIntegrated;
 use vr_core::{Calibration, Real, TransferFunction};
+use vr_kernels::tables::PreIntegrated;
 
 use super::cubic::Cubic;
 use super::exact::ExactIntegral;

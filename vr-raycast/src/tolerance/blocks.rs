@@ -1,6 +1,7 @@
 //! What the medium can be, block by block.
 
 use vr_core::{Filter, UniformVolume};
+use vr_kernels::ranges::RangeBlocks;
 
 use super::optics::{Extremes, Optics};
 
@@ -29,15 +30,15 @@ pub(super) enum State {
 
 impl Blocks {
     pub(super) fn new(volume: &UniformVolume, filter: Filter, optics: &Optics) -> Self {
-        let blocks = volume.range_blocks(filter, EDGE);
-        let is_clear = |b: &vr_core::BlockRange| {
+        let blocks = RangeBlocks::of_volume(volume, filter, EDGE);
+        let is_clear = |b: &vr_kernels::ranges::BlockRange| {
             if b.low == b.high {
                 let (rate, source) = optics.exactly(b.low.into());
                 return rate == 0.0 && (!optics.emits || source == [0.0; 3]);
             }
             optics.is_clear(widened(b.low, -1.0, optics), widened(b.high, 1.0, optics))
         };
-        let state = |b: &vr_core::BlockRange| {
+        let state = |b: &vr_kernels::ranges::BlockRange| {
             if b.is_empty() || is_clear(b) {
                 State::Clear
             } else if b.vacuum {

@@ -1,7 +1,7 @@
 //! A band of scan lines under all slices.
 
 use fearless_simd::Simd;
-use vr_core::vector::{LANES, Vectorized};
+use vr_kernels::vector::{LANES, Vectorized};
 
 use super::cells::Edges;
 use super::kernel::{Added, Chunk, Kernel, Row};

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, u8x64};
-use vr_core::vector::{LANES, splat};
+use vr_kernels::vector::{LANES, splat};
 
 use crate::codes::Code;
 

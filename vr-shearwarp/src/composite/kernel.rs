@@ -1,7 +1,7 @@
 //! What is done with samples: composited, or the largest picked, say.
 
 use fearless_simd::Simd;
-use vr_core::vector::LANES;
+use vr_kernels::vector::LANES;
 
 use super::cells::{Columns, Edges};
 

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
-use vr_core::vector::{LANES, depth_of_opacity, opacity_of_depth, packed, pick, splat, transpose, transpose_packed};
+use vr_kernels::vector::{LANES, depth_of_opacity, opacity_of_depth, packed, pick, splat, transpose, transpose_packed};
 
 use super::cells::{Columns, Edges, Places, SPAN, STEPS_F32, values};
 use super::few::FEW;

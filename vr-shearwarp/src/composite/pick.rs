@@ -2,8 +2,8 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::vector::{LANES, pick, splat};
 use vr_core::{Calibration, Compositing};
+use vr_kernels::vector::{LANES, pick, splat};
 
 use super::cells::{Columns, Edges, STEPS_F32, values};
 use super::kernel::{Added, Chunk, Kernel, Row};

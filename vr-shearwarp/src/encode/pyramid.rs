@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use vr_core::{AnyGrid, Filter, LevelRanges, UniformGrid, UniformVolume};
+use vr_core::{AnyGrid, Filter, UniformGrid, UniformVolume};
+use vr_kernels::ranges::LevelRanges;
 
 use super::bits::{WORD, clip};
 use super::dense::Layout;
@@ -35,7 +36,7 @@ struct Nodes {
 impl Pyramid {
     /// Of a volume, whose ranges of blocks are kept with it.
     pub fn new(volume: &UniformVolume) -> Self {
-        let levels = volume.level_ranges(Filter::Trilinear);
+        let levels = LevelRanges::of_volume(volume, Filter::Trilinear);
         let missing = volume.vacuum_cells().is_some();
         let own = match volume.grid() {
             AnyGrid::F32(grid) => Some(float_ranges(grid, &levels, missing)),

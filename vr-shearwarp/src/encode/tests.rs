@@ -1,7 +1,8 @@
 //! Runs against the plain definition, on random small volumes and on the hard ones by name.
 
 use proptest::prelude::*;
-use vr_core::{AnyGrid, Calibration, LevelRanges, Placement, UniformGrid, UniformVolume, Volume, Voxel};
+use vr_core::{AnyGrid, Calibration, Placement, UniformGrid, UniformVolume, Volume, Voxel};
+use vr_kernels::ranges::LevelRanges;
 
 use super::*;
 

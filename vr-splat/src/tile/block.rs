@@ -1,8 +1,8 @@
 //! Sixteen rays: a square of four by four pixels.
 
 use glam::DVec3;
-use vr_core::vector::{Chords, LANES, Lanes};
 use vr_core::{Clip, Layer, Placement, Ray, Rays};
+use vr_kernels::vector::{Chords, LANES, Lanes};
 
 use crate::projection::SplatView;
 

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::vector::{LANES, Lanes, light_of, opacity_of_depth, pick, splat};
+use vr_kernels::vector::{LANES, Lanes, light_of, opacity_of_depth, pick, splat};
 
 use crate::visible::CellBits;
 

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
-use vr_core::vector::{LANES, Lanes, pick, splat};
+use vr_kernels::vector::{LANES, Lanes, pick, splat};
 
 use crate::kernel::{Profile, WindowedSinc};
 use crate::projection::SplatView;

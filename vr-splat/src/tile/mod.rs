@@ -9,7 +9,7 @@ mod single;
 mod state;
 
 use fearless_simd::Simd;
-use vr_core::vector::{Lanes, PacketLights, Vectorized};
+use vr_kernels::vector::{Lanes, PacketLights, Vectorized};
 
 use crate::bins::{Keyed, TILE};
 use crate::splat::Splat;

@@ -1,7 +1,7 @@
 //! What the tiles of a picture share, and what becomes of each.
 
 use fearless_simd::Level;
-use vr_core::vector::{LANES, OpticsTable};
+use vr_kernels::vector::{LANES, OpticsTable};
 
 use crate::bins::Keyed;
 use crate::projection::SplatView;
@@ -100,7 +100,7 @@ impl Drawn {
 impl Painter<'_> {
     /// Draws the tile whose first pixel is (column, row).
     pub(crate) fn draw(&self, column: u32, row: u32, splats: Vec<Keyed>) -> Drawn {
-        vr_core::vector::run(self.level, TileJob { painter: self, column, row, splats: &splats })
+        vr_kernels::vector::run(self.level, TileJob { painter: self, column, row, splats: &splats })
     }
 
     pub(super) fn shader(&self) -> Option<&Shader<'_>> {

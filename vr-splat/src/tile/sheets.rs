@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::vector::{Lanes, pick, splat};
+use vr_kernels::vector::{Lanes, pick, splat};
 
 use crate::bins::Keyed;
 use crate::splat::Splat;

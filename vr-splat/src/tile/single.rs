@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use vr_core::vector::{Lanes, opacity_of_depth, pick, splat};
+use vr_kernels::vector::{Lanes, opacity_of_depth, pick, splat};
 
 use crate::bins::Keyed;
 

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_core::vector::{LANES, Lanes, pick, splat};
+use vr_kernels::vector::{LANES, Lanes, pick, splat};
 
 /// What becomes of sheets.
 #[derive(Clone, Copy, Debug, PartialEq)]

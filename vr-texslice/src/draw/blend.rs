@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_core::vector::{LANES, Lanes, Sums, pick, splat};
+use vr_kernels::vector::{LANES, Lanes, Sums, pick, splat};
 
 use super::chunk::{Chunk, Which};
 use super::state::{Operator, State};

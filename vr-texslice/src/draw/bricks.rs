@@ -6,10 +6,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
-use vr_core::vector::{
+use vr_core::{Control, Counts, RenderError};
+use vr_kernels::vector::{
     Cells as Places, Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, light_of, pick, run, splat,
 };
-use vr_core::{Control, Counts, RenderError};
 
 use super::classify::Classifier;
 use super::state::State;

@@ -2,8 +2,8 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::transfer::{PreIntegrated, TablePlace};
-use vr_core::vector::{LANES, Lanes, OpticsTable, Rows, depth_of_opacity, light_of, opacity_of_depth, pick, splat};
+use vr_kernels::tables::{PreIntegrated, TablePlace};
+use vr_kernels::vector::{LANES, Lanes, OpticsTable, Rows, depth_of_opacity, light_of, opacity_of_depth, pick, splat};
 
 use super::chunk::{CHUNK, Chunk};
 

@@ -1,7 +1,7 @@
 //! Sixteen rays through all of their slices.
 
 use fearless_simd::Simd;
-use vr_core::vector::{LANES, Lanes};
+use vr_kernels::vector::{LANES, Lanes};
 
 use super::blend::{Blending, blend};
 use super::chunk::{CHUNK, Chunk, Which, fetch, reach, shade};

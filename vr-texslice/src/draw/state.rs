@@ -1,7 +1,7 @@
 //! What pixels have gathered so far, and the blend states that say how.
 
 use vr_core::optics::depth_of_opacity;
-use vr_core::vector::{LANES, Lanes};
+use vr_kernels::vector::{LANES, Lanes};
 
 /// A blend state: how a fragment is put onto a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl Operator {
 /// Sixteen pixels.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
-    /// Light and opacity: their sum, what rounding lost of it, and where opacity reaches a half ([`vr_core::vector::Sums`]).
+    /// Light and opacity: their sum, what rounding lost of it, and where opacity reaches a half ([`vr_kernels::vector::Sums`]).
     pub(crate) sums: [[Lanes; 4]; 3],
     /// The value picked (of an average the sum of values by length), or the number of the sample that passed a test.
     pub(crate) value: Lanes,

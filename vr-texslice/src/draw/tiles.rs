@@ -3,8 +3,8 @@
 use fearless_simd::{Level, Simd};
 use glam::DVec2;
 use vr_core::image_order::in_parallel;
-use vr_core::vector::{LANES, Lanes, PacketLights, PacketShading, Vectorized, run};
 use vr_core::{Control, Counts, Layer, RenderError, View};
+use vr_kernels::vector::{LANES, Lanes, PacketLights, PacketShading, Vectorized, run};
 
 use super::march::{Done, March, Pass, Workbench};
 use super::state::State;

@@ -5,8 +5,8 @@ use std::sync::{Mutex, PoisonError};
 use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
-use vr_core::vector::{Pairs, run};
 use vr_core::{Control, Counts, RenderError};
+use vr_kernels::vector::{Pairs, run};
 
 use super::bricks::{GROUP, Through, Waiting, set_up};
 use super::tiles::{Pixel, Scene16, sixteens};

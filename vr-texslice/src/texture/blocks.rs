@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_core::vector::{Cells, LANES, Lanes};
+use vr_kernels::vector::{Cells, LANES, Lanes};
 
 use super::{Lit, Texture};
 use crate::compression::Compressed;

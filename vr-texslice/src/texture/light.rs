@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16};
-use vr_core::vector::{Cells, LANES, Lanes, transpose};
+use vr_kernels::vector::{Cells, LANES, Lanes, transpose};
 
 use super::{Lit, Texture};
 

@@ -9,7 +9,7 @@ pub(crate) use light::{Indices, Light, Luminance, Rgba};
 pub(crate) use voxels::Voxels;
 
 use fearless_simd::{Simd, f32x16};
-use vr_core::vector::{Cells, Lanes, PacketLights, PacketShading, cells, inside};
+use vr_kernels::vector::{Cells, Lanes, PacketLights, PacketShading, cells, inside};
 
 /// A texture, as fragments see it.
 pub(crate) trait Texture: Sync {

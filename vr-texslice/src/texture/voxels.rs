@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::filter::Lattice;
-use vr_core::vector::{Cells, Field, Lanes, Pairs, Shade, Stage, cells, inside};
+use vr_kernels::vector::{Cells, Field, Lanes, Pairs, Shade, Stage, cells, inside};
 
 use super::{Lit, Texture};
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use vr_core::{Control, Filter, RenderError, UniformVolume, View};
+use vr_kernels::ranges::RangeBlocks;
 
 use super::cells::{CellMask, EDGE, LookInto, Sight};
 use crate::near_depths::{Band, NearDepths};
@@ -49,11 +50,11 @@ enum Kind {
 impl CoherenceBuffer {
     /// A buffer that knows the ranges of the blocks alone. It holds as long as volume, filter and sight do.
     pub(crate) fn new(volume: &UniformVolume, filter: Filter, sight: Sight) -> Self {
-        let ranges = volume.range_blocks(filter, EDGE);
+        let ranges = RangeBlocks::of_volume(volume, filter, EDGE);
         let blocks = ranges.blocks();
         // The field of the wider filters depends on more than a cell's corners: their blocks stay whole.
         let divisible = filter.reach() == 0;
-        let seen = |range: &vr_core::BlockRange| {
+        let seen = |range: &vr_kernels::ranges::BlockRange| {
             if range.is_empty() || !sight(range.low, range.high) {
                 Kind::Clear
             } else if divisible && !(sight(range.low, range.low) && sight(range.high, range.high)) {

@@ -4,8 +4,8 @@ mod base_plane;
 mod tile;
 
 use vr_core::image_order::in_parallel;
-use vr_core::transfer::BakedTransfer;
 use vr_core::{Control, Counts, Frame, Rays, RenderError, RenderStats, Rendered, UniformVolume, View, with_grid};
+use vr_kernels::tables::BakedTransfer;
 
 use super::every_pixel::spots_of_pixel;
 use crate::caster::Connectivity;

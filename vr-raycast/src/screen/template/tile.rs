@@ -1,7 +1,7 @@
 //! The rays of a tile of the base plane, all one step further at a time.
 
-use vr_core::transfer::BakedTransfer;
 use vr_core::{Counts, UniformGrid, Voxel};
+use vr_kernels::tables::BakedTransfer;
 
 use super::base_plane::BasePlane;
 use crate::caster::Connectivity;

@@ -1,6 +1,6 @@
 //! Emission and extinction at a value of a segment, and their means over a range of it.
 
-use crate::transfer::{OpacityRule, Segment, TransferFunction};
+use vr_core::transfer::{OpacityRule, Segment, TransferFunction};
 
 /// κ per unit distance that rows hold where it is infinite: over a quarter of a unit distance, nothing (10⁻⁷) comes through.
 pub const WALL_DEPTH: f64 = 64.0;

@@ -1,8 +1,8 @@
 //! Light and opacity of a stretch, from means and ends.
 
 use super::{PreIntegrated, TablePlace};
-use crate::optics::opacity_of_depth;
-use crate::real::Real;
+use vr_core::Real;
+use vr_core::optics::opacity_of_depth;
 
 impl<R: Real> PreIntegrated<R> {
     /// Light (r, g, b) and opacity of a stretch of `length` world units on which the value goes linearly from `front` to `back`, in stored

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::field::{Cells, Field, Pairs, Stage};
 use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
-use crate::shading::Shading;
+use vr_core::Shading;
 
 /// Shading, the same for all rays.
 #[derive(Clone, Debug)]

@@ -1,10 +1,10 @@
 //! The trilinear field at sixteen places.
 
 use super::{LANES, splat};
-use crate::filter::Lattice;
-use crate::voxel::Voxel;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i8x64, i16x32, i32x16, u8x64, u16x32, u32x16};
+use vr_core::Voxel;
+use vr_core::filter::Lattice;
 
 /// The samples, seen from the four corners of a cell's face x = 0: one offset serves all four.
 #[derive(Clone, Copy, Debug)]

@@ -3,11 +3,11 @@
 use glam::{DMat3, DVec3};
 
 use super::LANES;
-use crate::placement::Placement;
-use crate::ray::Rays;
-use crate::view::Clip;
+use vr_core::Clip;
+use vr_core::Placement;
+use vr_core::Rays;
 
-/// The parts of sixteen rays inside a box and a clip, in index space: each as [`crate::IndexRay`] has it, component by component.
+/// The parts of sixteen rays inside a box and a clip, in index space: each as [`vr_core::IndexRay`] has it, component by component.
 ///
 /// A ray of which nothing is left has its ends the wrong way round.
 #[derive(Clone, Copy, Debug)]

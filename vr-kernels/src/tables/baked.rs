@@ -1,9 +1,9 @@
 //! A transfer function baked into a table for one step length: a look-up instead of an exponential.
 
-use super::table_grid::{TableGrid, lone_walls};
-use super::{Optical, TransferFunction};
-use crate::grid::Calibration;
-use crate::real::Real;
+use super::grid::{TableGrid, lone_walls};
+use vr_core::Calibration;
+use vr_core::Real;
+use vr_core::transfer::{Optical, TransferFunction};
 
 /// Opacity and premultiplied light of one step of a given length, tabulated over *stored* numbers at equal distances and
 /// interpolated linearly.
@@ -213,7 +213,7 @@ fn table_error(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::transfer::{ControlPoint, OpacityRule};
+    use vr_core::transfer::{ControlPoint, OpacityRule};
 
     fn exact(t: &TransferFunction, v: f64, step: f64) -> [f64; 4] {
         t.step(v, step)

@@ -2,8 +2,8 @@
 
 use super::intervals::ALIGNED;
 use super::medium::{WALL_DEPTH, mean_of, properties};
-use crate::grid::Calibration;
-use crate::transfer::TransferFunction;
+use vr_core::Calibration;
+use vr_core::TransferFunction;
 
 /// κ and q in an interval of stored numbers, before they are rounded.
 pub(super) struct Cell {

@@ -1,7 +1,7 @@
 //! What the table holds at a value, and in the mean between two.
 
 use super::{PreIntegrated, PreIntegratedRow};
-use crate::real::Real;
+use vr_core::Real;
 
 /// Where a value lies in the table.
 #[derive(Clone, Copy, Debug, PartialEq)]

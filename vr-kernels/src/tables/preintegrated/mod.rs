@@ -13,12 +13,12 @@ mod tests;
 pub use lookup::TablePlace;
 pub use medium::WALL_DEPTH;
 
-use super::table_grid::lone_walls;
-use super::{OpacityRule, TransferFunction};
-use crate::grid::Calibration;
-use crate::real::Real;
+use super::grid::lone_walls;
 use cell::Cell;
 use intervals::{MOST_EXCESS, find_intervals};
+use vr_core::Calibration;
+use vr_core::Real;
+use vr_core::transfer::{OpacityRule, TransferFunction};
 use wall::{Wall, walls};
 
 /// Integrals of extinction and emission over the *stored* numbers, tabulated at equal distances.

@@ -1,12 +1,14 @@
 //! Ranges of the field in small blocks, in two bytes each.
 
-use crate::filter::{Filter, Trilinear};
-use crate::range_blocks::{BlockRange, block_ranges, bounds};
-use crate::volume::UniformVolume;
+use std::sync::Arc;
+
+use super::blocks::{BlockRange, block_ranges, bounds};
+use vr_core::UniformVolume;
+use vr_core::filter::{Filter, Trilinear};
 
 /// Smallest and largest value of the field in each block of [`LevelRanges::EDGE`]³ cells, rounded outward to 256 levels.
 ///
-/// Two bytes a block are 3 % of a volume of bytes, where [`crate::RangeBlocks`] of such small blocks would be a fifth of it. And there are
+/// Two bytes a block are 3 % of a volume of bytes, where [`RangeBlocks`](crate::ranges::RangeBlocks) of such small blocks would be a fifth of it. And there are
 /// so few different ranges that what follows from one can be looked up in a table over both ends. Integers that span no more than 255 are
 /// levels themselves.
 ///
@@ -29,7 +31,12 @@ impl LevelRanges {
     /// Part of a level by which a range may fall short: bounds are widened for rounding in f32, which must not cost a whole level.
     pub const SLACK: f64 = 0.01;
 
-    pub(crate) fn of_field(volume: &UniformVolume, filter: Filter) -> Self {
+    /// Ranges of a volume's field under a filter; made once and kept with the volume.
+    pub fn of_volume(volume: &UniformVolume, filter: Filter) -> Arc<Self> {
+        volume.derived().get(filter, || Self::of_field(volume, filter))
+    }
+
+    fn of_field(volume: &UniformVolume, filter: Filter) -> Self {
         let last = f64::from(Self::LAST);
         // Filters may overshoot the samples: levels end where these do, and what lies beyond belongs to the last one.
         let (low, high) = volume.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
@@ -77,7 +84,7 @@ impl LevelRanges {
         !self.holes.is_empty()
     }
 
-    /// The bounds that [`crate::RangeBlocks`] would give of a trilinear field between two levels, where levels are exact.
+    /// The bounds that [`RangeBlocks`](crate::ranges::RangeBlocks) would give of a trilinear field between two levels, where levels are exact.
     pub fn bounds(&self, levels: [u8; 2]) -> (f32, f32) {
         let [low, high] = levels.map(|level| self.stored(level) as f32);
         bounds::<Trilinear>(low, high)
@@ -108,10 +115,11 @@ fn holes(volume: &UniformVolume, blocks: [usize; 3]) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{Calibration, UniformGrid};
-    use crate::placement::Placement;
-    use crate::volume::Volume;
-    use crate::voxel::Voxel;
+    use crate::ranges::RangeBlocks;
+    use vr_core::Placement;
+    use vr_core::Volume;
+    use vr_core::Voxel;
+    use vr_core::{Calibration, UniformGrid};
 
     fn volume<T: Voxel>(dims: [usize; 3], samples: Vec<T>) -> Volume
     where
@@ -126,7 +134,7 @@ mod tests {
     fn bytes_are_their_own_levels() {
         let samples: Vec<u8> = (0..9 * 5 * 5).map(|i| (i * 37 % 200) as u8 + 20).collect();
         let volume = volume([9, 5, 5], samples.clone());
-        let ranges = volume.uniform().unwrap().level_ranges(Filter::Trilinear);
+        let ranges = LevelRanges::of_volume(volume.uniform().unwrap(), Filter::Trilinear);
         assert_eq!(ranges.blocks(), [2, 1, 1]);
         assert!(LevelRanges::are_exact(volume.uniform().unwrap()));
         let of = |xs: std::ops::RangeInclusive<usize>| {
@@ -135,7 +143,7 @@ mod tests {
         };
         let stored = ranges.ranges().iter().map(|r| r.map(|l| ranges.stored(l) as u8)).collect::<Vec<_>>();
         assert_eq!(stored, [of(0..=4), of(4..=8)]);
-        let blocks = volume.uniform().unwrap().range_blocks(Filter::Trilinear, LevelRanges::EDGE);
+        let blocks = RangeBlocks::of_volume(volume.uniform().unwrap(), Filter::Trilinear, LevelRanges::EDGE);
         for (levels, block) in ranges.ranges().iter().zip(blocks.ranges()) {
             assert_eq!(ranges.bounds(*levels), (block.low, block.high));
         }
@@ -147,7 +155,8 @@ mod tests {
             let samples: Vec<f32> = (0..216).map(|i| ((i * i) as f32 * 0.7).sin() * 1e4 + 3e4).collect();
             let volume = volume([6, 6, 6], samples);
             let volume = volume.uniform().unwrap();
-            let (exact, rounded) = (volume.range_blocks(filter, LevelRanges::EDGE), volume.level_ranges(filter));
+            let (exact, rounded) =
+                (RangeBlocks::of_volume(volume, filter, LevelRanges::EDGE), LevelRanges::of_volume(volume, filter));
             for (exact, levels) in exact.ranges().iter().zip(rounded.ranges()) {
                 let slack = LevelRanges::SLACK * rounded.spacing;
                 let [low, high] = levels.map(|l| rounded.stored(l));
@@ -163,7 +172,10 @@ mod tests {
     #[test]
     fn vacuum_is_nothing() {
         let volume = volume([2, 2, 2], vec![f32::NAN; 8]);
-        assert_eq!(volume.uniform().unwrap().level_ranges(Filter::Trilinear).ranges(), [LevelRanges::NOTHING]);
+        assert_eq!(
+            LevelRanges::of_volume(volume.uniform().unwrap(), Filter::Trilinear).ranges(),
+            [LevelRanges::NOTHING]
+        );
     }
 
     #[test]
@@ -171,9 +183,10 @@ mod tests {
         let mut samples = vec![3.0f32; 9 * 5 * 5];
         samples[7] = f32::NAN;
         let ranges = volume([9, 5, 5], samples);
-        let ranges = ranges.uniform().unwrap().level_ranges(Filter::Trilinear);
+        let ranges = LevelRanges::of_volume(ranges.uniform().unwrap(), Filter::Trilinear);
         assert_eq!((ranges.has_hole(0), ranges.has_hole(1)), (false, true));
         assert_eq!(ranges.ranges()[0], ranges.ranges()[1]);
-        assert!(!volume([2, 2, 2], vec![1.0f32; 8]).uniform().unwrap().level_ranges(Filter::Trilinear).has_holes());
+        let whole = volume([2, 2, 2], vec![1.0f32; 8]);
+        assert!(!LevelRanges::of_volume(whole.uniform().unwrap(), Filter::Trilinear).has_holes());
     }
 }

@@ -1,10 +1,11 @@
 //! The transfer function's table, looked up for sixteen values at once.
 
 use super::{LANES, opacity_of_depth, pick, splat, transpose};
-use crate::grid::Calibration;
-use crate::transfer::{BakedTransfer, Optical, TransferFunction, lone_walls};
+use crate::tables::{BakedTransfer, lone_walls};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
+use vr_core::Calibration;
+use vr_core::transfer::{Optical, TransferFunction};
 
 /// Colour and extinction over the field's stored numbers, at the same places as a [`BakedTransfer`]: what a step of any length is made
 /// of.
@@ -128,8 +129,8 @@ impl<'a> Rows<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::transfer::{ControlPoint, OpacityRule};
     use fearless_simd::{Level, dispatch};
+    use vr_core::transfer::{ControlPoint, OpacityRule};
 
     #[test]
     fn a_single_value_is_a_wall_and_its_neighbours_are_not() {

@@ -20,8 +20,8 @@
 //!
 //! # Example
 //! ```
-//! use vr_benches::exact::ExactCache;
-//! use vr_benches::{contestant::contestants, front::pareto_front, study::Study, subject::phantom_subject};
+//! use vr_study::exact::ExactCache;
+//! use vr_study::{contestant::contestants, front::pareto_front, study::Study, subject::phantom_subject};
 //! use vr_core::{Control, Renderer};
 //! use vr_raycast::RayCaster;
 //!

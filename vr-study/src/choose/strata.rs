@@ -174,7 +174,7 @@ mod tests {
     }
 
     /// How often the bound holds, over phantoms and scenes of single bright voxels, and all settings of the ray caster.
-    /// `cargo test --release -p vr-benches --lib bounds_hold_on -- --ignored --nocapture` prints the table.
+    /// `cargo test --release -p vr-study --lib bounds_hold_on -- --ignored --nocapture` prints the table.
     #[test]
     #[ignore = "some minutes"]
     fn bounds_hold_on_many_pictures() {

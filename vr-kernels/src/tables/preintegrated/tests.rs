@@ -2,8 +2,8 @@
 
 use super::PreIntegrated;
 use super::medium::properties;
-use crate::grid::Calibration;
-use crate::transfer::{ControlPoint, OpacityRule, TransferFunction};
+use vr_core::Calibration;
+use vr_core::transfer::{ControlPoint, OpacityRule, TransferFunction};
 
 type Table = PreIntegrated<f64>;
 

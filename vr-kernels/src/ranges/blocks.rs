@@ -1,12 +1,14 @@
 //! Ranges of the reconstructed field, block by block: for all who leap, cull or skip.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
-use crate::filter::{Filter, Reconstruction};
-use crate::missing::VacuumCells;
-use crate::sampler::Sampler;
-use crate::volume::{SamplerVisitor, UniformVolume};
-use crate::voxel::Voxel;
+use vr_core::Sampler;
+use vr_core::VacuumCells;
+use vr_core::Voxel;
+use vr_core::filter::{Filter, Reconstruction};
+use vr_core::{SamplerVisitor, UniformVolume};
 
 /// Smallest and largest value of the field in each block of `edge`³ cells, in stored units.
 ///
@@ -38,9 +40,12 @@ impl BlockRange {
 }
 
 impl RangeBlocks {
-    pub(crate) fn of_field(volume: &UniformVolume, filter: Filter, edge: usize) -> Self {
-        let (blocks, ranges) = block_ranges(volume, filter, edge, |range| range);
-        Self { edge, blocks, ranges }
+    /// Ranges of a volume's field under a filter, in blocks of `edge`³ cells; made once and kept with the volume.
+    pub fn of_volume(volume: &UniformVolume, filter: Filter, edge: usize) -> Arc<Self> {
+        volume.derived().get((filter, edge), || {
+            let (blocks, ranges) = block_ranges(volume, filter, edge, |range| range);
+            Self { edge, blocks, ranges }
+        })
     }
 
     /// Cells along the edge of a block.

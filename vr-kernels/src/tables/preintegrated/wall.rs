@@ -4,9 +4,9 @@ use super::intervals::ALIGNED;
 use super::medium::is_wall;
 use super::segment::behind;
 use super::{PreIntegrated, TablePlace};
-use crate::grid::Calibration;
-use crate::real::Real;
-use crate::transfer::{Optical, TransferFunction};
+use vr_core::Calibration;
+use vr_core::Real;
+use vr_core::transfer::{Optical, TransferFunction};
 
 /// A range of values with α = 1, in entries.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! The stored numbers that a table must cover, and whether its entries, and single precision, tell apart all that a transfer function does.
 
-use super::TransferFunction;
-use crate::filter::Filter;
-use crate::grid::Calibration;
-use crate::volume::UniformVolume;
+use vr_core::Calibration;
+use vr_core::TransferFunction;
+use vr_core::UniformVolume;
+use vr_core::filter::Filter;
 
 /// Of a table's range, what lies beyond the first and the last control point and yet belongs into it: more than the distance of two
 /// entries, so that a jump at an end point has its other side in the table.
@@ -98,10 +98,10 @@ pub fn beyond_f32(volume: &UniformVolume, transfer: &TransferFunction) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::UniformGrid;
-    use crate::placement::Placement;
-    use crate::transfer::{ControlPoint, OpacityRule};
-    use crate::volume::Volume;
+    use vr_core::Placement;
+    use vr_core::UniformGrid;
+    use vr_core::Volume;
+    use vr_core::transfer::{ControlPoint, OpacityRule};
 
     #[test]
     fn narrow_ramps_and_jumps_in_narrow_fields_are_rounded() {

@@ -1,8 +1,8 @@
 //! Places of a table's entries: evenly spaced over stored numbers, with the breaks of the transfer function on entries.
 
-use super::{OpacityRule, Optical, Segment, TransferFunction};
-use crate::grid::Calibration;
-use crate::real::Real;
+use vr_core::Calibration;
+use vr_core::Real;
+use vr_core::transfer::{OpacityRule, Optical, Segment, TransferFunction};
 
 /// Intervals of a table, unless its values are few integers or its breaks ask for more.
 const INTERVALS: usize = 4096;
@@ -175,7 +175,7 @@ fn miss(distance: f64, spacing: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::transfer::{ControlPoint, OpacityRule};
+    use vr_core::transfer::{ControlPoint, OpacityRule};
 
     /// Jumps at values, from clear to half opaque and back.
     fn jumps(at: &[f64]) -> TransferFunction {

@@ -1,0 +1,60 @@
+//! Structures that are derived from a volume once and kept with it.
+
+use std::any::{Any, TypeId};
+use std::collections::HashMap;
+use std::fmt;
+use std::hash::Hash;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Structures derived from a volume, each made once, when first asked for: one for each type and key.
+///
+/// A volume does not know what renderers derive from it (ranges of blocks, run-length encodings): it keeps it for them.
+#[derive(Default)]
+pub struct Derived(Mutex<HashMap<TypeId, Box<dyn Any + Send>>>);
+
+/// What is kept of one type of key and structure. Cells are shared, so that the map is not locked while one is made.
+type ByKey<K, T> = HashMap<K, Arc<OnceLock<Arc<T>>>>;
+
+impl Derived {
+    /// Returns the structure of a key, making it if it is not there. Others who ask for the same one meanwhile wait for it.
+    pub fn get<K, T>(&self, key: K, make: impl FnOnce() -> T) -> Arc<T>
+    where
+        K: Eq + Hash + Send + 'static,
+        T: Send + Sync + 'static,
+    {
+        let cell = {
+            let mut kinds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let kind = kinds.entry(TypeId::of::<ByKey<K, T>>()).or_insert_with(|| Box::new(ByKey::<K, T>::new()));
+            let kind = kind.downcast_mut::<ByKey<K, T>>().expect("entries are found by the type that they have");
+            Arc::clone(kind.entry(key).or_default())
+        };
+        Arc::clone(cell.get_or_init(|| Arc::new(make())))
+    }
+}
+
+impl fmt::Debug for Derived {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Derived")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn structures_are_made_once_for_each_type_and_key() {
+        let derived = Derived::default();
+        let first = derived.get(1usize, || vec![1]);
+        assert!(Arc::ptr_eq(&first, &derived.get(1usize, || unreachable!("it is there"))));
+        assert_eq!(*derived.get(2usize, || vec![2]), [2]);
+        assert_eq!(*derived.get(1usize, || "another type"), "another type");
+        assert_eq!(*derived.get("another key", || vec![3]), [3]);
+    }
+
+    #[test]
+    fn one_structure_may_need_another() {
+        let derived = Derived::default();
+        assert_eq!(*derived.get(0usize, || *derived.get(1usize, || 5) + 1), 6);
+    }
+}
