@@ -121,7 +121,7 @@ fn survey(
             let path = out.join(format!("{name}-{kind}-{seed}.toml"));
             let mut file = std::fs::File::create(&path)?;
             writeln!(file, "# {name}, kind '{kind}', seed {seed}: {reason}")?;
-            if test.view.layer.is_some() {
+            if test.scene.surfaces.is_some() {
                 writeln!(
                     file,
                     "# An opaque layer, which no scene file holds, is left out: --kind {kind} --seed {seed} draws it."

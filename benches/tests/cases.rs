@@ -6,9 +6,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use vr_core::{Control, Model, Options, RenderError, Renderer, Scene, Shading, View};
+use vr_core::{Control, Model, Options, RenderError, Renderer, Scene, View};
 use vr_io::load_scene;
-use vr_mesh::{Surface, rasterize};
+use vr_mesh::Surface;
 use vr_physics::metrics::subgrid;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
@@ -42,13 +42,11 @@ fn documented(scene: &str) -> f64 {
 /// A scene file's scene and view, with its surface drawn.
 fn load(path: &Path) -> (Scene, View) {
     let loaded = load_scene(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    let mut view = loaded.view;
+    let mut scene = loaded.scene;
     if let Some(mesh) = loaded.mesh {
-        let surface = Surface { color: mesh.color, shading: Shading::default() };
-        let layer = rasterize(&mesh.mesh, &surface, &view, &Control::default()).expect("a layer");
-        view.layer = Some(Arc::new(layer));
+        scene.surfaces = Some(Arc::new(Surface { color: mesh.color, ..Surface::new(mesh.mesh) }));
     }
-    (loaded.scene, view)
+    (scene, loaded.view)
 }
 
 /// RMSE and largest error; `None` where the renderer refuses the scene.

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::{Camera, Clip, Control, Plane, Renderer, Shading, TriangleMesh, View};
-use vr_mesh::{Surface, rasterize};
+use vr_core::{Camera, Clip, Control, Plane, Renderer, Scene, Shading, TriangleMesh, View};
+use vr_mesh::Surface;
 use vr_physics::Reference;
 use vr_raycast::{RayCaster, Step};
 use vr_study::subject::phantom_subjects;
@@ -25,18 +25,20 @@ fn a_plane_at_a_depth_is_a_ray_cut_there() {
         let corners = [-right - up, right - up, right + up, up - right].map(|p| middle + p);
         let square = TriangleMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("a square");
         let shading = Shading { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..Shading::default() };
-        let surface = Surface { color: Some([0.25, 0.5, 2.0]), shading };
+        let surface = Surface { color: Some([0.25, 0.5, 2.0]), shading, ..Surface::new(square) };
+        let with_square = Scene { surfaces: Some(Arc::new(surface)), ..subject.scene.clone() };
         for fov in [None, Some(35.0)] {
             let view = View::new(Camera::framing((low, high), 25.0, 15.0, fov), [20; 2]);
-            let layer = Arc::new(rasterize(&square, &surface, &view, &control).expect("a layer"));
+            let layer = with_square.layer(&view, &control).expect("a layer").expect("of a square");
             let plane = Plane { normal, offset: normal.dot(middle) };
             let cut = View { clip: Clip { planes: vec![plane], crop: None }, ..view.clone() };
-            let layered = View { layer: Some(Arc::clone(&layer)), ..view };
             let mut frames = Vec::new();
             for (renderer, bound) in &renderers {
-                let mut prepared = renderer.prepare(&subject.scene, &control).expect("a scene");
-                let mut draw = |view: &View| prepared.render(view, &control).expect("a picture").frame;
-                let (layered, cut) = (draw(&layered), draw(&cut));
+                let draw = |scene: &Scene, view: &View| {
+                    let mut prepared = renderer.prepare(scene, &control).expect("a scene");
+                    prepared.render(view, &control).expect("a picture").frame
+                };
+                let (layered, cut) = (draw(&with_square, &view), draw(&subject.scene, &cut));
                 let size = cut.pixels().iter().flatten().fold(1.0, |m: f32, &x| m.max(x));
                 for (i, (found, cut)) in layered.pixels().iter().zip(cut.pixels()).enumerate() {
                     let expected = layer.under(i, cut.map(f64::from));

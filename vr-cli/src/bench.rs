@@ -28,7 +28,7 @@ pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), 
     // Before the exact solution, which uses memory of its own.
     let peak_bytes = process::peak_bytes();
     let error = args.timing.error.then(|| judge(&setup, &measured.first, console, control)).transpose()?;
-    let promise = promised.map(|error| Promise::new(error, &measured.counts(), setup.view.samples));
+    let promise = promised.map(|error| Promise::new(error, &measured.counts(), setup.view.supersampling));
     let report = Report {
         setup: &setup,
         renderer: &*renderer,
@@ -84,24 +84,23 @@ fn measure(
     let start = Instant::now();
     let mut prepared = renderer.prepare(&setup.scene, control)?;
     let prepare = start.elapsed();
-    // The mesh is drawn before the clock runs: what is timed is the renderer.
-    let of_turn = |frame: i64| setup.with_mesh(&turned(&setup.view, frame, timing.azimuth_step));
+    let of_turn = |frame: i64| turned(&setup.view, frame, timing.azimuth_step);
     // Views that no timed frame repeats, and from which the first of those follows as each follows from the one before.
     for frame in -i64::from(timing.warm_up)..0 {
-        prepared.render(&of_turn(frame)?, control)?;
+        prepared.render(&of_turn(frame), control)?;
     }
     let (frame_0, first) = timed(&mut *prepared, &setup.view, control)?;
     let mut frames = vec![frame_0];
     for frame in 1..timing.frames {
         told.report(f64::from(frame) / f64::from(timing.frames));
-        frames.push(timed(&mut *prepared, &of_turn(frame.into())?, control)?.0);
+        frames.push(timed(&mut *prepared, &of_turn(frame.into()), control)?.0);
     }
     Ok(Measured { prepare, frames, first })
 }
 
-/// The view of a frame: the scene's own, turned about the camera's target, without what is among the volume.
+/// The view of a frame: the scene's own, turned about the camera's target.
 fn turned(view: &View, frame: i64, step: f64) -> View {
-    View { camera: view.camera.orbit(frame as f64 * step, 0.0), layer: None, ..view.clone() }
+    View { camera: view.camera.orbit(frame as f64 * step, 0.0), ..view.clone() }
 }
 
 fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<(Timed, Frame), RenderError> {

@@ -39,7 +39,7 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     setup.protect([("--output", &*args.output)])?;
     setup.note_unused_renderer("renderers are compared under settings of their own", console);
     if args.scene.scene.is_none() && args.scene.image.size.is_none() {
-        setup.resize(DEFAULT_SIZE)?;
+        setup.view.size = DEFAULT_SIZE;
     }
     let (scene, view) = (&setup.scene, &setup.view);
     let every_pixel = subgrid(u32::MAX, view.size);

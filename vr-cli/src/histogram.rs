@@ -1,6 +1,6 @@
 //! How often each value occurs, and a drawing of it for a terminal.
 
-use vr_core::{UniformVolume, Voxel, with_grid};
+use vr_core::{GridVolume, Voxel, with_grid};
 
 use crate::number;
 
@@ -15,11 +15,11 @@ pub struct Histogram {
 
 impl Histogram {
     /// Counts every sample of a volume; `None` where none is finite.
-    pub fn of(volume: &UniformVolume, bins: usize) -> Option<Self> {
+    pub fn of(volume: &GridVolume, bins: usize) -> Option<Self> {
         let range = volume.value_range()?;
         let (low, high) = volume.census().range?;
         let (low, high) = (f64::from(low), f64::from(high));
-        let mut counts = with_grid!(volume.grid(), g => counts(g.samples(), low, high, bins));
+        let mut counts = with_grid!(volume.values(), g => counts(g.samples(), low, high, bins));
         if volume.calibration().slope < 0.0 {
             counts.reverse();
         }

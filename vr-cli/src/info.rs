@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use vr_core::transfer::Preset;
-use vr_core::{Calibration, UniformVolume, VoxelType};
+use vr_core::{Calibration, GridVolume, VoxelType};
 use vr_io::{FileInfo, LoadedVolume};
 
 use crate::args::InfoArgs;
@@ -29,7 +29,7 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         return console.result(&found.text(), &found);
     }
     let uniform = volume
-        .uniform()
+        .grid()
         .ok_or_else(|| Failure::failed(format!("{title}: a {} cannot be described yet", volume.kind())))?;
     let suggest = |range| Preset::suggest(range, uniform.voxel_type().is_integer());
     let description = Description {
@@ -47,7 +47,7 @@ struct Description<'a> {
     title: &'a str,
     /// `None` for a phantom.
     file: Option<&'a FileInfo>,
-    uniform: &'a UniformVolume,
+    uniform: &'a GridVolume,
     histogram: Option<Histogram>,
     presets: Vec<Preset>,
     notes: &'a [String],

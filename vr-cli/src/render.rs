@@ -102,7 +102,7 @@ fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control)
     let Rendered { frame, stats } = under_bar(console, control, "rendering", |c| prepared.render(&setup.view, c))
         .map_err(|e| setup.render_failure(e))?;
     let (renderer, render, counts) = (renderer.name().to_owned(), start.elapsed(), stats.counts);
-    let promise = promised.map(|error| Promise::new(error, &counts, setup.view.samples));
+    let promise = promised.map(|error| Promise::new(error, &counts, setup.view.supersampling));
     Ok(Drawn { renderer, frame, counts, prepare, render, promise, chosen: None })
 }
 

@@ -1,12 +1,11 @@
 //! From the command line to a scene that can be drawn.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::{Args, FromArgMatches};
 use vr_core::scene_file::{SceneFile, VolumeSection};
-use vr_core::{
-    Control, Geometry, OptionError, Options, ParameterError, RenderError, Renderer, Scene, TriangleMesh, View, Volume,
-};
+use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
 use vr_io::{LoadedScene, SceneFileError, SceneMesh};
 use vr_mesh::Surface;
 
@@ -34,8 +33,6 @@ pub struct Setup {
     pub inputs: Vec<PathBuf>,
     /// The phantom that the volume is made of, if it is.
     pub phantom: Option<String>,
-    /// The opaque surface among the volume, and what it looks like.
-    mesh: Option<(TriangleMesh, Surface)>,
     renderer: String,
     is_renderer_named: bool,
     options: Options,
@@ -73,7 +70,7 @@ impl Setup {
         let path = args.scene.as_deref().unwrap_or(Path::new(""));
         let loaded = vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
         let bounds = loaded.bounds();
-        let LoadedScene { scene, mut view, mesh, renderer, options, max_error, info, files, notes } = loaded;
+        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, info, files, notes } = loaded;
         let inputs = args.scene.iter().cloned().chain(files).collect();
 
         let own = file.camera.is_some().then_some(view.camera);
@@ -87,52 +84,31 @@ impl Setup {
         if let (Some(section), Some(SceneMesh { mesh, .. })) = (&file.mesh, &mesh) {
             title += &format!(", with {} of {} triangles", section.path, mesh.triangles().len());
         }
-        // One light for all that is there; a mesh alone would be flat without any.
+        // Surfaces reflect as the volume does; a mesh alone would be flat if nothing did.
         let shading = scene.shading.as_deref().cloned().unwrap_or_default();
-        let mesh = mesh.map(|SceneMesh { mesh, color }| (mesh, Surface { color, shading }));
+        scene.surfaces = mesh.map(|SceneMesh { mesh, color }| {
+            Arc::new(Surface { color, shading, ..Surface::new(mesh) }) as Arc<dyn Surfaces>
+        });
         let phantom = file.volume.phantom;
         let is_renderer_named = file.render.renderer.is_some();
-        let mut setup = Self {
+        let setup = Self {
             scene,
             view,
             title,
             notes,
             inputs,
             phantom,
-            mesh,
             renderer,
             is_renderer_named,
             options,
             max_error,
             origin,
         };
-        setup.view = setup.with_mesh(&setup.view).map_err(|e| setup.render_failure(e))?;
-        if setup.view.layer.as_ref().is_some_and(|layer| layer.pixels.iter().all(|p| p.1 == f32::INFINITY)) {
+        let layer = setup.scene.layer(&setup.view, &Control::default()).map_err(|e| setup.render_failure(e))?;
+        if layer.is_some_and(|layer| layer.pixels.iter().all(|p| p.1 == f32::INFINITY)) {
             console.note("the mesh is nowhere in the picture");
         }
         Ok(setup)
-    }
-
-    /// A view of the scene with the mesh in it, which has to be drawn anew for each camera and size; the view as it is where there is none.
-    ///
-    /// # Errors
-    /// A view, or a colour of the mesh, that makes no sense.
-    pub fn with_mesh(&self, view: &View) -> Result<View, RenderError> {
-        let view = View { layer: None, ..view.clone() };
-        let Some((mesh, surface)) = &self.mesh else { return Ok(view) };
-        // On the threads of the command, as all of it.
-        let layer = vr_mesh::rasterize(mesh, surface, &view, &Control::default())?;
-        Ok(View { layer: Some(layer.into()), ..view })
-    }
-
-    /// Changes the size of the picture.
-    ///
-    /// # Errors
-    /// As [`Self::with_mesh`].
-    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Failure> {
-        let view = View { size, layer: None, ..self.view.clone() };
-        self.view = self.with_mesh(&view).map_err(|e| self.render_failure(e))?;
-        Ok(())
     }
 
     /// The renderer that flags or the scene file ask for, configured. Tells what of the scene file is not for it.
@@ -220,16 +196,10 @@ impl Setup {
 /// The scene that flags name; none where they name nothing, for commands that have scenes of their own then.
 ///
 /// # Errors
-/// As [`Setup::new`]; flags about a scene where none is named; a mesh, for such commands turn and resize what they draw.
+/// As [`Setup::new`]; flags about a scene where none is named.
 pub fn named_scene(args: &SceneArgs, console: Console) -> Result<Option<Setup>, Failure> {
     if args.volume.path.is_some() || args.volume.phantom.is_some() || args.scene.is_some() {
-        let setup = Setup::new(args, console)?;
-        return match setup.mesh {
-            Some(_) => {
-                Err(setup.origin.parameter(&ParameterError::new("mesh", "one", "this command is about volumes alone")))
-            }
-            None => Ok(Some(setup)),
-        };
+        return Setup::new(args, console).map(Some);
     }
     // Every argument tells all that it holds.
     let none = SceneArgs::augment_args(clap::Command::new("none")).get_matches_from(["none"]);
@@ -255,10 +225,9 @@ pub fn title(section: &VolumeSection, volume: &Volume) -> String {
         (None, Some(phantom)) => format!("phantom {phantom}"),
         (None, None) => "inline data".to_owned(),
     };
-    match volume.geometry() {
-        Geometry::Uniform(u) => format!("{name}, {} {}", number::triple(u.dims(), "×"), u.voxel_type()),
-        Geometry::Points(p) => format!("{name}, {} points", p.count()),
-        _ => format!("{name}, {}", volume.kind()),
+    match volume {
+        Volume::Grid(u) => format!("{name}, {} {}", number::triple(u.dims(), "×"), u.voxel_type()),
+        Volume::Points(p) => format!("{name}, {} points", p.count()),
     }
 }
 

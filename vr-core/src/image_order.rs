@@ -89,7 +89,7 @@ fn trace_groups<P: PixelValue, S, I: Iterator<Item = (u32, u32)>>(
     trace: impl Fn(&mut S, &Ray, Spot, &mut Counts) -> P + Sync,
 ) -> Result<(Vec<Vec<P>>, Counts), RenderError> {
     let rays = Rays::new(view)?;
-    let n = view.samples;
+    let n = view.supersampling;
     let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
     let one = |g: u32| {
         let mut scratch = scratch();

@@ -5,7 +5,7 @@
 //! [`Prepared`] scene renders a [`View`]; out comes a [`Frame`]. What the correct pixel is, is defined once:
 //!
 //! * a [`UniformGrid`] has its samples at lattice points and fills the box from the first to the last one; outside is vacuum;
-//! * the field is what the scene's [`Filter`] reconstructs from the samples, in calibrated values;
+//! * the field is what its [`Filter`] reconstructs from the samples, in calibrated values;
 //! * the transfer function turns a value into extinction κ and emission q, and a pixel is ∫ q e^(−τ) ds with α = 1 − e^(−τ)
 //!   along the ray through its centre, in premultiplied linear light and without the background.
 //!
@@ -26,7 +26,7 @@
 //!
 //! let camera = Camera::framing(scene.volume.bounds(), 0.0, 0.0, None);
 //! let ray = Rays::new(&View::new(camera, [1, 1]))?.at(0.5, 0.5);
-//! let grid = scene.volume.uniform().expect("it is one");
+//! let grid = scene.volume.grid().expect("it is one");
 //! let inside = IndexRay::new(&ray, grid.placement(), grid.dims(), &Clip::default(), f64::INFINITY).expect("it hits");
 //! let tau = scene.transfer.extinction_at(7.0) * inside.length();
 //! let alpha = optics::opacity_of_depth(tau);
@@ -38,6 +38,7 @@
 //! # Features
 //! * `serde`: the types of a scene file, in `scene_file`.
 
+mod any_grid;
 mod camera;
 mod central_differences;
 mod claim;
@@ -48,6 +49,7 @@ mod error;
 pub mod filter;
 mod frame;
 mod grid;
+mod grid_volume;
 pub mod image_order;
 mod limits;
 mod missing;
@@ -70,6 +72,7 @@ mod scene;
 pub mod scene_file;
 mod shading;
 mod stats;
+mod surfaces;
 pub mod transfer;
 mod triangle_mesh;
 mod value_frame;
@@ -77,6 +80,7 @@ mod view;
 mod volume;
 mod voxel;
 
+pub use any_grid::AnyGrid;
 pub use camera::{Camera, Projection};
 pub use central_differences::{gradient_at_sample, gradient_between_samples};
 pub use claim::{DocumentedError, OrderClaim, Orders};
@@ -87,6 +91,7 @@ pub use error::{GridError, MeshError, OptionError, ParameterError, PointError, R
 pub use filter::Filter;
 pub use frame::Frame;
 pub use grid::{Calibration, Census, UniformGrid, sample_count};
+pub use grid_volume::{GridVolume, LatticeVisitor, SamplerVisitor};
 pub use missing::VacuumCells;
 pub use model::{ContinuousModel, DiscreteModel, Medium, MediumBounds, Model, SegmentTerm};
 pub use options::{OptionKind, OptionSpec, OptionValue, Options, meaning_of, word_of};
@@ -102,9 +107,10 @@ pub use sampler::Sampler;
 pub use scene::Scene;
 pub use shading::{GradientMethod, Light, RayLight, RayShading, Shading};
 pub use stats::{Counts, RenderStats};
+pub use surfaces::{Layer, Surfaces};
 pub use transfer::{ControlPoint, OpacityRule, TransferFunction};
 pub use triangle_mesh::TriangleMesh;
 pub use value_frame::ValueFrame;
-pub use view::{Clip, Layer, Plane, View};
-pub use volume::{AnyGrid, Geometry, LatticeVisitor, SamplerVisitor, UniformVolume, Volume};
+pub use view::{Clip, Plane, View};
+pub use volume::Volume;
 pub use voxel::{Voxel, VoxelType};

@@ -118,7 +118,7 @@ impl PointSet {
     }
 
     /// Makes what queries of the field need beyond the points, so that the first frame does not pay for it.
-    pub fn warm(&self) {
+    pub fn prepare_derived(&self) {
         self.index();
     }
 

@@ -7,7 +7,7 @@ use crate::voxel::Voxel;
 
 /// Evaluates the reconstructed field, in stored units, at index-space positions inside the box.
 ///
-/// Obtained from [`crate::UniformVolume::with_sampler`]. The value in vacuum (a cell with a missing corner) is NaN.
+/// Obtained from [`crate::GridVolume::with_sampler`]. The value in vacuum (a cell with a missing corner) is NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler<'a, T, F> {
     lattice: Lattice<'a, T>,

@@ -20,8 +20,6 @@ pub struct Shading {
     pub specular: f64,
     /// p.
     pub power: f64,
-    /// The lights.
-    pub lights: Vec<Light>,
     /// Where n comes from.
     pub gradient: GradientMethod,
     /// Multiplies κ by a piecewise linear function of the gradient's magnitude: (value per world unit, factor), sorted.
@@ -36,7 +34,6 @@ impl Default for Shading {
             diffuse: 0.7,
             specular: 0.3,
             power: 20.0,
-            lights: vec![Light::default()],
             gradient: GradientMethod::default(),
             gradient_opacity: Vec::new(),
         }
@@ -58,6 +55,26 @@ impl Default for Light {
     }
 }
 
+impl Light {
+    /// Checks the lights of a scene.
+    ///
+    /// # Errors
+    /// A light without direction, or one that is negative or brighter than 10⁶.
+    pub fn validate_all(lights: &[Self]) -> Result<(), ParameterError> {
+        for (i, l) in lights.iter().enumerate() {
+            if l.direction.is_some_and(|d| !DIRECTION_LENGTHS.contains(&d.length())) {
+                let allowed = "must be finite and not zero, its length 1e-100 to 1e100";
+                return Err(ParameterError::new(format!("shading.lights[{i}].direction"), l.direction, allowed));
+            }
+            if l.color.iter().any(|c| !(0.0..=MAX_LIGHT).contains(c)) {
+                let allowed = "must be finite and not negative, 1e6 at most";
+                return Err(ParameterError::new(format!("shading.lights[{i}].color"), l.color, allowed));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Where the gradient for shading comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -74,8 +91,7 @@ impl Shading {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// Coefficients that are negative or beyond 10³ (the exponent 10⁴, lights 10⁶), a light without direction, gradient points that are not
-    /// sorted.
+    /// Coefficients that are negative or beyond 10³ (the exponent 10⁴), gradient points that are not sorted.
     pub fn validate(&self) -> Result<(), ParameterError> {
         let coefficients =
             [("shading.ambient", self.ambient), ("shading.diffuse", self.diffuse), ("shading.specular", self.specular)];
@@ -87,16 +103,6 @@ impl Shading {
         if !(0.0..=MAX_POWER).contains(&self.power) {
             let allowed = "must be finite and not negative, 10000 at most";
             return Err(ParameterError::new("shading.power", self.power, allowed));
-        }
-        for (i, l) in self.lights.iter().enumerate() {
-            if l.direction.is_some_and(|d| !DIRECTION_LENGTHS.contains(&d.length())) {
-                let allowed = "must be finite and not zero, its length 1e-100 to 1e100";
-                return Err(ParameterError::new(format!("shading.lights[{i}].direction"), l.direction, allowed));
-            }
-            if l.color.iter().any(|c| !(0.0..=MAX_LIGHT).contains(c)) {
-                let allowed = "must be finite and not negative, 1e6 at most";
-                return Err(ParameterError::new(format!("shading.lights[{i}].color"), l.color, allowed));
-            }
         }
         let points = &self.gradient_opacity;
         let possible = |&(m, f): &(f64, f64)| (0.0..=MAX_MAGNITUDE).contains(&m) && (0.0..=MAX_FACTOR).contains(&f);
@@ -124,10 +130,10 @@ impl Shading {
         factors.reduce(f64::max).unwrap_or(1.0)
     }
 
-    /// What of the shading is constant along one ray: lights at infinity seen along `direction` (the ray's, in the world).
-    pub fn along<R: Real>(&self, direction: DVec3) -> RayShading<R> {
+    /// The part of the shading that is constant along one ray: lights at infinity seen along `direction` (the ray's, in the world).
+    pub fn along<R: Real>(&self, lights: &[Light], direction: DVec3) -> RayShading<R> {
         let to_eye = -direction;
-        let lights = self.lights.iter().map(|l| {
+        let lights = lights.iter().map(|l| {
             let to_light = l.direction.map_or(to_eye, DVec3::normalize);
             // Opposite to the eye, the half vector has no direction: no highlight then.
             let half = (to_light + to_eye).normalize_or_zero();
@@ -208,7 +214,7 @@ mod tests {
 
     #[test]
     fn two_sided_headlight() {
-        let s = Shading::default().along::<f64>(DVec3::NEG_Z);
+        let s = Shading::default().along::<f64>(&[Light::default()], DVec3::NEG_Z);
         for sign in [1e-200, -1.0, 1e200] {
             let (factor, added) = s.reflect([0.0, 0.0, sign]);
             assert!((factor[0] - 0.9).abs() < 1e-15 && (added[0] - 0.3).abs() < 1e-15, "{factor:?} {added:?}");
@@ -231,22 +237,26 @@ mod tests {
         let light = |direction: f64, color: f64| {
             vec![Light { direction: Some(DVec3::X * direction), color: [0.0, color, 0.0] }]
         };
-        let of = |lights| Shading { lights, ..Shading::default() };
-        let all = Shading { ambient: 1e3, diffuse: 1e3, specular: 1e3, power: 1e4, ..of(light(1e-100, 1e6)) };
+        let all = Shading { ambient: 1e3, diffuse: 1e3, specular: 1e3, power: 1e4, ..good.clone() };
         all.validate().unwrap();
+        Light::validate_all(&light(1e-100, 1e6)).unwrap();
         for (bad, field) in [
             (Shading { ambient: 1001.0, ..good.clone() }, "shading.ambient"),
             (Shading { diffuse: f64::INFINITY, ..good.clone() }, "shading.diffuse"),
             (Shading { specular: f64::NAN, ..good.clone() }, "shading.specular"),
             (Shading { power: 1e300, ..good.clone() }, "shading.power"),
-            (of(light(1.0, 1e7)), "shading.lights[0].color"),
-            // Squares of these lengths are 0 and infinite: such lights would light nothing.
-            (of(light(1e-200, 1.0)), "shading.lights[0].direction"),
-            (of(light(1e200, 1.0)), "shading.lights[0].direction"),
             (Shading { gradient_opacity: vec![(0.0, 1e4)], ..good.clone() }, "shading.gradient_opacity"),
             (Shading { gradient_opacity: vec![(1e61, 1.0)], ..good.clone() }, "shading.gradient_opacity"),
         ] {
             assert_eq!(bad.validate().unwrap_err().field, field);
+        }
+        for (bad, field) in [
+            (light(1.0, 1e7), "shading.lights[0].color"),
+            // Squares of these lengths are 0 and infinite: such lights would light nothing.
+            (light(1e-200, 1.0), "shading.lights[0].direction"),
+            (light(1e200, 1.0), "shading.lights[0].direction"),
+        ] {
+            assert_eq!(Light::validate_all(&bad).unwrap_err().field, field);
         }
     }
 }

@@ -25,7 +25,7 @@ fn volume(dims: [usize; 3], samples: Vec<f32>) -> Volume {
 }
 
 fn sample(volume: &Volume, filter: Filter, points: &[[f64; 3]]) -> Vec<(f64, [f64; 3], f32)> {
-    volume.uniform().unwrap().with_sampler(filter, At(points))
+    volume.with_filter(filter).grid().unwrap().with_sampler(At(points))
 }
 
 fn grid() -> impl Strategy<Value = ([usize; 3], Vec<f32>)> {
@@ -117,7 +117,7 @@ fn a_cell_with_a_missing_corner_is_vacuum_and_closed() {
     let mut samples = vec![1.0; 4 * 2 * 2];
     samples[0] = f32::INFINITY;
     let v = volume([4, 2, 2], samples);
-    assert_eq!(v.uniform().unwrap().census().infinite, 1);
+    assert_eq!(v.grid().unwrap().census().infinite, 1);
     for filter in Filter::ALL {
         let f = sample(&v, filter, &[[0.5, 0.5, 0.5], [1.0, 0.5, 0.5], [1.0 + 1e-9, 0.5, 0.5], [3.0, 1.0, 1.0]]);
         assert!(f[0].0.is_nan() && f[1].0.is_nan(), "{filter}");

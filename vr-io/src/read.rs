@@ -70,7 +70,7 @@ pub struct FileInfo {
     pub format: &'static str,
     /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of points also `base64` or `lz4`.
     pub encoding: &'static str,
-    /// Type of the samples, or of the positions of points, in the file; in memory it may be another ([`vr_core::UniformVolume::voxel_type`]).
+    /// Type of the samples, or of the positions of points, in the file; in memory it may be another ([`vr_core::GridVolume::voxel_type`]).
     pub scalar: ScalarType,
     /// Byte order of them.
     pub endian: Endian,
@@ -161,7 +161,7 @@ fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Lo
     let mapped = samples.is_mapped();
     let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| ReadError::grid(path, e))?;
     let volume = Volume::from(grid);
-    if let Some(uniform) = volume.uniform() {
+    if let Some(uniform) = volume.grid() {
         let census = uniform.census();
         let count = layout.count();
         if census.nan > 0 {

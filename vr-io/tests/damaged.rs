@@ -110,7 +110,7 @@ fn survive_reading(name: &str, file: &[u8], header: usize, pack: fn(&[u8]) -> Ve
         match outcome {
             Ok(loaded) => {
                 // What was read is a grid in earnest.
-                let placement = *loaded.volume.uniform().ok_or("no grid")?.placement();
+                let placement = *loaded.volume.grid().ok_or("no grid")?.placement();
                 if placement.axes().is_finite() && placement.origin().is_finite() {
                     Ok(())
                 } else {

@@ -57,7 +57,7 @@ fn the_example_of_the_design() {
     std::fs::write(folder.path().join("foot.raw"), samples).unwrap();
     std::fs::write(folder.path().join("scene.toml"), EXAMPLE).unwrap();
     let loaded = load_scene(folder.path().join("scene.toml")).unwrap();
-    let uniform = loaded.scene.volume.uniform().unwrap();
+    let uniform = loaded.scene.volume.grid().unwrap();
     assert_eq!(uniform.dims(), [4, 3, 2]);
     assert_eq!(uniform.placement().spacing(), DVec3::new(1.0, 1.0, 2.0));
     assert_eq!(loaded.scene.volume.value_range(), Some((-1.0, 114.0)));
@@ -129,7 +129,7 @@ fn wrong_files_are_told_where_and_what() {
 fn phantoms_bring_their_transfer_function() {
     let file = parse_scene("[volume]\nphantom = \"blobs\"\nsize = 8\n", Path::new("")).unwrap();
     let loaded = resolve_scene(&file, Path::new("")).unwrap();
-    assert_eq!(loaded.scene.volume.uniform().unwrap().dims(), [8; 3]);
+    assert_eq!(loaded.scene.volume.grid().unwrap().dims(), [8; 3]);
     assert_eq!(loaded.scene.transfer.unit_distance(), vr_core::phantom::TRANSFER_UNIT_DISTANCE);
 }
 
@@ -147,10 +147,12 @@ fn what_a_property_test_prints_is_read_back_identical() {
     write_scene(&path, &described).unwrap();
     assert_eq!(scene_text(&described).unwrap(), std::fs::read_to_string(&path).unwrap());
     let back = load_scene(&path).unwrap();
-    let (a, b) = (scene.volume.uniform().unwrap(), back.scene.volume.uniform().unwrap());
+    let (a, b) = (scene.volume.grid().unwrap(), back.scene.volume.grid().unwrap());
     assert_eq!(a.placement(), b.placement());
     assert_eq!(a.calibration(), b.calibration());
-    let (vr_core::AnyGrid::F32(a), vr_core::AnyGrid::F32(b)) = (a.grid(), b.grid()) else { panic!("f32 stays f32") };
+    let (vr_core::AnyGrid::F32(a), vr_core::AnyGrid::F32(b)) = (a.values(), b.values()) else {
+        panic!("f32 stays f32")
+    };
     assert!(a.samples().iter().zip(b.samples()).all(|(x, y)| x.to_bits() == y.to_bits() || (x.is_nan() && y.is_nan())));
     assert_eq!(scene.transfer, back.scene.transfer);
     assert_eq!(view.camera, back.view.camera);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use vr_core::{AnyGrid, GridError, UniformVolume, VoxelType, with_grid};
+use vr_core::{AnyGrid, GridError, GridVolume, VoxelType, with_grid};
 use vr_io::{
     FileInfo, Loaded, LoadedPoints, PointOptions, RawDescription, ReadError, ReadOptions, ScalarType, Space, Transform,
     orientation, read, read_points,
@@ -28,13 +28,13 @@ fn load_with(name: &str, options: &ReadOptions) -> Option<Loaded> {
     Some(read(&path, options).unwrap_or_else(|e| panic!("{e}")))
 }
 
-fn uniform(loaded: &Loaded) -> &UniformVolume {
-    loaded.volume.uniform().unwrap()
+fn uniform(loaded: &Loaded) -> &GridVolume {
+    loaded.volume.grid().unwrap()
 }
 
 fn stored(loaded: &Loaded) -> Vec<f32> {
     use vr_core::Voxel;
-    with_grid!(uniform(loaded).grid(), g => g.samples().iter().map(|s| s.to_f32()).collect())
+    with_grid!(uniform(loaded).values(), g => g.samples().iter().map(|s| s.to_f32()).collect())
 }
 
 /// What a good file must turn out to be.
@@ -165,7 +165,7 @@ fn one_component_of_colours() {
     assert!(refused.to_string().contains("3 components") && refused.to_string().contains("--component N"), "{refused}");
     let green = read(&path, &ReadOptions { component: Some(1), ..Default::default() }).unwrap();
     assert_eq!(uniform(&green).dims(), [256, 286, 15]);
-    assert!(matches!(uniform(&green).grid(), AnyGrid::U8(_)));
+    assert!(matches!(uniform(&green).values(), AnyGrid::U8(_)));
 }
 
 #[test]

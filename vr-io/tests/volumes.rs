@@ -40,7 +40,7 @@ fn load_with(path: &Path, options: &ReadOptions) -> Loaded {
 
 fn check(path: &Path) -> Loaded {
     let loaded = load(path);
-    assert_eq!(loaded.volume.uniform().unwrap().dims(), DIMS);
+    assert_eq!(loaded.volume.grid().unwrap().dims(), DIMS);
     assert_eq!(stored(&loaded), expected(), "{}", path.display());
     loaded
 }
@@ -85,7 +85,7 @@ fn every_type_in_both_byte_orders() {
                 let endian = if big { "big" } else { "little" };
                 let fields = format!("type: {}\nspacings: 1 1 1\nendian: {endian}\nencoding: raw", $name);
                 let loaded = check(&files.put("x.nrrd", &nrrd(&fields, &bytes)));
-                assert_eq!(loaded.volume.uniform().unwrap().voxel_type(), VoxelType::$memory);
+                assert_eq!(loaded.volume.grid().unwrap().voxel_type(), VoxelType::$memory);
             }
         )*};
     }
@@ -163,7 +163,7 @@ fn metaimage_in_all_its_shapes() {
 
     let itk = format!("{short}\nTransformMatrix = 0 1 0 1 0 0 0 0 1\nOffset = 10 20 30");
     let loaded = load(&files.put("k.mha", &metaimage(&itk, "LOCAL", &little)));
-    let placement = *loaded.volume.uniform().unwrap().placement();
+    let placement = *loaded.volume.grid().unwrap().placement();
     // Index x runs along posterior, that is −y in RAS.
     assert_eq!(placement.axes().x_axis, DVec3::new(0.0, -1.0, 0.0));
     assert_eq!(placement.axes().y_axis, DVec3::new(-2.0, 0.0, 0.0));
@@ -187,13 +187,13 @@ fn nifti_of_both_versions_and_byte_orders() {
         let packed = files.put("packed.hdr", &nifti_1(big, b"ni1\0"));
         for path in all.iter().chain([&pair, &packed, &files.0.path().join("pair.img")]) {
             let loaded = check(path);
-            let placement = *loaded.volume.uniform().unwrap().placement();
+            let placement = *loaded.volume.grid().unwrap().placement();
             assert_eq!(placement.origin(), DVec3::new(10.0, 20.0, 30.0));
             assert_eq!(placement.axes(), DMat3::from_diagonal(DVec3::new(1.0, 2.0, 3.0)));
             assert_eq!(loaded.info.units.as_deref(), Some("mm"));
         }
         let by_spacing = ReadOptions { transform: Transform::Spacing, ..Default::default() };
-        assert_eq!(load_with(&all[0], &by_spacing).volume.uniform().unwrap().placement().origin(), DVec3::ZERO);
+        assert_eq!(load_with(&all[0], &by_spacing).volume.grid().unwrap().placement().origin(), DVec3::ZERO);
     }
 }
 
@@ -209,7 +209,7 @@ fn nifti_scaling() {
         head[112..116].copy_from_slice(&slope.to_le_bytes());
         head[116..120].copy_from_slice(&inter.to_le_bytes());
         let loaded = load(&files.put("x.nii", &join(head, &i16_bytes(false))));
-        assert_eq!(loaded.volume.uniform().unwrap().calibration(), expected);
+        assert_eq!(loaded.volume.grid().unwrap().calibration(), expected);
     }
 }
 
@@ -290,13 +290,13 @@ fn what_is_written_as_nrrd_is_read_back_identical() {
         }),*] };
     }
     for volume in volumes!(u8, i8, u16, i16, f32) {
-        let before = volume.uniform().unwrap();
+        let before = volume.grid().unwrap();
         for encoding in [NrrdEncoding::Raw, NrrdEncoding::Gzip] {
             for space in [Space::Own, Space::Ras, Space::Las, Space::Lps] {
                 let path = files.0.path().join("out.nrrd");
                 write_nrrd(&path, &volume, &NrrdOptions { encoding, space, values: NrrdValues::Stored }).unwrap();
                 let back = load(&path);
-                let after = back.volume.uniform().unwrap();
+                let after = back.volume.grid().unwrap();
                 assert_eq!(after.voxel_type(), before.voxel_type());
                 assert_eq!(after.placement(), before.placement());
                 assert_eq!(after.calibration(), before.calibration());
@@ -309,8 +309,8 @@ fn what_is_written_as_nrrd_is_read_back_identical() {
         let path = files.0.path().join("calibrated.nrrd");
         write_nrrd(&path, &volume, &NrrdOptions::default()).unwrap();
         let back = load(&path);
-        assert!(matches!(back.volume.uniform().unwrap().grid(), AnyGrid::F32(_)));
-        assert_eq!(back.volume.uniform().unwrap().calibration(), Calibration::default());
+        assert!(matches!(back.volume.grid().unwrap().values(), AnyGrid::F32(_)));
+        assert_eq!(back.volume.grid().unwrap().calibration(), Calibration::default());
         for (found, stored) in stored(&back).iter().zip(expected()) {
             assert_eq!(*found, calibration.value(stored.into()) as f32);
         }

@@ -46,12 +46,12 @@ proptest! {
             let i = hole.index(samples.len());
             samples[i] = f32::NAN;
         }
-        let v = volume(dims, samples);
-        let u = v.uniform().unwrap();
         let points: Vec<[f64; 3]> = units.iter().map(|&unit| point(dims, unit)).collect();
         for filter in Filter::ALL {
-            let blocks = RangeBlocks::of_volume(u, filter, edge);
-            for (p, values) in points.iter().zip(u.with_sampler(filter, At(&points))) {
+            let v = volume(dims, samples.clone()).with_filter(filter);
+            let u = v.grid().unwrap();
+            let blocks = RangeBlocks::of_volume(u, edge);
+            for (p, values) in points.iter().zip(u.with_sampler(At(&points))) {
                 let range = blocks.at(p.map(|x| x as usize / edge));
                 if values[0].is_nan() {
                     prop_assert!(range.vacuum);
@@ -61,7 +61,7 @@ proptest! {
                     prop_assert!(f64::from(range.low) <= x && x <= f64::from(range.high), "{filter}: {x} in {range:?}");
                 }
             }
-            prop_assert!(std::sync::Arc::ptr_eq(&blocks, &RangeBlocks::of_volume(u, filter, edge)), "made once");
+            prop_assert!(std::sync::Arc::ptr_eq(&blocks, &RangeBlocks::of_volume(u, edge)), "made once");
         }
     }
 }
@@ -72,7 +72,7 @@ fn range_blocks_are_no_wider_than_they_must_be() {
     let dims = [11, 6, 7];
     let samples: Vec<f32> = (0..462).map(|i| if i % 11 < 5 { -1024.0 } else { (i * 7 % 101) as f32 }).collect();
     let v = volume(dims, samples.clone());
-    let blocks = RangeBlocks::of_volume(v.uniform().unwrap(), Filter::Trilinear, 4);
+    let blocks = RangeBlocks::of_volume(v.grid().unwrap(), 4);
     assert_eq!(blocks.blocks(), [3, 2, 2]);
     for z in 0..2 {
         for y in 0..2 {

@@ -2,8 +2,8 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use vr_core::{Camera, Control, TriangleMesh, View};
-use vr_mesh::{Surface, rasterize};
+use vr_core::{Camera, Control, Light, Surfaces, TriangleMesh, View};
+use vr_mesh::Surface;
 
 /// A sphere of 2·n² triangles by longitude and latitude, or of slivers from pole to pole where `rings` is 2.
 fn sphere(around: u32, rings: u32) -> TriangleMesh {
@@ -23,12 +23,12 @@ fn layers(c: &mut Criterion) {
     let mut group = c.benchmark_group("512x512, one thread");
     group.sample_size(10);
     let meshes = [22, 70, 224, 707].map(|n| sphere(n, n)).into_iter().chain([sphere(10_000, 2)]);
-    for (name, mesh) in ["10^3", "10^4", "10^5", "10^6", "20k slivers"].into_iter().zip(meshes) {
+    for (name, surface) in ["10^3", "10^4", "10^5", "10^6", "20k slivers"].into_iter().zip(meshes.map(Surface::new)) {
         for (word, fov) in [("parallel", None), ("perspective", Some(30.0))] {
-            let view = View::new(Camera::framing(mesh.bounds(), 30.0, 20.0, fov), [512, 512]);
-            group.throughput(Throughput::Elements(mesh.triangles().len() as u64));
+            let view = View::new(Camera::framing(surface.bounds(), 30.0, 20.0, fov), [512, 512]);
+            group.throughput(Throughput::Elements(surface.mesh.triangles().len() as u64));
             group.bench_function(format!("{name} {word}"), |b| {
-                b.iter(|| rasterize(&mesh, &Surface::default(), &view, &control).expect("a layer"));
+                b.iter(|| surface.layer(&[Light::default()], &view, &control).expect("a layer"));
             });
         }
     }

@@ -1,27 +1,26 @@
-//! Opaque surfaces among volumes: [`rasterize`] makes of a [`TriangleMesh`] and a [`View`](vr_core::View) the
-//! [`Layer`](vr_core::Layer) of colours and distances that renderers of volumes mix in.
+//! Opaque surfaces among volumes: a [`Surface`] of triangles is given to a scene, and draws the [`Layer`](vr_core::Layer) of colours and
+//! distances that renderers of volumes ask it for and mix in.
 //!
 //! # Example
 //! A square of one colour, two units before the eye, fills a picture:
 //! ```
 //! use glam::DVec3;
-//! use vr_core::{Camera, Control, Projection, Shading, TriangleMesh, View};
-//! use vr_mesh::{Surface, rasterize};
+//! use vr_core::{Camera, Control, Light, Projection, Shading, Surfaces, TriangleMesh, View};
+//! use vr_mesh::Surface;
 //!
 //! let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
 //! let square = TriangleMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])?;
 //! let projection = Projection::Orthographic { height: 2.0 };
 //! let camera = Camera { eye: DVec3::Z * 2.0, target: DVec3::ZERO, up: DVec3::Y, projection };
-//! let mut view = View::new(camera, [7, 7]);
+//! let view = View::new(camera, [7, 7]);
 //!
 //! // All of the light comes from the eye, and the square faces it: nothing is lost.
 //! let shading = Shading { ambient: 0.0, diffuse: 1.0, specular: 0.0, ..Shading::default() };
-//! let surface = Surface { color: Some([0.5, 0.25, 1.0]), shading };
-//! let layer = rasterize(&square, &surface, &view, &Control::default())?;
+//! let surface = Surface { color: Some([0.5, 0.25, 1.0]), shading, ..Surface::new(square) };
+//! let layer = surface.layer(&[Light::default()], &view, &Control::default())?;
 //! assert!(layer.pixels.iter().all(|&pixel| pixel == ([0.5, 0.25, 1.0], 2.0)));
 //!
-//! // Now any renderer that takes layers mixes it with a volume.
-//! view.layer = Some(layer.into());
+//! // `scene.surfaces = Some(Arc::new(surface))` puts it into a scene.
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -38,7 +37,7 @@
 //! than the picture takes to draw.
 //!
 //! # What it does not do
-//! Edges are not smoothed: a layer has one distance a pixel, whatever [`vr_core::View::samples`] says. Surfaces are opaque. Cuts by the
+//! Edges are not smoothed: a layer has one distance a pixel, whatever [`vr_core::View::supersampling`] says. Surfaces are opaque. Cuts by the
 //! clip are not closed.
 
 mod bands;
@@ -47,6 +46,5 @@ mod rasterize;
 mod sheared_ray;
 mod surface;
 
-pub use rasterize::rasterize;
 pub use surface::Surface;
 pub use vr_core::TriangleMesh;

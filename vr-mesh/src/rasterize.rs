@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use vr_core::image_order::in_parallel;
-use vr_core::{Control, Layer, Ray, RayShading, Rays, RenderError, TriangleMesh, View};
+use vr_core::{Control, Layer, Light, Ray, RayShading, Rays, RenderError, TriangleMesh, View};
 
 use crate::bands::{Bands, Candidate};
 use crate::outline::Screen;
@@ -12,22 +12,26 @@ use crate::surface::Surface;
 /// Triangles whose outlines are one piece of work.
 const PIECE: usize = 1 << 14;
 
-/// The nearest surface along the ray through each pixel's centre, at its world distance.
+/// Draws the nearest triangle along the ray through each pixel's centre, at its world distance.
 ///
 /// Rays start where [`Rays`] has them start, and see triangles inside the view's clip alone, from both sides; a mesh that is cut open
-/// shows its inside. Of triangles at the same distance, the first one counts. A layer holds one distance a pixel, so that one ray a
-/// pixel is what `view.samples` leaves: its edges are not smoothed, and all subpixels of the volume end where the centre's ray does. The
-/// view's own layer is not looked at.
+/// shows its inside. Of triangles at the same distance, the first one counts. A layer holds one distance a pixel, whatever
+/// [`View::supersampling`] is: its edges are not smoothed, and all subpixels of the volume end where the centre's ray does.
 ///
 /// Distances are exact to a few roundings of the largest coordinate in f64; then the layer rounds them to f32, by up to 6·10⁻⁸ of
 /// themselves. The result is the same for any number of threads.
 ///
 /// # Errors
 /// A view or a surface that makes no sense, or [`RenderError::Cancelled`].
-pub fn rasterize(mesh: &TriangleMesh, surface: &Surface, view: &View, control: &Control) -> Result<Layer, RenderError> {
+pub(crate) fn rasterize(
+    surface: &Surface,
+    lights: &[Light],
+    view: &View,
+    control: &Control,
+) -> Result<Layer, RenderError> {
     surface.validate()?;
-    let view = View { layer: None, ..view.clone() };
-    let picture = Picture { mesh, surface, view: &view, rays: Rays::new(&view)?, screen: Screen::new(&view)? };
+    let mesh = &*surface.mesh;
+    let picture = Picture { mesh, surface, lights, view, rays: Rays::new(view)?, screen: Screen::new(view)? };
     let pieces = mesh.triangles().len().div_ceil(PIECE) as u32;
     let candidates = in_parallel(control, pieces, |piece| picture.candidates(piece as usize * PIECE))?;
     let bands = Bands::new(view.size[1], &candidates);
@@ -39,6 +43,7 @@ pub fn rasterize(mesh: &TriangleMesh, surface: &Surface, view: &View, control: &
 struct Picture<'a> {
     mesh: &'a TriangleMesh,
     surface: &'a Surface,
+    lights: &'a [Light],
     view: &'a View,
     rays: Rays,
     screen: Screen,
@@ -122,7 +127,7 @@ impl Picture<'_> {
         if !matches!(shading, Some((of, _)) if *of == direction) {
             *shading = None;
         }
-        let (_, along) = shading.get_or_insert_with(|| (direction, self.surface.shading.along(direction)));
-        (self.surface.light(self.mesh, triangle, &meeting, along), distance as f32)
+        let (_, along) = shading.get_or_insert_with(|| (direction, self.surface.shading.along(self.lights, direction)));
+        (self.surface.light(triangle, &meeting, along), distance as f32)
     }
 }

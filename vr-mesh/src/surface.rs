@@ -1,22 +1,32 @@
-//! What a surface looks like where a ray meets it.
+//! A mesh and what it looks like where a ray meets it.
+
+use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::{ParameterError, RayShading, Shading, TriangleMesh};
+use vr_core::{Control, Layer, Light, ParameterError, RayShading, RenderError, Shading, Surfaces, TriangleMesh, View};
 
+use crate::rasterize::rasterize;
 use crate::sheared_ray::Meeting;
 
-/// What a surface looks like.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// A surface of triangles, and what it looks like.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
+    /// The triangles.
+    pub mesh: Arc<TriangleMesh>,
     /// One colour all over, in linear RGB; `None`: the mesh's own colours, or [`Surface::COLOR`] where it has none.
     pub color: Option<[f64; 3]>,
-    /// How it reflects light: Blinn-Phong, two-sided, under a headlight unless it says otherwise. What is said of gradients is not used.
+    /// Reflection of the scene's lights: Blinn-Phong, two-sided. Its settings for gradients are not used.
     pub shading: Shading,
 }
 
 impl Surface {
     /// The colour of a surface that has none: a light grey.
     pub const COLOR: [f64; 3] = [0.8; 3];
+
+    /// A surface in the mesh's own colours, shaded by the default coefficients.
+    pub fn new(mesh: TriangleMesh) -> Self {
+        Self { mesh: Arc::new(mesh), color: None, shading: Shading::default() }
+    }
 
     /// Checks the numbers.
     ///
@@ -31,13 +41,8 @@ impl Surface {
     }
 
     /// Linear RGB of the light that a point of a triangle sends back along a ray, `shading` being this surface's along it.
-    pub(crate) fn light(
-        &self,
-        mesh: &TriangleMesh,
-        triangle: usize,
-        meeting: &Meeting,
-        shading: &RayShading<f64>,
-    ) -> [f32; 3] {
+    pub(crate) fn light(&self, triangle: usize, meeting: &Meeting, shading: &RayShading<f64>) -> [f32; 3] {
+        let mesh = &*self.mesh;
         let corners = mesh.triangles()[triangle];
         let between = |values: &[[f32; 3]]| {
             let value = |i: usize| DVec3::from(values[corners[i] as usize].map(f64::from));
@@ -51,6 +56,16 @@ impl Surface {
         let normal = smooth_normal(mesh, triangle, meeting).unwrap_or_else(|| flat_normal(mesh, triangle));
         let (factor, added) = shading.reflect(normal.to_array());
         std::array::from_fn(|c| (color[c] * factor[c] + added[c]) as f32)
+    }
+}
+
+impl Surfaces for Surface {
+    fn layer(&self, lights: &[Light], view: &View, control: &Control) -> Result<Layer, RenderError> {
+        rasterize(self, lights, view, control)
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        self.mesh.bounds()
     }
 }
 
@@ -79,44 +94,47 @@ mod tests {
     }
 
     /// The light of the point with these weights, seen along −z.
-    fn light(surface: &Surface, mesh: &TriangleMesh, weights: [f64; 3]) -> [f32; 3] {
-        surface.light(mesh, 0, &Meeting { distance: 1.0, weights }, &surface.shading.along(DVec3::NEG_Z))
+    fn light(surface: &Surface, weights: [f64; 3]) -> [f32; 3] {
+        let along = surface.shading.along(&[Light::default()], DVec3::NEG_Z);
+        surface.light(0, &Meeting { distance: 1.0, weights }, &along)
     }
 
     #[test]
     fn colours_are_the_surfaces_or_the_corners_or_grey() {
         // Ambient light alone gives colours back as they are.
         let shading = Shading { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..Shading::default() };
-        let plain = Surface { color: None, shading };
-        assert_eq!(light(&plain, &corner(), [0.2, 0.3, 0.5]), [0.8; 3]);
+        let plain = Surface { shading, ..Surface::new(corner()) };
+        assert_eq!(light(&plain, [0.2, 0.3, 0.5]), [0.8; 3]);
         let colors = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]];
-        let colored = corner().with_colors(colors).unwrap();
-        assert_eq!(light(&plain, &colored, [0.25, 0.5, 0.25]), [0.25, 0.5, 0.5]);
-        let red = Surface { color: Some([1.0, 0.0, 0.0]), ..plain };
-        assert_eq!(light(&red, &colored, [0.25, 0.5, 0.25]), [1.0, 0.0, 0.0]);
+        let colored = Surface { mesh: Arc::new(corner().with_colors(colors).unwrap()), ..plain };
+        assert_eq!(light(&colored, [0.25, 0.5, 0.25]), [0.25, 0.5, 0.5]);
+        let red = Surface { color: Some([1.0, 0.0, 0.0]), ..colored };
+        assert_eq!(light(&red, [0.25, 0.5, 0.25]), [1.0, 0.0, 0.0]);
     }
 
     #[test]
     fn normals_are_the_corners_or_the_triangles() {
         let shading = Shading { ambient: 0.0, diffuse: 1.0, specular: 0.0, ..Shading::default() };
-        let surface = Surface { color: Some([1.0; 3]), shading };
-        let facing = |mesh: &TriangleMesh| light(&surface, mesh, [0.0, 0.5, 0.5])[0];
-        assert_eq!(facing(&corner()), 1.0, "it faces the eye");
+        let facing = |mesh: TriangleMesh| {
+            let surface = Surface { color: Some([1.0; 3]), shading: shading.clone(), ..Surface::new(mesh) };
+            light(&surface, [0.0, 0.5, 0.5])[0]
+        };
+        assert_eq!(facing(corner()), 1.0, "it faces the eye");
         let at = |b: [f32; 3], c: [f32; 3]| corner().with_normals(vec![[0.0, 0.0, 3.0], b, c]).unwrap();
         // Between (0.6, 0, 0.8) and (−0.6, 0, 0.8) of any length is z.
-        assert!((facing(&at([6.0, 0.0, 8.0], [-0.6, 0.0, 0.8])) - 1.0).abs() < 1e-7);
-        assert!((facing(&at([0.6, 0.0, 0.8], [0.6, 0.0, 0.8])) - 0.8).abs() < 1e-7);
+        assert!((facing(at([6.0, 0.0, 8.0], [-0.6, 0.0, 0.8])) - 1.0).abs() < 1e-7);
+        assert!((facing(at([0.6, 0.0, 0.8], [0.6, 0.0, 0.8])) - 0.8).abs() < 1e-7);
         for absent in [[0.0; 3], [f32::NAN; 3], [-1.0, 0.0, 0.0]] {
-            assert_eq!(facing(&at([1.0, 0.0, 0.0], absent)), 1.0, "{absent:?}: the triangle's own");
+            assert_eq!(facing(at([1.0, 0.0, 0.0], absent)), 1.0, "{absent:?}: the triangle's own");
         }
     }
 
     #[test]
     fn colours_that_are_none_are_refused() {
         for x in [-1.0, f64::NAN] {
-            let wrong = Surface { color: Some([0.0, x, 0.0]), ..Surface::default() };
+            let wrong = Surface { color: Some([0.0, x, 0.0]), ..Surface::new(corner()) };
             assert_eq!(wrong.validate().unwrap_err().field, "mesh.color");
         }
-        assert!(Surface::default().validate().is_ok());
+        assert!(Surface::new(corner()).validate().is_ok());
     }
 }

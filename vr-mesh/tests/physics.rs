@@ -7,7 +7,7 @@ use vr_core::{
     Camera, Clip, Control, Model, OpacityRule, Plane, Projection, Scene, Shading, TransferFunction, TriangleMesh, View,
     phantom,
 };
-use vr_mesh::{Surface, rasterize};
+use vr_mesh::Surface;
 use vr_physics::Reference;
 
 fn scene() -> Scene {
@@ -38,11 +38,15 @@ fn a_plane_at_a_depth_is_a_ray_cut_there() {
         for fov in [None, Some(35.0)] {
             let camera = Camera::framing((low, high), 25.0, 15.0, fov);
             let view = View::new(camera, [12, 12]);
-            let surface = Surface { color: Some(color), shading: shading.clone() };
-            let layer = Arc::new(rasterize(&square, &surface, &view, &control).expect("a layer"));
+            let surface = Surface { color: Some(color), shading: shading.clone(), ..Surface::new(square.clone()) };
+            let with_square = Scene { surfaces: Some(Arc::new(surface)), ..scene.clone() };
+            let layer = with_square.layer(&view, &control).expect("a layer").expect("of a square");
             assert!(layer.pixels.iter().all(|p| p.0 == color.map(|c| c as f32) && p.1.is_finite()));
-            let solve = |view: &View| reference.solve(&scene, view, &Model::Canonical, &control).expect("a solution");
-            let layered = solve(&View { layer: Some(Arc::clone(&layer)), ..view.clone() });
+            let solve_of = |scene: &Scene, view: &View| {
+                reference.solve(scene, view, &Model::Canonical, &control).expect("a solution")
+            };
+            let solve = |view: &View| solve_of(&scene, view);
+            let layered = solve_of(&with_square, &view);
             let plane = Plane { normal, offset: normal.dot(middle) };
             let cut = solve(&View { clip: Clip { planes: vec![plane], crop: None }, ..view.clone() });
             let whole = solve(&view);

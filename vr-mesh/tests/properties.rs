@@ -3,8 +3,8 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use vr_core::{Camera, Clip, Control, Layer, Plane, Projection, Rays, TriangleMesh, View};
-use vr_mesh::{Surface, rasterize};
+use vr_core::{Camera, Clip, Control, Layer, Light, Plane, Projection, Rays, Surfaces, TriangleMesh, View};
+use vr_mesh::Surface;
 
 fn check<S: Strategy>(cases: u32, strategy: &S, test: impl Fn(S::Value) -> Result<(), TestCaseError>) {
     let config = Config { cases, failure_persistence: None, ..Config::default() };
@@ -13,7 +13,7 @@ fn check<S: Strategy>(cases: u32, strategy: &S, test: impl Fn(S::Value) -> Resul
 }
 
 fn draw(mesh: &TriangleMesh, view: &View) -> Layer {
-    rasterize(mesh, &Surface::default(), view, &Control::default()).expect("a picture")
+    Surface::new(mesh.clone()).layer(&[Light::default()], view, &Control::default()).expect("a picture")
 }
 
 fn point(reach: f64) -> impl Strategy<Value = DVec3> {
@@ -180,7 +180,7 @@ fn bits_do_not_depend_on_threads() {
     let view = View::new(camera, [133, 101]);
     let with = |threads| {
         let control = Control::default().with_threads(threads);
-        rasterize(&mesh, &Surface::default(), &view, &control).expect("a picture")
+        Surface::new(mesh.clone()).layer(&[Light::default()], &view, &control).expect("a picture")
     };
     let one = with(1);
     assert!(one.pixels.iter().filter(|p| p.1.is_finite()).count() > 2000);
@@ -195,6 +195,6 @@ fn cancels() {
     let control = Control::default();
     control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);
     let view = View::new(Camera::framing(mesh.bounds(), 0.0, 0.0, None), [8, 8]);
-    let outcome = rasterize(&mesh, &Surface::default(), &view, &control);
+    let outcome = Surface::new(mesh.clone()).layer(&[Light::default()], &view, &control);
     assert!(matches!(outcome, Err(vr_core::RenderError::Cancelled)));
 }

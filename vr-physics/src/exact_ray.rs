@@ -63,7 +63,7 @@ impl ExactRays {
             pixel: height / Double::from(f64::from(view.size[1])),
             parallel,
             size: view.size,
-            supersampling: f64::from(view.samples),
+            supersampling: f64::from(view.supersampling),
         })
     }
 

@@ -6,7 +6,7 @@
 
 use glam::{DMat3, DVec3};
 use vr_core::filter::Reconstruction;
-use vr_core::{Calibration, Filter, IndexRay, Real, Sampler, UniformVolume, Voxel};
+use vr_core::{Calibration, Filter, GridVolume, IndexRay, Real, Sampler, Voxel};
 
 use crate::bound::Bound;
 use crate::double::Double;
@@ -44,12 +44,7 @@ pub struct GridLine<'a, T, F> {
 
 impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
     /// The field of a sampler of `volume` along a ray, whose numbers are taken to be exact.
-    pub fn new(
-        volume: &UniformVolume,
-        sampler: Sampler<'a, T, F>,
-        ray: IndexRay,
-        gradient: GradientSource<'a>,
-    ) -> Self {
+    pub fn new(volume: &GridVolume, sampler: Sampler<'a, T, F>, ray: IndexRay, gradient: GradientSource<'a>) -> Self {
         let farthest = ray.start.abs().max(ray.end.abs());
         let off = |a: usize| f64::EPSILON * (ray.origin[a].abs() + ray.direction[a].abs() * farthest);
         let position_error = std::array::from_fn(off);
@@ -59,7 +54,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
 
     /// The field of a sampler of `volume` along a chord.
     pub(crate) fn along(
-        volume: &UniformVolume,
+        volume: &GridVolume,
         placement: &ExactPlacement,
         sampler: Sampler<'a, T, F>,
         chord: IndexChord,

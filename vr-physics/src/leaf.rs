@@ -82,7 +82,7 @@ struct Shade<'a> {
     /// g·g
     square: Poly,
     /// g·l and g·h of every light.
-    towards: Vec<(Poly, Poly)>,
+    towards: Vec<(f64, [Poly; 2])>,
     /// κ's factor: value at the middle, and how fast it changes with |g|.
     modulation: f64,
     modulation_slope: f64,
@@ -135,7 +135,7 @@ impl<'a> Leaf<'a> {
             let constant = square.is_constant();
             Some(Shade {
                 shading,
-                towards: ray.lights.iter().map(|l| (dot(l.to_light), dot(l.half))).collect(),
+                towards: ray.lights.iter().map(|l| (largest(l.color), [dot(l.to_light), dot(l.half)])).collect(),
                 modulation: shading.modulation(magnitude),
                 modulation_slope: if constant { 0.0 } else { modulation_slope(shading, magnitude) },
                 square,
@@ -487,8 +487,7 @@ impl Shade<'_> {
     fn reflect_bound(&self, a: f64, least: f64) -> Option<(f64, f64)> {
         let s = self.shading;
         let (mut factor, mut added) = (s.ambient, 0.0);
-        for (light, (gl, gh)) in s.lights.iter().zip(&self.towards) {
-            let bright = light.color.into_iter().fold(0.0, f64::max);
+        for (bright, [gl, gh]) in &self.towards {
             let size = |p: &Poly| (p.coefficients()[0].abs() + p.spread(a)) / least.sqrt();
             factor += bright * s.diffuse * size(gl);
             if s.specular > 0.0 {

@@ -205,7 +205,7 @@ pub fn outline_mask(volume: &Volume, view: &View) -> Result<Vec<bool>, Parameter
 
 /// The corners of the box: bit a of a corner's number says which end of axis a.
 fn box_corners(volume: &Volume) -> [DVec3; 8] {
-    if let Some(uniform) = volume.uniform() {
+    if let Some(uniform) = volume.grid() {
         return uniform.corners();
     }
     let (low, high) = volume.bounds();

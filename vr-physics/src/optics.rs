@@ -46,8 +46,8 @@ impl<'a> Optics<'a> {
         let color = self.transfer.brightest_color();
         match &self.shading {
             None => color,
-            Some((s, _)) => {
-                let light = light_of(s);
+            Some((s, ray)) => {
+                let light = light_of(ray);
                 (color * (s.ambient + s.diffuse * light) + s.specular * light).max(color)
             }
         }
@@ -89,7 +89,7 @@ impl<'a> Optics<'a> {
 
     /// The largest factor on a colour.
     pub(crate) fn largest_color_factor(&self) -> f64 {
-        self.shading.as_ref().map_or(1.0, |(s, _)| (s.ambient + s.diffuse * light_of(s)).max(1.0))
+        self.shading.as_ref().map_or(1.0, |(s, ray)| (s.ambient + s.diffuse * light_of(ray)).max(1.0))
     }
 
     /// How far the colour may be off where the value is off by no more than `error`.
@@ -129,11 +129,11 @@ impl<'a> Optics<'a> {
 
     /// How far reflected light may be off where the normal is turned by no more than the vector's length `turn`.
     pub(crate) fn turned(&self, turn: Bound) -> Bound {
-        let Some((s, _)) = &self.shading else { return Bound::ZERO };
+        let Some((s, ray)) = &self.shading else { return Bound::ZERO };
         if turn == Bound::ZERO {
             return turn;
         }
-        let light = light_of(s);
+        let light = light_of(ray);
         // |x^p − y^p| ≤ p |x − y| on [0, 1] for p ≥ 1, and ≤ |x − y|^p below.
         let highlight = match s.power {
             0.0 => Bound::ZERO,
@@ -146,6 +146,6 @@ impl<'a> Optics<'a> {
 }
 
 /// The largest component of each light, added up.
-fn light_of(shading: &Shading) -> f64 {
+fn light_of(shading: &RayShading<f64>) -> f64 {
     shading.lights.iter().map(|l| largest(l.color)).sum()
 }

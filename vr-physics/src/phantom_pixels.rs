@@ -36,10 +36,11 @@ impl Reference {
         if scene.shading.is_some() {
             return Err(unsupported("shading"));
         }
-        let volume = scene.volume.uniform().ok_or_else(|| unsupported("a volume that is not a uniform grid"))?;
+        let volume = scene.volume.grid().ok_or_else(|| unsupported("a volume that is not a uniform grid"))?;
+        let layer = scene.layer(view, control)?;
         let optics = Optics::new(&scene.transfer, None);
         let trace = |(): &mut (), ray: &Ray, spot: Spot, counts: &mut Counts| {
-            let layer = view.layer.as_deref();
+            let layer = layer.as_ref();
             let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
             let part = IndexRay::new(ray, volume.placement(), volume.dims(), &view.clip, far);
             let mut pixel = part.map_or(Pixel::EMPTY, |part| {

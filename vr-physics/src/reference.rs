@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use vr_core::image_order::{PixelValue, Spot, trace_pixels, trace_view};
 use vr_core::{
-    Control, Counts, DocumentedError, Frame, Geometry, Model, NamedSetting, OptionError, OptionKind, OptionSpec,
-    OptionValue, Options, Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Scene, View,
+    Control, Counts, DocumentedError, Frame, Model, NamedSetting, OptionError, OptionKind, OptionSpec, OptionValue,
+    Options, Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Scene, View,
 };
 
 use crate::bound::{Bound, largest};
@@ -125,7 +125,7 @@ impl Reference {
     /// # Errors
     /// A view or scene that makes no sense, a volume of a kind that is not known here, or cancellation.
     pub fn solve(&self, scene: &Scene, view: &View, model: &Model, control: &Control) -> Result<Solution, RenderError> {
-        let solver = Solver::new(self.tolerance, scene, view, model)?;
+        let solver = Solver::new(self.tolerance, scene, view, model)?.with_surfaces(control)?;
         let (pixels, counts) =
             trace_view(view, control, || (), |(), ray, spot, counts| solver.pixel(ray, spot, counts))?;
         Ok(Solution { pixels, counts })
@@ -143,7 +143,7 @@ impl Reference {
         pixels: &[[u32; 2]],
         control: &Control,
     ) -> Result<Solution, RenderError> {
-        let solver = Solver::new(self.tolerance, scene, view, model)?;
+        let solver = Solver::new(self.tolerance, scene, view, model)?.with_surfaces(control)?;
         let trace = |(): &mut (), ray: &Ray, spot: Spot, counts: &mut Counts| solver.pixel(ray, spot, counts);
         let (pixels, counts) = trace_pixels(view, pixels, control, || (), trace)?;
         Ok(Solution { pixels, counts })
@@ -223,11 +223,7 @@ impl Renderer for Reference {
 
     fn prepare(&self, scene: &Scene, _control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
         scene.validate()?;
-        match scene.volume.geometry() {
-            Geometry::Uniform(volume) => volume.warm(scene.filter),
-            Geometry::Points(points) => points.warm(),
-            _ => {}
-        }
+        scene.volume.prepare_derived();
         Ok(Box::new(PreparedReference { reference: self.clone(), scene: Arc::new(scene.clone()) }))
     }
 }

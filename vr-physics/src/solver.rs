@@ -1,10 +1,12 @@
 //! What the rays of a view share: where the field comes from, and what is asked of it.
 
+use std::sync::Arc;
+
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, Geometry, GradientMethod, IndexRay, LatticeVisitor, Model, PointSet, Ray, RenderError,
-    Sampler, SamplerVisitor, Scene, UniformVolume, View, Voxel, gradient_at_sample,
+    Compositing, Control, Counts, GradientMethod, GridVolume, IndexRay, LatticeVisitor, Layer, Model, PointSet, Ray,
+    RenderError, Sampler, SamplerVisitor, Scene, View, Volume, Voxel, gradient_at_sample,
 };
 
 use crate::exact_ray::{ExactPlacement, ExactRay, ExactRays, IndexChord};
@@ -25,15 +27,15 @@ pub(crate) struct Solver<'a> {
     view: &'a View,
     model: &'a Model,
     rays: ExactRays,
+    layer: Option<Layer>,
     source: Source<'a>,
 }
 
 /// What a field along a ray comes from.
-#[derive(Clone, Copy)]
 // There is one for each view.
 #[expect(clippy::large_enum_variant)]
 enum Source<'a> {
-    Grid(&'a UniformVolume, ExactPlacement, Filter),
+    Grid(Arc<GridVolume>, ExactPlacement),
     Points(&'a PointSet),
     /// From nothing here: the renderer's model says it all.
     Model,
@@ -43,31 +45,34 @@ impl<'a> Solver<'a> {
     pub(crate) fn new(tolerance: f64, scene: &'a Scene, view: &'a View, model: &'a Model) -> Result<Self, RenderError> {
         scene.validate()?;
         let unsupported = |feature: String| RenderError::Unsupported { renderer: "physics", feature };
-        let grid = |volume: &'a UniformVolume, filter| {
-            volume.warm(filter);
-            Source::Grid(volume, ExactPlacement::new(volume.placement(), volume.dims()), filter)
+        let grid = |volume: Arc<GridVolume>| {
+            volume.prepare_derived();
+            let placement = ExactPlacement::new(volume.placement(), volume.dims());
+            Source::Grid(volume, placement)
         };
-        let source = match (model, scene.volume.geometry()) {
+        let source = match (model, &scene.volume) {
             (Model::Continuous(_) | Model::Discrete(_), _) => Source::Model,
-            (Model::Canonical, Geometry::Uniform(volume)) => grid(volume, scene.filter),
-            (Model::Filtered(filter), Geometry::Uniform(volume)) => grid(volume, *filter),
-            (Model::Canonical, Geometry::Points(points)) => {
+            (Model::Canonical, Volume::Grid(volume)) => grid(Arc::clone(volume)),
+            (Model::Filtered(filter), Volume::Grid(volume)) => grid(Arc::new(volume.with_filter(*filter))),
+            (Model::Canonical, Volume::Points(points)) => {
                 if scene.shading.is_some() {
                     return Err(unsupported("shading of scattered points".to_owned()));
                 }
-                points.warm();
+                points.prepare_derived();
                 Source::Points(points)
             }
-            (Model::Filtered(_), Geometry::Points(_)) => {
+            (Model::Filtered(_), Volume::Points(_)) => {
                 return Err(unsupported("a reconstruction filter over scattered points".to_owned()));
-            }
-            (Model::Canonical | Model::Filtered(_), _) => {
-                return Err(unsupported(format!("a volume of kind {}", scene.volume.kind())));
             }
             _ => return Err(unsupported(format!("the model {model:?}"))),
         };
         let rays = ExactRays::new(view)?;
-        Ok(Self { tolerance, scene, view, model, rays, source })
+        Ok(Self { tolerance, scene, view, model, rays, layer: None, source })
+    }
+
+    /// The same with the scene's surfaces.
+    pub(crate) fn with_surfaces(self, control: &Control) -> Result<Self, RenderError> {
+        Ok(Self { layer: self.scene.layer(self.view, control)?, ..self })
     }
 
     /// What is wanted of a ray up to the world distance `far`, and the world distance that its distances are counted from; `None` where it
@@ -79,12 +84,12 @@ impl<'a> Solver<'a> {
     /// The same of a ray and the one that it was rounded from. Scattered points know how far rounding displaces them.
     fn ask_exactly(&self, ray: &Ray, exact: &ExactRay, far: f64, want: Want<'_>) -> Option<(Answer, f64)> {
         match &self.source {
-            Source::Grid(volume, placement, filter) => {
+            Source::Grid(volume, placement) => {
                 let clip = &self.view.clip;
                 let rounded = || IndexRay::new(ray, volume.placement(), volume.dims(), clip, far);
                 let chord = placement.chord(exact, clip, far, rounded)?;
                 let job = Job { solver: self, volume, placement, ray, chord, want };
-                Some((volume.with_sampler(*filter, job), chord.ray.offset))
+                Some((volume.with_sampler(job), chord.ray.offset))
             }
             Source::Points(points) => {
                 let line = PointLine::new(points, ray, &self.view.clip, far)?;
@@ -106,9 +111,9 @@ impl<'a> Solver<'a> {
     }
 
     pub(crate) fn pixel(&self, ray: &Ray, spot: Spot, counts: &mut Counts) -> Pixel {
-        let far = self.view.layer.as_ref().map_or(f64::INFINITY, |l| l.depth(spot.pixel));
+        let far = self.layer.as_ref().map_or(f64::INFINITY, |l| l.depth(spot.pixel));
         let mut pixel = self.volume_pixel(ray, spot, far, counts);
-        if let Some(layer) = &self.view.layer {
+        if let Some(layer) = &self.layer {
             pixel.rgba = layer.under(spot.pixel, pixel.rgba);
             pixel.depth = pixel.depth.min(far);
         }
@@ -164,7 +169,7 @@ pub(crate) enum Answer {
 
 struct Job<'a> {
     solver: &'a Solver<'a>,
-    volume: &'a UniformVolume,
+    volume: &'a GridVolume,
     placement: &'a ExactPlacement,
     ray: &'a Ray,
     chord: IndexChord,
@@ -177,7 +182,7 @@ impl SamplerVisitor for Job<'_> {
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Answer {
         let Self { solver: Solver { scene, .. }, volume, placement, .. } = self;
         let shading = scene.shading.as_deref();
-        let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(self.ray.direction))));
+        let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(&scene.lights, self.ray.direction))));
         let at_sample = |index: [usize; 3]| volume.with_lattice(SampleGradient(index));
         let source = match shading.map(|s| s.gradient) {
             None => GradientSource::None,

@@ -184,7 +184,7 @@ impl Cubic {
 
 impl Truth<'_> {
     fn follow(&mut self, ray: &IndexRay) {
-        let u = self.scene.volume.uniform().unwrap();
+        let u = self.scene.volume.grid().unwrap();
         let dims = u.dims();
         let mut cuts = vec![d(ray.start), d(ray.end)];
         for a in 0..3 {
@@ -207,8 +207,8 @@ impl Truth<'_> {
     }
 
     fn cell(&mut self, ray: &IndexRay, from: D, to: D) {
-        let u = self.scene.volume.uniform().unwrap();
-        let vr_core::AnyGrid::F32(grid) = u.grid() else { panic!("f32") };
+        let u = self.scene.volume.grid().unwrap();
+        let vr_core::AnyGrid::F32(grid) = u.values() else { panic!("f32") };
         let dims = grid.dims();
         let middle = f64::from((from + to) * 0.5);
         let cell: [usize; 3] = std::array::from_fn(|a| {
@@ -369,7 +369,7 @@ fn the_bound_is_never_below_the_true_error() {
     let mut runner = TestRunner::new(config);
     let result = runner.run(&draw(), |draw| {
         let (scene, view, ray) = draw.scene();
-        let u = scene.volume.uniform().unwrap();
+        let u = scene.volume.grid().unwrap();
         let Some(index_ray) = IndexRay::new(&ray, u.placement(), u.dims(), &Clip::default(), f64::INFINITY) else {
             return Ok(());
         };

@@ -32,7 +32,9 @@ fn scene(filter: Filter) -> Scene {
         p(0.6, [0.2, 0.8, 0.3], 0.05),
         p(1.0, [1.0, 1.0, 0.9], 0.6),
     ];
-    Scene { filter, ..Scene::new(volume.into(), TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap()) }
+    let light = Light { direction: Some(DVec3::new(0.3, 1.0, 0.5)), color: [1.0, 0.8, 0.6] };
+    let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
+    Scene { lights: vec![Light::default(), light], ..Scene::new(volume.into(), transfer).with_filter(filter) }
 }
 
 fn view(scene: &Scene) -> View {
@@ -41,8 +43,7 @@ fn view(scene: &Scene) -> View {
 }
 
 fn shading(gradient: GradientMethod) -> Shading {
-    let light = Light { direction: Some(DVec3::new(0.3, 1.0, 0.5)), color: [1.0, 0.8, 0.6] };
-    Shading { lights: vec![Light::default(), light], gradient, ..Shading::default() }
+    Shading { gradient, ..Shading::default() }
 }
 
 /// Midpoint samples along a ray: position in the world's distance, value, world gradient.
@@ -79,9 +80,9 @@ impl LatticeVisitor for Central<'_> {
 }
 
 fn brute(scene: &Scene, view: &View, ray: &Ray, n: usize) -> Option<[f64; 4]> {
-    let u = scene.volume.uniform().unwrap();
+    let u = scene.volume.grid().unwrap();
     let march = March { ray: IndexRay::new(ray, u.placement(), u.dims(), &view.clip, f64::INFINITY)?, n };
-    let mut samples = u.with_sampler(scene.filter, &march);
+    let mut samples = u.with_sampler(&march);
     if let Some(s) = &scene.shading
         && s.gradient == GradientMethod::CentralDifferences
     {
@@ -99,7 +100,7 @@ fn brute(scene: &Scene, view: &View, ray: &Ray, n: usize) -> Option<[f64; 4]> {
         Compositing::Average => return Some(value_pixel(values.sum::<f64>() / n as f64)),
         _ => {}
     }
-    let along = scene.shading.as_ref().map(|s| (s, s.along::<f64>(ray.direction)));
+    let along = scene.shading.as_ref().map(|s| (s, s.along::<f64>(&scene.lights, ray.direction)));
     let colored = |value: f64, g: [f64; 3]| {
         let color = scene.transfer.at(value).color;
         let g = u.placement().gradient_to_world(DVec3::from(g));
@@ -271,7 +272,7 @@ struct Slabs {
 
 impl Slabs {
     fn slabs(&self, ray: &Ray) -> Vec<(f64, Medium)> {
-        let u = self.scene.volume.uniform().unwrap();
+        let u = self.scene.volume.grid().unwrap();
         let Some(ray) = IndexRay::new(ray, u.placement(), u.dims(), &self.view.clip, f64::INFINITY) else {
             return Vec::new();
         };
@@ -280,7 +281,7 @@ impl Slabs {
             let kappa = self.scene.transfer.extinction_at(value);
             Medium { extinction: kappa, emission: self.scene.transfer.at(value).color.map(|c| c * kappa) }
         };
-        let samples = u.with_sampler(self.scene.filter, &march);
+        let samples = u.with_sampler(&march);
         samples.into_iter().map(|(s, v, _)| (s + ray.offset, medium(v))).collect()
     }
 }

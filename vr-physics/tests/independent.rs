@@ -58,14 +58,14 @@ fn the_bound_is_never_below_the_difference() {
             println!(
                 "{:?} {} {:?} {ours:?} {other:?} {bound:e}",
                 scene.transfer.unit_distance(),
-                scene.filter,
+                scene.volume.filter().unwrap(),
                 scene.transfer.rule()
             );
         }
         let size = ours.iter().copied().fold(1.0, f64::max);
         lit += usize::from(other.rgba[3] > 0.0);
         if took > 1.0 {
-            println!("seed {seed}: {took:.1} s, {} {}", scene.filter, scene.compositing.name());
+            println!("seed {seed}: {took:.1} s, {} {}", scene.volume.filter().unwrap(), scene.compositing.name());
         }
         let allowed = bound + other.error;
         if apart > allowed || allowed.is_nan() {
@@ -73,7 +73,7 @@ fn the_bound_is_never_below_the_difference() {
             println!(
                 "seed {seed}: {apart:e} apart, bound {bound:e}, other {:e}; {} {} shaded {}: {ours:?} {:?}",
                 other.error,
-                scene.filter,
+                scene.volume.filter().unwrap(),
                 scene.compositing.name(),
                 scene.shading.is_some(),
                 other.rgba
@@ -86,7 +86,7 @@ fn the_bound_is_never_below_the_difference() {
             if std::env::var("LOOSE").is_ok() {
                 println!(
                     "seed {seed}: bound {bound:e}, apart {apart:e} {} {} shaded {}",
-                    scene.filter,
+                    scene.volume.filter().unwrap(),
                     scene.compositing.name(),
                     scene.shading.is_some()
                 );

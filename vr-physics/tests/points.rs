@@ -7,9 +7,10 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use vr_core::phantom::{POINT_NAMES, point_transfer, points_by_name};
 use vr_core::{
-    Camera, Clip, Compositing, Control, ControlPoint, Filter, Layer, Model, OpacityRule, Plane, PointKernel, PointSet,
+    Camera, Clip, Compositing, Control, ControlPoint, Filter, Model, OpacityRule, Plane, PointKernel, PointSet,
     Projection, Ray, RenderError, Scene, Shading, TransferFunction, View,
 };
+use vr_physics::check::FixedLayer;
 use vr_physics::{Certainty, Cut, LineField, Pixel, PointLine, Reference, Solution, Transport};
 
 /// (position, radius, value), all of weight 1.
@@ -213,8 +214,8 @@ fn clips_and_layers_cut_the_chord() {
     let crop = Some((DVec3::splat(-2.0), DVec3::new(2.0, 2.0, 3.0)));
     close(tau(&View { clip: Clip { crop, planes: vec![] }, ..plain.clone() }), 1.5 * one);
     // An opaque green wall through the middle of the first point.
-    let layer = Layer { pixels: vec![([0.0, 1.0, 0.0], 5.0)] };
-    let pixel = solve(&scene, &View { layer: Some(Arc::new(layer)), ..plain }).pixels[0];
+    let wall = FixedLayer::new(&plain, |_| ([0.0, 1.0, 0.0], 5.0));
+    let pixel = solve(&wall.among(&scene), &plain).pixels[0];
     let through = libm::exp(-0.5 * one);
     close(pixel.rgba[1], 1.0);
     close(pixel.rgba[0], 1.0 - through);

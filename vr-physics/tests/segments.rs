@@ -12,7 +12,7 @@ use vr_physics::{Cut, RaySegment, Reference};
 
 /// The segments of the ray through a pixel's centre, and the pixel.
 fn account(test: &TestScene, [x, y]: [u32; 2], cuts: &[f64]) -> (Vec<RaySegment>, vr_physics::Pixel) {
-    let view = View { samples: 1, ..test.view.clone() };
+    let view = View { supersampling: 1, ..test.view.clone() };
     let ray = Rays::new(&view).unwrap().at(f64::from(x) + 0.5, f64::from(y) + 0.5);
     let reference = Reference::default();
     let segments = reference.segments(&test.scene, &view, &ray, cuts).unwrap();

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::{
-    Calibration, Camera, Clip, Compositing, Control, ControlPoint, Filter, Light, Model, OpacityRule, Placement,
-    Projection, Scene, Shading, TransferFunction, UniformGrid, View,
+    Calibration, Camera, Clip, Compositing, Control, ControlPoint, Filter, Model, OpacityRule, Placement, Projection,
+    Scene, Shading, TransferFunction, UniformGrid, View,
 };
 use vr_physics::{Pixel, Reference};
 
@@ -38,7 +38,7 @@ fn a_constant_under_the_gaussian_is_constant() {
     // gauss_const: ∞·0 was NaN in a remainder, and passed as small: α 0.293 "within 1.3e-14".
     let points = vec![ControlPoint::new(0.0, [1.0, 0.5, 0.25], 0.0), ControlPoint::new(50.0, [1.0, 0.5, 0.25], 0.5)];
     let (scene, view) = cube(2, vec![100.0; 8], points, 1.0);
-    all_are(&Scene { filter: Filter::Gaussian, ..scene }, &view, [0.5, 0.25, 0.125, 0.5]);
+    all_are(&scene.with_filter(Filter::Gaussian), &view, [0.5, 0.25, 0.125, 0.5]);
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn jumps_at_the_value_of_empty_cells_are_seen_under_the_gaussian() {
     let points = vec![point([0.5; 3], 0.04), point([0.0; 3], 0.66), point([0.8; 3], 1e-7), point([0.2; 3], 0.0)];
     let samples = (0..216).map(|i| if i % 7 == 3 { 5e4 } else { 0.0 }).collect();
     let (scene, view) = cube(6, samples, points, 0.015);
-    let pixels = solve(&Scene { filter: Filter::Gaussian, ..scene }, &view);
+    let pixels = solve(&scene.with_filter(Filter::Gaussian), &view);
     for pixel in pixels {
         assert!(pixel.rgba.iter().all(|&x| x <= pixel.certainty.value()), "{pixel:?}");
     }
@@ -70,7 +70,7 @@ fn a_piecewise_constant_transfer_function_is_cut_under_the_gaussian() {
     // Seen from above: 2.5 units of b, then 2.5 of a.
     let [clear_a, clear_b] = [0.95f64, 0.4].map(|t| t.powf(2.5));
     let want: [f64; 3] = std::array::from_fn(|c| b[c] * (1.0 - clear_b) + clear_b * a[c] * (1.0 - clear_a));
-    all_are(&Scene { filter: Filter::Gaussian, ..scene }, &view, [want[0], want[1], want[2], 1.0 - clear_a * clear_b]);
+    all_are(&scene.with_filter(Filter::Gaussian), &view, [want[0], want[1], want[2], 1.0 - clear_a * clear_b]);
 }
 
 #[test]
@@ -101,16 +101,8 @@ fn opacity_one_under_modulation_is_a_wall_where_the_factor_is_not_zero() {
     let points = vec![ControlPoint::new(0.0, [1.0, 0.5, 0.25], 1.0), ControlPoint::new(100.0, [1.0, 0.5, 0.25], 0.5)];
     let (scene, view) = cube(2, vec![0.0; 8], points, 1.0);
     let shaded = |gradient_opacity: Vec<(f64, f64)>| {
-        let lights = vec![Light::default()];
-        let shading = Shading {
-            ambient: 1.0,
-            diffuse: 0.0,
-            specular: 0.0,
-            power: 1.0,
-            lights,
-            gradient_opacity,
-            ..Shading::default()
-        };
+        let shading =
+            Shading { ambient: 1.0, diffuse: 0.0, specular: 0.0, power: 1.0, gradient_opacity, ..Shading::default() };
         Scene { shading: Some(Arc::new(shading)), ..scene.clone() }
     };
     all_are(&shaded(vec![(0.0, 0.5)]), &view, [1.0, 0.5, 0.25, 1.0]);

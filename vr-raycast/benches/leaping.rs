@@ -142,7 +142,7 @@ fn updates(n: usize) {
     let control = Control::default().with_threads(1);
     let mut plain = Duration::ZERO;
     for (name, caster) in casters(0.2) {
-        let fresh = Volume::from(scene.volume.uniform().expect("it is one").grid().clone());
+        let fresh = Volume::from(scene.volume.grid().expect("it is one").values().clone());
         let fresh = Scene { volume: fresh, ..scene.clone() };
         let start = processor_time();
         drop(caster.prepare(&fresh, &control).expect("a valid scene"));

@@ -2,7 +2,7 @@
 
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::{
-    Filter, GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, UniformVolume, Voxel,
+    GradientMethod, GridVolume, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel,
     gradient_between_samples,
 };
 
@@ -13,8 +13,7 @@ use crate::run::Run;
 /// The passes over a run are dispatched here, once per run: to the voxel type and the filter, for which they are instantiated.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chord<'a> {
-    pub(crate) volume: &'a UniformVolume,
-    pub(crate) filter: Filter,
+    pub(crate) volume: &'a GridVolume,
     pub(crate) ray: IndexRay,
 }
 
@@ -39,7 +38,7 @@ impl Chord<'_> {
 
     /// Fills the values at positions, given axis by axis.
     pub(crate) fn values<R: Real>(&self, position: [&[R]; 3], value: &mut [R]) {
-        self.volume.with_sampler(self.filter, Values { position, value });
+        self.volume.with_sampler(Values { position, value });
     }
 
     /// The index-space position at a distance in the kernel's precision, clamped into the box as those of a run are.
@@ -53,14 +52,14 @@ impl Chord<'_> {
     pub(crate) fn gradients<R: Real>(&self, run: &mut Run<R>, method: GradientMethod) {
         match method {
             GradientMethod::CentralDifferences => self.volume.with_lattice(CentralDifferences(run)),
-            GradientMethod::Analytic => self.volume.with_sampler(self.filter, AnalyticGradients(run)),
+            GradientMethod::Analytic => self.volume.with_sampler(AnalyticGradients(run)),
         }
     }
 
     /// Where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and a point where it does.
     pub(crate) fn crossing(&self, below: f64, reached: Crossing, sign: f64, threshold: f64) -> Crossing {
         let search = Bisection { chord: self, below, reached, sign, threshold };
-        self.volume.with_sampler(self.filter, search)
+        self.volume.with_sampler(search)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What draws a scene.
 
-use vr_core::{RenderError, Scene, UniformVolume};
+use vr_core::{GridVolume, RenderError, Scene};
 
 use crate::caster::{RayCaster, Step};
 use crate::instruments::Kernel;
@@ -25,11 +25,11 @@ impl Engine {
     pub(crate) fn new(
         caster: &RayCaster,
         scene: &Scene,
-        volume: &UniformVolume,
+        volume: &GridVolume,
         last: Option<(&Scene, &Self)>,
     ) -> Result<Self, RenderError> {
         if let Step::Tolerance(error) = caster.step {
-            let promise = Promise::new(error, scene, volume, caster.filter_of(scene))?;
+            let promise = Promise::new(error, scene, volume)?;
             return Ok(Self::Promise(Box::new(promise)));
         }
         let last = match last {

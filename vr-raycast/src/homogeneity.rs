@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use vr_core::{Filter, TransferFunction, UniformVolume};
+use vr_core::{Filter, GridVolume, TransferFunction};
 use vr_kernels::ranges::LevelRanges;
 
 use crate::straightness::bends;
@@ -74,22 +74,17 @@ impl Homogeneity {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
-    /// For a volume under a filter and a transfer function; `last`: made for the same volume and filter.
-    pub(crate) fn new(
-        volume: &UniformVolume,
-        filter: Filter,
-        transfer: &TransferFunction,
-        error: f64,
-        last: Option<&Self>,
-    ) -> Self {
+    /// For a volume and a transfer function; `last`: made for the same volume.
+    pub(crate) fn new(volume: &GridVolume, transfer: &TransferFunction, error: f64, last: Option<&Self>) -> Self {
         let make = || {
-            [0, 1]
-                .map(|level| if filter == Filter::Trilinear { bends(volume, Self::EDGE << level) } else { Vec::new() })
+            [0, 1].map(|level| {
+                if volume.filter() == Filter::Trilinear { bends(volume, Self::EDGE << level) } else { Vec::new() }
+            })
         };
         let bends = last.map_or_else(|| Arc::new(make()), |last| Arc::clone(&last.bends));
-        let levels = LevelRanges::of_volume(volume, filter);
+        let levels = LevelRanges::of_volume(volume);
         let blocks = levels.blocks();
-        let verdicts = Verdicts::new(volume, &levels, filter, transfer, error);
+        let verdicts = Verdicts::new(volume, &levels, transfer, error);
         let mut nodes: Vec<Range> = levels
             .ranges()
             .iter()
@@ -191,13 +186,7 @@ struct Medium {
 }
 
 impl Verdicts {
-    fn new(
-        volume: &UniformVolume,
-        levels: &LevelRanges,
-        filter: Filter,
-        transfer: &TransferFunction,
-        error: f64,
-    ) -> Self {
+    fn new(volume: &GridVolume, levels: &LevelRanges, transfer: &TransferFunction, error: f64) -> Self {
         let (low, high) = volume.census().range.unwrap_or_default();
         let optics = Optics::new(transfer, volume.calibration(), f64::from(low.abs().max(high.abs())));
         let corners = volume.corners();
@@ -206,7 +195,7 @@ impl Verdicts {
         // A range may fall short of the field by a hundredth of a level; and what cubic filters overshoot belongs to the outermost levels.
         let spacing = levels.stored(1) - levels.stored(0);
         let room = LevelRanges::SLACK * spacing + optics.knot_error;
-        let overshoots = matches!(filter, Filter::BSpline | Filter::CatmullRom);
+        let overshoots = matches!(volume.filter(), Filter::BSpline | Filter::CatmullRom);
         let medium = |first: usize, last: usize| {
             let (first, last) = (first as u8, last as u8);
             let from = if overshoots && first == 0 { f64::NEG_INFINITY } else { levels.stored(first) - room };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vr_core::{Filter, Real, Scene, UniformVolume};
+use vr_core::{GridVolume, Real, Scene};
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::tables::{BakedTransfer, PreIntegrated, outwards, resolves_ramps};
 
@@ -37,13 +37,8 @@ pub(crate) struct Instruments<R> {
 
 impl Kernel {
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
-    pub(crate) fn new(
-        caster: &RayCaster,
-        scene: &Scene,
-        volume: &UniformVolume,
-        last: Option<(&Scene, &Self)>,
-    ) -> Self {
-        let single = single_precision_resolves(volume, caster.filter_of(scene), &scene.transfer);
+    pub(crate) fn new(caster: &RayCaster, scene: &Scene, volume: &GridVolume, last: Option<(&Scene, &Self)>) -> Self {
+        let single = single_precision_resolves(volume, &scene.transfer);
         let double = caster.precision == Precision::F64 || !single;
         match (double, last) {
             (true, Some((scene_then, Self::F64(last)))) => {
@@ -64,7 +59,7 @@ impl Kernel {
         &mut self,
         caster: &RayCaster,
         scene: &Scene,
-        volume: &UniformVolume,
+        volume: &GridVolume,
         last: Option<(&Scene, &Self)>,
     ) {
         match (self, last) {
@@ -113,8 +108,8 @@ fn shape(caster: &RayCaster) -> Option<Shape> {
 
 /// A table for steps of all lengths, if one tells apart all that the transfer function does: a small one where the transfer function's
 /// points fit into it, else a large one.
-fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter) -> Option<Arc<PreIntegrated<R>>> {
-    let range = outwards(field_range(volume, filter).unwrap_or((0.0, 0.0)));
+fn preintegrated<R: Real>(scene: &Scene, volume: &GridVolume) -> Option<Arc<PreIntegrated<R>>> {
+    let range = outwards(field_range(volume).unwrap_or((0.0, 0.0)));
     let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), range, entries);
     let small = table(PreIntegrated::<R>::ENTRIES);
     let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
@@ -122,14 +117,9 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter)
     resolved.then(|| Arc::new(table))
 }
 
-/// Whether two scenes show the same volume through the same filter.
-fn same_field(a: &Scene, b: &Scene) -> bool {
-    a.volume.same(&b.volume) && a.filter == b.filter
-}
-
 /// Whether the same can be seen of two scenes' fields.
 fn same_light(a: &Scene, b: &Scene) -> bool {
-    same_field(a, b) && a.transfer == b.transfer && a.shading.is_some() == b.shading.is_some()
+    a.volume.same(&b.volume) && a.transfer == b.transfer && a.shading.is_some() == b.shading.is_some()
 }
 
 impl<R: Real> Instruments<R> {
@@ -140,22 +130,22 @@ impl<R: Real> Instruments<R> {
     }
 
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
-    fn new(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, last: Option<(&Scene, &Self)>) -> Self {
-        let field = caster.filter_of(scene);
+    fn new(caster: &RayCaster, scene: &Scene, volume: &GridVolume, last: Option<(&Scene, &Self)>) -> Self {
         let bake = || {
-            let range = table_range(volume, field, &scene.transfer);
+            let range = table_range(volume, &scene.transfer);
             let integer = volume.voxel_type().is_integer();
             let step = caster.world_step(volume);
             let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
-            resolves(&table, volume, field, &scene.transfer).then(|| (Arc::new(table), step))
+            resolves(&table, volume, &scene.transfer).then(|| (Arc::new(table), step))
         };
-        let last_of_field = last.filter(|(old, _)| same_field(old, scene)).and_then(|(_, i)| i.homogeneity.clone());
+        let last_of_field =
+            last.filter(|(old, _)| old.volume.same(&scene.volume)).and_then(|(_, i)| i.homogeneity.clone());
         let last = last.filter(|(old, _)| same_light(old, scene)).map(|(_, instruments)| instruments);
         let lights = scene.compositing.integrates_light();
         let wanted = caster.classification == Classification::Table && lights;
         let profile = shape(caster).filter(|_| lights).map(|shape| {
             let kept = last.and_then(|i| i.classifier.profile.as_ref());
-            let made = || preintegrated(scene, volume, field);
+            let made = || preintegrated(scene, volume);
             Profile {
                 shape,
                 table: if wanted && shape != Shape::Cubic {
@@ -174,9 +164,8 @@ impl<R: Real> Instruments<R> {
         let follows = matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples;
         let pace = |error: f64| {
             last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
-                let (levels, voxel) =
-                    (LevelRanges::of_volume(volume, field), volume.placement().spacing().min_element());
-                let map = PaceMap::new(&levels, scene, field, volume.calibration(), voxel, error);
+                let (levels, voxel) = (LevelRanges::of_volume(volume), volume.placement().spacing().min_element());
+                let map = PaceMap::new(&levels, scene, volume.calibration(), voxel, error);
                 Arc::new(map)
             })
         };
@@ -186,20 +175,17 @@ impl<R: Real> Instruments<R> {
             table: if wanted && profile.is_none() && !follows { kept.or_else(bake) } else { None },
             profile,
         };
-        let shader = scene
-            .shading
-            .as_ref()
-            .map(|shading| Shader::new(Arc::clone(shading), volume.placement(), volume.calibration().slope));
+        let shader = scene.shading.as_ref().map(|shading| {
+            Shader::new(Arc::clone(shading), scene.lights.clone(), volume.placement(), volume.calibration().slope)
+        });
         let pace = match caster.step {
             Step::Local { error } if follows => Some(pace(error)),
             _ => None,
         };
         let homogeneity = match caster.step {
-            Step::Homogeneous { error, .. } if caster.traversal == Traversal::Samples => {
-                last.and_then(|i| i.homogeneity.clone()).or_else(|| {
-                    Some(Arc::new(Homogeneity::new(volume, field, &scene.transfer, error, last_of_field.as_deref())))
-                })
-            }
+            Step::Homogeneous { error, .. } if caster.traversal == Traversal::Samples => last
+                .and_then(|i| i.homogeneity.clone())
+                .or_else(|| Some(Arc::new(Homogeneity::new(volume, &scene.transfer, error, last_of_field.as_deref())))),
             _ => None,
         };
         Self { classifier, shader, pace, homogeneity, empty_space: None }
@@ -210,13 +196,13 @@ impl<R: Real> Instruments<R> {
         &mut self,
         caster: &RayCaster,
         scene: &Scene,
-        volume: &UniformVolume,
+        volume: &GridVolume,
         last: Option<(&Scene, &Self)>,
     ) {
         let of = |same: bool| last.filter(|_| same).and_then(|(_, i)| i.empty_space.as_ref());
         let same = |old: &Scene| same_light(old, scene) && old.compositing == scene.compositing;
         self.empty_space = of(last.is_some_and(|(old, _)| same(old))).cloned().or_else(|| {
-            let of_field = of(last.is_some_and(|(old, _)| same_field(old, scene)));
+            let of_field = of(last.is_some_and(|(old, _)| old.volume.same(&scene.volume)));
             EmptySpace::new(caster, scene, volume, &self.classifier, of_field)
         });
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use vr_core::image_order::Spot;
-use vr_core::{Counts, Filter, IndexRay, Probe, Ray, RayShading, Rays, Real, UniformVolume, View};
+use vr_core::{Counts, GridVolume, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, View};
 
 use crate::caster::Traversal;
 use crate::chord::Chord;
@@ -23,8 +23,7 @@ use crate::walk::{HomogeneousWalk, Lattice, LatticeWalk, LocalWalk, VisibleSteps
 /// depends on (the sampling for voxel type and filter, the compositing for the operator, all for the precision) and chosen once per
 /// run, so that there is a sum of instances and not their product.
 pub(crate) struct Pipeline<'a, R, F> {
-    pub(crate) volume: &'a UniformVolume,
-    pub(crate) filter: Filter,
+    pub(crate) volume: &'a GridVolume,
     pub(crate) traversal: Traversal,
     /// World length of the smallest voxel edge.
     pub(crate) voxel: f64,
@@ -41,6 +40,7 @@ pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) classifier: &'a Classifier<R>,
     pub(crate) shader: Option<&'a Shader<R>>,
     pub(crate) view: &'a View,
+    pub(crate) layer: Option<&'a Layer>,
     pub(crate) rays: Rays,
     /// Makes the compositing operator of a thread.
     pub(crate) operator: F,
@@ -88,7 +88,7 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         start: u32,
         counts: &mut Counts,
     ) -> Traced {
-        let layer = self.view.layer.as_deref();
+        let layer = self.layer;
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
@@ -106,7 +106,7 @@ impl<R: Real, F> Pipeline<'_, R, F> {
                     Walk::Lattice(LatticeWalk::new(lattice, visible, O::BACKWARDS))
                 }
             };
-            let chord = Chord { volume: self.volume, filter: self.filter, ray: part };
+            let chord = Chord { volume: self.volume, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });
         layer.map_or(value, |l| value.over(l, pixel))
@@ -123,7 +123,7 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         let Scratch { operator, run, lights } = scratch;
         let shader = self.shader.filter(|_| O::LIGHT || O::SURFACE).map(|shader| {
             if lights.as_ref().is_none_or(|(direction, _)| *direction != ray.direction) {
-                *lights = Some((ray.direction, shader.shading().along(ray.direction)));
+                *lights = Some((ray.direction, shader.along(ray.direction)));
             }
             (shader, &lights.as_ref().expect("just made").1)
         });

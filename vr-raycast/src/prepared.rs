@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use vr_core::{
-    Compositing, Control, Model, ParameterError, Prepared, Probe, Projection, Rays, Real, RenderError, Rendered, Scene,
-    UniformVolume, View,
+    Compositing, Control, Filter, GridVolume, Layer, Model, ParameterError, Prepared, Probe, Projection, Rays, Real,
+    RenderError, Rendered, Scene, View,
 };
 use vr_kernels::tables::BakedTransfer;
 
@@ -25,7 +25,11 @@ pub(crate) struct PreparedCaster {
     asked: RayCaster,
     /// As it draws the scene.
     caster: RayCaster,
+    /// The scene, under the filter that the caster samples it with.
     scene: Scene,
+    volume: Arc<GridVolume>,
+    /// The caster's own filter, where it is not the scene's.
+    filtered: Option<Filter>,
     engine: Engine,
     /// What the coherent screen keeps from picture to picture.
     coherence: Option<CoherenceBuffer>,
@@ -33,30 +37,32 @@ pub(crate) struct PreparedCaster {
 
 impl PreparedCaster {
     pub(crate) fn new(asked: RayCaster, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
-        let caster = asked.settled_for(scene);
-        let volume = check(&caster, scene)?;
+        let filtered = asked.filter.filter(|filter| scene.volume.filter() != Some(*filter));
+        let (caster, scene) = (asked.settled_for(scene), asked.scene_of(scene));
+        let volume = check(&caster, &scene)?;
         control.check()?;
-        control.run(|| volume.warm(caster.filter_of(scene)));
-        let engine = control.run(|| Engine::new(&caster, scene, volume, None))?;
-        let coherence = control.run(|| coherence(&caster, scene, volume, &engine));
-        Ok(Self { asked, caster, scene: scene.clone(), engine, coherence })
+        control.run(|| volume.prepare_derived());
+        let engine = control.run(|| Engine::new(&caster, &scene, &volume, None))?;
+        let coherence = control.run(|| coherence(&caster, &volume, &engine));
+        Ok(Self { asked, caster, scene, volume, filtered, engine, coherence })
     }
 }
 
 impl Prepared for PreparedCaster {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
-        let caster = self.asked.settled_for(scene);
-        let volume = check(&caster, scene)?;
+        self.filtered = self.asked.filter.filter(|filter| scene.volume.filter() != Some(*filter));
+        let (caster, scene) = (self.asked.settled_for(scene), self.asked.scene_of(scene));
+        let volume = check(&caster, &scene)?;
         control.check()?;
-        control.run(|| volume.warm(caster.filter_of(scene)));
-        self.engine = control.run(|| Engine::new(&caster, scene, volume, Some((&self.scene, &self.engine))))?;
+        control.run(|| volume.prepare_derived());
+        self.engine = control.run(|| Engine::new(&caster, &scene, &volume, Some((&self.scene, &self.engine))))?;
         let then = &self.scene;
-        let same = then.volume.same(&scene.volume) && then.filter == scene.filter && then.transfer == scene.transfer;
+        let same = then.volume.same(&scene.volume) && then.transfer == scene.transfer;
         // Compositing decides what a table is needed for, and so what can be seen.
         if !same || then.compositing != scene.compositing {
-            self.coherence = control.run(|| coherence(&caster, scene, volume, &self.engine));
+            self.coherence = control.run(|| coherence(&caster, &volume, &self.engine));
         }
-        (self.caster, self.scene) = (caster, scene.clone());
+        (self.caster, self.scene, self.volume) = (caster, scene, volume);
         Ok(())
     }
 
@@ -69,9 +75,9 @@ impl Prepared for PreparedCaster {
     }
 
     fn model(&self, _: &View) -> Model {
-        match self.caster.filter {
-            Some(filter) if filter != self.scene.filter => Model::Filtered(filter),
-            _ => Model::Canonical,
+        match self.filtered {
+            Some(filter) => Model::Filtered(filter),
+            None => Model::Canonical,
         }
     }
 
@@ -84,8 +90,9 @@ impl Prepared for PreparedCaster {
         if matches!(self.caster.screen, Screen::Template { .. }) {
             return Ok(None);
         }
-        let volume = check(&self.caster, &self.scene)?;
         control.check()?;
+        let volume = &self.volume;
+        let layer = self.scene.layer(view, control)?;
         // Packets have empty space of their own to leap over: the plain kernel is told only now that it draws, too.
         if let Engine::Packets(_, kernel) = &mut self.engine {
             control.run(|| kernel.find_empty_space(&self.caster, &self.scene, volume, None));
@@ -95,7 +102,7 @@ impl Prepared for PreparedCaster {
             Engine::Packets(_, kernel) => (kernel, false),
             Engine::Promise(_) => return Ok(None),
         };
-        let probing = Probing { view, pixel, own_kernel };
+        let probing = Probing { view, layer: layer.as_ref(), pixel, own_kernel };
         control.run(|| match kernel {
             Kernel::F32(instruments) => self.by_plain_engine(instruments, probing),
             Kernel::F64(instruments) => self.by_plain_engine(instruments, probing),
@@ -104,10 +111,10 @@ impl Prepared for PreparedCaster {
 }
 
 /// What the coherent screen knows before its first picture; `None` for the others.
-fn coherence(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, engine: &Engine) -> Option<CoherenceBuffer> {
+fn coherence(caster: &RayCaster, volume: &GridVolume, engine: &Engine) -> Option<CoherenceBuffer> {
     match engine {
         Engine::Plain(kernel) | Engine::Packets(_, kernel) if caster.screen == Screen::Coherent => {
-            Some(CoherenceBuffer::new(volume, caster.filter_of(scene), kernel.sight()))
+            Some(CoherenceBuffer::new(volume, kernel.sight()))
         }
         _ => None,
     }
@@ -121,21 +128,23 @@ impl PreparedCaster {
         view: &View,
         control: &Control,
     ) -> Result<Rendered, RenderError> {
-        let volume = check(&self.caster, &self.scene)?;
         if let (Screen::Template { connectivity }, Engine::Plain(kernel) | Engine::Packets(_, kernel)) =
             (self.caster.screen, &self.engine)
         {
             return self.draw_by_template(connectivity, kernel.brightest(), view, control);
         }
+        let volume = &*self.volume;
+        let layer = self.scene.layer(view, control)?;
+        let layer = layer.as_ref();
         let step = self.caster.world_step(volume);
-        let stage = Stage { screen: self.caster.screen, coherence, volume, step, view, control };
+        let stage = Stage { screen: self.caster.screen, coherence, volume, step, view, layer, control };
         match &self.engine {
             Engine::Plain(Kernel::F32(instruments)) => self.by_plain_engine(instruments, stage),
             Engine::Plain(Kernel::F64(instruments)) => self.by_plain_engine(instruments, stage),
-            Engine::Packets(engine, _) => stage.draw(&PacketFrame::new(engine, volume, view)?),
+            Engine::Packets(engine, _) => stage.draw(&PacketFrame::new(engine, volume, (view, layer))?),
             Engine::Promise(promise) => {
                 let single = self.caster.precision == Precision::F32;
-                stage.draw(&Promised { promise, volume, view, rays: Rays::new(view)?, single })
+                stage.draw(&Promised { promise, volume, view, layer, rays: Rays::new(view)?, single })
             }
         }
     }
@@ -151,10 +160,7 @@ impl PreparedCaster {
         if !matches!(view.camera.projection, Projection::Orthographic { .. }) {
             return Err(unsupported("perspective with a template screen".to_owned()));
         }
-        if view.layer.is_some() {
-            return Err(unsupported("opaque layers with a template screen".to_owned()));
-        }
-        let volume = check(&self.caster, &self.scene)?;
+        let volume = &*self.volume;
         let Order::FrontToBack { termination } = self.caster.order else {
             return Err(unsupported("compositing back to front with a template screen".to_owned()));
         };
@@ -165,7 +171,7 @@ impl PreparedCaster {
         };
         let step = self.caster.world_step(volume);
         let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
-        let range = table_range(volume, self.caster.filter_of(&self.scene), &self.scene.transfer);
+        let range = table_range(volume, &self.scene.transfer);
         let integer = volume.voxel_type().is_integer();
         let bake = |length| BakedTransfer::new(&self.scene.transfer, volume.calibration(), range, integer, length);
         template.draw(bake, view, control)
@@ -177,10 +183,9 @@ impl PreparedCaster {
         instruments: &Instruments<R>,
         task: T,
     ) -> Result<T::Output, RenderError> {
-        let volume = check(&self.caster, &self.scene)?;
         let transfer = || Arc::clone(&self.scene.transfer);
-        let calibration = volume.calibration();
-        let plain = Plain { prepared: self, volume, instruments, task };
+        let calibration = self.volume.calibration();
+        let plain = Plain { prepared: self, instruments, task };
         match (self.scene.compositing, self.caster.order) {
             (Compositing::Over, Order::BackToFront) => plain.with(OverBackToFront::default),
             (Compositing::Over, Order::FrontToBack { termination }) => {
@@ -199,8 +204,8 @@ impl PreparedCaster {
 trait PlainTask<'v> {
     type Output;
 
-    /// The view that it is about.
-    fn view(&self) -> &'v View;
+    /// The view that it is about, and the surfaces in it.
+    fn view(&self) -> (&'v View, Option<&'v Layer>);
 
     fn done_by<R: Real, O: Operator<R>>(
         self,
@@ -212,8 +217,8 @@ trait PlainTask<'v> {
 impl<'v> PlainTask<'v> for Stage<'v> {
     type Output = Rendered;
 
-    fn view(&self) -> &'v View {
-        self.view
+    fn view(&self) -> (&'v View, Option<&'v Layer>) {
+        (self.view, self.layer)
     }
 
     fn done_by<R: Real, O: Operator<R>>(
@@ -227,6 +232,7 @@ impl<'v> PlainTask<'v> for Stage<'v> {
 /// One ray, watched.
 struct Probing<'a> {
     view: &'a View,
+    layer: Option<&'a Layer>,
     pixel: [u32; 2],
     own_kernel: bool,
 }
@@ -234,8 +240,8 @@ struct Probing<'a> {
 impl<'v> PlainTask<'v> for Probing<'v> {
     type Output = Option<Probe>;
 
-    fn view(&self) -> &'v View {
-        self.view
+    fn view(&self) -> (&'v View, Option<&'v Layer>) {
+        (self.view, self.layer)
     }
 
     fn done_by<R: Real, O: Operator<R>>(
@@ -249,21 +255,19 @@ impl<'v> PlainTask<'v> for Probing<'v> {
 /// The plain engine before a task, but for its operator.
 struct Plain<'a, R, T> {
     prepared: &'a PreparedCaster,
-    volume: &'a UniformVolume,
     instruments: &'a Instruments<R>,
     task: T,
 }
 
 impl<'v, R: Real, T: PlainTask<'v>> Plain<'_, R, T> {
     fn with<O: Operator<R>>(self, operator: impl Fn() -> O + Sync) -> Result<T::Output, RenderError> {
-        let caster = &self.prepared.caster;
-        let view = self.task.view();
+        let PreparedCaster { caster, volume, .. } = self.prepared;
+        let (view, layer) = self.task.view();
         let pipeline = Pipeline {
-            volume: self.volume,
-            filter: caster.filter_of(&self.prepared.scene),
+            volume,
             traversal: caster.traversal,
-            voxel: self.volume.placement().spacing().min_element(),
-            step: caster.longest_step(self.volume),
+            voxel: volume.placement().spacing().min_element(),
+            step: caster.longest_step(volume),
             pace: self.instruments.pace.as_deref(),
             homogeneity: self.instruments.homogeneity.as_deref(),
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
@@ -271,6 +275,7 @@ impl<'v, R: Real, T: PlainTask<'v>> Plain<'_, R, T> {
             shader: self.instruments.shader.as_ref(),
             empty_space: self.instruments.empty_space.as_ref(),
             view,
+            layer,
             rays: Rays::new(view)?,
             operator,
         };

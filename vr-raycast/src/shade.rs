@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use glam::DMat3;
-use vr_core::{GradientMethod, Placement, RayShading, Real, Shading};
+use glam::{DMat3, DVec3};
+use vr_core::{GradientMethod, Light, Placement, RayShading, Real, Shading};
 use vr_kernels::vector::PacketShading;
 
 use crate::chord::Chord;
@@ -16,6 +16,7 @@ use crate::run::Run;
 #[derive(Clone, Debug)]
 pub(crate) struct Shader<R> {
     shading: Arc<Shading>,
+    lights: Vec<Light>,
     /// From gradients per index step, in stored units, to world gradients divided by `scale`.
     to_world: [[R; 3]; 3],
     /// A power of two, so that worlds of any size neither overflow nor lose a bit.
@@ -23,29 +24,29 @@ pub(crate) struct Shader<R> {
 }
 
 impl<R: Real> Shader<R> {
-    pub(crate) fn new(shading: Arc<Shading>, placement: &Placement, slope: f64) -> Self {
-        let matrix = placement.inverse_axes().transpose() * DMat3::from_diagonal(glam::DVec3::splat(slope));
+    pub(crate) fn new(shading: Arc<Shading>, lights: Vec<Light>, placement: &Placement, slope: f64) -> Self {
+        let matrix = placement.inverse_axes().transpose() * DMat3::from_diagonal(DVec3::splat(slope));
         let largest = matrix.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
         let scale = libm::exp2(libm::floor(libm::log2(largest)));
         let row = |a: usize| matrix.row(a).to_array().map(|x| R::from_f64(x / scale));
-        Self { shading, to_world: [row(0), row(1), row(2)], scale }
+        Self { shading, lights, to_world: [row(0), row(1), row(2)], scale }
     }
 
-    /// The shading itself.
-    pub(crate) fn shading(&self) -> &Shading {
-        &self.shading
+    /// The part of the shading that is constant along a ray of this direction.
+    pub(crate) fn along(&self, direction: DVec3) -> RayShading<R> {
+        self.shading.along(&self.lights, direction)
     }
 
     /// What the vector engine needs of it.
     pub(crate) fn for_packets(&self) -> PacketShading {
         let to_world = self.to_world.map(|row| row.map(|x| x.to_f64() as f32));
-        PacketShading { shading: Arc::clone(&self.shading), to_world }
+        PacketShading { shading: Arc::clone(&self.shading), lights: self.lights.clone(), to_world }
     }
 
     /// The most that shading can make of a colour's largest component: ka + kd Σ L, and ks Σ L on top.
     pub(crate) fn brightest(&self, color: f64) -> f64 {
         let s = &self.shading;
-        let light = |c: usize| s.lights.iter().map(|l| l.color[c]).sum::<f64>();
+        let light = |c: usize| self.lights.iter().map(|l| l.color[c]).sum::<f64>();
         let lights = light(0).max(light(1)).max(light(2));
         // Where the gradient is zero, the colour stays.
         color * (s.ambient + s.diffuse * lights).max(1.0) + s.specular * lights

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 use vr_core::filter::Lattice;
-use vr_core::{LatticeVisitor, UniformVolume, Voxel};
+use vr_core::{GridVolume, LatticeVisitor, Voxel};
 
 /// For each block of `edge`³ cells (x fastest), a bound on how far the trilinear field in it is from some linear function, in stored units.
 ///
 /// The linear function is the one of least squares, shifted to the middle of what is left. A trilinear function less a linear
 /// one is trilinear: it is farthest from 0 at a sample.
-pub(crate) fn bends(volume: &UniformVolume, edge: usize) -> Vec<f32> {
+pub(crate) fn bends(volume: &GridVolume, edge: usize) -> Vec<f32> {
     volume.with_lattice(Bends { edge })
 }
 
@@ -92,7 +92,7 @@ mod tests {
         let samples: Vec<f32> = (0..300).map(|i| f(i % 10, i / 10 % 6, i / 60)).collect();
         let placement = Placement::from_spacing([1.0; 3]).unwrap();
         let volume: Volume = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap().into();
-        bends(volume.uniform().unwrap(), 4)
+        bends(volume.grid().unwrap(), 4)
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! What the caster can draw, and what it says of the rest.
 
-use vr_core::{Compositing, Filter, RenderError, Scene, UniformVolume};
+use std::sync::Arc;
+
+use vr_core::{Compositing, Filter, GridVolume, RenderError, Scene};
 
 use crate::caster::{
     Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal,
@@ -11,7 +13,7 @@ pub(crate) fn unsupported(feature: String) -> RenderError {
 }
 
 /// Whether this caster can draw this scene; its volume, if so.
-pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s UniformVolume, RenderError> {
+pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     caster.validate()?;
     scene.validate()?;
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
@@ -43,7 +45,9 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
     if caster.rule == Rule::Exact && !scene.compositing.integrates_light() {
         return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
     }
-    let filter = caster.filter_of(scene);
+    let volume = scene.volume.grid();
+    let volume = volume.ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    let filter = volume.filter();
     if !caster.rule.goes_with(filter) {
         return Err(unsupported(format!("the filter '{filter}' by the rule '{}'", caster.rule.name())));
     }
@@ -58,13 +62,13 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
             return Err(unsupported("homogeneous steps with shading: values do not tell how it changes".to_owned()));
         }
     }
-    scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
+    Ok(Arc::clone(volume))
 }
 
 /// What this caster's screen has no answer to.
 fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
     let compositing = format!("compositing '{}'", scene.compositing.name());
-    let filter = caster.filter_of(scene);
+    let filter = scene.volume.filter().unwrap_or_default();
     let uneven = !matches!(caster.step, Step::Uniform(_)) || caster.traversal != Traversal::Samples;
     let uneven = uneven.then_some("steps that are not all of one length (set a step, in voxels)".to_owned());
     let found = match caster.screen {
@@ -84,6 +88,7 @@ fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
             vec![
                 (scene.compositing != Compositing::Over).then_some(compositing),
                 scene.shading.is_some().then_some("shading".to_owned()),
+                scene.surfaces.is_some().then_some("opaque surfaces".to_owned()),
                 (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
                 (caster.order == Order::BackToFront).then_some("compositing back to front".to_owned()),
                 uneven,

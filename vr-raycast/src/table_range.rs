@@ -1,13 +1,13 @@
 //! The stored numbers that a table must cover, and whether tables and precisions tell them apart finely enough.
 
 use vr_core::filter::Reconstruction;
-use vr_core::{Filter, Real, Sampler, SamplerVisitor, TransferFunction, UniformVolume, Voxel};
+use vr_core::{Filter, GridVolume, Real, Sampler, SamplerVisitor, TransferFunction, Voxel};
 use vr_kernels::tables::{self, BakedTransfer, resolves_ramps};
 
-/// The range of the field of a filter in stored units, overshoot included; `None` if all of it is vacuum.
-pub(crate) fn field_range(volume: &UniformVolume, filter: Filter) -> Option<(f64, f64)> {
+/// The range of a volume's field in stored units, overshoot included; `None` if all of it is vacuum.
+pub(crate) fn field_range(volume: &GridVolume) -> Option<(f64, f64)> {
     let (low, high) = volume.census().range.map(|(l, h)| (f64::from(l), f64::from(h)))?;
-    Some(match filter {
+    Some(match volume.filter() {
         // Weights that are not negative and sum to 1 do not leave the range of the samples.
         Filter::Nearest | Filter::Trilinear | Filter::Gaussian => (low, high),
         // Per axis Σ|w| ≤ 5/4 (at the middle of a cell).
@@ -16,7 +16,7 @@ pub(crate) fn field_range(volume: &UniformVolume, filter: Filter) -> Option<(f64
             (centre - radius, centre + radius)
         }
         // The same, of the coefficients.
-        Filter::BSpline => volume.with_sampler(filter, CoefficientRange),
+        Filter::BSpline => volume.with_sampler(CoefficientRange),
     })
 }
 
@@ -33,20 +33,15 @@ impl SamplerVisitor for CoefficientRange {
 }
 
 /// The part of the field's range in which the transfer function is not constant: a table over it can be finer.
-pub(crate) fn table_range(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction) -> (f32, f32) {
-    let range = field_range(volume, filter).unwrap_or((0.0, 0.0));
+pub(crate) fn table_range(volume: &GridVolume, transfer: &TransferFunction) -> (f32, f32) {
+    let range = field_range(volume).unwrap_or((0.0, 0.0));
     tables::table_range(range, volume.voxel_type().is_integer(), volume.calibration(), transfer)
 }
 
 /// Whether a table tells apart all that the transfer function does.
-pub(crate) fn resolves<R: Real>(
-    table: &BakedTransfer<R>,
-    volume: &UniformVolume,
-    filter: Filter,
-    transfer: &TransferFunction,
-) -> bool {
+pub(crate) fn resolves<R: Real>(table: &BakedTransfer<R>, volume: &GridVolume, transfer: &TransferFunction) -> bool {
     // Entries at all integers are exact for a field of integers.
-    if filter == Filter::Nearest && volume.voxel_type().is_integer() && table.spacing() <= 1.0 {
+    if volume.filter() == Filter::Nearest && volume.voxel_type().is_integer() && table.spacing() <= 1.0 {
         return true;
     }
     resolves_ramps(table.spacing(), volume.calibration(), transfer)
@@ -54,8 +49,8 @@ pub(crate) fn resolves<R: Real>(
 
 /// Whether f32 tells apart all that the transfer function does: a value that is rounded a few times is known to 10⁻³ of the narrowest
 /// ramp, and the place of a jump to 10⁻³ of the field.
-pub(crate) fn single_precision_resolves(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction) -> bool {
-    tables::rounding_in_f32(volume, filter, transfer) <= 1.0 / 4096.0
+pub(crate) fn single_precision_resolves(volume: &GridVolume, transfer: &TransferFunction) -> bool {
+    tables::rounding_in_f32(volume, transfer) <= 1.0 / 4096.0
 }
 
 #[cfg(test)]
@@ -68,13 +63,14 @@ mod tests {
         let samples = vec![0u16, 65535, 0, 0, 0, 0, 0, 0];
         let placement = Placement::from_spacing([1.0; 3]).unwrap();
         let volume: Volume = UniformGrid::new([2; 3], samples, placement, Calibration::default()).unwrap().into();
-        let volume = volume.uniform().unwrap();
         let resolved = |values: &[f64], filter| {
+            let volume = volume.with_filter(filter);
+            let volume = volume.grid().unwrap();
             let points = values.iter().map(|&v| ControlPoint::new(v, [1.0; 3], 0.5)).collect();
             let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
-            let range = table_range(volume, filter, &transfer);
+            let range = table_range(volume, &transfer);
             let table = BakedTransfer::<f32>::new(&transfer, volume.calibration(), range, true, 1.0);
-            resolves(&table, volume, filter, &transfer)
+            resolves(&table, volume, &transfer)
         };
         assert!(resolved(&[0.0, 30000.0, 65535.0], Filter::Trilinear));
         assert!(!resolved(&[0.0, 30000.0, 30001.0, 65535.0], Filter::Trilinear));

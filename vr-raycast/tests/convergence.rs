@@ -53,7 +53,7 @@ fn measure(scene: &Scene, rule: Rule) -> (f64, Vec<f64>) {
 #[test]
 fn orders_of_both_rules_for_every_filter() {
     for filter in Filter::ALL {
-        let scene = Scene { filter, ..Scene::new(smooth(), gentle()) };
+        let scene = Scene::new(smooth().with_filter(filter), gentle());
         for (rule, documented) in [(Rule::Midpoint, 2.0), (Rule::Left, 1.0)] {
             let (order, errors) = measure(&scene, rule);
             println!("{filter}, {rule:?}: order {order:.3}, errors {}", listed(&errors));

@@ -91,7 +91,7 @@ fn scenes() -> impl Strategy<Value = (Scene, View)> {
     let shading = (prop::bool::ANY, prop::bool::ANY);
     (volumes(), transfers(), filter, compositing, camera, shading, prop::bool::ANY).prop_map(
         |(volume, transfer, filter, compositing, (azimuth, elevation, fov, inside), (shaded, modulated), clipped)| {
-            let mut scene = Scene { filter, compositing, ..Scene::new(volume, transfer) };
+            let mut scene = Scene { compositing, ..Scene::new(volume.with_filter(filter), transfer) };
             if shaded {
                 let gradient_opacity = if modulated { vec![(0.0, 0.2), (0.5, 1.0)] } else { Vec::new() };
                 scene.shading = Some(Arc::new(Shading { gradient_opacity, ..Shading::default() }));
@@ -137,7 +137,7 @@ proptest! {
             leaping: Leaping::None,
             vector: Vector::Off,
             // A threshold is looked for between samples, whatever the rule.
-            rule: if scene.compositing.integrates_light() && scene.filter.is_continuous() { rule } else { Rule::Midpoint },
+            rule: if scene.compositing.integrates_light() && scene.volume.filter().unwrap().is_continuous() { rule } else { Rule::Midpoint },
             order: match scene.compositing {
                 Compositing::Over if backwards => Order::BackToFront,
                 _ if whole => Order::WHOLE_RAY,

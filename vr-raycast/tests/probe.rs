@@ -63,7 +63,7 @@ proptest! {
     #[test]
     fn the_plain_engine_tells_of_the_pixel_that_it_draws(test in scene(), which in 0usize..9, at in [0.0f64..1.0, 0.0f64..1.0]) {
         let caster = &casters()[which];
-        let view = View { samples: 1, ..test.view.clone() };
+        let view = View { supersampling: 1, ..test.view.clone() };
         let pixel = [0, 1].map(|a| (at[a] * f64::from(view.size[a])) as u32);
         if caster.prepare(&test.scene, &Control::default()).is_err() {
             return Ok(());
@@ -81,8 +81,8 @@ proptest! {
     fn for_packets_the_plain_kernel_tells_of_the_same_ray(test in scene(), uniform in any::<bool>(), at in [0.0f64..1.0, 0.0f64..1.0]) {
         let caster = if uniform { RayCaster::uniform(0.3) } else { RayCaster::default() };
         let plain = RayCaster { vector: Vector::Off, ..caster.clone() };
-        let scene = Scene { filter: Filter::Trilinear, compositing: Compositing::Over, ..test.scene.clone() };
-        let view = View { samples: 1, ..test.view.clone() };
+        let scene = Scene { compositing: Compositing::Over, ..test.scene.with_filter(Filter::Trilinear) };
+        let view = View { supersampling: 1, ..test.view.clone() };
         let pixel = [0, 1].map(|a| (at[a] * f64::from(view.size[a])) as u32);
         let (probe, _) = probed(&caster, &scene, &view, pixel);
         let probe = probe.unwrap();

@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use std::sync::Arc;
 use vr_core::*;
+use vr_physics::check::FixedLayer;
 use vr_raycast::{Order, RayCaster, Step};
 
 /// A random small scene under `over`, colours within [0, 1], and a view of it.
@@ -23,7 +24,7 @@ fn scenes() -> impl Strategy<Value = (Scene, View)> {
         let samples = samples[..dims.iter().product()].to_vec();
         let grid = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let scene = Scene { filter, ..Scene::new(grid.into(), transfer(&points, 1.0)) };
+        let scene = Scene::new(grid.into(), transfer(&points, 1.0)).with_filter(filter);
         let camera = Camera::framing(scene.volume.bounds(), angles.0, angles.1, angles.2);
         (scene, View::new(camera, [6, 6]))
     })
@@ -96,7 +97,7 @@ proptest! {
 }
 
 fn grid_of(scene: &Scene) -> &UniformGrid<f32> {
-    match scene.volume.uniform().unwrap().grid() {
+    match scene.volume.grid().unwrap().values() {
         AnyGrid::F32(grid) => grid,
         other => panic!("an f32 grid, not {other:?}"),
     }
@@ -130,7 +131,7 @@ fn bumpy() -> Scene {
 fn neither_threads_nor_a_second_look_change_a_bit() {
     let shading = Some(Arc::new(Shading::default()));
     let scene = Scene { shading, ..bumpy() };
-    let view = View { samples: 2, ..oblique(&scene, 40) };
+    let view = View { supersampling: 2, ..oblique(&scene, 40) };
     let one = Control::default().with_threads(1);
     let two = Control::default().with_threads(2);
     let mut prepared = RayCaster::uniform(0.2).prepare(&scene, &one).unwrap();
@@ -231,16 +232,16 @@ fn from_inside() {
 #[test]
 fn layers_hide_and_are_seen_through() {
     let scene = Scene::new(volume([9; 3], |_, _, _| 1.0), homogeneous(0.5));
-    let layer =
-        |depth| View { layer: Some(Arc::new(Layer { pixels: vec![([0.0, 0.8, 0.0], depth)] })), ..down(4.0, 4.0) };
+    let view = down(4.0, 4.0);
+    let walled = |depth| FixedLayer::new(&view, |_| ([0.0, 0.8, 0.0], depth)).among(&scene);
     // Two units of the volume lie before the layer.
-    let (rgba, depth) = pixel(&RayCaster::uniform(0.2), &scene, &layer(994.0));
+    let (rgba, depth) = pixel(&RayCaster::uniform(0.2), &walled(994.0), &view);
     assert_close(rgba, [0.75, 0.75 + 0.25 * 0.8, 0.75, 1.0], 1e-6, "two units before the layer");
     assert!((depth - 993.0).abs() < 1e-3, "half way at one unit: {depth}");
     // All of it, and the layer before it.
-    assert_eq!(pixel(&RayCaster::uniform(0.2), &scene, &layer(10.0)), ([0.0, 0.8, 0.0, 1.0], 10.0));
+    assert_eq!(pixel(&RayCaster::uniform(0.2), &walled(10.0), &view), ([0.0, 0.8, 0.0, 1.0], 10.0));
     assert_eq!(
-        pixel(&RayCaster::uniform(0.2), &scene, &layer(f32::INFINITY)).0,
+        pixel(&RayCaster::uniform(0.2), &walled(f32::INFINITY), &view).0,
         pixel(&RayCaster::uniform(0.2), &scene, &down(4.0, 4.0)).0
     );
 }
@@ -253,7 +254,7 @@ fn update_is_prepare() {
     let c = [0.3, 0.9, 0.4];
     let variants = [
         Scene { transfer: Arc::new(transfer(&[(0.1, c, 0.2), (0.8, c, 0.4)], 1.0)), ..old.clone() },
-        Scene { filter: Filter::BSpline, ..old.clone() },
+        old.with_filter(Filter::BSpline),
         Scene { shading: Some(Arc::new(Shading::default())), ..old.clone() },
         Scene { compositing: Compositing::Average, ..old.clone() },
         Scene { volume: volume([5; 3], |x, y, z| 0.1 * (x + y + z)), ..old.clone() },

@@ -22,7 +22,7 @@ const OPERATORS: [Compositing; 7] = [
 fn scene(filter: Filter) -> Scene {
     let field = |x: f64, y: f64, z: f64| 0.5 + 0.2 * (0.45 * x).sin() * (0.35 * y + 0.3).cos() + 0.2 * (0.4 * z).sin();
     let points = [(0.0, [0.2, 0.9, 0.1], 0.02), (0.5, [1.0, 0.4, 0.1], 0.3), (1.0, [0.3, 0.1, 0.9], 0.1)];
-    Scene { filter, ..Scene::new(volume([17, 15, 13], field), transfer(&points, 1.0)) }
+    Scene::new(volume([17, 15, 13], field).with_filter(filter), transfer(&points, 1.0))
 }
 
 #[test]

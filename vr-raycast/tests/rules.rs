@@ -274,9 +274,9 @@ fn what_does_not_go_together_is_an_error_that_names_it() {
         let e = error(RayCaster { traversal: Traversal::Voxels, ..caster(rule, VOXEL) }, &scene);
         assert!(e.contains("render.traversal") && e.contains("midpoint"), "{e}");
     }
-    let smooth = Scene { filter: Filter::BSpline, ..scene.clone() };
+    let smooth = scene.with_filter(Filter::BSpline);
     assert!(error(cells(Rule::Exact), &smooth).contains("bspline"));
-    let labels = Scene { filter: Filter::Nearest, ..scene.clone() };
+    let labels = scene.with_filter(Filter::Nearest);
     assert!(error(caster(Rule::Linear, VOXEL), &labels).contains("nearest"));
     let brightest = Scene { compositing: Compositing::Maximum, ..scene };
     assert!(error(cells(Rule::Exact), &brightest).contains("maximum"));

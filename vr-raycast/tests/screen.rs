@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
+use vr_physics::check::FixedLayer;
 use vr_raycast::{
     Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector,
 };
@@ -141,16 +142,16 @@ proptest! {
             .flat_map(|camera| [camera, camera.orbit(4.0, 2.0)])
             .map(|camera| {
                 let mut view = View::new(camera, size);
-                view.samples = samples;
+                view.supersampling = samples;
                 view.clip.crop = crop.map(|(low, high)| (DVec3::from(low) * 0.7, DVec3::from(high) * 0.7 + 0.01));
                 view.clip.planes.extend(plane.map(|n| Plane { normal: DVec3::from(n) + 0.01, offset: -0.1 }));
-                view.layer = layered.map(|depth| {
-                    let pixel = |i: u32| ([0.1, 0.2, 0.3], if i.is_multiple_of(3) { f32::INFINITY } else { depth });
-                    std::sync::Arc::new(Layer { pixels: (0..size[0] * size[1]).map(pixel).collect() })
-                });
                 view
             })
             .collect();
+        if let Some(depth) = layered {
+            let pixel = |i: u32| ([0.1, 0.2, 0.3], if i.is_multiple_of(3) { f32::INFINITY } else { depth });
+            scene = FixedLayer::new(&views[0], pixel).among(&scene);
+        }
         let order = if backwards { Order::BackToFront } else { Order::default() };
         assert_coherent(&scene, &views, &RayCaster { order, vector, leaping, ..caster(Screen::Coherent) });
     }
@@ -308,10 +309,9 @@ fn what_templates_cannot_do_is_said() {
     refuses(&RayCaster { step: Step::Tolerance(0.01), ..adaptive }, &scene, "promised");
     let mut prepared = good.prepare(&scene, &control).unwrap();
     let view = |fov| View::new(Camera::framing(scene.volume.bounds(), 0.0, 0.0, fov), [4, 4]);
-    let layer = Layer { pixels: vec![([0.0; 3], 1.0); 16] };
-    for view in [view(Some(30.0)), View { layer: Some(layer.into()), ..view(None) }] {
-        assert!(matches!(prepared.render(&view, &control), Err(RenderError::Unsupported { .. })));
-    }
+    assert!(matches!(prepared.render(&view(Some(30.0)), &control), Err(RenderError::Unsupported { .. })));
+    let walled = FixedLayer::new(&view(None), |_| ([0.0; 3], 1.0)).among(&scene);
+    refuses(&good, &walled, "surfaces");
     assert!(prepared.render(&view(None), &control).is_ok());
     let odd = caster(Screen::Adaptive { threshold: f64::NAN });
     assert!(matches!(odd.prepare(&scene, &control), Err(RenderError::Parameter(_))));
@@ -374,7 +374,7 @@ proptest! {
         let is_template = matches!(screen, Screen::Template { .. });
         let projection = if is_template { Projection::Orthographic { height: 1.5 } } else { camera.projection };
         let mut view = View::new(Camera { projection, ..camera }, size);
-        view.samples = samples;
+        view.supersampling = samples;
         view.clip.crop = crop.map(|(low, high)| (low.into(), high.into()));
         let draw = |threads| {
             let control = Control::default().with_threads(threads);

@@ -10,6 +10,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
 use vr_core::*;
+use vr_physics::check::FixedLayer;
 use vr_physics::check::{TestScene, strategies};
 use vr_physics::{Certainty, Reference, cases};
 use vr_raycast::{Order, Precision, RayCaster, Rule, Step, Traversal};
@@ -75,7 +76,8 @@ fn bounded(test: TestScene, pick: usize) -> TestScene {
         accumulate @ Compositing::Accumulate { .. } => accumulate,
         _ => Compositing::Over,
     };
-    TestScene { scene: Scene { filter, compositing, shading: None, ..test.scene }, ..test }
+    let scene = Scene { compositing, shading: None, ..test.scene.with_filter(filter) };
+    TestScene { scene, ..test }
 }
 
 #[test]
@@ -131,8 +133,8 @@ fn layers_and_clips() {
         transfer(&[(0.1, [0.1, 0.9, 0.4], 0.05), (0.5, [0.9, 0.2, 0.1], 0.6), (0.9, [0.0, 0.5, 1.0], 0.2)], 2.0),
     );
     let mut view = oblique(&scene, 12);
-    let depth = |i: usize| if i.is_multiple_of(5) { f32::INFINITY } else { 16.0 + (i % 12) as f32 };
-    view.layer = Some(Arc::new(Layer { pixels: (0..144).map(|i| ([3.0, 0.5, 0.1], depth(i))).collect() }));
+    let depth = |i: u32| if i.is_multiple_of(5) { f32::INFINITY } else { 16.0 + (i % 12) as f32 };
+    let scene = FixedLayer::new(&view, |i| ([3.0, 0.5, 0.1], depth(i))).among(&scene);
     view.clip.planes.push(Plane { normal: DVec3::new(1.0, 0.4, 0.2), offset: 4.3 });
     for error in ERRORS {
         let j = judge(&promising(error), &scene, &view, error).unwrap();
@@ -157,7 +159,7 @@ fn labels() {
         (4.0, [0.3, 0.3, 0.9], 1.0),
     ];
     for filter in [Filter::Nearest, Filter::Trilinear] {
-        let scene = Scene { filter, ..Scene::new(grid.clone().into(), transfer(&points, 1.0)) };
+        let scene = Scene::new(grid.clone().into(), transfer(&points, 1.0)).with_filter(filter);
         let view = oblique(&scene, 24);
         for error in ERRORS {
             let j = judge(&promising(error), &scene, &view, error).unwrap();
@@ -228,7 +230,7 @@ fn what_has_no_bound_at_all_is_refused() {
     for (scene, word) in [
         (Scene { compositing: Compositing::Maximum, ..scene.clone() }, "maximum"),
         (Scene { compositing: Compositing::First { threshold: 0.5 }, ..scene.clone() }, "first"),
-        (Scene { filter: Filter::BSpline, ..scene.clone() }, "bspline"),
+        (scene.with_filter(Filter::BSpline), "bspline"),
         (Scene { shading: Some(Arc::default()), ..scene.clone() }, "shading"),
         (Scene { compositing: accumulate, transfer: Arc::new(emitting), ..scene.clone() }, "emission"),
     ] {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DMat3;
 use rayon::prelude::*;
 use vr_core::filter::Lattice;
-use vr_core::{AnyGrid, LatticeVisitor, RenderError, UniformGrid, UniformVolume, Voxel, gradient_at_sample};
+use vr_core::{AnyGrid, GridVolume, LatticeVisitor, RenderError, UniformGrid, Voxel, gradient_at_sample};
 
 use crate::codes::Codes;
 use crate::encode::{Dense, Layout, Leveled, PAD, Packing, Rule, Runs, VisibleBlocks, block_runs, packed};
@@ -85,7 +85,7 @@ impl WholeVolume {
 
 /// What is encoded, and how.
 pub(crate) struct Encoder<'a> {
-    pub(crate) volume: &'a UniformVolume,
+    pub(crate) volume: &'a GridVolume,
     pub(crate) codes: &'a Codes,
     pub(crate) blocks: &'a VisibleBlocks,
     pub(crate) rule: Rule<'a>,
@@ -112,7 +112,7 @@ impl Encoder<'_> {
                 return Ok(EncodedAxis { cells, voxels: Arc::clone(voxels) });
             }
         }
-        match self.volume.grid() {
+        match self.volume.values() {
             AnyGrid::U8(grid) => self.pack(grid, w, |s| s, Codewords::Bytes),
             AnyGrid::I8(grid) => self.pack(grid, w, |s| (s as u8) ^ 0x80, Codewords::Bytes),
             AnyGrid::U16(grid) => self.pack(grid, w, |s| s, Codewords::Words),
@@ -142,7 +142,7 @@ impl Encoder<'_> {
     }
 
     fn all_voxels(&self, turned: bool) -> Voxels {
-        let codes = match self.volume.grid() {
+        let codes = match self.volume.values() {
             AnyGrid::U8(grid) => Codewords::Bytes(lying(grid, turned, |s| s)),
             AnyGrid::I8(grid) => Codewords::Bytes(lying(grid, turned, |s| (s as u8) ^ 0x80)),
             AnyGrid::U16(grid) => Codewords::Words(lying(grid, turned, |s| s)),

@@ -1,6 +1,6 @@
 //! What an encoded voxel is: a code of one or two bytes for the stored number.
 
-use vr_core::{UniformVolume, VoxelType};
+use vr_core::{GridVolume, VoxelType};
 
 /// Between stored numbers and codes: integers are their own codes, but for a shift of negative ones; floats are rounded to 65536 levels of
 /// their range.
@@ -17,7 +17,7 @@ pub(crate) struct Codes {
 }
 
 impl Codes {
-    pub(crate) fn of(volume: &UniformVolume) -> Self {
+    pub(crate) fn of(volume: &GridVolume) -> Self {
         let (low, high) = volume.census().range.unwrap_or_default();
         let range = [f64::from(low), f64::from(high)];
         let (origin, spacing, bytes) = match volume.voxel_type() {

@@ -4,7 +4,7 @@
 use glam::{DVec2, DVec3};
 use vr_core::filter::Lattice;
 use vr_core::optics::opacity_of_thickness;
-use vr_core::{DiscreteModel, LatticeVisitor, Scene, SegmentTerm, UniformVolume, View, Voxel, gradient_at_sample};
+use vr_core::{DiscreteModel, GridVolume, LatticeVisitor, Scene, SegmentTerm, View, Voxel, gradient_at_sample};
 
 use crate::factorization::IndexView;
 use crate::lengths::length;
@@ -33,7 +33,7 @@ impl SlicedModel {
             view: None,
             passes: Vec::new(),
         };
-        let Some(volume) = scene.volume.uniform() else { return model };
+        let Some(volume) = scene.volume.grid() else { return model };
         let Ok(index_view) = IndexView::new(view, volume.placement()) else { return model };
         let Ok(region) = visible_region(scene, volume, view, index_view.is_perspective()) else { return model };
         if let Some(region) = region
@@ -52,7 +52,7 @@ impl SlicedModel {
 
 impl DiscreteModel for SlicedModel {
     fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
-        let (Some(view), Some(volume)) = (&self.view, self.scene.volume.uniform()) else { return Vec::new() };
+        let (Some(view), Some(volume)) = (&self.view, self.scene.volume.grid()) else { return Vec::new() };
         for (pass, slices) in &self.passes {
             let f = &pass.factorization;
             let texel = f.texels_of_screen() * DVec3::new(x, y, 1.0);
@@ -87,7 +87,7 @@ impl SlicedModel {
     /// Light and opacity of one sample of that length; classified voxels are interpolated as samples of another.
     fn sample(
         &self,
-        volume: &UniformVolume,
+        volume: &GridVolume,
         axes: [usize; 3],
         uv: DVec2,
         slice: &Slice,
@@ -118,7 +118,7 @@ impl SlicedModel {
             fn one<T: Voxel>(samples: &[T], at: usize) -> f64 {
                 samples[at].to_f32().into()
             }
-            vr_core::with_grid!(volume.grid(), g => one(g.samples(), at))
+            vr_core::with_grid!(volume.values(), g => one(g.samples(), at))
         };
         let calibration = volume.calibration();
         let transfer = &self.scene.transfer;
@@ -154,7 +154,7 @@ impl SlicedModel {
     }
 
     /// What the normal at a sample reflects.
-    fn reflection(&self, volume: &UniformVolume, index: [usize; 3]) -> ([f64; 3], [f64; 3]) {
+    fn reflection(&self, volume: &GridVolume, index: [usize; 3]) -> ([f64; 3], [f64; 3]) {
         struct At([usize; 3]);
         impl LatticeVisitor for At {
             type Output = [f64; 3];
@@ -164,7 +164,7 @@ impl SlicedModel {
         }
         let gradient = volume.placement().inverse_axes().transpose() * DVec3::from(volume.with_lattice(At(index)));
         let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
-        shading.along::<f64>(self.ahead).reflect(gradient.to_array())
+        shading.along::<f64>(&self.scene.lights, self.ahead).reflect(gradient.to_array())
     }
 }
 

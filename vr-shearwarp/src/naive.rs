@@ -208,7 +208,7 @@ fn normal(scene: &Scene, index: [usize; 3]) -> u16 {
             gradient_at_sample::<T, f32>(&lattice, self.0)
         }
     }
-    let volume = scene.volume.uniform().unwrap();
+    let volume = scene.volume.grid().unwrap();
     let spacing = volume.placement().spacing();
     let gradient = volume.with_lattice(At(index));
     encode(std::array::from_fn(|a| gradient[a] / spacing[a] as f32))
@@ -232,7 +232,7 @@ fn compare<P: Code>(case: &Case) -> Differences {
     let scene = case.scene();
     let view = case.view(&scene);
     let control = Control::default();
-    let volume = scene.volume.uniform().unwrap();
+    let volume = scene.volume.grid().unwrap();
     let codes = Codes::of(volume);
     let calibration = volume.calibration();
     let optics = match case.renderer.classification {
@@ -247,7 +247,7 @@ fn compare<P: Code>(case: &Case) -> Differences {
     let last = last_sample(case.dims);
     let region = Region::of(&view, volume.placement(), case.dims).unwrap();
     let reflections = if case.shaded {
-        table(scene.shading.as_ref().unwrap(), view.camera.frame().unwrap().z_axis)
+        table(scene.shading.as_ref().unwrap(), &scene.lights, view.camera.frame().unwrap().z_axis)
     } else {
         Vec::new()
     };

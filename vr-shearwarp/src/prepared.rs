@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex};
 use fearless_simd::Level;
 use glam::DVec3;
 use vr_core::{
-    Calibration, Compositing, Control, Frame, Model, Prepared, RenderError, RenderStats, Rendered, Scene, Shading,
-    UniformVolume, View,
+    Calibration, Compositing, Control, Frame, GridVolume, Light, Model, Prepared, RenderError, RenderStats, Rendered,
+    Scene, Shading, View,
 };
 
 use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume};
@@ -31,6 +31,7 @@ use crate::warp::{Texture, Warp};
 pub(crate) struct PreparedShearWarp {
     renderer: ShearWarp,
     scene: Scene,
+    volume: Arc<GridVolume>,
     level: Level,
     pyramid: Pyramid,
     codes: Codes,
@@ -41,7 +42,7 @@ pub(crate) struct PreparedShearWarp {
     scratch: Mutex<Vec<Scratch>>,
     /// Samples of each row of the last picture, axis by axis.
     costs: [Vec<u32>; 3],
-    reflections: Option<(Arc<Shading>, DVec3, Vec<Reflection>)>,
+    reflections: Option<(Arc<Shading>, Vec<Light>, DVec3, Vec<Reflection>)>,
 }
 
 /// What follows from the transfer function.
@@ -51,7 +52,7 @@ struct Classified {
 }
 
 impl Classified {
-    fn new(renderer: &ShearWarp, scene: &Scene, volume: &UniformVolume, codes: &Codes) -> Self {
+    fn new(renderer: &ShearWarp, scene: &Scene, volume: &GridVolume, codes: &Codes) -> Self {
         let calibration = volume.calibration();
         let transfer = &scene.transfer;
         // A code stands for what rounds to it.
@@ -77,12 +78,13 @@ impl PreparedShearWarp {
     pub(crate) fn new(renderer: ShearWarp, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
         let volume = check(&renderer, scene)?;
         control.check()?;
-        let pyramid = control.run(|| Pyramid::new(volume));
-        let codes = Codes::of(volume);
-        let classified = Classified::new(&renderer, scene, volume, &codes);
+        let pyramid = control.run(|| Pyramid::new(&volume));
+        let codes = Codes::of(&volume);
+        let classified = Classified::new(&renderer, scene, &volume, &codes);
         Ok(Self {
             renderer,
             scene: scene.clone(),
+            volume,
             level: Level::new(),
             pyramid,
             codes,
@@ -101,7 +103,7 @@ impl PreparedShearWarp {
         if self.axes[axis].is_some() {
             return Ok(());
         }
-        let volume = check(&self.renderer, &self.scene)?;
+        let volume = &*self.volume;
         control.check()?;
         let rule = match self.renderer.classification {
             _ if !self.scene.compositing.integrates_light() => Rule::Everything,
@@ -153,7 +155,7 @@ impl Prepared for PreparedShearWarp {
         let shaded = is_shaded(scene);
         let picks = |scene: &Scene| !scene.compositing.integrates_light();
         if self.scene.transfer != scene.transfer {
-            self.classified = Classified::new(&self.renderer, scene, volume, &self.codes);
+            self.classified = Classified::new(&self.renderer, scene, &volume, &self.codes);
             self.axes = [None, None, None];
         }
         if shaded != is_shaded(&self.scene) {
@@ -162,14 +164,14 @@ impl Prepared for PreparedShearWarp {
         if picks(scene) != picks(&self.scene) {
             self.axes = [None, None, None];
         }
-        self.scene = scene.clone();
+        (self.scene, self.volume) = (scene.clone(), volume);
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
-        let volume = check(&self.renderer, &self.scene)?;
+        let volume = Arc::clone(&self.volume);
         let index_view = IndexView::new(view, volume.placement())?;
-        let region = visible_region(&self.scene, volume, view, index_view.is_perspective())?;
+        let region = visible_region(&self.scene, &volume, view, index_view.is_perspective())?;
         let dims = volume.dims();
         control.check()?;
         let [width, height] = view.size;
@@ -243,7 +245,7 @@ impl PreparedShearWarp {
             Compositing::Accumulate { level } => level,
             _ => 1.0,
         };
-        let reflections = self.reflections.as_ref().map_or(&[][..], |(_, _, table)| table);
+        let reflections = self.reflections.as_ref().map_or(&[][..], |(.., table)| table);
         let over = OverJob {
             normals: &axis.voxels.normals,
             reflections,
@@ -278,16 +280,19 @@ impl PreparedShearWarp {
     }
 
     fn calibration(&self) -> Calibration {
-        self.scene.volume.uniform().expect("checked before").calibration()
+        self.volume.calibration()
     }
 
     /// Makes the table of what normals reflect, unless neither light nor view has changed.
     fn reflect(&mut self, view: &View, control: &Control) -> Result<(), RenderError> {
         let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
-        let direction = view.camera.frame()?.z_axis;
-        if self.reflections.as_ref().is_none_or(|(of, along, _)| of != shading || *along != direction) {
-            let made = control.run(|| table(shading, direction));
-            self.reflections = Some((Arc::clone(shading), direction, made));
+        let (lights, direction) = (&self.scene.lights, view.camera.frame()?.z_axis);
+        let same = |(of, by, along, _): &(Arc<Shading>, Vec<Light>, DVec3, _)| {
+            of == shading && by == lights && *along == direction
+        };
+        if !self.reflections.as_ref().is_some_and(same) {
+            let made = control.run(|| table(shading, lights, direction));
+            self.reflections = Some((Arc::clone(shading), lights.clone(), direction, made));
         }
         Ok(())
     }
@@ -314,7 +319,7 @@ impl PreparedShearWarp {
             to_texture: pass.factorization.texels_of_screen(),
             within: pass.within,
             filter: self.renderer.warp,
-            samples: view.samples,
+            samples: view.supersampling,
         };
         warp_rows(&warp, view.size[0] as usize, pixels, self.level, control)
     }

@@ -1,7 +1,7 @@
 //! Shading by look-up: normals are encoded, and what each of them reflects is tabulated once a light or a view changes (Lacroute 1995).
 
 use glam::DVec3;
-use vr_core::Shading;
+use vr_core::{Light, Shading};
 
 /// What reflects at a normal: shaded light is `light·factor + opacity·added`, component by component.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,8 +46,8 @@ pub(crate) fn decode(code: u16) -> Option<DVec3> {
 }
 
 /// What every code reflects to an eye that looks along `direction`, in the world; normals are in the world, too.
-pub(crate) fn table(shading: &Shading, direction: DVec3) -> Vec<Reflection> {
-    let along = shading.along::<f64>(direction);
+pub(crate) fn table(shading: &Shading, lights: &[Light], direction: DVec3) -> Vec<Reflection> {
+    let along = shading.along::<f64>(lights, direction);
     let reflection = |code: usize| {
         let (factor, added) = match decode(code as u16) {
             Some(normal) => along.reflect(normal.to_array()),
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn the_table_is_the_law() {
         let shading = Shading::default();
-        let table = table(&shading, DVec3::NEG_Z);
+        let table = table(&shading, &[Light::default()], DVec3::NEG_Z);
         let code = encode([0.0, 0.0, -3.0]);
         let [r, ..] = table[usize::from(code)].factor;
         assert!((f64::from(r) - (shading.ambient + shading.diffuse)).abs() < 1e-6);

@@ -1,7 +1,9 @@
 //! What the renderer can draw, and what it says of the rest.
 
+use std::sync::Arc;
+
 use glam::DVec3;
-use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, UniformVolume, View};
+use vr_core::{Compositing, Filter, GradientMethod, GridVolume, RenderError, Scene, View};
 use vr_kernels::tables::beyond_f32;
 
 use crate::region::Region;
@@ -12,20 +14,20 @@ pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
 }
 
 /// Whether this renderer can draw this scene; its volume, if so.
-pub(crate) fn check<'s>(renderer: &ShearWarp, scene: &'s Scene) -> Result<&'s UniformVolume, RenderError> {
+pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     renderer.validate()?;
     scene.validate()?;
     if let Compositing::First { .. } = scene.compositing {
         return Err(unsupported("compositing 'first': the place of a surface between slices is not known"));
+    }
+    if scene.surfaces.is_some() {
+        return Err(unsupported("opaque surfaces: a texel of the intermediate image is no pixel"));
     }
     if let Some(option) = idle_option(renderer, scene) {
         return Err(unsupported(format!(
             "{option} under '{}': a ray is left with one value",
             scene.compositing.name()
         )));
-    }
-    if scene.filter != Filter::Trilinear {
-        return Err(unsupported(format!("the filter '{}': slices are interpolated linearly", scene.filter)));
     }
     if let Some(shading) = scene.shading.as_ref().filter(|_| scene.compositing.integrates_light()) {
         if !shading.gradient_opacity.is_empty() {
@@ -36,10 +38,13 @@ pub(crate) fn check<'s>(renderer: &ShearWarp, scene: &'s Scene) -> Result<&'s Un
         }
     }
     let volume =
-        scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
+        scene.volume.grid().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    if volume.filter() != Filter::Trilinear {
+        return Err(unsupported(format!("the filter '{}': slices are interpolated linearly", volume.filter())));
+    }
     match beyond_f32(volume, &scene.transfer) {
         Some(feature) => Err(unsupported(feature)),
-        None => Ok(volume),
+        None => Ok(Arc::clone(volume)),
     }
 }
 
@@ -66,13 +71,10 @@ fn idle_option(renderer: &ShearWarp, scene: &Scene) -> Option<&'static str> {
 /// Checks that this renderer can draw a view. Returns the part of the volume that it shows; `None` if it shows nothing.
 pub(crate) fn visible_region(
     scene: &Scene,
-    volume: &UniformVolume,
+    volume: &GridVolume,
     view: &View,
     perspective: bool,
 ) -> Result<Option<Region>, RenderError> {
-    if view.layer.is_some() {
-        return Err(unsupported("opaque layers: a texel of the intermediate image is no pixel"));
-    }
     if perspective && is_shaded(scene) {
         return Err(unsupported("shading in perspective: what a normal reflects changes from ray to ray"));
     }

@@ -49,8 +49,8 @@ impl ContinuousModel for SumOfKernels {
     }
 
     fn medium(&self, ray: &Ray, s: f64) -> Medium {
-        let Some(volume) = self.scene.volume.uniform() else { return Medium::default() };
-        let AnyGrid::F32(grid) = volume.grid() else { return Medium::default() };
+        let Some(volume) = self.scene.volume.grid() else { return Medium::default() };
+        let AnyGrid::F32(grid) = volume.values() else { return Medium::default() };
         let (dims, reach) = (volume.dims(), self.kernel.reach());
         let at = volume.placement().to_index(ray.origin + ray.direction * s).to_array();
         let range = |a: usize| {

@@ -1,13 +1,13 @@
 //! What follows from the transfer function: tables, and which voxels or points are splatted.
 
 use vr_core::filter::Lattice;
-use vr_core::{LatticeVisitor, Scene, UniformVolume, Voxel};
+use vr_core::{GridVolume, LatticeVisitor, Scene, Voxel};
 use vr_kernels::tables::{BakedTransfer, resolves_ramps, table_range};
 use vr_kernels::vector::OpticsTable;
 
+use crate::input::{SplatInput, offset, unit};
 use crate::kernel::Shape;
 use crate::splatting::{Buffers, Splatting};
-use crate::things::{Things, offset, unit};
 use crate::visible::{VisibleRanges, VisibleVoxels, missing};
 use crate::voxel_optics::VoxelOptics;
 
@@ -28,17 +28,17 @@ pub(crate) enum Visible {
 }
 
 impl Classified {
-    pub(crate) fn new(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Self {
+    pub(crate) fn new(renderer: &Splatting, scene: &Scene, input: &SplatInput) -> Self {
         let transfer = &scene.transfer;
-        let (offset, calibration) = offset(things);
-        let (integer, field, carried) = match things {
-            Things::Grid(grid) => {
+        let (offset, calibration) = offset(input);
+        let (integer, field, carried) = match input {
+            SplatInput::Grid(grid) => {
                 let (low, high) = grid.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
                 let beyond = overshoot(renderer) * (high - low);
                 let field = (-beyond, high - low + beyond);
                 (grid.voxel_type().is_integer(), field, field)
             }
-            Things::Points(points) => {
+            SplatInput::Points(points) => {
                 let values = || points.values().iter().map(|&v| f64::from(v));
                 let carried = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
                 // Sums may be any number, but of none below 0 they are not below 0, where tables have an end then, and no chord across a kink.
@@ -47,13 +47,13 @@ impl Classified {
             }
         };
         let range = table_range(field, integer, calibration, transfer);
-        let baked = BakedTransfer::new(transfer, calibration, range, integer, unit(things));
-        let values = OpticsTable::new(&baked, transfer, calibration, unit(things));
+        let baked = BakedTransfer::new(transfer, calibration, range, integer, unit(input));
+        let values = OpticsTable::new(&baked, transfer, calibration, unit(input));
         let resolved = resolves_ramps(baked.spacing(), calibration, transfer);
         let light =
             VoxelOptics::new(transfer, calibration, table_range(carried, integer, calibration, transfer), integer);
-        let visible = match things {
-            Things::Grid(grid) => {
+        let visible = match input {
+            SplatInput::Grid(grid) => {
                 let seen = VisibleRanges::new(transfer, calibration, range, offset);
                 let all = !scene.compositing.integrates_light() || (seen.shows_all() && grid.vacuum_cells().is_none());
                 Visible::Voxels(if all {
@@ -62,7 +62,7 @@ impl Classified {
                     grid.with_lattice(FindVisible { renderer, grid, seen: &seen })
                 })
             }
-            Things::Points(points) => {
+            SplatInput::Points(points) => {
                 let shows = |k: usize| {
                     let counts = points.weights()[k] != 0.0;
                     let seen = || light.at(points.values()[k]) != [0.0; 4];
@@ -83,7 +83,7 @@ fn overshoot(renderer: &Splatting) -> f64 {
 /// Finds the voxels that matter.
 struct FindVisible<'a> {
     renderer: &'a Splatting,
-    grid: &'a UniformVolume,
+    grid: &'a GridVolume,
     seen: &'a VisibleRanges,
 }
 

@@ -1,6 +1,6 @@
 //! From what tiles gathered to the picture.
 
-use vr_core::{Calibration, Compositing, Frame, Scene, View};
+use vr_core::{Calibration, Compositing, Frame, Layer, Scene, View};
 
 use crate::projection::SplatView;
 use crate::tile::{Drawn, State};
@@ -21,7 +21,7 @@ impl<'a> Picture<'a> {
 
     /// Adds a tile; tiles must come in an order that is always the same.
     pub(crate) fn take(&mut self, tile: &Drawn, splat_view: &SplatView) {
-        let n = self.view.samples;
+        let n = self.view.supersampling;
         let share = 1.0 / f64::from(n * n);
         let width = self.view.size[0] as usize;
         tile.each(splat_view.size, |[x, y], state, lane| {
@@ -56,9 +56,8 @@ impl<'a> Picture<'a> {
         [r, g, b, at.opacity]
     }
 
-    /// The whole picture, over the view's layer.
-    pub(crate) fn finish(self) -> Frame {
-        let layer = self.view.layer.as_deref();
+    /// The whole picture, over the scene's surfaces.
+    pub(crate) fn finish(self, layer: Option<&Layer>) -> Frame {
         let over = |(i, rgba): (usize, [f64; 4])| layer.map_or(rgba, |l| l.under(i, rgba)).map(|x| x as f32);
         Frame::new(self.view.size, self.pixels.into_iter().enumerate().map(over).collect(), None)
     }

@@ -6,13 +6,14 @@ use fearless_simd::Level;
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
 use vr_core::{
-    Calibration, Compositing, Control, Frame, LatticeVisitor, Model, ParameterError, PointSet, Prepared, RenderError,
-    RenderStats, Rendered, Scene, UniformVolume, View, Voxel,
+    Calibration, Compositing, Control, Frame, GridVolume, LatticeVisitor, Model, ParameterError, PointSet, Prepared,
+    RenderError, RenderStats, Rendered, Scene, View, Voxel,
 };
 
 use crate::bins::{Bins, Keys, TILE};
 use crate::classified::{Classified, Visible};
 use crate::finish::Picture;
+use crate::input::{SplatInput, offset, profile};
 use crate::model::SplatModel;
 use crate::projection::SplatView;
 use crate::shading::{Shader, brightest};
@@ -20,7 +21,6 @@ use crate::sheets::{ImageSheets, OwnSheets};
 use crate::source::{GridSplats, PointSplats, Source, Spread};
 use crate::splatting::{Buffers, SheetOrder, Splatting};
 use crate::support::{check, check_view};
-use crate::things::{Things, offset, profile};
 use crate::tile::{Bounds, Classifier, Content, Met, Operator, Painter};
 use crate::visible::{CellBits, VisibleVoxels};
 
@@ -28,6 +28,7 @@ use crate::visible::{CellBits, VisibleVoxels};
 pub(crate) struct PreparedSplatting {
     renderer: Splatting,
     scene: Scene,
+    input: SplatInput,
     level: Level,
     kernel: Met,
     classified: Classified,
@@ -37,12 +38,12 @@ pub(crate) struct PreparedSplatting {
 
 impl PreparedSplatting {
     pub(crate) fn new(renderer: Splatting, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
-        let things = check(&renderer, scene)?;
+        let input = check(&renderer, scene)?;
         control.check()?;
         let mut stats = RenderStats::default();
-        let kernel = stats.time("kernel", || Met::new(&profile(&renderer, things)));
-        let classified = stats.time("classify", || control.run(|| Classified::new(&renderer, scene, things)));
-        Ok(Self { renderer, scene: scene.clone(), level: Level::new(), kernel, classified, stats })
+        let kernel = stats.time("kernel", || Met::new(&profile(&renderer, &input)));
+        let classified = stats.time("classify", || control.run(|| Classified::new(&renderer, scene, &input)));
+        Ok(Self { renderer, scene: scene.clone(), input, level: Level::new(), kernel, classified, stats })
     }
 
     fn operator(&self, calibration: Calibration) -> Operator {
@@ -63,7 +64,7 @@ impl PreparedSplatting {
 
 impl Prepared for PreparedSplatting {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
-        let things = check(&self.renderer, scene)?;
+        let input = check(&self.renderer, scene)?;
         control.check()?;
         if !self.scene.volume.same(&scene.volume) {
             *self = Self::new(self.renderer.clone(), scene, control)?;
@@ -72,22 +73,21 @@ impl Prepared for PreparedSplatting {
         let picks = |scene: &Scene| !scene.compositing.integrates_light();
         if self.scene.transfer != scene.transfer || picks(scene) != picks(&self.scene) {
             let renderer = &self.renderer;
-            self.classified = self.stats.time("classify", || control.run(|| Classified::new(renderer, scene, things)));
+            self.classified = self.stats.time("classify", || control.run(|| Classified::new(renderer, scene, &input)));
         }
-        self.scene = scene.clone();
+        (self.scene, self.input) = (scene.clone(), input);
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
-        let things = check(&self.renderer, &self.scene)?;
         check_view(view)?;
         control.check()?;
         let mut stats = std::mem::take(&mut self.stats);
-        let frame = match (things, &self.classified.visible) {
-            (Things::Grid(grid), Visible::Voxels(voxels)) => {
+        let frame = match (&self.input, &self.classified.visible) {
+            (SplatInput::Grid(grid), Visible::Voxels(voxels)) => {
                 grid.with_lattice(DrawGrid { prepared: self, grid, voxels, view, control, stats: &mut stats })?
             }
-            (Things::Points(points), Visible::Points(visible)) => {
+            (SplatInput::Points(points), Visible::Points(visible)) => {
                 self.draw_points(points, visible, view, control, &mut stats)?
             }
             _ => unreachable!("classified as what it is"),
@@ -118,7 +118,7 @@ struct Drawing<'a> {
 /// Draws a grid, whatever its samples are.
 struct DrawGrid<'a> {
     prepared: &'a PreparedSplatting,
-    grid: &'a UniformVolume,
+    grid: &'a GridVolume,
     voxels: &'a VisibleVoxels,
     view: &'a View,
     control: &'a Control,
@@ -131,16 +131,16 @@ impl LatticeVisitor for DrawGrid<'_> {
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
         let Self { prepared, grid, voxels, view, control, stats } = self;
         let renderer = &prepared.renderer;
-        let things = Things::Grid(grid);
-        let splat_view = prepared.splat_view(things, view)?;
+        let input = &prepared.input;
+        let splat_view = prepared.splat_view(view)?;
         let own = (renderer.buffers == Buffers::Axis).then(|| OwnSheets::new(renderer, grid, view)).transpose()?;
         let sheets = own.as_ref().map(|own| (own.axis, own.order.as_slice()));
-        let spread = Spread { reach: renderer.kernel.reach(), low_pass: renderer.low_pass, offset: offset(things).0 };
+        let spread = Spread { reach: renderer.kernel.reach(), low_pass: renderer.low_pass, offset: offset(input).0 };
         let source = GridSplats::new(lattice, voxels, &splat_view, grid.placement(), spread, sheets);
         let layers = own.as_ref().map(|own| (own.axis, own.layers.as_slice()));
         let cells = voxels.cells.as_ref().map(|cells| (cells, grid.dims()));
         let drawing = Drawing { source: &source, splat_view: &splat_view, layers, cells };
-        prepared.draw(things, view, &drawing, control, stats)
+        prepared.draw(view, &drawing, control, stats)
     }
 }
 
@@ -153,37 +153,36 @@ impl PreparedSplatting {
         control: &Control,
         stats: &mut RenderStats,
     ) -> Result<Frame, RenderError> {
-        let things = Things::Points(points);
-        let splat_view = self.splat_view(things, view)?;
+        let splat_view = self.splat_view(view)?;
         let source = PointSplats { points, visible, view: &splat_view, low_pass: self.renderer.low_pass };
         let drawing = Drawing { source: &source, splat_view: &splat_view, layers: None, cells: None };
-        self.draw(things, view, &drawing, control, stats)
+        self.draw(view, &drawing, control, stats)
     }
 
     /// The view of all that may be drawn.
-    fn splat_view(&self, things: Things<'_>, view: &View) -> Result<SplatView, ParameterError> {
-        crate::sheets::splat_view(&self.renderer, &self.scene, things, view)
+    fn splat_view(&self, view: &View) -> Result<SplatView, ParameterError> {
+        crate::sheets::splat_view(&self.renderer, &self.scene, &self.input, view)
     }
 
     fn draw(
         &self,
-        things: Things<'_>,
         view: &View,
         drawing: &Drawing<'_>,
         control: &Control,
         stats: &mut RenderStats,
     ) -> Result<Frame, RenderError> {
         let &Drawing { source, splat_view, layers, cells } = drawing;
-        let (renderer, scene) = (&self.renderer, &self.scene);
-        let (_, calibration) = offset(things);
-        let grid = match things {
-            Things::Grid(grid) => Some(grid),
-            Things::Points(_) => None,
+        let (renderer, scene, input) = (&self.renderer, &self.scene, &self.input);
+        let layer = scene.layer(view, control)?;
+        let (_, calibration) = offset(input);
+        let grid = match input {
+            SplatInput::Grid(grid) => Some(grid),
+            SplatInput::Points(_) => None,
         };
         let operator = self.operator(calibration);
         // Where nothing is missing, a mean needs no sheets.
         let sums = operator == Operator::Average && grid.is_some_and(|grid| grid.vacuum_cells().is_none());
-        let sheets = ImageSheets::new(renderer, &scene.volume, things, splat_view)?;
+        let sheets = ImageSheets::new(renderer, &scene.volume, input, splat_view)?;
         let exact = |stored: f32, length: f32| {
             if length <= 0.0 {
                 return [0.0; 4];
@@ -195,10 +194,10 @@ impl PreparedSplatting {
             view: splat_view,
             bounds: Bounds {
                 clip: &view.clip,
-                layer: view.layer.as_deref(),
-                samples: view.samples,
+                layer: layer.as_ref(),
+                samples: view.supersampling,
                 grid: grid.map(|grid| (grid.placement(), grid.dims())),
-                boxed: crate::sheets::is_boxed(renderer, things),
+                boxed: crate::sheets::is_boxed(renderer, input),
             },
             kernel: &self.kernel,
             operator,
@@ -256,7 +255,7 @@ impl PreparedSplatting {
                 picture.take(tile, splat_view);
             }
         }
-        Ok(picture.finish())
+        Ok(picture.finish(layer.as_ref()))
     }
 }
 

@@ -58,7 +58,7 @@ impl SplatView {
     ) -> Result<Self, ParameterError> {
         view.validate()?;
         let fine =
-            View { size: view.size.map(|n| n.saturating_mul(view.samples)), samples: 1, layer: None, ..view.clone() };
+            View { size: view.size.map(|n| n.saturating_mul(view.supersampling)), supersampling: 1, ..view.clone() };
         let rays = Rays::new(&fine)?;
         let frame = view.camera.frame()?;
         let (perspective, height) = match view.camera.projection {
@@ -75,7 +75,7 @@ impl SplatView {
             unit,
             base: 0.0,
             pixel: height / f64::from(fine.size[1]),
-            samples: f64::from(view.samples),
+            samples: f64::from(view.supersampling),
             kernel: KernelSpace::new(axes, cube),
         };
         let corner = |i: usize| {

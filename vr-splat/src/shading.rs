@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fearless_simd::Simd;
 use glam::DVec3;
 use vr_core::filter::Lattice;
-use vr_core::{AnyGrid, Scene, UniformGrid, UniformVolume, Voxel};
+use vr_core::{AnyGrid, GridVolume, Scene, UniformGrid, Voxel};
 use vr_kernels::vector::{Field, LANES, Lanes, PacketLights, PacketShading, Shade, Stage};
 
 /// The scene's shading, and the samples that gradients come from.
@@ -25,7 +25,7 @@ enum AnyField<'a> {
 
 impl<'a> Shader<'a> {
     /// Of a scene whose light is shaded.
-    pub(crate) fn new(scene: &Scene, volume: &'a UniformVolume) -> Option<Self> {
+    pub(crate) fn new(scene: &Scene, volume: &'a GridVolume) -> Option<Self> {
         let shading = Arc::clone(scene.shading.as_ref().filter(|_| is_shaded(scene))?);
         // A gradient's length does not matter: scaled to 1, so that worlds of any scale neither overflow nor vanish.
         let matrix = volume.placement().inverse_axes().transpose();
@@ -34,14 +34,14 @@ impl<'a> Shader<'a> {
         fn field<T: Voxel>(grid: &UniformGrid<T>) -> Field<'_, T> {
             Field::new(&Lattice { samples: grid.samples(), dims: grid.dims() })
         }
-        let field = match volume.grid() {
+        let field = match volume.values() {
             AnyGrid::U8(grid) => AnyField::U8(field(grid)),
             AnyGrid::I8(grid) => AnyField::I8(field(grid)),
             AnyGrid::U16(grid) => AnyField::U16(field(grid)),
             AnyGrid::I16(grid) => AnyField::I16(field(grid)),
             AnyGrid::F32(grid) => AnyField::F32(field(grid)),
         };
-        Some(Self { shading: PacketShading { shading, to_world }, field })
+        Some(Self { shading: PacketShading { shading, lights: scene.lights.clone(), to_world }, field })
     }
 
     /// Shades light and opacity at places in index space.
@@ -86,7 +86,7 @@ pub(crate) fn brightest(scene: &Scene) -> f64 {
     }
     let color = scene.transfer.brightest_color();
     let Some(shading) = scene.shading.as_ref().filter(|_| is_shaded(scene)) else { return color.max(1.0) };
-    let light = |c: usize| shading.lights.iter().map(|l| l.color[c]).sum::<f64>();
+    let light = |c: usize| scene.lights.iter().map(|l| l.color[c]).sum::<f64>();
     let lights = light(0).max(light(1)).max(light(2));
     // Where the gradient is zero, the colour stays.
     (color * (shading.ambient + shading.diffuse * lights).max(1.0) + shading.specular * lights).max(1.0)

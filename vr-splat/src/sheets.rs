@@ -1,11 +1,11 @@
 //! Where sheets lie: parallel to the image, or the volume's own.
 
 use glam::DVec3;
-use vr_core::{ParameterError, Projection, Scene, UniformVolume, View, Volume};
+use vr_core::{GridVolume, ParameterError, Projection, Scene, View, Volume};
 
+use crate::input::{SplatInput, kernel_space, unit};
 use crate::projection::SplatView;
 use crate::splatting::{Buffers, SheetOrder, Splatting};
-use crate::things::{Things, kernel_space, unit};
 
 /// The most sheets, and the most that one kernel may be in: they are held at once.
 const MOST_SHEETS: f64 = 1e6;
@@ -13,23 +13,23 @@ const MOST_AT_ONCE: f64 = 2048.0;
 
 /// True if a grid's box cuts rays. Where values are classified in sheets parallel to the image, or averaged, it does, as in the canonical pixel; else
 /// kernels are integrated over all of space.
-pub(crate) fn is_boxed(renderer: &Splatting, things: Things<'_>) -> bool {
-    matches!(things, Things::Grid(_)) && renderer.buffers == Buffers::Image && !renderer.splats_light()
+pub(crate) fn is_boxed(renderer: &Splatting, input: &SplatInput) -> bool {
+    matches!(input, SplatInput::Grid(_)) && renderer.buffers == Buffers::Image && !renderer.splats_light()
 }
 
 /// The view of all that may be drawn.
 pub(crate) fn splat_view(
     renderer: &Splatting,
     scene: &Scene,
-    things: Things<'_>,
+    input: &SplatInput,
     view: &View,
 ) -> Result<SplatView, ParameterError> {
-    let unit = unit(things);
-    match things {
-        Things::Grid(grid) => {
+    let unit = unit(input);
+    match input {
+        SplatInput::Grid(grid) => {
             let cube = renderer.kernel.shape.is_separable();
             let mut bounds = scene.volume.bounds();
-            if !is_boxed(renderer, things) {
+            if !is_boxed(renderer, input) {
                 let axes = grid.placement().axes();
                 let reach = renderer.kernel.reach();
                 let beyond = axes.x_axis.abs() * reach[0] + axes.y_axis.abs() * reach[1] + axes.z_axis.abs() * reach[2];
@@ -37,7 +37,7 @@ pub(crate) fn splat_view(
             }
             SplatView::new(view, unit, Some(kernel_space(renderer, grid)), cube, bounds, renderer.low_pass)
         }
-        Things::Points(_) => SplatView::new(view, unit, None, false, scene.volume.bounds(), renderer.low_pass),
+        SplatInput::Points(_) => SplatView::new(view, unit, None, false, scene.volume.bounds(), renderer.low_pass),
     }
 }
 
@@ -54,7 +54,7 @@ impl ImageSheets {
     pub(crate) fn new(
         renderer: &Splatting,
         volume: &Volume,
-        things: Things<'_>,
+        input: &SplatInput,
         view: &SplatView,
     ) -> Result<Self, ParameterError> {
         let distance = renderer.slice_distance;
@@ -66,12 +66,12 @@ impl ImageSheets {
         let deepest = (0..8).map(corner).fold(0.0, f64::max);
         let low_pass = renderer.low_pass * view.pixel_at(deepest);
         // Half the depth of the deepest kernel, widened as it is at the far end.
-        let half = match things {
-            Things::Grid(_) => {
+        let half = match input {
+            SplatInput::Grid(_) => {
                 let size = view.kernel.axes.determinant().abs().cbrt();
                 view.half_depth() * 1f64.hypot(low_pass * size)
             }
-            Things::Points(points) => {
+            SplatInput::Points(points) => {
                 let most = points.radii().iter().fold(0.0f32, |m, &r| m.max(r));
                 (f64::from(most) / view.unit).hypot(low_pass)
             }
@@ -98,7 +98,7 @@ pub(crate) struct OwnSheets {
 
 impl OwnSheets {
     /// For the axis that the view goes most along, in voxels.
-    pub(crate) fn new(renderer: &Splatting, grid: &UniformVolume, view: &View) -> Result<Self, ParameterError> {
+    pub(crate) fn new(renderer: &Splatting, grid: &GridVolume, view: &View) -> Result<Self, ParameterError> {
         let frame = view.camera.frame()?;
         let inverse = grid.placement().inverse_axes();
         let along = inverse * frame.z_axis;

@@ -1,29 +1,31 @@
 //! What the renderer can draw, and what it says of the rest.
 
+use std::sync::Arc;
+
 use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, View};
 use vr_kernels::tables::beyond_f32;
 
+use crate::input::SplatInput;
 use crate::kernel::SplatKernel;
 use crate::shading::is_shaded;
 use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
-use crate::things::Things;
 
 pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
     RenderError::Unsupported { renderer: Splatting::NAME, feature: feature.into() }
 }
 
 /// Whether this renderer can draw this scene; what is in it, if so.
-pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things<'s>, RenderError> {
+pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, RenderError> {
     renderer.validate()?;
     scene.validate()?;
-    let things = match (scene.volume.uniform(), scene.volume.points()) {
-        (Some(grid), _) => Things::Grid(grid),
-        (_, Some(points)) => Things::Points(points),
+    let input = match (scene.volume.grid(), scene.volume.points()) {
+        (Some(grid), _) => SplatInput::Grid(Arc::clone(grid)),
+        (_, Some(points)) => SplatInput::Points(Arc::clone(points)),
         _ => return Err(unsupported(format!("volumes of the kind '{}'", scene.volume.kind()))),
     };
-    if let Things::Grid(grid) = things {
-        if scene.filter != Filter::Trilinear {
-            let feature = format!("the filter '{}': the option 'kernel' says how voxels are spread", scene.filter);
+    if let SplatInput::Grid(grid) = &input {
+        if grid.filter() != Filter::Trilinear {
+            let feature = format!("the filter '{}': the option 'kernel' says how voxels are spread", grid.filter());
             return Err(unsupported(feature));
         }
         if let Some(feature) = beyond_f32(grid, &scene.transfer) {
@@ -33,15 +35,15 @@ pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things
             return Err(unsupported("grids of more than 65535 samples along an axis"));
         }
     }
-    if matches!(things, Things::Points(_)) && renderer.buffers == Buffers::Axis {
+    if matches!(input, SplatInput::Points(_)) && renderer.buffers == Buffers::Axis {
         return Err(unsupported("sheets of the volume's own among scattered points: they have no layers"));
     }
-    if matches!(things, Things::Points(_)) && renderer.kernel != SplatKernel::default() {
+    if matches!(input, SplatInput::Points(_)) && renderer.kernel != SplatKernel::default() {
         return Err(unsupported(
             "another kernel, radius, sigma or width than the default for scattered points: they have kernels of their own",
         ));
     }
-    check_shading(renderer, scene, things)?;
+    check_shading(renderer, scene, &input)?;
     if renderer.order == SheetOrder::BackToFront
         && (renderer.buffers != Buffers::Axis || scene.compositing != Compositing::Over)
     {
@@ -59,11 +61,11 @@ pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things
         Compositing::First { .. } if scene.shading.is_some() => {
             Err(unsupported("compositing 'first' of a shaded surface"))
         }
-        _ => Ok(things),
+        _ => Ok(input),
     }
 }
 
-fn check_shading(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Result<(), RenderError> {
+fn check_shading(renderer: &Splatting, scene: &Scene, input: &SplatInput) -> Result<(), RenderError> {
     let Some(shading) = scene.shading.as_ref().filter(|_| scene.compositing.integrates_light()) else { return Ok(()) };
     // It multiplies κ, whether or not what shines is shaded.
     if !shading.gradient_opacity.is_empty() {
@@ -72,7 +74,7 @@ fn check_shading(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Res
     if !is_shaded(scene) {
         return Ok(());
     }
-    let Things::Grid(grid) = things else { return Err(unsupported("shading of scattered points")) };
+    let SplatInput::Grid(grid) = input else { return Err(unsupported("shading of scattered points")) };
     if renderer.splats_light() {
         return Err(unsupported("shading of what is classified before it is splatted"));
     }
@@ -94,7 +96,7 @@ const MOST_SUBPIXELS: u32 = 1 << 16;
 /// Whether this renderer can draw this view.
 pub(crate) fn check_view(view: &View) -> Result<(), RenderError> {
     view.validate()?;
-    if view.size.iter().any(|&n| n.saturating_mul(view.samples) > MOST_SUBPIXELS) {
+    if view.size.iter().any(|&n| n.saturating_mul(view.supersampling) > MOST_SUBPIXELS) {
         return Err(unsupported("pictures of more than 65536 subpixels along a side"));
     }
     Ok(())

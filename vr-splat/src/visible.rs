@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use vr_core::filter::Lattice;
-use vr_core::{AnyGrid, Calibration, TransferFunction, UniformVolume, VacuumCells};
+use vr_core::{AnyGrid, Calibration, GridVolume, TransferFunction, VacuumCells};
 
 use crate::bit_rows::{BitRows, Run};
 
@@ -131,8 +131,8 @@ fn shows(transfer: &TransferFunction, low: f64, high: f64) -> bool {
 }
 
 /// Whether a sample is missing, by its place among the samples.
-pub(crate) fn missing(volume: &UniformVolume) -> impl Fn(usize) -> bool + Sync + '_ {
-    let floats = match volume.grid() {
+pub(crate) fn missing(volume: &GridVolume) -> impl Fn(usize) -> bool + Sync + '_ {
+    let floats = match volume.values() {
         AnyGrid::F32(grid) if volume.vacuum_cells().is_some() => Some(grid.samples()),
         _ => None,
     };

@@ -27,8 +27,8 @@ fn random_samples(count: usize, mut seed: u64) -> Vec<f32> {
 
 /// ∫ Σ_k w_k f_k along a ray, over all of space, by Gauss-Legendre of five points on short parts of it.
 fn integral(scene: &Scene, kernel: &SplatKernel, ray: &Ray) -> f64 {
-    let volume = scene.volume.uniform().unwrap();
-    let AnyGrid::F32(grid) = volume.grid() else { unreachable!("made of floats") };
+    let volume = scene.volume.grid().unwrap();
+    let AnyGrid::F32(grid) = volume.values() else { unreachable!("made of floats") };
     let (placement, dims, reach) = (volume.placement(), volume.dims(), kernel.reach());
     let middle = (0.5 * (scene.volume.bounds().0 + scene.volume.bounds().1) - ray.origin).dot(ray.direction);
     let half = (scene.volume.bounds().1 - scene.volume.bounds().0).length();

@@ -2,11 +2,10 @@
 
 mod common;
 
-use std::sync::Arc;
-
 use common::*;
 use glam::DVec3;
 use vr_core::*;
+use vr_physics::check::FixedLayer;
 use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
 
 const VIEWS: [(f64, f64, Option<f64>); 3] = [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0)), (140.0, -30.0, Some(80.0))];
@@ -52,15 +51,14 @@ fn a_mean_is_over_what_there_is_of_the_chord() {
             let whole = view(&noise, azimuth, elevation, fov, 32);
             let middle = (whole.camera.eye - whole.camera.target).length();
             // A wall askew through the middle, and a corner cut off.
-            let depth = |i: usize| ([0.1, 0.2, 0.3], (middle + 0.2 * (i % 32) as f64 - 3.1) as f32);
-            let layer = Layer { pixels: (0..32 * 32).map(depth).collect() };
-            let walled = View { layer: Some(Arc::new(layer)), ..whole.clone() };
+            let depth = |i: u32| ([0.1, 0.2, 0.3], (middle + 0.2 * f64::from(i % 32) - 3.1) as f32);
+            let walled = FixedLayer::new(&whole, depth).among(&noise);
             let crop = Some((low + DVec3::splat(0.7), high - DVec3::splat(1.1)));
             let plane = Plane { normal: DVec3::new(1.0, 0.3, -0.2), offset: 2.0 };
             let cut = View { clip: Clip { crop, planes: vec![plane] }, ..whole.clone() };
-            for view in [whole, walled, cut] {
+            for (scene, view) in [(&noise, &whole), (&walled, &whole), (&noise, &cut)] {
                 // No sheets are needed, and nothing but f32 is left of chords of any length.
-                let m = to_truth(&Splatting::default(), &noise, &view);
+                let m = to_truth(&Splatting::default(), scene, view);
                 assert!(m.max < 2e-5, "{azimuth}: {m}");
             }
         }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use common::*;
 use vr_core::*;
 use vr_physics::Metrics;
+use vr_physics::check::FixedLayer;
 use vr_splat::{Buffers, Classification, Shape, SheetOrder, SplatKernel, Splatting};
 
 const VIEWS: [(f64, f64, Option<f64>); 4] =
@@ -103,7 +104,7 @@ fn threads_and_samples_and_layers() {
         };
         assert_eq!(on(1, &plain), on(3, &plain));
         // Nine subpixels are pixels of a picture three times as large.
-        let fine = View { samples: 3, ..plain.clone() };
+        let fine = View { supersampling: 3, ..plain.clone() };
         let large = on(2, &View { size: [120, 120], ..plain.clone() });
         let averaged = on(2, &fine);
         let worst = (0..1600).flat_map(|i| (0..4).map(move |c| (i, c))).map(|(i, c)| {
@@ -116,11 +117,11 @@ fn threads_and_samples_and_layers() {
     // A wall across the middle hides what is behind it.
     let flat = view(&scene, 0.0, 0.0, None, 32);
     let depth = (flat.camera.eye - flat.camera.target).length() as f32;
-    let walled = View { layer: Some(Arc::new(Layer { pixels: vec![([0.0; 3], depth); 1024] })), ..flat.clone() };
+    let walled = FixedLayer::new(&flat, |_| ([0.0; 3], depth)).among(&scene);
     let cut = Plane { normal: glam::DVec3::Z, offset: flat.camera.target.z };
-    let clipped = View { clip: Clip { crop: None, planes: vec![cut] }, ..flat };
+    let clipped = View { clip: Clip { crop: None, planes: vec![cut] }, ..flat.clone() };
     let (behind, half) =
-        (draw(&Splatting::default(), &scene, &walled).frame, draw(&Splatting::default(), &scene, &clipped).frame);
+        (draw(&Splatting::default(), &walled, &flat).frame, draw(&Splatting::default(), &scene, &clipped).frame);
     for (a, b) in behind.pixels().iter().zip(half.pixels()) {
         assert!((0..3).all(|c| (a[c] - b[c]).abs() < 1e-6) && a[3] == 1.0);
     }
@@ -181,7 +182,7 @@ fn what_cannot_be_drawn_is_said() {
     let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
     let voxels = Splatting { classification: Classification::Voxels, ..Splatting::default() };
     assert!(refused(voxels, &shaded).contains("shading"));
-    let smooth = Scene { filter: Filter::BSpline, ..scene.clone() };
+    let smooth = scene.with_filter(Filter::BSpline);
     assert!(refused(Splatting::default(), &smooth).contains("kernel"));
     let brightest = Scene { compositing: Compositing::Maximum, ..scene.clone() };
     let axis = Splatting { buffers: Buffers::Axis, ..Splatting::default() };

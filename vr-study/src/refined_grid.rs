@@ -10,12 +10,12 @@ const MOST_CELLS: usize = 32;
 /// The middle of a scene's volume with each cell cut into `parts`³: where the samples are finite, the field is the same up to rounding. `None` for
 /// what is no trilinear field of a uniform grid, or has samples missing.
 pub(crate) fn refined(scene: &Scene, parts: usize) -> Option<Scene> {
-    let volume = scene.volume.uniform()?;
-    if scene.filter != Filter::Trilinear || volume.census().nan + volume.census().infinite > 0 {
+    let volume = scene.volume.grid()?;
+    if volume.filter() != Filter::Trilinear || volume.census().nan + volume.census().infinite > 0 {
         return None;
     }
     let calibration = volume.calibration();
-    let value: Box<dyn Fn([usize; 3]) -> f64> = match volume.grid() {
+    let value: Box<dyn Fn([usize; 3]) -> f64> = match volume.values() {
         AnyGrid::U8(g) => sample_of(g),
         AnyGrid::I8(g) => sample_of(g),
         AnyGrid::U16(g) => sample_of(g),

@@ -32,8 +32,7 @@ pub fn reduced(view: &View, pixels: f64) -> View {
     let [w, h] = view.size.map(f64::from);
     let factor = (pixels / (w * h)).sqrt().min(1.0);
     let size = [w, h].map(|side| ((side * factor).round() as u32).max(1));
-    // A layer belongs to the pixels that it was made for.
-    if view.layer.is_some() { view.clone() } else { View { size, ..view.clone() } }
+    View { size, ..view.clone() }
 }
 
 /// A phantom on a grid of `samples`³ under its own transfer function, in pictures of the given size, seen from an oblique direction, all of it.

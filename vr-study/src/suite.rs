@@ -212,7 +212,7 @@ impl Run<'_> {
         let program = program.map(|file| (file.len(), file.modified().ok()));
         let own = self.own.as_ref().map(|s| {
             let scene = fingerprint((&s.scene, &s.view), &Model::Canonical, &[], 0.0);
-            (&s.name, scene, s.scene.filter, s.scene.background)
+            (&s.name, scene, s.scene.volume.filter(), s.scene.background)
         });
         let who: Vec<(String, &Options)> = settings.iter().map(|c| (c.name(), &c.options)).collect();
         format!("{} {program:?} {machine:?} {who:?} {own:?} {}", suite.name(), self.untimed)

@@ -1,9 +1,10 @@
 //! Times of renderers that can be compared: taken in turns, so that a machine that slows down slows all of them.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
-use vr_core::{Control, Counts, Frame, Model, Prepared, RenderError, Scene, View, Volume, with_grid};
+use vr_core::{Control, Counts, Frame, GridVolume, Model, Prepared, RenderError, Scene, View, Volume};
 
 use crate::contestant::Contestant;
 use crate::memory::{MemoryMeter, peak_of};
@@ -167,8 +168,10 @@ pub fn draw_in_turns(
 
 /// The scene with a volume of its own.
 fn alone(scene: &Scene) -> Scene {
-    let copy = |u: &vr_core::UniformVolume| with_grid!(u.grid(), g => Volume::from(g.clone()));
-    let volume = scene.volume.uniform().map_or_else(|| scene.volume.clone(), copy);
+    let volume = match &scene.volume {
+        Volume::Grid(grid) => Volume::Grid(Arc::new(GridVolume::new(grid.values().clone(), grid.filter()))),
+        other => other.clone(),
+    };
     Scene { volume, ..scene.clone() }
 }
 

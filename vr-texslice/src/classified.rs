@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use vr_core::filter::Lattice;
-use vr_core::{ParameterError, Scene, UniformVolume, View, Voxel, gradient_at_sample, with_grid};
+use vr_core::{GridVolume, ParameterError, Scene, View, Voxel, gradient_at_sample, with_grid};
 
 use crate::slices::Slices;
 use crate::support::shades;
@@ -39,7 +39,7 @@ impl Made {
 
 impl Classified {
     /// Bytes that a volume takes in a format of light.
-    pub(crate) fn bytes(format: Format, volume: &UniformVolume) -> u64 {
+    pub(crate) fn bytes(format: Format, volume: &GridVolume) -> u64 {
         let texel = match format {
             Format::Rgba => 16,
             Format::LuminanceAlpha => 8,
@@ -49,7 +49,7 @@ impl Classified {
     }
 
     /// Classifies every voxel for slabs of a length, or makes its index and a palette.
-    pub(crate) fn new(format: Format, scene: &Scene, volume: &UniformVolume, made: &Made) -> Self {
+    pub(crate) fn new(format: Format, scene: &Scene, volume: &GridVolume, made: &Made) -> Self {
         let light = |stored: f64, index: [usize; 3]| light_of(scene, volume, made, stored, index);
         match format {
             Format::Rgba => Self::Rgba(each(volume, light)),
@@ -66,7 +66,7 @@ impl Classified {
     }
 
     /// Takes a new transfer function or length over, where that needs no look at voxels.
-    pub(crate) fn recolor(&mut self, scene: &Scene, volume: &UniformVolume, made: &Made) {
+    pub(crate) fn recolor(&mut self, scene: &Scene, volume: &GridVolume, made: &Made) {
         if let Self::Indices { palette, .. } = self {
             *palette = Codes::of(volume).palette(scene, volume, made);
         }
@@ -74,7 +74,7 @@ impl Classified {
 }
 
 /// Light and opacity of a voxel, NaN where it is missing.
-pub(crate) fn light_of(scene: &Scene, volume: &UniformVolume, made: &Made, stored: f64, index: [usize; 3]) -> [f32; 4] {
+pub(crate) fn light_of(scene: &Scene, volume: &GridVolume, made: &Made, stored: f64, index: [usize; 3]) -> [f32; 4] {
     if stored.is_nan() {
         return [f32::NAN; 4];
     }
@@ -85,11 +85,11 @@ pub(crate) fn light_of(scene: &Scene, volume: &UniformVolume, made: &Made, store
     fn gradient<T: Voxel>(lattice: &Lattice<'_, T>, index: [usize; 3]) -> [f64; 3] {
         gradient_at_sample::<T, f64>(lattice, index)
     }
-    let gradient = with_grid!(volume.grid(), g => {
+    let gradient = with_grid!(volume.values(), g => {
         gradient(&Lattice { samples: g.samples(), dims: g.dims() }, index)
     });
     let world = volume.placement().inverse_axes().transpose() * glam::DVec3::from(gradient);
-    let (factor, added) = shading.along::<f64>(forward.into()).reflect(world.to_array());
+    let (factor, added) = shading.along::<f64>(&scene.lights, forward.into()).reflect(world.to_array());
     std::array::from_fn(|c| if c < 3 { (light[c] * factor[c] + light[3] * added[c]) as f32 } else { light[3] as f32 })
 }
 
@@ -99,7 +99,7 @@ pub(crate) fn is_shaded(format: Format, scene: &Scene) -> bool {
 }
 
 /// One texel for every sample, from its stored number and its index.
-fn each<X: Send + Copy + Default>(volume: &UniformVolume, texel: impl Fn(f64, [usize; 3]) -> X + Sync) -> Vec<X> {
+fn each<X: Send + Copy + Default>(volume: &GridVolume, texel: impl Fn(f64, [usize; 3]) -> X + Sync) -> Vec<X> {
     fn fill<T: Voxel, X: Send>(
         samples: &[T],
         dims: [usize; 3],
@@ -113,7 +113,7 @@ fn each<X: Send + Copy + Default>(volume: &UniformVolume, texel: impl Fn(f64, [u
         });
     }
     let mut all = vec![X::default(); volume.dims().iter().product()];
-    with_grid!(volume.grid(), g => fill(g.samples(), g.dims(), &mut all, texel));
+    with_grid!(volume.values(), g => fill(g.samples(), g.dims(), &mut all, texel));
     all
 }
 
@@ -126,7 +126,7 @@ pub(crate) struct Codes {
 }
 
 impl Codes {
-    pub(crate) fn of(volume: &UniformVolume) -> Self {
+    pub(crate) fn of(volume: &GridVolume) -> Self {
         let (low, high) = volume.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
         if volume.voxel_type().is_integer() && high - low <= 255.0 {
             return Self { low, step: 1.0, last: 255.0 };
@@ -140,7 +140,7 @@ impl Codes {
     }
 
     /// Light and opacity of every index.
-    fn palette(&self, scene: &Scene, volume: &UniformVolume, made: &Made) -> Box<[[f32; 4]; 256]> {
+    fn palette(&self, scene: &Scene, volume: &GridVolume, made: &Made) -> Box<[[f32; 4]; 256]> {
         let holes = volume.census().nan + volume.census().infinite > 0;
         let entry = |i: usize| {
             let missing = holes && i == usize::from(MISSING);
@@ -151,7 +151,7 @@ impl Codes {
     }
 
     /// The light that a palette has for a stored number.
-    pub(crate) fn light(&self, scene: &Scene, volume: &UniformVolume, made: &Made, stored: f64) -> [f32; 4] {
+    pub(crate) fn light(&self, scene: &Scene, volume: &GridVolume, made: &Made, stored: f64) -> [f32; 4] {
         let level = if stored.is_nan() { stored } else { self.low + f64::from(self.index(stored)) * self.step };
         light_of(scene, volume, &Made { forward: None, ..*made }, level, [0; 3])
     }

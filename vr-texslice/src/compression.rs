@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use vr_core::filter::Lattice;
-use vr_core::{LatticeVisitor, UniformVolume, Voxel};
+use vr_core::{GridVolume, LatticeVisitor, Voxel};
 
 /// Texels along the edge of a block.
 const EDGE: usize = 4;
@@ -29,7 +29,7 @@ pub(crate) struct Compressed {
 }
 
 impl Compressed {
-    pub(crate) fn new(volume: &UniformVolume) -> Self {
+    pub(crate) fn new(volume: &GridVolume) -> Self {
         volume.with_lattice(Compress { end_bytes: volume.voxel_type().bytes() })
     }
 
@@ -127,7 +127,7 @@ mod tests {
     {
         let placement = Placement::from_spacing([1.0; 3]).unwrap();
         let volume: Volume = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap().into();
-        Compressed::new(volume.uniform().unwrap())
+        Compressed::new(volume.grid().unwrap())
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! From what a pixel has gathered to the pixel.
 
 use glam::DVec3;
-use vr_core::{Compositing, Filter, Scene, UniformVolume};
+use vr_core::{Compositing, GridVolume, Scene};
 
 use crate::draw::{Operator, Pixel, State};
 use crate::fragments::Fragments;
@@ -12,7 +12,7 @@ use crate::support::shades;
 pub(crate) struct Finish<'a> {
     pub(crate) operator: Operator,
     pub(crate) scene: &'a Scene,
-    pub(crate) volume: &'a UniformVolume,
+    pub(crate) volume: &'a GridVolume,
 }
 
 /// Halvings of the slab in which a threshold is passed: 10⁻⁹ of it is left, which is below the rounding of an f32 depth.
@@ -57,7 +57,7 @@ impl Finish<'_> {
     fn first(&self, rays: &Fragments, i: usize, state: &State, sign: f64) -> Pixel {
         let Compositing::First { threshold } = self.scene.compositing else { return Pixel::NOTHING };
         let threshold = self.volume.calibration().stored(threshold);
-        let stored = |s: f64| self.volume.with_sampler(Filter::Trilinear, Stored(self.index(rays, i, s)));
+        let stored = |s: f64| self.volume.with_sampler(Stored(self.index(rays, i, s)));
         let (mut below, mut reached) = (rays.distance_at(i, state.other.0[i]), rays.distance_at(i, state.value.0[i]));
         // Where a ray enters, both are the same.
         for _ in 0..if below < reached { HALVINGS } else { 0 } {
@@ -70,7 +70,7 @@ impl Finish<'_> {
             let gradient = DVec3::from(self.volume.with_lattice(Gradient(self.index(rays, i, reached))));
             let world = self.volume.placement().inverse_axes().transpose() * gradient;
             let along = DVec3::from(rays.chords.along.map(|a| a[i]));
-            let (factor, added) = shading.along::<f64>(along).reflect(world.to_array());
+            let (factor, added) = shading.along::<f64>(&self.scene.lights, along).reflect(world.to_array());
             color = std::array::from_fn(|c| color[c] * factor[c] + added[c]);
         }
         Pixel { rgba: [color[0], color[1], color[2], 1.0], depth: reached }

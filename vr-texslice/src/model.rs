@@ -5,8 +5,8 @@ use std::sync::Arc;
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::optics::opacity_of_thickness;
 use vr_core::{
-    DiscreteModel, Filter, IndexRay, LatticeVisitor, Ray, Rays, Sampler, SamplerVisitor, Scene, SegmentTerm,
-    UniformVolume, View, Voxel, gradient_between_samples,
+    Control, DiscreteModel, GridVolume, IndexRay, LatticeVisitor, Layer, Ray, Rays, Sampler, SamplerVisitor, Scene,
+    SegmentTerm, View, Voxel, gradient_between_samples,
 };
 use vr_kernels::tables::PreIntegrated;
 
@@ -22,6 +22,7 @@ pub(crate) struct SliceModel {
     renderer: TexSlice,
     scene: Scene,
     view: View,
+    layer: Option<Layer>,
     /// `None`: a view that cannot be drawn.
     geometry: Option<(Rays, Slices)>,
     segments: Option<PreIntegrated<f64>>,
@@ -32,7 +33,7 @@ pub(crate) struct SliceModel {
 
 impl SliceModel {
     pub(crate) fn new(renderer: &TexSlice, scene: &Scene, view: &View, compressed: Option<Arc<Compressed>>) -> Self {
-        let geometry = scene.volume.uniform().and_then(|volume| {
+        let geometry = scene.volume.grid().and_then(|volume| {
             let rays = Rays::new(view).ok()?;
             let on_faces = renderer.is_pre_integrated();
             let slices = Slices::new(renderer, view, volume.placement(), volume.dims(), on_faces).ok()?;
@@ -40,10 +41,11 @@ impl SliceModel {
         });
         let light = geometry.as_ref().filter(|_| renderer.holds_light());
         let made = light.and_then(|(_, slices)| Made::new(renderer.format, scene, view, slices).ok());
-        let table = scene.volume.uniform().filter(|_| renderer.is_pre_integrated());
+        let table = scene.volume.grid().filter(|_| renderer.is_pre_integrated());
         Self {
             renderer: renderer.clone(),
             scene: scene.clone(),
+            layer: scene.layer(view, &Control::default()).ok().flatten(),
             view: view.clone(),
             geometry,
             segments: table.map(|volume| segments(scene, volume)),
@@ -55,11 +57,11 @@ impl SliceModel {
 
 impl DiscreteModel for SliceModel {
     fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
-        let (Some((rays, slices)), Some(volume)) = (&self.geometry, self.scene.volume.uniform()) else {
+        let (Some((rays, slices)), Some(volume)) = (&self.geometry, self.scene.volume.grid()) else {
             return Vec::new();
         };
         let ray = rays.at(x, y);
-        let far = self.view.layer.as_ref().map_or(f64::INFINITY, |layer| {
+        let far = self.layer.as_ref().map_or(f64::INFINITY, |layer| {
             let [w, h] = self.view.size.map(|n| n as usize);
             layer.depth((y as usize).min(h - 1) * w + (x as usize).min(w - 1))
         });
@@ -83,7 +85,7 @@ impl DiscreteModel for SliceModel {
 struct Along<'a> {
     model: &'a SliceModel,
     slices: &'a Slices,
-    volume: &'a UniformVolume,
+    volume: &'a GridVolume,
     ray: &'a Ray,
     part: &'a IndexRay,
 }
@@ -108,7 +110,7 @@ impl Along<'_> {
         if let Some(compressed) = &self.model.compressed {
             return self.between_texels(s, |texel| [f64::from(compressed.at(texel)); 1])[0];
         }
-        self.volume.with_sampler(Filter::Trilinear, Stored(self.index(s)))
+        self.volume.with_sampler(Stored(self.index(s)))
     }
 
     /// Linear between the eight texels around a distance.
@@ -135,7 +137,7 @@ impl Along<'_> {
                 samples[at].to_f32().into()
             }
             let at = (index[2] * dims[1] + index[1]) * dims[0] + index[0];
-            let stored = vr_core::with_grid!(volume.grid(), g => number(g.samples(), at));
+            let stored = vr_core::with_grid!(volume.values(), g => number(g.samples(), at));
             match codes {
                 Some(codes) => codes.light(scene, volume, made, stored),
                 None => light_of(scene, volume, made, stored, index),
@@ -170,7 +172,7 @@ impl Along<'_> {
         let Some(shading) = scene.shading.as_ref().filter(|_| shades(scene)) else { return light };
         let gradient = glam::DVec3::from(self.volume.with_lattice(Gradient(self.index(middle))));
         let world = self.volume.placement().inverse_axes().transpose() * gradient;
-        let (factor, added) = shading.along::<f64>(self.ray.direction).reflect(world.to_array());
+        let (factor, added) = shading.along::<f64>(&scene.lights, self.ray.direction).reflect(world.to_array());
         std::array::from_fn(|c| if c < 3 { light[c] * factor[c] + light[3] * added[c] } else { light[3] })
     }
 }

@@ -7,8 +7,8 @@ use std::time::Instant;
 use fearless_simd::Level;
 use vr_core::filter::Lattice;
 use vr_core::{
-    Compositing, Control, Counts, Filter, Frame, Model, Prepared, Rays, RenderError, RenderStats, Rendered, Scene,
-    UniformVolume, View, with_grid,
+    Compositing, Control, Counts, Frame, GridVolume, Model, Prepared, Rays, RenderError, RenderStats, Rendered, Scene,
+    View, with_grid,
 };
 use vr_kernels::ranges::RangeBlocks;
 use vr_kernels::vector::{Pairs, Rows};
@@ -33,6 +33,7 @@ use crate::textures::{Stacks, axes_of_stack, hold};
 pub(crate) struct PreparedTexSlice {
     renderer: TexSlice,
     scene: Scene,
+    volume: Arc<GridVolume>,
     level: Level,
     tables: Tables,
     stacks: Stacks,
@@ -50,15 +51,16 @@ impl PreparedTexSlice {
         let volume = check(&renderer, scene)?;
         control.check()?;
         let mut stats = RenderStats::default();
-        let tables = stats.time("table", || Tables::new(&renderer, scene, volume));
+        let tables = stats.time("table", || Tables::new(&renderer, scene, &volume));
         let compressed = (renderer.format == Format::Compressed)
-            .then(|| stats.time("compress", || Arc::new(control.run(|| Compressed::new(volume)))));
+            .then(|| stats.time("compress", || Arc::new(control.run(|| Compressed::new(&volume)))));
         if let Some(compressed) = &compressed {
             hold("the compressed texture", compressed.bytes(), renderer.bytes())?;
         }
         Ok(Self {
             renderer,
             scene: scene.clone(),
+            volume,
             level: Level::new(),
             tables,
             stacks: Stacks::default(),
@@ -69,7 +71,7 @@ impl PreparedTexSlice {
         })
     }
 
-    fn operator(&self, volume: &UniformVolume) -> Operator {
+    fn operator(&self, volume: &GridVolume) -> Operator {
         let calibration = volume.calibration();
         let sign = calibration.slope.signum() as f32;
         match self.scene.compositing {
@@ -86,11 +88,11 @@ impl PreparedTexSlice {
     }
 
     /// Blocks in which something can be visible; `None` where all of them are drawn.
-    fn occupancy(&self, volume: &UniformVolume, operator: Operator, axes: [usize; 3]) -> Option<Occupancy> {
+    fn occupancy(&self, volume: &GridVolume, operator: Operator, axes: [usize; 3]) -> Option<Occupancy> {
         if !self.renderer.skip || operator.picks() {
             return None;
         }
-        let ranges = RangeBlocks::of_volume(volume, Filter::Trilinear, Occupancy::EDGE);
+        let ranges = RangeBlocks::of_volume(volume, Occupancy::EDGE);
         let light = self.renderer.holds_light();
         Occupancy::new(&ranges, axes, |low, high| {
             if light {
@@ -111,23 +113,26 @@ impl Prepared for PreparedTexSlice {
             return Ok(());
         }
         if self.scene.transfer != scene.transfer {
-            self.tables = self.stats.time("table", || Tables::new(&self.renderer, scene, volume));
+            self.tables = self.stats.time("table", || Tables::new(&self.renderer, scene, &volume));
         }
         if let Some((made, _)) = &mut self.classified
-            && (self.scene.transfer != scene.transfer || self.scene.shading != scene.shading)
+            && (self.scene.transfer != scene.transfer
+                || self.scene.shading != scene.shading
+                || self.scene.lights != scene.lights)
         {
             *made = None;
         }
-        self.scene = scene.clone();
+        (self.scene, self.volume) = (scene.clone(), volume);
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
         let scene = self.scene.clone();
-        let volume = check(&self.renderer, &scene)?;
+        let volume = &*Arc::clone(&self.volume);
         let rays = Rays::new(view)?;
         check_view(&self.renderer, &scene, view)?;
         control.check()?;
+        let layer = scene.layer(view, control)?;
         let mut stats = std::mem::take(&mut self.stats);
         let operator = self.operator(volume);
         let on_faces = operator.wants_faces() || (self.renderer.is_pre_integrated() && !operator.picks());
@@ -179,6 +184,7 @@ impl Prepared for PreparedTexSlice {
         let job = Job {
             scene: Scene16 {
                 view,
+                layer: layer.as_ref(),
                 setup,
                 pass: Pass {
                     classifier,
@@ -250,7 +256,7 @@ struct Job<'a> {
 /// Draws the volume brick by brick.
 fn draw_bricks(
     job: &Job<'_>,
-    volume: &UniformVolume,
+    volume: &GridVolume,
     edge: usize,
     limit: u64,
     pool: &mut Option<Box<dyn Any + Send>>,
@@ -258,7 +264,7 @@ fn draw_bricks(
 ) -> Drawn {
     let lattice = BrickLattice::new(volume.dims(), edge);
     let order = lattice.front_to_back(job.scene.view, volume.placement())?;
-    let ranges = RangeBlocks::of_volume(volume, Filter::Trilinear, edge);
+    let ranges = RangeBlocks::of_volume(volume, edge);
     let shows = |brick: [usize; 3]| {
         let range = ranges.at(brick);
         !range.is_empty() && shows(range.low, range.high)
@@ -273,7 +279,7 @@ fn draw_bricks(
         let pool = pool.downcast_mut::<Pool<T>>().expect("a volume keeps its sample type");
         bricked.draw(pool, control)
     }
-    with_grid!(volume.grid(), g => {
+    with_grid!(volume.values(), g => {
         let volume = Lattice { samples: g.samples(), dims: g.dims() };
         draw(&Bricked { scene: &job.scene, volume, lattice, order: &order, shows: &shows }, pool, limit, job.control)
     })
@@ -292,7 +298,7 @@ impl PreparedTexSlice {
     fn classify(
         &mut self,
         scene: &Scene,
-        volume: &UniformVolume,
+        volume: &GridVolume,
         view: &View,
         slices: &Slices,
         control: &Control,
@@ -318,7 +324,7 @@ impl PreparedTexSlice {
     }
 
     /// Draws through whichever texture it is.
-    fn draw(&self, job: &Job<'_>, volume: &UniformVolume, stack: Option<usize>) -> Drawn {
+    fn draw(&self, job: &Job<'_>, volume: &GridVolume, stack: Option<usize>) -> Drawn {
         let dims = volume.dims();
         if let Some(axis) = stack {
             return with_grid!(self.stacks.of(volume, axis), g => {
@@ -335,10 +341,10 @@ impl PreparedTexSlice {
             Some((_, Classified::Indices { texels, palette })) => {
                 job.through(&Light { texels: Indices { texels, palette }, dims })
             }
-            None if self.renderer.order == Order::Slices => with_grid!(volume.grid(), g => {
+            None if self.renderer.order == Order::Slices => with_grid!(volume.values(), g => {
                 draw_slices(&job.scene, &Lattice { samples: g.samples(), dims: g.dims() }, job.control)
             }),
-            None => with_grid!(volume.grid(), g => {
+            None => with_grid!(volume.values(), g => {
                 job.through(&Voxels::new(&Lattice { samples: g.samples(), dims: g.dims() }))
             }),
         }

@@ -1,6 +1,8 @@
 //! What the renderer can draw, and what it says of the rest.
 
-use vr_core::{Compositing, Filter, GradientMethod, Projection, RenderError, Scene, UniformVolume, View};
+use std::sync::Arc;
+
+use vr_core::{Compositing, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene, View};
 use vr_kernels::tables::beyond_f32;
 
 use crate::classified::is_shaded;
@@ -11,13 +13,13 @@ pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
 }
 
 /// Whether this renderer can draw this scene; its volume, if so.
-pub(crate) fn check<'s>(renderer: &TexSlice, scene: &'s Scene) -> Result<&'s UniformVolume, RenderError> {
+pub(crate) fn check(renderer: &TexSlice, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     renderer.validate()?;
     scene.validate()?;
     let volume =
-        scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
-    if scene.filter != Filter::Trilinear {
-        return Err(unsupported(format!("the filter '{}': textures are interpolated linearly", scene.filter)));
+        scene.volume.grid().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    if volume.filter() != Filter::Trilinear {
+        return Err(unsupported(format!("the filter '{}': textures are interpolated linearly", volume.filter())));
     }
     if volume.dims().iter().product::<usize>() > i32::MAX as usize {
         return Err(unsupported("volumes of 2³¹ samples and more"));
@@ -51,10 +53,10 @@ pub(crate) fn check<'s>(renderer: &TexSlice, scene: &'s Scene) -> Result<&'s Uni
     }
     check_shading(renderer, scene, volume)?;
     check_texture(renderer, scene, volume)?;
-    Ok(volume)
+    Ok(Arc::clone(volume))
 }
 
-fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> Result<(), RenderError> {
+fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
     let Some(shading) = &scene.shading else { return Ok(()) };
     // It multiplies κ, whether or not what shines is shaded.
     if !shading.gradient_opacity.is_empty() && scene.compositing.integrates_light() {
@@ -77,15 +79,14 @@ fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> 
     Ok(())
 }
 
-fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> Result<(), RenderError> {
+fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
     if renderer.format == Format::LuminanceAlpha {
         let grey = |c: [f64; 3]| c[0] == c[1] && c[1] == c[2];
         let points = scene.transfer.points();
         if !points.iter().all(|p| grey(p.color) && grey(p.emission.unwrap_or_default())) {
             return Err(unsupported("colours in textures of luminance and alpha"));
         }
-        let mut lights = scene.shading.iter().flat_map(|shading| &shading.lights);
-        if shades(scene) && !lights.all(|light| grey(light.color)) {
+        if shades(scene) && !scene.lights.iter().all(|light| grey(light.color)) {
             return Err(unsupported("lights of a colour on textures of luminance and alpha"));
         }
     }
@@ -119,7 +120,7 @@ pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Res
     if perspective && is_shaded(renderer.format, scene) {
         return Err(unsupported("voxels shaded beforehand in perspective: what they reflect changes from ray to ray"));
     }
-    if renderer.order == Order::Slices && view.samples > 1 {
+    if renderer.order == Order::Slices && view.supersampling > 1 {
         return Err(unsupported("several samples a pixel in whole slices"));
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! Tables of the transfer function, and what can be visible by them.
 
-use vr_core::{Scene, TransferFunction, UniformVolume};
+use vr_core::{GridVolume, Scene, TransferFunction};
 use vr_kernels::tables::{BakedTransfer, PreIntegrated, resolves_ramps, table_range};
 use vr_kernels::vector::OpticsTable;
 
@@ -21,7 +21,7 @@ pub(crate) struct LengthTables {
 }
 
 impl Tables {
-    pub(crate) fn new(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> Self {
+    pub(crate) fn new(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Self {
         let segments = (renderer.format == Format::PreIntegrated).then(|| segments(scene, volume));
         let (low, high) = volume.census().range.unwrap_or((0.0, 0.0));
         let field = (f64::from(low), f64::from(high));
@@ -30,7 +30,7 @@ impl Tables {
     }
 
     /// Makes the tables for slabs of a length, unless they are for it already; whether they had to be made.
-    pub(crate) fn tabulate(&mut self, scene: &Scene, volume: &UniformVolume, length: f64) -> bool {
+    pub(crate) fn tabulate(&mut self, scene: &Scene, volume: &GridVolume, length: f64) -> bool {
         if self.lengths.as_ref().is_some_and(|l| l.length == length) {
             return false;
         }
@@ -45,7 +45,7 @@ impl Tables {
     ///
     /// # Panics
     /// If no length has been tabulated.
-    pub(crate) fn shows(&self, scene: &Scene, volume: &UniformVolume, low: f32, high: f32) -> bool {
+    pub(crate) fn shows(&self, scene: &Scene, volume: &GridVolume, low: f32, high: f32) -> bool {
         let tables = self.of_length();
         match &self.segments {
             Some(segments) => !segments.is_clear(low, high),
@@ -68,7 +68,7 @@ impl Tables {
 const INTERVALS: [usize; 3] = [1024, 8192, 65536];
 
 /// The table of segments, in any precision.
-pub(crate) fn segments<R: vr_core::Real>(scene: &Scene, volume: &UniformVolume) -> PreIntegrated<R> {
+pub(crate) fn segments<R: vr_core::Real>(scene: &Scene, volume: &GridVolume) -> PreIntegrated<R> {
     let range = volume.census().range.unwrap_or((0.0, 0.0));
     let table = |intervals| PreIntegrated::new(&scene.transfer, volume.calibration(), range, intervals);
     let aligned = INTERVALS.into_iter().map(table).find(PreIntegrated::is_aligned);
@@ -77,13 +77,13 @@ pub(crate) fn segments<R: vr_core::Real>(scene: &Scene, volume: &UniformVolume) 
 
 impl LengthTables {
     /// Whether the table tells apart all that the transfer function does.
-    pub(crate) fn resolves(&self, transfer: &TransferFunction, volume: &UniformVolume) -> bool {
+    pub(crate) fn resolves(&self, transfer: &TransferFunction, volume: &GridVolume) -> bool {
         resolves_ramps(self.baked.spacing(), volume.calibration(), transfer)
     }
 }
 
 /// Whether the transfer function shows anything at or between two stored numbers.
-pub(crate) fn is_visible(transfer: &TransferFunction, volume: &UniformVolume, low: f32, high: f32) -> bool {
+pub(crate) fn is_visible(transfer: &TransferFunction, volume: &GridVolume, low: f32, high: f32) -> bool {
     let [a, b] = [low, high].map(|v| volume.calibration().value(f64::from(v)));
     let (low, high) = (a.min(b), a.max(b));
     let shows = |value: f64| {

@@ -1,7 +1,7 @@
 //! The textures of a volume: made when a view first needs them, kept within a budget.
 
 use vr_core::filter::Lattice;
-use vr_core::{AnyGrid, RenderError, UniformGrid, UniformVolume, Voxel, with_grid};
+use vr_core::{AnyGrid, GridVolume, RenderError, UniformGrid, Voxel, with_grid};
 
 use crate::tex_slice::TexSlice;
 
@@ -21,12 +21,7 @@ impl Stacks {
     ///
     /// # Errors
     /// [`RenderError::TooLarge`] for a stack that is larger than the budget by itself.
-    pub(crate) fn make(
-        &mut self,
-        renderer: &TexSlice,
-        volume: &UniformVolume,
-        axis: usize,
-    ) -> Result<bool, RenderError> {
+    pub(crate) fn make(&mut self, renderer: &TexSlice, volume: &GridVolume, axis: usize) -> Result<bool, RenderError> {
         let bytes = volume.sample_bytes() as u64;
         hold("a stack of slices", bytes, renderer.bytes())?;
         if axis == 2 || self.turned[axis].is_some() {
@@ -37,13 +32,13 @@ impl Stacks {
         if (others + 1) * bytes > renderer.bytes() {
             self.turned = [None, None];
         }
-        self.turned[axis] = Some(with_grid!(volume.grid(), g => turned(g, axes_of_stack(axis)).into()));
+        self.turned[axis] = Some(with_grid!(volume.values(), g => turned(g, axes_of_stack(axis)).into()));
         Ok(true)
     }
 
     /// The stack of an axis that has been made.
-    pub(crate) fn of<'a>(&'a self, volume: &'a UniformVolume, axis: usize) -> &'a AnyGrid {
-        self.turned.get(axis).and_then(Option::as_ref).unwrap_or(volume.grid())
+    pub(crate) fn of<'a>(&'a self, volume: &'a GridVolume, axis: usize) -> &'a AnyGrid {
+        self.turned.get(axis).and_then(Option::as_ref).unwrap_or(volume.values())
     }
 }
 

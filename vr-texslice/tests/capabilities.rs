@@ -19,7 +19,7 @@ fn what_it_cannot_draw_it_refuses() {
     };
     let plain = TexSlice::default;
     assert!(!refused(plain(), &scene, &view));
-    assert!(refused(plain(), &Scene { filter: Filter::BSpline, ..scene.clone() }, &view));
+    assert!(refused(plain(), &scene.with_filter(Filter::BSpline), &view));
     assert!(refused(TexSlice { format: Format::LuminanceAlpha, ..plain() }, &scene, &view), "colours");
     let maximum = Scene { compositing: Compositing::Maximum, ..scene.clone() };
     assert!(refused(TexSlice { format: Format::Rgba, ..plain() }, &maximum, &view));
@@ -50,14 +50,13 @@ fn what_it_cannot_draw_it_refuses() {
     let grey = TransferFunction::new(vec![white], OpacityRule::Power, 1.0).unwrap();
     let lit = |color| {
         let lights = vec![Light { color, ..Light::default() }];
-        let shading = Shading { lights, ..Shading::default() };
-        Scene { shading: Some(shading.into()), transfer: Arc::new(grey.clone()), ..scene.clone() }
+        Scene { shading: Some(Shading::default().into()), lights, transfer: Arc::new(grey.clone()), ..scene.clone() }
     };
     let luminance = || TexSlice { format: Format::LuminanceAlpha, ..plain() };
     assert!(refused(luminance(), &lit([1.0, 0.2, 0.1]), &view) && !refused(luminance(), &lit([0.7; 3]), &view));
     let unlit = Scene { shading: None, ..lit([1.0, 0.2, 0.1]) };
     assert!(!refused(luminance(), &unlit, &view));
-    assert!(refused(TexSlice { order: Order::Slices, ..plain() }, &scene, &View { samples: 2, ..view.clone() }));
+    assert!(refused(TexSlice { order: Order::Slices, ..plain() }, &scene, &View { supersampling: 2, ..view.clone() }));
 }
 
 #[test]

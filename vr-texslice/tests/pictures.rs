@@ -7,6 +7,7 @@ use std::sync::Arc;
 use common::*;
 use vr_core::phantom::TRANSFER_UNIT_DISTANCE;
 use vr_core::*;
+use vr_physics::check::FixedLayer;
 use vr_physics::{Metrics, Reference};
 use vr_texslice::{Blend, Format, Order, Proxy, TexSlice};
 
@@ -117,21 +118,20 @@ fn both_ways_of_blending_agree() {
 }
 
 /// A plane in the world that cuts the volume, as a layer; and the same as a clip plane.
-fn cut_at(scene: &Scene, plain: &View, depth: f64) -> (View, View) {
+fn cut_at(scene: &Scene, plain: &View, depth: f64) -> (FixedLayer, View) {
     let forward = plain.camera.frame().unwrap().z_axis;
     let (low, high) = scene.volume.bounds();
     let offset = forward.dot(0.5 * (low + high)) + depth;
     let rays = Rays::new(plain).unwrap();
-    let [w, h] = plain.size;
+    let w = plain.size[0];
     let color = [0.3f32, 0.6, 0.1];
     let pixel = |i: u32| {
         let ray = rays.at(f64::from(i % w) + 0.5, f64::from(i / w) + 0.5);
         (color, ((offset - forward.dot(ray.origin)) / forward.dot(ray.direction)) as f32)
     };
-    let layer = Layer { pixels: (0..w * h).map(pixel).collect() };
     let plane = Plane { normal: -forward, offset: -offset };
     let clipped = View { clip: Clip { planes: vec![plane], ..Clip::default() }, ..plain.clone() };
-    (View { layer: Some(Arc::new(layer)), ..plain.clone() }, clipped)
+    (FixedLayer::new(plain, pixel), clipped)
 }
 
 #[test]
@@ -147,16 +147,16 @@ fn a_layer_cuts_rays_where_it_is() {
             // 0.37 of a slab behind a slice, and elsewhere.
             for depth in [-0.4, 0.011_9, 0.3] {
                 let (layered, clipped) = cut_at(&scene, &plain, depth);
-                let got = draw(&renderer, &scene, &layered).frame;
+                let walled = layered.clone().among(&scene);
+                let got = draw(&renderer, &walled, &plain).frame;
                 let cut = draw(&renderer, &scene, &clipped).frame;
-                let want: Vec<[f64; 4]> = (cut.pixels().iter().enumerate())
-                    .map(|(i, p)| layered.layer.as_ref().unwrap().under(i, p.map(f64::from)))
-                    .collect();
+                let want: Vec<[f64; 4]> =
+                    (cut.pixels().iter().enumerate()).map(|(i, p)| layered.0.under(i, p.map(f64::from))).collect();
                 let m = Metrics::of(&want, got.pixels());
                 // A layer's depths are f32: a 10⁻⁷ of the distance.
                 assert!(m.max < 2e-6, "{fov:?} {depth}: {m}");
                 // And the ray cut there, in the reference: what half a voxel between slices leaves anywhere.
-                let truth = solve(&scene, &layered, &Model::Canonical, 1e-7);
+                let truth = solve(&walled, &plain, &Model::Canonical, 1e-7);
                 let m = Metrics::of(&truth, got.pixels());
                 assert!(m.max < 2e-3, "{fov:?} {depth}: {m}");
             }
@@ -226,8 +226,8 @@ fn light_ends_at_a_level() {
 #[test]
 fn samples_are_the_mean_over_the_pixel() {
     let scene = phantom_scene::<u8>("hydrogen", 32, 1.0);
-    let view = View { samples: 3, ..view(&scene, 33.0, 21.0, Some(30.0), 9) };
-    let fine = View { samples: 1, size: [27; 2], ..view.clone() };
+    let view = View { supersampling: 3, ..view(&scene, 33.0, 21.0, Some(30.0), 9) };
+    let fine = View { supersampling: 1, size: [27; 2], ..view.clone() };
     for brick in [None, Some(16)] {
         let renderer = TexSlice { brick, ..TexSlice::default() };
         let (coarse, fine) = (draw(&renderer, &scene, &view).frame, draw(&renderer, &scene, &fine).frame);

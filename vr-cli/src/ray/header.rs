@@ -66,8 +66,8 @@ pub fn text(account: &Account<'_>) -> String {
     if let Some(model) = &account.model {
         line("", format!("the field is not the scene's: {renderer} integrates {model}, and the error is of both"));
     }
-    if setup.view.samples > 1 {
-        let n = setup.view.samples;
+    if setup.view.supersampling > 1 {
+        let n = setup.view.supersampling;
         line("", format!("the picture's pixel is the mean of {n}x{n} rays; this is the one through its centre"));
     }
     causes::lines(account).into_iter().enumerate().for_each(|(i, words)| line(if i == 0 { "why" } else { "" }, words));

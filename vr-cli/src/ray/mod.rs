@@ -35,12 +35,12 @@ pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Fa
     let pixel = pixel(args, setup.view.size)?;
     let renderer = setup.renderer(&args.renderer, console)?.renderer;
     // The one ray through the pixel's centre, whatever else the picture's pixel is made of.
-    if setup.view.samples > 1 {
-        let n = setup.view.samples;
+    if setup.view.supersampling > 1 {
+        let n = setup.view.supersampling;
         console
             .note(&format!("one ray is told of, the one through the pixel's centre: {n} x {n} samples have no effect"));
     }
-    let view = View { samples: 1, ..setup.view.clone() };
+    let view = View { supersampling: 1, ..setup.view.clone() };
     let failed = |e: RenderError| setup.render_failure(e);
     let seen = under_bar(console, control, "looking", |control| look(&*renderer, &setup, &view, pixel, control))
         .map_err(failed)?;

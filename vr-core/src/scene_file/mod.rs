@@ -10,18 +10,20 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
+use crate::any_grid::AnyGrid;
 use crate::camera::{Camera, Projection};
 use crate::compositing::Compositing;
 use crate::error::ParameterError;
 use crate::filter::Filter;
 use crate::grid::UniformGrid;
+use crate::grid_volume::GridVolume;
 use crate::options::Options;
 use crate::point_kernel::PointKernel;
 use crate::scene::Scene;
 use crate::shading::{GradientMethod, Light, Shading};
 use crate::transfer::{ControlPoint, OpacityRule, TransferFunction};
 use crate::view::{Clip, Plane, View};
-use crate::volume::{AnyGrid, Geometry, UniformVolume, Volume};
+use crate::volume::Volume;
 use crate::voxel::{Voxel, VoxelType};
 use crate::with_grid;
 
@@ -205,12 +207,12 @@ pub struct ShadingSection {
 
 impl Default for ShadingSection {
     fn default() -> Self {
-        Self::from(&Shading::default())
+        Self::describe(&Shading::default(), &[Light::default()])
     }
 }
 
-impl From<&Shading> for ShadingSection {
-    fn from(s: &Shading) -> Self {
+impl ShadingSection {
+    fn describe(s: &Shading, lights: &[Light]) -> Self {
         let light = |l: &Light| LightEntry {
             headlight: l.direction.is_none(),
             direction: l.direction.map(|d| d.to_array()),
@@ -221,7 +223,7 @@ impl From<&Shading> for ShadingSection {
             diffuse: s.diffuse,
             specular: s.specular,
             power: s.power,
-            lights: s.lights.iter().map(light).collect(),
+            lights: lights.iter().map(light).collect(),
             gradient: s.gradient,
             gradient_opacity: s.gradient_opacity.iter().map(|&(m, f)| [m, f]).collect(),
         }
@@ -229,7 +231,8 @@ impl From<&Shading> for ShadingSection {
 }
 
 impl ShadingSection {
-    fn shading(&self) -> Result<Shading, ParameterError> {
+    /// How the volume reflects light, and the lights.
+    fn shading(&self) -> Result<(Shading, Vec<Light>), ParameterError> {
         let light = |(i, l): (usize, &LightEntry)| {
             if l.headlight == l.direction.is_some() {
                 let allowed = "must be either a headlight or have a direction";
@@ -242,12 +245,11 @@ impl ShadingSection {
             diffuse: self.diffuse,
             specular: self.specular,
             power: self.power,
-            lights: self.lights.iter().enumerate().map(light).collect::<Result<_, _>>()?,
             gradient: self.gradient,
             gradient_opacity: self.gradient_opacity.iter().map(|p| (p[0], p[1])).collect(),
         };
-        shading.validate()?;
-        Ok(shading)
+        let lights = self.lights.iter().enumerate().map(light).collect::<Result<_, _>>()?;
+        Ok((shading, lights))
     }
 }
 
@@ -436,10 +438,10 @@ pub enum CompositingName {
 impl RenderSection {
     /// The renderer: the one that is named, or else the one that draws volumes of this kind.
     pub fn renderer(&self, volume: &Volume) -> &str {
-        self.renderer.as_deref().unwrap_or(match volume.geometry() {
-            Geometry::Uniform(_) => "raycast",
+        self.renderer.as_deref().unwrap_or(match &volume {
+            Volume::Grid(_) => "raycast",
             // No ray caster finds the few points, of all, that a ray meets.
-            Geometry::Points(_) => "splat",
+            Volume::Points(_) => "splat",
         })
     }
 
@@ -504,21 +506,24 @@ impl SceneFile {
         let clip = &view.clip;
         let planes = clip.planes.iter().map(|p| PlaneEntry { normal: p.normal.to_array(), offset: p.offset });
         Ok(Self {
-            volume: VolumeSection { filter: scene.filter, ..inline_volume(&scene.volume)? },
+            volume: VolumeSection {
+                filter: scene.volume.filter().unwrap_or_default(),
+                ..inline_volume(&scene.volume)?
+            },
             transfer: Some(TransferSection {
                 unit_distance: Some(t.unit_distance()),
                 opacity_rule: t.rule(),
                 points: Some(t.points().iter().map(point).collect()),
                 ..TransferSection::default()
             }),
-            shading: scene.shading.as_deref().map(ShadingSection::from),
+            shading: scene.shading.as_deref().map(|s| ShadingSection::describe(s, &scene.lights)),
             camera: Some(CameraSection::from(&view.camera)),
             mesh: None,
             clip: (*clip != Clip::default()).then(|| ClipSection {
                 crop: clip.crop.map(|(a, b)| [a.to_array(), b.to_array()]),
                 planes: planes.collect(),
             }),
-            image: ImageSection { size: view.size, samples: view.samples, background: scene.background },
+            image: ImageSection { size: view.size, samples: view.supersampling, background: scene.background },
             render: RenderSection::describe(scene.compositing),
         })
     }
@@ -541,15 +546,17 @@ impl SceneFile {
             clip.crop = c.crop.map(|[a, b]| (a.into(), b.into()));
             clip.planes = c.planes.iter().map(|p| Plane { normal: p.normal.into(), offset: p.offset }).collect();
         }
-        let view = View { samples: self.image.samples, clip, ..View::new(camera, self.image.size) };
+        let view = View { supersampling: self.image.samples, clip, ..View::new(camera, self.image.size) };
         view.validate()?;
-        let scene = Scene {
-            filter: self.volume.filter,
-            shading: self.shading.as_ref().map(|s| s.shading().map(Arc::new)).transpose()?,
+        let mut scene = Scene {
             compositing: self.render.compositing()?,
             background: self.image.background,
-            ..Scene::new(volume, transfer)
+            ..Scene::new(volume.with_filter(self.volume.filter), transfer)
         };
+        if let Some(section) = &self.shading {
+            let (shading, lights) = section.shading()?;
+            (scene.shading, scene.lights) = (Some(Arc::new(shading)), lights);
+        }
         scene.validate()?;
         Ok((scene, view))
     }
@@ -559,13 +566,13 @@ impl SceneFile {
 pub const MOST_INLINE: usize = 64 * 64 * 64;
 
 fn inline_volume(volume: &Volume) -> Result<VolumeSection, ParameterError> {
-    match volume.geometry() {
-        Geometry::Uniform(u) => inline_grid(u),
-        Geometry::Points(p) => points::inline_points(p),
+    match &volume {
+        Volume::Grid(u) => inline_grid(u),
+        Volume::Points(p) => points::inline_points(p),
     }
 }
 
-fn inline_grid(u: &UniformVolume) -> Result<VolumeSection, ParameterError> {
+fn inline_grid(u: &GridVolume) -> Result<VolumeSection, ParameterError> {
     let allowed = "only uniform grids of up to 64^3 samples can be written into a scene file";
     if u.dims().iter().product::<usize>() > MOST_INLINE {
         return Err(ParameterError::new("volume.dims", u.dims(), allowed));
@@ -579,7 +586,7 @@ fn inline_grid(u: &UniformVolume) -> Result<VolumeSection, ParameterError> {
     let unit = |c: DVec3, s: f64| (c / s).to_array();
     let direction = [unit(axes.x_axis, spacing[0]), unit(axes.y_axis, spacing[1]), unit(axes.z_axis, spacing[2])];
     Ok(VolumeSection {
-        data: Some(with_grid!(u.grid(), g => numbers(g))),
+        data: Some(with_grid!(u.values(), g => numbers(g))),
         dims: Some(u.dims()),
         voxel_type: Some(u.voxel_type().name().to_owned()),
         spacing: Some(spacing),

@@ -7,7 +7,7 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use glam::DVec3;
-use vr_core::{AnyGrid, Calibration, UniformVolume, Volume, with_grid};
+use vr_core::{AnyGrid, Calibration, GridVolume, Volume, with_grid};
 
 use crate::atomic::write_whole;
 use crate::error::WriteError;
@@ -61,7 +61,7 @@ pub enum NrrdValues {
 /// A [`WriteError`] naming the file, also for a volume that is no uniform grid; no part of it is left behind then.
 pub fn write_nrrd(path: impl AsRef<Path>, volume: &Volume, options: &NrrdOptions) -> Result<(), WriteError> {
     let path = path.as_ref();
-    let Some(uniform) = volume.uniform() else {
+    let Some(uniform) = volume.grid() else {
         let message = format!("a {} is no NRRD: it must be a uniform grid", volume.kind());
         return Err(WriteError::Encode { path: path.into(), message });
     };
@@ -82,7 +82,7 @@ pub fn write_nrrd(path: impl AsRef<Path>, volume: &Volume, options: &NrrdOptions
     })
 }
 
-fn header(uniform: &UniformVolume, options: &NrrdOptions, as_floats: bool) -> String {
+fn header(uniform: &GridVolume, options: &NrrdOptions, as_floats: bool) -> String {
     let scalar = if as_floats { ScalarType::F32 } else { uniform.voxel_type().into() };
     let type_name = match scalar {
         ScalarType::U8 => "uint8",
@@ -130,17 +130,17 @@ fn header(uniform: &UniformVolume, options: &NrrdOptions, as_floats: bool) -> St
 }
 
 /// The samples in the machine's byte order.
-fn write_samples(out: &mut impl Write, uniform: &UniformVolume, as_floats: bool) -> io::Result<()> {
+fn write_samples(out: &mut impl Write, uniform: &GridVolume, as_floats: bool) -> io::Result<()> {
     if as_floats {
         let calibration = uniform.calibration();
-        return with_grid!(uniform.grid(), g => {
+        return with_grid!(uniform.values(), g => {
             g.samples().chunks(1 << 14).try_for_each(|chunk| {
                 let values: Vec<f32> = chunk.iter().map(|&s| calibration.value(f64::from(s)) as f32).collect();
                 out.write_all(bytemuck::cast_slice(&values))
             })
         });
     }
-    match uniform.grid() {
+    match uniform.values() {
         AnyGrid::U8(g) => out.write_all(g.samples()),
         AnyGrid::I8(g) => out.write_all(bytemuck::cast_slice(g.samples())),
         AnyGrid::U16(g) => out.write_all(bytemuck::cast_slice(g.samples())),

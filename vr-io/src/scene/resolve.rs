@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use vr_core::scene_file::{ColorEncoding, SceneFile, TransferSection};
 use vr_core::transfer::{Preset, srgb_to_linear};
-use vr_core::{ControlPoint, Geometry, Options, ParameterError, Scene, TriangleMesh, View, Volume};
+use vr_core::{ControlPoint, Options, ParameterError, Scene, TriangleMesh, View, Volume};
 
 use crate::framing::{OBLIQUE, framing};
 use crate::mesh::read_mesh;
@@ -91,8 +91,8 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
             let transfer = transfer.get_or_insert_default();
             let points = points(transfer, &found.volume, folder, in_file, &mut notes)?;
             if transfer.unit_distance.is_none() {
-                let what = match found.volume.geometry() {
-                    Geometry::Points(_) => "half the mean radius",
+                let what = match &found.volume {
+                    Volume::Points(_) => "half the mean radius",
                     _ => "the mean spacing",
                 };
                 notes.push(format!("unit_distance is {what}, {:.6}", found.volume.mean_spacing()));
@@ -207,7 +207,7 @@ fn points(
             Ok(points)
         }
         (None, None, None) => {
-            let integer = volume.uniform().is_some_and(|u| u.voxel_type().is_integer());
+            let integer = volume.grid().is_some_and(|u| u.voxel_type().is_integer());
             let preset = Preset::suggest(range, integer).first().copied().unwrap_or(Preset::Grey);
             notes.push(format!("no transfer function: preset {preset} over {} to {}", range.0, range.1));
             Ok(preset.points(range))

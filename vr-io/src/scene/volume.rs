@@ -4,7 +4,7 @@ use std::path::Path;
 
 use vr_core::phantom;
 use vr_core::scene_file::VolumeSection;
-use vr_core::{ControlPoint, Filter, Geometry, ParameterError, Volume};
+use vr_core::{ControlPoint, Filter, ParameterError, Volume};
 
 use crate::nifti::Transform;
 use crate::points::PointOptions;
@@ -124,8 +124,8 @@ fn phantom_of_points(section: &VolumeSection, name: &str) -> Result<LoadedVolume
 
 /// Refuses keys that say nothing about a volume of this kind, or from this place.
 fn check_keys(section: &VolumeSection, volume: &Volume) -> Result<(), ParameterError> {
-    match volume.geometry() {
-        Geometry::Points(_) => {
+    match &volume {
+        Volume::Points(_) => {
             if section.filter != Filter::default() {
                 return Err(wrong(
                     "volume.filter",

@@ -31,7 +31,7 @@ pub fn expected() -> Vec<f32> {
 
 /// The stored samples of a volume that was read.
 pub fn stored(loaded: &Loaded) -> Vec<f32> {
-    with_grid!(loaded.volume.uniform().unwrap().grid(), g => g.samples().iter().map(|s| s.to_f32()).collect())
+    with_grid!(loaded.volume.grid().unwrap().values(), g => g.samples().iter().map(|s| s.to_f32()).collect())
 }
 
 pub fn gzip(bytes: &[u8]) -> Vec<u8> {

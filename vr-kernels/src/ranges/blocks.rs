@@ -8,7 +8,7 @@ use vr_core::Sampler;
 use vr_core::VacuumCells;
 use vr_core::Voxel;
 use vr_core::filter::{Filter, Reconstruction};
-use vr_core::{SamplerVisitor, UniformVolume};
+use vr_core::{GridVolume, SamplerVisitor};
 
 /// Smallest and largest value of the field in each block of `edge`³ cells, in stored units.
 ///
@@ -40,10 +40,10 @@ impl BlockRange {
 }
 
 impl RangeBlocks {
-    /// Ranges of a volume's field under a filter, in blocks of `edge`³ cells; made once and kept with the volume.
-    pub fn of_volume(volume: &UniformVolume, filter: Filter, edge: usize) -> Arc<Self> {
-        volume.derived().get((filter, edge), || {
-            let (blocks, ranges) = block_ranges(volume, filter, edge, |range| range);
+    /// Ranges of a volume's field in blocks of `edge`³ cells; made once and kept with the volume.
+    pub fn of_volume(volume: &GridVolume, edge: usize) -> Arc<Self> {
+        volume.derived().get((volume.filter(), edge), || {
+            let (blocks, ranges) = block_ranges(volume, edge, |range| range);
             Self { edge, blocks, ranges }
         })
     }
@@ -72,15 +72,14 @@ impl RangeBlocks {
 /// Blocks along x, y, z of `edge`³ cells, and what `keep` keeps of the range of each, x fastest: a row of them at a time is all that
 /// is held in full.
 pub(crate) fn block_ranges<K: Copy + Send>(
-    volume: &UniformVolume,
-    filter: Filter,
+    volume: &GridVolume,
     edge: usize,
     keep: impl Fn(BlockRange) -> K + Sync,
 ) -> ([usize; 3], Vec<K>) {
     assert!(edge > 0, "blocks have at least one cell");
     let cells = volume.dims().map(|n| n - 1);
     let blocks = cells.map(|n| n.div_ceil(edge));
-    (blocks, volume.with_sampler(filter, Builder { edge, cells, blocks, keep }))
+    (blocks, volume.with_sampler(Builder { edge, cells, blocks, keep }))
 }
 
 struct Builder<F> {

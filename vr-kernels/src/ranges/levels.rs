@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::blocks::{BlockRange, block_ranges, bounds};
-use vr_core::UniformVolume;
-use vr_core::filter::{Filter, Trilinear};
+use vr_core::GridVolume;
+use vr_core::filter::Trilinear;
 
 /// Smallest and largest value of the field in each block of [`LevelRanges::EDGE`]³ cells, rounded outward to 256 levels.
 ///
@@ -31,12 +31,12 @@ impl LevelRanges {
     /// Part of a level by which a range may fall short: bounds are widened for rounding in f32, which must not cost a whole level.
     pub const SLACK: f64 = 0.01;
 
-    /// Ranges of a volume's field under a filter; made once and kept with the volume.
-    pub fn of_volume(volume: &UniformVolume, filter: Filter) -> Arc<Self> {
-        volume.derived().get(filter, || Self::of_field(volume, filter))
+    /// Ranges of a volume's field; made once and kept with the volume.
+    pub fn of_volume(volume: &GridVolume) -> Arc<Self> {
+        volume.derived().get(volume.filter(), || Self::of_field(volume))
     }
 
-    fn of_field(volume: &UniformVolume, filter: Filter) -> Self {
+    fn of_field(volume: &GridVolume) -> Self {
         let last = f64::from(Self::LAST);
         // Filters may overshoot the samples: levels end where these do, and what lies beyond belongs to the last one.
         let (low, high) = volume.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
@@ -50,7 +50,7 @@ impl LevelRanges {
             // `as` saturates.
             [(level(range.low) + Self::SLACK).floor() as u8, (level(range.high) - Self::SLACK).ceil() as u8]
         };
-        let (blocks, ranges) = block_ranges(volume, filter, Self::EDGE, keep);
+        let (blocks, ranges) = block_ranges(volume, Self::EDGE, keep);
         Self { blocks, origin: low, spacing, ranges, holes: holes(volume, blocks) }
     }
 
@@ -59,7 +59,7 @@ impl LevelRanges {
 
     /// Whether levels are a volume's own numbers, integers that span no more than 255: a trilinear field's range in a block is then exactly
     /// what is said of it.
-    pub fn are_exact(volume: &UniformVolume) -> bool {
+    pub fn are_exact(volume: &GridVolume) -> bool {
         let span = volume.census().range.map_or(0.0, |(low, high)| f64::from(high) - f64::from(low));
         span <= f64::from(Self::LAST) && volume.voxel_type().is_integer()
     }
@@ -97,7 +97,7 @@ impl LevelRanges {
 }
 
 /// Blocks of which a part is vacuum; none where no sample is missing.
-fn holes(volume: &UniformVolume, blocks: [usize; 3]) -> Vec<bool> {
+fn holes(volume: &GridVolume, blocks: [usize; 3]) -> Vec<bool> {
     let Some(vacuum) = volume.vacuum_cells() else { return Vec::new() };
     let mut holes = vec![false; blocks.iter().product()];
     let cells = volume.dims().map(|n| n - 1);
@@ -116,6 +116,7 @@ fn holes(volume: &UniformVolume, blocks: [usize; 3]) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::ranges::RangeBlocks;
+    use vr_core::Filter;
     use vr_core::Placement;
     use vr_core::Volume;
     use vr_core::Voxel;
@@ -134,16 +135,16 @@ mod tests {
     fn bytes_are_their_own_levels() {
         let samples: Vec<u8> = (0..9 * 5 * 5).map(|i| (i * 37 % 200) as u8 + 20).collect();
         let volume = volume([9, 5, 5], samples.clone());
-        let ranges = LevelRanges::of_volume(volume.uniform().unwrap(), Filter::Trilinear);
+        let ranges = LevelRanges::of_volume(volume.grid().unwrap());
         assert_eq!(ranges.blocks(), [2, 1, 1]);
-        assert!(LevelRanges::are_exact(volume.uniform().unwrap()));
+        assert!(LevelRanges::are_exact(volume.grid().unwrap()));
         let of = |xs: std::ops::RangeInclusive<usize>| {
             let all = (0..25).flat_map(|row| xs.clone().map(move |x| row * 9 + x)).map(|i| samples[i]);
             [all.clone().min().unwrap(), all.max().unwrap()]
         };
         let stored = ranges.ranges().iter().map(|r| r.map(|l| ranges.stored(l) as u8)).collect::<Vec<_>>();
         assert_eq!(stored, [of(0..=4), of(4..=8)]);
-        let blocks = RangeBlocks::of_volume(volume.uniform().unwrap(), Filter::Trilinear, LevelRanges::EDGE);
+        let blocks = RangeBlocks::of_volume(volume.grid().unwrap(), LevelRanges::EDGE);
         for (levels, block) in ranges.ranges().iter().zip(blocks.ranges()) {
             assert_eq!(ranges.bounds(*levels), (block.low, block.high));
         }
@@ -153,10 +154,9 @@ mod tests {
     fn ranges_enclose_the_field() {
         for filter in Filter::ALL {
             let samples: Vec<f32> = (0..216).map(|i| ((i * i) as f32 * 0.7).sin() * 1e4 + 3e4).collect();
-            let volume = volume([6, 6, 6], samples);
-            let volume = volume.uniform().unwrap();
-            let (exact, rounded) =
-                (RangeBlocks::of_volume(volume, filter, LevelRanges::EDGE), LevelRanges::of_volume(volume, filter));
+            let volume = volume([6, 6, 6], samples).with_filter(filter);
+            let volume = volume.grid().unwrap();
+            let (exact, rounded) = (RangeBlocks::of_volume(volume, LevelRanges::EDGE), LevelRanges::of_volume(volume));
             for (exact, levels) in exact.ranges().iter().zip(rounded.ranges()) {
                 let slack = LevelRanges::SLACK * rounded.spacing;
                 let [low, high] = levels.map(|l| rounded.stored(l));
@@ -172,10 +172,7 @@ mod tests {
     #[test]
     fn vacuum_is_nothing() {
         let volume = volume([2, 2, 2], vec![f32::NAN; 8]);
-        assert_eq!(
-            LevelRanges::of_volume(volume.uniform().unwrap(), Filter::Trilinear).ranges(),
-            [LevelRanges::NOTHING]
-        );
+        assert_eq!(LevelRanges::of_volume(volume.grid().unwrap()).ranges(), [LevelRanges::NOTHING]);
     }
 
     #[test]
@@ -183,10 +180,10 @@ mod tests {
         let mut samples = vec![3.0f32; 9 * 5 * 5];
         samples[7] = f32::NAN;
         let ranges = volume([9, 5, 5], samples);
-        let ranges = LevelRanges::of_volume(ranges.uniform().unwrap(), Filter::Trilinear);
+        let ranges = LevelRanges::of_volume(ranges.grid().unwrap());
         assert_eq!((ranges.has_hole(0), ranges.has_hole(1)), (false, true));
         assert_eq!(ranges.ranges()[0], ranges.ranges()[1]);
         let whole = volume([2, 2, 2], vec![1.0f32; 8]);
-        assert!(!LevelRanges::of_volume(whole.uniform().unwrap(), Filter::Trilinear).has_holes());
+        assert!(!LevelRanges::of_volume(whole.grid().unwrap()).has_holes());
     }
 }

@@ -1,9 +1,8 @@
 //! The stored numbers that a table must cover, and whether its entries, and single precision, tell apart all that a transfer function does.
 
 use vr_core::Calibration;
+use vr_core::GridVolume;
 use vr_core::TransferFunction;
-use vr_core::UniformVolume;
-use vr_core::filter::Filter;
 
 /// Of a table's range, what lies beyond the first and the last control point and yet belongs into it: more than the distance of two
 /// entries, so that a jump at an end point has its other side in the table.
@@ -57,11 +56,11 @@ pub fn resolves_ramps(spacing: f64, calibration: Calibration, transfer: &Transfe
 /// A constant is exact under filters that take samples as they are, and of no rounding; the coefficients and weights of wider ones
 /// are rounded there, too, and their fields may leave the range of the samples. Ramps that no number of the field comes near do not
 /// count, nor does how narrow a jump is: no precision has room for it.
-pub fn rounding_in_f32(volume: &UniformVolume, filter: Filter, transfer: &TransferFunction) -> f64 {
+pub fn rounding_in_f32(volume: &GridVolume, transfer: &TransferFunction) -> f64 {
     let Some((low, high)) = volume.census().range.map(|(low, high)| (f64::from(low), f64::from(high))) else {
         return 0.0;
     };
-    let wide = filter.reach() > 0;
+    let wide = volume.filter().reach() > 0;
     if low == high && !wide {
         return 0.0;
     }
@@ -88,8 +87,8 @@ const MAX_ROUNDING: f64 = 1.0 / 32.0;
 
 /// The feature that a renderer whose kernels are f32 and whose filter is trilinear must refuse: a transfer function with ramps that
 /// f32 does not tell apart.
-pub fn beyond_f32(volume: &UniformVolume, transfer: &TransferFunction) -> Option<String> {
-    let rounding = rounding_in_f32(volume, Filter::Trilinear, transfer);
+pub fn beyond_f32(volume: &GridVolume, transfer: &TransferFunction) -> Option<String> {
+    let rounding = rounding_in_f32(volume, transfer);
     (rounding > MAX_ROUNDING).then(|| {
         format!("a transfer function that changes within {:.1} roundings of the stored numbers to f32", 1.0 / rounding)
     })
@@ -98,10 +97,8 @@ pub fn beyond_f32(volume: &UniformVolume, transfer: &TransferFunction) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vr_core::Placement;
-    use vr_core::UniformGrid;
-    use vr_core::Volume;
     use vr_core::transfer::{ControlPoint, OpacityRule};
+    use vr_core::{Filter, Placement, UniformGrid, Volume};
 
     #[test]
     fn narrow_ramps_and_jumps_in_narrow_fields_are_rounded() {
@@ -111,8 +108,8 @@ mod tests {
             let volume: Volume = UniformGrid::new([2; 3], samples, placement, Calibration::default()).unwrap().into();
             let points = [(ramp[0], 0.1), (ramp[1], 0.9)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
             let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
-            let volume = volume.uniform().unwrap();
-            [Filter::Trilinear, Filter::BSpline].map(|filter| rounding_in_f32(volume, filter, &transfer))
+            [Filter::Trilinear, Filter::BSpline]
+                .map(|filter| rounding_in_f32(volume.with_filter(filter).grid().unwrap(), &transfer))
         };
         let unit = 0.5f64.powi(24);
         assert_eq!(rounding([0.0, 1024.0], [100.0, 102.0]), [512.0 * unit; 2]);
@@ -135,7 +132,7 @@ mod tests {
         let refused = |width: f64| {
             let points = [(5e5, 0.1), (5e5 + width, 0.9)].map(|(v, a)| ControlPoint::new(v, [1.0; 3], a));
             let transfer = TransferFunction::new(points.to_vec(), OpacityRule::Power, 1.0).unwrap();
-            beyond_f32(volume.uniform().unwrap(), &transfer)
+            beyond_f32(volume.grid().unwrap(), &transfer)
         };
         assert_eq!(refused(10.0), None);
         assert!(refused(0.5).is_some_and(|feature| feature.contains("8.4 roundings")));

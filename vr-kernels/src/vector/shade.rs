@@ -8,13 +8,15 @@ use glam::DVec3;
 
 use super::field::{Cells, Field, Pairs, Stage};
 use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
-use vr_core::Shading;
+use vr_core::{Light, Shading};
 
 /// Shading, the same for all rays.
 #[derive(Clone, Debug)]
 pub struct PacketShading {
-    /// Coefficients and lights.
+    /// Coefficients.
     pub shading: Arc<Shading>,
+    /// The lights.
+    pub lights: Vec<Light>,
     /// From gradients per index step to world gradients, but for their length.
     pub to_world: [[f32; 3]; 3],
 }
@@ -38,13 +40,13 @@ struct PacketLight {
 
 impl PacketLights {
     /// Makes them for rays of these (unit) directions, unless they are for those already.
-    pub fn look_along(&mut self, shading: &Shading, directions: &[[f64; LANES]; 3]) {
+    pub fn look_along(&mut self, lights: &[Light], directions: &[[f64; LANES]; 3]) {
         if self.directions.as_ref() == Some(directions) {
             return;
         }
         self.directions = Some(*directions);
         self.lights.clear();
-        self.lights.extend(shading.lights.iter().map(|light| {
+        self.lights.extend(lights.iter().map(|light| {
             let mut seen = PacketLight {
                 to_light: [Lanes::ZERO; 3],
                 half: [Lanes::ZERO; 3],

@@ -181,7 +181,7 @@ mod tests {
             case.scene.validate().unwrap();
             case.view.validate().unwrap();
             assert!(case.view.size.iter().all(|&n| n <= 32), "{}", case.name);
-            let volume = case.scene.volume.uniform().unwrap();
+            let volume = case.scene.volume.grid().unwrap();
             assert!(volume.dims().iter().product::<usize>() <= 33 * 33 * 33, "{}", case.name);
             let rays = Rays::new(&case.view).unwrap();
             let [w, h] = case.view.size;

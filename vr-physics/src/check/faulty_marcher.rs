@@ -153,33 +153,35 @@ impl Prepared for Marching {
         match fault {
             Fault::StaleTransfer => self.scene.transfer = old.transfer,
             Fault::StaleVolume => self.scene.volume = old.volume,
-            Fault::StaleFilter => self.scene.filter = old.filter,
+            Fault::StaleFilter => {
+                let stale = old.volume.filter().unwrap_or_default();
+                self.scene.volume = self.scene.volume.with_filter(stale);
+            }
             _ => (),
         }
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
-        if view.layer.is_some() {
+        if self.scene.surfaces.is_some() {
             return Err(unsupported("opaque layers"));
         }
         let rays = Rays::new(view)?;
-        let volume = self.scene.volume.uniform().expect("a uniform grid");
+        let volume = self.scene.volume.grid().expect("a uniform grid");
         let threads = control.run(rayon::current_num_threads);
         let frame_number = self.frames.fetch_add(1, Ordering::Relaxed);
         let [w, h] = view.size;
-        let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(view.samples);
+        let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(view.supersampling);
         let pixels = (0..w * h).map(|i| {
             let mut mean = [0.0; 4];
-            for k in 0..view.samples * view.samples {
+            for k in 0..view.supersampling * view.supersampling {
                 let corner =
-                    if self.marcher.fault == Fault::PixelCorners { 0.5 / f64::from(view.samples) } else { 0.0 };
+                    if self.marcher.fault == Fault::PixelCorners { 0.5 / f64::from(view.supersampling) } else { 0.0 };
                 let at = |pixel: u32, k: u32| f64::from(pixel) + centre(k) - corner;
-                let (x, y) = (at(i % w, k % view.samples), at(i / w, k / view.samples));
+                let (x, y) = (at(i % w, k % view.supersampling), at(i / w, k / view.supersampling));
                 let along = IndexRay::new(&rays.at(x, y), volume.placement(), volume.dims(), &view.clip, f64::INFINITY);
-                let March { rgba, .. } =
-                    volume.with_sampler(self.scene.filter, March { marching: self, along, rgba: [0.0; 4] });
-                (0..4).for_each(|c| mean[c] += rgba[c] / f64::from(view.samples * view.samples));
+                let March { rgba, .. } = volume.with_sampler(March { marching: self, along, rgba: [0.0; 4] });
+                (0..4).for_each(|c| mean[c] += rgba[c] / f64::from(view.supersampling * view.supersampling));
             }
             match self.marcher.fault {
                 Fault::Memory => mean[0] += f64::from(frame_number) * 1e-6,
@@ -213,7 +215,7 @@ impl SamplerVisitor for March<'_> {
     fn visit<T: Voxel, F: Reconstruction>(mut self, sampler: Sampler<'_, T, F>) -> Self {
         let Some(ray) = self.along else { return self };
         let Marching { marcher, scene, .. } = self.marching;
-        let volume = scene.volume.uniform().expect("a uniform grid");
+        let volume = scene.volume.grid().expect("a uniform grid");
         let fault = marcher.fault;
         let spacing = volume.placement().spacing();
         let step = marcher.step

@@ -137,7 +137,7 @@ pub fn ignores_threads(renderer: &dyn Renderer, effort: &Effort) -> Result<Repor
     let (one, three) = (Control::default().with_threads(1), Control::default().with_threads(3));
     effort.over("ignores the number of threads", renderer, effort.any_scene(), |test| {
         // More than one tile of rays, so that there is something to share out.
-        let view = View { size: [40, 40], layer: None, ..test.view.clone() };
+        let view = View { size: [40, 40], ..test.view.clone() };
         let test = TestScene { view, ..test.clone() };
         let (a, b) = (draw(renderer, &test, &one)?, draw(renderer, &test, &three)?);
         Ok(identical(&a, &b, "three threads instead of one"))
@@ -156,7 +156,7 @@ pub fn forgets_earlier_frames(renderer: &dyn Renderer, effort: &Effort) -> Resul
         let mut prepared = renderer.prepare(&test.scene, &control)?;
         let [width, height] = test.view.size;
         let camera = test.view.camera.orbit(40.0, 10.0);
-        let elsewhere = View { camera, size: [height + 1, width], layer: None, ..test.view.clone() };
+        let elsewhere = View { camera, size: [height + 1, width], ..test.view.clone() };
         prepared.render(&elsewhere, &control)?;
         let again = prepared.render(&test.view, &control)?.frame;
         if let Verdict::Broken(reason) = identical(&fresh, &again, "after another view") {

@@ -36,6 +36,7 @@ mod drawn;
 mod effort;
 mod falling;
 pub mod faulty_marcher;
+mod fixed_layer;
 mod hard_cases;
 pub mod invariants;
 mod outcome;
@@ -51,6 +52,7 @@ pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_re
 pub use convergence::{Convergence, Refinement, converges};
 pub use effort::Effort;
 pub use falling::{CHANCE, Fall, Falling, KindFall, Ladder, errors_fall, survey_kind};
+pub use fixed_layer::FixedLayer;
 pub use hard_cases::{CaseOutcome, CaseResult, HardCases, survives_hard_cases};
 pub use invariants::obeys_invariants;
 pub use outcome::{CheckFailure, Report};

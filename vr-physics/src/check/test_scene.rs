@@ -60,7 +60,7 @@ mod tests {
             assert_eq!(*back.scene.transfer, *case.scene.transfer, "{}", case.name);
             assert_eq!(back.view, case.view, "{}", case.name);
             let census = |s: &Scene| {
-                let c = *s.volume.uniform().unwrap().census();
+                let c = *s.volume.grid().unwrap().census();
                 (c.range, c.nan + c.infinite)
             };
             assert_eq!(census(&back.scene), census(&case.scene), "{}", case.name);
@@ -76,8 +76,8 @@ mod tests {
             prop_assert_eq!(&*back.scene.transfer, &*test.scene.transfer);
             prop_assert_eq!(&back.view, &test.view);
             prop_assert_eq!(&back.scene.shading, &test.scene.shading);
-            prop_assert_eq!((back.scene.compositing, back.scene.filter), (test.scene.compositing, test.scene.filter));
-            let axes = |t: &Scene| t.volume.uniform().unwrap().placement().axes();
+            prop_assert_eq!((back.scene.compositing, back.scene.volume.filter()), (test.scene.compositing, test.scene.volume.filter()));
+            let axes = |t: &Scene| t.volume.grid().unwrap().placement().axes();
             let (a, b) = (axes(&back.scene), axes(&test.scene));
             // Spacing and direction are normalised on the way.
             prop_assert!(a.abs_diff_eq(b, 1e-14 * b.x_axis.length().max(b.y_axis.length()).max(b.z_axis.length())));

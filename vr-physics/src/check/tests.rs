@@ -53,7 +53,7 @@ const FRAME_ROUNDING: f64 = 6.0e-8;
 fn the_reference_passes_its_own_checks() {
     let reference = Reference::default();
     // The Gaussian filter: see the next test.
-    let ends = |t: &TestScene| t.scene.filter != Filter::Gaussian;
+    let ends = |t: &TestScene| t.scene.volume.filter() != Some(Filter::Gaussian);
     let (tame, any) = (tame_scene().prop_filter("ends", ends), scene().prop_filter("ends", ends));
     let tame = agrees_with_reference_on(&reference, tame, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();
     let any = agrees_with_its_model(&reference, any, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();
@@ -74,7 +74,7 @@ fn the_reference_passes_its_own_checks() {
 fn the_reference_passes_with_the_gaussian_filter_too() {
     let reference = Reference::default();
     let gaussian = tame_scene().prop_map(|mut t| {
-        t.scene.filter = Filter::Gaussian;
+        t.scene = t.scene.with_filter(Filter::Gaussian);
         t
     });
     agrees_with_reference_on(&reference, gaussian, |_, _| FRAME_ROUNDING, &effort(64)).unwrap();

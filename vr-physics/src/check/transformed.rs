@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use vr_core::{
-    AnyGrid, Clip, ControlPoint, Layer, Light, Placement, Plane, Projection, Scene, Shading, TransferFunction,
-    UniformGrid, Voxel, with_grid,
+    AnyGrid, Clip, Control, ControlPoint, Layer, Light, Placement, Plane, Projection, Scene, Shading, Surfaces,
+    TransferFunction, UniformGrid, Volume, Voxel, with_grid,
 };
 
+use super::fixed_layer::FixedLayer;
 use super::test_scene::TestScene;
 
 /// The scene with another transfer function of the same kind.
@@ -50,16 +51,16 @@ pub fn scaled_world(test: &TestScene, s: f64) -> TestScene {
     let mut scene = with_points(&test.scene, change, unit_distance);
     let old = placement(&test.scene);
     let axes = DMat3::from_cols(old.axes().x_axis * s, old.axes().y_axis * s, old.axes().z_axis * s);
-    scene.volume =
-        with_placement(&test.scene, Placement::new(old.origin() * s, axes).expect("still a placement")).into();
+    scene.volume = with_placement(&test.scene, Placement::new(old.origin() * s, axes).expect("still a placement"));
     scene.shading = test.scene.shading.as_ref().map(|shading| {
         let gradient_opacity = shading.gradient_opacity.iter().map(|&(magnitude, f)| (magnitude / s, f)).collect();
         Arc::new(Shading { gradient_opacity, ..(**shading).clone() })
     });
     let mut view = test.view.clone();
-    view.layer = test.view.layer.as_ref().map(|layer| {
+    let layer = test.scene.layer(&test.view, &Control::default()).expect("a test's view is valid");
+    scene.surfaces = layer.map(|layer| {
         let pixels = layer.pixels.iter().map(|&(color, depth)| (color, (f64::from(depth) * s) as f32));
-        Arc::new(Layer { pixels: pixels.collect() })
+        Arc::new(FixedLayer(Layer { pixels: pixels.collect() })) as Arc<dyn Surfaces>
     });
     view.camera.eye *= s;
     view.camera.target *= s;
@@ -102,11 +103,8 @@ pub fn quarter_turned(test: &TestScene, axis: usize) -> TestScene {
         planes: view.clip.planes.iter().map(|p| Plane { normal: turn(p.normal), ..*p }).collect(),
     };
     let mut scene = test.scene.clone();
-    scene.volume = quarter_turned_grid(&test.scene, (a, b), turn).into();
-    scene.shading = test.scene.shading.as_ref().map(|shading| {
-        let lights = shading.lights.iter().map(|l| Light { direction: l.direction.map(turn), ..*l }).collect();
-        Arc::new(Shading { lights, ..(**shading).clone() })
-    });
+    scene.volume = on_grid(&test.scene, quarter_turned_grid(&test.scene, (a, b), turn));
+    scene.lights = scene.lights.iter().map(|l| Light { direction: l.direction.map(turn), ..*l }).collect();
     TestScene { scene, view }
 }
 
@@ -142,25 +140,30 @@ fn quarter_turned_grid(scene: &Scene, (a, b): (usize, usize), turn: impl Fn(DVec
 }
 
 fn grid(scene: &Scene) -> &AnyGrid {
-    scene.volume.uniform().expect("only uniform grids can be transformed").grid()
+    scene.volume.grid().expect("only uniform grids can be transformed").values()
 }
 
 fn placement(scene: &Scene) -> Placement {
     with_grid!(grid(scene), g => *g.placement())
 }
 
-fn with_placement(scene: &Scene, placement: Placement) -> AnyGrid {
+fn with_placement(scene: &Scene, placement: Placement) -> Volume {
     fn build<T: Voxel>(grid: &UniformGrid<T>, placement: Placement) -> UniformGrid<T> {
         UniformGrid::new(grid.dims(), grid.samples().to_vec(), placement, grid.calibration()).expect("still a grid")
     }
-    with_grid!(grid(scene), g => build(g, placement).into())
+    on_grid(scene, with_grid!(grid(scene), g => build(g, placement).into()))
+}
+
+/// A grid under the filter of a scene's.
+fn on_grid(scene: &Scene, grid: AnyGrid) -> Volume {
+    Volume::from(grid).with_filter(scene.volume.filter().unwrap_or_default())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cases;
-    use vr_core::{Filter, Sampler, SamplerVisitor, UniformVolume, filter::Reconstruction};
+    use vr_core::{GridVolume, Sampler, SamplerVisitor, filter::Reconstruction};
 
     struct At([f64; 3]);
     impl SamplerVisitor for At {
@@ -170,20 +173,20 @@ mod tests {
         }
     }
 
-    fn field(volume: &UniformVolume, world: DVec3) -> f64 {
-        volume.with_sampler(Filter::Trilinear, At(volume.placement().to_index(world).to_array()))
+    fn field(volume: &GridVolume, world: DVec3) -> f64 {
+        volume.with_sampler(At(volume.placement().to_index(world).to_array()))
     }
 
     #[test]
     fn a_quarter_turn_takes_the_field_along() {
         let case = cases::by_name("full-u16").unwrap();
         let test = TestScene { scene: case.scene, view: case.view };
-        let before = test.scene.volume.uniform().unwrap();
+        let before = test.scene.volume.grid().unwrap();
         let turns: [fn(DVec3) -> DVec3; 3] =
             [|v| DVec3::new(v.x, -v.z, v.y), |v| DVec3::new(v.z, v.y, -v.x), |v| DVec3::new(-v.y, v.x, v.z)];
         for (axis, turn) in turns.into_iter().enumerate() {
             let turned = quarter_turned(&test, axis);
-            let after = turned.scene.volume.uniform().unwrap();
+            let after = turned.scene.volume.grid().unwrap();
             assert!(after.placement().axes().abs_diff_eq(DMat3::IDENTITY, 0.0), "still along the world's axes");
             for p in [DVec3::new(1.25, 7.5, 3.125), DVec3::new(15.0, 0.5, 8.75)] {
                 assert_eq!(field(before, p), field(after, turn(p)), "axis {axis}");

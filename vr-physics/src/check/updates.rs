@@ -54,12 +54,13 @@ fn changes(test: &TestScene) -> Vec<(&'static str, Scene)> {
     let scene = &test.scene;
     let (low, high) = scene.volume.value_range().unwrap_or((0.0, 1.0));
     let light = |direction| Light { direction, color: [0.9, 0.5, 0.2] };
-    let shading = |specular, direction| {
-        Some(Arc::new(Shading { specular, lights: vec![light(direction)], ..Shading::default() }))
+    let shaded = |specular, direction| Scene {
+        shading: Some(Arc::new(Shading { specular, ..Shading::default() })),
+        lights: vec![light(direction)],
+        ..scene.clone()
     };
     let composited = |compositing| Scene { compositing, ..scene.clone() };
-    let filtered = |filter| Scene { filter, ..scene.clone() };
-    let shaded = |shading| Scene { shading, ..scene.clone() };
+    let filtered = |filter| scene.with_filter(filter);
     let own = || ("after changes, and back", scene.clone());
     vec![
         ("after another transfer function", with_emission_times(test, |i| 0.5 * (i + 1) as f64).scene),
@@ -68,9 +69,9 @@ fn changes(test: &TestScene) -> Vec<(&'static str, Scene)> {
             Scene { volume: scene.volume.clone(), ..s }
         }),
         own(),
-        ("after shading by a headlight", shaded(shading(0.3, None))),
-        ("after shading by another light", shaded(shading(0.0, Some(DVec3::new(0.3, -0.5, 0.8))))),
-        ("after no shading", shaded(None)),
+        ("after shading by a headlight", shaded(0.3, None)),
+        ("after shading by another light", shaded(0.0, Some(DVec3::new(0.3, -0.5, 0.8)))),
+        ("after no shading", Scene { shading: None, ..scene.clone() }),
         own(),
         ("after the mean", composited(Compositing::Average)),
         ("after the maximum", composited(Compositing::Maximum)),

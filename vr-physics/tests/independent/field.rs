@@ -51,7 +51,7 @@ pub struct Field {
 impl Field {
     /// The ray through a pixel's centre; `None` where it misses.
     pub fn new(scene: &Scene, view: &View, pixel: [u32; 2]) -> Option<Self> {
-        let volume = scene.volume.uniform().expect("a grid");
+        let volume = scene.volume.grid().expect("a grid");
         let camera = &view.camera;
         let eye = v3(camera.eye);
         let ahead = unit(minus(v3(camera.target), eye));
@@ -113,7 +113,7 @@ impl Field {
             return None;
         }
         let raw: Vec<f64> =
-            vr_core::with_grid!(volume.grid(), g => g.samples().iter().map(|s| f64::from(s.to_f32())).collect());
+            vr_core::with_grid!(volume.values(), g => g.samples().iter().map(|s| f64::from(s.to_f32())).collect());
         let mut vacuum = vec![false; raw.len()];
         for (i, _) in raw.iter().enumerate().filter(|(_, s)| s.is_nan()) {
             let at = [i % dims[0], i / dims[0] % dims[1], i / dims[0] / dims[1]];
@@ -126,9 +126,9 @@ impl Field {
         }
         let calibration = volume.calibration();
         Some(Self {
-            filter: scene.filter,
+            filter: volume.filter(),
             dims,
-            numbers: volume.with_sampler(scene.filter, Numbers),
+            numbers: volume.with_sampler(Numbers),
             samples: volume.with_lattice(Numbers),
             vacuum,
             slope: calibration.slope,

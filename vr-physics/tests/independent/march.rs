@@ -1,6 +1,6 @@
 //! The pixel by brute force: the ray is cut where anything changes, and each piece marched in ever more equal slabs, extrapolated.
 
-use vr_core::{Compositing, ControlPoint, OpacityRule, Scene, Shading};
+use vr_core::{Compositing, ControlPoint, Light, OpacityRule, Scene, Shading};
 
 use super::dd::*;
 use super::field::Field;
@@ -38,6 +38,7 @@ pub struct March<'a> {
     unit: f64,
     emits: bool,
     shading: Option<&'a Shading>,
+    lights: &'a [Light],
     brightest: f64,
     tau: f64,
     light: [f64; 3],
@@ -57,7 +58,7 @@ impl<'a> March<'a> {
         let light = |p: &ControlPoint| p.color.into_iter().chain(p.emission.unwrap_or_default()).fold(0.0, f64::max);
         let shading = scene.shading.as_deref();
         let lamps: f64 =
-            shading.map_or(0.0, |s| s.lights.iter().map(|l| l.color.into_iter().fold(0.0, f64::max)).sum());
+            shading.map_or(0.0, |_| scene.lights.iter().map(|l| l.color.into_iter().fold(0.0, f64::max)).sum());
         let gain = shading.map_or(1.0, |s| 1.0 + s.ambient + (s.diffuse + s.specular) * lamps);
         Self {
             field,
@@ -66,6 +67,7 @@ impl<'a> March<'a> {
             unit: transfer.unit_distance(),
             emits: transfer.has_emission(),
             shading,
+            lights: &scene.lights,
             brightest: gain * transfer.points().iter().map(light).fold(1.0, f64::max),
             tau: 0.0,
             light: [0.0; 3],
@@ -177,7 +179,7 @@ impl<'a> March<'a> {
         let n = g.map(|x| x.f() / size);
         let dot3 = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let mut out = color.map(|c| c * shading.ambient);
-        for light in &shading.lights {
+        for light in self.lights {
             let (l, h) = self.vectors(light.direction);
             for c in 0..3 {
                 out[c] += light.color[c] * shading.diffuse * dot3(n, l).abs() * color[c];
@@ -316,7 +318,7 @@ impl<'a> March<'a> {
                 let seen: Vec<f64> = gradients.iter().map(|&g| of(g)).collect();
                 Self::roots_of(a, b, &seen, &|s| of(self.field.gradient(s, home)))
             };
-            for light in &shading.lights {
+            for light in self.lights {
                 let (l, h) = self.vectors(light.direction);
                 for v in [l, h] {
                     cuts.extend(roots(&|g| dot(g, v.map(dd)).f()));

@@ -222,7 +222,7 @@ fn transfer(r: &mut Random, values: &[f64], spacing: f64) -> TransferFunction {
     TransferFunction::new(points, rule, unit).expect("a transfer function")
 }
 
-fn shading(r: &mut Random, values: &[f64], spacing: f64) -> Shading {
+fn shading(r: &mut Random, values: &[f64], spacing: f64) -> (Shading, Vec<Light>) {
     let span =
         values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - values.iter().copied().fold(f64::INFINITY, f64::min);
     let steep = span / spacing;
@@ -239,19 +239,19 @@ fn shading(r: &mut Random, values: &[f64], spacing: f64) -> Shading {
         2 if steep > 0.0 => vec![(0.1 * steep, 0.0), (0.3 * steep, 1.0), (0.4 * steep, 0.5)],
         _ => Vec::new(),
     };
-    Shading {
+    let shading = Shading {
         ambient: r.within(0.0, 1.0),
         diffuse: r.within(0.0, 1.0),
         specular: r.of(&[0.0, 0.5]),
         power: r.of(&[1.0, 2.0, 20.0, 7.5]),
-        lights,
         gradient: r.of(&[GradientMethod::CentralDifferences, GradientMethod::Analytic]),
         gradient_opacity,
-    }
+    };
+    (shading, lights)
 }
 
 fn view(r: &mut Random, volume: &Volume) -> View {
-    let grid = volume.uniform().expect("a grid");
+    let grid = volume.grid().expect("a grid");
     let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
     let place = |p: DVec3| grid.placement().to_world(p * last);
     let diagonal = (place(DVec3::ONE) - place(DVec3::ZERO)).length();
@@ -290,7 +290,7 @@ pub fn scene(seed: u64) -> (Scene, View, [u32; 2]) {
     let (volume, values) = volume(r, filter);
     let spacing = volume.mean_spacing();
     let transfer = transfer(r, &values, spacing);
-    let shading = r.chance(0.3).then(|| Arc::new(shading(r, &values, spacing)));
+    let shading = r.chance(0.3).then(|| shading(r, &values, spacing));
     let threshold = values[r.below(values.len())] * 0.5 + values[r.below(values.len())] * 0.5;
     let compositing = match r.below(10) {
         0 => Compositing::Maximum,
@@ -302,6 +302,9 @@ pub fn scene(seed: u64) -> (Scene, View, [u32; 2]) {
     };
     let view = view(r, &volume);
     let pixel = [r.below(view.size[0] as usize) as u32, r.below(view.size[1] as usize) as u32];
-    let scene = Scene { filter, shading, compositing, ..Scene::new(volume, transfer) };
+    let mut scene = Scene { compositing, ..Scene::new(volume.with_filter(filter), transfer) };
+    if let Some((shading, lights)) = shading {
+        (scene.shading, scene.lights) = (Some(Arc::new(shading)), lights);
+    }
     (scene, view, pixel)
 }

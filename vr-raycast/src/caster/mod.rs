@@ -8,7 +8,7 @@ mod screen;
 mod step;
 mod traversal;
 
-use vr_core::{Filter, ParameterError, Scene, UniformVolume};
+use vr_core::{Filter, GridVolume, ParameterError, Scene};
 
 use crate::tolerance::check_error;
 
@@ -74,9 +74,9 @@ impl RayCaster {
         }
     }
 
-    /// The filter that makes the field it samples.
-    pub(crate) fn filter_of(&self, scene: &Scene) -> Filter {
-        self.filter.unwrap_or(scene.filter)
+    /// The scene with the filter that makes the field it samples.
+    pub(crate) fn scene_of(&self, scene: &Scene) -> Scene {
+        self.filter.map_or_else(|| scene.clone(), |filter| scene.with_filter(filter))
     }
 
     /// The caster that draws a scene: what [`Step::Auto`] means for it.
@@ -95,7 +95,7 @@ impl RayCaster {
     }
 
     /// World length of a step.
-    pub(crate) fn world_step(&self, volume: &UniformVolume) -> f64 {
+    pub(crate) fn world_step(&self, volume: &GridVolume) -> f64 {
         let voxels = match self.step {
             Step::Uniform(voxels) | Step::Vicinity { fine: voxels, .. } | Step::Homogeneous { step: voxels, .. } => {
                 voxels
@@ -107,7 +107,7 @@ impl RayCaster {
     }
 
     /// World length that no step of a walk exceeds; +∞: cells are not cut. Nothing is gained by cutting what is exact already.
-    pub(crate) fn longest_step(&self, volume: &UniformVolume) -> f64 {
+    pub(crate) fn longest_step(&self, volume: &GridVolume) -> f64 {
         match (self.traversal, self.rule, self.step) {
             (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Auto) => f64::INFINITY,
             _ => self.world_step(volume),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vr_core::{Compositing, Real, Scene, UniformVolume};
+use vr_core::{Compositing, GridVolume, Real, Scene};
 use vr_kernels::ranges::RangeBlocks;
 
 use super::{Boxes, ChessboardCloud, ExactCloud, Leaper, NodeRanges, Octree, Polyhedron, Pyramid};
@@ -32,7 +32,7 @@ impl EmptySpace {
     pub(crate) fn new<R: Real>(
         caster: &RayCaster,
         scene: &Scene,
-        volume: &UniformVolume,
+        volume: &GridVolume,
         classifier: &Classifier<R>,
         last: Option<&Self>,
     ) -> Option<Self> {
@@ -47,17 +47,16 @@ impl EmptySpace {
             Compositing::Average | Compositing::Maximum | Compositing::Minimum => return None,
         };
         let dims = volume.dims();
-        let field = caster.filter_of(scene);
         if let Step::Vicinity { coarse, .. } = caster.step {
             let edge = coarse.ceil() as usize;
-            let blocks = VisibleBlocks::new(dims, &RangeBlocks::of_volume(volume, field, edge), &visibility);
+            let blocks = VisibleBlocks::new(dims, &RangeBlocks::of_volume(volume, edge), &visibility);
             return Some(Self::Vicinity(Arc::new(VicinityFlags::new(&blocks))));
         }
         // The others have maps of their own.
         if caster.leaping == Leaping::None || !matches!(caster.step, Step::Uniform(_)) {
             return None;
         }
-        let ranges = RangeBlocks::of_volume(volume, field, EDGE);
+        let ranges = RangeBlocks::of_volume(volume, EDGE);
         let blocks = || VisibleBlocks::new(dims, &ranges, &visibility);
         Some(match caster.leaping {
             Leaping::None => return None,

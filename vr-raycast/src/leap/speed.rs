@@ -22,9 +22,9 @@ fn nanoseconds_per_ray() {
         let volume = Volume::from(grid);
         let points = phantom.transfer_points();
         let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE).unwrap();
-        let uniform = volume.uniform().unwrap();
+        let uniform = volume.grid().unwrap();
         let seen = Visibility::of_light(&transfer, uniform.calibration(), None);
-        let ranges = RangeBlocks::of_volume(uniform, Filter::Trilinear, 8);
+        let ranges = RangeBlocks::of_volume(uniform, 8);
         let view = View::new(Camera::framing(volume.bounds(), 30.0, 20.0, None), [256, 256]);
         let rays = Rays::new(&view).unwrap();
         let pixels = (0..256u32 * 256).map(|i| rays.at(f64::from(i % 256) + 0.5, f64::from(i / 256) + 0.5));

@@ -79,7 +79,7 @@ fn rays() -> impl Strategy<Value = ([f64; 3], [f64; 3], bool)> {
     (prop_oneof![(point(), point()), aligned, nearly], prop::bool::ANY).prop_map(|((a, b), lattice)| (a, b, lattice))
 }
 
-fn ray_between(volume: &UniformVolume, (from, to, lattice): ([f64; 3], [f64; 3], bool)) -> Option<IndexRay> {
+fn ray_between(volume: &GridVolume, (from, to, lattice): ([f64; 3], [f64; 3], bool)) -> Option<IndexRay> {
     let last = volume.dims().map(|n| (n - 1) as f64);
     let place = |p: [f64; 3]| {
         let index: [f64; 3] = std::array::from_fn(|a| if lattice { (p[a] * last[a]).round() } else { p[a] * last[a] });
@@ -126,7 +126,8 @@ proptest! {
         edge in 1usize..5,
         threshold in prop::option::of(0.0f64..9.0),
     ) {
-        let volume = volume.uniform().unwrap();
+        let volume = volume.with_filter(filter);
+        let volume = volume.grid().unwrap();
         let table = Arc::new(BakedTransfer::<f32>::new(&transfer, Calibration::default(), (0.0, 9.0), false, 0.3));
         let seen = match threshold {
             Some(threshold) => Visibility::of_threshold(threshold, Calibration::default()),
@@ -136,7 +137,7 @@ proptest! {
             Some(threshold) => value >= threshold as f32,
             None => !value.is_nan() && (transfer.at(value.into()).opacity > 0.0 || table.step(value)[3] > 0.0),
         };
-        let ranges = RangeBlocks::of_volume(volume, filter, edge);
+        let ranges = RangeBlocks::of_volume(volume, edge);
         let leapers = leapers(volume.dims(), &ranges, &seen);
         for line in lines {
             let Some(ray) = ray_between(volume, line) else { continue };
@@ -144,7 +145,7 @@ proptest! {
                 let found = intervals(leaper.as_ref(), &ray)?;
                 for k in 0..=256u16 {
                     let s = (ray.start + ray.length() * f64::from(k) / 256.0).min(ray.end);
-                    let value = volume.with_sampler(filter, Sampled(ray.at(s)));
+                    let value = volume.with_sampler(Sampled(ray.at(s)));
                     prop_assert!(!shows(value) || holds(&found, s), "{name}: {value} at {s} not in {found:?} of {ray:?}");
                 }
             }
@@ -172,7 +173,7 @@ proptest! {
         };
         let placement = Placement::from_spacing([1.0; 3]).unwrap();
         let volume: Volume = UniformGrid::new(dims, vec![0u8; dims.iter().product()], placement, Calibration::default()).unwrap().into();
-        let volume = volume.uniform().unwrap();
+        let volume = volume.grid().unwrap();
         let blocks = VisibleBlocks::from_fn(dims, edge, |b| hash(b) < share);
         let grid = blocks.grid();
         let structures: [(&str, Box<dyn Leaper>); 3] = [
@@ -227,8 +228,8 @@ fn structures_are_small() {
     let samples: Vec<u8> = (0..dims.iter().product::<usize>()).map(|i| (i % 251) as u8).collect();
     let placement = Placement::from_spacing([1.0; 3]).unwrap();
     let volume: Volume = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap().into();
-    let volume = volume.uniform().unwrap();
-    let ranges = RangeBlocks::of_volume(volume, Filter::Trilinear, empty_space::EDGE);
+    let volume = volume.grid().unwrap();
+    let ranges = RangeBlocks::of_volume(volume, empty_space::EDGE);
     let seen = Visibility::of_threshold(128.0, Calibration::default());
     for (name, leaper) in leapers(dims, &ranges, &seen) {
         let bytes = leaper.bytes() + size_of_val(ranges.ranges());

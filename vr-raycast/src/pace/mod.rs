@@ -69,15 +69,8 @@ impl PaceMap {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
-    /// For a scene, the filter of its field, and an error of the picture to aim at. `voxel`: world length of the smallest voxel edge.
-    pub(crate) fn new(
-        levels: &LevelRanges,
-        scene: &Scene,
-        filter: Filter,
-        calibration: Calibration,
-        voxel: f64,
-        error: f64,
-    ) -> Self {
+    /// For a scene and an error of the picture to aim at. `voxel`: world length of the smallest voxel edge.
+    pub(crate) fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
         let by_range = Classes::new(levels, scene, calibration, voxel, error);
         let blocks = levels.blocks();
         let mut bytes: Vec<u8> = levels.ranges().par_iter().with_min_len(1 << 12).map(|&r| by_range.of(r)).collect();
@@ -90,8 +83,8 @@ impl PaceMap {
             let holes = bytes.iter_mut().enumerate().filter(|(i, _)| levels.has_hole(*i));
             holes.for_each(|(_, b)| *b = (*b).min(of_block));
         }
-        let cuts = match filter {
-            Filter::Nearest => Cuts::Voxels { holes: levels.has_holes() },
+        let cuts = match scene.volume.filter() {
+            Some(Filter::Nearest) => Cuts::Voxels { holes: levels.has_holes() },
             _ if levels.has_holes() => Cuts::Holes(beside_holes(levels)),
             _ => Cuts::None,
         };
@@ -224,8 +217,8 @@ mod tests {
         let volume: Volume = grid.unwrap().into();
         let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
         let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
-        let levels = LevelRanges::of_volume(volume.uniform().unwrap(), Filter::Trilinear);
-        PaceMap::new(&levels, &Scene::new(volume, transfer), Filter::Trilinear, Calibration::default(), 1.0, error)
+        let levels = LevelRanges::of_volume(volume.grid().unwrap());
+        PaceMap::new(&levels, &Scene::new(volume, transfer), Calibration::default(), 1.0, error)
     }
 
     #[test]
@@ -277,9 +270,12 @@ mod tests {
         let volume: Volume = grid.unwrap().into();
         let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
         let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
-        let levels = LevelRanges::of_volume(volume.uniform().unwrap(), Filter::Trilinear);
         let scene = Scene::new(volume, transfer);
-        let map = |filter| PaceMap::new(&levels, &scene, filter, Calibration::default(), 1.0, 1e-3);
+        let map = |filter| {
+            let scene = scene.with_filter(filter);
+            let levels = LevelRanges::of_volume(scene.volume.grid().unwrap());
+            PaceMap::new(&levels, &scene, Calibration::default(), 1.0, 1e-3)
+        };
         // The missing sheet lies in the middle of block 4.
         for x in 0..9usize {
             let pace = map(Filter::Trilinear).at([x, 0, 0]);

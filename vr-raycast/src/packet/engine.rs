@@ -7,7 +7,7 @@ use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, GradientMethod, ParameterError, Rays, Scene, UniformVolume, View, with_grid,
+    Compositing, Counts, Filter, GradientMethod, GridVolume, Layer, ParameterError, Rays, Scene, View, with_grid,
 };
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::ranges::RangeBlocks;
@@ -90,7 +90,7 @@ impl PacketEngine {
     pub(crate) fn new(
         caster: &RayCaster,
         scene: &Scene,
-        volume: &UniformVolume,
+        volume: &GridVolume,
         instruments: &Instruments<f32>,
     ) -> Option<Self> {
         let level = level::of(caster.vector)?;
@@ -98,7 +98,7 @@ impl PacketEngine {
         let common = scene.compositing == Compositing::Over
             && shadable(scene)
             && caster.traversal == Traversal::Samples
-            && caster.filter_of(scene) == Filter::Trilinear
+            && volume.filter() == Filter::Trilinear
             && caster.classification == Classification::Table;
         // The structures that leap along whole rays are the plain engine's.
         if !matches!(caster.leaping, Leaping::Auto | Leaping::None) {
@@ -148,16 +148,16 @@ impl PacketEngine {
 
     /// Distances to what is visible, in blocks of `edge`³ cells; `None` where all is.
     pub(crate) fn distances(
-        volume: &UniformVolume,
+        volume: &GridVolume,
         scene: &Scene,
         table: &Arc<BakedTransfer<f32>>,
         edge: usize,
     ) -> Option<Distances> {
         let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table));
         if edge == LevelRanges::EDGE && LevelRanges::are_exact(volume) {
-            return Distances::of_levels(&LevelRanges::of_volume(volume, Filter::Trilinear), &visibility);
+            return Distances::of_levels(&LevelRanges::of_volume(volume), &visibility);
         }
-        Distances::new(&RangeBlocks::of_volume(volume, Filter::Trilinear, edge), &visibility)
+        Distances::new(&RangeBlocks::of_volume(volume, edge), &visibility)
     }
 }
 
@@ -170,19 +170,20 @@ fn shadable(scene: &Scene) -> bool {
 }
 
 /// A table whose entries lie close enough together for a scene, if there is one.
-fn places(scene: &Scene, volume: &UniformVolume, step: f64) -> Option<BakedTransfer<f32>> {
-    let range = table_range(volume, Filter::Trilinear, &scene.transfer);
+fn places(scene: &Scene, volume: &GridVolume, step: f64) -> Option<BakedTransfer<f32>> {
+    let range = table_range(volume, &scene.transfer);
     let integer = volume.voxel_type().is_integer();
     let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
-    resolves(&table, volume, Filter::Trilinear, &scene.transfer).then_some(table)
+    resolves(&table, volume, &scene.transfer).then_some(table)
 }
 
 /// The vector engine with a view.
 pub(crate) struct PacketFrame<'a> {
     engine: &'a PacketEngine,
-    volume: &'a UniformVolume,
+    volume: &'a GridVolume,
     rays: Rays,
     view: &'a View,
+    layer: Option<&'a Layer>,
     /// `None`: rays may meet something wherever they go.
     near: Option<NearDepths>,
     /// The view's, a unit vector.
@@ -194,18 +195,18 @@ impl<'a> PacketFrame<'a> {
     /// A view that makes no sense.
     pub(crate) fn new(
         engine: &'a PacketEngine,
-        volume: &'a UniformVolume,
-        view: &'a View,
+        volume: &'a GridVolume,
+        (view, layer): (&'a View, Option<&'a Layer>),
     ) -> Result<Self, ParameterError> {
         let rays = Rays::new(view)?;
         let near = engine.hull.as_ref().map(|hull| hull.near_depths(view, volume.placement())).transpose()?;
-        Ok(Self { engine, volume, rays, view, near, forward: view.camera.frame()?.z_axis })
+        Ok(Self { engine, volume, rays, view, layer, near, forward: view.camera.frame()?.z_axis })
     }
 }
 
 impl Tracer for PacketFrame<'_> {
     fn trace(&self, spots: &[Spot], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
-        with_grid!(self.volume.grid(), grid => {
+        with_grid!(self.volume.values(), grid => {
             let lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
             let medium = self.medium(&lattice);
             vector::run(self.engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
@@ -250,7 +251,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
                 }
                 let most = self.frame.most(&packet);
                 if let Some(shading) = &self.frame.engine.shading {
-                    lights.look_along(&shading.shading, &packet.directions);
+                    lights.look_along(&shading.lights, &packet.directions);
                 }
                 let marched = march(simd, self.medium, &packet, &most, &lights, &mut stages);
                 self.counts.rays += u64::from(packet.hits.count_ones());
@@ -297,7 +298,7 @@ impl PacketFrame<'_> {
             placement: self.volume.placement(),
             dims: self.volume.dims(),
             clip: &self.view.clip,
-            layer: self.view.layer.as_deref(),
+            layer: self.layer,
             step: self.engine.step,
             offset: match &self.engine.steps {
                 PacketSteps::Lattice { .. } => self.engine.offset,

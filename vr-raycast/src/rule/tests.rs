@@ -22,7 +22,7 @@ fn waves(filter: Filter, transfer: TransferFunction) -> Scene {
     let wave =
         |x: f64, y: f64, z: f64| 0.5 + 0.2 * (0.41 * x + 0.2).sin() * (0.33 * y + 0.3).cos() + 0.25 * (0.37 * z).sin();
     let placement = Placement::from_spacing([1.0, 0.8, 1.2]).unwrap();
-    Scene { filter, ..Scene::new(volume([25; 3], placement, |x, y, z| 0.75 - 0.5 * wave(x, y, z)), transfer) }
+    Scene::new(volume([25; 3], placement, |x, y, z| 0.75 - 0.5 * wave(x, y, z)).with_filter(filter), transfer)
 }
 
 const DARK: [f64; 3] = [0.1, 0.3, 0.9];
@@ -72,7 +72,7 @@ fn view(scene: &Scene) -> View {
 
 /// The pixels of a view in f64, by the engine's passes.
 fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
-    let volume = scene.volume.uniform().unwrap();
+    let volume = scene.volume.grid().unwrap();
     let Kernel::F64(instruments) = Kernel::new(caster, scene, volume, None) else { panic!("f64 was asked for") };
     let rays = Rays::new(view).unwrap();
     let dims = volume.dims();
@@ -81,7 +81,7 @@ fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
         let Some(part) = IndexRay::new(&ray, volume.placement(), dims, &view.clip, f64::INFINITY) else {
             return [0.0; 4];
         };
-        let chord = Chord { volume, filter: caster.filter_of(scene), ray: part };
+        let chord = Chord { volume, ray: part };
         let step = caster.longest_step(volume);
         let mut walk = match caster.traversal {
             Traversal::Cells => Walk::Listed(cell_walk(&part, dims, step, 0, true)),

@@ -68,7 +68,7 @@ pub(crate) fn traced(
     view: &View,
     pixels: impl ExactSizeIterator<Item = [u32; 2]>,
 ) -> (Vec<Traced>, Counts) {
-    let rays = (view.samples * view.samples) as usize;
+    let rays = (view.supersampling * view.supersampling) as usize;
     let mut spots: Vec<Spot> = Vec::with_capacity(pixels.len() * rays);
     pixels.for_each(|pixel| push_spots(view, pixel, &mut spots));
     let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
@@ -82,7 +82,7 @@ pub(crate) fn traced(
 /// Appends the rays of a pixel. (For one ray, the division that finds its place in the pixel costs more than all else.)
 #[inline]
 fn push_spots(view: &View, pixel @ [x, y]: [u32; 2], spots: &mut Vec<Spot>) {
-    if view.samples == 1 {
+    if view.supersampling == 1 {
         spots.push(Spot { pixel: number_of(view, pixel), x: f64::from(x) + 0.5, y: f64::from(y) + 0.5 });
     } else {
         spots.extend(spots_of_pixel(view, pixel));
@@ -91,7 +91,7 @@ fn push_spots(view: &View, pixel @ [x, y]: [u32; 2], spots: &mut Vec<Spot>) {
 
 /// The n² rays of a pixel.
 pub(crate) fn spots_of_pixel(view: &View, pixel @ [x, y]: [u32; 2]) -> impl Iterator<Item = Spot> {
-    let n = view.samples;
+    let n = view.supersampling;
     let pixel = number_of(view, pixel);
     let centre = move |k: u32| (f64::from(k) + 0.5) / f64::from(n);
     (0..n * n).map(move |k| Spot { pixel, x: f64::from(x) + centre(k % n), y: f64::from(y) + centre(k / n) })

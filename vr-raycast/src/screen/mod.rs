@@ -9,7 +9,7 @@ mod template;
 pub(crate) use coherent::{CoherenceBuffer, Sides, Sight};
 pub(crate) use template::Template;
 
-use vr_core::{Control, RenderError, Rendered, UniformVolume, View};
+use vr_core::{Control, GridVolume, Layer, RenderError, Rendered, View};
 
 use crate::caster::Screen;
 use crate::tracer::Tracer;
@@ -22,20 +22,22 @@ pub(crate) struct Stage<'a> {
     pub(crate) screen: Screen,
     /// For the coherent screen.
     pub(crate) coherence: Option<&'a mut CoherenceBuffer>,
-    pub(crate) volume: &'a UniformVolume,
+    pub(crate) volume: &'a GridVolume,
     /// World length of the steps of the tracer's lattice.
     pub(crate) step: f64,
     pub(crate) view: &'a View,
+    /// The surfaces in it.
+    pub(crate) layer: Option<&'a Layer>,
     pub(crate) control: &'a Control,
 }
 
 impl Stage<'_> {
     /// Draws the view.
     pub(crate) fn draw(self, tracer: &impl Tracer) -> Result<Rendered, RenderError> {
-        let Self { screen, coherence, volume, step, view, control } = self;
+        let Self { screen, coherence, volume, step, view, layer, control } = self;
         match (screen, coherence) {
-            (Screen::Coherent, Some(buffer)) => coherent(tracer, buffer, volume, step, view, control),
-            (Screen::Adaptive { threshold }, _) => adaptive(tracer, view, threshold, control),
+            (Screen::Coherent, Some(buffer)) => coherent(tracer, buffer, volume, step, (view, layer), control),
+            (Screen::Adaptive { threshold }, _) => adaptive(tracer, (view, layer), threshold, control),
             _ => every_pixel(tracer, view, control),
         }
     }

@@ -1,6 +1,6 @@
 //! What the medium can be, block by block.
 
-use vr_core::{Filter, UniformVolume};
+use vr_core::GridVolume;
 use vr_kernels::ranges::RangeBlocks;
 
 use super::optics::{Extremes, Optics};
@@ -29,8 +29,8 @@ pub(super) enum State {
 }
 
 impl Blocks {
-    pub(super) fn new(volume: &UniformVolume, filter: Filter, optics: &Optics) -> Self {
-        let blocks = RangeBlocks::of_volume(volume, filter, EDGE);
+    pub(super) fn new(volume: &GridVolume, optics: &Optics) -> Self {
+        let blocks = RangeBlocks::of_volume(volume, EDGE);
         let is_clear = |b: &vr_kernels::ranges::BlockRange| {
             if b.low == b.high {
                 let (rate, source) = optics.exactly(b.low.into());

@@ -11,8 +11,8 @@ mod walk;
 use vr_core::filter::Reconstruction;
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, IndexRay, ParameterError, Rays, Real, RenderError, Sampler, SamplerVisitor, Scene,
-    UniformVolume, View, Voxel,
+    Compositing, Counts, Filter, GridVolume, IndexRay, Layer, ParameterError, Rays, Real, RenderError, Sampler,
+    SamplerVisitor, Scene, View, Voxel,
 };
 
 use crate::caster::RayCaster;
@@ -32,7 +32,6 @@ pub(crate) struct Promise {
     blocks: Blocks,
     error: f64,
     level: f64,
-    filter: Filter,
 }
 
 impl Promise {
@@ -42,7 +41,7 @@ impl Promise {
     /// [`RenderError::Parameter`] for an error below [`LEAST_ERROR`]; [`RenderError::Unsupported`] for what there is no bound for: other
     /// operators than over and accumulate, other filters than trilinear and nearest, shading, and emission given on its own under
     /// accumulate.
-    pub(crate) fn new(error: f64, scene: &Scene, volume: &UniformVolume, filter: Filter) -> Result<Self, RenderError> {
+    pub(crate) fn new(error: f64, scene: &Scene, volume: &GridVolume) -> Result<Self, RenderError> {
         check_error(error)?;
         let without = |what: String| {
             let feature = format!("a promised error (max-error) {what}");
@@ -53,6 +52,7 @@ impl Promise {
             Compositing::Accumulate { level } => level,
             other => return without(format!("under compositing '{}'", other.name())),
         };
+        let filter = volume.filter();
         if !matches!(filter, Filter::Trilinear | Filter::Nearest) {
             return without(format!("with the filter '{filter}'"));
         }
@@ -65,8 +65,8 @@ impl Promise {
         let (low, high) = volume.census().range.unwrap_or_default();
         let largest = f64::from(low.abs().max(high.abs()));
         let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
-        let blocks = Blocks::new(volume, filter, &optics);
-        Ok(Self { optics, blocks, error, level, filter })
+        let blocks = Blocks::new(volume, &optics);
+        Ok(Self { optics, blocks, error, level })
     }
 
     fn limits(&self) -> Limits {
@@ -93,8 +93,9 @@ pub(crate) fn check_error(error: f64) -> Result<(), ParameterError> {
 /// Traces the rays of one view within the promise.
 pub(crate) struct Promised<'a> {
     pub(crate) promise: &'a Promise,
-    pub(crate) volume: &'a UniformVolume,
+    pub(crate) volume: &'a GridVolume,
     pub(crate) view: &'a View,
+    pub(crate) layer: Option<&'a Layer>,
     pub(crate) rays: Rays,
     /// Whether f32 is tried first.
     pub(crate) single: bool,
@@ -125,7 +126,7 @@ impl Stages {
 
 impl Promised<'_> {
     fn ray(&self, spot: &Spot, stages: &mut Stages, counts: &mut Counts) -> Traced {
-        let layer = self.view.layer.as_deref();
+        let layer = self.layer;
         let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
         let ray = self.rays.at(spot.x, spot.y);
         let part = IndexRay::new(&ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
@@ -149,7 +150,7 @@ impl Promised<'_> {
     fn both_stages(&self, ray: IndexRay, backdrop: f64, stages: &mut Stages, counts: &mut Counts) -> Account {
         if self.single && stages.is_single_worth_while() {
             stages.tried += 1;
-            let (account, kept) = self.volume.with_sampler(self.promise.filter, self.job::<f32>(ray, backdrop));
+            let (account, kept) = self.volume.with_sampler(self.job::<f32>(ray, backdrop));
             counts.samples += account.steps;
             if kept {
                 return account;
@@ -157,7 +158,7 @@ impl Promised<'_> {
             stages.failed += 1;
         }
         counts.repeated += u64::from(self.single);
-        let (account, kept) = self.volume.with_sampler(self.promise.filter, self.job::<f64>(ray, backdrop));
+        let (account, kept) = self.volume.with_sampler(self.job::<f64>(ray, backdrop));
         if !kept {
             counts.count_unbounded(self.promise.error * account.overrun());
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use vr_core::{AnyGrid, Filter, UniformGrid, UniformVolume};
+use vr_core::{AnyGrid, GridVolume, UniformGrid};
 use vr_kernels::ranges::LevelRanges;
 
 use super::bits::{WORD, clip};
@@ -35,10 +35,10 @@ struct Nodes {
 
 impl Pyramid {
     /// Of a volume, whose ranges of blocks are kept with it.
-    pub fn new(volume: &UniformVolume) -> Self {
-        let levels = LevelRanges::of_volume(volume, Filter::Trilinear);
+    pub fn new(volume: &GridVolume) -> Self {
+        let levels = LevelRanges::of_volume(volume);
         let missing = volume.vacuum_cells().is_some();
-        let own = match volume.grid() {
+        let own = match volume.values() {
             AnyGrid::F32(grid) => Some(float_ranges(grid, &levels, missing)),
             _ => None,
         };

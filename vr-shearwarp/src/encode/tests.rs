@@ -1,7 +1,7 @@
 //! Runs against the plain definition, on random small volumes and on the hard ones by name.
 
 use proptest::prelude::*;
-use vr_core::{AnyGrid, Calibration, Placement, UniformGrid, UniformVolume, Volume, Voxel};
+use vr_core::{AnyGrid, Calibration, GridVolume, Placement, UniformGrid, Volume, Voxel};
 use vr_kernels::ranges::LevelRanges;
 
 use super::*;
@@ -14,7 +14,7 @@ where
 }
 
 /// Visible is what meets one of the closed ranges.
-fn visibility(volume: &UniformVolume, seen: &[(f64, f64)]) -> Visibility {
+fn visibility(volume: &GridVolume, seen: &[(f64, f64)]) -> Visibility {
     let range = volume.census().range.unwrap_or((0.0, 0.0));
     Visibility::new(range, volume.voxel_type().is_integer(), |from, to| seen.iter().any(|&(a, b)| from <= b && a <= to))
 }
@@ -56,7 +56,7 @@ fn holds_the_voxels<const N: usize, T: Leveled>(run: &Run<N>, [v, k]: [usize; 2]
 }
 
 /// Checks everything that is promised of one axis, one rule and one kind of cells.
-fn check<const N: usize, T: Leveled>(volume: &UniformVolume, samples: &[T], w: usize, rule: Rule<'_>) {
+fn check<const N: usize, T: Leveled>(volume: &GridVolume, samples: &[T], w: usize, rule: Rule<'_>) {
     let dims = volume.dims();
     let dense = Dense::new(samples, dims, w);
     let layout = dense.layout;
@@ -127,7 +127,7 @@ where
     AnyGrid: From<UniformGrid<T>>,
 {
     let volume = volume(dims, samples.clone());
-    let volume = volume.uniform().unwrap();
+    let volume = volume.grid().unwrap();
     let visibility = visibility(volume, seen);
     for rule in [Rule::Interpolated(&visibility), Rule::Classified(&visibility), Rule::Everything] {
         for w in 0..3 {
@@ -139,7 +139,7 @@ where
 }
 
 /// Visible blocks are those whose own range may be visible, and hold every visible cell.
-fn blocks_are_brute_force<T: Leveled>(volume: &UniformVolume, samples: &[T], rule: Rule<'_>) {
+fn blocks_are_brute_force<T: Leveled>(volume: &GridVolume, samples: &[T], rule: Rule<'_>) {
     let dims = volume.dims();
     let blocks = Pyramid::new(volume).visible(rule);
     let size = dims.map(|n| (n - 1).div_ceil(LevelRanges::EDGE));
@@ -269,7 +269,7 @@ fn a_layer_between_missing_ones() {
     let dims = [6, 5, 3];
     let samples: Vec<f32> = (0..90).map(|i| if i / 30 == 1 { i as f32 } else { f32::NAN }).collect();
     let volume = volume(dims, samples.clone());
-    let volume = volume.uniform().unwrap();
+    let volume = volume.grid().unwrap();
     let blocks = Pyramid::new(volume).visible(Rule::Everything);
     let (runs, _) = packed::<2, f32>(&Dense::new(&samples, dims, 2), &blocks, Rule::Everything).unwrap();
     assert_eq!(runs.cells(), 20);
@@ -284,7 +284,7 @@ fn air_of_floats_is_in_no_block() {
     let last = samples.len() - 1;
     samples[last] = 0.250_000_1;
     let volume = volume([17; 3], samples);
-    let volume = volume.uniform().unwrap();
+    let volume = volume.grid().unwrap();
     let visibility = Visibility::new((0.25, 9.0), false, |_, to| to > 0.25);
     let blocks = Pyramid::new(volume).visible(Rule::Interpolated(&visibility));
     assert!(blocks.count() == 2 && blocks.may([0; 3]) && blocks.may([3; 3]));
@@ -295,7 +295,7 @@ fn threads_change_nothing() {
     let dims = [70, 30, 20];
     let samples: Vec<u8> = (0..42_000u64).map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 60) as u8).collect();
     let volume = volume(dims, samples.clone());
-    let volume = volume.uniform().unwrap();
+    let volume = volume.grid().unwrap();
     let visibility = visibility(volume, &[(15.0, 15.0)]);
     let encode = || {
         let rule = Rule::Classified(&visibility);

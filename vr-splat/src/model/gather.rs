@@ -2,13 +2,13 @@
 
 use glam::{DMat3, DVec3};
 use vr_core::filter::Lattice;
-use vr_core::{LatticeVisitor, Ray, UniformVolume, Voxel};
+use vr_core::{GridVolume, LatticeVisitor, Ray, Voxel};
 
+use crate::input::SplatInput;
 use crate::kernel::Profile;
 use crate::projection::SplatView;
 use crate::sheets::OwnSheets;
 use crate::splatting::Splatting;
-use crate::things::Things;
 use crate::visible::missing;
 
 /// A ray, as splats are met by it.
@@ -31,7 +31,7 @@ pub(crate) struct Line {
 
 impl Line {
     /// The ray through a point of the image, in pixels.
-    pub(crate) fn new(view: &SplatView, things: Things<'_>, ray: &Ray, [x, y]: [f64; 2]) -> Self {
+    pub(crate) fn new(view: &SplatView, input: &SplatInput, ray: &Ray, [x, y]: [f64; 2]) -> Self {
         let lateral = view.lateral(x, y);
         let axes = view.kernel.axes;
         let along = if view.perspective {
@@ -50,7 +50,7 @@ impl Line {
             along,
             index: [DVec3::ZERO; 2],
         };
-        if let Things::Grid(grid) = things {
+        if let SplatInput::Grid(grid) = input {
             let (origin, steps) = lattice_in_view(grid, view);
             let to_index = DMat3::from_cols(steps[0], steps[1], steps[2]).inverse();
             line.index = [to_index * (line.at(0.0) - origin), to_index * (line.at(1.0) - line.at(0.0))];
@@ -65,7 +65,7 @@ impl Line {
     }
 
     /// Where the ray is in a grid at a depth, or the nearest place that is in it.
-    pub(crate) fn index_at(&self, grid: &UniformVolume, depth: f64) -> DVec3 {
+    pub(crate) fn index_at(&self, grid: &GridVolume, depth: f64) -> DVec3 {
         let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
         (self.index[0] + self.index[1] * depth).clamp(DVec3::ZERO, last)
     }
@@ -77,8 +77,8 @@ impl Line {
     }
 
     /// Whether a grid's cell at a depth is vacuum.
-    pub(crate) fn in_vacuum(&self, things: Things<'_>, depth: f64) -> bool {
-        let Things::Grid(grid) = things else { return false };
+    pub(crate) fn in_vacuum(&self, input: &SplatInput, depth: f64) -> bool {
+        let SplatInput::Grid(grid) = input else { return false };
         grid.vacuum_cells().is_some_and(|cells| cells.contains(self.index_at(grid, depth).to_array()))
     }
 }
@@ -127,13 +127,13 @@ impl ExactSplat {
 /// All splats that a ray may meet, in the order in which they lie in memory.
 pub(crate) fn gather(
     renderer: &Splatting,
-    things: Things<'_>,
+    input: &SplatInput,
     view: &SplatView,
     line: &Line,
     own: Option<&OwnSheets>,
 ) -> Vec<ExactSplat> {
-    match things {
-        Things::Grid(grid) => {
+    match input {
+        SplatInput::Grid(grid) => {
             let (origin, steps) = lattice_in_view(grid, view);
             let missing = missing(grid);
             let calibration = grid.calibration();
@@ -157,7 +157,7 @@ pub(crate) fn gather(
             let there = |(at, _): &([usize; 3], f64)| !(lit && missing((at[2] * ny + at[1]) * nx + at[0]));
             found.into_iter().filter(there).map(splat).collect()
         }
-        Things::Points(points) => {
+        SplatInput::Points(points) => {
             let splat = |k: usize| {
                 let place = view.place(points.positions()[k]);
                 let low_pass = renderer.low_pass * view.pixel_at(place.z) * view.unit;
@@ -181,7 +181,7 @@ pub(crate) fn gather(
 }
 
 /// The place of the first sample of a grid, and the change from one to the next along each axis.
-fn lattice_in_view(grid: &UniformVolume, view: &SplatView) -> (DVec3, [DVec3; 3]) {
+fn lattice_in_view(grid: &GridVolume, view: &SplatView) -> (DVec3, [DVec3; 3]) {
     let axes = grid.placement().axes();
     let steps = [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| view.place_of_vector(a));
     (view.place(grid.placement().origin()), steps)

@@ -7,16 +7,17 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::{
-    DiscreteModel, IndexRay, LatticeVisitor, Ray, Rays, Scene, SegmentTerm, View, Voxel, gradient_between_samples,
+    Control, DiscreteModel, IndexRay, LatticeVisitor, Layer, Ray, Rays, Scene, SegmentTerm, View, Voxel,
+    gradient_between_samples,
 };
 
+use crate::input::{SplatInput, profile};
 use crate::kernel::Profile;
 use crate::projection::SplatView;
 use crate::shading::is_shaded;
 use crate::sheets::{ImageSheets, OwnSheets, is_boxed, splat_view};
 use crate::splatting::{Buffers, Splatting};
 use crate::support::check;
-use crate::things::{Things, profile};
 use crate::voxel_optics::optics_of;
 
 use gather::{ExactSplat, Line, gather};
@@ -26,30 +27,32 @@ pub(crate) struct SplatModel {
     renderer: Splatting,
     scene: Scene,
     /// `None` for what cannot be drawn.
-    view: Option<(View, Rays, SplatView)>,
+    view: Option<(View, Rays, SplatView, SplatInput)>,
+    layer: Option<Layer>,
 }
 
 impl SplatModel {
     pub(crate) fn new(renderer: &Splatting, scene: &Scene, view: &View) -> Self {
         let made = || {
-            let things = check(renderer, scene).ok()?;
+            let input = check(renderer, scene).ok()?;
             // Subpixels are asked for one by one, in pixels of the picture.
-            let coarse = View { samples: 1, layer: None, ..view.clone() };
-            let seen = splat_view(renderer, scene, things, &coarse).ok()?;
-            Some((view.clone(), Rays::new(view).ok()?, seen))
+            let coarse = View { supersampling: 1, ..view.clone() };
+            let seen = splat_view(renderer, scene, &input, &coarse).ok()?;
+            Some((view.clone(), Rays::new(view).ok()?, seen, input))
         };
-        Self { renderer: renderer.clone(), scene: scene.clone(), view: made() }
+        let layer = scene.layer(view, &Control::default()).ok().flatten();
+        Self { renderer: renderer.clone(), scene: scene.clone(), view: made(), layer }
     }
 
     /// Between which depths a ray is inside of what cuts it.
-    fn ends(&self, things: Things<'_>, view: &View, seen: &SplatView, ray: &Ray, line: &Line) -> Option<[f64; 2]> {
+    fn ends(&self, input: &SplatInput, view: &View, seen: &SplatView, ray: &Ray, line: &Line) -> Option<[f64; 2]> {
         let depth = |s: f64| s / line.stretch - seen.base;
-        let layer = view.layer.as_ref().map_or(f64::INFINITY, |layer| {
+        let layer = self.layer.as_ref().map_or(f64::INFINITY, |layer| {
             let [column, row] = line.pixel;
             layer.depth((row * view.size[0] + column) as usize)
         });
-        match things {
-            Things::Grid(grid) if is_boxed(&self.renderer, things) => {
+        match input {
+            SplatInput::Grid(grid) if is_boxed(&self.renderer, input) => {
                 let inside = IndexRay::new(ray, grid.placement(), grid.dims(), &view.clip, layer)?;
                 Some([inside.start, inside.end].map(|s| depth(s + inside.offset)))
             }
@@ -67,14 +70,14 @@ impl SplatModel {
     }
 
     /// θ and b of a homogeneous piece of a value, classified and shaded at a depth.
-    fn step(&self, things: Things<'_>, line: &Line, depth: f64, value: f64, length: f64) -> SegmentTerm {
+    fn step(&self, input: &SplatInput, line: &Line, depth: f64, value: f64, length: f64) -> SegmentTerm {
         let [r, g, b, alpha] = self.scene.transfer.step(value, length);
         let mut light = [r, g, b];
         let shading = self.scene.shading.as_ref().filter(|_| is_shaded(&self.scene));
-        if let (Some(shading), Things::Grid(grid)) = (shading, things) {
+        if let (Some(shading), SplatInput::Grid(grid)) = (shading, input) {
             let gradient = DVec3::from(grid.with_lattice(Gradient(line.index_at(grid, depth).to_array())));
             let world = grid.placement().inverse_axes().transpose() * gradient;
-            let (factor, added) = shading.along::<f64>(line.direction).reflect(world.to_array());
+            let (factor, added) = shading.along::<f64>(&self.scene.lights, line.direction).reflect(world.to_array());
             light = std::array::from_fn(|c| light[c] * factor[c] + added[c] * alpha);
         }
         SegmentTerm { transparency: 1.0 - alpha, light }
@@ -83,17 +86,17 @@ impl SplatModel {
 
 impl DiscreteModel for SplatModel {
     fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
-        let (Some((view, rays, seen)), Ok(things)) = (&self.view, check(&self.renderer, &self.scene)) else {
+        let Some((view, rays, seen, input)) = &self.view else {
             return Vec::new();
         };
-        let line = Line::new(seen, things, &rays.at(x, y), [x, y]);
-        let Some(ends) = self.ends(things, view, seen, &rays.at(x, y), &line) else { return Vec::new() };
-        let own = match (things, self.renderer.buffers) {
-            (Things::Grid(grid), Buffers::Axis) => OwnSheets::new(&self.renderer, grid, view).ok(),
+        let line = Line::new(seen, input, &rays.at(x, y), [x, y]);
+        let Some(ends) = self.ends(input, view, seen, &rays.at(x, y), &line) else { return Vec::new() };
+        let own = match (input, self.renderer.buffers) {
+            (SplatInput::Grid(grid), Buffers::Axis) => OwnSheets::new(&self.renderer, grid, view).ok(),
             _ => None,
         };
-        let splats = gather(&self.renderer, things, seen, &line, own.as_ref());
-        let profile = profile(&self.renderer, things);
+        let splats = gather(&self.renderer, input, seen, &line, own.as_ref());
+        let profile = profile(&self.renderer, input);
         let whole = |s: &ExactSplat| s.section(&profile, &line, ends[0], ends[1]);
         let mut terms = match self.renderer.buffers {
             Buffers::Samples => {
@@ -116,15 +119,15 @@ impl DiscreteModel for SplatModel {
                     let sum: f64 = parts.map(|(s, w)| w * s.value).sum();
                     let depth = own.as_ref().map_or(0.0, |own| line.depth_at(own.axis, own.layers[*turn as usize]));
                     // Where a sheet is sampled there may be nothing.
-                    if length > 0.0 && !line.in_vacuum(things, depth) {
-                        self.step(things, &line, depth, sum / length, length)
+                    if length > 0.0 && !line.in_vacuum(input, depth) {
+                        self.step(input, &line, depth, sum / length, length)
                     } else {
                         Self::term([0.0; 3], 0.0)
                     }
                 };
                 sheets.iter().map(term).collect()
             }
-            Buffers::Image => self.image_sheets(things, seen, &line, &profile, &splats, ends),
+            Buffers::Image => self.image_sheets(input, seen, &line, &profile, &splats, ends),
         };
         if own.is_some() && self.renderer.order == crate::splatting::SheetOrder::BackToFront {
             terms.reverse();
@@ -150,14 +153,14 @@ impl SplatModel {
 
     fn image_sheets(
         &self,
-        things: Things<'_>,
+        input: &SplatInput,
         seen: &SplatView,
         line: &Line,
         profile: &Profile,
         splats: &[ExactSplat],
         [near, far]: [f64; 2],
     ) -> Vec<SegmentTerm> {
-        let Ok(sheets) = ImageSheets::new(&self.renderer, &self.scene.volume, things, seen) else { return Vec::new() };
+        let Ok(sheets) = ImageSheets::new(&self.renderer, &self.scene.volume, input, seen) else { return Vec::new() };
         let half = seen.half_depth();
         let mut parts: BTreeMap<u32, Vec<&ExactSplat>> = BTreeMap::new();
         for s in splats {
@@ -192,7 +195,7 @@ impl SplatModel {
                 sum += w * s.value;
                 weight += w;
             }
-            let (length, divisor) = if matches!(things, Things::Grid(_)) {
+            let (length, divisor) = if matches!(input, SplatInput::Grid(_)) {
                 ((to - from) * line.stretch, weight)
             } else {
                 // From the first support's front to the last one's back.
@@ -202,8 +205,8 @@ impl SplatModel {
                 let covered = (back - front).max(0.0) * line.stretch;
                 (covered, covered)
             };
-            if divisor > 0.0 && !line.in_vacuum(things, middle) {
-                terms.push(self.step(things, line, middle, sum / divisor, length));
+            if divisor > 0.0 && !line.in_vacuum(input, middle) {
+                terms.push(self.step(input, line, middle, sum / divisor, length));
             }
         }
         terms

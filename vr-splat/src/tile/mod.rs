@@ -123,7 +123,7 @@ impl Tile<'_> {
             self.ready |= 1 << number;
             if let Some(shader) = self.painter.shader() {
                 let along = block::directions(self.painter.view, self.column + x * EDGE, self.row + y * EDGE);
-                self.lights[number].look_along(&shader.shading.shading, &along);
+                self.lights[number].look_along(&shader.shading.lights, &along);
             }
             let rays = block.rays();
             self.work.rays += u64::from(rays);

@@ -1,13 +1,13 @@
 //! What an exact solution depends on, in 32 bytes.
 
 use sha2::{Digest, Sha256};
-use vr_core::{Model, Scene, View, with_grid};
+use vr_core::{Control, Model, Scene, View, with_grid};
 
 /// Raised whenever what is kept, how it is hashed, or what the reference finds changes.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
-/// The hash of everything that pixels of a view depend on: samples and their placement, filter, transfer function, shading,
-/// compositing, view, and which pixels; `None` for models that cannot be told apart.
+/// The hash of everything that pixels of a view depend on: values and their placement, filter, transfer function, shading and
+/// lights, surfaces, compositing, view, and which pixels; `None` for models that cannot be told apart.
 pub(crate) fn fingerprint(
     (scene, view): (&Scene, &View),
     model: &Model,
@@ -15,11 +15,12 @@ pub(crate) fn fingerprint(
     tolerance: f64,
 ) -> Option<[u8; 32]> {
     let model = match model {
-        Model::Canonical => scene.filter,
+        Model::Canonical => scene.volume.filter()?,
         Model::Filtered(filter) => *filter,
         _ => return None,
     };
-    let volume = scene.volume.uniform()?;
+    let volume = scene.volume.grid()?;
+    let layer = scene.layer(view, &Control::default()).ok()?;
     let mut hash = Sha256::new();
     // The shortest digits that give a float back: two texts are equal where the numbers are.
     let text = format!(
@@ -28,17 +29,17 @@ pub(crate) fn fingerprint(
         (volume.dims(), volume.voxel_type(), volume.placement(), volume.calibration()),
         scene.transfer.points(),
         (scene.transfer.rule(), scene.transfer.unit_distance()),
-        scene.shading,
+        scene.shading.as_ref().map(|shading| (shading, &scene.lights)),
         scene.compositing,
         view.camera,
         view.size,
-        view.samples,
+        view.supersampling,
         view.clip,
-        view.layer.as_ref().map(|layer| &layer.pixels),
+        layer.as_ref().map(|layer| &layer.pixels),
     );
     hash.update((text.len() as u64).to_le_bytes());
     hash.update(text);
-    with_grid!(volume.grid(), grid => hash.update(bytemuck::cast_slice::<_, u8>(grid.samples())));
+    with_grid!(volume.values(), grid => hash.update(bytemuck::cast_slice::<_, u8>(grid.samples())));
     Some(hash.finalize().into())
 }
 
@@ -68,13 +69,13 @@ mod tests {
         let transfer = TransferFunction::new(points, scene.transfer.rule(), scene.transfer.unit_distance()).unwrap();
         let scenes = [
             Scene { volume: other_samples, ..scene.clone() },
-            Scene { filter: Filter::BSpline, ..scene.clone() },
+            scene.with_filter(Filter::BSpline),
             Scene { compositing: Compositing::Maximum, ..scene.clone() },
             Scene { transfer: Arc::new(transfer), ..scene.clone() },
         ];
         let views = [
             View { size: [3, 4], ..view.clone() },
-            View { samples: 2, ..view.clone() },
+            View { supersampling: 2, ..view.clone() },
             View { camera: view.camera.orbit(1e-9, 0.0), ..view.clone() },
         ];
         let mut seen = vec![own];

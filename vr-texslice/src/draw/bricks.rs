@@ -46,7 +46,7 @@ impl<T: Pairs> Bricked<'_, T> {
         let view = scene.view;
         let mut sums = vec![Pixel::NOTHING; view.size[0] as usize * view.size[1] as usize];
         let mut counts = Counts::default();
-        let n = view.samples;
+        let n = view.supersampling;
         for k in 0..n * n {
             let places = sixteens(view.size);
             let rays = set_up(scene, &places, k, control)?;

@@ -15,6 +15,7 @@ use crate::texture::{Lit, Texture};
 #[derive(Clone, Copy)]
 pub(crate) struct Scene16<'a> {
     pub(crate) view: &'a View,
+    pub(crate) layer: Option<&'a Layer>,
     pub(crate) setup: Setup<'a>,
     pub(crate) pass: Pass<'a>,
     pub(crate) shading: Option<&'a PacketShading>,
@@ -143,11 +144,11 @@ impl Sixteen {
 
     /// The rays of sample `k` of each pixel.
     pub(crate) fn set_up<S: Simd>(&self, simd: S, scene: &Scene16<'_>, k: u32, rays: &mut Fragments) {
-        let n = scene.view.samples;
+        let n = scene.view.supersampling;
         let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
         let x = std::array::from_fn(|i| f64::from(self.pixel(i)[0]) + centre(k % n));
         let y = std::array::from_fn(|i| f64::from(self.pixel(i)[1]) + centre(k / n));
-        let layer = scene.view.layer.as_deref();
+        let layer = scene.layer;
         let far = std::array::from_fn(|i| match (layer, self.number(i)) {
             (Some(layer), Some(pixel)) => layer.depth(pixel),
             _ => f64::INFINITY,
@@ -168,7 +169,7 @@ impl Sixteen {
             let Some(number) = self.number(i) else { continue };
             let hit = rays.hits >> i & 1 == 1;
             let pixel = if hit { (scene.finish)(rays, state, i) } else { Pixel::NOTHING };
-            put(number, scene.view.layer.as_deref().map_or(pixel, |layer| pixel.over(layer, number)));
+            put(number, scene.layer.map_or(pixel, |layer| pixel.over(layer, number)));
         }
     }
 }
@@ -196,7 +197,7 @@ impl<X: Texture> Block<X> {
         drawn: &mut Vec<(usize, Pixel)>,
         counts: &mut Counts,
     ) {
-        let rays = scene.view.samples * scene.view.samples;
+        let rays = scene.view.supersampling * scene.view.supersampling;
         let first = drawn.len();
         for k in 0..rays {
             at.set_up(simd, scene, k, &mut self.rays);
@@ -224,7 +225,7 @@ impl<X: Texture> Block<X> {
 
     fn march<S: Simd>(&mut self, simd: S, scene: &Scene16<'_>, texture: &X, state: &mut State) -> Done {
         if let Some(shading) = scene.shading {
-            self.lights.look_along(&shading.shading, &self.rays.chords.along);
+            self.lights.look_along(&shading.lights, &self.rays.chords.along);
         }
         let most = scene.most.behind(&self.rays);
         let mut march = March {

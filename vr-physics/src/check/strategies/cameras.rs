@@ -3,7 +3,7 @@
 use glam::DVec3;
 use proptest::collection::vec;
 use proptest::prelude::*;
-use vr_core::{Camera, Clip, Plane, Projection, UniformVolume, Volume};
+use vr_core::{Camera, Clip, GridVolume, Plane, Projection, Volume};
 
 /// A camera apart from the volume that it looks at.
 #[derive(Clone, Debug)]
@@ -81,7 +81,7 @@ impl Viewpoint {
 
 /// A place in the volume's box, by fractions of its sides; the bounds are the box where there is no grid.
 fn place(volume: &Volume, p: DVec3) -> DVec3 {
-    match volume.uniform() {
+    match volume.grid() {
         Some(grid) => {
             let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
             grid.placement().to_world(p * last)
@@ -98,8 +98,8 @@ fn diagonal(volume: &Volume) -> f64 {
 }
 
 /// The grid, which only grids are seen along, and its axes.
-fn lattice(volume: &Volume) -> (&UniformVolume, [DVec3; 3]) {
-    let grid = volume.uniform().expect("only grids are seen along their axes");
+fn lattice(volume: &Volume) -> (&GridVolume, [DVec3; 3]) {
+    let grid = volume.grid().expect("only grids are seen along their axes");
     let axes = grid.placement().axes();
     (grid, [axes.x_axis, axes.y_axis, axes.z_axis])
 }

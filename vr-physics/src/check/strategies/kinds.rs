@@ -5,11 +5,14 @@ use std::sync::Arc;
 use glam::DVec3;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
-use vr_core::{Calibration, Compositing, Filter, Layer, Rays, Scene, Shading, View, Volume, VoxelType};
+use vr_core::{
+    Calibration, Compositing, Control, Filter, Layer, Light, Rays, RenderError, Scene, Shading, Surfaces, View, Volume,
+    VoxelType,
+};
 
 use super::cameras::{Cuts, Viewpoint, cuts, far, generic, inside};
 use super::grids::{self, Data};
-use super::looks::{filter, lit, modulation, scheme, stretched};
+use super::looks::{Lit, filter, lit, modulation, scheme, stretched};
 use super::transfers::{self as transfers, Recipe};
 use crate::check::{Effort, TestScene};
 
@@ -220,8 +223,8 @@ struct Parts {
     viewpoint: BoxedStrategy<Viewpoint>,
     cuts: BoxedStrategy<Option<Cuts>>,
     filter: BoxedStrategy<Filter>,
-    /// The shading; magnitudes of its gradients are fractions of the steepest.
-    shading: BoxedStrategy<Option<Shading>>,
+    /// Magnitudes of the shading's gradients are fractions of the steepest.
+    shading: BoxedStrategy<Option<Lit>>,
     /// The threshold of `first` is a fraction of the range of values.
     compositing: BoxedStrategy<Compositing>,
     layer: BoxedStrategy<Option<LayerPlane>>,
@@ -281,13 +284,16 @@ impl Parts {
             .prop_map(|(volume, recipe, viewpoint, size, cuts, (filter, shading, compositing, layer, samples))| {
                 let range = volume.value_range().unwrap_or((0.0, 1.0));
                 let clip = cuts.map(|c| c.of_volume(&volume)).unwrap_or_default();
-                let mut view = View { samples, clip, ..View::new(viewpoint.camera(&volume, size[1]), size) };
-                view.layer = layer.map(|plane| Arc::new(plane.of(&volume, &view)));
+                let view = View { supersampling: samples, clip, ..View::new(viewpoint.camera(&volume, size[1]), size) };
+                let surfaces = layer.map(|plane| Arc::new(plane.of(&volume)) as Arc<dyn Surfaces>);
                 let steepest = (range.1 - range.0) / volume.mean_spacing();
-                let shading = shading.map(|shading| with_slopes(shading, steepest));
                 let transfer = recipe.of_volume(&volume);
                 let compositing = stretched(compositing, range);
-                TestScene { scene: Scene { filter, shading, compositing, ..Scene::new(volume, transfer) }, view }
+                let mut scene = Scene { surfaces, compositing, ..Scene::new(volume.with_filter(filter), transfer) };
+                if let Some((shading, lights)) = shading {
+                    (scene.shading, scene.lights) = (Some(with_slopes(shading, steepest)), lights);
+                }
+                TestScene { scene, view }
             })
             .boxed()
     }
@@ -310,8 +316,10 @@ fn any_operator(parts: Parts) -> Parts {
     Parts { compositing: scheme().boxed(), ..parts }
 }
 
-fn shaded(modulation: BoxedStrategy<Vec<(f64, f64)>>) -> BoxedStrategy<Option<Shading>> {
-    (lit(), modulation).prop_map(|(shading, gradient_opacity)| Some(Shading { gradient_opacity, ..shading })).boxed()
+fn shaded(modulation: BoxedStrategy<Vec<(f64, f64)>>) -> BoxedStrategy<Option<Lit>> {
+    (lit(), modulation)
+        .prop_map(|((shading, lights), gradient_opacity)| Some((Shading { gradient_opacity, ..shading }, lights)))
+        .boxed()
 }
 
 /// Some data in any sample type; floats alone where the data have missing samples, which integers cannot tell.
@@ -403,20 +411,36 @@ fn layer() -> impl Strategy<Value = LayerPlane> {
 }
 
 impl LayerPlane {
-    fn of(self, volume: &Volume, view: &View) -> Layer {
-        let (low, high) = volume.bounds();
+    fn of(self, volume: &Volume) -> Backdrop {
+        Backdrop { plane: self, bounds: volume.bounds() }
+    }
+}
+
+/// Such a picture in a volume's world.
+#[derive(Clone, Copy, Debug)]
+struct Backdrop {
+    plane: LayerPlane,
+    bounds: (DVec3, DVec3),
+}
+
+impl Surfaces for Backdrop {
+    fn layer(&self, _: &[Light], view: &View, _: &Control) -> Result<Layer, RenderError> {
+        let (Self { plane, bounds: (low, high) }, [width, height]) = (*self, view.size);
         let (middle, diagonal): (DVec3, f64) = (0.5 * (low + high), (high - low).length());
-        let rays = Rays::new(view).expect("strategies make valid views");
-        let [width, height] = view.size;
+        let rays = Rays::new(view)?;
         let pixels = (0..width * height).map(|i| {
             let (x, y) = (f64::from(i % width) + 0.5, f64::from(i / width) + 0.5);
             let ray = rays.at(x, y);
             let across = x / f64::from(width) - 0.5;
-            let depth = (middle - ray.origin).dot(ray.direction) + (self.behind + self.tilt * across) * diagonal;
-            let hole = (i as usize).is_multiple_of(self.holes) || depth <= 0.0;
-            (self.color, if hole { f32::INFINITY } else { depth as f32 })
+            let depth = (middle - ray.origin).dot(ray.direction) + (plane.behind + plane.tilt * across) * diagonal;
+            let hole = (i as usize).is_multiple_of(plane.holes) || depth <= 0.0;
+            (plane.color, if hole { f32::INFINITY } else { depth as f32 })
         });
-        Layer { pixels: pixels.collect() }
+        Ok(Layer { pixels: pixels.collect() })
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        self.bounds
     }
 }
 
@@ -424,8 +448,8 @@ impl LayerPlane {
 mod tests {
     use super::*;
 
-    fn grid(t: &TestScene) -> &vr_core::UniformVolume {
-        t.scene.volume.uniform().unwrap()
+    fn grid(t: &TestScene) -> &vr_core::GridVolume {
+        t.scene.volume.grid().unwrap()
     }
 
     #[test]
@@ -451,7 +475,7 @@ mod tests {
                 Kind::Opaque => (share(&|t| t.scene.transfer.segments().iter().any(|s| s.is_opaque())), 60),
                 Kind::Masks | Kind::Holes => (share(&|t| grid(t).vacuum_cells().is_some()), 40),
                 Kind::Constants => (share(&|t| range(t).0 == range(t).1), 4),
-                Kind::Labels => (share(&|t| t.scene.filter == Filter::Nearest), 20),
+                Kind::Labels => (share(&|t| t.scene.volume.filter() == Some(Filter::Nearest)), 20),
                 Kind::Peaks => {
                     // At the smallest number of all, if not at others.
                     (
@@ -469,12 +493,12 @@ mod tests {
                 }
                 Kind::Emission => (share(&|t| t.scene.transfer.has_emission()), 60),
                 Kind::Lights => (share(&|t| t.scene.shading.is_some()), 60),
-                Kind::Layers => (share(&|t| t.view.layer.is_some()), 60),
+                Kind::Layers => (share(&|t| t.scene.surfaces.is_some()), 60),
                 Kind::First => (share(&|t| t.scene.compositing.name() == "first"), 60),
                 Kind::Average => (share(&|t| t.scene.compositing == Compositing::Average), 60),
                 Kind::Extrema => (share(&|t| t.scene.compositing == Compositing::Maximum), 20),
                 Kind::Accumulate => (share(&|t| t.scene.compositing.name() == "accumulate"), 60),
-                Kind::Filters => (share(&|t| t.scene.filter != Filter::Trilinear), 35),
+                Kind::Filters => (share(&|t| t.scene.volume.filter() != Some(Filter::Trilinear)), 35),
                 Kind::Far => (share(&far), 55),
                 Kind::Inside => (
                     share(&|t| {

@@ -16,42 +16,33 @@ pub fn filter() -> impl Strategy<Value = Filter> {
     ]
 }
 
+/// Reflection of light, and the lights.
+pub type Lit = (Shading, Vec<Light>);
+
 /// Usually none; any coefficients, up to two lights and a headlight, either gradient.
-pub fn shading() -> impl Strategy<Value = Option<Shading>> {
+pub fn shading() -> impl Strategy<Value = Option<Lit>> {
     let direction = [-1.0..1.0, -1.0..1.0, 0.1..1.0];
     let light = (proptest::option::of(direction), [0.0..1.0, 0.0..1.0, 0.0..1.0])
         .prop_map(|(direction, color)| Light { direction: direction.map(DVec3::from), color });
     let gradient = prop_oneof![Just(GradientMethod::CentralDifferences), Just(GradientMethod::Analytic)];
     let shading = (0.0..1.0, 0.0..1.0, prop_oneof![Just(0.0), 0.0..1.0], 1.0..50.0, vec(light, 0..=2), gradient)
-        .prop_map(|(ambient, diffuse, specular, power, lights, gradient)| Shading {
-            ambient,
-            diffuse,
-            specular,
-            power,
-            lights,
-            gradient,
-            gradient_opacity: Vec::new(),
-        });
+        .prop_map(reflecting);
     proptest::option::weighted(0.25, shading)
 }
 
 /// A headlight or one to three lights of any colour, either gradient.
-pub(super) fn lit() -> impl Strategy<Value = Shading> {
+pub(super) fn lit() -> impl Strategy<Value = Lit> {
     let direction = [-1.0..1.0, -1.0..1.0, 0.1..1.0];
     let light = (proptest::option::weighted(0.7, direction), [0.0..1.0, 0.0..1.0, 0.0..1.0])
         .prop_map(|(direction, color)| Light { direction: direction.map(DVec3::from), color });
     let gradient = prop_oneof![3 => Just(GradientMethod::CentralDifferences), 1 => Just(GradientMethod::Analytic)];
-    (0.0..0.5, 0.2..1.0, prop_oneof![Just(0.0), 0.0..0.5], 1.0..20.0, vec(light, 1..=3), gradient).prop_map(
-        |(ambient, diffuse, specular, power, lights, gradient)| Shading {
-            ambient,
-            diffuse,
-            specular,
-            power,
-            lights,
-            gradient,
-            gradient_opacity: Vec::new(),
-        },
-    )
+    (0.0..0.5, 0.2..1.0, prop_oneof![Just(0.0), 0.0..0.5], 1.0..20.0, vec(light, 1..=3), gradient).prop_map(reflecting)
+}
+
+fn reflecting(
+    (ambient, diffuse, specular, power, lights, gradient): (f64, f64, f64, f64, Vec<Light>, GradientMethod),
+) -> Lit {
+    (Shading { ambient, diffuse, specular, power, gradient, gradient_opacity: Vec::new() }, lights)
 }
 
 /// Factors on κ, at fractions of the steepest slope that there can be: rising, falling, one that is 0 in the middle.

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use vr_core::{Clip, Compositing, Filter, Scene, Shading, View, Volume};
+use vr_core::{Clip, Compositing, Filter, Scene, View, Volume};
 
 use super::cameras::{Cuts, Viewpoint, cuts, generic, viewpoint};
 use super::grids::{grid, smooth_grid, tame_grid};
-use super::looks::{filter, scheme, shading, stretched, tame_compositing};
+use super::looks::{Lit, filter, scheme, shading, stretched, tame_compositing};
 use super::transfers::{Recipe, recipe, smooth_recipe, tame_recipe};
 use crate::check::TestScene;
 
@@ -54,7 +54,7 @@ fn picture() -> impl Strategy<Value = ([u32; 2], u32)> {
 
 struct Look {
     filter: Filter,
-    shading: Option<Shading>,
+    shading: Option<Lit>,
     compositing: Compositing,
     background: [f32; 3],
 }
@@ -70,15 +70,16 @@ fn assemble(
     let height = viewpoint.rows().unwrap_or(height);
     let camera = viewpoint.camera(&volume, height);
     let clip: Clip = cuts.of_volume(&volume);
-    let view = View { samples, clip, ..View::new(camera, [width, height]) };
+    let view = View { supersampling: samples, clip, ..View::new(camera, [width, height]) };
     let transfer = recipe.of_volume(&volume);
-    let scene = Scene {
-        filter: look.filter,
-        shading: look.shading.map(Arc::new),
+    let mut scene = Scene {
         compositing: stretched(look.compositing, volume.value_range().unwrap_or((0.0, 1.0))),
         background: look.background,
-        ..Scene::new(volume, transfer)
+        ..Scene::new(volume.with_filter(look.filter), transfer)
     };
+    if let Some((shading, lights)) = look.shading {
+        (scene.shading, scene.lights) = (Some(Arc::new(shading)), lights);
+    }
     TestScene { scene, view }
 }
 
@@ -109,31 +110,31 @@ mod tests {
             assert!(n >= 10, "{what}: {n} of 1000");
         };
         for f in Filter::ALL {
-            some(f.name(), &|t| t.scene.filter == f);
+            some(f.name(), &|t| t.scene.volume.filter() == Some(f));
         }
         for c in ["over", "first", "average", "maximum", "minimum", "accumulate"] {
             some(c, &|t| t.scene.compositing.name() == c);
         }
-        let grid = |t: &TestScene| t.scene.volume.uniform().unwrap().placement().axes();
+        let grid = |t: &TestScene| t.scene.volume.grid().unwrap().placement().axes();
         some("shading", &|t| t.scene.shading.is_some());
         some("crop", &|t| t.view.clip.crop.is_some());
         some("planes", &|t| !t.view.clip.planes.is_empty());
         some("jumps", &|t| t.scene.transfer.has_jumps());
         some("opaque", &|t| t.scene.transfer.segments().iter().any(|s| s.is_opaque()));
         some("emission", &|t| t.scene.transfer.has_emission());
-        some("missing samples", &|t| t.scene.volume.uniform().unwrap().vacuum_cells().is_some());
+        some("missing samples", &|t| t.scene.volume.grid().unwrap().vacuum_cells().is_some());
         some("constant", &|t| t.scene.volume.value_range().is_some_and(|(a, b)| a == b));
-        some("negative slope", &|t| t.scene.volume.uniform().unwrap().calibration().slope < 0.0);
+        some("negative slope", &|t| t.scene.volume.grid().unwrap().calibration().slope < 0.0);
         some("mirrored", &|t| grid(t).determinant() < 0.0);
         some("sheared", &|t| grid(t).x_axis.normalize().dot(grid(t).y_axis.normalize()).abs() > 0.05);
-        some("several rays a pixel", &|t| t.view.samples > 1);
+        some("several rays a pixel", &|t| t.view.supersampling > 1);
         some("eye inside", &|t| {
-            let u = t.scene.volume.uniform().unwrap();
+            let u = t.scene.volume.grid().unwrap();
             let at = u.placement().to_index(t.view.camera.eye);
             (0..3).all(|a| at[a] > 0.0 && at[a] < (u.dims()[a] - 1) as f64)
         });
         for kind in ["u8", "i8", "u16", "i16", "f32"] {
-            some(kind, &|t| t.scene.volume.uniform().unwrap().voxel_type().name() == kind);
+            some(kind, &|t| t.scene.volume.grid().unwrap().voxel_type().name() == kind);
         }
     }
 
@@ -141,9 +142,9 @@ mod tests {
     fn tame_and_smooth_scenes_are_what_they_are_called() {
         for t in draw(tame_scene(), 300) {
             assert_valid(&t);
-            assert!(!t.scene.transfer.has_jumps() && t.scene.filter.is_continuous());
+            assert!(!t.scene.transfer.has_jumps() && t.scene.volume.filter().unwrap().is_continuous());
             assert!(t.scene.transfer.points().iter().all(|p| p.opacity <= 0.95));
-            assert!(t.scene.volume.uniform().unwrap().vacuum_cells().is_none());
+            assert!(t.scene.volume.grid().unwrap().vacuum_cells().is_none());
         }
         let smooth = draw(smooth_scene(), 300);
         for t in &smooth {
@@ -153,7 +154,7 @@ mod tests {
             assert!(t.scene.transfer.segment_at(low) == t.scene.transfer.segment_at(high), "no kink between");
         }
         let hits = smooth.iter().filter(|t| {
-            let u = t.scene.volume.uniform().unwrap();
+            let u = t.scene.volume.grid().unwrap();
             let middle =
                 Rays::new(&t.view).unwrap().at(0.5 * f64::from(t.view.size[0]), 0.5 * f64::from(t.view.size[1]));
             IndexRay::new(&middle, u.placement(), u.dims(), &t.view.clip, f64::INFINITY).is_some()

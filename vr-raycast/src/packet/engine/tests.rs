@@ -6,9 +6,11 @@ use fearless_simd::Level;
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::{
-    Calibration, Camera, Clip, Control, ControlPoint, Layer, Light, OpacityRule, Placement, Plane, Rendered, Renderer,
+    Calibration, Camera, Clip, Control, ControlPoint, Light, OpacityRule, Placement, Plane, Rendered, Renderer,
     Shading, TransferFunction, UniformGrid, Volume,
 };
+
+use vr_physics::check::FixedLayer;
 
 use super::*;
 use crate::caster::Vector;
@@ -100,14 +102,14 @@ fn transfers(most: f64) -> impl Strategy<Value = TransferFunction> {
 }
 
 /// Views of a volume from all sides, from far and from within, clipped or not, with or without a layer; odd sizes.
-fn view_of(
-    volume: &Volume,
+fn scene_of(
+    scene: Scene,
     (azimuth, elevation, fov): (f64, f64, Option<f64>),
     size: [u32; 2],
     cut: u32,
     share: f64,
-) -> View {
-    let bounds = volume.bounds();
+) -> (Scene, View) {
+    let bounds = scene.volume.bounds();
     let mut camera = Camera::framing(bounds, azimuth, elevation, fov);
     if cut & 1 == 1 {
         camera.eye = camera.target + (camera.eye - camera.target) * 0.05;
@@ -122,9 +124,9 @@ fn view_of(
         let pixel = |i: u32| {
             ([0.1, 0.2, 0.3], if i.is_multiple_of(3) { f32::INFINITY } else { distance * (0.8 + 0.1 * (i % 5) as f32) })
         };
-        view.layer = Some(Arc::new(Layer { pixels: (0..size[0] * size[1]).map(pixel).collect() }));
+        return (FixedLayer::new(&view, pixel).among(&scene), view);
     }
-    view
+    (scene, view)
 }
 
 fn scenes(most: f64) -> impl Strategy<Value = (Scene, View)> {
@@ -132,15 +134,14 @@ fn scenes(most: f64) -> impl Strategy<Value = (Scene, View)> {
     let angles = prop_oneof![8 => angles, 1 => Just((90.0, 0.0, None)), 1 => Just((0.0, 0.0, Some(40.0)))];
     (volumes(), transfers(most), angles, 1u32..13, 1u32..10, 0u32..16, 0.0f64..1.0).prop_map(
         |(volume, transfer, angles, w, h, cut, share)| {
-            let view = view_of(&volume, angles, [w, h], cut, share);
-            (Scene::new(volume, transfer), view)
+            scene_of(Scene::new(volume, transfer), angles, [w, h], cut, share)
         },
     )
 }
 
 /// The engine that a caster makes for a scene, if it can draw it.
 fn engine(caster: &RayCaster, scene: &Scene) -> Option<PacketEngine> {
-    let volume = scene.volume.uniform().unwrap();
+    let volume = scene.volume.grid().unwrap();
     match Kernel::new(caster, scene, volume, None) {
         Kernel::F32(instruments) => PacketEngine::new(caster, scene, volume, &instruments),
         Kernel::F64(_) => None,
@@ -149,7 +150,7 @@ fn engine(caster: &RayCaster, scene: &Scene) -> Option<PacketEngine> {
 
 fn set_edge(engine: &mut PacketEngine, scene: &Scene, edge: Option<usize>) {
     let PacketSteps::Lattice { table, distances } = &mut engine.steps else { panic!("uniform steps leap over blocks") };
-    *distances = edge.and_then(|edge| PacketEngine::distances(scene.volume.uniform().unwrap(), scene, table, edge));
+    *distances = edge.and_then(|edge| PacketEngine::distances(scene.volume.grid().unwrap(), scene, table, edge));
 }
 
 fn plain(caster: &RayCaster, scene: &Scene, view: &View) -> Rendered {
@@ -165,7 +166,8 @@ fn trace(
     spots: &[Spot],
     starts: Option<&[u32]>,
 ) -> (Vec<Traced>, Counts) {
-    let frame = PacketFrame::new(engine, scene.volume.uniform().unwrap(), view).unwrap();
+    let layer = scene.layer(view, &Control::default()).unwrap();
+    let frame = PacketFrame::new(engine, scene.volume.grid().unwrap(), (view, layer.as_ref())).unwrap();
     let (mut values, mut counts) = (Vec::new(), Counts::default());
     frame.trace(spots, starts, &mut values, &mut counts);
     (values, counts)
@@ -252,7 +254,7 @@ proptest! {
     fn shades_as_the_plain_engine_shades((scene, view) in scenes(0.9), step in 0.1f64..2.5, power in 0.0f64..40.0, side in any::<bool>()) {
         let direction = side.then(|| DVec3::new(0.3, -0.8, 0.5));
         let lights = vec![Light::default(), Light { direction, color: [0.5, 1.0, 0.2] }];
-        let scene = Scene { shading: Some(Arc::new(Shading { power, lights, ..Shading::default() })), ..scene };
+        let scene = Scene { shading: Some(Arc::new(Shading { power, ..Shading::default() })), lights, ..scene };
         let caster = RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let plain = plain(&caster, &scene, &view);

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use vr_core::{Control, Counts, Frame, RenderError, View};
+use vr_core::{Control, Counts, Frame, Layer, RenderError, View};
 
 use super::cells::Cells;
 use crate::screen::blocks::in_blocks;
@@ -17,6 +17,7 @@ const BATCH: usize = 256;
 /// cells are whole.
 pub(super) struct Canvas<'a> {
     view: &'a View,
+    layer: Option<&'a Layer>,
     control: &'a Control,
     /// Points across.
     across: usize,
@@ -36,10 +37,18 @@ struct Row {
 
 impl<'a> Canvas<'a> {
     /// For a grid of points `coarse` pixels apart, and all finer ones.
-    pub(super) fn new(view: &'a View, control: &'a Control, coarse: usize) -> Self {
+    pub(super) fn new((view, layer): (&'a View, Option<&'a Layer>), control: &'a Control, coarse: usize) -> Self {
         let [across, down] = view.size.map(|n| (n as usize - 1).div_ceil(coarse).max(1) * coarse + 1);
         let row = Row { rgba: vec![[0.0; 4]; across], depth: vec![f32::INFINITY; across], traced: vec![false; across] };
-        Self { view, control, across, rows: vec![row; down], done: AtomicUsize::new(0), counts: Counts::default() }
+        Self {
+            view,
+            layer,
+            control,
+            across,
+            rows: vec![row; down],
+            done: AtomicUsize::new(0),
+            counts: Counts::default(),
+        }
     }
 
     pub(super) fn counts(&self) -> Counts {
@@ -116,7 +125,7 @@ impl<'a> Canvas<'a> {
 
     /// The cells between points so many pixels apart in which an opaque layer shows.
     pub(super) fn cells_with_layer(&self, spacing: usize) -> Vec<[usize; 2]> {
-        let Some(layer) = self.view.layer.as_deref() else { return Vec::new() };
+        let Some(layer) = self.layer else { return Vec::new() };
         let [w, h] = self.view.size.map(|n| n as usize);
         let [nx, ny] = self.points(spacing).map(|n| n - 1);
         let shows = |&[x, y]: &[usize; 2]| {

@@ -3,7 +3,7 @@
 mod canvas;
 mod cells;
 
-use vr_core::{Control, RenderError, RenderStats, Rendered, View};
+use vr_core::{Control, Layer, RenderError, RenderStats, Rendered, View};
 
 use super::every_pixel::every_pixel;
 use crate::tracer::Tracer;
@@ -31,7 +31,7 @@ const COARSE: usize = 4;
 /// The picture depends on scene, view and threshold alone, not on the number of threads.
 pub(crate) fn adaptive(
     tracer: &impl Tracer,
-    view: &View,
+    (view, layer): (&View, Option<&Layer>),
     threshold: f64,
     control: &Control,
 ) -> Result<Rendered, RenderError> {
@@ -39,7 +39,7 @@ pub(crate) fn adaptive(
         return every_pixel(tracer, view, control);
     }
     let mut stats = RenderStats::default();
-    let mut canvas = Canvas::new(view, control, COARSE);
+    let mut canvas = Canvas::new((view, layer), control, COARSE);
     let mut spacing = COARSE;
     let mut cells = Cells::all(canvas.points(spacing));
     let first = canvas.claim_all(spacing);

@@ -19,7 +19,7 @@ fn view(size: [u32; 2]) -> View {
 }
 
 fn draw(size: [u32; 2], threshold: f64, f: impl Fn(f64, f64) -> f64 + Sync) -> Rendered {
-    adaptive(&Painting(f), &view(size), threshold, &Control::default()).unwrap()
+    adaptive(&Painting(f), (&view(size), None), threshold, &Control::default()).unwrap()
 }
 
 fn largest_error(size: [u32; 2], threshold: f64, f: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
@@ -100,18 +100,17 @@ fn smooth_pictures_are_interpolated_to_fourth_order() {
 
 #[test]
 fn a_layer_is_traced_where_it_shows() {
-    let mut view = view([64, 64]);
+    let view = view([64, 64]);
     let shown = |i: usize| i == 64 * 20 + 13;
     let pixel = |i: usize| ([1.0, 0.0, 0.0], if shown(i) { 1.0 } else { f32::INFINITY });
-    view.layer = Some(std::sync::Arc::new(Layer { pixels: (0..64 * 64).map(pixel).collect() }));
-    let layered = view.layer.clone().unwrap();
-    struct Layered(std::sync::Arc<Layer>);
-    impl Tracer for Layered {
+    let layer = Layer { pixels: (0..64 * 64).map(pixel).collect() };
+    struct Layered<'a>(&'a Layer);
+    impl Tracer for Layered<'_> {
         fn trace(&self, spots: &[Spot], _: Option<&[u32]>, values: &mut Vec<Traced>, _: &mut Counts) {
-            values.extend(spots.iter().map(|s| Traced::NOTHING.over(&self.0, s.pixel)));
+            values.extend(spots.iter().map(|s| Traced::NOTHING.over(self.0, s.pixel)));
         }
     }
-    let frame = adaptive(&Layered(layered), &view, 0.1, &Control::default()).unwrap().frame;
+    let frame = adaptive(&Layered(&layer), (&view, Some(&layer)), 0.1, &Control::default()).unwrap().frame;
     for (i, p) in frame.pixels().iter().enumerate() {
         assert_eq!(p[0], f32::from(u8::from(shown(i))), "{i}");
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use vr_core::{Control, Filter, RenderError, UniformVolume, View};
+use vr_core::{Control, GridVolume, RenderError, View};
 use vr_kernels::ranges::RangeBlocks;
 
 use super::cells::{CellMask, EDGE, LookInto, Sight};
@@ -19,7 +19,6 @@ const BAND: u32 = 8;
 /// first, which of their cells.
 pub(crate) struct CoherenceBuffer {
     sight: Sight,
-    filter: Filter,
     cells: [usize; 3],
     blocks: [usize; 3],
     kinds: Vec<Kind>,
@@ -48,12 +47,12 @@ enum Kind {
 }
 
 impl CoherenceBuffer {
-    /// A buffer that knows the ranges of the blocks alone. It holds as long as volume, filter and sight do.
-    pub(crate) fn new(volume: &UniformVolume, filter: Filter, sight: Sight) -> Self {
-        let ranges = RangeBlocks::of_volume(volume, filter, EDGE);
+    /// A buffer that knows the ranges of the blocks alone. It holds as long as volume and sight do.
+    pub(crate) fn new(volume: &GridVolume, sight: Sight) -> Self {
+        let ranges = RangeBlocks::of_volume(volume, EDGE);
         let blocks = ranges.blocks();
         // The field of the wider filters depends on more than a cell's corners: their blocks stay whole.
-        let divisible = filter.reach() == 0;
+        let divisible = volume.filter().reach() == 0;
         let seen = |range: &vr_kernels::ranges::BlockRange| {
             if range.is_empty() || !sight(range.low, range.high) {
                 Kind::Clear
@@ -83,7 +82,7 @@ impl CoherenceBuffer {
         groups.dedup();
         let cells = volume.dims().map(|n| n - 1);
         let known = vec![UNKNOWN; kinds.len()];
-        Self { sight, filter, cells, blocks, kinds, groups, known, masks: Vec::new(), met: Vec::new() }
+        Self { sight, cells, blocks, kinds, groups, known, masks: Vec::new(), met: Vec::new() }
     }
 
     /// Projects what can be seen: the near depths of a view.
@@ -94,7 +93,7 @@ impl CoherenceBuffer {
     /// A camera that makes no sense, or [`RenderError::Cancelled`].
     pub(crate) fn project(
         &mut self,
-        volume: &UniformVolume,
+        volume: &GridVolume,
         view: &View,
         control: &Control,
     ) -> Result<NearDepths, RenderError> {
@@ -116,14 +115,14 @@ impl CoherenceBuffer {
     }
 
     /// Looks into the blocks that the last picture met first.
-    fn learn(&mut self, volume: &UniformVolume, control: &Control) {
+    fn learn(&mut self, volume: &GridVolume, control: &Control) {
         let met = std::mem::take(&mut self.met);
         if met.is_empty() {
             return;
         }
         let blocks: Vec<[usize; 3]> = met.iter().map(|&i| self.place(i)).collect();
         let look = LookInto { blocks: &blocks, sight: &self.sight };
-        let masks = control.run(|| volume.with_sampler(self.filter, look));
+        let masks = control.run(|| volume.with_sampler(look));
         for (block, mask) in met.into_iter().zip(masks) {
             self.known[block as usize] = self.masks.len() as u32;
             self.masks.push(mask);

@@ -40,7 +40,7 @@ mod cells;
 pub(crate) use buffer::CoherenceBuffer;
 pub(crate) use cells::{Sides, Sight};
 
-use vr_core::{Control, Counts, IndexRay, Ray, Rays, RenderError, RenderStats, Rendered, UniformVolume, View};
+use vr_core::{Control, Counts, GridVolume, IndexRay, Layer, Ray, Rays, RenderError, RenderStats, Rendered, View};
 
 use super::every_pixel::{by_tiles, spots_of_pixel};
 use crate::tracer::{Traced, Tracer};
@@ -51,16 +51,15 @@ use crate::tracer::{Traced, Tracer};
 pub(crate) fn coherent(
     tracer: &impl Tracer,
     buffer: &mut CoherenceBuffer,
-    volume: &UniformVolume,
+    volume: &GridVolume,
     step: f64,
-    view: &View,
+    (view, layer): (&View, Option<&Layer>),
     control: &Control,
 ) -> Result<Rendered, RenderError> {
     let mut stats = RenderStats::default();
     let rays = Rays::new(view)?;
     let forward = view.camera.frame()?.z_axis;
     let near = stats.time("projection", || buffer.project(volume, view, control))?;
-    let layer = view.layer.as_deref();
     let first_step = |ray: &Ray, pixel: usize, depth: f64| {
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, volume.placement(), volume.dims(), &view.clip, far)?;
@@ -82,7 +81,7 @@ pub(crate) fn coherent(
         }
         let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
         tracer.trace(&spots, Some(&starts), &mut values, &mut counts);
-        let mut traced = values.chunks_exact((view.samples * view.samples) as usize);
+        let mut traced = values.chunks_exact((view.supersampling * view.supersampling) as usize);
         let mean = |&[x, y]: &[u32; 2]| {
             if near.at([x, y]) < f64::INFINITY {
                 return Traced::mean(traced.next().expect("a value for each ray"));

@@ -4,7 +4,7 @@ mod base_plane;
 mod tile;
 
 use vr_core::image_order::in_parallel;
-use vr_core::{Control, Counts, Frame, Rays, RenderError, RenderStats, Rendered, UniformVolume, View, with_grid};
+use vr_core::{Control, Counts, Frame, GridVolume, Rays, RenderError, RenderStats, Rendered, View, with_grid};
 use vr_kernels::tables::BakedTransfer;
 
 use super::every_pixel::spots_of_pixel;
@@ -16,7 +16,7 @@ use tile::{ACROSS, DOWN, TemplateRays, TemplateStep};
 
 /// What a template is cast through.
 pub(crate) struct Template<'a> {
-    pub(crate) volume: &'a UniformVolume,
+    pub(crate) volume: &'a GridVolume,
     pub(crate) connectivity: Connectivity,
     /// World length of a step between the voxels.
     pub(crate) step: f64,
@@ -101,7 +101,7 @@ impl Template<'_> {
     ) -> Result<BasePicture, RenderError> {
         let [across, down] = [plane.size[0].div_ceil(ACROSS), plane.size[1].div_ceil(DOWN)];
         let corner = |tile: u32| [tile as usize % across * ACROSS, tile as usize / across * DOWN];
-        let tiles = with_grid!(self.volume.grid(), grid => {
+        let tiles = with_grid!(self.volume.values(), grid => {
             let rays =
                 TemplateRays { plane, grid, connectivity: self.connectivity, steps, tables, enough: self.enough };
             in_parallel(control, (across * down) as u32, |tile| {

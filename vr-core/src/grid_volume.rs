@@ -1,0 +1,222 @@
+//! A uniform grid under a filter, with what is derived from it once and kept.
+
+use std::sync::{Arc, OnceLock};
+
+use glam::DVec3;
+
+use crate::any_grid::AnyGrid;
+use crate::derived::Derived;
+use crate::filter::{BSpline, Filter, Lattice, Reconstruction, interpolation_coefficients};
+use crate::filter::{CatmullRom, Gaussian, Nearest, Trilinear};
+use crate::grid::{Calibration, Census, UniformGrid};
+use crate::missing::{VacuumCells, fill_missing};
+use crate::placement::Placement;
+use crate::sampler::Sampler;
+use crate::value_frame::framed;
+use crate::voxel::{Voxel, VoxelType};
+use crate::with_grid;
+
+/// A uniform grid under a reconstruction filter. Other filters over the same values share them ([`GridVolume::with_filter`]), and what is
+/// derived from them.
+#[derive(Clone, Debug)]
+pub struct GridVolume {
+    values: Arc<Values>,
+    filter: Filter,
+}
+
+/// The values of a grid and what is derived from them: made when first asked for, then kept.
+#[derive(Debug)]
+struct Values {
+    grid: AnyGrid,
+    /// Only where samples are missing.
+    filled: OnceLock<Option<(UniformGrid<f32>, VacuumCells)>>,
+    coefficients: OnceLock<Vec<f32>>,
+    derived: Derived,
+}
+
+impl GridVolume {
+    /// A grid under a filter. Numbers are carried in a frame that suits f32: see [`ValueFrame`](crate::ValueFrame).
+    pub fn new(grid: AnyGrid, filter: Filter) -> Self {
+        let framed = if let AnyGrid::F32(g) = &grid { framed(g) } else { None };
+        let values = Values {
+            grid: framed.map_or(grid, AnyGrid::F32),
+            filled: OnceLock::new(),
+            coefficients: OnceLock::new(),
+            derived: Derived::default(),
+        };
+        Self { values: Arc::new(values), filter }
+    }
+
+    /// The values, as they are stored.
+    pub fn values(&self) -> &AnyGrid {
+        &self.values.grid
+    }
+
+    /// The filter that makes a field of the values.
+    pub fn filter(&self) -> Filter {
+        self.filter
+    }
+
+    /// The same values under another filter.
+    #[must_use]
+    pub fn with_filter(&self, filter: Filter) -> Self {
+        Self { filter, ..self.clone() }
+    }
+
+    /// True if both are the same values, in memory, under the same filter.
+    pub fn same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.values, &other.values) && self.filter == other.filter
+    }
+
+    /// Samples along x, y and z.
+    pub fn dims(&self) -> [usize; 3] {
+        with_grid!(&self.values.grid, g => g.dims())
+    }
+
+    /// Type of the samples.
+    pub fn voxel_type(&self) -> VoxelType {
+        fn of<T: Voxel>(_: &UniformGrid<T>) -> VoxelType {
+            T::TYPE
+        }
+        with_grid!(&self.values.grid, g => of(g))
+    }
+
+    /// Where the grid lies in the world.
+    pub fn placement(&self) -> &Placement {
+        with_grid!(&self.values.grid, g => g.placement())
+    }
+
+    /// What the stored numbers mean.
+    pub fn calibration(&self) -> Calibration {
+        with_grid!(&self.values.grid, g => g.calibration())
+    }
+
+    /// Range and missing samples, in stored units.
+    pub fn census(&self) -> &Census {
+        with_grid!(&self.values.grid, g => g.census())
+    }
+
+    /// Bytes of the samples.
+    pub fn sample_bytes(&self) -> usize {
+        self.dims().iter().product::<usize>() * self.voxel_type().bytes()
+    }
+
+    /// Smallest and largest finite calibrated value.
+    pub fn value_range(&self) -> Option<(f64, f64)> {
+        let calibration = self.calibration();
+        self.census().range.map(|(a, b)| {
+            let (a, b) = (calibration.value(a.into()), calibration.value(b.into()));
+            (a.min(b), a.max(b))
+        })
+    }
+
+    /// The eight corners of the box in the world.
+    pub fn corners(&self) -> [DVec3; 8] {
+        let d = self.dims().map(|n| (n - 1) as f64);
+        std::array::from_fn(|c| {
+            let pick = |axis: usize| if c >> axis & 1 == 1 { d[axis] } else { 0.0 };
+            self.placement().to_world(DVec3::new(pick(0), pick(1), pick(2)))
+        })
+    }
+
+    /// Lower and upper corner of the smallest axis-parallel world box around it.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let c = self.corners();
+        (
+            c.iter().copied().reduce(DVec3::min).unwrap_or_default(),
+            c.iter().copied().reduce(DVec3::max).unwrap_or_default(),
+        )
+    }
+
+    /// The cells that are vacuum because a corner is missing; `None` where no sample is.
+    pub fn vacuum_cells(&self) -> Option<&VacuumCells> {
+        self.filled().map(|(_, vacuum)| vacuum)
+    }
+
+    /// The samples with missing ones replaced by the nearest finite value; `None` where none is missing.
+    fn filled(&self) -> Option<&(UniformGrid<f32>, VacuumCells)> {
+        let make = || match &self.values.grid {
+            AnyGrid::F32(g) if g.census().nan + g.census().infinite > 0 => Some((fill_missing(g), VacuumCells::new(g))),
+            _ => None,
+        };
+        self.values.filled.get_or_init(make).as_ref()
+    }
+
+    /// Coefficients of the interpolating B-spline.
+    fn coefficients(&self) -> &[f32] {
+        self.values.coefficients.get_or_init(|| match self.filled() {
+            Some((g, _)) => interpolation_coefficients(&lattice(g)),
+            None => with_grid!(&self.values.grid, g => interpolation_coefficients(&lattice(g))),
+        })
+    }
+
+    /// Makes what the filter needs beyond the values, so that the first frame does not pay for it.
+    pub fn prepare_derived(&self) {
+        self.filled();
+        if self.filter == Filter::BSpline {
+            self.coefficients();
+        }
+    }
+
+    /// Hands the field's sampler to code that is generic over it: one dispatch, none per sample.
+    pub fn with_sampler<V: SamplerVisitor>(&self, visitor: V) -> V::Output {
+        let filter = self.filter;
+        match (filter, self.filled()) {
+            (Filter::BSpline, _) => {
+                let lattice = Lattice { samples: self.coefficients(), dims: self.dims() };
+                visitor.visit(Sampler::<f32, BSpline>::new(lattice, self.vacuum_cells()))
+            }
+            (_, Some((g, vacuum))) => visit(lattice(g), Some(vacuum), filter, visitor),
+            (_, None) => with_grid!(&self.values.grid, g => visit(lattice(g), None, filter, visitor)),
+        }
+    }
+
+    /// Hands over the samples themselves (missing ones replaced), to take central differences from.
+    pub fn with_lattice<V: LatticeVisitor>(&self, visitor: V) -> V::Output {
+        match self.filled() {
+            Some((g, _)) => visitor.visit(lattice(g)),
+            None => with_grid!(&self.values.grid, g => visitor.visit(lattice(g))),
+        }
+    }
+
+    /// Structures that renderers derive from the volume and keep with it.
+    pub fn derived(&self) -> &Derived {
+        &self.values.derived
+    }
+}
+
+fn lattice<T: Voxel>(grid: &UniformGrid<T>) -> Lattice<'_, T> {
+    Lattice { samples: grid.samples(), dims: grid.dims() }
+}
+
+fn visit<T: Voxel, V: SamplerVisitor>(
+    lattice: Lattice<'_, T>,
+    vacuum: Option<&VacuumCells>,
+    filter: Filter,
+    visitor: V,
+) -> V::Output {
+    match filter {
+        Filter::Nearest => visitor.visit(Sampler::<T, Nearest>::new(lattice, vacuum)),
+        Filter::Trilinear => visitor.visit(Sampler::<T, Trilinear>::new(lattice, vacuum)),
+        // Handed its coefficients instead of the samples by the caller.
+        Filter::BSpline => visitor.visit(Sampler::<T, BSpline>::new(lattice, vacuum)),
+        Filter::CatmullRom => visitor.visit(Sampler::<T, CatmullRom>::new(lattice, vacuum)),
+        Filter::Gaussian => visitor.visit(Sampler::<T, Gaussian>::new(lattice, vacuum)),
+    }
+}
+
+/// Code that is generic over voxel type and filter; see [`GridVolume::with_sampler`].
+pub trait SamplerVisitor {
+    /// What it returns.
+    type Output;
+    /// Called once, with the sampler.
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Self::Output;
+}
+
+/// Code that is generic over the voxel type; see [`GridVolume::with_lattice`].
+pub trait LatticeVisitor {
+    /// What it returns.
+    type Output;
+    /// Called once, with the samples.
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output;
+}

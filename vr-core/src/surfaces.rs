@@ -1,0 +1,49 @@
+//! Opaque surfaces among the volume.
+
+use std::fmt;
+
+use glam::DVec3;
+
+use crate::control::Control;
+use crate::error::RenderError;
+use crate::shading::Light;
+use crate::view::View;
+
+/// Opaque things that stand in a scene: the volume before them is drawn over them, the volume behind them is hidden.
+///
+/// Renderers of volumes know nothing of what they are made of: they ask for a [`Layer`] for each view that they draw.
+pub trait Surfaces: Send + Sync + fmt::Debug {
+    /// Draws the surfaces as they are seen in a view, inside its clip.
+    ///
+    /// # Errors
+    /// A view or a surface that makes no sense, or [`RenderError::Cancelled`].
+    fn layer(&self, lights: &[Light], view: &View, control: &Control) -> Result<Layer, RenderError>;
+
+    /// Lower and upper corner of the world box around them.
+    fn bounds(&self) -> (DVec3, DVec3);
+}
+
+/// The picture of opaque surfaces from one view, with depth. One entry a pixel, of the ray through its centre, serves all subpixel rays of
+/// [`View::supersampling`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Row by row from the top: linear RGB and the world distance along the pixel's ray, +∞ where there is nothing.
+    pub pixels: Vec<([f32; 3], f32)>,
+}
+
+impl Layer {
+    /// World distance along a pixel's ray at which it ends; +∞ where it meets no surface.
+    pub fn depth(&self, pixel: usize) -> f64 {
+        f64::from(self.pixels[pixel].1)
+    }
+
+    /// Draws a premultiplied pixel over the layer.
+    pub fn under(&self, pixel: usize, rgba: [f64; 4]) -> [f64; 4] {
+        let (color, depth) = self.pixels[pixel];
+        if depth == f32::INFINITY {
+            return rgba;
+        }
+        let rest = 1.0 - rgba[3];
+        std::array::from_fn(|c| if c < 3 { rgba[c] + rest * f64::from(color[c]) } else { 1.0 })
+    }
+}
