@@ -228,6 +228,7 @@ pub fn title(section: &VolumeSection, volume: &Volume) -> String {
     match volume {
         Volume::Grid(u) => format!("{name}, {} {}", number::triple(u.dims(), "×"), u.voxel_type()),
         Volume::Points(p) => format!("{name}, {} points", p.count()),
+        Volume::Field(field) => format!("{name}, {}", field.kind()),
     }
 }
 

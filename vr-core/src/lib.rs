@@ -39,6 +39,7 @@
 //! * `serde`: the types of a scene file, in `scene_file`.
 
 mod any_grid;
+pub mod bound;
 mod camera;
 mod central_differences;
 mod claim;
@@ -46,6 +47,7 @@ mod compositing;
 mod control;
 mod derived;
 mod error;
+pub mod field;
 pub mod filter;
 mod frame;
 mod grid;
@@ -88,6 +90,7 @@ pub use compositing::Compositing;
 pub use control::Control;
 pub use derived::Derived;
 pub use error::{GridError, MeshError, OptionError, ParameterError, PointError, RenderError};
+pub use field::Field;
 pub use filter::Filter;
 pub use frame::Frame;
 pub use grid::{Calibration, Census, UniformGrid, sample_count};

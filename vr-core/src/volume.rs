@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::any_grid::AnyGrid;
+use crate::field::{Field, FunctionField};
 use crate::filter::Filter;
 use crate::grid::UniformGrid;
 use crate::grid_volume::GridVolume;
@@ -18,6 +19,8 @@ pub enum Volume {
     Grid(Arc<GridVolume>),
     /// Scattered points.
     Points(Arc<PointSet>),
+    /// Any other field: a function, or one's own kind of volume.
+    Field(Arc<dyn Field>),
 }
 
 impl Volume {
@@ -25,7 +28,7 @@ impl Volume {
     pub fn grid(&self) -> Option<&Arc<GridVolume>> {
         match self {
             Self::Grid(grid) => Some(grid),
-            Self::Points(_) => None,
+            Self::Points(_) | Self::Field(_) => None,
         }
     }
 
@@ -33,15 +36,25 @@ impl Volume {
     pub fn points(&self) -> Option<&Arc<PointSet>> {
         match self {
             Self::Points(points) => Some(points),
-            Self::Grid(_) => None,
+            Self::Grid(_) | Self::Field(_) => None,
         }
     }
 
-    /// The kind as messages name it: `uniform grid` or `scattered points`.
+    /// The field of a volume that is no grid, which has faster ways of its own.
+    pub fn field(&self) -> Option<&dyn Field> {
+        match self {
+            Self::Grid(_) => None,
+            Self::Points(points) => Some(&**points),
+            Self::Field(field) => Some(&**field),
+        }
+    }
+
+    /// The kind as messages name it: `uniform grid`, `scattered points`, `function`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Grid(_) => "uniform grid",
-            Self::Points(_) => "scattered points",
+            Self::Points(points) => points.kind(),
+            Self::Field(field) => field.kind(),
         }
     }
 
@@ -59,11 +72,13 @@ impl Volume {
         }
     }
 
-    /// Smallest and largest finite calibrated value, `None` if there is none; for points as in [`PointSet::value_range`].
+    /// Smallest and largest finite calibrated value, `None` if there is none; for points as in [`PointSet::value_range`], for other fields as in
+    /// [`Field::value_range`].
     pub fn value_range(&self) -> Option<(f64, f64)> {
         match self {
             Self::Grid(grid) => grid.value_range(),
             Self::Points(points) => Some(points.value_range()),
+            Self::Field(field) => field.value_range(),
         }
     }
 
@@ -72,14 +87,16 @@ impl Volume {
         match self {
             Self::Grid(grid) => grid.bounds(),
             Self::Points(points) => points.bounds(),
+            Self::Field(field) => field.bounds(),
         }
     }
 
-    /// Mean distance between samples in world units, or half the mean radius of points: the default `unit_distance` of a transfer function.
+    /// Mean distance between samples in world units, half the mean radius of points, or a field's own: the default `unit_distance` of a transfer function.
     pub fn mean_spacing(&self) -> f64 {
         match self {
             Self::Grid(grid) => grid.placement().spacing().element_sum() / 3.0,
             Self::Points(points) => points.mean_spacing(),
+            Self::Field(field) => field.spacing(),
         }
     }
 
@@ -88,6 +105,7 @@ impl Volume {
         match self {
             Self::Grid(grid) => grid.prepare_derived(),
             Self::Points(points) => points.prepare_derived(),
+            Self::Field(field) => field.prepare_derived(),
         }
     }
 
@@ -96,6 +114,7 @@ impl Volume {
         match (self, other) {
             (Self::Grid(a), Self::Grid(b)) => a.same(b),
             (Self::Points(a), Self::Points(b)) => Arc::ptr_eq(a, b),
+            (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
     }
@@ -113,6 +132,12 @@ where
 impl From<PointSet> for Volume {
     fn from(points: PointSet) -> Self {
         Self::Points(Arc::new(points))
+    }
+}
+
+impl From<FunctionField> for Volume {
+    fn from(field: FunctionField) -> Self {
+        Self::Field(Arc::new(field))
     }
 }
 

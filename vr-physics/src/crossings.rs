@@ -1,6 +1,6 @@
 //! Where a polynomial takes given values: a ray is cut there.
 
-use crate::poly::{Bernstein, Poly};
+use vr_core::field::{Bernstein, Poly};
 
 /// Appends every t in (−1, 1) at which `p` takes one of `values` (sorted), in no particular order.
 ///

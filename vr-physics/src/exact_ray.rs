@@ -6,8 +6,8 @@
 use glam::DMat3;
 use vr_core::{Clip, IndexRay, ParameterError, Placement, Projection, Ray, View};
 
-use crate::bound::Bound;
 use crate::double::{Double, Double3, power_of_two_below};
+use vr_core::bound::Bound;
 
 /// A world ray.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,12 @@
 //! The first point of a ray where the field reaches a value.
 
-use crate::bound::Bound;
 use crate::crossings::crossings;
-use crate::line::{LineField, LineModel};
 use crate::optics::Optics;
 use crate::picks::{HALVINGS_NEAR, Stretch, rounding, stretches};
-use crate::poly::Poly;
 use crate::transport::Certainty;
+use vr_core::bound::Bound;
+use vr_core::field::Poly;
+use vr_core::field::{FieldLine, LineModel};
 
 /// A first crossing.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +37,7 @@ pub struct First {
 const MAX_PLACE: f64 = 1e-6;
 
 /// The first point where the field is at least `threshold`.
-pub fn first(line: &dyn LineField, threshold: f64) -> First {
+pub fn first(line: &dyn FieldLine, threshold: f64) -> First {
     let mut certain = true;
     // The value where the last stretch ended, and where that is.
     let mut before: Option<(f64, f64)> = None;

@@ -9,9 +9,9 @@ use glam::DVec3;
 use vr_core::filter::{GAUSSIAN_RADIUS, GAUSSIAN_SIGMA, Lattice};
 use vr_core::{Filter, Voxel};
 
-use crate::bound::Bound;
-use crate::chebyshev::{LEBESGUE, interpolation};
-use crate::poly::Poly;
+use vr_core::bound::Bound;
+use vr_core::field::Poly;
+use vr_core::field::{LEBESGUE, interpolation};
 
 /// Degree of the interpolation: a gradient's square has twice that, the largest degree that there is.
 const DEGREE: usize = 12;

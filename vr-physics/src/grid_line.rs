@@ -8,14 +8,13 @@ use glam::{DMat3, DVec3};
 use vr_core::filter::Reconstruction;
 use vr_core::{Calibration, Filter, GridVolume, IndexRay, Real, Sampler, Voxel};
 
-use crate::bound::Bound;
 use crate::double::Double;
 use crate::exact_ray::{ExactPlacement, IndexChord};
 use crate::gaussian_cell;
-use crate::line::{Chord, LineField, LineModel, RayField};
-use crate::poly::Poly;
-use crate::segments::Cut;
 use crate::tap_weights::{Axis, BSPLINE, CATMULL_ROM, cubics};
+use vr_core::bound::Bound;
+use vr_core::field::Poly;
+use vr_core::field::{Chord, Cut, FieldLine, LineModel};
 
 /// Gradients per index step at the samples, where shading takes them from there.
 pub type SampleGradients<'a> = &'a (dyn Fn([usize; 3]) -> [f64; 3] + Sync);
@@ -371,7 +370,17 @@ fn trilinear_gradients(at: SampleGradients<'_>, cell: [usize; 3], middle: DVec3,
     (sum, size.value())
 }
 
-impl<T: Voxel, F: Reconstruction> LineField for GridLine<'_, T, F> {
+impl<T: Voxel, F: Reconstruction> FieldLine for GridLine<'_, T, F> {
+    fn chord(&self) -> Chord {
+        let IndexRay { start, end, offset, .. } = self.chord.ray;
+        Chord { start, end, offset }
+    }
+
+    fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
+        out.push((self.chord.ray.start, Cut::Entry));
+        self.each_face(|s, axis, at| out.push((s, Cut::Face { axis, at })));
+    }
+
     fn breakpoints(&self, out: &mut Vec<f64>) {
         let IndexRay { direction, start, end, .. } = self.chord.ray;
         // Each with how far it may be off.
@@ -413,17 +422,5 @@ impl<T: Voxel, F: Reconstruction> LineField for GridLine<'_, T, F> {
             return self.chord.end_error[1];
         }
         if self.jumps_at_faces() { self.place_error(at) } else { 0.0 }
-    }
-}
-
-impl<T: Voxel, F: Reconstruction> RayField for GridLine<'_, T, F> {
-    fn chord(&self) -> Chord {
-        let IndexRay { start, end, offset, .. } = self.chord.ray;
-        Chord { start, end, offset }
-    }
-
-    fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
-        out.push((self.chord.ray.start, Cut::Entry));
-        self.each_face(|s, axis, at| out.push((s, Cut::Face { axis, at })));
     }
 }

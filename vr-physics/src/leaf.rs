@@ -16,11 +16,11 @@
 use vr_core::transfer::Segment;
 use vr_core::{OpacityRule, Shading};
 
-use crate::bound::{Bound, largest};
-use crate::line::LineModel;
 use crate::nodes::{DEGREES, Rule, rule};
 use crate::optics::Optics;
-use crate::poly::Poly;
+use vr_core::bound::{Bound, largest};
+use vr_core::field::LineModel;
+use vr_core::field::Poly;
 
 /// Light and depth of a stretch, before what lies in front of it dims them.
 #[derive(Clone, Copy, Debug)]

@@ -9,7 +9,7 @@
 //! # How
 //! 1. **Pieces.** A reconstructed field is a polynomial of s in every cell ([`GridLine`]): a cubic for trilinear, degree 9 for
 //!    tricubic filters. The ray is cut at cell faces and where the polynomial crosses a knot of the transfer function.
-//!    Scattered points ([`PointLine`]) are a sum of kernels, smooth between the spheres that bound them; there it is interpolated, with a
+//!    Scattered points ([`vr_core::field::PointLine`]) are a sum of kernels, smooth between the spheres that bound them; there it is interpolated, with a
 //!    bound on what that misses.
 //! 2. **Quadrature.** On a piece κ and q are analytic. Clenshaw-Curtis rules integrate optical depth and light together.
 //! 3. **Bound.** What a rule misses is bounded beforehand, by how large the integrand is on ellipses in the complex plane around
@@ -44,10 +44,7 @@
 //! # Features
 //! * `proptest`: random scenes, and checks that anyone's `Renderer` can be put through, in `check`.
 
-mod analytic_line;
-mod bound;
 pub mod cases;
-mod chebyshev;
 #[cfg(feature = "proptest")]
 pub mod check;
 mod crossings;
@@ -56,9 +53,7 @@ mod exact_ray;
 mod first_crossing;
 mod gaussian_cell;
 mod grid_line;
-mod kernel_shape;
 mod leaf;
-mod line;
 pub mod metrics;
 mod model_solvers;
 mod nodes;
@@ -66,8 +61,6 @@ mod optics;
 mod order;
 mod phantom_pixels;
 pub mod picks;
-mod point_line;
-mod poly;
 mod reference;
 mod scattered;
 mod segments;
@@ -76,17 +69,13 @@ mod ssim;
 mod tap_weights;
 mod transport;
 mod walls;
-pub use analytic_line::AnalyticLine;
 pub use grid_line::{GradientSource, GridLine, SampleGradients};
-pub use line::{LineField, LineModel};
 pub use metrics::{Channels, Metrics};
 pub use model_solvers::{integrate_continuous, sum_segments};
 pub use optics::Optics;
 pub use order::{fit_order, fit_order_above};
-pub use point_line::PointLine;
-pub use poly::Poly;
 pub use reference::{DEFAULT_TOLERANCE, LEAST_TOLERANCE, Pixel, Reference, Solution};
 pub use scattered::spread;
-pub use segments::{Cut, RaySegment, SegmentLight};
+pub use segments::{RaySegment, SegmentLight};
 pub use ssim::ssim;
 pub use transport::{Certainty, Transport, transport};

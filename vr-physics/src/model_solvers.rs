@@ -2,9 +2,9 @@
 
 use vr_core::{ContinuousModel, Medium, Ray, SegmentTerm};
 
-use crate::bound::{Bound, largest};
 use crate::nodes::rule;
 use crate::transport::{Certainty, Transport};
+use vr_core::bound::{Bound, largest};
 
 /// Σ_k b_k Π_{j<k} θ_j, front to back, with the rounding that the sum may have.
 pub fn sum_segments(segments: &[SegmentTerm]) -> Transport {

@@ -3,8 +3,8 @@
 use vr_core::transfer::Segment;
 use vr_core::{OpacityRule, RayShading, Shading, TransferFunction};
 
-use crate::bound::{Bound, largest};
-use crate::line::LineModel;
+use vr_core::bound::{Bound, largest};
+use vr_core::field::LineModel;
 
 /// Those of some neighbouring segments that a stretch may be in over a length: the ones that its limits leave.
 pub(crate) fn inside<'s>(segments: &'s [Segment], model: &LineModel) -> &'s [Segment] {

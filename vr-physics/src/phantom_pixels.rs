@@ -1,14 +1,16 @@
 //! Pixels of a phantom as the function that it is: what a picture of its samples would be if there were infinitely many.
 
+use std::sync::Arc;
+
 use vr_core::image_order::{Spot, trace_pixels};
 use vr_core::phantom::Phantom;
 use vr_core::{Control, Counts, IndexRay, Ray, RenderError, Scene, View};
 
-use crate::analytic_line::AnalyticLine;
 use crate::optics::Optics;
 use crate::reference::{Pixel, Reference, Solution};
 use crate::solver::level;
 use crate::transport::transport;
+use vr_core::field::{FunctionField, FunctionLine};
 
 impl Reference {
     /// Solves some pixels of a phantom under the transfer function of a scene, inside the box of the scene's grid, in the order given.
@@ -21,7 +23,7 @@ impl Reference {
     /// a view or scene that makes no sense, or cancellation.
     pub fn solve_phantom(
         &self,
-        phantom: &dyn Phantom,
+        phantom: &Arc<dyn Phantom>,
         (scene, view): (&Scene, &View),
         pixels: &[[u32; 2]],
         control: &Control,
@@ -37,6 +39,7 @@ impl Reference {
             return Err(unsupported("shading"));
         }
         let volume = scene.volume.grid().ok_or_else(|| unsupported("a volume that is not a uniform grid"))?;
+        let field = FunctionField::of_phantom(Arc::clone(phantom));
         let layer = scene.layer(view, control)?;
         let optics = Optics::new(&scene.transfer, None);
         let trace = |(): &mut (), ray: &Ray, spot: Spot, counts: &mut Counts| {
@@ -45,8 +48,7 @@ impl Reference {
             let part = IndexRay::new(ray, volume.placement(), volume.dims(), &view.clip, far);
             let mut pixel = part.map_or(Pixel::EMPTY, |part| {
                 counts.rays += 1;
-                let line =
-                    AnalyticLine::new(phantom, *ray, part.start + part.offset, part.end + part.offset).estimated();
+                let line = FunctionLine::new(&field, *ray, part.start + part.offset, part.end + part.offset);
                 let t = transport(&line, &optics, self.tolerance(), level);
                 counts.samples += t.pieces;
                 Pixel::emitted(&t, 0.0)
@@ -72,7 +74,7 @@ mod tests {
 
     /// Differences to the phantom itself, at grids of 33³ and 65³ samples.
     fn differences(name: &str) -> [f64; 2] {
-        let phantom = phantom::by_name(name).unwrap();
+        let phantom: Arc<dyn Phantom> = phantom::by_name(name).unwrap().into();
         [33, 65].map(|n| {
             let grid = phantom::sample::<f32>(&*phantom, [n; 3]).unwrap();
             let points = phantom.transfer_points();
@@ -81,7 +83,7 @@ mod tests {
             let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [24, 24]);
             let (control, pixels) = (Control::default(), subgrid(12, view.size));
             let reference = Reference::new(1e-7);
-            let itself = reference.solve_phantom(&*phantom, (&scene, &view), &pixels, &control).unwrap();
+            let itself = reference.solve_phantom(&phantom, (&scene, &view), &pixels, &control).unwrap();
             let sampled = reference.solve_pixels(&scene, &view, &Model::Canonical, &pixels, &control).unwrap();
             println!("{name} {n}: {:?}, {} pieces", itself.certainty(), itself.counts.samples);
             assert!(matches!(itself.certainty(), Certainty::Estimate(e) if e < 1e-6) && itself.counts.rays > 0);
@@ -102,16 +104,16 @@ mod tests {
 
     #[test]
     fn what_has_no_gradient_is_not_shaded() {
-        let phantom = phantom::by_name("fog").unwrap();
+        let phantom: Arc<dyn Phantom> = phantom::by_name("fog").unwrap().into();
         let grid = phantom::sample::<f32>(&*phantom, [3; 3]).unwrap();
         let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, 1.0).unwrap();
         let scene = Scene { compositing: Compositing::Maximum, ..Scene::new(grid.into(), transfer) };
         let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [2, 2]);
-        let solved = Reference::default().solve_phantom(&*phantom, (&scene, &view), &[[0, 0]], &Control::default());
+        let solved = Reference::default().solve_phantom(&phantom, (&scene, &view), &[[0, 0]], &Control::default());
         assert!(matches!(solved, Err(RenderError::Unsupported { .. })));
         let over = Scene { compositing: Compositing::Over, ..scene };
         let solved =
-            Reference::default().solve_phantom(&*phantom, (&over, &view), &[[1, 1]], &Control::default()).unwrap();
+            Reference::default().solve_phantom(&phantom, (&over, &view), &[[1, 1]], &Control::default()).unwrap();
         assert!(solved.pixels[0].certainty.value() < 1e-6);
     }
 }

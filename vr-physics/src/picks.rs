@@ -2,12 +2,12 @@
 
 use vr_core::TransferFunction;
 
-use crate::bound::{Bound, largest};
 use crate::crossings::crossings;
 pub use crate::first_crossing::{First, Hit, first};
-use crate::line::{LineField, LineModel};
-use crate::poly::Poly;
 use crate::transport::Certainty;
+use vr_core::bound::{Bound, largest};
+use vr_core::field::Poly;
+use vr_core::field::{FieldLine, LineModel};
 
 /// One value of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,9 +104,9 @@ const HALVINGS: u32 = 5;
 pub(crate) const HALVINGS_NEAR: u32 = 12;
 
 /// The stretches of a line that are not vacuum, halved where `matters` says that the field's error does.
-pub(crate) fn stretches(line: &dyn LineField, halvings: u32, matters: &dyn Fn(&LineModel) -> bool) -> Vec<Stretch> {
+pub(crate) fn stretches(line: &dyn FieldLine, halvings: u32, matters: &dyn Fn(&LineModel) -> bool) -> Vec<Stretch> {
     fn refine(
-        line: &dyn LineField,
+        line: &dyn FieldLine,
         (from, to): (f64, f64),
         halvings: u32,
         matters: &dyn Fn(&LineModel) -> bool,
@@ -137,7 +137,7 @@ pub(crate) fn rounding(p: &Poly) -> f64 {
 }
 
 /// The largest (`sign` = 1) or smallest (−1) value; of equals the nearest. `None` where all is vacuum.
-pub fn extreme(line: &dyn LineField, sign: f64) -> Option<Pick> {
+pub fn extreme(line: &dyn FieldLine, sign: f64) -> Option<Pick> {
     let mut best: Option<Pick> = None;
     // The same of what is surely there.
     let mut surely: Option<f64> = None;
@@ -176,7 +176,7 @@ pub fn extreme(line: &dyn LineField, sign: f64) -> Option<Pick> {
 }
 
 /// The mean over the part that is not vacuum.
-pub fn average(line: &dyn LineField) -> Option<Pick> {
+pub fn average(line: &dyn FieldLine) -> Option<Pick> {
     let stretches = stretches(line, HALVINGS, &|_| true);
     let constant = |s: &Stretch| s.model.field.is_constant() && s.model.error() == Bound::ZERO;
     if let Some(first) = stretches.first() {

@@ -8,10 +8,10 @@ use vr_core::{
     Options, Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Scene, View,
 };
 
-use crate::bound::{Bound, largest};
 use crate::segments::RaySegment;
 use crate::solver::{Answer, Solver, Want};
 use crate::transport::{Certainty, Transport};
+use vr_core::bound::{Bound, largest};
 
 /// Solves the equation of transfer for every pixel.
 #[derive(Clone, Debug, PartialEq)]

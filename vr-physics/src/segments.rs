@@ -1,10 +1,10 @@
 //! The reference's own account of one ray: cut wherever something changes, each part solved by itself and all of it so far.
 
-use crate::bound::{Bound, largest};
 use crate::crossings::crossings;
-use crate::line::{Chord, LineField, LineModel, RayField};
 use crate::optics::Optics;
 use crate::transport::{Certainty, Transport, transport};
+use vr_core::bound::{Bound, largest};
+use vr_core::field::{Chord, Cut, FieldLine, LineModel};
 
 /// A part of a ray between two cuts, on which the field is smooth and the transfer function has no knot.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,27 +19,6 @@ pub struct RaySegment {
     pub values: [f64; 2],
     /// Its light; `None` where the compositing picks a value and integrates no light.
     pub light: Option<SegmentLight>,
-}
-
-/// What cuts a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Cut {
-    /// The ray enters the volume, or what the clip leaves of it; among scattered points, wherever it comes out of vacuum.
-    Entry,
-    /// A face across an index axis, beyond which the field is another polynomial: of a cell or, with the nearest filter, between two samples.
-    Face {
-        /// 0, 1 or 2.
-        axis: usize,
-        /// Its index coordinate on that axis.
-        at: f64,
-    },
-    /// The value crosses, or touches, a knot of the transfer function.
-    Knot {
-        /// The knot's calibrated value.
-        value: f64,
-    },
-    /// A distance that was asked for.
-    Asked,
 }
 
 /// The exact light of a segment, and of the ray up to its end.
@@ -71,7 +50,7 @@ const SLIVER: f64 = 1e-12;
 
 /// Cuts a ray, and solves each part. `level` ends the light where opacity reaches it (1: never); `None`: no light is asked for.
 pub(crate) fn segments(
-    line: &dyn RayField,
+    line: &dyn FieldLine,
     optics: &Optics<'_>,
     tolerance: f64,
     level: Option<f64>,
@@ -112,7 +91,13 @@ fn knots(optics: &Optics<'_>) -> Vec<f64> {
 }
 
 /// Every place where the ray is cut, and by what; the first is where it enters.
-fn cuts(line: &dyn RayField, chord: &Chord, breakpoints: &[f64], knots: &[f64], asked: &[f64]) -> Vec<(f64, Vec<Cut>)> {
+fn cuts(
+    line: &dyn FieldLine,
+    chord: &Chord,
+    breakpoints: &[f64],
+    knots: &[f64],
+    asked: &[f64],
+) -> Vec<(f64, Vec<Cut>)> {
     let mut cuts = Vec::new();
     line.cuts(&mut cuts);
     let mut found = Vec::new();
@@ -150,13 +135,13 @@ fn cuts(line: &dyn RayField, chord: &Chord, breakpoints: &[f64], knots: &[f64], 
 
 /// A part of a line.
 struct Part<'a> {
-    line: &'a dyn LineField,
+    line: &'a dyn FieldLine,
     /// Its ends, and the line's breakpoints between that are no cuts.
     breakpoints: Vec<f64>,
 }
 
 impl<'a> Part<'a> {
-    fn new(line: &'a dyn LineField, from: f64, to: f64, all: &[f64], sliver: f64) -> Self {
+    fn new(line: &'a dyn FieldLine, from: f64, to: f64, all: &[f64], sliver: f64) -> Self {
         // Cuts so near to each other are one: a breakpoint beside an end is that end.
         let inner = all.iter().copied().filter(|&s| s > from + 2.0 * sliver && s < to - 2.0 * sliver);
         Self { line, breakpoints: [from].into_iter().chain(inner).chain([to]).collect() }
@@ -173,7 +158,12 @@ impl<'a> Part<'a> {
     }
 }
 
-impl LineField for Part<'_> {
+impl FieldLine for Part<'_> {
+    fn chord(&self) -> Chord {
+        let ends = &self.breakpoints;
+        Chord { start: ends[0], end: ends[ends.len() - 1], ..self.line.chord() }
+    }
+
     fn breakpoints(&self, out: &mut Vec<f64>) {
         out.extend_from_slice(&self.breakpoints);
     }

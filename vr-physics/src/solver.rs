@@ -5,20 +5,19 @@ use std::sync::Arc;
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Control, Counts, GradientMethod, GridVolume, IndexRay, LatticeVisitor, Layer, Model, PointSet, Ray,
+    Compositing, Control, Counts, Field, GradientMethod, GridVolume, IndexRay, LatticeVisitor, Layer, Model, Ray,
     RenderError, Sampler, SamplerVisitor, Scene, View, Volume, Voxel, gradient_at_sample,
 };
 
 use crate::exact_ray::{ExactPlacement, ExactRay, ExactRays, IndexChord};
 use crate::grid_line::{GradientSource, GridLine};
-use crate::line::{LineField, RayField};
 use crate::model_solvers::{integrate_continuous, sum_segments};
 use crate::optics::Optics;
 use crate::picks;
-use crate::point_line::PointLine;
 use crate::reference::Pixel;
 use crate::segments::{RaySegment, segments};
 use crate::transport::{Transport, transport};
+use vr_core::field::FieldLine;
 
 /// Everything that the rays of a view share.
 pub(crate) struct Solver<'a> {
@@ -36,7 +35,7 @@ pub(crate) struct Solver<'a> {
 #[expect(clippy::large_enum_variant)]
 enum Source<'a> {
     Grid(Arc<GridVolume>, ExactPlacement),
-    Points(&'a PointSet),
+    Field(&'a dyn Field),
     /// From nothing here: the renderer's model says it all.
     Model,
 }
@@ -50,19 +49,25 @@ impl<'a> Solver<'a> {
             let placement = ExactPlacement::new(volume.placement(), volume.dims());
             Source::Grid(volume, placement)
         };
+        let field = |field: &'a dyn Field| {
+            if scene.shading.is_some() && !field.has_gradient() {
+                let feature = format!("shading of volumes of the kind '{}', which have no gradient", field.kind());
+                return Err(unsupported(feature));
+            }
+            field.prepare_derived();
+            Ok(Source::Field(field))
+        };
         let source = match (model, &scene.volume) {
             (Model::Continuous(_) | Model::Discrete(_), _) => Source::Model,
             (Model::Canonical, Volume::Grid(volume)) => grid(Arc::clone(volume)),
             (Model::Filtered(filter), Volume::Grid(volume)) => grid(Arc::new(volume.with_filter(*filter))),
-            (Model::Canonical, Volume::Points(points)) => {
-                if scene.shading.is_some() {
-                    return Err(unsupported("shading of scattered points".to_owned()));
-                }
-                points.prepare_derived();
-                Source::Points(points)
-            }
-            (Model::Filtered(_), Volume::Points(_)) => {
-                return Err(unsupported("a reconstruction filter over scattered points".to_owned()));
+            (Model::Canonical, Volume::Points(points)) => field(&**points)?,
+            (Model::Canonical, Volume::Field(any)) => field(&**any)?,
+            (Model::Filtered(_), other) => {
+                return Err(unsupported(format!(
+                    "a reconstruction filter over volumes of the kind '{}'",
+                    other.kind()
+                )));
             }
             _ => return Err(unsupported(format!("the model {model:?}"))),
         };
@@ -91,15 +96,17 @@ impl<'a> Solver<'a> {
                 let job = Job { solver: self, volume, placement, ray, chord, want };
                 Some((volume.with_sampler(job), chord.ray.offset))
             }
-            Source::Points(points) => {
-                let line = PointLine::new(points, ray, &self.view.clip, far)?;
-                Some((self.answer(&line, &Optics::new(&self.scene.transfer, None), want), line.offset()))
+            Source::Field(field) => {
+                let Scene { transfer, shading, lights, .. } = self.scene;
+                let line = field.along(ray, &self.view.clip, far, shading.is_some())?;
+                let shading = shading.as_deref().map(|s| (s, s.along(lights, ray.direction)));
+                Some((self.answer(&*line, &Optics::new(transfer, shading), want), line.chord().offset))
             }
             Source::Model => None,
         }
     }
 
-    fn answer(&self, line: &dyn RayField, optics: &Optics<'_>, want: Want<'_>) -> Answer {
+    fn answer(&self, line: &dyn FieldLine, optics: &Optics<'_>, want: Want<'_>) -> Answer {
         match want {
             Want::Transport(level) => Answer::Transport(transport(line, optics, self.tolerance, level)),
             Want::Pick(compositing) => Answer::Pixel(pick(line, optics, compositing)),
@@ -203,7 +210,7 @@ impl LatticeVisitor for SampleGradient {
     }
 }
 
-fn pick(line: &dyn LineField, optics: &Optics<'_>, compositing: Compositing) -> Pixel {
+fn pick(line: &dyn FieldLine, optics: &Optics<'_>, compositing: Compositing) -> Pixel {
     let picked = match compositing {
         Compositing::First { threshold } => {
             let first = picks::first(line, threshold);

@@ -2,7 +2,7 @@
 
 use vr_core::Filter;
 
-use crate::poly::Poly;
+use vr_core::field::Poly;
 
 /// Lattice indices and weights along one axis.
 #[derive(Clone, Copy)]

@@ -6,12 +6,12 @@
 
 use vr_core::transfer::Segment;
 
-use crate::bound::{Bound, largest};
 use crate::crossings::crossings;
 use crate::leaf::{Gain, Leaf, Whole};
-use crate::line::{LineField, LineModel};
 use crate::optics::Optics;
-use crate::poly::Poly;
+use vr_core::bound::{Bound, largest};
+use vr_core::field::Poly;
+use vr_core::field::{FieldLine, LineModel};
 
 /// Light that leaves a ray at its front, and how deep the ray is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +78,7 @@ impl Transport {
 /// Integrates along a line to an absolute tolerance (relative to the ray's own radiance where that is above 1).
 ///
 /// `level` cuts the integral where the opacity reaches it (1: never).
-pub fn transport(line: &dyn LineField, optics: &Optics<'_>, tolerance: f64, level: f64) -> Transport {
+pub fn transport(line: &dyn FieldLine, optics: &Optics<'_>, tolerance: f64, level: f64) -> Transport {
     let mut breakpoints = Vec::with_capacity(64);
     line.breakpoints(&mut breakpoints);
     let length = match (breakpoints.first(), breakpoints.last()) {
@@ -168,7 +168,7 @@ pub(crate) struct Walk<'a> {
 
 impl Walk<'_> {
     /// A stretch between breakpoints.
-    fn stretch(&mut self, line: &dyn LineField, from: f64, to: f64, halvings: u32) {
+    fn stretch(&mut self, line: &dyn FieldLine, from: f64, to: f64, halvings: u32) {
         let Some(model) = line.between(from, to) else { return };
         if !model.field.coefficients().iter().all(|c| c.is_finite()) {
             // Overflow: nothing is known of this ray any more.

@@ -2,11 +2,11 @@
 
 use vr_core::transfer::{Optical, Segment};
 
-use crate::bound::{Bound, largest};
-use crate::line::{LineField, LineModel};
 use crate::optics::inside;
-use crate::poly::Poly;
 use crate::transport::{HALF_DEPTH, Walk, band};
+use vr_core::bound::{Bound, largest};
+use vr_core::field::Poly;
+use vr_core::field::{FieldLine, LineModel};
 
 /// A side of a place where the medium jumps.
 #[derive(Clone, Copy, Default)]
@@ -23,7 +23,7 @@ const MOST_DEPTH: f64 = 80.0;
 
 impl<'a> Walk<'a> {
     /// The breakpoint `i`, where the field may jump: what it costs that its place is only known to rounding.
-    pub(crate) fn edge(&mut self, line: &dyn LineField, breakpoints: &[f64], i: usize) {
+    pub(crate) fn edge(&mut self, line: &dyn FieldLine, breakpoints: &[f64], i: usize) {
         let Some(&at) = breakpoints.get(i) else { return };
         let off = Bound::new(line.misplaced(at));
         if off == Bound::ZERO {
@@ -44,7 +44,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The medium beside a breakpoint `at`, towards another one; `None` in vacuum.
-    fn side(&self, line: &dyn LineField, at: f64, other: f64, off: Bound) -> Option<Side> {
+    fn side(&self, line: &dyn FieldLine, at: f64, other: f64, off: Bound) -> Option<Side> {
         let near = at + (other - at) * (1.0 / 64.0);
         let model = if near > at { line.between(at, near) } else { line.between(near, at) }?;
         let slope = model.field.derivative();

@@ -1,11 +1,14 @@
 //! The reference against what can be integrated on paper.
 
+use std::sync::Arc;
+
 use glam::DVec3;
+use vr_core::field::{FunctionField, FunctionLine};
 use vr_core::phantom::{Phantom, SheppLogan};
 use vr_core::{
     Camera, ControlPoint, OpacityRule, Placement, Projection, Ray, Scene, TransferFunction, UniformGrid, View, Volume,
 };
-use vr_physics::{AnalyticLine, Certainty, Optics, Reference, Transport, transport};
+use vr_physics::{Certainty, Optics, Reference, Transport, transport};
 
 /// A field that is the ramp z/(n − 1) from 0 to 1, with `n` samples of spacing `h` along z; exact for n = 2ᵏ + 1.
 fn ramp(n: usize, h: f64) -> Volume {
@@ -111,7 +114,8 @@ fn opaque_wall_behind_fog() {
 
 #[test]
 fn shepp_logan_line_integrals() {
-    let phantom = SheppLogan::new();
+    let phantom = Arc::new(SheppLogan::new());
+    let field = FunctionField::of_phantom(phantom.clone()).with_lipschitz(phantom.lipschitz_between_breakpoints());
     let points = vec![point(-1.0, 0.0, [0.0; 3], Some([0.0; 3])), point(3.0, 0.0, [0.0; 3], Some([4.0; 3]))];
     let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
     let mut state = 1u64;
@@ -123,7 +127,7 @@ fn shepp_logan_line_integrals() {
         let target = DVec3::new(random(), random(), random()) * 0.8;
         let direction = DVec3::new(random(), random(), random()).normalize();
         let ray = Ray { origin: target - 3.0 * direction, direction };
-        let line = AnalyticLine::new(&phantom, ray, 0.0, 6.0);
+        let line = FunctionLine::new(&field, ray, 0.0, 6.0);
         let t = transport(&line, &Optics::new(&transfer, None), 1e-11, 1.0);
         // Emission is value + 1.
         let exact = phantom.line_integral(ray.origin, ray.direction) + 6.0;

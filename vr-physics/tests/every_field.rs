@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
+use vr_core::field::{FunctionField, FunctionLine};
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::phantom::{self, Phantom};
 use vr_core::{
@@ -11,7 +12,7 @@ use vr_core::{
     SamplerVisitor, Scene, SegmentTerm, Shading, TransferFunction, UniformGrid, View, Voxel, gradient_between_samples,
     optics,
 };
-use vr_physics::{AnalyticLine, Certainty, Optics, Reference, transport};
+use vr_physics::{Certainty, Optics, Reference, transport};
 
 /// Waves on a slightly sheared 6×7×8 grid.
 fn scene(filter: Filter) -> Scene {
@@ -240,11 +241,13 @@ fn clipped_is_what_the_interval_leaves() {
 #[test]
 fn analytic_fields_go_through_the_same_integrator() {
     for name in phantom::NAMES {
-        let phantom: Box<dyn Phantom> = phantom::by_name(name).unwrap();
+        let phantom: Arc<dyn Phantom> = phantom::by_name(name).unwrap().into();
+        let field = FunctionField::of_phantom(Arc::clone(&phantom));
+        let field = field.with_lipschitz(phantom.lipschitz_between_breakpoints());
         let points = phantom.transfer_points();
         let transfer = TransferFunction::new(points, OpacityRule::Power, phantom::TRANSFER_UNIT_DISTANCE).unwrap();
         let ray = Ray { origin: DVec3::new(-3.0, 0.21, 0.13), direction: DVec3::new(1.0, -0.04, 0.02).normalize() };
-        let line = AnalyticLine::new(&*phantom, ray, 2.0, 4.0);
+        let line = FunctionLine::new(&field, ray, 2.0, 4.0);
         let t = transport(&line, &Optics::new(&transfer, None), 1e-3, 1.0);
         let n = 200_000;
         let h = 2.0 / f64::from(n);

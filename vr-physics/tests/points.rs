@@ -5,13 +5,14 @@ use std::sync::Arc;
 use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use vr_core::field::{Cut, FieldLine, PointLine};
 use vr_core::phantom::{POINT_NAMES, point_transfer, points_by_name};
 use vr_core::{
     Camera, Clip, Compositing, Control, ControlPoint, Filter, Model, OpacityRule, Plane, PointKernel, PointSet,
     Projection, Ray, RenderError, Scene, Shading, TransferFunction, View,
 };
 use vr_physics::check::FixedLayer;
-use vr_physics::{Certainty, Cut, LineField, Pixel, PointLine, Reference, Solution, Transport};
+use vr_physics::{Certainty, Pixel, Reference, Solution, Transport};
 
 /// (position, radius, value), all of weight 1.
 type Point = ([f64; 3], f32, f32);

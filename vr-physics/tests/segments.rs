@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
+use vr_core::field::Cut;
 use vr_core::{
     Calibration, Camera, Compositing, Control, ControlPoint, Model, OpacityRule, Placement, Projection, Ray, Rays,
     Scene, TransferFunction, UniformGrid, View,
 };
 use vr_physics::check::TestScene;
 use vr_physics::check::strategies::{scene, smooth_scene, tame_scene};
-use vr_physics::{Cut, RaySegment, Reference};
+use vr_physics::{RaySegment, Reference};
 
 /// The segments of the ray through a pixel's centre, and the pixel.
 fn account(test: &TestScene, [x, y]: [u32; 2], cuts: &[f64]) -> (Vec<RaySegment>, vr_physics::Pixel) {

@@ -4,8 +4,10 @@
 //! discretization error analysis": refine one thing at a time, and look at the slope of the error, not at the picture.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+use vr_core::phantom::Phantom;
 use vr_core::{Control, Frame, Model, OrderClaim, RenderError, Renderer, Scene, View};
 use vr_physics::fit_order_above;
 use vr_physics::metrics::subgrid;
@@ -268,7 +270,12 @@ impl Prover<'_> {
         let pictures: Vec<(Scene, f64)> = cells.iter().map(|&n| (smooth(n + 1), 0.5 * claim.coarsest)).collect();
         let view = view(&pictures[0].0, SIDE);
         let pixels = subgrid(SIDE, view.size);
-        let truth = Exact::solve_phantom(&Waves, (&pictures[0].0, &view), pixels, self.control)?;
+        let truth = Exact::solve_phantom(
+            &(Arc::new(Waves) as Arc<dyn Phantom>),
+            (&pictures[0].0, &view),
+            pixels,
+            self.control,
+        )?;
         let judge = |frame: &Frame, _: &Model, _: usize| Ok(truth.judge(frame).rmse);
         let blank = blank(renderer, claim, Refined::Grid, "waves");
         self.fill(blank, (renderer, claim), sizes, &pictures, |_| view.clone(), judge)

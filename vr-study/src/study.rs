@@ -75,7 +75,7 @@ impl Study<'_> {
         let exact = self.cache.solve(view, &Model::Canonical, pixels, control)?;
         let few = subgrid(self.own_subgrid, subject.view.size);
         let function = match &subject.phantom {
-            Some(phantom) => match Exact::solve_phantom(&**phantom, view, few.clone(), control) {
+            Some(phantom) => match Exact::solve_phantom(phantom, view, few.clone(), control) {
                 Ok(exact) => Some(exact),
                 Err(RenderError::Unsupported { .. }) => None,
                 Err(other) => return Err(other),

@@ -1,7 +1,8 @@
 //! The ray drawn in the terminal: what it meets, what it adds up to, and where the renderer leaves the truth.
 
 use vr_core::RenderError;
-use vr_physics::{Cut, RaySegment, Reference};
+use vr_core::field::Cut;
+use vr_physics::{RaySegment, Reference};
 
 use super::account::{Account, CHANNELS};
 use super::figures;

@@ -81,7 +81,7 @@ fn components(rgba: [f64; 4], figure: impl Fn(f64) -> String) -> String {
 /// Faces and knots on the whole ray.
 fn crossed(account: &Account<'_>) -> [usize; 2] {
     let cuts = || account.segments.iter().flat_map(|segment| &segment.front);
-    let faces = cuts().filter(|cut| matches!(cut, vr_physics::Cut::Face { .. })).count();
-    let knots = cuts().filter(|cut| matches!(cut, vr_physics::Cut::Knot { .. })).count();
+    let faces = cuts().filter(|cut| matches!(cut, vr_core::field::Cut::Face { .. })).count();
+    let knots = cuts().filter(|cut| matches!(cut, vr_core::field::Cut::Knot { .. })).count();
     [faces, knots]
 }

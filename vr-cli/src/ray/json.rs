@@ -1,7 +1,8 @@
 //! Everything as one JSON object. What is infinite, or does not exist, is `null`.
 
 use serde::Serialize;
-use vr_physics::{Certainty, Cut, RaySegment};
+use vr_core::field::Cut;
+use vr_physics::{Certainty, RaySegment};
 
 use super::account::{Account, CHANNELS};
 use super::rows::Row;

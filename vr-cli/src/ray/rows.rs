@@ -1,7 +1,8 @@
 //! The renderer's steps, each with what is true of it.
 
+use vr_core::field::Cut;
 use vr_core::{Probe, ProbedStep, Scene};
-use vr_physics::{Cut, RaySegment, SegmentLight};
+use vr_physics::{RaySegment, SegmentLight};
 
 use super::account::level;
 

@@ -1,7 +1,8 @@
 //! The steps, or the parts of the exact solution, in rows.
 
 use vr_core::ProbedSample;
-use vr_physics::{Cut, RaySegment};
+use vr_core::field::Cut;
+use vr_physics::RaySegment;
 
 use super::account::{Account, CHANNELS};
 use super::figures;

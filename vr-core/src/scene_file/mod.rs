@@ -442,6 +442,7 @@ impl RenderSection {
             Volume::Grid(_) => "raycast",
             // No ray caster finds the few points, of all, that a ray meets.
             Volume::Points(_) => "splat",
+            Volume::Field(_) => "raycast",
         })
     }
 
@@ -569,6 +570,10 @@ fn inline_volume(volume: &Volume) -> Result<VolumeSection, ParameterError> {
     match &volume {
         Volume::Grid(u) => inline_grid(u),
         Volume::Points(p) => points::inline_points(p),
+        Volume::Field(field) => {
+            let allowed = "only uniform grids and scattered points can be written into a scene file";
+            Err(ParameterError::new("volume", field.kind(), allowed))
+        }
     }
 }
 

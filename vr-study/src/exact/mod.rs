@@ -3,6 +3,7 @@
 mod cache;
 mod fingerprint;
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use vr_core::phantom::Phantom;
@@ -50,7 +51,7 @@ impl Exact {
     /// # Errors
     /// As [`Reference::solve_phantom`].
     pub fn solve_phantom(
-        phantom: &dyn Phantom,
+        phantom: &Arc<dyn Phantom>,
         (scene, view): (&Scene, &View),
         pixels: Vec<[u32; 2]>,
         control: &Control,

@@ -7,41 +7,41 @@ use std::ops::{Add, AddAssign, Div, Mul};
 
 /// Upper bound of an error, in [0, +∞].
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub(crate) struct Bound(f64);
+pub struct Bound(f64);
 
 impl Bound {
     /// No error at all.
-    pub(crate) const ZERO: Self = Self(0.0);
+    pub const ZERO: Self = Self(0.0);
     /// Nothing is known.
-    pub(crate) const UNKNOWN: Self = Self(f64::INFINITY);
+    pub const UNKNOWN: Self = Self(f64::INFINITY);
 
     /// The bound of a size, whatever its sign; +∞ for NaN.
-    pub(crate) fn new(size: f64) -> Self {
+    pub fn new(size: f64) -> Self {
         if size.is_nan() { Self::UNKNOWN } else { Self(size.abs()) }
     }
 
     /// The number; never NaN.
-    pub(crate) fn value(self) -> f64 {
+    pub fn value(self) -> f64 {
         self.0
     }
 
     /// True if something is known.
-    pub(crate) fn is_finite(self) -> bool {
+    pub fn is_finite(self) -> bool {
         self.0.is_finite()
     }
 
     /// True if it is no more than a limit: false for a limit of NaN.
-    pub(crate) fn within(self, limit: f64) -> bool {
+    pub fn within(self, limit: f64) -> bool {
         self.0 <= limit
     }
 
     /// The larger one.
-    pub(crate) fn max(self, other: impl Into<Self>) -> Self {
+    pub fn max(self, other: impl Into<Self>) -> Self {
         Self(self.0.max(other.into().0))
     }
 
     /// The smaller one: both hold.
-    pub(crate) fn min(self, other: impl Into<Self>) -> Self {
+    pub fn min(self, other: impl Into<Self>) -> Self {
         Self(self.0.min(other.into().0))
     }
 }
@@ -88,7 +88,7 @@ impl std::iter::Sum for Bound {
 }
 
 /// The largest of some sizes: +∞ if one of them is NaN. (`fold(0.0, f64::max)` would leave it out.)
-pub(crate) fn largest(sizes: impl IntoIterator<Item = f64>) -> f64 {
+pub fn largest(sizes: impl IntoIterator<Item = f64>) -> f64 {
     sizes.into_iter().fold(Bound::ZERO, |most, x| most.max(Bound::new(x))).value()
 }
 

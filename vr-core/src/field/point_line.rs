@@ -1,11 +1,13 @@
 //! Scattered points along a ray: a sum of kernels, each smooth between the spheres that bound it.
 
-use vr_core::{Clip, PointKernel, PointSet, Ray};
-
-use crate::chebyshev::{LEBESGUE, interpolation};
-use crate::kernel_shape::{DEGREES, Shape, Stretch, factor};
-use crate::line::{Chord, LineField, LineModel, RayField};
-use crate::segments::Cut;
+use super::chebyshev::{LEBESGUE, interpolation};
+use super::kernel_shape::{DEGREES, Shape, Stretch, factor};
+use super::line::{Chord, Cut, FieldLine, LineModel};
+use crate::point_field::PointCrossing;
+use crate::point_kernel::PointKernel;
+use crate::point_set::PointSet;
+use crate::ray::Ray;
+use crate::view::Clip;
 
 /// The field of scattered points along a ray: f = Σ wₖ vₖ W(|x − xₖ|/Rₖ)/Rₖ³.
 ///
@@ -57,7 +59,7 @@ impl PointLine {
         let crossings = points.crossings(ray, [from, to]);
         let kernel = points.kernel();
         let factor = factor(kernel);
-        let support = |c: &vr_core::PointCrossing| {
+        let support = |c: &PointCrossing| {
             let k = c.point as usize;
             let radius = f64::from(points.radii()[k]);
             let inner = 0.5 * radius;
@@ -93,19 +95,6 @@ impl PointLine {
     /// World distance from the ray's own origin to where distances here are counted from.
     pub fn offset(&self) -> f64 {
         self.offset
-    }
-}
-
-impl RayField for PointLine {
-    fn chord(&self) -> Chord {
-        Chord { start: self.cuts[0], end: self.cuts[self.cuts.len() - 1], offset: self.offset }
-    }
-
-    /// Where the ray comes out of vacuum: spheres are far too many to name.
-    fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
-        let empty = |i: usize| self.first[i] == self.first[i + 1];
-        let entries = (0..self.cuts.len() - 1).filter(|&i| !empty(i) && (i == 0 || empty(i - 1)));
-        out.extend(entries.map(|i| (self.cuts[i], Cut::Entry)));
     }
 }
 
@@ -200,7 +189,18 @@ impl Support {
     }
 }
 
-impl LineField for PointLine {
+impl FieldLine for PointLine {
+    fn chord(&self) -> Chord {
+        Chord { start: self.cuts[0], end: self.cuts[self.cuts.len() - 1], offset: self.offset }
+    }
+
+    /// Where the ray comes out of vacuum: spheres are far too many to name.
+    fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
+        let empty = |i: usize| self.first[i] == self.first[i + 1];
+        let entries = (0..self.cuts.len() - 1).filter(|&i| !empty(i) && (i == 0 || empty(i - 1)));
+        out.extend(entries.map(|i| (self.cuts[i], Cut::Entry)));
+    }
+
     fn breakpoints(&self, out: &mut Vec<f64>) {
         out.extend_from_slice(&self.cuts);
     }

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 /// Largest degree: the square of a gradient of degree 12, as the Gaussian has.
-pub const MOST_DEGREE: usize = 24;
+pub const MAX_DEGREE: usize = 24;
 
 /// The Chebyshev point cos(π j/n); 0 for n = 0.
 pub fn chebyshev_point(n: usize, j: usize) -> f64 {
@@ -12,7 +12,7 @@ pub fn chebyshev_point(n: usize, j: usize) -> f64 {
 
 /// The polynomials of degree n that are 1 at one of the Chebyshev points and 0 at the others.
 fn cardinals(n: usize) -> &'static [Poly] {
-    static MADE: [OnceLock<Vec<Poly>>; MOST_DEGREE + 1] = [const { OnceLock::new() }; MOST_DEGREE + 1];
+    static MADE: [OnceLock<Vec<Poly>>; MAX_DEGREE + 1] = [const { OnceLock::new() }; MAX_DEGREE + 1];
     MADE[n].get_or_init(|| {
         let t = Poly::new(&[0.0, 1.0]);
         let (mut before, mut now) = (Poly::constant(1.0), t);
@@ -40,7 +40,7 @@ fn cardinals(n: usize) -> &'static [Poly] {
 /// Σ cₖ tᵏ for t in [−1, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Poly {
-    coefficients: [f64; MOST_DEGREE + 1],
+    coefficients: [f64; MAX_DEGREE + 1],
     degree: usize,
 }
 
@@ -55,7 +55,7 @@ impl Poly {
     /// # Panics
     /// For none, or more than 25 (degree 24).
     pub fn new(coefficients: &[f64]) -> Self {
-        let mut c = [0.0; MOST_DEGREE + 1];
+        let mut c = [0.0; MAX_DEGREE + 1];
         c[..coefficients.len()].copy_from_slice(coefficients);
         Self { coefficients: c, degree: coefficients.len() - 1 }
     }
@@ -153,7 +153,7 @@ impl Poly {
     }
 
     /// Coefficients in u = (t + 1)/2.
-    fn restricted_to_unit(&self) -> [f64; MOST_DEGREE + 1] {
+    fn restricted_to_unit(&self) -> [f64; MAX_DEGREE + 1] {
         let mut p = *self;
         for first in 0..p.degree {
             for k in (first..p.degree).rev() {
@@ -211,7 +211,7 @@ impl std::ops::Mul for Poly {
 /// A polynomial in the Bernstein basis of an interval.
 #[derive(Clone, Copy, Debug)]
 pub struct Bernstein {
-    b: [f64; MOST_DEGREE + 1],
+    b: [f64; MAX_DEGREE + 1],
     degree: usize,
 }
 

@@ -7,9 +7,9 @@
 //! and ρ = a + √(a² − 1). There |r|² ≤ β² + |u|² bounds the odd part, and n + 1 Chebyshev points miss at most 4 M ρ⁻ⁿ/(ρ − 1)
 //! (Trefethen, *Approximation Theory and Approximation Practice*, 2013, theorem 8.2). A Gaussian is entire, and any ellipse will do.
 
-use vr_core::PointKernel;
+use crate::PointKernel;
 
-use crate::chebyshev::LEBESGUE;
+use super::chebyshev::LEBESGUE;
 
 /// A smooth part of a kernel, without the factor that makes the kernel's integral 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -181,7 +181,7 @@ pub fn factor(kernel: PointKernel) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chebyshev::interpolation;
+    use crate::field::chebyshev::interpolation;
 
     #[test]
     fn shapes_are_the_kernels() {

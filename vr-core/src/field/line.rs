@@ -1,14 +1,15 @@
-//! A scalar field along one ray, as the integrator wants it.
+//! A scalar field along one ray, as an integrator wants it.
 
+use super::poly::Poly;
 use crate::bound::{Bound, largest};
-use crate::poly::Poly;
-use crate::segments::Cut;
 
 /// A field along one ray: smooth between breakpoints, and known there as a polynomial with a bound on its error.
 ///
-/// Grids under any reconstruction filter are such fields ([`crate::GridLine`]), and so are analytic functions
-/// ([`crate::AnalyticLine`]). Implement it to have the reference integrate any other kind of field.
-pub trait LineField {
+/// Distances are world units behind [`Chord::offset`].
+pub trait FieldLine {
+    /// The part of the ray on which the field is given.
+    fn chord(&self) -> Chord;
+
     /// Appends the distances, ascending, between which the field is smooth; the first and the last enclose all of it.
     fn breakpoints(&self, out: &mut Vec<f64>);
 
@@ -22,33 +23,50 @@ pub trait LineField {
     fn misplaced(&self, _at: f64) -> f64 {
         0.0
     }
+
+    /// Appends where an account of the ray begins anew, and why, in any order: where it enters, at the least.
+    fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
+        out.push((self.chord().start, Cut::Entry));
+    }
 }
 
 /// The part of a ray that a field is given on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Chord {
-    /// Where it begins.
-    pub(crate) start: f64,
-    /// Where it ends; above `start`.
-    pub(crate) end: f64,
-    /// World distance from the ray's own origin to where these are counted from.
-    pub(crate) offset: f64,
+pub struct Chord {
+    /// Distance at which it begins.
+    pub start: f64,
+    /// Distance at which it ends; above `start`.
+    pub end: f64,
+    /// World distance from the ray's own origin to where these are counted from: so they keep their digits, however far the origin is.
+    pub offset: f64,
 }
 
 impl Chord {
     /// Its length.
-    pub(crate) fn length(&self) -> f64 {
+    pub fn length(&self) -> f64 {
         self.end - self.start
     }
 }
 
-/// A field along a ray that says what its breakpoints are.
-pub(crate) trait RayField: LineField {
-    /// The part of the ray.
-    fn chord(&self) -> Chord;
-
-    /// Appends where an account of the ray begins anew, and why; in any order.
-    fn cuts(&self, out: &mut Vec<(f64, Cut)>);
+/// A reason to cut a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cut {
+    /// The ray enters the volume, or what the clip leaves of it; among scattered points, wherever it comes out of vacuum.
+    Entry,
+    /// A face across an index axis, beyond which the field is another polynomial: of a cell or, with the nearest filter, between two samples.
+    Face {
+        /// 0, 1 or 2.
+        axis: usize,
+        /// Its index coordinate on that axis.
+        at: f64,
+    },
+    /// The value crosses, or touches, a knot of the transfer function.
+    Knot {
+        /// The knot's calibrated value.
+        value: f64,
+    },
+    /// A distance that was asked for.
+    Asked,
 }
 
 /// A field on an interval, stretched to [−1, 1].
@@ -71,24 +89,24 @@ pub struct LineModel {
 
 impl LineModel {
     /// The error of the field; unknown if it is NaN.
-    pub(crate) fn error(&self) -> Bound {
+    pub fn error(&self) -> Bound {
         Bound::new(self.field_error)
     }
 
     /// The error of each component of the gradient.
-    pub(crate) fn slope_error(&self) -> Bound {
+    pub fn slope_error(&self) -> Bound {
         Bound::new(self.gradient_error)
     }
 
     /// Enclosure of the field's true values on the interval.
-    pub(crate) fn range(&self) -> [f64; 2] {
+    pub fn range(&self) -> [f64; 2] {
         let (value, reach) = (self.field.coefficients()[0], Bound::new(self.field.spread(1.0)) + self.error());
         let reach = (reach + 2.0 * f64::EPSILON * value).value();
         if value.is_nan() { [f64::NEG_INFINITY, f64::INFINITY] } else { [value - reach, value + reach] }
     }
 
     /// True if the limits do not rule out that the field takes this value inside the stretch.
-    pub(crate) fn may_be(&self, value: f64) -> bool {
+    pub fn may_be(&self, value: f64) -> bool {
         self.limits.is_none_or(|[low, high]| low < value && value < high)
     }
 

@@ -5,7 +5,7 @@
 
 use std::sync::OnceLock;
 
-use crate::poly::{MOST_DEGREE, Poly, chebyshev_point};
+use super::poly::{MAX_DEGREE, Poly, chebyshev_point};
 
 /// What values of one degree need.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ pub const LEBESGUE: f64 = 3.1;
 
 /// The interpolation of a degree from 1 to 24.
 pub fn interpolation(degree: usize) -> &'static Interpolation {
-    static MADE: [OnceLock<Interpolation>; MOST_DEGREE + 1] = [const { OnceLock::new() }; MOST_DEGREE + 1];
+    static MADE: [OnceLock<Interpolation>; MAX_DEGREE + 1] = [const { OnceLock::new() }; MAX_DEGREE + 1];
     MADE[degree].get_or_init(|| {
         let n = degree;
         let halved = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
@@ -40,7 +40,7 @@ impl Interpolation {
     /// The polynomial through values at the nodes, less its last coefficients as long as they are no more than `noise`; and how much
     /// those, dropped, may add up to.
     pub fn through(&self, values: &[f64], noise: f64) -> (Poly, f64) {
-        let mut c = [0.0; MOST_DEGREE + 1];
+        let mut c = [0.0; MAX_DEGREE + 1];
         for (c, row) in c.iter_mut().zip(&self.rows) {
             *c = row.iter().zip(values).map(|(w, v)| w * v).sum();
         }
@@ -49,7 +49,7 @@ impl Interpolation {
             dropped += c[degree].abs();
             degree -= 1;
         }
-        let mut powers = [0.0; MOST_DEGREE + 1];
+        let mut powers = [0.0; MAX_DEGREE + 1];
         for (c, t) in c[..=degree].iter().zip(polynomials()) {
             for (sum, a) in powers.iter_mut().zip(t.coefficients()) {
                 *sum += c * a;
@@ -65,7 +65,7 @@ fn polynomials() -> &'static [Poly] {
     MADE.get_or_init(|| {
         let t = Poly::new(&[0.0, 1.0]);
         let mut all = vec![Poly::constant(1.0), t];
-        for k in 2..=MOST_DEGREE {
+        for k in 2..=MAX_DEGREE {
             all.push(t * all[k - 1] * 2.0 + all[k - 2] * -1.0);
         }
         all

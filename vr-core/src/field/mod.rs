@@ -1,0 +1,67 @@
+//! Scalar fields: what looks a volume up.
+//!
+//! A kind of volume is described once, as a [`Field`]: its value and gradient at a point, and its course along a ray ([`FieldLine`]),
+//! smooth between breakpoints and known there as a polynomial with a bound on its error. Whoever draws fields draws every kind that there
+//! is, and those that are to come; the reference and the plain engine of the ray caster do. Grids have faster ways besides
+//! ([`GridVolume::with_sampler`](crate::GridVolume::with_sampler)).
+//!
+//! [`FunctionField`] makes a field of any function; scattered points are one ([`PointSet`](crate::PointSet)).
+
+mod chebyshev;
+mod function;
+mod function_line;
+mod kernel_shape;
+mod line;
+mod point_line;
+mod points;
+mod poly;
+
+pub use chebyshev::{Interpolation, LEBESGUE, interpolation};
+pub use function::FunctionField;
+pub use function_line::FunctionLine;
+pub use line::{Chord, Cut, FieldLine, LineModel};
+pub use point_line::PointLine;
+pub use poly::{Bernstein, MAX_DEGREE, Poly, chebyshev_point};
+
+use std::fmt;
+
+use glam::DVec3;
+
+use crate::ray::Ray;
+use crate::view::Clip;
+
+/// A scalar field in the world, vacuum where it has no value.
+pub trait Field: Send + Sync + fmt::Debug {
+    /// The kind of volume, as messages name it: `function`.
+    fn kind(&self) -> &'static str;
+
+    /// Lower and upper corner of a world box, outside of which is vacuum.
+    fn bounds(&self) -> (DVec3, DVec3);
+
+    /// World length in which steps are counted, and the default `unit_distance` of a transfer function: about the distance over which the
+    /// field changes.
+    fn spacing(&self) -> f64;
+
+    /// Smallest and largest value, as far as they are known: for choosing transfer functions, not a bound.
+    fn value_range(&self) -> Option<(f64, f64)>;
+
+    /// The value at a world position; `None` in vacuum.
+    fn value(&self, at: DVec3) -> Option<f64>;
+
+    /// True if the field has gradients, so that it can be shaded.
+    fn has_gradient(&self) -> bool {
+        false
+    }
+
+    /// The gradient per world unit at a world position; `None` in vacuum, and for a field that has none.
+    fn gradient(&self, _at: DVec3) -> Option<DVec3> {
+        None
+    }
+
+    /// The field along a ray, within the clip and up to the world distance `far`, with gradients if they are asked for; `None` where it
+    /// meets none of it.
+    fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Box<dyn FieldLine + 'a>>;
+
+    /// Makes what queries need beyond the data, so that the first frame does not pay for it.
+    fn prepare_derived(&self) {}
+}

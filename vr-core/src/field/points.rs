@@ -1,0 +1,38 @@
+//! Scattered points as a field.
+
+use glam::DVec3;
+
+use super::{Field, FieldLine, PointLine};
+use crate::point_set::PointSet;
+use crate::ray::Ray;
+use crate::view::Clip;
+
+impl Field for PointSet {
+    fn kind(&self) -> &'static str {
+        "scattered points"
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        Self::bounds(self)
+    }
+
+    fn spacing(&self) -> f64 {
+        self.mean_spacing()
+    }
+
+    fn value_range(&self) -> Option<(f64, f64)> {
+        Some(Self::value_range(self))
+    }
+
+    fn value(&self, at: DVec3) -> Option<f64> {
+        self.field(at)
+    }
+
+    fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, _gradients: bool) -> Option<Box<dyn FieldLine + 'a>> {
+        Some(Box::new(PointLine::new(self, ray, clip, far)?))
+    }
+
+    fn prepare_derived(&self) {
+        Self::prepare_derived(self);
+    }
+}
