@@ -1,4 +1,4 @@
-//! Opaque surfaces among volumes: [`rasterize`] makes of a [`TriangleMesh`] and a [`View`](vr_core::View) the
+//! Opaque surfaces among volumes: [`rasterize()`] makes of a [`TriangleMesh`] and a [`View`](vr_core::View) the
 //! [`Layer`](vr_core::Layer) of colours and distances that renderers of volumes mix in.
 //!
 //! # Example
