@@ -111,3 +111,8 @@ pub use value_frame::ValueFrame;
 pub use view::{Clip, Layer, Plane, View};
 pub use volume::{AnyGrid, Geometry, LatticeVisitor, SamplerVisitor, UniformVolume, Volume};
 pub use voxel::{Voxel, VoxelType};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

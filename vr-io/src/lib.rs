@@ -140,3 +140,8 @@ pub use scene::{
     resolve_scene, scene_text, write_scene,
 };
 pub use world::{Space, orientation};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
