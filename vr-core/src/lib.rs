@@ -117,3 +117,8 @@ pub use value_frame::ValueFrame;
 pub use view::{Clip, Plane, View};
 pub use volume::Volume;
 pub use voxel::{Voxel, VoxelType};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,6 +1,6 @@
 //! Files in and out: volumes, scene files and colour maps are read, pictures and volumes written.
 //!
-//! [`read`] takes a volume of any supported format, told by its content first and by its name second, and gives a
+//! [`read()`] takes a volume of any supported format, told by its content first and by its name second, and gives a
 //! [`vr_core::Volume`], what the file said about it, and notes on what had to be assumed. [`load_scene`] takes a scene file with
 //! everything that it names, [`read_points`] scattered points, and [`read_mesh`] an opaque surface. [`write()`](write()), [`write_nrrd`] and [`write_scene`] go the other way. [`read_picture`] takes
 //! pictures of other programs, and our own, for comparison.
@@ -54,7 +54,7 @@
 //! | NumPy | `.npy`, N×3 | positions |
 //! | HDF5, feature `hdf5` | snapshots of Gadget's family (`PartType0/Coordinates`), dumps of Phantom (`particles/xyz`) | one kind of particle, datasets by name |
 //!
-//! [`read`] gives a volume of points, and so does [`read_points`], whose page tells where radii, weights and values come from; [`PointOptions`]
+//! [`read()`] gives a volume of points, and so does [`read_points`], whose page tells where radii, weights and values come from; [`PointOptions`]
 //! choose columns, the kernel and radii. Points that make no sense (a radius of 0, a position that is NaN) are refused by number or line and column.
 //! Cells are left out, which is said.
 //!
@@ -140,3 +140,8 @@ pub use scene::{
     resolve_scene, scene_text, write_scene,
 };
 pub use world::{Space, orientation};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

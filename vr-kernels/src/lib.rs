@@ -26,3 +26,8 @@
 pub mod ranges;
 pub mod tables;
 pub mod vector;
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -48,3 +48,8 @@ mod surface;
 
 pub use surface::Surface;
 pub use vr_core::TriangleMesh;
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

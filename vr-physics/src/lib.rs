@@ -79,3 +79,8 @@ pub use scattered::spread;
 pub use segments::{RaySegment, SegmentLight};
 pub use ssim::ssim;
 pub use transport::{Certainty, Transport, transport};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -9,7 +9,7 @@ pub struct Rule {
     pub nodes: Vec<f64>,
     /// Weights of the integral over [−1, 1].
     pub weights: Vec<f64>,
-    /// Row i: weights of the integral over [−1, nodes[i]] of the interpolating polynomial.
+    /// Row i: weights of the integral over \[−1, nodes\[i\]\] of the interpolating polynomial.
     pub running: Vec<Vec<f64>>,
     /// Barycentric weights of the interpolating polynomial.
     barycentric: Vec<f64>,

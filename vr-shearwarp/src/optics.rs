@@ -47,7 +47,7 @@ const GUARD: usize = 2;
 const ENTRIES_PER_BYTE: f64 = 8.0;
 /// Entries for wider ranges, unless their codes are few.
 const ENTRIES: f64 = 4096.0;
-/// Wider ranges have at most this many entries: a little less than a [`Code::Table`] holds.
+/// Wider ranges have at most this many entries: a little less than a [`Table`](crate::codes::Code::Table) holds.
 const MOST_ENTRIES: f64 = 16000.0;
 
 impl Optics {

@@ -63,7 +63,7 @@ impl Header {
             (n, _) => return Err(FieldError::new("sizeof_hdr", n, ALLOWED)),
         };
         if head.len() < size {
-            let found = format_args!("{size} in a file of {} bytes", head.len());
+            let found = format!("{size} in a file of {} bytes", head.len());
             return Err(FieldError::new("sizeof_hdr", found, ALLOWED));
         }
         let f = Fields { bytes: head, endian };

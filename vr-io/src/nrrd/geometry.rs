@@ -85,7 +85,7 @@ fn oriented(
     let origin = match header.vectors("space origin").map_err(in_file)?.as_deref() {
         Some([Some(v)]) => in_space("space origin", v).map_err(in_file)?,
         Some(other) => {
-            let found = format_args!("{} vectors", other.len());
+            let found = format!("{} vectors", other.len());
             return Err(in_file(FieldError::new("space origin", found, "must be one vector like (0,0,0)")));
         }
         None => {

@@ -51,7 +51,7 @@ pub enum NrrdValues {
     /// reader understands.
     #[default]
     Calibrated,
-    /// The stored numbers in their type; slope and intercept follow as keys, which [`crate::read`] honours and others do not.
+    /// The stored numbers in their type; slope and intercept follow as keys, which [`crate::read()`] honours and others do not.
     Stored,
 }
 

@@ -155,7 +155,7 @@ fn colors(numbers: &[f64], space: ColorSpace) -> Result<Polyline<3>, FieldError>
     const FIELD: &str = "RGBPoints";
     let (points, rest) = numbers.as_chunks::<4>();
     if points.is_empty() || !rest.is_empty() {
-        let found = format_args!("{} numbers", numbers.len());
+        let found = format!("{} numbers", numbers.len());
         return Err(FieldError::new(FIELD, found, "must be groups of value, red, green, blue (no indexed colours)"));
     }
     for (i, [value, color @ ..]) in points.iter().enumerate() {

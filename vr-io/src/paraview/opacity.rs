@@ -9,7 +9,7 @@ pub(super) fn opacities(numbers: &[f64]) -> Result<Polyline<1>, FieldError> {
     const FIELD: &str = "Points";
     let (points, rest) = numbers.as_chunks::<4>();
     if points.is_empty() || !rest.is_empty() {
-        let found = format_args!("{} numbers", numbers.len());
+        let found = format!("{} numbers", numbers.len());
         return Err(FieldError::new(FIELD, found, "must be groups of value, opacity, midpoint, sharpness"));
     }
     for (i, &[value, opacity, midpoint, sharpness]) in points.iter().enumerate() {

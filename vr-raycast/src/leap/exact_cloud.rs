@@ -18,7 +18,7 @@ use super::{Leaper, VisibleBlocks};
 #[derive(Clone, Debug)]
 pub(crate) struct ExactCloud {
     grid: BlockGrid,
-    /// A block's distance in units of [`UNIT`], rounded down, and [`VISIBLE`] where it can be seen.
+    /// A block's distance, [`PER_BLOCK`] to a block's edge, rounded down, and [`VISIBLE`] where it can be seen.
     distances: Vec<u16>,
 }
 

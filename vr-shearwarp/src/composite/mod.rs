@@ -2,7 +2,7 @@
 //!
 //! Rows of texels go together in bands, small enough for the cache; a band takes all slices, front to back. In each row the runs of cells
 //! that may be visible are met with the runs of texels that are not opaque yet ([`crate::links`]), and where both are, sixteen
-//! texels at a time are sampled and composited by a [`Kernel`]. All weights across rows are the same for a slice, and so are those along
+//! texels at a time are sampled and composited by a [`kernel::Kernel`]. All weights across rows are the same for a slice, and so are those along
 //! them where a texel is as wide as a voxel.
 
 mod band;
