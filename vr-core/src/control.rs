@@ -70,6 +70,13 @@ impl Control {
 
     /// Runs work on this control's threads.
     pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        let (mut work, mut made) = (Some(work), None);
+        self.install(&mut || made = work.take().map(|work| work()));
+        made.expect("the pool ran it")
+    }
+
+    /// As [`Self::run`]; compiled once, not anew for each closure.
+    fn install(&self, work: &mut (dyn FnMut() + Send)) {
         match &self.pool {
             Some(pool) => pool.install(work),
             None => work(),

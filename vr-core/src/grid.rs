@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use crate::error::GridError;
+use crate::parallel::each_part;
 use crate::placement::Placement;
 use crate::voxel::Voxel;
 
@@ -143,40 +142,35 @@ pub fn sample_count(dims: [usize; 3]) -> Result<usize, GridError> {
 
 fn census<T: Voxel>(samples: &[T]) -> Census {
     const CHUNK: usize = 1 << 16;
-    samples
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            let mut c = Census { range: None, nan: 0, infinite: 0 };
-            let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-            for &s in chunk {
-                let x = s.to_f32();
-                if s.is_missing() {
-                    if x.is_nan() {
-                        c.nan += 1;
-                    } else {
-                        c.infinite += 1;
-                    }
+    let nothing = Census { range: None, nan: 0, infinite: 0 };
+    let mut counted = vec![nothing; samples.len().div_ceil(CHUNK)];
+    each_part(samples.chunks(CHUNK).zip(&mut counted), |_, (chunk, c)| {
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for &s in *chunk {
+            let x = s.to_f32();
+            if s.is_missing() {
+                if x.is_nan() {
+                    c.nan += 1;
                 } else {
-                    low = low.min(x);
-                    high = high.max(x);
+                    c.infinite += 1;
                 }
+            } else {
+                low = low.min(x);
+                high = high.max(x);
             }
-            if low <= high {
-                c.range = Some((low, high));
-            }
-            c
-        })
-        .reduce(
-            || Census { range: None, nan: 0, infinite: 0 },
-            |a, b| Census {
-                range: match (a.range, b.range) {
-                    (Some(x), Some(y)) => Some((x.0.min(y.0), x.1.max(y.1))),
-                    (x, y) => x.or(y),
-                },
-                nan: a.nan + b.nan,
-                infinite: a.infinite + b.infinite,
-            },
-        )
+        }
+        if low <= high {
+            c.range = Some((low, high));
+        }
+    });
+    counted.into_iter().fold(nothing, |a, b| Census {
+        range: match (a.range, b.range) {
+            (Some(x), Some(y)) => Some((x.0.min(y.0), x.1.max(y.1))),
+            (x, y) => x.or(y),
+        },
+        nan: a.nan + b.nan,
+        infinite: a.infinite + b.infinite,
+    })
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! One ray after another, tile by tile on all threads: what a ray caster and the reference share.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-use rayon::prelude::*;
 
 use crate::control::Control;
 use crate::error::RenderError;
+use crate::parallel::{locked, try_each};
 use crate::ray::{Ray, Rays};
 use crate::stats::Counts;
 use crate::view::View;
@@ -128,12 +128,15 @@ pub fn in_parallel<T: Send>(
     piece: impl Fn(u32) -> T + Sync,
 ) -> Result<Vec<T>, RenderError> {
     let done = AtomicUsize::new(0);
-    let one = |i: u32| {
+    let made: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    let one = |i: usize| {
         control.check()?;
-        let made = piece(i);
+        *locked(&made[i]) = Some(piece(i as u32));
         let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
         control.report(finished as f64 / f64::from(count));
-        Ok(made)
+        Ok(())
     };
-    control.run(|| (0..count).into_par_iter().with_max_len(1).map(one).collect())
+    control.run(|| try_each(count as usize, &one))?;
+    let value = |slot: Mutex<Option<T>>| slot.into_inner().ok().flatten().expect("every piece was made");
+    Ok(made.into_iter().map(value).collect())
 }

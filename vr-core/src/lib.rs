@@ -58,6 +58,7 @@ mod missing;
 mod model;
 pub mod optics;
 mod options;
+pub mod parallel;
 pub mod phantom;
 mod placement;
 mod point_field;

@@ -1,8 +1,8 @@
 //! The field of scattered points: its value anywhere, and the points that a ray meets.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
+use crate::parallel::collect;
 use crate::point_index::LocalLine;
 use crate::point_set::PointSet;
 use crate::ray::Ray;
@@ -105,8 +105,8 @@ impl PointSet {
                 self.field(self.positions()[k]).unwrap_or(0.0)
             };
             let join = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
-            let nothing = || (f64::INFINITY, f64::NEG_INFINITY);
-            (0..places).into_par_iter().map(|i| (at(i), at(i))).reduce(nothing, join)
+            let nothing = (f64::INFINITY, f64::NEG_INFINITY);
+            collect(places, at).into_iter().fold(nothing, |range, v| join(range, (v, v)))
         })
     }
 }

@@ -1,7 +1,8 @@
 //! Where the supports of scattered points are: a tree of boxes.
 
 use glam::DVec3;
-use rayon::prelude::*;
+
+use crate::parallel::collect;
 
 /// A balanced tree of boxes around supports.
 ///
@@ -29,7 +30,7 @@ impl std::fmt::Debug for PointIndex {
 }
 
 /// An axis-parallel box, relative to the middle of all.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Bounds {
     low: DVec3,
     high: DVec3,
@@ -60,7 +61,7 @@ const LEAF: usize = 8;
 const ALONE: usize = 1 << 13;
 
 /// A support while the tree is made.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Support {
     /// Position, radius.
     at: [f64; 4],
@@ -75,13 +76,13 @@ impl PointIndex {
             let [x, y, z] = (positions[k] - middle).to_array();
             Support { at: [x, y, z, f64::from(radii[k])], point: k as u32 }
         };
-        let mut supports: Vec<Support> = (0..positions.len()).into_par_iter().map(support).collect();
+        let mut supports: Vec<Support> = collect(positions.len(), support);
         let count = supports.len();
         let levels = count.div_ceil(LEAF).next_power_of_two().trailing_zeros();
         arrange(&mut supports, count, levels, 0, 0);
 
         let leaves = 1usize << levels;
-        let mut boxes = vec![Bounds::NOTHING; 2 * leaves];
+        let mut boxes = vec![Bounds::NOTHING; leaves];
         let around = |leaf: usize| {
             let in_leaf = &supports[first(count, levels, leaf)..first(count, levels, leaf + 1)];
             in_leaf.iter().fold(Bounds::NOTHING, |b, s| {
@@ -90,7 +91,7 @@ impl PointIndex {
                 b.join(Bounds { low: at - radius, high: at + radius })
             })
         };
-        boxes[leaves..].par_iter_mut().enumerate().for_each(|(leaf, b)| *b = around(leaf));
+        boxes.extend(collect(leaves, around));
         for node in (1..leaves).rev() {
             boxes[node] = boxes[2 * node].join(boxes[2 * node + 1]);
         }

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use glam::DMat3;
-use rayon::prelude::*;
 use vr_core::filter::Lattice;
+use vr_core::parallel::each_part;
 use vr_core::{AnyGrid, GridVolume, LatticeVisitor, RenderError, UniformGrid, Voxel, gradient_at_sample};
 
 use crate::codes::Codes;
-use crate::encode::{Dense, Layout, Leveled, PAD, Packing, Rule, Runs, VisibleBlocks, block_runs, packed};
+use crate::encode::{Dense, Layout, Leveled, PAD, Rule, Runs, VisibleBlocks, block_runs, packed};
 use crate::reflections::encode;
 use crate::shear_warp::Encoding;
 
@@ -121,7 +121,7 @@ impl Encoder<'_> {
         }
     }
 
-    fn pack<T: Leveled + Sync, P: Send>(
+    fn pack<T: Leveled + Sync, P: Copy + Default + Send>(
         &self,
         grid: &UniformGrid<T>,
         w: usize,
@@ -136,8 +136,8 @@ impl Encoder<'_> {
             let (runs, packing) = packed::<2, T>(&dense, self.blocks, self.rule)?;
             (Cells::InLayers(runs), packing)
         };
-        let codes = keep(packing.pack(&dense).into_par_iter().map(&code).collect());
-        let normals = if self.shaded { self.with_normals(PackedNormals(&packing)) } else { Vec::new() };
+        let codes = keep(packing.pack(&dense, code));
+        let normals = self.normals(dense.layout, &|row| packing.fill(row));
         Ok(EncodedAxis { cells, voxels: Arc::new(Voxels { codes, normals }) })
     }
 
@@ -150,13 +150,23 @@ impl Encoder<'_> {
             AnyGrid::F32(grid) => Codewords::Words(lying(grid, turned, |s| self.codes.code(s))),
         };
         let layout = Layout::new(self.volume.dims(), if turned { 0 } else { 2 });
-        let normals = if self.shaded { self.with_normals(AllNormals(layout)) } else { Vec::new() };
+        let [nu, nv, nw] = layout.size;
+        let normals = self.normals(layout, &|fill| {
+            // As they lie, rows are one behind the other along the axis of the second longest stride.
+            let mut normals = vec![0; nu * nv * nw + PAD];
+            each_part(normals[..nu * nv * nw].chunks_mut(nu), |row, normals| fill([0, row % nv, row / nv], normals));
+            normals
+        });
         Voxels { codes, normals }
     }
 
-    fn with_normals(&self, order: impl Order) -> Vec<u16> {
+    /// Codes of normals in the order in which `order` asks for them; none where nothing is shaded.
+    fn normals(&self, layout: Layout, order: &dyn Fn(&FillRow<'_>) -> Vec<u16>) -> Vec<u16> {
+        if !self.shaded {
+            return Vec::new();
+        }
         let to_world = self.volume.placement().inverse_axes().transpose();
-        self.volume.with_lattice(Normals { order, to_world })
+        self.volume.with_lattice(Normals { layout, order, to_world })
     }
 }
 
@@ -169,56 +179,38 @@ fn lying<T: Voxel, P: Default + Clone + Send>(
     let dense = Dense::new(grid.samples(), grid.dims(), if turned { 0 } else { 2 });
     let n = grid.samples().len();
     let mut codes = vec![P::default(); n + PAD];
-    codes[..n].par_iter_mut().zip(&dense.samples[..n]).for_each(|(to, &s)| *to = code(s));
+    const CHUNK: usize = 1 << 16;
+    each_part(codes[..n].chunks_mut(CHUNK).zip(dense.samples.chunks(CHUNK)), |_, (codes, samples)| {
+        for (to, &sample) in codes.iter_mut().zip(*samples) {
+            *to = code(sample);
+        }
+    });
     codes
 }
 
-/// In which order normals are wanted.
-trait Order {
-    fn make(&self, normal: impl Fn([usize; 3]) -> u16 + Sync) -> Vec<u16>;
-}
+/// Fills a row of codes of normals, from a voxel (u, v, k) on.
+type FillRow<'a> = dyn Fn([usize; 3], &mut [u16]) + Sync + 'a;
 
-struct PackedNormals<'a>(&'a Packing);
-
-impl Order for PackedNormals<'_> {
-    fn make(&self, normal: impl Fn([usize; 3]) -> u16 + Sync) -> Vec<u16> {
-        self.0.pack_with(normal)
-    }
-}
-
-struct AllNormals(Layout);
-
-impl Order for AllNormals {
-    fn make(&self, normal: impl Fn([usize; 3]) -> u16 + Sync) -> Vec<u16> {
-        // As they lie, rows are one behind the other along the axis of the second longest stride.
-        let Layout { size: [nu, nv, nw], .. } = self.0;
-        let mut normals = vec![0; nu * nv * nw + PAD];
-        normals[..nu * nv * nw].par_chunks_mut(nu).enumerate().for_each(|(row, normals)| {
-            let (v, k) = (row % nv, row / nv);
-            for (u, to) in normals.iter_mut().enumerate() {
-                *to = normal(self.0.position([u, v, k]));
-            }
-        });
-        normals
-    }
-}
-
-struct Normals<O> {
-    order: O,
+struct Normals<'a> {
+    layout: Layout,
+    order: &'a dyn Fn(&FillRow<'_>) -> Vec<u16>,
     /// From gradients per index step to gradients in the world.
     to_world: DMat3,
 }
 
-impl<O: Order> LatticeVisitor for Normals<O> {
+impl LatticeVisitor for Normals<'_> {
     type Output = Vec<u16>;
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Vec<u16> {
         // Scaled, so that f32 holds the gradients of any spacing.
         let scale = 1.0 / self.to_world.to_cols_array().into_iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let columns = (self.to_world * scale).to_cols_array_2d().map(|c| c.map(|x| x as f32));
-        self.order.make(|index| {
-            let g = gradient_at_sample::<T, f32>(&lattice, index);
-            encode(std::array::from_fn(|i| columns[0][i] * g[0] + columns[1][i] * g[1] + columns[2][i] * g[2]))
+        (self.order)(&|[u, v, k], normals| {
+            for (i, normal) in normals.iter_mut().enumerate() {
+                let g = gradient_at_sample::<T, f32>(&lattice, self.layout.position([u + i, v, k]));
+                let world = std::array::from_fn(|i| columns[0][i] * g[0] + columns[1][i] * g[1] + columns[2][i] * g[2]);
+                *normal = encode(world);
+            }
         })
     }
 }

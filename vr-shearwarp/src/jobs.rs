@@ -11,8 +11,7 @@ use crate::axis::Cells;
 use crate::codes::Code;
 use crate::composite::kernel::Kernel;
 use crate::composite::over::Over;
-use crate::composite::{Scratch, Work};
-use crate::encode::Runs;
+use crate::composite::{Band, Scratch, Work};
 use crate::factorization::IndexView;
 use crate::image::IntermediateImage;
 use crate::lengths::Lengths;
@@ -38,23 +37,27 @@ pub(crate) struct Job<'a> {
 
 impl Job<'_> {
     pub(crate) fn draw<K: Kernel>(&self, kernel: &K, image: &mut IntermediateImage) -> Result<(), RenderError> {
+        let slices = self.slices;
         match self.cells {
-            Cells::InLayers(runs) => self.draw_runs(kernel, runs, image),
-            Cells::Between(runs) => self.draw_runs(kernel, runs, image),
+            Cells::InLayers(runs) => self.each_band(image, &|band, scratch| {
+                run(self.level, Work { kernel, slices, runs, band, scratch });
+            }),
+            Cells::Between(runs) => self.each_band(image, &|band, scratch| {
+                run(self.level, Work { kernel, slices, runs, band, scratch });
+            }),
         }
     }
 
-    fn draw_runs<K: Kernel, const N: usize>(
+    fn each_band(
         &self,
-        kernel: &K,
-        runs: &Runs<N>,
         image: &mut IntermediateImage,
+        work: &(dyn Fn(&mut Band<'_>, &mut Scratch) + Sync),
     ) -> Result<(), RenderError> {
         let bands = image.bands(self.before, self.control.threads());
         in_parallel(self.control, bands.len() as u32, |i| {
             let mut band = locked(&bands[i as usize]);
             let mut scratch = locked(self.scratch).pop().unwrap_or_default();
-            run(self.level, Work { kernel, slices: self.slices, runs, band: &mut band, scratch: &mut scratch });
+            work(&mut band, &mut scratch);
             locked(self.scratch).push(scratch);
         })?;
         Ok(())

@@ -9,7 +9,7 @@ pub(crate) struct Run {
 }
 
 /// Rows of bits.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct BitRows {
     width: usize,
     stride: usize,

@@ -1,7 +1,7 @@
 //! Which voxels of a grid have to be splatted: air is never touched.
 
-use rayon::prelude::*;
 use vr_core::filter::Lattice;
+use vr_core::parallel::collect;
 use vr_core::{AnyGrid, Calibration, GridVolume, TransferFunction, VacuumCells};
 
 use crate::bit_rows::{BitRows, Run};
@@ -30,7 +30,7 @@ impl VisibleVoxels {
     /// Voxels that are classified themselves: those that absorb or shine.
     pub(crate) fn classified<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
-        missing: &(impl Fn(usize) -> bool + Sync),
+        missing: &(dyn Fn(usize) -> bool + Sync),
         ranges: &VisibleRanges,
     ) -> Self {
         let [nx, ny, nz] = lattice.dims;
@@ -47,7 +47,7 @@ impl VisibleVoxels {
             }
             bits.runs()
         };
-        Self { layers: (0..nz).into_par_iter().map(layer).collect(), cells: None }
+        Self { layers: collect(nz, layer), cells: None }
     }
 
     /// Voxels on which the field depends wherever it can be seen. Kernels reach `reach` voxels, what is asked of the field within a cell may depend
@@ -65,7 +65,7 @@ impl VisibleVoxels {
         let other = reach.map(|r| (r - 1.0 + beyond).ceil().max(0.0) as usize);
         let cells = CellBits::new(lattice, vacuum, ranges, other, overshoot);
         let near = reach.map(|r| (r + beyond).ceil().max(1.0) as usize);
-        let spread: Vec<BitRows> = cells.layers.par_iter().map(|layer| layer.to_voxels(near, [nx, ny])).collect();
+        let spread: Vec<BitRows> = collect(dims[2] - 1, |z| cells.layers[z].to_voxels(near, [nx, ny]));
         let layer = |z: usize| {
             let mut bits = BitRows::new(nx, ny);
             for cell in z.saturating_sub(near[2])..(z + near[2]).min(dims[2] - 1) {
@@ -73,7 +73,7 @@ impl VisibleVoxels {
             }
             bits.runs()
         };
-        Self { layers: (0..nz).into_par_iter().map(layer).collect(), cells: Some(cells) }
+        Self { layers: collect(nz, layer), cells: Some(cells) }
     }
 }
 
@@ -153,7 +153,7 @@ impl CellBits {
             }
             bits
         };
-        Self { layers: (0..nz - 1).into_par_iter().map(layer).collect() }
+        Self { layers: collect(nz - 1, layer) }
     }
 
     fn new<T: vr_core::Voxel>(
@@ -204,7 +204,7 @@ impl CellBits {
             }
             bits
         };
-        Self { layers: (0..nz - 1).into_par_iter().map(layer).collect() }
+        Self { layers: collect(nz - 1, layer) }
     }
 
     /// Whether anything can be seen in a cell that there is.

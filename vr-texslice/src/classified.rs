@@ -1,7 +1,7 @@
 //! Textures of light, made from a volume: classified, and shaded, voxel by voxel.
 
-use rayon::prelude::*;
 use vr_core::filter::Lattice;
+use vr_core::parallel::each_part;
 use vr_core::{GridVolume, ParameterError, Scene, View, Voxel, gradient_at_sample, with_grid};
 
 use crate::slices::Slices;
@@ -106,8 +106,8 @@ fn each<X: Send + Copy + Default>(volume: &GridVolume, texel: impl Fn(f64, [usiz
         out: &mut [X],
         texel: impl Fn(f64, [usize; 3]) -> X + Sync,
     ) {
-        out.par_chunks_mut(dims[0]).zip(samples.par_chunks(dims[0])).enumerate().for_each(|(row, (out, samples))| {
-            for (x, (out, s)) in out.iter_mut().zip(samples).enumerate() {
+        each_part(out.chunks_mut(dims[0]).zip(samples.chunks(dims[0])), |row, (out, samples)| {
+            for (x, (out, s)) in out.iter_mut().zip(*samples).enumerate() {
                 *out = texel(f64::from(s.to_f32()), [x, row % dims[1], row / dims[1]]);
             }
         });

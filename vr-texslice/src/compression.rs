@@ -1,7 +1,7 @@
 //! Block compression of values at a fixed rate: any texel can be decoded by itself.
 
-use rayon::prelude::*;
 use vr_core::filter::Lattice;
+use vr_core::parallel::each_part;
 use vr_core::{GridVolume, LatticeVisitor, Voxel};
 
 /// Texels along the edge of a block.
@@ -88,27 +88,32 @@ impl LatticeVisitor for Compress {
         let bits = if self.end_bytes == 1 { 3u32 } else { 4 };
         let count = blocks.iter().product();
         let (mut ends, mut levels) = (vec![[0.0; 2]; count], vec![0u64; count * bits as usize]);
-        ends.par_iter_mut().zip(levels.par_chunks_mut(bits as usize)).enumerate().for_each(|(b, (ends, words))| {
-            let corner = [b % blocks[0], b / blocks[0] % blocks[1], b / (blocks[0] * blocks[1])];
-            // Beyond the volume's end lies its last texel again.
-            let value = |texel: usize| {
-                let inside = [texel % EDGE, texel / EDGE % EDGE, texel / (EDGE * EDGE)];
-                let [x, y, z]: [usize; 3] = std::array::from_fn(|a| (corner[a] * EDGE + inside[a]).min(dims[a] - 1));
-                lattice.at::<f32>(x, y, z)
-            };
-            let values: [f32; TEXELS] = std::array::from_fn(value);
-            let low = values.iter().copied().fold(f32::INFINITY, f32::min);
-            let high = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-            let last = ((1u32 << bits) - 1) as f32;
-            // Halves first: the range of floats may be beyond the largest float.
-            let step = 2.0 * ((0.5 * high - 0.5 * low) / last);
-            *ends = [low, step];
-            for (texel, &v) in values.iter().enumerate() {
-                let level = if step > 0.0 { ((v - low) / step + 0.5).min(last) as u64 } else { 0 };
-                let bit = texel * bits as usize;
-                words[bit / 64] |= level << (bit % 64);
-                if bit % 64 + bits as usize > 64 {
-                    words[bit / 64 + 1] |= level >> (64 - bit % 64);
+        // A row of blocks along x is a task.
+        let rows = ends.chunks_mut(blocks[0]).zip(levels.chunks_mut(blocks[0] * bits as usize));
+        each_part(rows, |row, (ends, levels)| {
+            for (x, (ends, words)) in ends.iter_mut().zip(levels.chunks_mut(bits as usize)).enumerate() {
+                let corner = [x, row % blocks[1], row / blocks[1]];
+                // Beyond the volume's end lies its last texel again.
+                let value = |texel: usize| {
+                    let inside = [texel % EDGE, texel / EDGE % EDGE, texel / (EDGE * EDGE)];
+                    let [x, y, z]: [usize; 3] =
+                        std::array::from_fn(|a| (corner[a] * EDGE + inside[a]).min(dims[a] - 1));
+                    lattice.at::<f32>(x, y, z)
+                };
+                let values: [f32; TEXELS] = std::array::from_fn(value);
+                let low = values.iter().copied().fold(f32::INFINITY, f32::min);
+                let high = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                let last = ((1u32 << bits) - 1) as f32;
+                // Halves first: the range of floats may be beyond the largest float.
+                let step = 2.0 * ((0.5 * high - 0.5 * low) / last);
+                *ends = [low, step];
+                for (texel, &v) in values.iter().enumerate() {
+                    let level = if step > 0.0 { ((v - low) / step + 0.5).min(last) as u64 } else { 0 };
+                    let bit = texel * bits as usize;
+                    words[bit / 64] |= level << (bit % 64);
+                    if bit % 64 + bits as usize > 64 {
+                        words[bit / 64 + 1] |= level >> (64 - bit % 64);
+                    }
                 }
             }
         });

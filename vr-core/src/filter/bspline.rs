@@ -1,8 +1,7 @@
 //! Cubic B-spline, and the prefilter that makes it interpolate.
 
-use rayon::prelude::*;
-
 use super::{Filter, Lattice, Separable, Taps4};
+use crate::parallel::{collect, each_part};
 use crate::real::Real;
 use crate::voxel::Voxel;
 
@@ -46,10 +45,15 @@ const POLE: f64 = -0.267_949_192_431_122_7;
 ///
 /// Every line is filtered in f64; the coefficients are kept as f32, and *that* is the field which everyone reconstructs.
 pub fn interpolation_coefficients<T: Voxel>(lattice: &Lattice<'_, T>) -> Vec<f32> {
-    let [nx, ny, nz] = lattice.dims;
     let mut c: Vec<f32> = lattice.samples.iter().map(|s| s.to_f32()).collect();
+    invert(&mut c, lattice.dims);
+    c
+}
+
+/// Makes coefficients of samples.
+fn invert(c: &mut [f32], [nx, ny, nz]: [usize; 3]) {
     // x and y within a slice, slices in parallel; then z, in parallel over rows of x.
-    c.par_chunks_mut(nx * ny).for_each(|slice| {
+    each_part(c.chunks_mut(nx * ny), |_, slice| {
         let mut line = vec![0.0; nx.max(ny)];
         for row in slice.chunks_mut(nx) {
             filter_line(row, 0, 1, &mut line[..nx]);
@@ -59,29 +63,25 @@ pub fn interpolation_coefficients<T: Voxel>(lattice: &Lattice<'_, T>) -> Vec<f32
         }
     });
     // Transposed access: gather columns of z for one y at a time, filter, and scatter. The gather is read-only.
-    let columns: Vec<Vec<f32>> = (0..ny)
-        .into_par_iter()
-        .map(|y| {
-            let mut out = vec![0.0f32; nx * nz];
-            let mut line = vec![0.0; nz];
-            for x in 0..nx {
-                for (z, v) in line.iter_mut().enumerate() {
-                    *v = f64::from(c[(z * ny + y) * nx + x]);
-                }
-                prefilter(&mut line);
-                for (z, v) in line.iter().enumerate() {
-                    out[z * nx + x] = *v as f32;
-                }
+    let columns: Vec<Vec<f32>> = collect(ny, |y| {
+        let mut out = vec![0.0f32; nx * nz];
+        let mut line = vec![0.0; nz];
+        for x in 0..nx {
+            for (z, v) in line.iter_mut().enumerate() {
+                *v = f64::from(c[(z * ny + y) * nx + x]);
             }
-            out
-        })
-        .collect();
-    c.par_chunks_mut(nx * ny).enumerate().for_each(|(z, slice)| {
+            prefilter(&mut line);
+            for (z, v) in line.iter().enumerate() {
+                out[z * nx + x] = *v as f32;
+            }
+        }
+        out
+    });
+    each_part(c.chunks_mut(nx * ny), |z, slice| {
         for (y, row) in slice.chunks_mut(nx).enumerate() {
             row.copy_from_slice(&columns[y][z * nx..(z + 1) * nx]);
         }
     });
-    c
 }
 
 fn filter_line(data: &mut [f32], start: usize, stride: usize, line: &mut [f64]) {

@@ -1,11 +1,11 @@
 //! A phantom, sampled onto a grid.
 
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
 
 use super::Phantom;
 use crate::error::GridError;
 use crate::grid::{Calibration, UniformGrid, sample_count};
+use crate::parallel::each_part;
 use crate::placement::Placement;
 use crate::voxel::Voxel;
 
@@ -54,7 +54,7 @@ pub fn sample<T: Quantize>(phantom: &dyn Phantom, dims: [usize; 3]) -> Result<Un
     let calibration = calibration::<T>(phantom.value_range());
 
     let mut samples = vec![T::default(); count];
-    samples.par_chunks_mut(dims[0] * dims[1]).enumerate().for_each(|(z, slice)| {
+    each_part(samples.chunks_mut(dims[0] * dims[1]), |z, slice| {
         for (i, sample) in slice.iter_mut().enumerate() {
             let index = DVec3::new((i % dims[0]) as f64, (i / dims[0]) as f64, z as f64);
             *sample = T::quantize(calibration.stored(phantom.value(placement.to_world(index))));

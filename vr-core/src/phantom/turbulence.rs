@@ -3,9 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::split_mix::SplitMix64;
+use crate::parallel::collect;
 use crate::point_kernel::PointKernel;
 use crate::point_set::PointSet;
 use crate::transfer::{ControlPoint, viridis};
@@ -56,7 +56,7 @@ pub(super) fn points(count: usize) -> Option<PointSet> {
     let in_cube = (1u64..).map(|i| DVec3::new(halton(i, 2), halton(i, 3), halton(i, 5)) * 2.0 - DVec3::ONE);
     let positions: Vec<DVec3> = in_cube.filter(|p| p.length_squared() < 1.0).take(count).collect();
     let density = Density::new();
-    let values: Vec<f32> = positions.par_iter().map(|&p| density.at(p) as f32).collect();
+    let values: Vec<f32> = collect(positions.len(), |i| density.at(positions[i]) as f32);
     let volume = 4.0 / 3.0 * PI / count as f64;
     let reach = (REACH * libm::cbrt(volume)).min(1.0) as f32;
     PointSet::new(positions, vec![reach; count], vec![volume as f32; count], values, PointKernel::CubicSpline).ok()

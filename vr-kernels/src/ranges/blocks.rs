@@ -1,14 +1,10 @@
 //! Ranges of the reconstructed field, block by block: for all who leap, cull or skip.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
-use rayon::prelude::*;
-
-use vr_core::Sampler;
-use vr_core::VacuumCells;
-use vr_core::Voxel;
 use vr_core::filter::{Filter, Reconstruction};
-use vr_core::{GridVolume, SamplerVisitor};
+use vr_core::parallel::{each, locked};
+use vr_core::{GridVolume, Sampler, SamplerVisitor, VacuumCells, Voxel};
 
 /// Smallest and largest value of the field in each block of `edge`³ cells, in stored units.
 ///
@@ -79,46 +75,50 @@ pub(crate) fn block_ranges<K: Copy + Send>(
     assert!(edge > 0, "blocks have at least one cell");
     let cells = volume.dims().map(|n| n - 1);
     let blocks = cells.map(|n| n.div_ceil(edge));
-    (blocks, volume.with_sampler(Builder { edge, cells, blocks, keep }))
+    let nothing = BlockRange { low: f32::INFINITY, high: f32::NEG_INFINITY, vacuum: true };
+    let mut kept = vec![keep(nothing); blocks.iter().product()];
+    let rows: Vec<_> = kept.chunks_mut(blocks[0]).map(Mutex::new).collect();
+    let put = |row: usize, ranges: &[BlockRange]| {
+        for (kept, &range) in locked(&rows[row]).iter_mut().zip(ranges) {
+            *kept = keep(range);
+        }
+    };
+    volume.with_sampler(Builder { edge, cells, blocks, put: &put });
+    drop(rows);
+    (blocks, kept)
 }
 
-struct Builder<F> {
+struct Builder<'a> {
     edge: usize,
     cells: [usize; 3],
     blocks: [usize; 3],
-    keep: F,
+    /// Takes the ranges of a row of blocks along x.
+    put: &'a (dyn Fn(usize, &[BlockRange]) + Sync),
 }
 
-impl<K: Copy + Send, Keep: Fn(BlockRange) -> K + Sync> SamplerVisitor for Builder<Keep> {
-    type Output = Vec<K>;
+impl SamplerVisitor for Builder<'_> {
+    type Output = ();
 
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Vec<K> {
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) {
         let [bx, by, bz] = self.blocks;
         let nothing = BlockRange { low: f32::INFINITY, high: f32::NEG_INFINITY, vacuum: true };
-        let mut kept = vec![(self.keep)(nothing); bx * by * bz];
-        // A row of blocks along x is a task.
-        kept.par_chunks_mut(bx).enumerate().for_each_init(
-            || vec![nothing; bx],
-            |ranges, (row, kept)| {
-                let (y, z) = (row % by, row / by);
-                match sampler.vacuum() {
-                    None => self.row(&sampler, [y, z], ranges),
-                    Some(vacuum) => {
-                        for (x, range) in ranges.iter_mut().enumerate() {
-                            *range = self.with_vacuum(&sampler, vacuum, [x, y, z]);
-                        }
+        each(by * bz, &|row| {
+            let mut ranges = vec![nothing; bx];
+            let (y, z) = (row % by, row / by);
+            match sampler.vacuum() {
+                None => self.row(&sampler, [y, z], &mut ranges),
+                Some(vacuum) => {
+                    for (x, range) in ranges.iter_mut().enumerate() {
+                        *range = self.with_vacuum(&sampler, vacuum, [x, y, z]);
                     }
                 }
-                for (kept, &range) in kept.iter_mut().zip(ranges.iter()) {
-                    *kept = (self.keep)(range);
-                }
-            },
-        );
-        kept
+            }
+            (self.put)(row, &ranges);
+        });
     }
 }
 
-impl<Keep> Builder<Keep> {
+impl Builder<'_> {
     /// The first cell of a block along an axis, and the one behind its last.
     fn cells_of(&self, axis: usize, block: usize) -> (usize, usize) {
         let first = block * self.edge;

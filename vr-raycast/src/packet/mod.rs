@@ -8,10 +8,10 @@
 //! # What it took
 //! * What is not inlined loses its instructions in silence. `array::map` with a closure over vectors was not, and with it AVX-512 ran at
 //!   3.4 times the plain engine's speed; with plain lines in its place, at 4.9 times (fog 256³, u8; each ratio from one run).
-//! * Each x-pair of samples is one load, staged through memory ([`vr_core::vector::Stage`]). A wide load from narrow stores has to wait until those have
+//! * Each x-pair of samples is one load, staged through memory ([`vr_kernels::vector::Stage`]). A wide load from narrow stores has to wait until those have
 //!   left the store buffer. So two steps are taken at once: while the first waits, the samples of the second are fetched. A frame
 //!   of fog256 (30.7 million samples) went from 221 to 169 ms of CPU time by this and by table look-ups without a branch a lane.
-//! * Table rows go from their load into registers, and are transposed there ([`vr_core::vector::Rows`]): staged as voxels are, they were slower than with
+//! * Table rows go from their load into registers, and are transposed there ([`vr_kernels::vector::Rows`]): staged as voxels are, they were slower than with
 //!   SSE2 alone.
 //! * Each instance of a kernel costs seconds to compile. There are three levels, not the library's five, and what is done once a packet
 //!   (set-up, the depth of a half) or only in some scenes (shading) are functions of their own.

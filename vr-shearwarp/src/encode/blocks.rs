@@ -1,8 +1,8 @@
 //! Runs of whole blocks, that point into the array of all voxels. No voxel is looked at: this is what a new transfer function costs
 //! least by (Lacroute & Levoy 1994, fast classification).
 
-use rayon::prelude::*;
 use vr_core::RenderError;
+use vr_core::parallel::{collect, each_part};
 
 use super::bits::{WORD, count_runs, ones};
 use super::dense::Layout;
@@ -31,7 +31,7 @@ pub(crate) fn block_runs<const N: usize>(
     // The cells of the rows of one row of blocks are all alike.
     let rows_of_blocks = rows.div_ceil(EDGE);
     let mut masks = vec![0u64; words * rows_of_blocks * layers];
-    masks.par_chunks_mut(words * rows_of_blocks).enumerate().for_each(|(k, masks)| {
+    each_part(masks.chunks_mut(words * rows_of_blocks), |k, masks| {
         let mut all = vec![0; words];
         for (row, may) in masks.chunks_exact_mut(words).enumerate() {
             blocks.mark::<N>(&layout, k, row, [may, &mut all]);
@@ -41,11 +41,10 @@ pub(crate) fn block_runs<const N: usize>(
         let at = (k * rows_of_blocks + v / EDGE) * words;
         &masks[at..at + words]
     };
-    let counts: Vec<u32> =
-        (0..rows * layers).into_par_iter().map(|row| count_runs(mask(row / rows, row % rows)) as u32).collect();
+    let counts: Vec<u32> = collect(rows * layers, |row| count_runs(mask(row / rows, row % rows)) as u32);
     let starts = running_sums("runs of a volume of runs", counts.into_iter())?;
     let mut runs = vec![Run { start: 0, len: 0, at: [0; N] }; starts[rows * layers] as usize];
-    split_by_rows(&mut runs, &starts, rows).into_par_iter().enumerate().for_each(|(k, runs)| {
+    each_part(split_by_rows(&mut runs, &starts, rows), |k, runs| {
         let mut runs = runs.iter_mut();
         for v in 0..rows {
             for ((start, len), run) in ones(mask(k, v)).zip(&mut runs) {

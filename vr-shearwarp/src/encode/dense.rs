@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use rayon::prelude::*;
+use vr_core::parallel::each_part;
 
 use super::PAD;
 use super::pyramid::{EDGE, VisibleBlocks};
@@ -80,7 +80,7 @@ impl<'a, T: Copy + Default + Send + Sync> Dense<'a, T> {
         if w != 0 || 2 * blocks.count() > blocks.total() {
             return Self::new(samples, dims, w);
         }
-        let samples = transposed_where(samples, dims, [16, 16], |spans| blocks.touch(spans));
+        let samples = transposed_where(samples, dims, [16, 16], &|spans| blocks.touch(spans));
         Self { layout: Layout::new(dims, w), samples: Cow::Owned(samples) }
     }
 
@@ -96,7 +96,7 @@ impl<'a, T: Copy + Default + Send + Sync> Dense<'a, T> {
 pub(crate) fn transposed<T: Copy + Default + Send + Sync>(samples: &[T], dims: [usize; 3]) -> Vec<T> {
     // As wide along x as a cache line, which is then read once.
     let width = (64 / size_of::<T>().max(1)).max(4);
-    transposed_where(samples, dims, [width, 64], |_| true)
+    transposed_where(samples, dims, [width, 64], &|_| true)
 }
 
 /// As [`transposed`], but only the tiles for which `wanted` holds of their first sample and the one behind their last: along x and y they
@@ -105,11 +105,11 @@ fn transposed_where<T: Copy + Default + Send + Sync>(
     samples: &[T],
     [nx, ny, nz]: [usize; 3],
     [width, height]: [usize; 2],
-    wanted: impl Fn([[usize; 2]; 3]) -> bool + Sync,
+    wanted: &(dyn Fn([[usize; 2]; 3]) -> bool + Sync),
 ) -> Vec<T> {
     let mut out = vec![T::default(); nx * ny * nz + PAD];
     // A slab of x is a task.
-    out[..nx * ny * nz].par_chunks_mut(width * ny * nz).enumerate().for_each(|(task, out)| {
+    each_part(out[..nx * ny * nz].chunks_mut(width * ny * nz), |task, out| {
         let xs = [task * width, (task * width + width).min(nx)];
         // Rows of the result lie far apart, often by a power of two: written to one by one, they would push each other from the cache.
         let mut tile = vec![T::default(); width * height];

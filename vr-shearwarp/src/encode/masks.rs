@@ -1,6 +1,6 @@
 //! Which cells may be visible, a bit each.
 
-use rayon::prelude::*;
+use vr_core::parallel::each_part;
 
 use super::bits::WORD;
 use super::dense::{Dense, Layout};
@@ -22,7 +22,7 @@ impl CellMasks {
         let words = (layout.size[0] - 1).div_ceil(WORD);
         let rows = layout.cell_rows();
         let mut bits = vec![0u64; words * rows * layout.cell_layers::<N>()];
-        bits.par_chunks_mut(words * rows).enumerate().for_each(|(k, bits)| {
+        each_part(bits.chunks_mut(words * rows), |k, bits| {
             let (mut may, mut all) = (vec![0; words], vec![0; words]);
             for (row_of_blocks, bits) in bits.chunks_mut(words * EDGE).enumerate() {
                 blocks.mark::<N>(layout, k, row_of_blocks, [&mut may, &mut all]);

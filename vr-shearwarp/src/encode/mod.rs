@@ -25,7 +25,7 @@ mod visible;
 pub(crate) use {
     blocks::block_runs,
     dense::{Dense, Layout},
-    packed::{Packing, packed},
+    packed::packed,
     pyramid::{Pyramid, VisibleBlocks},
     runs::{Run, Runs},
     visible::{Leveled, Rule, Visibility},

@@ -1,7 +1,7 @@
 //! Tight runs, and the voxels that they touch packed one behind the other.
 
-use rayon::prelude::*;
 use vr_core::RenderError;
+use vr_core::parallel::{collect, each_part};
 
 use super::PAD;
 use super::bits::{WORD, count_ones, count_runs, ones};
@@ -48,8 +48,9 @@ impl Packing {
         let mut masks = vec![0u64; words * nv * nw];
         let mut counts = vec![0u32; nv * nw];
         let (rows, layers) = (layout.cell_rows(), layout.cell_layers::<N>());
-        masks.par_chunks_mut(words * nv).zip(counts.par_chunks_mut(nv)).enumerate().for_each(|(k, (masks, counts))| {
-            for (v, (mask, count)) in masks.chunks_exact_mut(words).zip(counts).enumerate() {
+        let layers_of_voxels = masks.chunks_mut(words * nv).zip(counts.chunks_mut(nv));
+        each_part(layers_of_voxels, |k, (masks, counts)| {
+            for (v, (mask, count)) in masks.chunks_exact_mut(words).zip(counts.iter_mut()).enumerate() {
                 // The rows of cells of which this row of voxels is an edge.
                 for [dv, dk] in edges::<N>() {
                     if v < dv || k < dk || v - dv >= rows || k - dk >= layers {
@@ -74,14 +75,12 @@ impl Packing {
     fn runs<const N: usize>(&self, cells: &CellMasks) -> Result<Runs<N>, RenderError> {
         let layout = &self.layout;
         let (rows, layers) = (layout.cell_rows(), layout.cell_layers::<N>());
-        let counts: Vec<u32> = (0..rows * layers)
-            .into_par_iter()
-            .map(|row| count_runs(cells.row(layout, row / rows, row % rows)) as u32)
-            .collect();
+        let counts: Vec<u32> =
+            collect(rows * layers, |row| count_runs(cells.row(layout, row / rows, row % rows)) as u32);
         let starts = running_sums("runs of a run-length encoded volume", counts.into_iter())?;
         let empty = Run { start: 0, len: 0, at: [0; N] };
         let mut runs = vec![empty; starts[rows * layers] as usize];
-        split_by_rows(&mut runs, &starts, rows).into_par_iter().enumerate().for_each(|(k, runs)| {
+        each_part(split_by_rows(&mut runs, &starts, rows), |k, runs| {
             let mut runs = runs.iter_mut();
             for v in 0..rows {
                 let row = cells.row(layout, k, v);
@@ -109,26 +108,27 @@ impl Packing {
         self.starts[self.starts.len() - 1] as usize
     }
 
-    /// The stored ones of an array of all voxels, and [`PAD`] defaults behind them.
-    pub fn pack<P: Copy + Default + Send + Sync>(&self, dense: &Dense<'_, P>) -> Vec<P> {
+    /// Codes of the stored ones of an array of all voxels, and [`PAD`] defaults behind them.
+    pub fn pack<T: Leveled, P: Copy + Default + Send>(
+        &self,
+        dense: &Dense<'_, T>,
+        code: impl Fn(T) -> P + Sync,
+    ) -> Vec<P> {
         debug_assert_eq!(dense.layout, self.layout);
-        self.fill(|voxel, to| to.copy_from_slice(dense.row(voxel, to.len())))
-    }
-
-    /// What `make` makes of each stored voxel at [x, y, z], and [`PAD`] defaults behind.
-    pub fn pack_with<P: Copy + Default + Send>(&self, make: impl Fn([usize; 3]) -> P + Sync) -> Vec<P> {
-        self.fill(|[u, v, k], to| {
-            for (i, to) in to.iter_mut().enumerate() {
-                *to = make(self.layout.position([u + i, v, k]));
+        self.fill(&|voxel, to| {
+            let samples = dense.row(voxel, to.len());
+            for (to, &sample) in to.iter_mut().zip(samples) {
+                *to = code(sample);
             }
         })
     }
 
-    /// Fills an array run by run of stored voxels, which begin at a voxel (u, v, k).
-    fn fill<P: Copy + Default + Send>(&self, run: impl Fn([usize; 3], &mut [P]) + Sync) -> Vec<P> {
+    /// Fills an array run by run of stored voxels, which begin at a voxel (u, v, k), with [`PAD`] defaults behind them.
+    pub fn fill<P: Copy + Default + Send>(&self, run: &(dyn Fn([usize; 3], &mut [P]) + Sync)) -> Vec<P> {
         let mut voxels = vec![P::default(); self.stored() + PAD];
         let nv = self.layout.size[1];
-        split_by_rows(&mut voxels, &self.starts, nv).into_par_iter().enumerate().for_each(|(k, mut voxels)| {
+        each_part(split_by_rows(&mut voxels, &self.starts, nv), |k, voxels| {
+            let mut voxels = std::mem::take(voxels);
             for v in 0..nv {
                 for (u, len) in ones(self.mask(k, v)) {
                     let (now, later) = voxels.split_at_mut(len);

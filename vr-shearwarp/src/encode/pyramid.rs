@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
+use vr_core::parallel::each_part;
 use vr_core::{AnyGrid, GridVolume, UniformGrid};
 use vr_kernels::ranges::LevelRanges;
 
@@ -78,22 +78,20 @@ impl Pyramid {
         let levels = self.coarser.iter().rev().map(|n| (n.size, &n.ranges[..])).chain([finest]);
         for (size, ranges) in levels {
             let mut states = vec![HIDDEN; ranges.len()];
-            states.par_chunks_mut(size[0]).zip(ranges.par_chunks(size[0])).enumerate().for_each(
-                |(row, (states, ranges))| {
-                    let (y, z) = (row % size[1], row / size[1]);
-                    let row_above = (z / 2 * size_above[1] + y / 2) * size_above[0];
-                    // The coarsest has nothing above.
-                    let above: &[u8] = if above.is_empty() { &[] } else { &above[row_above..] };
-                    for (x, (state, &range)) in states.iter_mut().zip(ranges).enumerate() {
-                        *state = match above.get(x / 2).copied().unwrap_or(PARTLY) {
-                            PARTLY => decide.state(range),
-                            // Not where nothing is.
-                            WHOLE if range == LevelRanges::NOTHING => HIDDEN,
-                            known => known,
-                        };
-                    }
-                },
-            );
+            each_part(states.chunks_mut(size[0]).zip(ranges.chunks(size[0])), |row, (states, ranges)| {
+                let (y, z) = (row % size[1], row / size[1]);
+                let row_above = (z / 2 * size_above[1] + y / 2) * size_above[0];
+                // The coarsest has nothing above.
+                let above: &[u8] = if above.is_empty() { &[] } else { &above[row_above..] };
+                for (x, (state, &range)) in states.iter_mut().zip(*ranges).enumerate() {
+                    *state = match above.get(x / 2).copied().unwrap_or(PARTLY) {
+                        PARTLY => decide.state(range),
+                        // Not where nothing is.
+                        WHOLE if range == LevelRanges::NOTHING => HIDDEN,
+                        known => known,
+                    };
+                }
+            });
             (above, size_above) = (states, size);
         }
         VisibleBlocks { size: self.levels.blocks(), states: above, missing: self.missing }
@@ -131,7 +129,7 @@ fn float_ranges(grid: &UniformGrid<f32>, levels: &LevelRanges, missing: bool) ->
     let (origin, spacing) = (levels.stored(0), levels.stored(1) - levels.stored(0));
     let level = |x: f32| (f64::from(x) - origin) / spacing;
     let mut ranges = levels.ranges().to_vec();
-    ranges.par_chunks_mut(bx).enumerate().for_each(|(row, ranges)| {
+    each_part(ranges.chunks_mut(bx), |row, ranges| {
         let span = |axis: usize, block: usize| block * EDGE..(block * EDGE + EDGE + 1).min(dims[axis]);
         for (x, range) in ranges.iter_mut().enumerate() {
             if !missing && range[1] > 0 {

@@ -65,9 +65,14 @@ fn check<const N: usize, T: Leveled>(volume: &GridVolume, samples: &[T], w: usiz
     // What is not copied is not looked at.
     let partial = Dense::visible(samples, dims, w, &blocks);
     let (runs, packing) = packed::<N, T>(&partial, &blocks, rule).unwrap();
-    let stored = packing.pack(&partial);
+    let stored = packing.pack(&partial, |s| s);
     assert_eq!(stored.len(), packing.stored() + PAD);
-    let positions = packing.pack_with(|[x, y, z]| (z * dims[1] + y) * dims[0] + x);
+    let positions = packing.fill(&|[u, v, k], to: &mut [usize]| {
+        for (i, to) in to.iter_mut().enumerate() {
+            let [x, y, z] = layout.position([u + i, v, k]);
+            *to = (z * dims[1] + y) * dims[0] + x;
+        }
+    });
     assert!(positions.iter().zip(&stored).take(packing.stored()).all(|(&p, s)| samples[p].to_f32() == s.to_f32()));
     // Each stored voxel once, in the order layer, row, column.
     let order = |&p: &usize| {
@@ -302,7 +307,7 @@ fn threads_change_nothing() {
         let blocks = Pyramid::new(volume).visible(rule);
         let dense = Dense::new(&samples, dims, 0);
         let (runs, packing) = packed::<4, u8>(&dense, &blocks, rule).unwrap();
-        (runs, packing.pack(&dense))
+        (runs, packing.pack(&dense, |s| s))
     };
     let with = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(encode);
     assert_eq!(with(1), with(3));

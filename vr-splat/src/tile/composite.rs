@@ -24,7 +24,7 @@ impl Tile<'_> {
         let painter = self.painter;
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let operator = painter.operator;
-        match &painter.content {
+        let light = match &painter.content {
             Content::Values { classifier, normalised, cells, shader } => {
                 let (sum, weight) = (self.sheets[at].load(simd), self.sheets[at + 1].load(simd));
                 let (length, divisor) = if *normalised {
@@ -70,7 +70,7 @@ impl Tile<'_> {
                         [light[0].load(simd), light[1].load(simd), light[2].load(simd), light[3].load(simd)]
                     }
                 };
-                let light = match shader {
+                match shader {
                     Some(shader) if light[3].simd_gt(zero).any_true() => {
                         let mut lanes = light.map(Lanes::of);
                         let place = self.place(simd, number, depth);
@@ -78,8 +78,7 @@ impl Tile<'_> {
                         [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
                     }
                     _ => light,
-                };
-                self.states[number].blend(simd, operator, light);
+                }
             }
             Content::Light(_) => {
                 let tau = self.sheets[at + 3].load(simd);
@@ -87,12 +86,11 @@ impl Tile<'_> {
                 // A sinc's sides may outweigh its middle: less than nothing sends nothing.
                 let share = pick(tau.simd_lt(zero), zero, share(simd, tau, alpha));
                 let [r, g, b] = [0, 1, 2].map(|c| self.sheets[at + c].0);
-                let light =
-                    [Lanes(r).load(simd) * share, Lanes(g).load(simd) * share, Lanes(b).load(simd) * share, alpha];
-                self.states[number].blend(simd, operator, light);
+                [Lanes(r).load(simd) * share, Lanes(g).load(simd) * share, Lanes(b).load(simd) * share, alpha]
             }
-            Content::Sums => {}
-        }
+            Content::Sums => return,
+        };
+        self.states[number].blend(simd, operator, light);
         self.retire(simd, number);
     }
 

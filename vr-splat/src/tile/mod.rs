@@ -5,8 +5,8 @@ mod composite;
 mod meeting;
 mod painter;
 mod sheets;
-mod single;
 mod state;
+mod whole;
 
 use fearless_simd::Simd;
 use vr_kernels::vector::{Lanes, PacketLights, Vectorized};
@@ -59,10 +59,8 @@ impl Vectorized for TileJob<'_> {
             work: Work::default(),
         };
         match (&painter.content, painter.buffers) {
-            (Content::Sums, _) => tile.sums(simd, self.splats),
-            (_, Buffers::Image) => tile.image_sheets(simd, self.splats),
-            (_, Buffers::Axis) => tile.own_sheets(simd, self.splats),
-            (_, Buffers::Samples) => tile.samples(simd, self.splats),
+            (Content::Values { .. } | Content::Light(_), Buffers::Image) => tile.image_sheets(simd, self.splats),
+            _ => tile.whole_splats(simd, self.splats),
         }
         let there = (0..BLOCKS as u32).filter(|b| tile.ready >> b & 1 == 1);
         let blocks = there.map(|b| (b, tile.states[b as usize])).collect();

@@ -1,4 +1,4 @@
-//! Splats are added to sheets: parallel to the image, or the volume's own.
+//! Splats are added to sheets parallel to the image, and sheets of either kind are finished.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
@@ -6,8 +6,9 @@ use vr_kernels::vector::{Lanes, pick, splat};
 
 use crate::bins::Keyed;
 use crate::splat::Splat;
+use crate::splatting::Buffers;
 
-use super::meeting::{Crossing, Met, Passing, whole};
+use super::meeting::{Crossing, Met, Passing};
 use super::painter::Content;
 use super::{BLOCKS, Tile};
 
@@ -21,7 +22,7 @@ impl Tile<'_> {
         let (mut next, mut open) = (0, 0);
         for (i, Keyed { key, splat }) in splats.iter().enumerate() {
             while next < *key && next < open {
-                self.finish_image(simd, next);
+                self.finish_sheet(simd, next);
                 next += 1;
             }
             next = *key;
@@ -43,7 +44,7 @@ impl Tile<'_> {
             }
         }
         for sheet in next..open {
-            self.finish_image(simd, sheet);
+            self.finish_sheet(simd, sheet);
         }
     }
 
@@ -107,92 +108,43 @@ impl Tile<'_> {
         }
     }
 
-    /// Composites a sheet parallel to the image, and clears it.
+    /// Composites a sheet, and clears it. A function of its own: a call is for a sheet, and it is compiled once.
+    #[inline(never)]
+    pub(super) fn finish_sheet<S: Simd>(&mut self, simd: S, sheet: u32) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.finish_here(simd, sheet),
+        );
+    }
+
     #[inline(always)]
-    pub(super) fn finish_image<S: Simd>(&mut self, simd: S, sheet: u32) {
+    fn finish_here<S: Simd>(&mut self, simd: S, sheet: u32) {
         let painter = self.painter;
-        let slot = (sheet & (painter.ring - 1)) as usize;
+        let of_image = painter.buffers == Buffers::Image;
+        let slot = if of_image { (sheet & (painter.ring - 1)) as usize } else { 0 };
         let mut touched = std::mem::take(&mut self.touched[slot]);
         let channels = painter.channels();
-        let [a, b] = [sheet, sheet + 1].map(|k| k as f32 * painter.distance);
+        let [front, back] = [sheet, sheet + 1].map(|k| k as f32 * painter.distance);
         while touched != 0 {
             let number = touched.trailing_zeros() as usize;
             touched &= touched - 1;
             let at = (slot * BLOCKS + number) * channels;
             let block = &self.blocks[number];
-            let (near, far) = (block.near.load(simd), block.far.load(simd));
-            let from = splat(simd, a).max(near).min(far);
-            let to = splat(simd, b).max(near).min(far);
-            let length = (to - from) * block.stretch.load(simd);
-            self.composite(simd, number, at, length, (from + to) * 0.5);
-            self.sheets[at..at + channels].fill(Lanes::ZERO);
-        }
-    }
-
-    /// The volume's own sheets, one after another.
-    #[inline(always)]
-    pub(super) fn own_sheets<S: Simd>(&mut self, simd: S, splats: &[Keyed]) {
-        let mut i = 0;
-        while i < splats.len() {
-            if self.done == u64::MAX {
-                self.work.skipped += (splats.len() - i) as u64;
-                return;
-            }
-            let sheet = splats[i].key;
-            while i < splats.len() && splats[i].key == sheet {
-                self.add_whole(simd, &splats[i].splat);
-                i += 1;
-            }
-            self.finish_own(simd, sheet);
-        }
-    }
-
-    /// Adds a splat's whole kernel to the only sheet.
-    #[inline(always)]
-    pub(super) fn add_whole<S: Simd>(&mut self, simd: S, splat: &Splat) {
-        let Some(covered) = self.covered(splat) else { return };
-        let channels = self.painter.channels();
-        let optics = match self.painter.content {
-            Content::Light(optics) => optics.at(splat.value),
-            _ => [0.0; 4],
-        };
-        for y in covered.y[0]..=covered.y[1] {
-            for x in covered.x[0]..=covered.x[1] {
-                let Some(number) = self.take(x, y) else { continue };
-                let Some(weight) = self.weight(simd, number, splat) else { continue };
-                let at = number * channels;
-                add(simd, &mut self.sheets[at..at + channels], weight, splat.value, optics);
-                self.touched[0] |= 1 << number;
-            }
-        }
-    }
-
-    /// ∫ of a splat's kernel along the rays of a block, in world units; `None` if none meets it.
-    #[inline(always)]
-    pub(super) fn weight<S: Simd>(&self, simd: S, number: usize, splat: &Splat) -> Option<f32x16<S>> {
-        let block = &self.blocks[number];
-        let ends = [block.near.load(simd), block.far.load(simd)];
-        let sum = whole(simd, self.painter.kernel, &self.axes, block, splat, ends)?;
-        Some(sum * block.stretch.load(simd) * splat.weight)
-    }
-
-    /// Composites one of the volume's own sheets, and clears it.
-    #[inline(always)]
-    pub(super) fn finish_own<S: Simd>(&mut self, simd: S, sheet: u32) {
-        let channels = self.painter.channels();
-        let mut touched = std::mem::take(&mut self.touched[0]);
-        while touched != 0 {
-            let number = touched.trailing_zeros() as usize;
-            touched &= touched - 1;
-            let at = number * channels;
-            let mut depth = splat(simd, 0.0);
-            if let Some((axis, layers)) = self.painter.layers {
-                let [from, step] = self.blocks[number].index.map(|v| v[axis].load(simd));
-                let flat = step.abs().simd_lt(splat(simd, 1e-12));
-                depth = (splat(simd, layers[sheet as usize] as f32) - from) / pick(flat, splat(simd, 1e-12), step);
-            }
-            // Weights of a sheet sum to its length along the ray.
-            let length = if channels == 2 { self.sheets[at + 1].load(simd) } else { splat(simd, 1.0) };
+            let (length, depth) = if of_image {
+                let (near, far) = (block.near.load(simd), block.far.load(simd));
+                let from = splat(simd, front).max(near).min(far);
+                let to = splat(simd, back).max(near).min(far);
+                ((to - from) * block.stretch.load(simd), (from + to) * 0.5)
+            } else {
+                let mut depth = splat(simd, 0.0);
+                if let Some((axis, layers)) = painter.layers {
+                    let [from, step] = block.index.map(|v| v[axis].load(simd));
+                    let flat = step.abs().simd_lt(splat(simd, 1e-12));
+                    depth = (splat(simd, layers[sheet as usize] as f32) - from) / pick(flat, splat(simd, 1e-12), step);
+                }
+                // Weights of a sheet sum to its length along the ray.
+                (if channels == 2 { self.sheets[at + 1].load(simd) } else { splat(simd, 1.0) }, depth)
+            };
             self.composite(simd, number, at, length, depth);
             self.sheets[at..at + channels].fill(Lanes::ZERO);
         }
@@ -217,7 +169,7 @@ fn cover<S: Simd>(
 
 /// Adds a section of a kernel to a sheet: a value, and its weight where that is divided out, or emission and optical depth.
 #[inline(always)]
-fn add<S: Simd>(simd: S, sheet: &mut [Lanes], section: f32x16<S>, value: f32, optics: [f32; 4]) {
+pub(super) fn add<S: Simd>(simd: S, sheet: &mut [Lanes], section: f32x16<S>, value: f32, optics: [f32; 4]) {
     if let [sum, weight] = sheet {
         *sum = Lanes::of(sum.load(simd) + section * value);
         *weight = Lanes::of(weight.load(simd) + section);

@@ -54,63 +54,67 @@ impl Which<'_> {
     }
 }
 
-/// Fetches samples of rays from a texture into a chunk: its `len` first ones.
-#[inline(never)]
-pub(crate) fn fetch<S: Simd, X: Texture>(
-    simd: S,
-    texture: &X,
-    rays: &Fragments,
-    which: Which<'_>,
-    stages: &mut [X::Stage; 2],
-    chunk: &mut Chunk,
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let [stage, next_stage] = stages;
-            let (mut now, mut next) = (stage, next_stage);
-            let mut at = which.place(simd, texture, rays, 0);
-            texture.fetch(simd, &at, now);
-            for j in 0..chunk.len {
-                // While one waits for its texels, those of the next one are fetched.
-                let ahead = which.place(simd, texture, rays, (j + 1).min(chunk.len - 1));
-                if j + 1 < chunk.len {
-                    texture.fetch(simd, &ahead, next);
-                }
-                let [r, g, b, a] = texture.read(simd, &at, now);
-                if X::LIGHT {
-                    chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
-                } else {
-                    chunk.value[j] = Lanes::of(r);
-                }
-                (at, now, next) = (ahead, next, now);
-            }
-        },
-    );
+/// A texture, a chunk of samples to a call: so what calls it is compiled once, not anew for each texture.
+pub(crate) trait Fetch<S: Simd> {
+    /// Fetches samples of rays into a chunk: its `len` first ones.
+    fn fetch(&mut self, simd: S, rays: &Fragments, which: Which<'_>, chunk: &mut Chunk);
+
+    /// Shades the light of a chunk's samples, where there is any.
+    fn shade(&mut self, simd: S, rays: &Fragments, which: Which<'_>, lit: &Lit<'_>, chunk: &mut Chunk);
 }
 
-/// Shades the light of a chunk's samples, where there is any.
-#[inline(never)]
-pub(crate) fn shade<S: Simd, X: Texture>(
-    simd: S,
-    texture: &X,
-    rays: &Fragments,
-    which: Which<'_>,
-    lit: &Lit<'_>,
-    stages: &mut [X::Stage; 2],
-    chunk: &mut Chunk,
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            for j in 0..chunk.len {
-                if chunk.light[j][3].load(simd).simd_gt(f32x16::splat(simd, 0.0)).any_true() {
-                    let at = which.place(simd, texture, rays, j);
-                    texture.shade(simd, &at, lit, &mut chunk.light[j], &mut stages[0]);
+/// A texture, and where what is fetched from it waits.
+pub(crate) struct Fetcher<'a, X: Texture> {
+    texture: &'a X,
+    stages: [X::Stage; 2],
+}
+
+impl<'a, X: Texture> Fetcher<'a, X> {
+    pub(crate) fn new(texture: &'a X) -> Self {
+        Self { texture, stages: [X::Stage::default(), X::Stage::default()] }
+    }
+}
+
+impl<S: Simd, X: Texture> Fetch<S> for Fetcher<'_, X> {
+    fn fetch(&mut self, simd: S, rays: &Fragments, which: Which<'_>, chunk: &mut Chunk) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let [stage, next_stage] = &mut self.stages;
+                let (mut now, mut next) = (stage, next_stage);
+                let mut at = which.place(simd, self.texture, rays, 0);
+                self.texture.fetch(simd, &at, now);
+                for j in 0..chunk.len {
+                    // While one waits for its texels, those of the next one are fetched.
+                    let ahead = which.place(simd, self.texture, rays, (j + 1).min(chunk.len - 1));
+                    if j + 1 < chunk.len {
+                        self.texture.fetch(simd, &ahead, next);
+                    }
+                    let [r, g, b, a] = self.texture.read(simd, &at, now);
+                    if X::LIGHT {
+                        chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
+                    } else {
+                        chunk.value[j] = Lanes::of(r);
+                    }
+                    (at, now, next) = (ahead, next, now);
                 }
-            }
-        },
-    );
+            },
+        );
+    }
+
+    fn shade(&mut self, simd: S, rays: &Fragments, which: Which<'_>, lit: &Lit<'_>, chunk: &mut Chunk) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for j in 0..chunk.len {
+                    if chunk.light[j][3].load(simd).simd_gt(f32x16::splat(simd, 0.0)).any_true() {
+                        let at = which.place(simd, self.texture, rays, j);
+                        self.texture.shade(simd, &at, lit, &mut chunk.light[j], &mut self.stages[0]);
+                    }
+                }
+            },
+        );
+    }
 }
 
 /// What the next samples of rays touch: a box of cells, from the first to the last along each axis; and how many samples they are.

@@ -4,12 +4,12 @@ use fearless_simd::Simd;
 use vr_kernels::vector::{LANES, Lanes};
 
 use super::blend::{Blending, blend};
-use super::chunk::{CHUNK, Chunk, Which, fetch, reach, shade};
+use super::chunk::{CHUNK, Chunk, Fetch, Which, reach};
 use super::classify::{Classifier, classify, integrate};
 use super::state::{Operator, State};
 use crate::fragments::Fragments;
 use crate::occupancy::Occupancy;
-use crate::texture::{Lit, Texture};
+use crate::texture::Lit;
 
 /// What is the same for all fragments of a picture.
 #[derive(Clone, Copy)]
@@ -27,18 +27,6 @@ pub(crate) struct Pass<'a> {
     pub(crate) occupancy: Option<&'a Occupancy>,
 }
 
-/// Where samples are kept while they are worked on.
-pub(crate) struct Workbench<X: Texture> {
-    pub(crate) stages: [X::Stage; 2],
-    pub(crate) chunk: Chunk,
-}
-
-impl<X: Texture> Default for Workbench<X> {
-    fn default() -> Self {
-        Self { stages: [X::Stage::default(), X::Stage::default()], chunk: Chunk::EMPTY }
-    }
-}
-
 /// The most samples of a ray that are looked at together.
 const FARTHEST: usize = 64;
 
@@ -50,13 +38,13 @@ pub(crate) struct Done {
 }
 
 /// A march of sixteen rays.
-pub(crate) struct March<'a, X: Texture> {
-    pub(crate) texture: &'a X,
+pub(crate) struct March<'a, S> {
+    pub(crate) texture: &'a mut dyn Fetch<S>,
     pub(crate) pass: &'a Pass<'a>,
     /// `None`: nothing is shaded.
     pub(crate) lit: Option<Lit<'a>>,
     pub(crate) most: &'a Lanes,
-    pub(crate) bench: &'a mut Workbench<X>,
+    pub(crate) chunk: &'a mut Chunk,
     pub(crate) rays: &'a mut Fragments,
     pub(crate) state: &'a mut State,
     /// Values at the last faces: where segments begin.
@@ -64,9 +52,9 @@ pub(crate) struct March<'a, X: Texture> {
     pub(crate) done: Done,
 }
 
-impl<X: Texture> March<'_, X> {
+impl<S: Simd> March<'_, S> {
     /// Through all slices.
-    pub(crate) fn run<S: Simd>(&mut self, simd: S) {
+    pub(crate) fn run(&mut self, simd: S) {
         if self.pass.operator == Operator::Over {
             self.rays.turn();
         }
@@ -76,16 +64,16 @@ impl<X: Texture> March<'_, X> {
     }
 
     /// The first samples of all rays (0), or the last (1).
-    fn outer<S: Simd>(&mut self, simd: S, end: usize) {
+    fn outer(&mut self, simd: S, end: usize) {
         if self.rays.has[end].0 == [0.0; LANES] {
             return;
         }
-        self.bench.chunk.len = 1;
+        self.chunk.len = 1;
         let which = Which::Outer(end);
-        fetch(simd, self.texture, self.rays, which, &mut self.bench.stages, &mut self.bench.chunk);
+        self.texture.fetch(simd, self.rays, which, self.chunk);
         if self.pass.on_faces && matches!(self.pass.classifier, Classifier::Segments { .. }) && end == 0 {
             // Nothing but where the first segment begins.
-            self.before = self.bench.chunk.value[0];
+            self.before = self.chunk.value[0];
             return;
         }
         let ratio = self.rays.outer_ratio[end];
@@ -93,7 +81,7 @@ impl<X: Texture> March<'_, X> {
     }
 
     /// The samples of whole slabs.
-    fn whole<S: Simd>(&mut self, simd: S) {
+    fn whole(&mut self, simd: S) {
         let mut number = self.rays.begin;
         // So many samples are looked at together for whether anything can be visible in their blocks: more after each look that found nothing.
         let mut stride = CHUNK;
@@ -113,9 +101,9 @@ impl<X: Texture> March<'_, X> {
                 stride = CHUNK;
                 continue;
             } else {
-                self.bench.chunk.len = len;
+                self.chunk.len = len;
                 let which = Which::From(&number);
-                fetch(simd, self.texture, self.rays, which, &mut self.bench.stages, &mut self.bench.chunk);
+                self.texture.fetch(simd, self.rays, which, self.chunk);
                 let ratio = self.rays.ratio;
                 self.draw(simd, which, &ratio);
             }
@@ -126,31 +114,31 @@ impl<X: Texture> March<'_, X> {
     }
 
     /// Values at the last of samples that are left out: what the next segments begin with.
-    fn look_at_last<S: Simd>(&mut self, simd: S, number: &Lanes, len: usize) {
+    fn look_at_last(&mut self, simd: S, number: &Lanes, len: usize) {
         // Of a ray that ends before, nothing is asked any more.
         let last = Lanes(number.0.map(|n| n + (len - 1) as f32));
-        self.bench.chunk.len = 1;
-        fetch(simd, self.texture, self.rays, Which::From(&last), &mut self.bench.stages, &mut self.bench.chunk);
+        self.chunk.len = 1;
+        self.texture.fetch(simd, self.rays, Which::From(&last), self.chunk);
         for i in 0..LANES {
             if last.0[i] < self.rays.end.0[i] {
-                self.before.0[i] = self.bench.chunk.value[0].0[i];
+                self.before.0[i] = self.chunk.value[0].0[i];
             }
         }
         // Its last segment begins at its own last face.
         let ends = Lanes(std::array::from_fn(|i| (self.rays.end.0[i] - 1.0).max(number.0[i])));
         let short = |i: usize| number.0[i] < self.rays.end.0[i] && self.rays.end.0[i] <= last.0[i];
         if (0..LANES).any(short) {
-            fetch(simd, self.texture, self.rays, Which::From(&ends), &mut self.bench.stages, &mut self.bench.chunk);
+            self.texture.fetch(simd, self.rays, Which::From(&ends), self.chunk);
             for i in (0..LANES).filter(|&i| short(i)) {
-                self.before.0[i] = self.bench.chunk.value[0].0[i];
+                self.before.0[i] = self.chunk.value[0].0[i];
             }
         }
     }
 
     /// Classifies, shades and blends what was fetched.
-    fn draw<S: Simd>(&mut self, simd: S, which: Which<'_>, ratio: &Lanes) {
+    fn draw(&mut self, simd: S, which: Which<'_>, ratio: &Lanes) {
         let pass = self.pass;
-        let chunk = &mut self.bench.chunk;
+        let chunk = &mut *self.chunk;
         match pass.classifier {
             Classifier::Segments { table, brightest } => {
                 let (rays, world) = (&*self.rays, pass.length);
@@ -176,13 +164,13 @@ impl<X: Texture> March<'_, X> {
                 let outer = matches!(which, Which::Outer(_));
                 classify(simd, &pass.classifier, ratio, outer, chunk);
                 if let Some(lit) = &self.lit {
-                    shade(simd, self.texture, self.rays, which, lit, &mut self.bench.stages, chunk);
+                    self.texture.shade(simd, self.rays, which, lit, chunk);
                 }
             }
         }
         let how =
             Blending { operator: pass.operator, on_faces: pass.on_faces, negligible: pass.negligible, most: self.most };
-        let drawn = blend(simd, &how, which, self.rays, &self.bench.chunk, self.state);
+        let drawn = blend(simd, &how, which, self.rays, self.chunk, self.state);
         self.done.drawn += u64::from(drawn);
     }
 
@@ -191,13 +179,13 @@ impl<X: Texture> March<'_, X> {
         for i in 0..LANES {
             let left = self.rays.end.0[i] - number.0[i];
             if left > 0.0 {
-                self.before.0[i] = self.bench.chunk.value[last.min(left as usize - 1)].0[i];
+                self.before.0[i] = self.chunk.value[last.min(left as usize - 1)].0[i];
             }
         }
     }
 
     /// How many the next samples are, if nothing can be visible in the blocks that they touch.
-    fn invisible<S: Simd>(&self, simd: S, number: &Lanes, len: usize) -> Option<u64> {
+    fn invisible(&self, simd: S, number: &Lanes, len: usize) -> Option<u64> {
         let occupancy = self.pass.occupancy?;
         let touched = if self.pass.on_faces {
             // A segment begins at the sample before.

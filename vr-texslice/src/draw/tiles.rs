@@ -6,7 +6,8 @@ use vr_core::image_order::in_parallel;
 use vr_core::{Control, Counts, Layer, RenderError, View};
 use vr_kernels::vector::{LANES, Lanes, PacketLights, PacketShading, Vectorized, run};
 
-use super::march::{Done, March, Pass, Workbench};
+use super::chunk::{Chunk, Fetch, Fetcher};
+use super::march::{Done, March, Pass};
 use super::state::State;
 use crate::fragments::{Fragments, Setup};
 use crate::texture::{Lit, Texture};
@@ -97,18 +98,27 @@ impl<X: Texture> Vectorized for Tile<'_, X> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let size = self.scene.view.size;
-        let end = [0, 1].map(|a| (self.corner[a] + TILE).min(size[a]));
-        let mut drawn = Vec::with_capacity((TILE * TILE) as usize);
-        let mut counts = Counts::default();
-        let mut block = Block::<X>::default();
-        for y in (self.corner[1]..end[1]).step_by(BLOCK as usize) {
-            for x in (self.corner[0]..end[0]).step_by(BLOCK as usize) {
-                block.draw(simd, self.scene, self.texture, Sixteen { corner: [x, y], size }, &mut drawn, &mut counts);
-            }
-        }
-        (drawn, counts)
+        draw_tile(simd, self.scene, self.corner, &mut Fetcher::new(self.texture))
     }
+}
+
+fn draw_tile<S: Simd>(
+    simd: S,
+    scene: &Scene16<'_>,
+    corner: [u32; 2],
+    texture: &mut dyn Fetch<S>,
+) -> (Vec<(usize, Pixel)>, Counts) {
+    let size = scene.view.size;
+    let end = [0, 1].map(|a| (corner[a] + TILE).min(size[a]));
+    let mut drawn = Vec::with_capacity((TILE * TILE) as usize);
+    let mut counts = Counts::default();
+    let mut block = Block { chunk: Chunk::EMPTY, rays: Fragments::EMPTY, lights: PacketLights::default() };
+    for y in (corner[1]..end[1]).step_by(BLOCK as usize) {
+        for x in (corner[0]..end[0]).step_by(BLOCK as usize) {
+            block.draw(simd, scene, texture, Sixteen { corner: [x, y], size }, &mut drawn, &mut counts);
+        }
+    }
+    (drawn, counts)
 }
 
 /// Sixteen pixels, 4×4, fewer at the picture's edges.
@@ -175,24 +185,18 @@ impl Sixteen {
 }
 
 /// What sixteen pixels are drawn with.
-struct Block<X: Texture> {
-    bench: Workbench<X>,
+struct Block {
+    chunk: Chunk,
     rays: Fragments,
     lights: PacketLights,
 }
 
-impl<X: Texture> Default for Block<X> {
-    fn default() -> Self {
-        Self { bench: Workbench::default(), rays: Fragments::EMPTY, lights: PacketLights::default() }
-    }
-}
-
-impl<X: Texture> Block<X> {
+impl Block {
     fn draw<S: Simd>(
         &mut self,
         simd: S,
         scene: &Scene16<'_>,
-        texture: &X,
+        texture: &mut dyn Fetch<S>,
         at: Sixteen,
         drawn: &mut Vec<(usize, Pixel)>,
         counts: &mut Counts,
@@ -223,7 +227,7 @@ impl<X: Texture> Block<X> {
         }
     }
 
-    fn march<S: Simd>(&mut self, simd: S, scene: &Scene16<'_>, texture: &X, state: &mut State) -> Done {
+    fn march<S: Simd>(&mut self, simd: S, scene: &Scene16<'_>, texture: &mut dyn Fetch<S>, state: &mut State) -> Done {
         if let Some(shading) = scene.shading {
             self.lights.look_along(&shading.lights, &self.rays.chords.along);
         }
@@ -233,7 +237,7 @@ impl<X: Texture> Block<X> {
             pass: &scene.pass,
             lit: scene.shading.map(|shading| Lit { shading, lights: &self.lights }),
             most: &most,
-            bench: &mut self.bench,
+            chunk: &mut self.chunk,
             rays: &mut self.rays,
             state,
             before: Lanes([f32::NAN; LANES]),
