@@ -299,9 +299,7 @@ impl PreparedShearWarp {
             let [value, weight, ..] = texel.map(f64::from);
             if weight > 0.0 {
                 let code = if choice == Choice::Mean { value / weight } else { value };
-                let at = transfer.at(calibration.value(codes.stored(code)));
-                let [r, g, b] = at.color.map(|c| (c * at.opacity) as f32);
-                *texel = [r, g, b, at.opacity as f32];
+                *texel = transfer.at(calibration.value(codes.stored(code))).pixel().map(|x| x as f32);
             }
         }
     }

@@ -48,9 +48,8 @@ impl Finish<'_> {
 
     /// (α·c, α) of a stored number.
     fn picked(&self, stored: f64) -> Pixel {
-        let at = self.scene.transfer.at(self.volume.calibration().value(stored));
-        let [r, g, b] = at.color.map(|c| c * at.opacity);
-        Pixel { rgba: [r, g, b, at.opacity], ..Pixel::NOTHING }
+        let rgba = self.scene.transfer.at(self.volume.calibration().value(stored)).pixel();
+        Pixel { rgba, ..Pixel::NOTHING }
     }
 
     /// The point at which the threshold is passed, found between the sample that passed and the one before it.
