@@ -10,7 +10,6 @@ use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal}
 use crate::classify::Classifier;
 use crate::homogeneity::Homogeneity;
 use crate::leap::{EmptySpace, Visibility};
-use crate::operator::Brightest;
 use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::screen::Sight;
@@ -76,14 +75,6 @@ impl Kernel {
             }
             (Self::F32(new), _) => new.find_empty_space(caster, scene, volume, None),
             (Self::F64(new), _) => new.find_empty_space(caster, scene, volume, None),
-        }
-    }
-
-    /// How bright the medium can be.
-    pub(crate) fn brightest(&self) -> Brightest {
-        match self {
-            Self::F32(instruments) => instruments.brightest(),
-            Self::F64(instruments) => instruments.brightest(),
         }
     }
 
@@ -219,16 +210,5 @@ impl<R: Real> Instruments<R> {
             let of_field = of(last.is_some_and(|(old, _)| same_field(old, scene)));
             EmptySpace::new(caster, scene, volume, &self.classifier, of_field)
         });
-    }
-
-    /// How bright the medium can be.
-    pub(crate) fn brightest(&self) -> Brightest {
-        let transfer = &self.classifier.transfer;
-        let brightest = transfer.brightest();
-        match &self.shader {
-            _ if transfer.has_emission() => Brightest::Emission(brightest),
-            Some(shader) => Brightest::Radiance(shader.brightest(brightest)),
-            None => Brightest::Radiance(brightest),
-        }
     }
 }

@@ -155,7 +155,7 @@ impl Encoder<'_> {
     }
 
     fn with_normals(&self, order: impl Order) -> Vec<u16> {
-        let to_world = self.volume.placement().inverse_axes().transpose();
+        let (to_world, _) = self.volume.placement().scaled_gradient_matrix(1.0);
         self.volume.with_lattice(Normals { order, to_world })
     }
 }
@@ -205,7 +205,7 @@ impl Order for AllNormals {
 
 struct Normals<O> {
     order: O,
-    /// From gradients per index step to gradients in the world.
+    /// From gradients per index step to gradients in the world, but for their length.
     to_world: DMat3,
 }
 
@@ -213,9 +213,7 @@ impl<O: Order> LatticeVisitor for Normals<O> {
     type Output = Vec<u16>;
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Vec<u16> {
-        // Scaled, so that f32 holds the gradients of any spacing.
-        let scale = 1.0 / self.to_world.to_cols_array().into_iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let columns = (self.to_world * scale).to_cols_array_2d().map(|c| c.map(|x| x as f32));
+        let columns = self.to_world.to_cols_array_2d().map(|c| c.map(|x| x as f32));
         self.order.make(|index| {
             let g = gradient_at_sample::<T, f32>(&lattice, index);
             encode(std::array::from_fn(|i| columns[0][i] * g[0] + columns[1][i] * g[1] + columns[2][i] * g[2]))

@@ -24,7 +24,7 @@ use crate::passes::{Pass, passes};
 use crate::reflections::{Reflection, table};
 use crate::shear_warp::{Classification, ShearWarp};
 use crate::slices::Slices;
-use crate::support::{check, is_shaded, last_sample, visible_region};
+use crate::support::{check, last_sample, visible_region};
 use crate::warp::{Texture, Warp};
 
 /// The scene, the volume as it is encoded for it, and what is kept from picture to picture.
@@ -117,7 +117,7 @@ impl PreparedShearWarp {
                 rule,
                 between: self.renderer.slice_spacing() < 1.0,
                 encoding: self.renderer.encoding,
-                shaded: is_shaded(&self.scene),
+                shaded: self.scene.reflection().is_some(),
             };
             encoder.encode(axis, whole)
         })?;
@@ -150,13 +150,13 @@ impl Prepared for PreparedShearWarp {
             *self = Self::new(self.renderer.clone(), scene, control)?;
             return Ok(());
         }
-        let shaded = is_shaded(scene);
+        let shaded = scene.reflection().is_some();
         let picks = |scene: &Scene| !scene.compositing.integrates_light();
         if self.scene.transfer != scene.transfer {
             self.classified = Classified::new(&self.renderer, scene, volume, &self.codes);
             self.axes = [None, None, None];
         }
-        if shaded != is_shaded(&self.scene) {
+        if shaded != self.scene.reflection().is_some() {
             (self.whole, self.axes) = (WholeVolume::default(), [None, None, None]);
         }
         if picks(scene) != picks(&self.scene) {
@@ -215,7 +215,7 @@ impl PreparedShearWarp {
     ) -> Result<(), RenderError> {
         let f = &pass.factorization;
         self.image.resize(f.size);
-        let shaded = is_shaded(&self.scene);
+        let shaded = self.scene.reflection().is_some();
         if shaded {
             self.reflect(view, control)?;
         }

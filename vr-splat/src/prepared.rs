@@ -15,7 +15,7 @@ use crate::classified::{Classified, Visible};
 use crate::finish::Picture;
 use crate::model::SplatModel;
 use crate::projection::SplatView;
-use crate::shading::{Shader, brightest};
+use crate::shading::Shader;
 use crate::sheets::{ImageSheets, OwnSheets};
 use crate::source::{GridSplats, PointSplats, Source, Spread};
 use crate::splatting::{Buffers, SheetOrder, Splatting};
@@ -224,7 +224,8 @@ impl PreparedSplatting {
                 }
             },
             negligible: if renderer.termination < 1.0 {
-                ((1.0 - renderer.termination) / brightest(scene)) as f32
+                let (low, high) = scene.volume.bounds();
+                ((1.0 - renderer.termination) / scene.max_radiance().over(low.distance(high))) as f32
             } else {
                 -1.0
             },

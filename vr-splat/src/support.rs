@@ -4,7 +4,6 @@ use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, View};
 use vr_kernels::tables::beyond_f32;
 
 use crate::kernel::SplatKernel;
-use crate::shading::is_shaded;
 use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
 use crate::things::Things;
 
@@ -64,14 +63,10 @@ pub(crate) fn check<'s>(renderer: &Splatting, scene: &'s Scene) -> Result<Things
 }
 
 fn check_shading(renderer: &Splatting, scene: &Scene, things: Things<'_>) -> Result<(), RenderError> {
-    let Some(shading) = scene.shading.as_ref().filter(|_| scene.compositing.integrates_light()) else { return Ok(()) };
-    // It multiplies κ, whether or not what shines is shaded.
-    if !shading.gradient_opacity.is_empty() {
+    if scene.has_gradient_opacity() {
         return Err(unsupported("opacity that follows the gradient"));
     }
-    if !is_shaded(scene) {
-        return Ok(());
-    }
+    let Some(shading) = scene.reflection() else { return Ok(()) };
     let Things::Grid(grid) = things else { return Err(unsupported("shading of scattered points")) };
     if renderer.splats_light() {
         return Err(unsupported("shading of what is classified before it is splatted"));

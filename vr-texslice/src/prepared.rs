@@ -11,7 +11,7 @@ use vr_core::{
     UniformVolume, View, with_grid,
 };
 use vr_kernels::ranges::RangeBlocks;
-use vr_kernels::vector::{Pairs, Rows};
+use vr_kernels::vector::{PacketShading, Pairs, Rows};
 
 use crate::bricks::{BrickLattice, Pool};
 use crate::classified::{Classified, Made};
@@ -21,9 +21,8 @@ use crate::finish::Finish;
 use crate::fragments::Setup;
 use crate::model::SliceModel;
 use crate::occupancy::Occupancy;
-use crate::shading::{brightest, packet_shading};
 use crate::slices::Slices;
-use crate::support::{check, check_view, shades};
+use crate::support::{check, check_view};
 use crate::tables::{Tables, is_visible};
 use crate::tex_slice::{Blend, Format, Order, TexSlice};
 use crate::texture::{Blocks, Indices, Light, Luminance, Rgba, Texture, Voxels};
@@ -143,8 +142,9 @@ impl Prepared for PreparedTexSlice {
             None => hold("the volume's texture", volume.sample_bytes() as u64, self.renderer.bytes())?,
         }
         let occupancy = stats.time("cull", || self.occupancy(volume, operator, axes));
-        let shading = shades(&scene).then(|| packet_shading(&scene, volume, axes)).flatten();
-        let shading = shading.filter(|_| scene.compositing.integrates_light() && !self.renderer.holds_light());
+        let shading =
+            scene.reflection().filter(|_| scene.compositing.integrates_light() && !self.renderer.holds_light());
+        let shading = shading.map(|s| PacketShading::new(Arc::clone(s), volume.placement(), axes));
         let tables = self.tables.of_length();
         let even = slices.are_even();
         let exact = |stored: f32, ratio: f32| {
@@ -194,7 +194,7 @@ impl Prepared for PreparedTexSlice {
                     occupancy: occupancy.as_ref(),
                 },
                 shading: shading.as_ref(),
-                most: brightest(&scene),
+                max_radiance: scene.max_radiance(),
                 finish: &|rays, state, i| finish.pixel(rays, state, i),
                 level: self.level,
             },

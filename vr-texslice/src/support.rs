@@ -55,14 +55,10 @@ pub(crate) fn check<'s>(renderer: &TexSlice, scene: &'s Scene) -> Result<&'s Uni
 }
 
 fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> Result<(), RenderError> {
-    let Some(shading) = &scene.shading else { return Ok(()) };
-    // It multiplies κ, whether or not what shines is shaded.
-    if !shading.gradient_opacity.is_empty() && scene.compositing.integrates_light() {
+    if scene.has_gradient_opacity() {
         return Err(unsupported("opacity that follows the gradient"));
     }
-    if !shades(scene) {
-        return Ok(());
-    }
+    let Some(shading) = scene.reflection() else { return Ok(()) };
     if shading.gradient == GradientMethod::Analytic {
         return Err(unsupported("analytic gradients: those at the samples are interpolated"));
     }
@@ -84,8 +80,8 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> 
         if !points.iter().all(|p| grey(p.color) && grey(p.emission.unwrap_or_default())) {
             return Err(unsupported("colours in textures of luminance and alpha"));
         }
-        let mut lights = scene.shading.iter().flat_map(|shading| &shading.lights);
-        if shades(scene) && !lights.all(|light| grey(light.color)) {
+        let mut lights = scene.reflection().into_iter().flat_map(|shading| &shading.lights);
+        if !lights.all(|light| grey(light.color)) {
             return Err(unsupported("lights of a colour on textures of luminance and alpha"));
         }
     }
@@ -97,7 +93,8 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> 
         return Err(unsupported("stacks of 2D textures but of values"));
     }
     let bricks = renderer.brick.is_some();
-    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || shades(scene)) {
+    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || scene.reflection().is_some())
+    {
         return Err(unsupported("bricks but of unshaded values in 3D textures, classified after interpolation"));
     }
     let in_order = renderer.blend == Blend::FrontToBack && scene.compositing == Compositing::Over;
@@ -105,7 +102,7 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &UniformVolume) -> 
         return Err(unsupported("bricks and whole slices but under 'over', front to back"));
     }
     let planes_of_values = renderer.proxy == Proxy::Planes && renderer.format == Format::Scalar;
-    if renderer.order == Order::Slices && (bricks || shades(scene) || !planes_of_values) {
+    if renderer.order == Order::Slices && (bricks || scene.reflection().is_some() || !planes_of_values) {
         return Err(unsupported(
             "whole slices but planes through unshaded values, classified after interpolation, in one texture",
         ));
@@ -123,13 +120,4 @@ pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Res
         return Err(unsupported("several samples a pixel in whole slices"));
     }
     Ok(())
-}
-
-/// True if colours are shaded: those that light is made of, unless emission is given on its own, and that of a surface.
-pub(crate) fn shades(scene: &Scene) -> bool {
-    let reflects = match scene.compositing {
-        Compositing::First { .. } => true,
-        other => other.integrates_light() && !scene.transfer.has_emission(),
-    };
-    scene.shading.is_some() && reflects
 }

@@ -24,13 +24,13 @@ pub(crate) use average::Average;
 pub(crate) use extreme::Extreme;
 pub(crate) use first::First;
 pub(crate) use over_back_to_front::OverBackToFront;
-pub(crate) use over_front_to_back::{Brightest, OverFrontToBack};
+pub(crate) use over_front_to_back::OverFrontToBack;
 pub(crate) use recording::Recording;
 
 use std::ops::ControlFlow;
 
-use vr_core::optics::depth_of_opacity;
 use vr_core::Real;
+use vr_core::optics::depth_of_opacity;
 
 use crate::chord::Chord;
 use crate::ray_value::RayValue;

@@ -7,7 +7,8 @@ use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, GradientMethod, ParameterError, Rays, Scene, UniformVolume, View, with_grid,
+    Compositing, Counts, Filter, GradientMethod, MaxRadiance, ParameterError, Rays, Scene, UniformVolume, View,
+    with_grid,
 };
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::ranges::RangeBlocks;
@@ -25,7 +26,6 @@ use crate::caster::{Classification, Leaping, Order, RayCaster, Rule, Step, Trave
 use crate::instruments::Instruments;
 use crate::leap::{Visibility, VisibleBlocks};
 use crate::near_depths::NearDepths;
-use crate::operator::Brightest;
 use crate::pace::PaceMap;
 use crate::silhouette::Hull;
 use crate::table_range::{resolves, table_range};
@@ -46,7 +46,7 @@ pub(crate) struct PacketEngine {
     offset: f64,
     /// A ray ends when no more than this could be added to any component.
     negligible: f64,
-    brightest: Brightest,
+    max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
 }
 
@@ -140,9 +140,8 @@ impl PacketEngine {
             step,
             offset,
             negligible: 1.0 - termination,
-            brightest: instruments.brightest(),
-            // Emission given on its own is light, not a surface.
-            shading: instruments.shader.as_ref().filter(|_| !scene.transfer.has_emission()).map(|s| s.for_packets()),
+            max_radiance: scene.max_radiance(),
+            shading: instruments.shader.as_ref().filter(|_| scene.reflection().is_some()).map(|s| s.for_packets()),
         })
     }
 
@@ -310,10 +309,7 @@ impl PacketFrame<'_> {
 
     /// Per ray the largest light, or opacity, that can come from behind, by what is left clear.
     fn most(&self, packet: &Packet) -> Lanes {
-        match self.engine.brightest {
-            Brightest::Radiance(c) => Lanes([c.max(1.0) as f32; LANES]),
-            Brightest::Emission(q) => Lanes(packet.length.map(|length| (q * length).max(1.0) as f32)),
-        }
+        Lanes(packet.length.map(|length| self.engine.max_radiance.over(length) as f32))
     }
 }
 
