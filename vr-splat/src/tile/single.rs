@@ -2,12 +2,11 @@
 
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use vr_kernels::vector::{Lanes, opacity_of_depth, pick, splat};
+use vr_kernels::vector::{Lanes, opacity_of_depth, pick, source_weight, splat};
 
 use crate::bins::Keyed;
 
 use super::Tile;
-use super::composite::share;
 use super::painter::Content;
 
 impl Tile<'_> {
@@ -29,7 +28,7 @@ impl Tile<'_> {
                     let zero = splat(simd, 0.0);
                     let tau = weight * kappa;
                     let alpha = opacity_of_depth(simd, tau.max(zero));
-                    let share = pick(tau.simd_lt(zero), zero, share(simd, tau, alpha)) * weight;
+                    let share = pick(tau.simd_lt(zero), zero, source_weight(simd, tau, alpha)) * weight;
                     self.states[number].blend(simd, self.painter.operator, [share * r, share * g, share * b, alpha]);
                     self.retire(simd, number);
                 }
