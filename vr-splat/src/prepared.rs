@@ -6,9 +6,10 @@ use fearless_simd::Level;
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
 use vr_core::{
-    Calibration, Compositing, Control, Frame, LatticeVisitor, Model, ParameterError, PointSet, Prepared, RenderError,
-    RenderStats, Rendered, Scene, UniformVolume, View, Voxel,
+    Compositing, Control, Frame, LatticeVisitor, Model, ParameterError, PointSet, Prepared, RenderError, RenderStats,
+    Rendered, Scene, UniformVolume, View, Voxel,
 };
+use vr_kernels::vector::Operator;
 
 use crate::bins::{Bins, Keys, TILE};
 use crate::classified::{Classified, Visible};
@@ -21,7 +22,7 @@ use crate::source::{GridSplats, PointSplats, Source, Spread};
 use crate::splatting::{Buffers, SheetOrder, Splatting};
 use crate::support::{check, check_view};
 use crate::things::{Things, offset, profile};
-use crate::tile::{Bounds, Classifier, Content, Met, Operator, Painter};
+use crate::tile::{Bounds, Classifier, Content, Met, Painter};
 use crate::visible::{CellBits, VisibleVoxels};
 
 /// The scene, what can be seen of it, and tables.
@@ -43,21 +44,6 @@ impl PreparedSplatting {
         let kernel = stats.time("kernel", || Met::new(&profile(&renderer, things)));
         let classified = stats.time("classify", || control.run(|| Classified::new(&renderer, scene, things)));
         Ok(Self { renderer, scene: scene.clone(), level: Level::new(), kernel, classified, stats })
-    }
-
-    fn operator(&self, calibration: Calibration) -> Operator {
-        let sign = calibration.slope.signum() as f32;
-        match self.scene.compositing {
-            Compositing::Over if self.renderer.order == SheetOrder::BackToFront => Operator::Over,
-            Compositing::Over => Operator::Under { level: 1.0 },
-            Compositing::Accumulate { level } => Operator::Under { level: level as f32 },
-            Compositing::Maximum => Operator::Extreme { sign },
-            Compositing::Minimum => Operator::Extreme { sign: -sign },
-            Compositing::Average => Operator::Average,
-            Compositing::First { threshold } => {
-                Operator::First { sign, threshold: calibration.stored(threshold) as f32 }
-            }
-        }
     }
 }
 
@@ -180,7 +166,7 @@ impl PreparedSplatting {
             Things::Grid(grid) => Some(grid),
             Things::Points(_) => None,
         };
-        let operator = self.operator(calibration);
+        let operator = Operator::new(scene.compositing, calibration, renderer.order == SheetOrder::BackToFront);
         // Where nothing is missing, a mean needs no sheets.
         let sums = operator == Operator::Average && grid.is_some_and(|grid| grid.vacuum_cells().is_none());
         let sheets = ImageSheets::new(renderer, &scene.volume, things, splat_view)?;

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use vr_core::{Compositing, Filter, Scene, UniformVolume};
+use vr_kernels::vector::Operator;
 
-use crate::draw::{Operator, Pixel, State};
+use crate::draw::{Pixel, State};
 use crate::fragments::Fragments;
 use crate::model::{Gradient, Stored};
 

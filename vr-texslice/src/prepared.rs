@@ -11,12 +11,12 @@ use vr_core::{
     UniformVolume, View, with_grid,
 };
 use vr_kernels::ranges::RangeBlocks;
-use vr_kernels::vector::{PacketShading, Pairs, Rows};
+use vr_kernels::vector::{Operator, PacketShading, Pairs, Rows};
 
 use crate::bricks::{BrickLattice, Pool};
 use crate::classified::{Classified, Made};
 use crate::compression::Compressed;
-use crate::draw::{Bricked, Classifier, Operator, Pass, Pixel, Scene16, draw_slices, draw_tiles};
+use crate::draw::{Bricked, Classifier, Pass, Pixel, Scene16, draw_slices, draw_tiles};
 use crate::finish::Finish;
 use crate::fragments::Setup;
 use crate::model::SliceModel;
@@ -68,22 +68,6 @@ impl PreparedTexSlice {
         })
     }
 
-    fn operator(&self, volume: &UniformVolume) -> Operator {
-        let calibration = volume.calibration();
-        let sign = calibration.slope.signum() as f32;
-        match self.scene.compositing {
-            Compositing::Accumulate { level } if level < 1.0 => Operator::Under { level: level as f32 },
-            Compositing::Maximum => Operator::Extreme { sign },
-            Compositing::Minimum => Operator::Extreme { sign: -sign },
-            Compositing::Average => Operator::Average,
-            Compositing::First { threshold } => {
-                Operator::First { sign, threshold: calibration.stored(threshold) as f32 }
-            }
-            _ if self.renderer.blend == Blend::BackToFront => Operator::Over,
-            _ => Operator::Under { level: 1.0 },
-        }
-    }
-
     /// Blocks in which something can be visible; `None` where all of them are drawn.
     fn occupancy(&self, volume: &UniformVolume, operator: Operator, axes: [usize; 3]) -> Option<Occupancy> {
         if !self.renderer.skip || operator.picks() {
@@ -128,8 +112,11 @@ impl Prepared for PreparedTexSlice {
         check_view(&self.renderer, &scene, view)?;
         control.check()?;
         let mut stats = std::mem::take(&mut self.stats);
-        let operator = self.operator(volume);
-        let on_faces = operator.wants_faces() || (self.renderer.is_pre_integrated() && !operator.picks());
+        let operator =
+            Operator::new(scene.compositing, volume.calibration(), self.renderer.blend == Blend::BackToFront);
+        // Extremes and crossings are wanted where rays enter and leave, too.
+        let finds = matches!(operator, Operator::Extreme { .. } | Operator::First { .. });
+        let on_faces = finds || (self.renderer.is_pre_integrated() && !operator.picks());
         let slices = Slices::new(&self.renderer, view, volume.placement(), volume.dims(), on_faces)?;
         time_if_made(&mut stats, "table", || Ok(self.tables.tabulate(&scene, volume, slices.table_length())))?;
         let axes = slices.axis().map_or([0, 1, 2], axes_of_stack);

@@ -8,6 +8,7 @@ mod elementary;
 mod field;
 mod lanes;
 mod level;
+mod operator;
 mod rows;
 mod shade;
 mod sums;
@@ -18,9 +19,10 @@ pub use elementary::{depth_of_opacity, ln, opacity_of_depth, source_weight, sour
 pub use field::{Cells, Field, Pairs, Stage, TwoRows, cells, inside};
 pub use lanes::Lanes;
 pub use level::{Vectorized, run};
+pub use operator::Operator;
 pub use rows::{packed, transpose, transpose_packed};
 pub use shade::{PacketLights, PacketShading, Shade};
-pub use sums::Sums;
+pub use sums::{Sums, share_to_level};
 pub use table::{OpticsTable, Rows, light_of};
 
 use fearless_simd::prelude::*;

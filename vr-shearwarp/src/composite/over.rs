@@ -3,7 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 use vr_kernels::vector::{
-    LANES, depth_of_opacity, opacity_of_depth, packed, pick, source_weight_and_opacity, splat, transpose, transpose_packed,
+    LANES, depth_of_opacity, opacity_of_depth, packed, pick, share_to_level, source_weight_and_opacity, splat,
+    transpose, transpose_packed,
 };
 
 use super::cells::{Columns, Edges, Places, SPAN, STEPS_F32, values};
@@ -210,10 +211,8 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
         let closed = (open & after.simd_ge(termination)).to_bitmask() as u32 & mine;
         let mut share = clear;
         if closed != 0 && self.level < 1.0 {
-            // A homogeneous sample is cut where the level is reached: light and opacity grow in step.
-            let level = splat(simd, self.level);
-            share = pick(after.simd_gt(level), clear * ((level - before) / (after - before)), clear);
-            *opacity = after.min(level).to_array();
+            share = clear * share_to_level(simd, clear, alpha, self.level).0;
+            *opacity = after.min(self.level).to_array();
         } else {
             *opacity = after.to_array();
         }

@@ -2,13 +2,12 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{LANES, Lanes, light_of, opacity_of_depth, pick, source_weight, splat};
+use vr_kernels::vector::{LANES, Lanes, Operator, light_of, opacity_of_depth, pick, source_weight, splat};
 
 use crate::visible::CellBits;
 
 use super::Tile;
 use super::painter::{Classifier, Content};
-use super::state::Operator;
 
 impl Tile<'_> {
     /// Classifies what a sheet holds in a block, and takes it in.
@@ -45,7 +44,7 @@ impl Tile<'_> {
                     let visible = self.in_visible_cells(simd, number, depth, cells, *dims);
                     there &= Lanes(visible).load(simd).simd_gt(zero);
                 }
-                if !matches!(operator, Operator::Under { .. } | Operator::Over) {
+                if operator.picks() {
                     self.states[number].choose(simd, operator, value, length, [there, inside & !there]);
                     return;
                 }
