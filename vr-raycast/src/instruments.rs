@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use vr_core::{Filter, Real, Scene, UniformVolume};
 use vr_kernels::ranges::LevelRanges;
-use vr_kernels::tables::{BakedTransfer, PreIntegrated, outwards, resolves_ramps};
+use vr_kernels::tables::{BakedTransfer, PreIntegrated, outwards};
 
 use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
@@ -109,8 +109,7 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &UniformVolume, filter: Filter)
     let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), range, entries);
     let small = table(PreIntegrated::<R>::ENTRIES);
     let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
-    let resolved = table.is_aligned() || resolves_ramps(table.spacing(), volume.calibration(), &scene.transfer);
-    resolved.then(|| Arc::new(table))
+    table.resolves().then(|| Arc::new(table))
 }
 
 /// Whether two scenes show the same volume through the same filter.
@@ -126,8 +125,8 @@ fn same_light(a: &Scene, b: &Scene) -> bool {
 impl<R: Real> Instruments<R> {
     fn sight(&self) -> Sight {
         let Classifier { transfer, calibration, table, .. } = &self.classifier;
-        let visibility = Visibility::of_light(transfer, *calibration, table.as_ref().map(|(table, _)| table));
-        Arc::new(move |low, high| visibility.is_visible(low, high))
+        let visibility = Visibility::of_light(transfer, *calibration, table.as_ref().map(|(table, _)| table), None);
+        Arc::new(move |low, high| visibility.shows(low, high))
     }
 
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
@@ -138,7 +137,7 @@ impl<R: Real> Instruments<R> {
             let integer = volume.voxel_type().is_integer();
             let step = caster.world_step(volume);
             let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
-            resolves(&table, volume, field, &scene.transfer).then(|| (Arc::new(table), step))
+            resolves(&table, volume, field).then(|| (Arc::new(table), step))
         };
         let last_of_field = last.filter(|(old, _)| same_field(old, scene)).and_then(|(_, i)| i.homogeneity.clone());
         let last = last.filter(|(old, _)| same_light(old, scene)).map(|(_, instruments)| instruments);

@@ -4,22 +4,24 @@ use std::sync::{Arc, Mutex};
 
 use fearless_simd::Level;
 use glam::DVec3;
+use vr_core::optics::{depth_of_opacity, opacity_of_depth};
 use vr_core::{
-    Calibration, Compositing, Control, Frame, Model, Prepared, RenderError, RenderStats, Rendered, Scene, Shading,
-    UniformVolume, View,
+    Calibration, Compositing, Control, Frame, Model, OpacityRule, Prepared, RenderError, RenderStats, Rendered, Scene,
+    Shading, UniformVolume, View,
 };
+use vr_kernels::ranges::VisibleValues;
 
 use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume};
 use crate::codes::Codes;
 use crate::composite::Scratch;
 use crate::composite::pick::{Choice, Pick};
-use crate::encode::{Pyramid, Rule, Visibility};
+use crate::encode::{Pyramid, Rule, VisibleLevels};
 use crate::factorization::IndexView;
 use crate::image::IntermediateImage;
 use crate::jobs::{Job, OverJob, warp_rows};
 use crate::memory::EncodedSize;
 use crate::model::SlicedModel;
-use crate::optics::{Optics, strongest};
+use crate::optics::Optics;
 use crate::passes::{Pass, passes};
 use crate::reflections::{Reflection, table};
 use crate::shear_warp::{Classification, ShearWarp};
@@ -46,7 +48,7 @@ pub(crate) struct PreparedShearWarp {
 
 /// What follows from the transfer function.
 struct Classified {
-    visibility: Visibility,
+    visibility: VisibleLevels,
     optics: Optics,
 }
 
@@ -56,15 +58,15 @@ impl Classified {
         let transfer = &scene.transfer;
         // A code stands for what rounds to it.
         let around = if volume.voxel_type().is_integer() { 0.0 } else { 0.5 * codes.spacing };
-        let voxel = scene.volume.mean_spacing();
-        let visible = |from: f64, to: f64| {
-            let (a, b) = (calibration.value(from - around), calibration.value(to + around));
-            let strongest = strongest(transfer, a.min(b), a.max(b));
-            let opacity = vr_core::optics::opacity_of_depth(transfer.extinction(strongest.opacity) * voxel);
-            strongest.emits || opacity > renderer.opacity_threshold
-        };
-        let range = volume.census().range.unwrap_or_default();
-        let visibility = Visibility::new(range, volume.voxel_type().is_integer(), visible);
+        // The opacity of a unit distance at which a voxel has that of the threshold.
+        let voxels = transfer.unit_distance() / scene.volume.mean_spacing();
+        let depth = depth_of_opacity(renderer.opacity_threshold) * voxels;
+        let opacity = if transfer.rule() == OpacityRule::Power { opacity_of_depth(depth) } else { depth };
+        let values = VisibleValues::above(transfer, opacity);
+        let visible =
+            |from: f64, to: f64| values.shows(calibration.value(from - around), calibration.value(to + around));
+        let (low, high) = volume.census().range.unwrap_or_default();
+        let visibility = VisibleLevels::new((low.into(), high.into()), volume.voxel_type().is_integer(), visible);
         let optics = match renderer.classification {
             Classification::Values => Optics::of_values(transfer, calibration, codes),
             Classification::Voxels => Optics::of_voxels(transfer, calibration, codes),

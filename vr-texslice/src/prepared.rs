@@ -10,7 +10,7 @@ use vr_core::{
     Compositing, Control, Counts, Filter, Frame, Model, Prepared, Rays, RenderError, RenderStats, Rendered, Scene,
     UniformVolume, View, with_grid,
 };
-use vr_kernels::ranges::RangeBlocks;
+use vr_kernels::ranges::{RangeBlocks, Visibility};
 use vr_kernels::vector::{Operator, PacketShading, Pairs, Rows};
 
 use crate::bricks::{BrickLattice, Pool};
@@ -23,7 +23,7 @@ use crate::model::SliceModel;
 use crate::occupancy::Occupancy;
 use crate::slices::Slices;
 use crate::support::{check, check_view};
-use crate::tables::{Tables, is_visible};
+use crate::tables::Tables;
 use crate::tex_slice::{Blend, Format, Order, TexSlice};
 use crate::texture::{Blocks, Indices, Light, Luminance, Rgba, Texture, Voxels};
 use crate::textures::{Stacks, axes_of_stack, hold};
@@ -74,14 +74,12 @@ impl PreparedTexSlice {
             return None;
         }
         let ranges = RangeBlocks::of_volume(volume, Filter::Trilinear, Occupancy::EDGE);
-        let light = self.renderer.holds_light();
-        Occupancy::new(&ranges, axes, |low, high| {
-            if light {
-                is_visible(&self.scene.transfer, volume, low, high)
-            } else {
-                self.tables.shows(&self.scene, volume, low, high)
-            }
-        })
+        if self.renderer.holds_light() {
+            let voxels = Visibility::<f32>::of_light(&self.scene.transfer, volume.calibration(), None, None);
+            return Occupancy::new(&ranges, axes, |low, high| voxels.shows(low, high));
+        }
+        let fragments = &self.tables.of_length().visibility;
+        Occupancy::new(&ranges, axes, |low, high| fragments.shows(low, high))
     }
 }
 
@@ -144,13 +142,12 @@ impl Prepared for PreparedTexSlice {
         let classifier = match &self.tables.segments {
             _ if operator.picks() => Classifier::Values,
             Some(table) => {
-                let points = scene.transfer.points();
-                let most = |c: usize| points.iter().map(|p| p.color[c]).fold(0.0, f64::max) as f32;
-                let brightest = (!scene.transfer.has_emission()).then(|| [most(0), most(1), most(2)]);
+                let most = || scene.transfer.brightest_color_by_channel().map(|c| c as f32);
+                let brightest = (!scene.transfer.has_emission()).then(most);
                 Classifier::Segments { table, brightest }
             }
             None if self.renderer.holds_light() => Classifier::Done { even },
-            None if !tables.resolves(&scene.transfer, volume) => Classifier::Exact(&exact),
+            None if !tables.baked.resolves() => Classifier::Exact(&exact),
             None => Classifier::Table { rows: Rows::of(&tables.baked), optics: &tables.optics, even },
         };
         let setup = Setup {
@@ -192,7 +189,7 @@ impl Prepared for PreparedTexSlice {
                 let pool = &mut self.pool;
                 stats.time("draw", || {
                     draw_bricks(&job, volume, edge as usize, self.renderer.bytes(), pool, |low, high| {
-                        !self.renderer.skip || self.tables.shows(&scene, volume, low, high)
+                        !self.renderer.skip || tables.visibility.shows(low, high)
                     })
                 })?
             }

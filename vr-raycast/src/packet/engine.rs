@@ -152,7 +152,7 @@ impl PacketEngine {
         table: &Arc<BakedTransfer<f32>>,
         edge: usize,
     ) -> Option<Distances> {
-        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table));
+        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table), None);
         if edge == LevelRanges::EDGE && LevelRanges::are_exact(volume) {
             return Distances::of_levels(&LevelRanges::of_volume(volume, Filter::Trilinear), &visibility);
         }
@@ -173,7 +173,7 @@ fn places(scene: &Scene, volume: &UniformVolume, step: f64) -> Option<BakedTrans
     let range = table_range(volume, Filter::Trilinear, &scene.transfer);
     let integer = volume.voxel_type().is_integer();
     let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
-    resolves(&table, volume, Filter::Trilinear, &scene.transfer).then_some(table)
+    resolves(&table, volume, Filter::Trilinear).then_some(table)
 }
 
 /// The vector engine with a view.

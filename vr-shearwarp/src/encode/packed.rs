@@ -9,7 +9,7 @@ use super::dense::{Dense, Layout};
 use super::masks::CellMasks;
 use super::pyramid::VisibleBlocks;
 use super::runs::{Run, Runs, edges, running_sums, split_by_rows};
-use super::visible::{Leveled, Rule};
+use super::{Leveled, Rule};
 
 /// Which voxels are stored, in the order layer, row, column: those that visible cells touch. Several arrays can be packed alike.
 #[derive(Clone, Debug)]
