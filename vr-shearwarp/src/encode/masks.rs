@@ -1,8 +1,8 @@
 //! Which cells may be visible, a bit each.
 
 use rayon::prelude::*;
+use vr_kernels::bits::WORD;
 
-use super::bits::WORD;
 use super::dense::{Dense, Layout};
 use super::pyramid::{EDGE, VisibleBlocks};
 use super::runs::edges;

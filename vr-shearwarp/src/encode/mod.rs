@@ -11,7 +11,6 @@
 //! 4. Either [`packed()`]: tight runs and a copy of the voxels that they touch; or [`block_runs`]: runs of whole blocks that point into
 //!    the volume itself, for which no voxel is looked at.
 
-mod bits;
 mod blocks;
 mod dense;
 mod masks;

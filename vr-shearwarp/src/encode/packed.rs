@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 use vr_core::RenderError;
+use vr_kernels::bits::{WORD, count_ones, count_runs, ones};
 
 use super::PAD;
-use super::bits::{WORD, count_ones, count_runs, ones};
 use super::dense::{Dense, Layout};
 use super::masks::CellMasks;
 use super::pyramid::VisibleBlocks;

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use vr_core::{AnyGrid, Filter, UniformGrid, UniformVolume};
+use vr_kernels::bits::{WORD, clip};
 use vr_kernels::ranges::LevelRanges;
 
-use super::bits::{WORD, clip};
 use super::dense::Layout;
 use super::{Rule, VisibleLevels};
 
