@@ -108,7 +108,7 @@ pub use ray::{IndexRay, Ray, RayPacket, Rays};
 pub use real::Real;
 pub use renderer::{NamedSetting, Prepared, Rendered, Renderer};
 pub use sampler::Sampler;
-pub use scene::Scene;
+pub use scene::{MaxRadiance, Scene};
 pub use shading::{GradientMethod, Light, RayLight, RayShading, Shading};
 pub use stats::{Counts, RenderStats};
 pub use surfaces::{Layer, Surfaces};

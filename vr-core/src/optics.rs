@@ -40,6 +40,21 @@ pub fn source_weight<R: Real>(tau: R) -> R {
     if tau == R::ZERO { R::ONE } else { opacity_of_depth(tau) / tau }
 }
 
+/// Adds the light and opacity of a homogeneous step behind what a ray has gathered, up to an opacity `level`; returns true if that is reached.
+///
+/// Only the step's part before the level counts then, with light in proportion to its opacity. Nothing must be added behind it.
+pub fn add_up_to_level(rgba: &mut [f64; 4], [r, g, b, opacity]: [f64; 4], level: f64) -> bool {
+    let clear = 1.0 - rgba[3];
+    let reached = rgba[3] + clear * opacity >= level;
+    // A step of no opacity reaches nothing: the quotient is finite.
+    let share = if reached { (level - rgba[3]) / (clear * opacity) } else { 1.0 };
+    for (sum, light) in rgba.iter_mut().zip([r, g, b]) {
+        *sum += clear * share * light;
+    }
+    rgba[3] = if reached { level } else { rgba[3] + clear * opacity };
+    reached
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

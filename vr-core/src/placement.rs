@@ -116,6 +116,15 @@ impl Placement {
     pub fn gradient_to_world(&self, per_index: DVec3) -> DVec3 {
         self.inverse.transpose() * per_index
     }
+
+    /// The matrix of [`Self::gradient_to_world`], for fields times `slope`, divided by a power of two, and that power: so that gradients of
+    /// worlds of any size fit into f32, and no bit is lost.
+    pub fn scaled_gradient_matrix(&self, slope: f64) -> (DMat3, f64) {
+        let matrix = self.inverse.transpose() * DMat3::from_diagonal(DVec3::splat(slope));
+        let largest = matrix.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
+        let scale = libm::exp2(libm::floor(libm::log2(largest)));
+        (DMat3::from_cols_array(&matrix.to_cols_array().map(|x| x / scale)), scale)
+    }
 }
 
 #[cfg(test)]
@@ -133,6 +142,19 @@ mod tests {
             let p = Placement::new(DVec3::new(3.0, -1.0, 2.0) * scale, axes).unwrap();
             let i = DVec3::new(7.25, 3.5, 11.0);
             assert!((p.to_index(p.to_world(i)) - i).length() < 1e-12, "scale {scale}");
+        }
+    }
+
+    #[test]
+    fn scaled_gradients_lose_nothing() {
+        for (spacing, slope) in [(1e-20, 1.0), (0.3, -2.5), (1e20, 1e10)] {
+            let p = Placement::from_spacing([spacing, 2.0 * spacing, 3.0 * spacing]).unwrap();
+            let (matrix, scale) = p.scaled_gradient_matrix(slope);
+            let g = DVec3::new(1.0, -2.0, 0.5);
+            let (got, want) = (matrix * g * scale, p.gradient_to_world(g * slope));
+            assert!((got - want).length() <= 1e-15 * want.length(), "{spacing}: {got}, not {want}");
+            let largest = matrix.to_cols_array().into_iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            assert!((1.0..2.0).contains(&largest), "{largest}");
         }
     }
 

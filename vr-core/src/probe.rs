@@ -1,5 +1,7 @@
 //! What a renderer did for one pixel, step by step.
 
+use crate::optics::add_up_to_level;
+
 /// What a renderer did along the ray through a pixel's centre: the first thing to look at where a pixel is not what it should be.
 ///
 /// Every kind of renderer composites steps, each of some light and some transparency: samples of a ray, slices, the voxels of a sheared
@@ -65,17 +67,8 @@ impl Probe {
     pub fn running(&self, level: f64) -> Vec<[f64; 4]> {
         let (mut rgba, mut reached) = ([0.0; 4], false);
         let sums = self.steps.iter().map(|step| {
-            let clear = 1.0 - rgba[3];
-            let opacity = 1.0 - step.transparency;
-            if reached {
-                return rgba;
-            }
-            reached = level < 1.0 && rgba[3] + clear * opacity >= level;
-            let share = if reached { (level - rgba[3]) / (clear * opacity) } else { 1.0 };
-            for c in 0..3 {
-                rgba[c] += clear * share * step.light[c];
-            }
-            rgba[3] = if reached { level } else { rgba[3] + clear * opacity };
+            let [r, g, b] = step.light;
+            reached = reached || add_up_to_level(&mut rgba, [r, g, b, 1.0 - step.transparency], level);
             rgba
         });
         sums.collect()

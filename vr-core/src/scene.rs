@@ -32,6 +32,26 @@ pub struct Scene {
     pub background: [f32; 3],
 }
 
+/// Largest radiance that can come from behind a point of a ray: where little enough of it gets through, the ray may end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MaxRadiance {
+    /// Of a medium of colours, shaded or not, however long it is.
+    Color(f64),
+    /// Of emission given on its own, per world unit.
+    Emission(f64),
+}
+
+impl MaxRadiance {
+    /// Largest component, opacity 1 among them, that a stretch of so many world units can add.
+    #[inline]
+    pub fn over(self, length: f64) -> f64 {
+        match self {
+            Self::Color(radiance) => radiance.max(1.0),
+            Self::Emission(emission) => (emission * length).max(1.0),
+        }
+    }
+}
+
 impl Scene {
     /// An unshaded scene under emission and absorption, before black, with a headlight for what it may be given to light.
     pub fn new(volume: Volume, transfer: TransferFunction) -> Self {
@@ -44,6 +64,31 @@ impl Scene {
             compositing: Compositing::default(),
             background: [0.0; 3],
         }
+    }
+
+    /// Shading by which colours reflect light, `None` where nothing does: without shading, where a value is picked, and where emission is given
+    /// on its own, which is light and no surface. The surface of [`Compositing::First`] always reflects.
+    pub fn reflection(&self) -> Option<&Arc<Shading>> {
+        let reflects = match self.compositing {
+            Compositing::First { .. } => true,
+            other => other.integrates_light() && !self.transfer.has_emission(),
+        };
+        self.shading.as_ref().filter(|_| reflects)
+    }
+
+    /// Largest radiance that any stretch of the medium can send.
+    pub fn max_radiance(&self) -> MaxRadiance {
+        if self.transfer.has_emission() {
+            return MaxRadiance::Emission(self.transfer.brightest_emission());
+        }
+        let color = self.transfer.brightest_color();
+        MaxRadiance::Color(self.reflection().map_or(color, |shading| shading.max_radiance(&self.lights, color)))
+    }
+
+    /// True if opacity follows the gradient's magnitude, whether or not colours reflect.
+    pub fn has_gradient_opacity(&self) -> bool {
+        let modulates = self.shading.as_ref().is_some_and(|s| !s.gradient_opacity.is_empty());
+        modulates && self.compositing.integrates_light()
     }
 
     /// Checks what the parts do not check when they are made.
@@ -94,5 +139,42 @@ impl Scene {
     #[must_use]
     pub fn with_filter(&self, filter: crate::Filter) -> Self {
         Self { volume: self.volume.with_filter(filter), ..self.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transfer::{ControlPoint, OpacityRule};
+    use crate::{Calibration, Placement, UniformGrid};
+
+    #[test]
+    fn surfaces_and_integrated_colours_reflect() {
+        let placement = Placement::from_spacing([1.0; 3]).unwrap();
+        let grid = UniformGrid::new([2; 3], vec![0u8; 8], placement, Calibration::default()).unwrap();
+        let first = Compositing::First { threshold: 0.0 };
+        for emission in [None, Some([1.0; 3])] {
+            let point = ControlPoint { emission, ..ControlPoint::new(0.0, [1.0; 3], 0.5) };
+            let transfer = TransferFunction::new(vec![point], OpacityRule::Power, 1.0).unwrap();
+            let mut scene = Scene::new(grid.clone().into(), transfer);
+            assert!(scene.reflection().is_none() && !scene.has_gradient_opacity());
+            let shading = Shading { gradient_opacity: vec![(0.0, 0.5)], ..Shading::default() };
+            scene.shading = Some(Arc::new(shading));
+            let mut reflects = |compositing| {
+                scene.compositing = compositing;
+                (scene.reflection().is_some(), scene.has_gradient_opacity())
+            };
+            assert_eq!(reflects(Compositing::Over), (emission.is_none(), true));
+            assert_eq!(reflects(Compositing::Accumulate { level: 0.5 }), (emission.is_none(), true));
+            assert_eq!(reflects(first), (true, false));
+            assert_eq!(reflects(Compositing::Maximum), (false, false));
+            scene.compositing = Compositing::Over;
+            let most = scene.max_radiance();
+            // Of white under a headlight: 0.2 + 0.7, which is less than the colour itself, and 0.3 of highlight.
+            assert_eq!(most, if emission.is_none() { MaxRadiance::Color(1.3) } else { MaxRadiance::Emission(1.0) });
+            let over = |most: MaxRadiance| [0.5, 2.0].map(|length| most.over(length));
+            assert_eq!(over(most), if emission.is_none() { [1.3; 2] } else { [1.0, 2.0] });
+            assert_eq!(over(MaxRadiance::Color(0.5)), [1.0; 2], "opacity");
+        }
     }
 }

@@ -130,6 +130,14 @@ impl Shading {
         factors.reduce(f64::max).unwrap_or(1.0)
     }
 
+    /// Largest component of what it makes of colours whose components are at most `color`: c·max(ka + kd Σ L, 1) + ks Σ L.
+    pub fn max_radiance(&self, lights: &[Light], color: f64) -> f64 {
+        let light = |c: usize| lights.iter().map(|l| l.color[c]).sum::<f64>();
+        let light = light(0).max(light(1)).max(light(2));
+        // Where the gradient is zero, the colour stays.
+        color * (self.ambient + self.diffuse * light).max(1.0) + self.specular * light
+    }
+
     /// The part of the shading that is constant along one ray: lights at infinity seen along `direction` (the ray's, in the world).
     pub fn along<R: Real>(&self, lights: &[Light], direction: DVec3) -> RayShading<R> {
         let to_eye = -direction;
@@ -201,6 +209,14 @@ impl<R: Real> RayShading<R> {
         }
         (factor, added)
     }
+
+    /// Light and opacity of a sample with this world gradient, shaded: c·factor + α·added; opacity stays.
+    #[inline]
+    pub fn shade(&self, [r, g, b, alpha]: [R; 4], gradient: [R; 3]) -> [R; 4] {
+        let (factor, added) = self.reflect(gradient);
+        let lit = |light: R, c: usize| light * factor[c] + added[c] * alpha;
+        [lit(r, 0), lit(g, 1), lit(b, 2), alpha]
+    }
 }
 
 #[inline(always)]
@@ -222,6 +238,8 @@ mod tests {
         assert_eq!(s.reflect([0.0; 3]), ([1.0; 3], [0.0; 3]));
         let (side, _) = s.reflect([1.0, 0.0, 0.0]);
         assert!((side[0] - 0.2).abs() < 1e-15);
+        let lit = s.shade([0.5, 0.25, 0.0, 0.5], [0.0, 0.0, 2.0]);
+        assert!((lit[0] - 0.6).abs() < 1e-15 && (lit[2] - 0.15).abs() < 1e-15 && lit[3] == 0.5, "{lit:?}");
     }
 
     #[test]

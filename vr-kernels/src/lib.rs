@@ -4,6 +4,7 @@
 //! * [`tables`]: transfer functions in tables, for a step of one length ([`tables::BakedTransfer`]) or for any two values at its ends
 //!   ([`tables::PreIntegrated`]), with a bound of what that costs.
 //! * [`ranges`]: smallest and largest value of the field, block by block: for renderers that leap, cull or skip.
+//! * [`bits`]: rows of bits and their runs.
 //!
 //! Everything here is a fast form of a definition in `vr-core`, and tested to equal it.
 //!
@@ -23,6 +24,7 @@
 //! # }
 //! ```
 
+pub mod bits;
 pub mod ranges;
 pub mod tables;
 pub mod vector;

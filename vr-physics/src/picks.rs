@@ -25,11 +25,7 @@ pub struct Pick {
 impl Pick {
     /// The pixel (α(v)·c(v), α(v)), with α as given.
     pub fn pixel(&self, transfer: &TransferFunction) -> ([f64; 4], Certainty) {
-        let rgba = |v: f64| {
-            let o = transfer.at(v);
-            [o.color[0] * o.opacity, o.color[1] * o.opacity, o.color[2] * o.opacity, o.opacity]
-        };
-        let pixel = rgba(self.value);
+        let pixel = transfer.at(self.value).pixel();
         let brightest = transfer.brightest_color().max(1.0);
         // Every segment that the true value may lie in: monotone in opacity and in colour, so its ends there tell how far.
         let (low, high) = (self.value - self.error, self.value + self.error);
@@ -40,11 +36,9 @@ impl Pick {
         } else if off > Bound::ZERO {
             for s in transfer.segments().iter().filter(|s| s.to >= low && s.from <= high) {
                 for v in [low.max(s.from), high.min(s.to)] {
-                    let o = s.at(v);
-                    for c in 0..3 {
-                        error = error.max(o.color[c] * o.opacity - pixel[c]);
+                    for (there, here) in s.at(v).pixel().into_iter().zip(pixel) {
+                        error = error.max(there - here);
                     }
-                    error = error.max(o.opacity - pixel[3]);
                 }
                 // The product of two lines bends by at most a quarter of the product of their rises.
                 let rise = largest((0..3).map(|c| s.end.color[c] - s.start.color[c]));

@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use vr_core::{GridVolume, Real, Scene};
 use vr_kernels::ranges::LevelRanges;
-use vr_kernels::tables::{BakedTransfer, PreIntegrated, outwards, resolves_ramps};
+use vr_kernels::tables::{BakedTransfer, PreIntegrated, outwards};
 
 use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
 use crate::homogeneity::Homogeneity;
 use crate::leap::{EmptySpace, Visibility};
-use crate::operator::Brightest;
 use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::screen::Sight;
@@ -74,14 +73,6 @@ impl Kernel {
         }
     }
 
-    /// How bright the medium can be.
-    pub(crate) fn brightest(&self) -> Brightest {
-        match self {
-            Self::F32(instruments) => instruments.brightest(),
-            Self::F64(instruments) => instruments.brightest(),
-        }
-    }
-
     /// What can be seen of a field.
     pub(crate) fn sight(&self) -> Sight {
         match self {
@@ -113,8 +104,7 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &GridVolume) -> Option<Arc<PreI
     let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), range, entries);
     let small = table(PreIntegrated::<R>::ENTRIES);
     let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };
-    let resolved = table.is_aligned() || resolves_ramps(table.spacing(), volume.calibration(), &scene.transfer);
-    resolved.then(|| Arc::new(table))
+    table.resolves().then(|| Arc::new(table))
 }
 
 /// Whether the same can be seen of two scenes' fields.
@@ -125,8 +115,8 @@ fn same_light(a: &Scene, b: &Scene) -> bool {
 impl<R: Real> Instruments<R> {
     fn sight(&self) -> Sight {
         let Classifier { transfer, calibration, table, .. } = &self.classifier;
-        let visibility = Visibility::of_light(transfer, *calibration, table.as_ref().map(|(table, _)| table));
-        Arc::new(move |low, high| visibility.is_visible(low, high))
+        let visibility = Visibility::of_light(transfer, *calibration, table.as_ref().map(|(table, _)| table), None);
+        Arc::new(move |low, high| visibility.shows(low, high))
     }
 
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
@@ -136,7 +126,7 @@ impl<R: Real> Instruments<R> {
             let integer = volume.voxel_type().is_integer();
             let step = caster.world_step(volume);
             let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
-            resolves(&table, volume, &scene.transfer).then(|| (Arc::new(table), step))
+            resolves(&table, volume).then(|| (Arc::new(table), step))
         };
         let last_of_field =
             last.filter(|(old, _)| old.volume.same(&scene.volume)).and_then(|(_, i)| i.homogeneity.clone());
@@ -205,16 +195,5 @@ impl<R: Real> Instruments<R> {
             let of_field = of(last.is_some_and(|(old, _)| old.volume.same(&scene.volume)));
             EmptySpace::new(caster, scene, volume, &self.classifier, of_field)
         });
-    }
-
-    /// How bright the medium can be.
-    pub(crate) fn brightest(&self) -> Brightest {
-        let transfer = &self.classifier.transfer;
-        let brightest = transfer.brightest();
-        match &self.shader {
-            _ if transfer.has_emission() => Brightest::Emission(brightest),
-            Some(shader) => Brightest::Radiance(shader.brightest(brightest)),
-            None => Brightest::Radiance(brightest),
-        }
     }
 }

@@ -115,6 +115,7 @@ mod prepared;
 mod projection;
 mod ray_value;
 mod renderer;
+mod root;
 mod rule;
 mod run;
 mod screen;

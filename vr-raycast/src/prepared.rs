@@ -11,7 +11,7 @@ use vr_kernels::tables::BakedTransfer;
 use crate::caster::{Connectivity, Order, Precision, RayCaster, Rule, Screen};
 use crate::engine::Engine;
 use crate::instruments::{Instruments, Kernel};
-use crate::operator::{Accumulate, Average, Brightest, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
+use crate::operator::{Accumulate, Average, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
 use crate::packet::PacketFrame;
 use crate::pipeline::Pipeline;
 use crate::screen::{CoherenceBuffer, Stage, Template};
@@ -128,10 +128,10 @@ impl PreparedCaster {
         view: &View,
         control: &Control,
     ) -> Result<Rendered, RenderError> {
-        if let (Screen::Template { connectivity }, Engine::Plain(kernel) | Engine::Packets(_, kernel)) =
+        if let (Screen::Template { connectivity }, Engine::Plain(_) | Engine::Packets(..)) =
             (self.caster.screen, &self.engine)
         {
-            return self.draw_by_template(connectivity, kernel.brightest(), view, control);
+            return self.draw_by_template(connectivity, view, control);
         }
         let volume = &*self.volume;
         let layer = self.scene.layer(view, control)?;
@@ -153,7 +153,6 @@ impl PreparedCaster {
     fn draw_by_template(
         &self,
         connectivity: Connectivity,
-        brightest: Brightest,
         view: &View,
         control: &Control,
     ) -> Result<Rendered, RenderError> {
@@ -165,10 +164,7 @@ impl PreparedCaster {
             return Err(unsupported("compositing back to front with a template screen".to_owned()));
         };
         let (low, high) = self.scene.volume.bounds();
-        let most = match brightest {
-            Brightest::Radiance(c) => c.max(1.0),
-            Brightest::Emission(q) => (q * low.distance(high)).max(1.0),
-        };
+        let most = self.scene.max_radiance().over(low.distance(high));
         let step = self.caster.world_step(volume);
         let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
         let range = table_range(volume, &self.scene.transfer);
@@ -189,7 +185,7 @@ impl PreparedCaster {
         match (self.scene.compositing, self.caster.order) {
             (Compositing::Over, Order::BackToFront) => plain.with(OverBackToFront::default),
             (Compositing::Over, Order::FrontToBack { termination }) => {
-                plain.with(|| OverFrontToBack::new(termination, instruments.brightest()))
+                plain.with(|| OverFrontToBack::new(termination, self.scene.max_radiance()))
             }
             (Compositing::Accumulate { level }, _) => plain.with(|| Accumulate::new(level)),
             (Compositing::First { threshold }, _) => plain.with(|| First::new(transfer(), calibration, threshold)),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use vr_core::{GradientMethod, Light, Placement, RayShading, Real, Shading};
 use vr_kernels::vector::PacketShading;
 
@@ -19,16 +19,14 @@ pub(crate) struct Shader<R> {
     lights: Vec<Light>,
     /// From gradients per index step, in stored units, to world gradients divided by `scale`.
     to_world: [[R; 3]; 3],
-    /// A power of two, so that worlds of any size neither overflow nor lose a bit.
+    /// See [`Placement::scaled_gradient_matrix`].
     scale: f64,
 }
 
 impl<R: Real> Shader<R> {
     pub(crate) fn new(shading: Arc<Shading>, lights: Vec<Light>, placement: &Placement, slope: f64) -> Self {
-        let matrix = placement.inverse_axes().transpose() * DMat3::from_diagonal(DVec3::splat(slope));
-        let largest = matrix.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
-        let scale = libm::exp2(libm::floor(libm::log2(largest)));
-        let row = |a: usize| matrix.row(a).to_array().map(|x| R::from_f64(x / scale));
+        let (matrix, scale) = placement.scaled_gradient_matrix(slope);
+        let row = |a: usize| matrix.row(a).to_array().map(R::from_f64);
         Self { shading, lights, to_world: [row(0), row(1), row(2)], scale }
     }
 
@@ -41,15 +39,6 @@ impl<R: Real> Shader<R> {
     pub(crate) fn for_packets(&self) -> PacketShading {
         let to_world = self.to_world.map(|row| row.map(|x| x.to_f64() as f32));
         PacketShading { shading: Arc::clone(&self.shading), lights: self.lights.clone(), to_world }
-    }
-
-    /// The most that shading can make of a colour's largest component: ka + kd Σ L, and ks Σ L on top.
-    pub(crate) fn brightest(&self, color: f64) -> f64 {
-        let s = &self.shading;
-        let light = |c: usize| self.lights.iter().map(|l| l.color[c]).sum::<f64>();
-        let lights = light(0).max(light(1)).max(light(2));
-        // Where the gradient is zero, the colour stays.
-        color * (s.ambient + s.diffuse * lights).max(1.0) + s.specular * lights
     }
 
     fn method(&self) -> GradientMethod {
@@ -91,11 +80,7 @@ impl<R: Real> Shader<R> {
                 run.light[j] = classifier.with_extinction_times(run, j, factor);
             }
             if reflects {
-                let (factor, added) = lights.reflect(world);
-                let light = &mut run.light[j];
-                for c in 0..3 {
-                    light[c] = light[c] * factor[c] + added[c] * light[3];
-                }
+                run.light[j] = lights.shade(run.light[j], world);
             }
         }
     }

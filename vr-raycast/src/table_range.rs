@@ -2,7 +2,7 @@
 
 use vr_core::filter::Reconstruction;
 use vr_core::{Filter, GridVolume, Real, Sampler, SamplerVisitor, TransferFunction, Voxel};
-use vr_kernels::tables::{self, BakedTransfer, resolves_ramps};
+use vr_kernels::tables::{self, BakedTransfer};
 
 /// The range of a volume's field in stored units, overshoot included; `None` if all of it is vacuum.
 pub(crate) fn field_range(volume: &GridVolume) -> Option<(f64, f64)> {
@@ -38,13 +38,11 @@ pub(crate) fn table_range(volume: &GridVolume, transfer: &TransferFunction) -> (
     tables::table_range(range, volume.voxel_type().is_integer(), volume.calibration(), transfer)
 }
 
-/// Whether a table tells apart all that the transfer function does.
-pub(crate) fn resolves<R: Real>(table: &BakedTransfer<R>, volume: &GridVolume, transfer: &TransferFunction) -> bool {
+/// True if a table tells apart all that the transfer function does in a field.
+pub(crate) fn resolves<R: Real>(table: &BakedTransfer<R>, volume: &GridVolume) -> bool {
     // Entries at all integers are exact for a field of integers.
-    if volume.filter() == Filter::Nearest && volume.voxel_type().is_integer() && table.spacing() <= 1.0 {
-        return true;
-    }
-    resolves_ramps(table.spacing(), volume.calibration(), transfer)
+    let integers = volume.filter() == Filter::Nearest && volume.voxel_type().is_integer();
+    table.resolves() || (integers && table.spacing() <= 1.0)
 }
 
 /// Whether f32 tells apart all that the transfer function does: a value that is rounded a few times is known to 10⁻³ of the narrowest
@@ -70,7 +68,7 @@ mod tests {
             let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
             let range = table_range(volume, &transfer);
             let table = BakedTransfer::<f32>::new(&transfer, volume.calibration(), range, true, 1.0);
-            resolves(&table, volume, &transfer)
+            resolves(&table, volume)
         };
         assert!(resolved(&[0.0, 30000.0, 65535.0], Filter::Trilinear));
         assert!(!resolved(&[0.0, 30000.0, 30001.0, 65535.0], Filter::Trilinear));

@@ -165,7 +165,7 @@ impl Encoder<'_> {
         if !self.shaded {
             return Vec::new();
         }
-        let to_world = self.volume.placement().inverse_axes().transpose();
+        let (to_world, _) = self.volume.placement().scaled_gradient_matrix(1.0);
         self.volume.with_lattice(Normals { layout, order, to_world })
     }
 }
@@ -194,7 +194,7 @@ type FillRow<'a> = dyn Fn([usize; 3], &mut [u16]) + Sync + 'a;
 struct Normals<'a> {
     layout: Layout,
     order: &'a dyn Fn(&FillRow<'_>) -> Vec<u16>,
-    /// From gradients per index step to gradients in the world.
+    /// From gradients per index step to gradients in the world, but for their length.
     to_world: DMat3,
 }
 
@@ -202,9 +202,7 @@ impl LatticeVisitor for Normals<'_> {
     type Output = Vec<u16>;
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Vec<u16> {
-        // Scaled, so that f32 holds the gradients of any spacing.
-        let scale = 1.0 / self.to_world.to_cols_array().into_iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let columns = (self.to_world * scale).to_cols_array_2d().map(|c| c.map(|x| x as f32));
+        let columns = self.to_world.to_cols_array_2d().map(|c| c.map(|x| x as f32));
         (self.order)(&|[u, v, k], normals| {
             for (i, normal) in normals.iter_mut().enumerate() {
                 let g = gradient_at_sample::<T, f32>(&lattice, self.layout.position([u + i, v, k]));

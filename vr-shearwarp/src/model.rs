@@ -11,7 +11,7 @@ use crate::lengths::length;
 use crate::passes::{Pass, passes};
 use crate::shear_warp::{Classification, ShearWarp};
 use crate::slices::{Slice, Slices};
-use crate::support::{is_shaded, last_sample, visible_region};
+use crate::support::{last_sample, visible_region};
 
 /// The sum over slices.
 pub(crate) struct SlicedModel {
@@ -125,7 +125,7 @@ impl SlicedModel {
         if corners.iter().any(|&(index, _)| stored(index).is_nan()) || length <= 0.0 {
             return [0.0; 4];
         }
-        let shaded = is_shaded(&self.scene);
+        let shaded = self.scene.reflection().is_some();
         let lit = |sample: [f64; 4], (factor, added): ([f64; 3], [f64; 3])| -> [f64; 4] {
             std::array::from_fn(|c| if c < 3 { sample[c] * factor[c] + sample[3] * added[c] } else { sample[3] })
         };
@@ -162,7 +162,7 @@ impl SlicedModel {
                 gradient_at_sample::<T, f64>(&lattice, self.0)
             }
         }
-        let gradient = volume.placement().inverse_axes().transpose() * DVec3::from(volume.with_lattice(At(index)));
+        let gradient = volume.placement().gradient_to_world(volume.with_lattice(At(index)).into());
         let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
         shading.along::<f64>(&self.scene.lights, self.ahead).reflect(gradient.to_array())
     }

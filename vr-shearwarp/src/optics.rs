@@ -127,30 +127,6 @@ fn row(transfer: &TransferFunction, value: f64) -> Row {
     Row { light, extinction: transfer.extinction(at.opacity) }
 }
 
-/// The largest opacity, or emission where that is given on its own, of any value from `low` to `high`.
-pub(crate) fn strongest(transfer: &TransferFunction, low: f64, high: f64) -> Strongest {
-    let mut strongest = Strongest { opacity: 0.0, emits: false };
-    for segment in transfer.segments() {
-        // Closed: at a jump both sides count.
-        if segment.to < low || segment.from > high {
-            continue;
-        }
-        for value in [low.max(segment.from), high.min(segment.to)] {
-            let at = segment.at(value);
-            strongest.opacity = strongest.opacity.max(at.opacity);
-            strongest.emits |= at.emission != [0.0; 3];
-        }
-    }
-    strongest
-}
-
-/// See [`strongest`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Strongest {
-    pub(crate) opacity: f64,
-    pub(crate) emits: bool,
-}
-
 #[cfg(test)]
 mod tests {
     use vr_core::{ControlPoint, OpacityRule};
@@ -212,12 +188,5 @@ mod tests {
         assert_eq!(sample(1e-9, Entry::Sample), [0.5, 0.5, 0.5, 1.0]);
         assert_eq!(sample(0.0, Entry::Sample), [0.0; 4]);
         assert_eq!(sample(1e-9, Entry::Depth), [5e19, 5e19, 5e19, 1e20]);
-    }
-
-    #[test]
-    fn the_strongest_of_a_range_counts_both_sides_of_a_jump() {
-        let opacity = |low, high| strongest(&ramp(), low, high).opacity;
-        assert_eq!((opacity(0.0, 10.0), opacity(0.0, 15.0), opacity(30.0, 90.0)), (0.0, 0.5, 0.0));
-        assert_eq!((opacity(20.0, 20.0), opacity(0.0, 255.0), opacity(25.0, 40.0)), (1.0, 1.0, 0.125));
     }
 }

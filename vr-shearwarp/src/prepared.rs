@@ -4,27 +4,29 @@ use std::sync::{Arc, Mutex};
 
 use fearless_simd::Level;
 use glam::DVec3;
+use vr_core::optics::{depth_of_opacity, opacity_of_depth};
 use vr_core::{
-    Calibration, Compositing, Control, Frame, GridVolume, Light, Model, Prepared, RenderError, RenderStats, Rendered,
-    Scene, Shading, View,
+    Calibration, Compositing, Control, Frame, GridVolume, Light, Model, OpacityRule, Prepared, RenderError,
+    RenderStats, Rendered, Scene, Shading, View,
 };
+use vr_kernels::ranges::VisibleValues;
 
 use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume};
 use crate::codes::Codes;
 use crate::composite::Scratch;
 use crate::composite::pick::{Choice, Pick};
-use crate::encode::{Pyramid, Rule, Visibility};
+use crate::encode::{Pyramid, Rule, VisibleLevels};
 use crate::factorization::IndexView;
 use crate::image::IntermediateImage;
 use crate::jobs::{Job, OverJob, warp_rows};
 use crate::memory::EncodedSize;
 use crate::model::SlicedModel;
-use crate::optics::{Optics, strongest};
+use crate::optics::Optics;
 use crate::passes::{Pass, passes};
 use crate::reflections::{Reflection, table};
 use crate::shear_warp::{Classification, ShearWarp};
 use crate::slices::Slices;
-use crate::support::{check, is_shaded, last_sample, visible_region};
+use crate::support::{check, last_sample, visible_region};
 use crate::warp::{Texture, Warp};
 
 /// The scene, the volume as it is encoded for it, and what is kept from picture to picture.
@@ -47,7 +49,7 @@ pub(crate) struct PreparedShearWarp {
 
 /// What follows from the transfer function.
 struct Classified {
-    visibility: Visibility,
+    visibility: VisibleLevels,
     optics: Optics,
 }
 
@@ -57,15 +59,15 @@ impl Classified {
         let transfer = &scene.transfer;
         // A code stands for what rounds to it.
         let around = if volume.voxel_type().is_integer() { 0.0 } else { 0.5 * codes.spacing };
-        let voxel = scene.volume.mean_spacing();
-        let visible = |from: f64, to: f64| {
-            let (a, b) = (calibration.value(from - around), calibration.value(to + around));
-            let strongest = strongest(transfer, a.min(b), a.max(b));
-            let opacity = vr_core::optics::opacity_of_depth(transfer.extinction(strongest.opacity) * voxel);
-            strongest.emits || opacity > renderer.opacity_threshold
-        };
-        let range = volume.census().range.unwrap_or_default();
-        let visibility = Visibility::new(range, volume.voxel_type().is_integer(), visible);
+        // The opacity of a unit distance at which a voxel has that of the threshold.
+        let voxels = transfer.unit_distance() / scene.volume.mean_spacing();
+        let depth = depth_of_opacity(renderer.opacity_threshold) * voxels;
+        let opacity = if transfer.rule() == OpacityRule::Power { opacity_of_depth(depth) } else { depth };
+        let values = VisibleValues::above(transfer, opacity);
+        let visible =
+            |from: f64, to: f64| values.shows(calibration.value(from - around), calibration.value(to + around));
+        let (low, high) = volume.census().range.unwrap_or_default();
+        let visibility = VisibleLevels::new((low.into(), high.into()), volume.voxel_type().is_integer(), visible);
         let optics = match renderer.classification {
             Classification::Values => Optics::of_values(transfer, calibration, codes),
             Classification::Voxels => Optics::of_voxels(transfer, calibration, codes),
@@ -119,7 +121,7 @@ impl PreparedShearWarp {
                 rule,
                 between: self.renderer.slice_spacing() < 1.0,
                 encoding: self.renderer.encoding,
-                shaded: is_shaded(&self.scene),
+                shaded: self.scene.reflection().is_some(),
             };
             encoder.encode(axis, whole)
         })?;
@@ -152,13 +154,13 @@ impl Prepared for PreparedShearWarp {
             *self = Self::new(self.renderer.clone(), scene, control)?;
             return Ok(());
         }
-        let shaded = is_shaded(scene);
+        let shaded = scene.reflection().is_some();
         let picks = |scene: &Scene| !scene.compositing.integrates_light();
         if self.scene.transfer != scene.transfer {
             self.classified = Classified::new(&self.renderer, scene, &volume, &self.codes);
             self.axes = [None, None, None];
         }
-        if shaded != is_shaded(&self.scene) {
+        if shaded != self.scene.reflection().is_some() {
             (self.whole, self.axes) = (WholeVolume::default(), [None, None, None]);
         }
         if picks(scene) != picks(&self.scene) {
@@ -217,7 +219,7 @@ impl PreparedShearWarp {
     ) -> Result<(), RenderError> {
         let f = &pass.factorization;
         self.image.resize(f.size);
-        let shaded = is_shaded(&self.scene);
+        let shaded = self.scene.reflection().is_some();
         if shaded {
             self.reflect(view, control)?;
         }
@@ -304,9 +306,7 @@ impl PreparedShearWarp {
             let [value, weight, ..] = texel.map(f64::from);
             if weight > 0.0 {
                 let code = if choice == Choice::Mean { value / weight } else { value };
-                let at = transfer.at(calibration.value(codes.stored(code)));
-                let [r, g, b] = at.color.map(|c| (c * at.opacity) as f32);
-                *texel = [r, g, b, at.opacity as f32];
+                *texel = transfer.at(calibration.value(codes.stored(code))).pixel().map(|x| x as f32);
             }
         }
     }

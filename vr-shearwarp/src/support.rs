@@ -29,13 +29,11 @@ pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolum
             scene.compositing.name()
         )));
     }
-    if let Some(shading) = scene.shading.as_ref().filter(|_| scene.compositing.integrates_light()) {
-        if !shading.gradient_opacity.is_empty() {
-            return Err(unsupported("opacity that follows the gradient: encoded normals have no length"));
-        }
-        if shading.gradient == GradientMethod::Analytic {
-            return Err(unsupported("analytic gradients: normals are encoded at the samples"));
-        }
+    if scene.has_gradient_opacity() {
+        return Err(unsupported("opacity that follows the gradient: encoded normals have no length"));
+    }
+    if scene.reflection().is_some_and(|shading| shading.gradient == GradientMethod::Analytic) {
+        return Err(unsupported("analytic gradients: normals are encoded at the samples"));
     }
     let volume =
         scene.volume.grid().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
@@ -75,7 +73,7 @@ pub(crate) fn visible_region(
     view: &View,
     perspective: bool,
 ) -> Result<Option<Region>, RenderError> {
-    if perspective && is_shaded(scene) {
+    if perspective && scene.reflection().is_some() {
         return Err(unsupported("shading in perspective: what a normal reflects changes from ray to ray"));
     }
     Region::of(view, volume.placement(), volume.dims())
@@ -84,9 +82,4 @@ pub(crate) fn visible_region(
 /// The index of the last sample along each axis.
 pub(crate) fn last_sample(dims: [usize; 3]) -> DVec3 {
     DVec3::from_array(dims.map(|n| (n - 1) as f64))
-}
-
-/// Whether colours are shaded at all: emission that is given on its own is not.
-pub(crate) fn is_shaded(scene: &Scene) -> bool {
-    scene.shading.is_some() && scene.compositing.integrates_light() && !scene.transfer.has_emission()
 }

@@ -1,5 +1,7 @@
 //! Which voxels or cells of a layer are meant, a bit each, row by row.
 
+use vr_kernels::bits::{WORD, ones};
+
 /// Voxels in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Run {
@@ -11,25 +13,24 @@ pub(crate) struct Run {
 /// Rows of bits.
 #[derive(Clone, Default)]
 pub(crate) struct BitRows {
-    width: usize,
     stride: usize,
     words: Vec<u64>,
 }
 
 impl BitRows {
     pub(crate) fn new(width: usize, height: usize) -> Self {
-        let stride = width.div_ceil(64);
-        Self { width, stride, words: vec![0; stride * height] }
+        let stride = width.div_ceil(WORD);
+        Self { stride, words: vec![0; stride * height] }
     }
 
     #[inline(always)]
     pub(crate) fn set(&mut self, x: usize, y: usize) {
-        self.words[y * self.stride + x / 64] |= 1 << (x % 64);
+        self.words[y * self.stride + x / WORD] |= 1 << (x % WORD);
     }
 
     #[inline(always)]
     pub(crate) fn is_set(&self, x: usize, y: usize) -> bool {
-        self.words[y * self.stride + x / 64] >> (x % 64) & 1 == 1
+        self.words[y * self.stride + x / WORD] >> (x % WORD) & 1 == 1
     }
 
     pub(crate) fn add(&mut self, other: &Self) {
@@ -54,9 +55,9 @@ impl BitRows {
             }
             wide.fill(0);
             // Cell c is served by voxels c + 1 − near to c + near.
-            for c in (0..self.width).filter(|&c| row[c / 64] >> (c % 64) & 1 == 1) {
-                for x in (c + 1).saturating_sub(near[0])..=(c + near[0]).min(nx - 1) {
-                    wide[x / 64] |= 1 << (x % 64);
+            for (first, length) in ones(row) {
+                for x in (first + 1).saturating_sub(near[0])..(first + length + near[0]).min(nx) {
+                    wide[x / WORD] |= 1 << (x % WORD);
                 }
             }
             for y in (cell + 1).saturating_sub(near[1])..=(cell + near[1]).min(ny - 1) {
@@ -69,25 +70,9 @@ impl BitRows {
     }
 
     pub(crate) fn runs(&self) -> Vec<Run> {
-        let mut runs = Vec::new();
-        for y in 0..self.words.len() / self.stride {
-            let row = self.row(y);
-            let mut x = 0;
-            while x < self.width {
-                // Past zeros, a word at a time.
-                let rest = row[x / 64] >> (x % 64);
-                if rest == 0 {
-                    x = (x / 64 + 1) * 64;
-                    continue;
-                }
-                x += rest.trailing_zeros() as usize;
-                let start = x;
-                while x < self.width && self.is_set(x, y) {
-                    x += 1;
-                }
-                runs.push(Run { x: start as u16, y: y as u16, length: (x - start) as u16 });
-            }
-        }
+        let rows = self.words.chunks_exact(self.stride).enumerate();
+        let run = |y: usize, (x, length): (usize, usize)| Run { x: x as u16, y: y as u16, length: length as u16 };
+        let mut runs: Vec<Run> = rows.flat_map(|(y, row)| ones(row).map(move |ones| run(y, ones))).collect();
         runs.shrink_to_fit();
         runs
     }

@@ -2,13 +2,14 @@
 
 use vr_core::filter::Lattice;
 use vr_core::{GridVolume, LatticeVisitor, Scene, Voxel};
-use vr_kernels::tables::{BakedTransfer, resolves_ramps, table_range};
+use vr_kernels::ranges::VisibleLevels;
+use vr_kernels::tables::{BakedTransfer, table_range};
 use vr_kernels::vector::OpticsTable;
 
 use crate::input::{SplatInput, offset, unit};
 use crate::kernel::Shape;
 use crate::splatting::{Buffers, Splatting};
-use crate::visible::{VisibleRanges, VisibleVoxels, missing};
+use crate::visible::{VisibleVoxels, missing, visible_levels};
 use crate::voxel_optics::VoxelOptics;
 
 /// What follows from the transfer function.
@@ -49,13 +50,15 @@ impl Classified {
         let range = table_range(field, integer, calibration, transfer);
         let baked = BakedTransfer::new(transfer, calibration, range, integer, unit(input));
         let values = OpticsTable::new(&baked, transfer, calibration, unit(input));
-        let resolved = resolves_ramps(baked.spacing(), calibration, transfer);
+        let resolved = baked.resolves();
         let light =
             VoxelOptics::new(transfer, calibration, table_range(carried, integer, calibration, transfer), integer);
         let visible = match input {
             SplatInput::Grid(grid) => {
-                let seen = VisibleRanges::new(transfer, calibration, range, offset);
-                let all = !scene.compositing.integrates_light() || (seen.shows_all() && grid.vacuum_cells().is_none());
+                let range = [range.0, range.1].map(|end| f64::from(end) + f64::from(offset));
+                let seen = visible_levels(transfer, grid.calibration(), range.into());
+                let shows_all = seen.all(range[0], range[1]);
+                let all = !scene.compositing.integrates_light() || (shows_all && grid.vacuum_cells().is_none());
                 Visible::Voxels(if all {
                     VisibleVoxels::all(grid.dims(), grid.vacuum_cells())
                 } else {
@@ -84,7 +87,7 @@ fn overshoot(renderer: &Splatting) -> f64 {
 struct FindVisible<'a> {
     renderer: &'a Splatting,
     grid: &'a GridVolume,
-    seen: &'a VisibleRanges,
+    seen: &'a VisibleLevels,
 }
 
 impl LatticeVisitor for FindVisible<'_> {

@@ -52,8 +52,7 @@ impl<'a> Picture<'a> {
             let [r, g, b] = at.color;
             return [r, g, b, 1.0];
         }
-        let [r, g, b] = at.color.map(|c| c * at.opacity);
-        [r, g, b, at.opacity]
+        at.pixel()
     }
 
     /// The whole picture, over the scene's surfaces.

@@ -6,9 +6,10 @@ use fearless_simd::Level;
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
 use vr_core::{
-    Calibration, Compositing, Control, Frame, GridVolume, LatticeVisitor, Model, ParameterError, PointSet, Prepared,
-    RenderError, RenderStats, Rendered, Scene, View, Voxel,
+    Compositing, Control, Frame, GridVolume, LatticeVisitor, Model, ParameterError, PointSet, Prepared, RenderError,
+    RenderStats, Rendered, Scene, View, Voxel,
 };
+use vr_kernels::vector::Operator;
 
 use crate::bins::{Bins, Keys, TILE};
 use crate::classified::{Classified, Visible};
@@ -16,12 +17,12 @@ use crate::finish::Picture;
 use crate::input::{SplatInput, offset, profile};
 use crate::model::SplatModel;
 use crate::projection::SplatView;
-use crate::shading::{Shader, brightest};
+use crate::shading::Shader;
 use crate::sheets::{ImageSheets, OwnSheets};
 use crate::source::{GridSplats, PointSplats, Source, Spread};
 use crate::splatting::{Buffers, SheetOrder, Splatting};
 use crate::support::{check, check_view};
-use crate::tile::{Bounds, Classifier, Content, Met, Operator, Painter};
+use crate::tile::{Bounds, Classifier, Content, Met, Painter};
 use crate::visible::{CellBits, VisibleVoxels};
 
 /// The scene, what can be seen of it, and tables.
@@ -44,21 +45,6 @@ impl PreparedSplatting {
         let kernel = stats.time("kernel", || Met::new(&profile(&renderer, &input)));
         let classified = stats.time("classify", || control.run(|| Classified::new(&renderer, scene, &input)));
         Ok(Self { renderer, scene: scene.clone(), input, level: Level::new(), kernel, classified, stats })
-    }
-
-    fn operator(&self, calibration: Calibration) -> Operator {
-        let sign = calibration.slope.signum() as f32;
-        match self.scene.compositing {
-            Compositing::Over if self.renderer.order == SheetOrder::BackToFront => Operator::Over,
-            Compositing::Over => Operator::Under { level: 1.0 },
-            Compositing::Accumulate { level } => Operator::Under { level: level as f32 },
-            Compositing::Maximum => Operator::Extreme { sign },
-            Compositing::Minimum => Operator::Extreme { sign: -sign },
-            Compositing::Average => Operator::Average,
-            Compositing::First { threshold } => {
-                Operator::First { sign, threshold: calibration.stored(threshold) as f32 }
-            }
-        }
     }
 }
 
@@ -179,7 +165,7 @@ impl PreparedSplatting {
             SplatInput::Grid(grid) => Some(grid),
             SplatInput::Points(_) => None,
         };
-        let operator = self.operator(calibration);
+        let operator = Operator::new(scene.compositing, calibration, renderer.order == SheetOrder::BackToFront);
         // Where nothing is missing, a mean needs no sheets.
         let sums = operator == Operator::Average && grid.is_some_and(|grid| grid.vacuum_cells().is_none());
         let sheets = ImageSheets::new(renderer, &scene.volume, input, splat_view)?;
@@ -223,7 +209,8 @@ impl PreparedSplatting {
                 }
             },
             negligible: if renderer.termination < 1.0 {
-                ((1.0 - renderer.termination) / brightest(scene)) as f32
+                let (low, high) = scene.volume.bounds();
+                ((1.0 - renderer.termination) / scene.max_radiance().over(low.distance(high))) as f32
             } else {
                 -1.0
             },

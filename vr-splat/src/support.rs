@@ -7,7 +7,6 @@ use vr_kernels::tables::beyond_f32;
 
 use crate::input::SplatInput;
 use crate::kernel::SplatKernel;
-use crate::shading::is_shaded;
 use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
 
 pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
@@ -66,14 +65,10 @@ pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, R
 }
 
 fn check_shading(renderer: &Splatting, scene: &Scene, input: &SplatInput) -> Result<(), RenderError> {
-    let Some(shading) = scene.shading.as_ref().filter(|_| scene.compositing.integrates_light()) else { return Ok(()) };
-    // It multiplies κ, whether or not what shines is shaded.
-    if !shading.gradient_opacity.is_empty() {
+    if scene.has_gradient_opacity() {
         return Err(unsupported("opacity that follows the gradient"));
     }
-    if !is_shaded(scene) {
-        return Ok(());
-    }
+    let Some(shading) = scene.reflection() else { return Ok(()) };
     let SplatInput::Grid(grid) = input else { return Err(unsupported("shading of scattered points")) };
     if renderer.splats_light() {
         return Err(unsupported("shading of what is classified before it is splatted"));

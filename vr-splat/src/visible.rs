@@ -3,6 +3,7 @@
 use vr_core::filter::Lattice;
 use vr_core::parallel::collect;
 use vr_core::{AnyGrid, Calibration, GridVolume, TransferFunction, VacuumCells};
+use vr_kernels::ranges::{VisibleLevels, VisibleValues};
 
 use crate::bit_rows::{BitRows, Run};
 
@@ -31,7 +32,7 @@ impl VisibleVoxels {
     pub(crate) fn classified<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
         missing: &(dyn Fn(usize) -> bool + Sync),
-        ranges: &VisibleRanges,
+        levels: &VisibleLevels,
     ) -> Self {
         let [nx, ny, nz] = lattice.dims;
         let layer = |z: usize| {
@@ -39,8 +40,8 @@ impl VisibleVoxels {
             for y in 0..ny {
                 for x in 0..nx {
                     let i = (z * ny + y) * nx + x;
-                    let value = lattice.samples[i].to_f32();
-                    if ranges.shows(value, value) && !missing(i) {
+                    let value = f64::from(lattice.samples[i].to_f32());
+                    if levels.any(value, value) && !missing(i) {
                         bits.set(x, y);
                     }
                 }
@@ -55,7 +56,7 @@ impl VisibleVoxels {
     pub(crate) fn reconstructed<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
         vacuum: Option<&VacuumCells>,
-        ranges: &VisibleRanges,
+        levels: &VisibleLevels,
         reach: [f64; 3],
         beyond: f64,
         overshoot: f32,
@@ -63,7 +64,7 @@ impl VisibleVoxels {
         let dims @ [nx, ny, nz] = lattice.dims;
         // A place in a cell lies up to a voxel from its farther corners; what reaches farther brings in other voxels.
         let other = reach.map(|r| (r - 1.0 + beyond).ceil().max(0.0) as usize);
-        let cells = CellBits::new(lattice, vacuum, ranges, other, overshoot);
+        let cells = CellBits::new(lattice, vacuum, levels, other, overshoot);
         let near = reach.map(|r| (r + beyond).ceil().max(1.0) as usize);
         let spread: Vec<BitRows> = collect(dims[2] - 1, |z| cells.layers[z].to_voxels(near, [nx, ny]));
         let layer = |z: usize| {
@@ -77,57 +78,14 @@ impl VisibleVoxels {
     }
 }
 
-/// Where, over stored numbers, a transfer function shows anything.
-pub(crate) struct VisibleRanges {
-    /// Subtracted from stored numbers before anything else.
-    offset: f32,
-    origin: f32,
-    per_unit: f32,
-    /// For each interval, the first one from it on in which something shows.
-    next: Vec<u16>,
-}
-
-/// Intervals of stored numbers that are told apart.
-const INTERVALS: usize = 4096;
-
-impl VisibleRanges {
-    /// Of a range of stored numbers less an offset, and what these differences mean.
-    pub(crate) fn new(transfer: &TransferFunction, calibration: Calibration, range: (f32, f32), offset: f32) -> Self {
-        let (low, high) = (f64::from(range.0), f64::from(range.1));
-        let spacing = if high > low { (high - low) / INTERVALS as f64 } else { 1.0 };
-        // A hair on either side, for numbers are rounded before they are looked up.
-        let visible = |i: usize| {
-            let ends = [i as f64 - 0.01, i as f64 + 1.01].map(|k| calibration.value(low + k * spacing));
-            shows(transfer, ends[0].min(ends[1]), ends[0].max(ends[1]))
-        };
-        let mut next = vec![u16::MAX; INTERVALS + 1];
-        for i in (0..INTERVALS).rev() {
-            next[i] = if visible(i) { i as u16 } else { next[i + 1] };
-        }
-        Self { offset, origin: range.0, per_unit: (1.0 / spacing) as f32, next }
-    }
-
-    /// Whether anything shows at or between two stored numbers.
-    #[inline]
-    pub(crate) fn shows(&self, low: f32, high: f32) -> bool {
-        let interval =
-            |v: f32| (((v - self.offset - self.origin) * self.per_unit).max(0.0) as usize).min(INTERVALS - 1);
-        usize::from(self.next[interval(low)]) <= interval(high)
-    }
-
-    /// Whether nothing is hidden: every number shows something.
-    pub(crate) fn shows_all(&self) -> bool {
-        self.next.iter().take(INTERVALS).enumerate().all(|(i, &next)| usize::from(next) == i)
-    }
-}
-
-/// Whether a transfer function shows anything at or between two values.
-fn shows(transfer: &TransferFunction, low: f64, high: f64) -> bool {
-    let at = |value: f64| {
-        let at = transfer.at(value);
-        at.opacity > 0.0 || at.emission != [0.0; 3]
-    };
-    at(low) || at(high) || transfer.segments().iter().any(|s| s.from < high && s.to > low && !s.is_clear())
+/// Stored numbers in `range`, and beyond, that a transfer function shows.
+pub(crate) fn visible_levels(
+    transfer: &TransferFunction,
+    calibration: Calibration,
+    range: (f64, f64),
+) -> VisibleLevels {
+    let values = VisibleValues::new(transfer);
+    VisibleLevels::new(range, false, |from, to| values.shows(calibration.value(from), calibration.value(to)))
 }
 
 /// Whether a sample is missing, by its place among the samples.
@@ -159,7 +117,7 @@ impl CellBits {
     fn new<T: vr_core::Voxel>(
         lattice: &Lattice<'_, T>,
         vacuum: Option<&VacuumCells>,
-        ranges: &VisibleRanges,
+        levels: &VisibleLevels,
         other: [usize; 3],
         overshoot: f32,
     ) -> Self {
@@ -189,7 +147,7 @@ impl CellBits {
                 let least = row_low.iter().copied().fold(f32::INFINITY, f32::min);
                 let most = row_high.iter().copied().fold(f32::NEG_INFINITY, f32::max);
                 let more = overshoot * (most - least);
-                if !ranges.shows(least - more, most + more) {
+                if !levels.any(f64::from(least - more), f64::from(most + more)) {
                     continue;
                 }
                 for x in 0..nx - 1 {
@@ -197,7 +155,9 @@ impl CellBits {
                     let least = row_low[around.clone()].iter().copied().fold(f32::INFINITY, f32::min);
                     let most = row_high[around].iter().copied().fold(f32::NEG_INFINITY, f32::max);
                     let more = overshoot * (most - least);
-                    if ranges.shows(least - more, most + more) && !vacuum.is_some_and(|v| v.is_vacuum([x, y, z])) {
+                    if levels.any(f64::from(least - more), f64::from(most + more))
+                        && !vacuum.is_some_and(|v| v.is_vacuum([x, y, z]))
+                    {
                         bits.set(x, y);
                     }
                 }
@@ -240,10 +200,10 @@ mod tests {
         let mut samples = vec![0u8; 70 * 5 * 6];
         samples[(3 * 5 + 2) * 70 + 64] = 9;
         let lattice = Lattice { samples: &samples, dims };
-        let ranges = VisibleRanges::new(&transfer(4.0), Calibration::default(), (0.0, 9.0), 0.0);
-        let own = VisibleVoxels::classified(&lattice, &|_| false, &ranges);
+        let levels = visible_levels(&transfer(4.0), Calibration::default(), (0.0, 9.0));
+        let own = VisibleVoxels::classified(&lattice, &|_| false, &levels);
         assert_eq!(voxels(&own), [[64, 2, 3]]);
-        let linear = VisibleVoxels::reconstructed(&lattice, None, &ranges, [1.0; 3], 0.0, 0.0);
+        let linear = VisibleVoxels::reconstructed(&lattice, None, &levels, [1.0; 3], 0.0, 0.0);
         // Eight cells around it, and their corners.
         let want: Vec<[usize; 3]> =
             (2..5).flat_map(|z| (1..4).flat_map(move |y| (63..66).map(move |x| [x, y, z]))).collect();
@@ -252,7 +212,7 @@ mod tests {
         let cells = linear.cells.as_ref().unwrap();
         assert!(cells.is_visible(63, 1, 2) && cells.is_visible(64, 2, 3) && !cells.is_visible(65, 2, 3));
         // Kernels that reach two voxels see it from one cell farther, and these depend on two voxels each way.
-        let wide = VisibleVoxels::reconstructed(&lattice, None, &ranges, [2.0; 3], 0.0, 0.0);
+        let wide = VisibleVoxels::reconstructed(&lattice, None, &levels, [2.0; 3], 0.0, 0.0);
         assert!(wide.cells.as_ref().unwrap().is_visible(62, 0, 1));
         assert!(voxels(&wide).contains(&[61, 0, 0]) && !voxels(&wide).contains(&[60, 0, 0]));
     }
@@ -270,13 +230,5 @@ mod tests {
             assert!((0..2).all(|y| (0..2).all(|z| cells.is_visible(x, y, z) == seen)), "{x}");
         }
         assert!(VisibleVoxels::all([4, 3, 3], None).cells.is_none());
-    }
-
-    #[test]
-    fn ranges_show_what_the_transfer_function_shows() {
-        let ranges = VisibleRanges::new(&transfer(4.0), Calibration::default(), (0.0, 9.0), 0.0);
-        assert!(!ranges.shows(0.0, 3.9) && ranges.shows(0.0, 4.1) && ranges.shows(8.0, 8.0));
-        assert!(!ranges.shows_all());
-        assert!(VisibleRanges::new(&transfer(-4.0), Calibration::default(), (0.0, 9.0), 0.0).shows_all());
     }
 }

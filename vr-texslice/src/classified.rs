@@ -5,7 +5,6 @@ use vr_core::parallel::each_part;
 use vr_core::{GridVolume, ParameterError, Scene, View, Voxel, gradient_at_sample, with_grid};
 
 use crate::slices::Slices;
-use crate::support::shades;
 use crate::tex_slice::Format;
 
 /// A texture of light, or of what a palette turns into light.
@@ -88,14 +87,13 @@ pub(crate) fn light_of(scene: &Scene, volume: &GridVolume, made: &Made, stored: 
     let gradient = with_grid!(volume.values(), g => {
         gradient(&Lattice { samples: g.samples(), dims: g.dims() }, index)
     });
-    let world = volume.placement().inverse_axes().transpose() * glam::DVec3::from(gradient);
-    let (factor, added) = shading.along::<f64>(&scene.lights, forward.into()).reflect(world.to_array());
-    std::array::from_fn(|c| if c < 3 { (light[c] * factor[c] + light[3] * added[c]) as f32 } else { light[3] as f32 })
+    let world = volume.placement().gradient_to_world(gradient.into());
+    shading.along(&scene.lights, forward.into()).shade(light, world.to_array()).map(|x| x as f32)
 }
 
 /// Whether voxels are shaded, which a view's direction is needed for.
 pub(crate) fn is_shaded(format: Format, scene: &Scene) -> bool {
-    matches!(format, Format::Rgba | Format::LuminanceAlpha) && shades(scene)
+    matches!(format, Format::Rgba | Format::LuminanceAlpha) && scene.reflection().is_some()
 }
 
 /// One texel for every sample, from its stored number and its index.

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use vr_core::{Compositing, GridVolume, Scene};
+use vr_kernels::vector::Operator;
 
-use crate::draw::{Operator, Pixel, State};
+use crate::draw::{Pixel, State};
 use crate::fragments::Fragments;
 use crate::model::{Gradient, Stored};
-use crate::support::shades;
 
 /// What that takes.
 pub(crate) struct Finish<'a> {
@@ -48,9 +48,8 @@ impl Finish<'_> {
 
     /// (α·c, α) of a stored number.
     fn picked(&self, stored: f64) -> Pixel {
-        let at = self.scene.transfer.at(self.volume.calibration().value(stored));
-        let [r, g, b] = at.color.map(|c| c * at.opacity);
-        Pixel { rgba: [r, g, b, at.opacity], ..Pixel::NOTHING }
+        let rgba = self.scene.transfer.at(self.volume.calibration().value(stored)).pixel();
+        Pixel { rgba, ..Pixel::NOTHING }
     }
 
     /// The point at which the threshold is passed, found between the sample that passed and the one before it.
@@ -65,15 +64,15 @@ impl Finish<'_> {
             // False in vacuum.
             if sign * stored(middle) >= sign * threshold { reached = middle } else { below = middle }
         }
-        let mut color = self.scene.transfer.at(self.volume.calibration().value(stored(reached))).color;
-        if let Some(shading) = self.scene.shading.as_ref().filter(|_| shades(self.scene)) {
-            let gradient = DVec3::from(self.volume.with_lattice(Gradient(self.index(rays, i, reached))));
-            let world = self.volume.placement().inverse_axes().transpose() * gradient;
+        let [r, g, b] = self.scene.transfer.at(self.volume.calibration().value(stored(reached))).color;
+        let mut rgba = [r, g, b, 1.0];
+        if let Some(shading) = self.scene.reflection() {
+            let gradient = self.volume.with_lattice(Gradient(self.index(rays, i, reached)));
+            let world = self.volume.placement().gradient_to_world(gradient.into());
             let along = DVec3::from(rays.chords.along.map(|a| a[i]));
-            let (factor, added) = shading.along::<f64>(&self.scene.lights, along).reflect(world.to_array());
-            color = std::array::from_fn(|c| color[c] * factor[c] + added[c]);
+            rgba = shading.along(&self.scene.lights, along).shade(rgba, world.to_array());
         }
-        Pixel { rgba: [color[0], color[1], color[2], 1.0], depth: reached }
+        Pixel { rgba, depth: reached }
     }
 
     /// Index-space position at a world distance along a ray, inside the box.

@@ -1,7 +1,7 @@
 //! The fragments of sixteen pixels: where slices meet their rays, in f64, and what a kernel needs of that, in f32.
 
 use fearless_simd::Simd;
-use vr_core::{Clip, Placement, Rays};
+use vr_core::{Clip, MaxRadiance, Placement, Rays};
 use vr_kernels::vector::{Chords, LANES, Lanes};
 
 use crate::slices::{Slabs, Slices};
@@ -104,6 +104,16 @@ impl Fragments {
     /// World distance along a ray at a number.
     pub(crate) fn distance_at(&self, ray: usize, number: f32) -> f64 {
         self.distance[0][ray] + f64::from(number) * self.distance[1][ray]
+    }
+
+    /// Largest light, or opacity, that can come from behind along each ray, by what is left clear.
+    pub(crate) fn max_behind(&self, max_radiance: MaxRadiance) -> Lanes {
+        Lanes(std::array::from_fn(|i| {
+            let [begin, length] = &self.outer_span[1];
+            let end = self.distance_at(i, begin.0[i] + length.0[i]);
+            let start = self.distance_at(i, self.outer_span[0][0].0[i]);
+            max_radiance.over(end - start) as f32
+        }))
     }
 }
 

@@ -91,7 +91,6 @@ mod prepared;
 mod projection;
 mod renderer;
 mod settings;
-mod shading;
 mod slices;
 mod support;
 mod tables;

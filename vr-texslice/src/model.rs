@@ -13,7 +13,6 @@ use vr_kernels::tables::PreIntegrated;
 use crate::classified::{Codes, Made, light_of};
 use crate::compression::Compressed;
 use crate::slices::{Slabs, Slices};
-use crate::support::shades;
 use crate::tables::segments;
 use crate::tex_slice::{Format, TexSlice};
 
@@ -169,11 +168,10 @@ impl Along<'_> {
             return [0.0; 4];
         }
         let light = scene.transfer.step(self.volume.calibration().value(stored), length);
-        let Some(shading) = scene.shading.as_ref().filter(|_| shades(scene)) else { return light };
-        let gradient = glam::DVec3::from(self.volume.with_lattice(Gradient(self.index(middle))));
-        let world = self.volume.placement().inverse_axes().transpose() * gradient;
-        let (factor, added) = shading.along::<f64>(&scene.lights, self.ray.direction).reflect(world.to_array());
-        std::array::from_fn(|c| if c < 3 { light[c] * factor[c] + light[3] * added[c] } else { light[3] })
+        let Some(shading) = scene.reflection() else { return light };
+        let gradient = self.volume.with_lattice(Gradient(self.index(middle)));
+        let world = self.volume.placement().gradient_to_world(gradient.into());
+        shading.along(&scene.lights, self.ray.direction).shade(light, world.to_array())
     }
 }
 

@@ -10,21 +10,20 @@ use vr_core::{
     Compositing, Control, Counts, Frame, GridVolume, Model, Prepared, Rays, RenderError, RenderStats, Rendered, Scene,
     View, with_grid,
 };
-use vr_kernels::ranges::RangeBlocks;
-use vr_kernels::vector::{Pairs, Rows};
+use vr_kernels::ranges::{RangeBlocks, Visibility};
+use vr_kernels::vector::{Operator, PacketShading, Pairs, Rows};
 
 use crate::bricks::{BrickLattice, Pool};
 use crate::classified::{Classified, Made};
 use crate::compression::Compressed;
-use crate::draw::{Bricked, Classifier, Operator, Pass, Pixel, Scene16, draw_slices, draw_tiles};
+use crate::draw::{Bricked, Classifier, Pass, Pixel, Scene16, draw_slices, draw_tiles};
 use crate::finish::Finish;
 use crate::fragments::Setup;
 use crate::model::SliceModel;
 use crate::occupancy::Occupancy;
-use crate::shading::{brightest, packet_shading};
 use crate::slices::Slices;
-use crate::support::{check, check_view, shades};
-use crate::tables::{Tables, is_visible};
+use crate::support::{check, check_view};
+use crate::tables::Tables;
 use crate::tex_slice::{Blend, Format, Order, TexSlice};
 use crate::texture::{Blocks, Indices, Light, Luminance, Rgba, Texture, Voxels};
 use crate::textures::{Stacks, axes_of_stack, hold};
@@ -71,36 +70,18 @@ impl PreparedTexSlice {
         })
     }
 
-    fn operator(&self, volume: &GridVolume) -> Operator {
-        let calibration = volume.calibration();
-        let sign = calibration.slope.signum() as f32;
-        match self.scene.compositing {
-            Compositing::Accumulate { level } if level < 1.0 => Operator::Under { level: level as f32 },
-            Compositing::Maximum => Operator::Extreme { sign },
-            Compositing::Minimum => Operator::Extreme { sign: -sign },
-            Compositing::Average => Operator::Average,
-            Compositing::First { threshold } => {
-                Operator::First { sign, threshold: calibration.stored(threshold) as f32 }
-            }
-            _ if self.renderer.blend == Blend::BackToFront => Operator::Over,
-            _ => Operator::Under { level: 1.0 },
-        }
-    }
-
     /// Blocks in which something can be visible; `None` where all of them are drawn.
     fn occupancy(&self, volume: &GridVolume, operator: Operator, axes: [usize; 3]) -> Option<Occupancy> {
         if !self.renderer.skip || operator.picks() {
             return None;
         }
         let ranges = RangeBlocks::of_volume(volume, Occupancy::EDGE);
-        let light = self.renderer.holds_light();
-        Occupancy::new(&ranges, axes, |low, high| {
-            if light {
-                is_visible(&self.scene.transfer, volume, low, high)
-            } else {
-                self.tables.shows(&self.scene, volume, low, high)
-            }
-        })
+        if self.renderer.holds_light() {
+            let voxels = Visibility::<f32>::of_light(&self.scene.transfer, volume.calibration(), None, None);
+            return Occupancy::new(&ranges, axes, |low, high| voxels.shows(low, high));
+        }
+        let fragments = &self.tables.of_length().visibility;
+        Occupancy::new(&ranges, axes, |low, high| fragments.shows(low, high))
     }
 }
 
@@ -134,8 +115,11 @@ impl Prepared for PreparedTexSlice {
         control.check()?;
         let layer = scene.layer(view, control)?;
         let mut stats = std::mem::take(&mut self.stats);
-        let operator = self.operator(volume);
-        let on_faces = operator.wants_faces() || (self.renderer.is_pre_integrated() && !operator.picks());
+        let operator =
+            Operator::new(scene.compositing, volume.calibration(), self.renderer.blend == Blend::BackToFront);
+        // Extremes and crossings are wanted where rays enter and leave, too.
+        let finds = matches!(operator, Operator::Extreme { .. } | Operator::First { .. });
+        let on_faces = finds || (self.renderer.is_pre_integrated() && !operator.picks());
         let slices = Slices::new(&self.renderer, view, volume.placement(), volume.dims(), on_faces)?;
         time_if_made(&mut stats, "table", || Ok(self.tables.tabulate(&scene, volume, slices.table_length())))?;
         let axes = slices.axis().map_or([0, 1, 2], axes_of_stack);
@@ -148,8 +132,9 @@ impl Prepared for PreparedTexSlice {
             None => hold("the volume's texture", volume.sample_bytes() as u64, self.renderer.bytes())?,
         }
         let occupancy = stats.time("cull", || self.occupancy(volume, operator, axes));
-        let shading = shades(&scene).then(|| packet_shading(&scene, volume, axes)).flatten();
-        let shading = shading.filter(|_| scene.compositing.integrates_light() && !self.renderer.holds_light());
+        let shading =
+            scene.reflection().filter(|_| scene.compositing.integrates_light() && !self.renderer.holds_light());
+        let shading = shading.map(|s| PacketShading::new(Arc::clone(s), &scene.lights, volume.placement(), axes));
         let tables = self.tables.of_length();
         let even = slices.are_even();
         let exact = |stored: f32, ratio: f32| {
@@ -162,13 +147,12 @@ impl Prepared for PreparedTexSlice {
         let classifier = match &self.tables.segments {
             _ if operator.picks() => Classifier::Values,
             Some(table) => {
-                let points = scene.transfer.points();
-                let most = |c: usize| points.iter().map(|p| p.color[c]).fold(0.0, f64::max) as f32;
-                let brightest = (!scene.transfer.has_emission()).then(|| [most(0), most(1), most(2)]);
+                let most = || scene.transfer.brightest_color_by_channel().map(|c| c as f32);
+                let brightest = (!scene.transfer.has_emission()).then(most);
                 Classifier::Segments { table, brightest }
             }
             None if self.renderer.holds_light() => Classifier::Done { even },
-            None if !tables.resolves(&scene.transfer, volume) => Classifier::Exact(&exact),
+            None if !tables.baked.resolves() => Classifier::Exact(&exact),
             None => Classifier::Table { rows: Rows::of(&tables.baked), optics: &tables.optics, even },
         };
         let setup = Setup {
@@ -200,7 +184,7 @@ impl Prepared for PreparedTexSlice {
                     occupancy: occupancy.as_ref(),
                 },
                 shading: shading.as_ref(),
-                most: brightest(&scene),
+                max_radiance: scene.max_radiance(),
                 finish: &|rays, state, i| finish.pixel(rays, state, i),
                 level: self.level,
             },
@@ -211,7 +195,7 @@ impl Prepared for PreparedTexSlice {
                 let pool = &mut self.pool;
                 stats.time("draw", || {
                     draw_bricks(&job, volume, edge as usize, self.renderer.bytes(), pool, |low, high| {
-                        !self.renderer.skip || self.tables.shows(&scene, volume, low, high)
+                        !self.renderer.skip || tables.visibility.shows(low, high)
                     })
                 })?
             }

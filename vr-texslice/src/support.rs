@@ -57,14 +57,10 @@ pub(crate) fn check(renderer: &TexSlice, scene: &Scene) -> Result<Arc<GridVolume
 }
 
 fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
-    let Some(shading) = &scene.shading else { return Ok(()) };
-    // It multiplies κ, whether or not what shines is shaded.
-    if !shading.gradient_opacity.is_empty() && scene.compositing.integrates_light() {
+    if scene.has_gradient_opacity() {
         return Err(unsupported("opacity that follows the gradient"));
     }
-    if !shades(scene) {
-        return Ok(());
-    }
+    let Some(shading) = scene.reflection() else { return Ok(()) };
     if shading.gradient == GradientMethod::Analytic {
         return Err(unsupported("analytic gradients: those at the samples are interpolated"));
     }
@@ -86,7 +82,7 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
         if !points.iter().all(|p| grey(p.color) && grey(p.emission.unwrap_or_default())) {
             return Err(unsupported("colours in textures of luminance and alpha"));
         }
-        if shades(scene) && !scene.lights.iter().all(|light| grey(light.color)) {
+        if scene.reflection().is_some() && !scene.lights.iter().all(|light| grey(light.color)) {
             return Err(unsupported("lights of a colour on textures of luminance and alpha"));
         }
     }
@@ -98,7 +94,8 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
         return Err(unsupported("stacks of 2D textures but of values"));
     }
     let bricks = renderer.brick.is_some();
-    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || shades(scene)) {
+    if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || scene.reflection().is_some())
+    {
         return Err(unsupported("bricks but of unshaded values in 3D textures, classified after interpolation"));
     }
     let in_order = renderer.blend == Blend::FrontToBack && scene.compositing == Compositing::Over;
@@ -106,7 +103,7 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
         return Err(unsupported("bricks and whole slices but under 'over', front to back"));
     }
     let planes_of_values = renderer.proxy == Proxy::Planes && renderer.format == Format::Scalar;
-    if renderer.order == Order::Slices && (bricks || shades(scene) || !planes_of_values) {
+    if renderer.order == Order::Slices && (bricks || scene.reflection().is_some() || !planes_of_values) {
         return Err(unsupported(
             "whole slices but planes through unshaded values, classified after interpolation, in one texture",
         ));
@@ -124,13 +121,4 @@ pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Res
         return Err(unsupported("several samples a pixel in whole slices"));
     }
     Ok(())
-}
-
-/// True if colours are shaded: those that light is made of, unless emission is given on its own, and that of a surface.
-pub(crate) fn shades(scene: &Scene) -> bool {
-    let reflects = match scene.compositing {
-        Compositing::First { .. } => true,
-        other => other.integrates_light() && !scene.transfer.has_emission(),
-    };
-    scene.shading.is_some() && reflects
 }

@@ -66,6 +66,12 @@ impl Optical {
         Self { opacity: p.opacity, color: p.color, emission: p.emission.unwrap_or_default() }
     }
 
+    /// Pixel of a single value, premultiplied: (α·c, α), α of the unit distance, whatever the length of the ray.
+    pub fn pixel(&self) -> [f64; 4] {
+        let [r, g, b] = self.color.map(|c| c * self.opacity);
+        [r, g, b, self.opacity]
+    }
+
     fn lerp(t: f64, a: &Self, b: &Self) -> Self {
         let mix = |a: f64, b: f64| a + t * (b - a);
         let mix3 = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| mix(a[i], b[i]));
@@ -315,6 +321,7 @@ mod tests {
         assert_eq!(t.at(10.0).opacity, 0.9);
         assert!((t.at(10.0f64.next_down()).opacity - 0.5).abs() < 1e-15);
         assert_eq!(t.at(99.0).opacity, 1.0);
+        assert_eq!(t.at(5.0).pixel(), [0.0625, 0.25, 0.125, 0.25]);
         assert_eq!(t.extinction_at(99.0), f64::INFINITY);
         assert!((t.extinction_at(5.0) - -(0.75f64.ln()) / 2.0).abs() < 1e-16);
         assert!(t.has_jumps());

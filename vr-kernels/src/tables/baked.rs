@@ -1,6 +1,7 @@
 //! A transfer function baked into a table for one step length: a look-up instead of an exponential.
 
 use super::grid::{TableGrid, lone_walls};
+use super::range::resolves_ramps;
 use vr_core::Calibration;
 use vr_core::Real;
 use vr_core::transfer::{Optical, TransferFunction};
@@ -25,6 +26,7 @@ pub struct BakedTransfer<R> {
     per_unit: R,
     last: R,
     error: TableError,
+    resolves: bool,
 }
 
 /// How far a table can be from the transfer function, at any stored number, apart from the rounding of its rows.
@@ -63,12 +65,18 @@ impl<R: Real> BakedTransfer<R> {
         }
         let origin = R::from_f64(grid.origin());
         let per_unit = per_unit(&grid, calibration, origin);
-        Self { grid, rows, walls, visible, origin, per_unit, last: R::from_f64(intervals as f64), error }
+        let resolves = resolves_ramps(grid.spacing().abs(), calibration, transfer);
+        Self { grid, rows, walls, visible, origin, per_unit, last: R::from_f64(intervals as f64), error, resolves }
     }
 
     /// What the table adds to the error.
     pub fn error(&self) -> TableError {
         self.error
+    }
+
+    /// True if the entries lie close enough together to tell apart all that the transfer function does: else it must be evaluated.
+    pub fn resolves(&self) -> bool {
+        self.resolves
     }
 
     /// Stored units from one entry to the next.

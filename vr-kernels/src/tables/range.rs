@@ -41,8 +41,8 @@ pub fn outwards((low, high): (f64, f64)) -> (f32, f32) {
 /// table's chord there is wrong over one entry: an eighth of the ramp is what that may be.
 const ENTRIES_PER_RAMP: f64 = 8.0;
 
-/// Whether entries so many stored units apart tell apart all that a transfer function does.
-pub fn resolves_ramps(spacing: f64, calibration: Calibration, transfer: &TransferFunction) -> bool {
+/// True if entries so many stored units apart tell apart all that a transfer function does.
+pub(super) fn resolves_ramps(spacing: f64, calibration: Calibration, transfer: &TransferFunction) -> bool {
     let slope = calibration.slope.abs();
     let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
     // Spacings of 1/16 and the like come back rounded from f32.

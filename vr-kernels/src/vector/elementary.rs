@@ -1,4 +1,4 @@
-//! Logarithm and exponential of sixteen numbers, by our own polynomials: the same bits on every machine.
+//! Logarithm, exponential and what is made of them, of sixteen numbers, by our own polynomials: the same bits on every machine.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -73,9 +73,36 @@ pub fn opacity_of_depth<S: Simd>(simd: S, tau: f32x16<S>) -> f32x16<S> {
     (splat(simd, 1.0) - scale) - scale * grown
 }
 
+/// The source weight (1 − e^(−τ))/τ of optical depths τ ≥ 0 whose opacities are known: of what shines in a homogeneous step, the part that gets
+/// out; 1 where nothing absorbs.
+#[inline(always)]
+pub fn source_weight<S: Simd>(simd: S, tau: f32x16<S>, alpha: f32x16<S>) -> f32x16<S> {
+    let one = splat(simd, 1.0);
+    let clear = tau.simd_le(splat(simd, 0.0));
+    pick(clear, one, alpha / pick(clear, one, tau))
+}
+
+/// Up to this optical depth, six terms of a series are good to the last bits: the next is τ⁶/5040.
+const THIN: f32 = 0.25;
+
+/// The source weight and the opacity of optical depths τ ≥ 0, without an exponential where all of them are thin.
+#[inline(always)]
+pub fn source_weight_and_opacity<S: Simd>(simd: S, tau: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
+    if !tau.simd_gt(splat(simd, THIN)).any_true() {
+        let mut weight = splat(simd, -1.0 / 720.0);
+        for c in [1.0 / 120.0, -1.0 / 24.0, 1.0 / 6.0, -0.5, 1.0] {
+            weight = weight * tau + c;
+        }
+        return (weight, tau * weight);
+    }
+    let alpha = opacity_of_depth(simd, tau);
+    (source_weight(simd, tau, alpha), alpha)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::LANES;
     use fearless_simd::{Level, dispatch};
 
     #[test]
@@ -101,5 +128,35 @@ mod tests {
             opacity_of_depth(simd, splat(simd, 0.0))[0], depth_of_opacity(simd, splat(simd, 0.0))[0],
         ]);
         assert_eq!(none, [0.0, 0.0]);
+    }
+
+    #[test]
+    fn source_weights_are_good_to_the_last_bits_thin_or_thick() {
+        let mut worst = 0.0f64;
+        for i in 0..30_000 {
+            let tau = libm::exp(f64::from(i) * 1e-3 - 26.0) as f32;
+            let exact = f64::from(tau);
+            let exact = [vr_core::optics::source_weight(exact), vr_core::optics::opacity_of_depth(exact)];
+            // The series and the exponential: one lane decides for all.
+            for thick in [0.0, 1.0] {
+                let mut all = [tau; LANES];
+                all[3] = thick;
+                let got = dispatch!(Level::new(), simd => {
+                    let tau = f32x16::load_array_ref(simd, &all);
+                    let (weight, alpha) = source_weight_and_opacity(simd, tau);
+                    [weight[5], alpha[5], source_weight(simd, tau, opacity_of_depth(simd, tau))[5]]
+                });
+                for (got, exact) in got.into_iter().zip([exact[0], exact[1], exact[0]]) {
+                    worst = worst.max((f64::from(got) / exact - 1.0).abs());
+                }
+            }
+        }
+        // Five units in the last place: four of the exponential, one of the quotient.
+        assert!(worst < 3e-7, "{worst:e}");
+        let none = dispatch!(Level::new(), simd => {
+            let zero = splat(simd, 0.0);
+            [source_weight_and_opacity(simd, zero).0, source_weight(simd, zero, zero)].map(|w| w.to_array())
+        });
+        assert_eq!(none, [[1.0; LANES]; 2]);
     }
 }

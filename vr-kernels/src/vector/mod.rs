@@ -8,19 +8,21 @@ mod elementary;
 mod field;
 mod lanes;
 mod level;
+mod operator;
 mod rows;
 mod shade;
 mod sums;
 mod table;
 
 pub use chords::Chords;
-pub use elementary::{depth_of_opacity, ln, opacity_of_depth};
+pub use elementary::{depth_of_opacity, ln, opacity_of_depth, source_weight, source_weight_and_opacity};
 pub use field::{Cells, Field, Pairs, Stage, TwoRows, cells, inside};
 pub use lanes::Lanes;
 pub use level::{Vectorized, run};
+pub use operator::Operator;
 pub use rows::{packed, transpose, transpose_packed};
 pub use shade::{PacketLights, PacketShading, Shade};
-pub use sums::Sums;
+pub use sums::{Sums, share_to_level};
 pub use table::{OpticsTable, Rows, light_of};
 
 use fearless_simd::prelude::*;

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::field::{Cells, Field, Pairs, Stage};
 use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
-use vr_core::{Light, Shading};
+use vr_core::{Light, Placement, Shading};
 
 /// Shading, the same for all rays.
 #[derive(Clone, Debug)]
@@ -19,6 +19,15 @@ pub struct PacketShading {
     pub lights: Vec<Light>,
     /// From gradients per index step to world gradients, but for their length.
     pub to_world: [[f32; 3]; 3],
+}
+
+impl PacketShading {
+    /// For gradients of a grid whose axes are taken in this order.
+    pub fn new(shading: Arc<Shading>, lights: &[Light], placement: &Placement, axes: [usize; 3]) -> Self {
+        let (matrix, _) = placement.scaled_gradient_matrix(1.0);
+        let to_world = std::array::from_fn(|row| axes.map(|a| matrix.col(a)[row] as f32));
+        Self { shading, lights: lights.to_vec(), to_world }
+    }
 }
 
 /// The lights as the rays of a packet see them.

@@ -4,6 +4,22 @@ use super::{LANES, Lanes, depth_of_opacity, pick, splat};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
+/// The part of homogeneous steps, behind so much that is clear, at which opacity reaches a level, and where it does: light goes with opacity, and what
+/// is behind the level, or shines in what is clear there, has no part.
+#[inline(always)]
+pub fn share_to_level<S: Simd, V: SimdFloat<S, Element = f32>>(
+    simd: S,
+    clear: V,
+    alpha: V,
+    level: f32,
+) -> (V, V::Mask) {
+    let (zero, one) = (V::splat(simd, 0.0), V::splat(simd, 1.0));
+    let (adds, room) = (clear * alpha, (clear - (1.0 - level)).max(zero));
+    let reached = adds.simd_ge(room);
+    let divisor = adds.simd_gt(zero).select(adds, one);
+    (reached.select(room / divisor, one), reached)
+}
+
 /// C ← C + (1 − A)·c, A ← A + (1 − A)·α, front to back, with compensated sums.
 ///
 /// Beside each sum goes the sum of what its roundings lost (Neumaier 1974, "Rundungsfehleranalyse einiger Verfahren zur Summation
@@ -115,4 +131,28 @@ fn share_of_half<S: Simd>(simd: S, before: &Lanes, alpha: &Lanes, share: &mut La
             *share = Lanes::of(pick(alpha.simd_ge(one), splat(simd, 0.0), part));
         },
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch, f32x4};
+
+    #[test]
+    fn a_level_cuts_the_step_that_reaches_it() {
+        // (clear, opacity, share to the level ¾).
+        let cases =
+            [(1.0, 0.5, 1.0), (0.5, 1.0, 0.5), (0.5, 0.25, 1.0), (0.25, 0.5, 0.0), (0.25, 0.0, 0.0), (0.0, 1.0, 0.0)];
+        for (clear, alpha, share) in cases {
+            let (got, reached) = dispatch!(Level::new(), simd => {
+                let (share, reached) = share_to_level(simd, splat(simd, clear), splat(simd, alpha), 0.75);
+                (share[7], reached.all_true())
+            });
+            assert_eq!((got, reached), (share, share < 1.0), "{clear} {alpha}");
+            let four = dispatch!(Level::new(), simd => {
+                share_to_level(simd, f32x4::splat(simd, clear), f32x4::splat(simd, alpha), 0.75).0[2]
+            });
+            assert_eq!(four, share);
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The transfer function's table, looked up for sixteen values at once.
 
-use super::{LANES, opacity_of_depth, pick, splat, transpose};
+use super::{LANES, opacity_of_depth, pick, source_weight, splat, transpose};
 use crate::tables::{BakedTransfer, lone_walls};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
@@ -57,13 +57,7 @@ pub fn light_of<S: Simd>(simd: S, optics: [f32x16<S>; 4], length: f32x16<S>, emi
     let [r, g, b, kappa] = optics;
     let tau = kappa * length;
     let alpha = opacity_of_depth(simd, tau);
-    let share = if emits {
-        let clear = tau.simd_le(splat(simd, 0.0));
-        let one = splat(simd, 1.0);
-        length * pick(clear, one, alpha / pick(clear, one, tau))
-    } else {
-        alpha
-    };
+    let share = if emits { length * source_weight(simd, tau, alpha) } else { alpha };
     [r * share, g * share, b * share, alpha]
 }
 

@@ -42,8 +42,8 @@ impl EmptySpace {
                 &classifier.transfer,
                 classifier.calibration,
                 classifier.table.as_ref().map(|(table, _)| table),
-            )
-            .with_segments(classifier.profile.as_ref().and_then(|profile| profile.table.as_ref())),
+                classifier.profile.as_ref().and_then(|profile| profile.table.as_ref()),
+            ),
             Compositing::Average | Compositing::Maximum | Compositing::Minimum => return None,
         };
         let dims = volume.dims();

@@ -31,7 +31,6 @@ mod exact_cloud;
 mod octree;
 mod polyhedron;
 mod pyramid;
-mod visibility;
 mod visible_blocks;
 
 #[cfg(test)]
@@ -47,10 +46,10 @@ pub(crate) use exact_cloud::ExactCloud;
 pub(crate) use octree::{NodeRanges, Octree};
 pub(crate) use polyhedron::Polyhedron;
 pub(crate) use pyramid::Pyramid;
-pub(crate) use visibility::Visibility;
 pub(crate) use visible_blocks::{BlockGrid, VisibleBlocks};
 
 use vr_core::IndexRay;
+pub(crate) use vr_kernels::ranges::Visibility;
 
 /// Where along a ray something can be visible.
 pub(crate) trait Leaper: Send + Sync {

@@ -89,10 +89,10 @@ fn mark<R: Real>(
 ) -> Kind {
     let index = index(node, nodes.levels[level].nodes);
     let kind = if level == 0 {
-        if visibility.sees(&blocks.ranges()[index]) { Kind::Visible } else { Kind::Clear }
+        if visibility.shows_block(&blocks.ranges()[index]) { Kind::Visible } else { Kind::Clear }
     } else {
         let [low, high] = nodes.levels[level].ranges[index];
-        if !visibility.is_visible(low, high) {
+        if !visibility.shows(low, high) {
             return Kind::Clear;
         }
         let mut all: Option<Kind> = None;

@@ -23,7 +23,7 @@ fn nanoseconds_per_ray() {
         let points = phantom.transfer_points();
         let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE).unwrap();
         let uniform = volume.grid().unwrap();
-        let seen = Visibility::of_light(&transfer, uniform.calibration(), None);
+        let seen = Visibility::of_light(&transfer, uniform.calibration(), None, None);
         let ranges = RangeBlocks::of_volume(uniform, 8);
         let view = View::new(Camera::framing(volume.bounds(), 30.0, 20.0, None), [256, 256]);
         let rays = Rays::new(&view).unwrap();

@@ -131,7 +131,7 @@ proptest! {
         let table = Arc::new(BakedTransfer::<f32>::new(&transfer, Calibration::default(), (0.0, 9.0), false, 0.3));
         let seen = match threshold {
             Some(threshold) => Visibility::of_threshold(threshold, Calibration::default()),
-            None => Visibility::of_light(&transfer, Calibration::default(), Some(&table)),
+            None => Visibility::of_light(&transfer, Calibration::default(), Some(&table), None),
         };
         let shows = |value: f32| match threshold {
             Some(threshold) => value >= threshold as f32,

@@ -54,7 +54,7 @@ impl VisibleBlocks {
         rows.with_min_len(64).for_each(|(words, ranges)| {
             for (word, ranges) in words.iter_mut().zip(ranges.chunks(64)) {
                 for (bit, range) in ranges.iter().enumerate() {
-                    *word |= u64::from(visibility.sees(range)) << bit;
+                    *word |= u64::from(visibility.shows_block(range)) << bit;
                 }
             }
         });

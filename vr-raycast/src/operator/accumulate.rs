@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use vr_core::Real;
+use vr_core::optics::add_up_to_level;
 
 use super::{HALF, Operator, distance_of_opacity, end_of_opacity, steps_of};
 use crate::chord::Chord;
@@ -36,26 +37,12 @@ impl<R: Real> Operator<R> for Accumulate {
 
     fn take(&mut self, run: &Run<R>, _: &Chord<'_>) -> ControlFlow<()> {
         let before = self.rgba[3];
-        let mut flow = ControlFlow::Continue(());
-        for light in &run.light[..run.len()] {
-            let light = light.map(R::to_f64);
-            let clear = 1.0 - self.rgba[3];
-            let reached = self.rgba[3] + clear * light[3] >= self.level;
-            // A step of no opacity reaches nothing: the quotient is finite.
-            let share = if reached { (self.level - self.rgba[3]) / (clear * light[3]) } else { 1.0 };
-            for c in 0..3 {
-                self.rgba[c] += clear * share * light[c];
-            }
-            self.rgba[3] = if reached { self.level } else { self.rgba[3] + clear * light[3] };
-            if reached {
-                flow = ControlFlow::Break(());
-                break;
-            }
-        }
+        let mut steps = run.light[..run.len()].iter().map(|light| light.map(R::to_f64));
+        let reached = steps.any(|light| add_up_to_level(&mut self.rgba, light, self.level));
         if before < HALF && self.rgba[3] >= HALF {
             self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(end_of_opacity(run));
         }
-        flow
+        if reached { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn finish(&mut self, chord: &Chord<'_>) -> RayValue {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use vr_core::{Calibration, Real, TransferFunction};
 
-use super::{Operator, pixel_of_value};
+use super::Operator;
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -49,7 +49,7 @@ impl<R: Real> Operator<R> for Average {
         if self.length == 0.0 {
             return RayValue::NOTHING;
         }
-        let rgba = pixel_of_value(&self.transfer, self.calibration, self.integral / self.length);
+        let rgba = self.transfer.at(self.calibration.value(self.integral / self.length)).pixel();
         RayValue { rgba, ..RayValue::NOTHING }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use vr_core::{Calibration, Real, TransferFunction};
 
-use super::{Operator, pixel_of_value};
+use super::Operator;
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -60,7 +60,7 @@ impl<R: Real> Operator<R> for Extreme {
         if self.best == f64::NEG_INFINITY {
             return RayValue::NOTHING;
         }
-        let rgba = pixel_of_value(&self.transfer, self.calibration, self.sign * self.best);
+        let rgba = self.transfer.at(self.calibration.value(self.sign * self.best)).pixel();
         RayValue { rgba, depth: self.distance + chord.ray.offset }
     }
 }

@@ -24,13 +24,13 @@ pub(crate) use average::Average;
 pub(crate) use extreme::Extreme;
 pub(crate) use first::First;
 pub(crate) use over_back_to_front::OverBackToFront;
-pub(crate) use over_front_to_back::{Brightest, OverFrontToBack};
+pub(crate) use over_front_to_back::OverFrontToBack;
 pub(crate) use recording::Recording;
 
 use std::ops::ControlFlow;
 
+use vr_core::Real;
 use vr_core::optics::depth_of_opacity;
-use vr_core::{Calibration, Real, TransferFunction};
 
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
@@ -91,10 +91,4 @@ fn steps_of<R: Real>(run: &Run<R>) -> impl DoubleEndedIterator<Item = (f64, f64,
 fn end_of_opacity<R: Real>(run: &Run<R>) -> f64 {
     let last = (0..run.len()).rfind(|&j| run.light[j][3] > R::ZERO).unwrap_or(run.len() - 1);
     run.steps.begin[last] + run.steps.length[last]
-}
-
-/// The pixel of a single value: (α(v)·c(v), α(v)), α as given.
-fn pixel_of_value(transfer: &TransferFunction, calibration: Calibration, stored: f64) -> [f64; 4] {
-    let o = transfer.at(calibration.value(stored));
-    [o.opacity * o.color[0], o.opacity * o.color[1], o.opacity * o.color[2], o.opacity]
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use vr_core::Real;
+use vr_core::{MaxRadiance, Real};
 
 use super::{HALF, Operator, distance_of_opacity, end_of_opacity, steps_of};
 use crate::chord::Chord;
@@ -17,26 +17,17 @@ use crate::run::Run;
 pub(crate) struct OverFrontToBack {
     /// The ray ends when no more than this could be added to any component.
     negligible: f64,
-    /// The most that the medium can send, or absorb, per opacity left.
-    brightest: Brightest,
+    max_radiance: MaxRadiance,
     // The ray:
+    /// Largest component that its medium can add.
     most: f64,
     rgba: [f64; 4],
     depth: f64,
 }
 
-/// How bright a medium can be.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Brightest {
-    /// Radiance, however much of the medium there is.
-    Radiance(f64),
-    /// Emission per world unit.
-    Emission(f64),
-}
-
 impl OverFrontToBack {
-    pub(crate) fn new(termination: f64, brightest: Brightest) -> Self {
-        Self { negligible: 1.0 - termination, brightest, most: 1.0, rgba: [0.0; 4], depth: f64::INFINITY }
+    pub(crate) fn new(termination: f64, max_radiance: MaxRadiance) -> Self {
+        Self { negligible: 1.0 - termination, max_radiance, most: 1.0, rgba: [0.0; 4], depth: f64::INFINITY }
     }
 }
 
@@ -44,11 +35,7 @@ impl<R: Real> Operator<R> for OverFrontToBack {
     const LIGHT: bool = true;
 
     fn begin(&mut self, chord: &Chord<'_>) {
-        // Opacity itself can still grow by 1 − A.
-        self.most = match self.brightest {
-            Brightest::Radiance(c) => c.max(1.0),
-            Brightest::Emission(q) => (q * chord.ray.length()).max(1.0),
-        };
+        self.most = self.max_radiance.over(chord.ray.length());
         self.rgba = [0.0; 4];
         self.depth = f64::INFINITY;
     }

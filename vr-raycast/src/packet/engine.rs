@@ -7,7 +7,8 @@ use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, GradientMethod, GridVolume, Layer, ParameterError, Rays, Scene, View, with_grid,
+    Compositing, Counts, Filter, GradientMethod, GridVolume, Layer, MaxRadiance, ParameterError, Rays, Scene, View,
+    with_grid,
 };
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::ranges::RangeBlocks;
@@ -25,7 +26,6 @@ use crate::caster::{Classification, Leaping, Order, RayCaster, Rule, Step, Trave
 use crate::instruments::Instruments;
 use crate::leap::{Visibility, VisibleBlocks};
 use crate::near_depths::NearDepths;
-use crate::operator::Brightest;
 use crate::pace::PaceMap;
 use crate::silhouette::Hull;
 use crate::table_range::{resolves, table_range};
@@ -46,7 +46,7 @@ pub(crate) struct PacketEngine {
     offset: f64,
     /// A ray ends when no more than this could be added to any component.
     negligible: f64,
-    brightest: Brightest,
+    max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
 }
 
@@ -140,9 +140,8 @@ impl PacketEngine {
             step,
             offset,
             negligible: 1.0 - termination,
-            brightest: instruments.brightest(),
-            // Emission given on its own is light, not a surface.
-            shading: instruments.shader.as_ref().filter(|_| !scene.transfer.has_emission()).map(|s| s.for_packets()),
+            max_radiance: scene.max_radiance(),
+            shading: instruments.shader.as_ref().filter(|_| scene.reflection().is_some()).map(|s| s.for_packets()),
         })
     }
 
@@ -153,7 +152,7 @@ impl PacketEngine {
         table: &Arc<BakedTransfer<f32>>,
         edge: usize,
     ) -> Option<Distances> {
-        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table));
+        let visibility = Visibility::of_light(&scene.transfer, volume.calibration(), Some(table), None);
         if edge == LevelRanges::EDGE && LevelRanges::are_exact(volume) {
             return Distances::of_levels(&LevelRanges::of_volume(volume), &visibility);
         }
@@ -174,7 +173,7 @@ fn places(scene: &Scene, volume: &GridVolume, step: f64) -> Option<BakedTransfer
     let range = table_range(volume, &scene.transfer);
     let integer = volume.voxel_type().is_integer();
     let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
-    resolves(&table, volume, &scene.transfer).then_some(table)
+    resolves(&table, volume).then_some(table)
 }
 
 /// The vector engine with a view.
@@ -311,10 +310,7 @@ impl PacketFrame<'_> {
 
     /// Per ray the largest light, or opacity, that can come from behind, by what is left clear.
     fn most(&self, packet: &Packet) -> Lanes {
-        match self.engine.brightest {
-            Brightest::Radiance(c) => Lanes([c.max(1.0) as f32; LANES]),
-            Brightest::Emission(q) => Lanes(packet.length.map(|length| (q * length).max(1.0) as f32)),
-        }
+        Lanes(packet.length.map(|length| self.engine.max_radiance.over(length) as f32))
     }
 }
 

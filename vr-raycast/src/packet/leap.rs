@@ -26,7 +26,7 @@ impl Distances {
     /// # Panics
     /// If the blocks' edge is not a power of two.
     pub(crate) fn new(ranges: &RangeBlocks, visibility: &Visibility<f32>) -> Option<Self> {
-        let of = |range: &BlockRange| if visibility.sees(range) { 0 } else { u8::MAX };
+        let of = |range: &BlockRange| if visibility.shows_block(range) { 0 } else { u8::MAX };
         let distance = ranges.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
         Self::spread(ranges.edge(), ranges.blocks(), distance)
     }
@@ -38,7 +38,7 @@ impl Distances {
         for low in 0..=LevelRanges::LAST {
             for high in low..=LevelRanges::LAST {
                 let bounds = levels.bounds([low, high]);
-                if visibility.is_visible(bounds.0, bounds.1) {
+                if visibility.shows(bounds.0, bounds.1) {
                     table[usize::from(low) * N + usize::from(high)] = 0;
                 }
             }

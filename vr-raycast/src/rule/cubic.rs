@@ -1,5 +1,7 @@
 //! Cubics along a step, and where they take given values.
 
+use crate::root::monotone_root;
+
 /// Σ cₖ uᵏ, u being the fraction of a step, from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cubic(pub(crate) [f64; 4]);
@@ -92,7 +94,7 @@ impl Cubic {
             let first = values.partition_point(|&v| v <= low);
             let last = values.partition_point(|&v| v < high).max(first);
             let found = out.len();
-            out.extend(values[first..last].iter().map(|&v| self.crossing(v, part[0], part[1], start < end)));
+            out.extend(values[first..last].iter().map(|&v| self.crossing(v, [part[0], part[1]], start < end)));
             if start > end {
                 out[found..].reverse();
             }
@@ -103,27 +105,9 @@ impl Cubic {
         }
     }
 
-    /// Where it passes `value` between `a` and `b`, where it is monotone: Newton's steps, halving where they leave the bracket.
-    fn crossing(&self, value: f64, mut a: f64, mut b: f64, rising: bool) -> f64 {
-        let mut u = 0.5 * (a + b);
-        for _ in 0..80 {
-            let f = self.at(u) - value;
-            if f == 0.0 {
-                break;
-            }
-            if (f < 0.0) == rising {
-                a = u
-            } else {
-                b = u
-            }
-            let newton = u - f / self.slope(u);
-            let next = if newton > a && newton < b { newton } else { 0.5 * (a + b) };
-            if next == u || b - a <= 0.5 * f64::EPSILON {
-                break;
-            }
-            u = next;
-        }
-        u
+    /// Where it passes `value` between two ends, where it is monotone.
+    fn crossing(&self, value: f64, ends: [f64; 2], rising: bool) -> f64 {
+        monotone_root(ends, rising, |u| (self.at(u) - value, self.slope(u)))
     }
 }
 

@@ -6,6 +6,7 @@ use super::account::{Account, Doubtful};
 use super::cubic::Cubic;
 use super::optics::{Extremes, Optics, Piece};
 use super::step::{Step, coarse, constant, smooth};
+use crate::root::monotone_root;
 
 /// Halvings of a cell after which a step is taken as it is.
 const MOST_HALVINGS: u32 = 44;
@@ -216,7 +217,8 @@ impl<'a> Integral<'a> {
             return false;
         };
         let knot = knot - cell.place.base;
-        let t = crossing(&part.cubic, R::from_f64(knot), rising);
+        let at = |t: R| (part.cubic.at(t) - R::from_f64(knot), part.cubic.slope(t));
+        let t = monotone_root([R::ZERO, R::ONE], rising, at);
         let steepness = part.cubic.slope(t).abs().to_f64();
         let mut apart = (3.0 * noise / steepness).max(4.0 * R::ROUNDOFF);
         for _ in 0..3 {
@@ -258,29 +260,4 @@ impl<'a> Integral<'a> {
         let step = self.coarse_part(&extremes, cell, &part, noise);
         self.take_anyway(&extremes, step, cell, &part, noise);
     }
-}
-
-/// Where a monotone cubic takes a value that lies between its ends: Newton's steps, halving where they leave the bracket.
-fn crossing<R: Real>(cubic: &Cubic<R>, value: R, rising: bool) -> R {
-    let half = R::from_f64(0.5);
-    let (mut a, mut b) = (R::ZERO, R::ONE);
-    let mut t = half;
-    for _ in 0..60 {
-        let off = cubic.at(t) - value;
-        if off == R::ZERO {
-            break;
-        }
-        if (off < R::ZERO) == rising {
-            a = t;
-        } else {
-            b = t;
-        }
-        let newton = t - off / cubic.slope(t);
-        let next = if newton > a && newton < b { newton } else { (a + b) * half };
-        if next == t || b - a <= R::from_f64(R::ROUNDOFF) {
-            break;
-        }
-        t = next;
-    }
-    t
 }

@@ -4,6 +4,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, i32x4};
+use vr_kernels::vector::share_to_level;
 
 use super::cells::{Columns, Edges};
 use super::kernel::{Added, Chunk, Row};
@@ -133,9 +134,8 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
         let closed = (open & after.simd_ge(self.termination)).to_bitmask() as u32 & mine;
         let mut share = clear;
         if closed != 0 && self.level < 1.0 {
-            let level = f32x4::splat(simd, self.level);
-            share = after.simd_gt(level).select(clear * ((level - before) / (after - before)), clear);
-            *opacity = after.min(level).to_array();
+            share = clear * share_to_level(simd, clear, alpha, self.level).0;
+            *opacity = after.min(self.level).to_array();
         } else {
             *opacity = after.to_array();
         }

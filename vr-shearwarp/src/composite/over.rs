@@ -2,7 +2,10 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
-use vr_kernels::vector::{LANES, depth_of_opacity, opacity_of_depth, packed, pick, splat, transpose, transpose_packed};
+use vr_kernels::vector::{
+    LANES, depth_of_opacity, opacity_of_depth, packed, pick, share_to_level, source_weight_and_opacity, splat,
+    transpose, transpose_packed,
+};
 
 use super::cells::{Columns, Edges, Places, SPAN, STEPS_F32, values};
 use super::few::FEW;
@@ -69,28 +72,9 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Kernel for Over<'_, P, BEF
 #[inline(always)]
 fn of_depth<S: Simd>(simd: S, [r, g, b, tau]: [f32x16<S>; 4], ratio: f32x16<S>) -> [f32x16<S>; 4] {
     let tau = tau * ratio;
-    let (out, alpha) = getting_out(simd, tau);
+    let (out, alpha) = source_weight_and_opacity(simd, tau);
     let shines = ratio * out;
     [r * shines, g * shines, b * shines, alpha]
-}
-
-/// Up to this optical depth, six terms of a series are good to the last bits: the next is τ⁶/5040.
-const THIN: f32 = 0.25;
-
-/// Of what shines in a homogeneous piece, the part that gets out, (1 − e^−τ)/τ; and the piece's opacity.
-#[inline(always)]
-fn getting_out<S: Simd>(simd: S, tau: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
-    if !tau.simd_gt(splat(simd, THIN)).any_true() {
-        let mut part = splat(simd, -1.0 / 720.0);
-        for c in [1.0 / 120.0, -1.0 / 24.0, 1.0 / 6.0, -0.5, 1.0] {
-            part = part * tau + c;
-        }
-        return (part, tau * part);
-    }
-    let alpha = opacity_of_depth(simd, tau);
-    let absorbs = tau.simd_gt(splat(simd, 0.0));
-    let one = splat(simd, 1.0);
-    (pick(absorbs, alpha / pick(absorbs, tau, one), one), alpha)
 }
 
 /// Samples that stand for that much of their length: light and opacity of a homogeneous piece grow in step.
@@ -227,10 +211,8 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
         let closed = (open & after.simd_ge(termination)).to_bitmask() as u32 & mine;
         let mut share = clear;
         if closed != 0 && self.level < 1.0 {
-            // A homogeneous sample is cut where the level is reached: light and opacity grow in step.
-            let level = splat(simd, self.level);
-            share = pick(after.simd_gt(level), clear * ((level - before) / (after - before)), clear);
-            *opacity = after.min(level).to_array();
+            share = clear * share_to_level(simd, clear, alpha, self.level).0;
+            *opacity = after.min(self.level).to_array();
         } else {
             *opacity = after.to_array();
         }
@@ -262,34 +244,5 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
             }
         }
         sample * factor + added * sample.to_array()[3]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use fearless_simd::{Level, dispatch};
-
-    #[test]
-    fn what_gets_out_is_exact_to_the_last_bits_whatever_it_comes_with() {
-        let mut worst = 0.0f64;
-        for i in 0..30_000 {
-            let tau = libm::exp(f64::from(i) * 1e-3 - 26.0) as f32;
-            let exact = f64::from(tau);
-            let (out, alpha) = (vr_core::optics::source_weight(exact), vr_core::optics::opacity_of_depth(exact));
-            for thick in [0.0, 1.0] {
-                let mut all = [tau; LANES];
-                all[3] = thick;
-                let got = dispatch!(Level::new(), simd => {
-                    let (out, alpha) = getting_out(simd, f32x16::load_array_ref(simd, &all));
-                    [out[5], alpha[5]]
-                });
-                worst = worst.max((f64::from(got[0]) / out - 1.0).abs()).max((f64::from(got[1]) / alpha - 1.0).abs());
-            }
-        }
-        // Five units in the last place: four of the exponential, one of the quotient.
-        assert!(worst < 3e-7, "{worst:e}");
-        let none = dispatch!(Level::new(), simd => getting_out(simd, splat(simd, 0.0)).0.to_array());
-        assert_eq!(none, [1.0; LANES]);
     }
 }

@@ -3,8 +3,8 @@
 
 use vr_core::RenderError;
 use vr_core::parallel::{collect, each_part};
+use vr_kernels::bits::{WORD, count_runs, ones};
 
-use super::bits::{WORD, count_runs, ones};
 use super::dense::Layout;
 use super::pyramid::{EDGE, VisibleBlocks};
 use super::runs::{Run, Runs, edges, running_sums, split_by_rows, too_large};

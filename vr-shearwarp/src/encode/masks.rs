@@ -1,12 +1,12 @@
 //! Which cells may be visible, a bit each.
 
 use vr_core::parallel::each_part;
+use vr_kernels::bits::WORD;
 
-use super::bits::WORD;
 use super::dense::{Dense, Layout};
 use super::pyramid::{EDGE, VisibleBlocks};
 use super::runs::edges;
-use super::visible::{Leveled, Rule, Visibility};
+use super::{Leveled, Rule, VisibleLevels};
 
 /// A bit for each cell, row by row of cells, layer by layer.
 pub(crate) struct CellMasks {
@@ -73,7 +73,7 @@ fn visible_cells<const N: usize, T: Leveled>(
 }
 
 /// The cells among those asked for with anything visible between their least and their greatest corner.
-fn interpolated<const N: usize, T: Leveled>(edges: [&[T]; N], visibility: &Visibility, ask: u64) -> u64 {
+fn interpolated<const N: usize, T: Leveled>(edges: [&[T]; N], visibility: &VisibleLevels, ask: u64) -> u64 {
     let voxels = edges[0].len();
     let mut low = [edges[0][0]; WORD + 1];
     low[..voxels].copy_from_slice(edges[0]);
@@ -93,7 +93,7 @@ fn interpolated<const N: usize, T: Leveled>(edges: [&[T]; N], visibility: &Visib
 }
 
 /// The cells among those asked for with a corner that is visible itself.
-fn classified<const N: usize, T: Leveled>(edges: [&[T]; N], visibility: &Visibility, ask: u64) -> u64 {
+fn classified<const N: usize, T: Leveled>(edges: [&[T]; N], visibility: &VisibleLevels, ask: u64) -> u64 {
     let voxels = edges[0].len();
     by_blocks(ask, |u| {
         // Where a block ends within a row, nothing is.

@@ -2,14 +2,14 @@
 
 use vr_core::RenderError;
 use vr_core::parallel::{collect, each_part};
+use vr_kernels::bits::{WORD, count_ones, count_runs, ones};
 
 use super::PAD;
-use super::bits::{WORD, count_ones, count_runs, ones};
 use super::dense::{Dense, Layout};
 use super::masks::CellMasks;
 use super::pyramid::VisibleBlocks;
 use super::runs::{Run, Runs, edges, running_sums, split_by_rows};
-use super::visible::{Leveled, Rule};
+use super::{Leveled, Rule};
 
 /// Which voxels are stored, in the order layer, row, column: those that visible cells touch. Several arrays can be packed alike.
 #[derive(Clone, Debug)]

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use vr_core::parallel::each_part;
 use vr_core::{AnyGrid, GridVolume, UniformGrid};
+use vr_kernels::bits::{WORD, clip};
 use vr_kernels::ranges::LevelRanges;
 
-use super::bits::{WORD, clip};
 use super::dense::Layout;
-use super::visible::{Rule, Visibility};
+use super::{Rule, VisibleLevels};
 
 /// Cells along the edge of a block.
 pub(crate) const EDGE: usize = LevelRanges::EDGE;
@@ -174,7 +174,7 @@ impl Decision {
         let (mut reach, mut solid) = ([0; 256], [256; 256]);
         if let Rule::Interpolated(visibility) | Rule::Classified(visibility) = rule {
             for low in 0..=u8::MAX {
-                let holds = |high: u8, ask: fn(&Visibility, f64, f64) -> bool| {
+                let holds = |high: u8, ask: fn(&VisibleLevels, f64, f64) -> bool| {
                     let (low, high) = pyramid.stored([low, high], visibility.is_integer());
                     ask(visibility, low, high)
                 };
@@ -187,8 +187,8 @@ impl Decision {
                     }
                     from
                 };
-                reach[usize::from(low)] = least(&|high| holds(high, Visibility::any));
-                solid[usize::from(low)] = least(&|high| !holds(high, Visibility::all));
+                reach[usize::from(low)] = least(&|high| holds(high, VisibleLevels::any));
+                solid[usize::from(low)] = least(&|high| !holds(high, VisibleLevels::all));
             }
         }
         Self { reach, solid }

@@ -14,9 +14,11 @@ where
 }
 
 /// Visible is what meets one of the closed ranges.
-fn visibility(volume: &GridVolume, seen: &[(f64, f64)]) -> Visibility {
+fn visibility(volume: &GridVolume, seen: &[(f64, f64)]) -> VisibleLevels {
     let range = volume.census().range.unwrap_or((0.0, 0.0));
-    Visibility::new(range, volume.voxel_type().is_integer(), |from, to| seen.iter().any(|&(a, b)| from <= b && a <= to))
+    VisibleLevels::new((range.0.into(), range.1.into()), volume.voxel_type().is_integer(), |from, to| {
+        seen.iter().any(|&(a, b)| from <= b && a <= to)
+    })
 }
 
 /// The samples of the corners of a cell.
@@ -290,7 +292,7 @@ fn air_of_floats_is_in_no_block() {
     samples[last] = 0.250_000_1;
     let volume = volume([17; 3], samples);
     let volume = volume.grid().unwrap();
-    let visibility = Visibility::new((0.25, 9.0), false, |_, to| to > 0.25);
+    let visibility = VisibleLevels::new((0.25, 9.0), false, |_, to| to > 0.25);
     let blocks = Pyramid::new(volume).visible(Rule::Interpolated(&visibility));
     assert!(blocks.count() == 2 && blocks.may([0; 3]) && blocks.may([3; 3]));
 }

@@ -14,7 +14,6 @@ use vr_core::{
 use crate::input::{SplatInput, profile};
 use crate::kernel::Profile;
 use crate::projection::SplatView;
-use crate::shading::is_shaded;
 use crate::sheets::{ImageSheets, OwnSheets, is_boxed, splat_view};
 use crate::splatting::{Buffers, Splatting};
 use crate::support::check;
@@ -71,16 +70,14 @@ impl SplatModel {
 
     /// θ and b of a homogeneous piece of a value, classified and shaded at a depth.
     fn step(&self, input: &SplatInput, line: &Line, depth: f64, value: f64, length: f64) -> SegmentTerm {
-        let [r, g, b, alpha] = self.scene.transfer.step(value, length);
-        let mut light = [r, g, b];
-        let shading = self.scene.shading.as_ref().filter(|_| is_shaded(&self.scene));
-        if let (Some(shading), SplatInput::Grid(grid)) = (shading, input) {
+        let mut light = self.scene.transfer.step(value, length);
+        if let (Some(shading), SplatInput::Grid(grid)) = (self.scene.reflection(), input) {
             let gradient = DVec3::from(grid.with_lattice(Gradient(line.index_at(grid, depth).to_array())));
-            let world = grid.placement().inverse_axes().transpose() * gradient;
-            let (factor, added) = shading.along::<f64>(&self.scene.lights, line.direction).reflect(world.to_array());
-            light = std::array::from_fn(|c| light[c] * factor[c] + added[c] * alpha);
+            let world = grid.placement().gradient_to_world(gradient);
+            light = shading.along(&self.scene.lights, line.direction).shade(light, world.to_array());
         }
-        SegmentTerm { transparency: 1.0 - alpha, light }
+        let [r, g, b, alpha] = light;
+        SegmentTerm { transparency: 1.0 - alpha, light: [r, g, b] }
     }
 }
 

@@ -2,13 +2,12 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{LANES, Lanes, light_of, opacity_of_depth, pick, splat};
+use vr_kernels::vector::{LANES, Lanes, Operator, light_of, opacity_of_depth, pick, source_weight, splat};
 
 use crate::visible::CellBits;
 
 use super::Tile;
 use super::painter::{Classifier, Content};
-use super::state::Operator;
 
 impl Tile<'_> {
     /// Classifies what a sheet holds in a block, and takes it in.
@@ -45,7 +44,7 @@ impl Tile<'_> {
                     let visible = self.in_visible_cells(simd, number, depth, cells, *dims);
                     there &= Lanes(visible).load(simd).simd_gt(zero);
                 }
-                if !matches!(operator, Operator::Under { .. } | Operator::Over) {
+                if operator.picks() {
                     self.states[number].choose(simd, operator, value, length, [there, inside & !there]);
                     return;
                 }
@@ -84,7 +83,7 @@ impl Tile<'_> {
                 let tau = self.sheets[at + 3].load(simd);
                 let alpha = opacity_of_depth(simd, tau.max(zero));
                 // A sinc's sides may outweigh its middle: less than nothing sends nothing.
-                let share = pick(tau.simd_lt(zero), zero, share(simd, tau, alpha));
+                let share = pick(tau.simd_lt(zero), zero, source_weight(simd, tau, alpha));
                 let [r, g, b] = [0, 1, 2].map(|c| self.sheets[at + c].0);
                 [Lanes(r).load(simd) * share, Lanes(g).load(simd) * share, Lanes(b).load(simd) * share, alpha]
             }
@@ -139,12 +138,4 @@ impl Tile<'_> {
         }
         place
     }
-}
-
-/// (1 − e^(−τ)) / τ: what of a homogeneous sheet's light comes out at its front.
-#[inline(always)]
-pub(super) fn share<S: Simd>(simd: S, tau: f32x16<S>, alpha: f32x16<S>) -> f32x16<S> {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let clear = tau.simd_le(zero);
-    pick(clear, one, alpha / pick(clear, one, tau))
 }

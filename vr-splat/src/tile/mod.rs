@@ -21,7 +21,7 @@ use meeting::Axes;
 pub(crate) use block::Bounds;
 pub(crate) use meeting::Met;
 pub(crate) use painter::{Classifier, Content, Drawn, Painter};
-pub(crate) use state::{Operator, State};
+pub(crate) use state::State;
 
 use painter::Work;
 

@@ -1,7 +1,7 @@
 //! What the tiles of a picture share, and what becomes of each.
 
 use fearless_simd::Level;
-use vr_kernels::vector::{LANES, OpticsTable};
+use vr_kernels::vector::{LANES, Operator, OpticsTable};
 
 use crate::bins::Keyed;
 use crate::projection::SplatView;
@@ -12,7 +12,7 @@ use crate::voxel_optics::VoxelOptics;
 
 use super::block::{Bounds, EDGE};
 use super::meeting::Met;
-use super::state::{Operator, State};
+use super::state::State;
 use super::{ACROSS, TileJob};
 
 /// All that tiles share.

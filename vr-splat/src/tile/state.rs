@@ -2,22 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_kernels::vector::{LANES, Lanes, pick, splat};
-
-/// What becomes of sheets.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Operator {
-    /// Nearest first; light ends where opacity reaches a level.
-    Under { level: f32 },
-    /// Farthest first.
-    Over,
-    /// The largest value times a sign.
-    Extreme { sign: f32 },
-    /// The mean value.
-    Average,
-    /// The first value, times a sign, that reaches a threshold times it.
-    First { sign: f32, threshold: f32 },
-}
+use vr_kernels::vector::{LANES, Lanes, Operator, pick, share_to_level, splat};
 
 /// Sixteen pixels so far.
 #[derive(Clone, Copy)]
@@ -44,15 +29,9 @@ impl State {
                 let one = splat(simd, 1.0);
                 let (mut share, mut after) = (clear, clear * (one - alpha));
                 if level < 1.0 {
-                    // Only as much of it as the level has room for: a homogeneous sheet's light goes with its opacity.
-                    let least = splat(simd, 1.0 - level);
-                    // Once the level is reached, light that nothing absorbs has no room either.
-                    let beyond = after.simd_lt(least) | clear.simd_le(least);
-                    let taken = clear * alpha;
-                    let divisor = pick(taken.simd_gt(splat(simd, 0.0)), taken, one);
-                    let part = ((clear - least) / divisor).max(splat(simd, 0.0)).min(one);
-                    share = pick(beyond, clear * part, share);
-                    after = pick(beyond, least.min(clear), after);
+                    let (part, reached) = share_to_level(simd, clear, alpha, level);
+                    share *= part;
+                    after = pick(reached, splat(simd, 1.0 - level).min(clear), after);
                 }
                 for c in 0..3 {
                     self.light[c] = Lanes::of(self.light[c].load(simd) + share * light[c]);

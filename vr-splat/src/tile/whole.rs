@@ -2,14 +2,13 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{Lanes, opacity_of_depth, pick, splat};
+use vr_kernels::vector::{Lanes, opacity_of_depth, pick, source_weight, splat};
 
 use crate::bins::Keyed;
 use crate::splat::Splat;
 use crate::splatting::Buffers;
 
 use super::Tile;
-use super::composite::share;
 use super::meeting::whole;
 use super::painter::Content;
 use super::sheets::add;
@@ -56,7 +55,7 @@ impl Tile<'_> {
                         let zero = splat(simd, 0.0);
                         let tau = weight * kappa;
                         let alpha = opacity_of_depth(simd, tau.max(zero));
-                        let share = pick(tau.simd_lt(zero), zero, share(simd, tau, alpha)) * weight;
+                        let share = pick(tau.simd_lt(zero), zero, source_weight(simd, tau, alpha)) * weight;
                         self.states[number].blend(simd, painter.operator, [share * r, share * g, share * b, alpha]);
                         self.retire(simd, number);
                     }

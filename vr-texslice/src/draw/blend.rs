@@ -2,10 +2,10 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_kernels::vector::{LANES, Lanes, Sums, pick, splat};
+use vr_kernels::vector::{LANES, Lanes, Operator, Sums, pick, share_to_level, splat};
 
 use super::chunk::{Chunk, Which};
-use super::state::{Operator, State};
+use super::state::State;
 use crate::fragments::Fragments;
 
 /// What a blend is told besides fragments.
@@ -55,8 +55,8 @@ pub(crate) fn blend<S: Simd>(
                         drawn += live.to_bitmask().count_ones();
                         let mut reached = live & !live;
                         if level < 1.0 {
-                            let share = share_to_level(simd, sums.clear(simd), light[3], level);
-                            reached = live & share.simd_lt(splat(simd, 1.0));
+                            let (share, here) = share_to_level(simd, sums.clear(simd), light[3], level);
+                            reached = live & here;
                             light = [light[0] * share, light[1] * share, light[2] * share, light[3] * share];
                         }
                         sums.add(simd, live, [begin, length], light);
@@ -155,15 +155,6 @@ fn sample<S: Simd>(simd: S, how: &Blending<'_>, which: Which<'_>, rays: &Fragmen
 fn light_of<S: Simd>(simd: S, chunk: &Chunk, j: usize) -> [f32x16<S>; 4] {
     let [r, g, b, a] = &chunk.light[j];
     [r.load(simd), g.load(simd), b.load(simd), a.load(simd)]
-}
-
-/// The part of a slab's opacity up to which a level is reached; 1 where it is not.
-#[inline(always)]
-fn share_to_level<S: Simd>(simd: S, clear: f32x16<S>, alpha: f32x16<S>, level: f32) -> f32x16<S> {
-    let one = splat(simd, 1.0);
-    let (adds, left) = (clear * alpha, (clear - (1.0 - level)).max(splat(simd, 0.0)));
-    let reaches = adds.simd_gt(splat(simd, 0.0)) & adds.simd_ge(left);
-    pick(reaches, left / pick(reaches, adds, one), one)
 }
 
 /// Values by length, with what rounding loses.

@@ -157,7 +157,7 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
         let mut number = next.load(simd);
         let (zero, one, never) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::INFINITY));
         let most = self.dims.map(|n| (n - 1) as f32);
-        let behind = self.scene.most.behind(rays);
+        let behind = rays.max_behind(self.scene.max_radiance);
         let chosen = self.only.map(|bits| Lanes(std::array::from_fn(|i| (bits >> i & 1) as f32)));
         loop {
             let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));

@@ -1,12 +1,12 @@
 //! Sixteen rays through all of their slices.
 
 use fearless_simd::Simd;
-use vr_kernels::vector::{LANES, Lanes};
+use vr_kernels::vector::{LANES, Lanes, Operator};
 
 use super::blend::{Blending, blend};
 use super::chunk::{CHUNK, Chunk, Fetch, Which, reach};
 use super::classify::{Classifier, classify, integrate};
-use super::state::{Operator, State};
+use super::state::State;
 use crate::fragments::Fragments;
 use crate::occupancy::Occupancy;
 use crate::texture::Lit;

@@ -12,6 +12,6 @@ mod whole_slices;
 pub(crate) use bricks::Bricked;
 pub(crate) use classify::Classifier;
 pub(crate) use march::Pass;
-pub(crate) use state::{Operator, State};
-pub(crate) use tiles::{Brightest, Pixel, Scene16, draw_tiles};
+pub(crate) use state::State;
+pub(crate) use tiles::{Pixel, Scene16, draw_tiles};
 pub(crate) use whole_slices::draw_slices;

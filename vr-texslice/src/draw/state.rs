@@ -1,34 +1,7 @@
-//! What pixels have gathered so far, and the blend states that say how.
+//! What pixels have gathered so far.
 
 use vr_core::optics::depth_of_opacity;
-use vr_kernels::vector::{LANES, Lanes};
-
-/// A blend state: how a fragment is put onto a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Operator {
-    /// Front to back: C ← C + (1 − A)·c, A ← A + (1 − A)·α, up to an opacity `level`.
-    Under { level: f32 },
-    /// Back to front: C ← c + (1 − α)·C, A ← α + (1 − α)·A.
-    Over,
-    /// The largest value times `sign`.
-    Extreme { sign: f32 },
-    /// The mean value, by length.
-    Average,
-    /// The first sample whose value times `sign` is at least `threshold` times `sign`: alpha test.
-    First { sign: f32, threshold: f32 },
-}
-
-impl Operator {
-    /// Whether fragments are values, not light.
-    pub(crate) fn picks(self) -> bool {
-        matches!(self, Self::Extreme { .. } | Self::Average | Self::First { .. })
-    }
-
-    /// Whether samples are wanted on the faces of slabs, where rays enter and leave among them.
-    pub(crate) fn wants_faces(self) -> bool {
-        matches!(self, Self::Extreme { .. } | Self::First { .. })
-    }
-}
+use vr_kernels::vector::{LANES, Lanes, Operator};
 
 /// Sixteen pixels.
 #[derive(Clone, Debug)]

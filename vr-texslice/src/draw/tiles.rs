@@ -3,7 +3,7 @@
 use fearless_simd::{Level, Simd};
 use glam::DVec2;
 use vr_core::image_order::in_parallel;
-use vr_core::{Control, Counts, Layer, RenderError, View};
+use vr_core::{Control, Counts, Layer, MaxRadiance, RenderError, View};
 use vr_kernels::vector::{LANES, Lanes, PacketLights, PacketShading, Vectorized, run};
 
 use super::chunk::{Chunk, Fetch, Fetcher};
@@ -20,18 +20,9 @@ pub(crate) struct Scene16<'a> {
     pub(crate) setup: Setup<'a>,
     pub(crate) pass: Pass<'a>,
     pub(crate) shading: Option<&'a PacketShading>,
-    pub(crate) most: Brightest,
+    pub(crate) max_radiance: MaxRadiance,
     pub(crate) finish: &'a (dyn Fn(&Fragments, &State, usize) -> Pixel + Sync),
     pub(crate) level: Level,
-}
-
-/// The largest light that can come from behind.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Brightest {
-    /// No colour is brighter.
-    Radiance(f64),
-    /// Nothing emits more per world unit.
-    Emission(f64),
 }
 
 /// A pixel: premultiplied, and the world distance to what is seen.
@@ -231,7 +222,7 @@ impl Block {
         if let Some(shading) = scene.shading {
             self.lights.look_along(&shading.lights, &self.rays.chords.along);
         }
-        let most = scene.most.behind(&self.rays);
+        let most = self.rays.max_behind(scene.max_radiance);
         let mut march = March {
             texture,
             pass: &scene.pass,
@@ -245,20 +236,5 @@ impl Block {
         };
         march.run(simd);
         march.done
-    }
-}
-
-impl Brightest {
-    /// Of each ray.
-    pub(crate) fn behind(self, rays: &Fragments) -> Lanes {
-        match self {
-            Self::Radiance(c) => Lanes([c.max(1.0) as f32; LANES]),
-            Self::Emission(q) => Lanes(std::array::from_fn(|i| {
-                let [begin, length] = &rays.outer_span[1];
-                let end = rays.distance_at(i, begin.0[i] + length.0[i]);
-                let start = rays.distance_at(i, rays.outer_span[0][0].0[i]);
-                (q * (end - start)).max(1.0) as f32
-            })),
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! What the table holds at a value, and in the mean between two.
 
-use super::{PreIntegrated, PreIntegratedRow};
+use super::PreIntegrated;
 use vr_core::Real;
 
 /// Where a value lies in the table.
@@ -20,12 +20,14 @@ impl<R: Real> TablePlace<R> {
 }
 
 impl<R: Real> PreIntegrated<R> {
-    /// Whether nothing absorbs or shines at any value from `low` to `high`, as far as the table knows: segments between such values are
+    /// True if anything absorbs or shines at a value from `low` to `high`, ends included, as far as the table knows: segments between other values are
     /// zero to the last bit.
-    pub fn is_clear(&self, low: R, high: R) -> bool {
+    pub fn shows(&self, low: R, high: R) -> bool {
         let (a, b) = (self.place(low), self.place(high));
-        let clear = |row: &PreIntegratedRow<R>| row.start == [R::ZERO; 4] && row.rise == [R::ZERO; 4];
-        self.rows[a.row..=b.row.max(a.row)].iter().all(clear)
+        // At the begin of its row, only what the row begins with counts.
+        let begins = b.fraction == R::ZERO && self.rows[b.row].start == [R::ZERO; 4];
+        let past = if begins { b.row } else { b.row + 1 };
+        self.visible[past.max(a.row)] > self.visible[a.row]
     }
 
     /// Where a stored number lies. NaN lies in the first row, at a fraction that is NaN.

@@ -14,6 +14,7 @@ pub use lookup::TablePlace;
 pub use medium::WALL_DEPTH;
 
 use super::grid::lone_walls;
+use super::range::resolves_ramps;
 use cell::Cell;
 use intervals::{MOST_EXCESS, find_intervals};
 use vr_core::Calibration;
@@ -51,6 +52,8 @@ use wall::{Wall, walls};
 #[derive(Clone, Debug)]
 pub struct PreIntegrated<R> {
     rows: Vec<PreIntegratedRow<R>>,
+    /// Entry i: how many of the first i rows are not clear.
+    visible: Vec<u32>,
     origin: R,
     per_unit: R,
     last: R,
@@ -64,6 +67,7 @@ pub struct PreIntegrated<R> {
     /// The largest colour, channel by channel: no stretch shines brighter. Absent where emission is given on its own.
     brightest: Option<[R; 3]>,
     aligned: bool,
+    resolves: bool,
 }
 
 /// κ and q in one interval of values, and their integrals below it. Components are (q_r, q_g, q_b, κ), per world unit.
@@ -149,6 +153,11 @@ impl<R: Real> PreIntegrated<R> {
             PreIntegratedRow { sum, start: cell.start.map(R::from_f64), rise: cell.rise.map(R::from_f64) }
         });
         let rows = rows.collect::<Vec<_>>();
+        let mut visible = vec![0];
+        for row in &rows {
+            let shows = row.start != [R::ZERO; 4] || row.rise != [R::ZERO; 4];
+            visible.push(visible[visible.len() - 1] + u32::from(shows));
+        }
 
         let last = intervals + 1;
         // At a jump the later point holds: a value on it must not be rounded onto the other side. Places are rounded, and so is the origin.
@@ -163,6 +172,7 @@ impl<R: Real> PreIntegrated<R> {
         }
         let mut table = Self {
             rows,
+            visible,
             lone_walls: Vec::new(),
             origin: R::from_f64(origin),
             per_unit: R::from_f64(1.0 / spacing),
@@ -172,6 +182,7 @@ impl<R: Real> PreIntegrated<R> {
             touch: R::from_f64(4.0 * nudge),
             brightest: (!transfer.has_emission()).then(|| transfer.brightest_color_by_channel().map(R::from_f64)),
             aligned,
+            resolves: aligned || resolves_ramps(spacing, calibration, transfer),
         };
         let lone = lone_walls(transfer, calibration).into_iter();
         table.lone_walls = lone.map(|(at, wall)| (table.place(at).x(), wall.color.map(R::from_f64))).collect();
@@ -202,6 +213,11 @@ impl<R: Real> PreIntegrated<R> {
     /// Whether every knot of the transfer function inside the table is the end of an interval.
     pub fn is_aligned(&self) -> bool {
         self.aligned
+    }
+
+    /// True if the intervals tell apart all that the transfer function does: else it must be evaluated.
+    pub fn resolves(&self) -> bool {
+        self.resolves
     }
 
     /// True if α is 1, and κ infinite, at one value or more.

@@ -1,8 +1,8 @@
-//! Which ranges of stored numbers may be visible.
+//! Ranges of stored numbers that show something, in a table.
 
 use vr_core::Voxel;
 
-/// Tells whether anything between two stored numbers may be visible.
+/// Ranges of stored numbers that may be visible, for many questions: one look-up each.
 ///
 /// Lacroute & Levoy (1994, fast classification) ask a summed-area table of opacity over both ends of the range. Opacity over one number
 /// needs sums over one axis only, and since no more is asked than whether a sum is zero, we keep for each lower end the least upper end
@@ -12,7 +12,7 @@ use vr_core::Voxel;
 /// sample does. Other numbers fall into [`Self::INTERVALS`] equal intervals, their ends rounded outward; but the least and the greatest
 /// number are levels of their own, so that air that is one number stays clear under a ramp that begins there.
 #[derive(Clone, Debug)]
-pub(crate) struct Visibility {
+pub struct VisibleLevels {
     scale: Scale,
     /// For each level the least one, it or above, so that something in between is visible; [`NEVER`] if there is none.
     reach: Vec<u32>,
@@ -24,7 +24,7 @@ const NEVER: u32 = u32::MAX;
 
 /// How stored numbers become levels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scale {
+pub struct Scale {
     integer: bool,
     low: f64,
     high: f64,
@@ -55,7 +55,7 @@ impl Scale {
 }
 
 /// Samples that know their level: for integers that is a subtraction.
-pub(crate) trait Leveled: Voxel {
+pub trait Leveled: Voxel {
     /// The level of a sample.
     fn level(self, scale: &Scale) -> u32;
 }
@@ -79,14 +79,13 @@ impl Leveled for f32 {
     }
 }
 
-impl Visibility {
+impl VisibleLevels {
     /// Intervals of numbers that are not integers.
     pub const INTERVALS: u32 = 4096;
 
-    /// For samples in `range`, the least and the greatest; `integer` where their type is. `visible(from, to)` says whether a stored number
-    /// may be visible anywhere from `from` to `to`, ends included.
-    pub fn new(range: (f32, f32), integer: bool, visible: impl Fn(f64, f64) -> bool) -> Self {
-        let (low, high) = (f64::from(range.0), f64::from(range.1));
+    /// For numbers in `range`, the least and the greatest; `integer` where their type is. Numbers beyond count as the ends. `visible(from, to)`
+    /// says whether a stored number may be visible anywhere from `from` to `to`, ends included.
+    pub fn new((low, high): (f64, f64), integer: bool, visible: impl Fn(f64, f64) -> bool) -> Self {
         let span = high - low;
         debug_assert!(!integer || span <= 65535.0, "integers have at most 16 bits");
         if integer {
@@ -137,13 +136,13 @@ impl Visibility {
         Self { scale, reach, solid }
     }
 
-    /// Whether anything between two samples may be visible.
+    /// True if anything between two samples may be visible.
     #[inline(always)]
     pub fn between<T: Leveled>(&self, low: T, high: T) -> bool {
         self.reach[low.level(&self.scale).min(self.scale.last) as usize] <= high.level(&self.scale)
     }
 
-    /// Whether the number of a sample is visible itself.
+    /// True if the number of a sample is visible itself.
     #[inline(always)]
     pub fn at<T: Leveled>(&self, sample: T) -> bool {
         let level = sample.level(&self.scale).min(self.scale.last);
@@ -151,6 +150,7 @@ impl Visibility {
     }
 
     /// The levels that enclose a range of numbers.
+    #[inline]
     fn levels(&self, low: f64, high: f64) -> (u32, u32) {
         if self.scale.integer {
             // `as` saturates.
@@ -161,33 +161,23 @@ impl Visibility {
         }
     }
 
-    /// Whether anything between two numbers may be visible.
+    /// True if anything between two numbers may be visible.
+    #[inline]
     pub fn any(&self, low: f64, high: f64) -> bool {
         let (low, high) = self.levels(low, high);
         self.reach[low as usize] <= high
     }
 
-    /// Whether every sample between two numbers is visible itself.
+    /// True if every sample between two numbers is visible itself.
     pub fn all(&self, low: f64, high: f64) -> bool {
         let (low, high) = self.levels(low, high);
         self.solid[low as usize] > high
     }
 
-    /// Whether the numbers are integers.
+    /// True if the numbers are integers.
     pub fn is_integer(&self) -> bool {
         self.scale.integer
     }
-}
-
-/// Which cells may be visible. Whatever the rule, one with a missing corner is not: it is vacuum.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Rule<'a> {
-    /// Samples are interpolated, then classified: a cell with anything visible between its least and its greatest corner.
-    Interpolated(&'a Visibility),
-    /// Voxels are classified, then interpolated: a cell with a corner that is visible itself.
-    Classified(&'a Visibility),
-    /// Every cell: for the operators that no opacity hides from.
-    Everything,
 }
 
 #[cfg(test)]
@@ -208,7 +198,7 @@ mod tests {
             // Round ends, too: they are integers or halves.
             let seen: Vec<_> = seen.iter().map(|&(a, w, round)| if round { (a.round(), a.round() + (w * 2.0).round() / 2.0) } else { (a, a + w) }).collect();
             let high = (i32::from(low) + i32::from(span)).min(127) as i8;
-            let visibility = Visibility::new((low.into(), high.into()), true, |a, b| meets(&seen, a, b));
+            let visibility = VisibleLevels::new((low.into(), high.into()), true, |a, b| meets(&seen, a, b));
             for a in low..=high {
                 prop_assert_eq!(visibility.at(a), meets(&seen, a.into(), a.into()));
                 for b in a..=high {
@@ -225,9 +215,9 @@ mod tests {
             if end {
                 seen.push((0.0, 0.0));
             }
-            let visibility = Visibility::new((0.0, 1.0), false, |a, b| meets(&seen, a, b));
+            let visibility = VisibleLevels::new((0.0, 1.0), false, |a, b| meets(&seen, a, b));
             let (a, b) = (a.min(b), a.max(b));
-            let interval = 1.001 / f64::from(Visibility::INTERVALS);
+            let interval = 1.001 / f64::from(VisibleLevels::INTERVALS);
             let found = visibility.between(a, b);
             prop_assert!(found || !meets(&seen, a.into(), b.into()));
             prop_assert!(!found || meets(&seen, f64::from(a) - interval, f64::from(b) + interval));
@@ -237,25 +227,25 @@ mod tests {
 
     #[test]
     fn air_is_clear_under_a_ramp_from_it() {
-        let visibility = Visibility::new((0.5, 2.0), false, |_, to| to > 0.5);
+        let visibility = VisibleLevels::new((0.5, 2.0), false, |_, to| to > 0.5);
         assert!(!visibility.at(0.5f32) && !visibility.between(0.5f32, 0.5));
         assert!(visibility.between(0.5f32, 0.500_001) && visibility.at(2.0f32));
     }
 
     #[test]
     fn a_peak_between_two_integers_is_seen() {
-        let visibility = Visibility::new((0.0, 255.0), true, |from, to| from <= 7.5 && 7.5 <= to);
+        let visibility = VisibleLevels::new((0.0, 255.0), true, |from, to| from <= 7.5 && 7.5 <= to);
         assert!(visibility.between(7u8, 8) && visibility.between(0u8, 255));
         assert!(!visibility.between(7u8, 7) && !visibility.between(8u8, 255) && !visibility.at(7u8));
     }
 
     #[test]
     fn extreme_ranges() {
-        let constant = Visibility::new((3.0, 3.0), false, |_, _| true);
+        let constant = VisibleLevels::new((3.0, 3.0), false, |_, _| true);
         assert!(constant.at(3.0f32) && constant.any(3.0, 3.0));
-        let wide = Visibility::new((f32::MIN, f32::MAX), false, |from, to| from <= 0.0 && 0.0 <= to);
+        let wide = VisibleLevels::new((f32::MIN.into(), f32::MAX.into()), false, |from, to| from <= 0.0 && 0.0 <= to);
         assert!(wide.between(f32::MIN, f32::MAX) && !wide.between(1e38f32, f32::MAX) && wide.at(0.0f32));
-        let words = Visibility::new((-32768.0, 32767.0), true, |from, to| from <= 9.0 && 9.0 <= to);
+        let words = VisibleLevels::new((-32768.0, 32767.0), true, |from, to| from <= 9.0 && 9.0 <= to);
         assert!(words.between(i16::MIN, i16::MAX) && words.at(9i16) && !words.between(10i16, i16::MAX));
     }
 }

@@ -1,16 +1,16 @@
-//! Rows of bits in words of 64.
+//! Rows of bits in words of 64: which of many things are meant, and runs of them.
 
 /// Bits of a word.
-pub(crate) const WORD: usize = 64;
+pub const WORD: usize = 64;
 
-/// The runs of ones of a row of bits: the first one, and how many there are.
-pub(crate) struct Ones<'a> {
+/// Runs of ones of a row of bits: the first one, and how many there are.
+pub struct Ones<'a> {
     words: &'a [u64],
     bit: usize,
 }
 
-/// The runs of ones of a row, from its beginning.
-pub(crate) fn ones(words: &[u64]) -> Ones<'_> {
+/// Returns the runs of ones of a row, from its beginning.
+pub fn ones(words: &[u64]) -> Ones<'_> {
     Ones { words, bit: 0 }
 }
 
@@ -39,8 +39,8 @@ impl Iterator for Ones<'_> {
     }
 }
 
-/// How many runs of ones a row has.
-pub(crate) fn count_runs(words: &[u64]) -> usize {
+/// Number of runs of ones in a row.
+pub fn count_runs(words: &[u64]) -> usize {
     let mut before = 0;
     let mut runs = 0;
     for &word in words {
@@ -50,13 +50,13 @@ pub(crate) fn count_runs(words: &[u64]) -> usize {
     runs
 }
 
-/// How many ones a row has.
-pub(crate) fn count_ones(words: &[u64]) -> usize {
+/// Number of ones in a row.
+pub fn count_ones(words: &[u64]) -> usize {
     words.iter().map(|w| w.count_ones() as usize).sum()
 }
 
 /// Clears the bits from `len` on.
-pub(crate) fn clip(words: &mut [u64], len: usize) {
+pub fn clip(words: &mut [u64], len: usize) {
     for (i, word) in words.iter_mut().enumerate() {
         let left = len.saturating_sub(i * WORD);
         if left < WORD {
