@@ -85,7 +85,7 @@ pub use optics::Optics;
 pub use order::{fit_order, fit_order_above};
 pub use point_line::PointLine;
 pub use poly::Poly;
-pub use reference::{DEFAULT_TOLERANCE, LEAST_TOLERANCE, Pixel, Reference, Solution};
+pub use reference::{DEFAULT_TOLERANCE, MIN_TOLERANCE, Pixel, Reference, Solution};
 pub use scattered::spread;
 pub use segments::{Cut, RaySegment, SegmentLight};
 pub use ssim::ssim;
