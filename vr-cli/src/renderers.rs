@@ -68,7 +68,7 @@ pub fn option_help() -> String {
     for renderer in all() {
         let _ = writeln!(text, "Options of {} (--set KEY=VALUE; here with their defaults):", renderer.name());
         for OptionSpec { key, kind, default, help, only_with, .. } in renderer.option_specs() {
-            let only_with = only_with.map(|setting| format!(", only with {setting}")).unwrap_or_default();
+            let only_with = only_with.map(|setting| format!("; only with {setting}")).unwrap_or_default();
             let setting = format!("{key}={default}");
             let mut margin = format!("  {setting:<SETTING_WIDTH$}");
             for paragraph in [help.to_owned(), format!("{kind}{only_with}")] {

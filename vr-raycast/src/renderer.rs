@@ -25,7 +25,9 @@ impl Renderer for RayCaster {
             Step::Auto | Step::Tolerance(_) => Options::new(),
             _ => self.to_options(),
         };
-        let promising = self.configure(&chosen.with(MAX_ERROR, error.min(LARGEST_ERROR)));
+        // A minimum would take NaN for a number.
+        let error = if error > LARGEST_ERROR { LARGEST_ERROR } else { error };
+        let promising = self.configure(&chosen.with(MAX_ERROR, error));
         Some(promising.map(|caster| Box::new(caster) as Box<dyn Renderer>))
     }
 }
