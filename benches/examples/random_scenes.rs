@@ -10,11 +10,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use vr_core::{Options, Renderer};
+use vr_core::{Configurable, OptionError, Options};
 use vr_physics::Reference;
 use vr_physics::check::faulty_marcher::{Fault, Marcher};
 use vr_physics::check::strategies::Kind;
-use vr_physics::check::{Fall, Falling, KindFall, TestScene, survey_kind};
+use vr_physics::check::{Fall, Falling, KindFall, Ladder, TestScene, survey_kind};
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_splat::Splatting;
@@ -47,33 +47,41 @@ fn main() -> Result<(), Error> {
         }
     }
     let [name, count] = rest.as_slice() else { return Err(USAGE.into()) };
-    let (renderer, mut falling) = subject(name).ok_or(USAGE)?;
-    falling.scene_slack = slack.unwrap_or(falling.scene_slack);
-    survey(name, (&*renderer, &falling), (&kinds, first, count.parse()?), (&out, all))
+    let (key, ladder) = subject(name, slack).ok_or(USAGE)?;
+    survey((name, key), &ladder?, (&kinds, first, count.parse()?), (&out, all))
 }
 
-/// A renderer by name, and how it is refined. The floors are what rounding in f32 and tables of a few thousand entries leave.
-fn subject(name: &str) -> Option<(Box<dyn Renderer>, Falling)> {
+/// A renderer by name at steps of every length, and the option that is refined; one scene's error may grow by a factor of `slack`. The floors
+/// are what rounding in f32 and tables of a few thousand entries leave.
+fn subject(name: &str, slack: Option<f64>) -> Option<(&'static str, Result<Ladder, OptionError>)> {
+    fn ladder(
+        renderer: &impl Configurable,
+        falling: Falling,
+        slack: Option<f64>,
+    ) -> (&'static str, Result<Ladder, OptionError>) {
+        let scene_slack = slack.unwrap_or(falling.scene_slack);
+        (falling.step, Falling { scene_slack, ..falling }.ladder(renderer))
+    }
     let step = |key, coarsest| Falling { coarsest, floor: 3e-4, ..Falling::new(key) };
     Some(match name {
-        "marcher" => (Box::new(Marcher::new(Fault::None)), Falling::new("step")),
+        "marcher" => ladder(&Marcher::new(Fault::None), Falling::new("step"), slack),
         // A local error a 32nd as large takes steps about a sixth as long.
         "raycast" => {
             let falling =
                 Falling { coarsest: 3.2e-2, ratio: 32.0, order: 0.25, floor: 5e-4, ..Falling::new("local-error") };
-            (Box::new(RayCaster::default()), falling)
+            ladder(&RayCaster::default(), falling, slack)
         }
-        "raycast-steps" => (Box::new(RayCaster::uniform(1.0)), step("step", 1.0)),
-        "raycast-exact" => (Box::new(RayCaster::exact(1.0)), Falling::new("step")),
-        "texslice" => (Box::new(TexSlice::default()), step("slice-distance", 1.0)),
+        "raycast-steps" => ladder(&RayCaster::uniform(1.0), step("step", 1.0), slack),
+        "raycast-exact" => ladder(&RayCaster::exact(1.0), Falling::new("step"), slack),
+        "texslice" => ladder(&TexSlice::default(), step("slice-distance", 1.0), slack),
         "pre-integrated" => {
             let options = Options::new().with("format", "pre-integrated");
-            (Box::new(TexSlice::default()), Falling { options, ..step("slice-distance", 1.0) })
+            ladder(&TexSlice::default(), Falling { options, ..step("slice-distance", 1.0) }, slack)
         }
         // Sheets are no closer than 0.02.
-        "splat" => (Box::new(Splatting::default()), Falling { ratio: 6.0, ..step("slice-distance", 1.0) }),
+        "splat" => ladder(&Splatting::default(), Falling { ratio: 6.0, ..step("slice-distance", 1.0) }, slack),
         // Slices are as far apart as texels are wide, or half of that: one option refines both.
-        "shearwarp" => (Box::new(ShearWarp::default()), Falling { ratio: 5.0, ..step("texel", 1.0) }),
+        "shearwarp" => ladder(&ShearWarp::default(), Falling { ratio: 5.0, ..step("texel", 1.0) }, slack),
         _ => return None,
     })
 }
@@ -82,18 +90,14 @@ fn subject(name: &str) -> Option<(Box<dyn Renderer>, Falling)> {
 type Failure = (f64, u64, String, TestScene);
 
 fn survey(
-    name: &str,
-    (renderer, falling): (&dyn Renderer, &Falling),
+    (name, key): (&str, &str),
+    ladder: &Ladder,
     (kinds, first, count): (&[Kind], u64, u64),
     (out, all): (&Path, bool),
 ) -> Result<(), Error> {
-    let ladder = falling.ladder(renderer)?;
     let reference = Reference::new(1e-6);
     let start = Instant::now();
-    println!(
-        "{name}: RMSE over all scenes of a kind as {} gets smaller, and what is allowed of the last",
-        falling.step
-    );
+    println!("{name}: RMSE over all scenes of a kind as {key} gets smaller, and what is allowed of the last");
     println!("{:<16}{:>6}{:>8}{:>9}{:>7}{:>7}", "kind", "drawn", "refused", "unjudged", "within", "beyond");
     // Panics are counted: their messages would hide the table.
     std::panic::set_hook(Box::new(|_| {}));
@@ -101,7 +105,7 @@ fn survey(
     let mut failures: BTreeMap<&str, Vec<Failure>> = BTreeMap::new();
     for (i, &kind) in kinds.iter().enumerate() {
         let share = count / kinds.len() as u64 + u64::from((i as u64) < count % kinds.len() as u64);
-        let table = survey_kind(&ladder, kind, first..first + share, &reference, |seed, test, fall| {
+        let table = survey_kind(ladder, kind, first..first + share, &reference, |seed, test, fall| {
             if all || fall.falls_short() {
                 let error = if let Fall::Beyond(errors, _) = fall { errors[2] } else { f64::INFINITY };
                 failures.entry(kind.name()).or_default().push((error, seed, fall.to_string(), test.clone()));

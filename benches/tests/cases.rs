@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use vr_core::{Control, Model, Options, RenderError, Renderer, Scene, View};
+use vr_core::{Control, Model, Options, RenderError, Renderer, Scene, StudiedRenderer, View};
 use vr_io::load_scene;
 use vr_mesh::Surface;
 use vr_physics::metrics::subgrid;
@@ -64,8 +64,8 @@ fn errors(renderer: &dyn Renderer, (scene, view): (&Scene, &View), exact: &Exact
 }
 
 /// A renderer whose step is an option.
-fn with_step(renderer: &dyn Renderer, key: &str, step: f64) -> Box<dyn Renderer> {
-    renderer.configure(&Options::new().with(key, step)).expect("a step")
+fn with_step(renderer: &dyn StudiedRenderer, key: &str, step: f64) -> Box<dyn StudiedRenderer> {
+    renderer.with_options(&Options::new().with(key, step)).expect("a step")
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn every_scene_is_drawn_right_or_refused() {
         }
 
         // The others get better as their steps shrink, down to what tables and rounding leave.
-        let stepped: [(&dyn Renderer, &str); 4] = [
+        let stepped: [(&dyn StudiedRenderer, &str); 4] = [
             (&RayCaster::default(), "step"),
             (&TexSlice::default(), "slice-distance"),
             (&ShearWarp::default(), "slice-distance"),

@@ -1,12 +1,12 @@
 //! Orders of convergence: those that are documented are seen, and each classic mistake fails.
 
-use vr_core::{Control, Renderer};
+use vr_core::{Control, Documented, StudiedRenderer};
 use vr_physics::check::faulty_marcher::{Fault, Marcher};
 use vr_raycast::RayCaster;
 use vr_study::convergence::{Convergence, Outcome, Prover, Refined};
 use vr_study::exact::ExactCache;
 
-fn proven(renderer: &dyn Renderer) -> Vec<Convergence> {
+fn proven(renderer: &dyn StudiedRenderer) -> Vec<Convergence> {
     let (cache, control) = (ExactCache::none(), Control::default());
     let results = Prover { cache: &cache, control: &control }.proving_ground(renderer, &|_| {}).unwrap();
     for c in &results {
@@ -29,7 +29,7 @@ fn proven(renderer: &dyn Renderer) -> Vec<Convergence> {
 #[test]
 fn the_ray_caster_has_the_orders_that_it_documents() {
     let results = proven(&RayCaster::default());
-    assert!(results.len() > 3 * RayCaster::default().orders().len());
+    assert!(results.len() > 3 * RayCaster::default().convergence().len());
     for c in results {
         assert!(matches!(c.outcome(), Outcome::Holds | Outcome::Exact), "{c:?}");
     }

@@ -1,30 +1,10 @@
 //! The largest error that a picture was promised to have, and what became of the promise.
 
 use serde::Serialize;
-use vr_core::{Counts, OptionValue, Options, Renderer};
+use vr_core::Counts;
 
 use crate::failure::Failure;
 use crate::number;
-use crate::renderers::{MAX_ERROR, TOLERANCE};
-
-/// The largest error that the options of a renderer promise, in units of max(1, the picture's largest magnitude); `None` where they promise
-/// none. `asked` is what `--max-error` or the scene file asks for: the options keep it with room to spare.
-pub fn promised(renderer: &dyn Renderer, options: &Options, asked: Option<f64>) -> Option<f64> {
-    /// The word of the ray caster for steps that keep the default of its `max-error`.
-    const STEPS_THAT_PROMISE: (&str, &str) = ("steps", TOLERANCE);
-    let specs = renderer.options();
-    let spec = |key: &str| specs.iter().find(|spec| spec.key == key);
-    let number = |value: &OptionValue| if let OptionValue::Number(x) = value { Some(*x) } else { None };
-    let own = if let Some(spec) = spec(MAX_ERROR) {
-        let (steps, word) = STEPS_THAT_PROMISE;
-        let by_steps = options.0.get(steps).is_some_and(|value| value.to_string() == word);
-        options.0.get(MAX_ERROR).or(by_steps.then_some(&spec.default)).and_then(number)
-    } else {
-        // Storing pixels as f32 comes on top of a tolerance.
-        spec(TOLERANCE).and(options.0.get(TOLERANCE)).and_then(number).map(|x| x + f64::from(f32::EPSILON))
-    };
-    own.map(|own| asked.unwrap_or(own))
-}
 
 /// What became of a promise.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -85,21 +65,6 @@ impl Promise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::renderers::named;
-
-    #[test]
-    fn options_tell_what_is_promised() {
-        let of = |name: &str, options: &Options, asked| promised(&*named(name).unwrap(), options, asked);
-        let none = Options::new();
-        assert_eq!(of("raycast", &none, None), None);
-        assert_eq!(of("raycast", &none.clone().with(MAX_ERROR, 1e-3), None), Some(1e-3));
-        assert_eq!(of("raycast", &none.clone().with(MAX_ERROR, 1.0), Some(7.0)), Some(7.0));
-        assert_eq!(of("raycast", &none.clone().with("steps", TOLERANCE), None), Some(4e-3));
-        assert_eq!(of("raycast", &none.clone().with("steps", "uniform"), None), None);
-        assert_eq!(of("physics", &none, None), None);
-        assert_eq!(of("physics", &none.clone().with(TOLERANCE, 1e-3), None), Some(1e-3 + f64::from(f32::EPSILON)));
-        assert_eq!(of("texslice", &none, None), None);
-    }
 
     #[test]
     fn one_ray_breaks_a_promise() {

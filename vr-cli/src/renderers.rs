@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use vr_core::{OptionKind, OptionValue, Options, ParameterError, RenderError, Renderer};
+use vr_core::{OptionSpec, OptionValue, Options, StudiedRenderer};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
@@ -12,7 +12,7 @@ use vr_texslice::TexSlice;
 use crate::failure::Failure;
 
 /// All of them, one line each.
-pub fn all() -> Vec<Box<dyn Renderer>> {
+pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
     vec![
         Box::new(RayCaster::default()),
         Box::new(ShearWarp::default()),
@@ -26,7 +26,7 @@ pub fn all() -> Vec<Box<dyn Renderer>> {
 ///
 /// # Errors
 /// What is wrong with the name, in one line.
-pub fn named(name: &str) -> Result<Box<dyn Renderer>, String> {
+pub fn named(name: &str) -> Result<Box<dyn StudiedRenderer>, String> {
     let known = all();
     let names = known.iter().map(|r| r.name()).collect::<Vec<_>>().join(", ");
     known
@@ -39,7 +39,7 @@ pub fn named(name: &str) -> Result<Box<dyn Renderer>, String> {
 ///
 /// # Errors
 /// [`Failure::Usage`] for an unknown name.
-pub fn chosen(names: &[String]) -> Result<Vec<Box<dyn Renderer>>, Failure> {
+pub fn chosen(names: &[String]) -> Result<Vec<Box<dyn StudiedRenderer>>, Failure> {
     match names {
         [] => Ok(all()),
         names => {
@@ -62,49 +62,60 @@ pub fn with_flags(mut options: Options, flags: &[(String, String)]) -> Options {
     options
 }
 
-/// Options under which a renderer promises a largest error: those that have an option `max-error` are told it; for those that have
-/// `tolerance`, half of it leaves room for storing pixels as f32; the others refuse.
-///
-/// # Errors
-/// A renderer that cannot promise, or a promise that no picture can keep.
-pub fn promise(renderer: &dyn Renderer, options: Options, max_error: f64) -> Result<Options, RenderError> {
-    let key = promising_option(renderer);
-    let Some(option) = renderer.options().iter().find(|option| Some(option.key) == key) else {
-        let feature = "max_error: it cannot promise one".to_owned();
-        return Err(RenderError::Unsupported { renderer: renderer.name(), feature });
-    };
-    if max_error.is_nan() || max_error < LEAST_MAX_ERROR {
-        return Err(
-            ParameterError::new("render.max_error", max_error, "must be at least 1e-6: pictures are f32").into()
-        );
-    }
-    let wanted = if option.key == TOLERANCE { 0.5 * max_error } else { max_error };
-    let most = if let OptionKind::Number { most, .. } = option.kind { most } else { wanted };
-    Ok(options.with(option.key, wanted.min(most)))
-}
-
-/// The option by which a renderer is told what to promise; `None` for one that cannot.
-pub fn promising_option(renderer: &dyn Renderer) -> Option<&'static str> {
-    [MAX_ERROR, TOLERANCE].into_iter().find(|key| renderer.options().iter().any(|option| option.key == *key))
-}
-
-/// The smallest error that is promised. Frames are f32: rounding is half of this at most.
-pub const LEAST_MAX_ERROR: f64 = 1e-6;
-
-/// The option in which a promise is expressed.
-pub const MAX_ERROR: &str = "max-error";
-/// The same, of a renderer of which it is the accuracy.
-pub const TOLERANCE: &str = "tolerance";
-
-/// What `--set` takes, for the help text.
+/// The options of every renderer that `--set` takes, for the help text.
 pub fn option_help() -> String {
     let mut text = String::new();
     for renderer in all() {
-        let _ = writeln!(text, "Options of {} (--set KEY=VALUE):", renderer.name());
-        for option in renderer.options() {
-            let _ = writeln!(text, "  {}={}  {} ({})", option.key, option.default, option.help, option.kind);
+        let _ = writeln!(text, "Options of {} (--set KEY=VALUE; here with their defaults):", renderer.name());
+        for OptionSpec { key, kind, default, help, only_with, .. } in renderer.option_specs() {
+            let only_with = only_with.map(|setting| format!("; only with {setting}")).unwrap_or_default();
+            let setting = format!("{key}={default}");
+            let mut margin = format!("  {setting:<SETTING_WIDTH$}");
+            for paragraph in [help.to_owned(), format!("{kind}{only_with}")] {
+                for line in wrapped(&paragraph, HELP_WIDTH) {
+                    let _ = writeln!(text, "{margin}  {line}");
+                    margin = " ".repeat(2 + SETTING_WIDTH);
+                }
+            }
         }
         text.push('\n');
     }
     text
+}
+
+/// Columns of an option and its default in the help text.
+const SETTING_WIDTH: usize = 28;
+/// Columns of what is said of it.
+const HELP_WIDTH: usize = 78;
+
+/// Breaks a text between words into lines of a width.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let line = lines.last_mut().expect("there is one");
+        if line.is_empty() {
+            *line = word.to_owned();
+        } else if line.chars().count() + 1 + word.chars().count() <= width {
+            *line += &format!(" {word}");
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_help_has_every_option_in_short_lines() {
+        let help = option_help();
+        assert!(help.lines().all(|line| line.chars().count() <= 2 + SETTING_WIDTH + 2 + HELP_WIDTH), "{help}");
+        for renderer in all() {
+            for OptionSpec { key, default, .. } in renderer.option_specs() {
+                assert!(help.contains(&format!("  {key}={default} ")), "{key}: {help}");
+            }
+        }
+    }
 }

@@ -14,7 +14,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
 use crate::overrides::Overrides;
-use crate::{camera_flags, number, promise, renderers};
+use crate::{camera_flags, number, renderers};
 
 /// What is drawn where nothing is named.
 const EMBEDDED: &str = include_str!("embedded.toml");
@@ -130,28 +130,26 @@ impl Setup {
                 .note(&format!("options of the scene file have no effect: they are for {}, not {name}", self.renderer));
         }
         let set = |key: &str| args.set.iter().any(|(k, _)| k == key);
-        let max_error = match (args.max_error, renderers::promising_option(&*renderer)) {
+        let promising = renderer.option_specs().into_iter().find(|option| option.promises).map(|option| option.key);
+        let max_error = match (args.max_error, promising) {
             (Some(_), Some(key)) if set(key) => {
-                return Err(Failure::usage(format!(
-                    "--max-error sets the option {key} of {name}: --set {key} must not, too"
-                )));
+                let message =
+                    format!("--max-error promises what the option {key} of {name} does: --set {key} must not, too");
+                return Err(Failure::usage(message));
             }
             (Some(max_error), _) => Some(max_error),
             // A flag overrides the scene file.
             (None, Some(key)) if set(key) => None,
             (None, Some(key)) if self.max_error.is_some() && own.0.contains_key(key) => {
-                let message =
-                    format!("render.max_error sets the option {key} of {name}: render.{key} must not be there, too");
+                let message = format!(
+                    "render.max_error promises what the option {key} of {name} does: render.{key} must not be there, too"
+                );
                 return Err(complaint(false, message));
             }
             (None, _) => self.max_error,
         };
-        let mut options = renderers::with_flags(own, &args.set);
-        if let Some(max_error) = max_error {
-            options = renderers::promise(&*renderer, options, max_error)
-                .map_err(|e| complaint(args.max_error.is_some() || args.renderer.is_some(), e.to_string()))?;
-        }
-        let configured = renderer.configure(&options).map_err(|e| {
+        let options = renderers::with_flags(own, &args.set);
+        let wrong_option = |e: OptionError| {
             let by_flag = match &e {
                 OptionError::Unknown { key, .. } | OptionError::Value { key, .. } => {
                     args.renderer.is_some() || set(key)
@@ -159,9 +157,20 @@ impl Setup {
                 _ => false,
             };
             complaint(by_flag, e.to_string())
-        })?;
-        let promised = promise::promised(&*configured, &options, max_error);
-        Ok(Configured { renderer: configured, options, promised })
+        };
+        let configured = renderer.with_options(&options).map_err(wrong_option)?;
+        let Some(max_error) = max_error else {
+            // Promised by options, and not by default.
+            let is_asked = renderer.max_error().is_none() || promising.is_some_and(|key| options.0.contains_key(key));
+            let promised = configured.max_error().filter(|_| is_asked);
+            return Ok(Configured { renderer: configured, options, promised });
+        };
+        let by_flag = args.max_error.is_some() || args.renderer.is_some();
+        let renderer = configured
+            .with_max_error(max_error)
+            .ok_or_else(|| complaint(by_flag, format!("renderer {name} cannot promise a largest error (max_error)")))?
+            .map_err(|e| complaint(by_flag, e.to_string()))?;
+        Ok(Configured { renderer, options, promised: Some(max_error) })
     }
 
     /// Tells that what the scene file says about a renderer has no effect, where it says anything: for commands that try several.

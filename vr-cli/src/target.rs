@@ -1,7 +1,7 @@
 //! `vr render --target-rmse`.
 
 use serde::Serialize;
-use vr_core::{Control, Options, Renderer};
+use vr_core::{Control, MIN_MAX_ERROR, Options, StudiedRenderer};
 use vr_study::choose::{CONFIDENCE, Choice, ChoiceError, Prover, draw_within};
 use vr_study::contestant::contestants;
 use vr_study::exact::ExactCache;
@@ -123,11 +123,9 @@ impl Chosen {
 /// Renderers that can prove a picture to be well within a target: by it, others are judged.
 fn provers(target: f64) -> Vec<Prover> {
     // An eighth is little beside the target, and costs little more than the target itself would; no picture of floats keeps less than the least.
-    let max_error = (target / 8.0).max(renderers::LEAST_MAX_ERROR);
-    let configured = |renderer: Box<dyn Renderer>| {
-        let options = renderers::promise(&*renderer, Options::new(), max_error).ok()?;
-        // One whose tolerance is all that it has draws as slowly as exact pixels are solved: it is no help.
-        options.0.contains_key(renderers::MAX_ERROR).then(|| renderer.configure(&options).ok()).flatten()
-    };
-    renderers::all().into_iter().filter_map(configured).map(|renderer| Prover { renderer, max_error }).collect()
+    let max_error = (target / 8.0).max(MIN_MAX_ERROR);
+    // One that promises by default draws as slowly as exact pixels are solved: it is no help.
+    let quick = renderers::all().into_iter().filter(|renderer| renderer.max_error().is_none());
+    let promising = |renderer: Box<dyn StudiedRenderer>| renderer.with_max_error(max_error)?.ok();
+    quick.filter_map(promising).map(|renderer| Prover { renderer, max_error }).collect()
 }

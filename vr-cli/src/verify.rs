@@ -1,7 +1,7 @@
 //! `vr verify`.
 
 use serde::Serialize;
-use vr_core::{Control, Renderer};
+use vr_core::{Control, StudiedRenderer};
 use vr_study::StudyError;
 use vr_study::convergence::{Convergence, Outcome, Prover};
 
@@ -19,7 +19,7 @@ use crate::{exact_cache, renderers};
 /// Whatever goes wrong with the command line, the volume, or the scene; an order that is not as documented.
 pub fn run(args: &VerifyArgs, console: Console, control: &Control) -> Result<(), Failure> {
     let chosen = renderers::chosen(&args.renderers)?;
-    let chosen: Vec<Box<dyn Renderer>> = chosen.into_iter().filter(|r| !r.orders().is_empty()).collect();
+    let chosen: Vec<Box<dyn StudiedRenderer>> = chosen.into_iter().filter(|r| !r.convergence().is_empty()).collect();
     if chosen.is_empty() {
         return Err(Failure::usage("no renderer that was named documents an order of convergence"));
     }

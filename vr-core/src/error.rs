@@ -190,6 +190,9 @@ pub enum RenderError {
     /// A camera, a clip plane, a size… that makes no sense.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// Settings of the renderer that make no sense.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Somebody set the cancel flag.
     #[error("cancelled")]
     Cancelled,

@@ -1,36 +1,149 @@
 //! A renderer's options: named, typed, described, so that a command line and a scene file can set them.
 
 use std::collections::BTreeMap;
-
-use crate::error::OptionError;
+use std::fmt;
 
 /// One option of a renderer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OptionSpec {
     /// Its name, in kebab case.
     pub key: &'static str,
-    /// What values it takes.
+    /// Values that it takes.
     pub kind: OptionKind,
-    /// What it is when not set.
+    /// Its value when it is not set.
     pub default: OptionValue,
     /// One line of help.
     pub help: &'static str,
+    /// Setting of another option without which this one must be absent, such as `steps=local`.
+    pub only_with: Option<&'static str>,
+    /// True if its value is the largest error that the renderer promises.
+    pub promises: bool,
 }
 
-/// What values an option takes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+impl OptionSpec {
+    /// Checks the type and the range of a value.
+    ///
+    /// # Errors
+    /// What would be right.
+    pub(crate) fn accepts(&self, value: &OptionValue) -> Result<(), String> {
+        let fits = match (&self.kind, value) {
+            (OptionKind::Number(range), OptionValue::Number(x)) => range.contains(*x),
+            (OptionKind::Switch, OptionValue::Switch(_)) => true,
+            (OptionKind::Choice(words), OptionValue::Word(w)) => words.contains(&w.as_str()),
+            _ => false,
+        };
+        if fits { Ok(()) } else { Err(format!("must be {}", self.kind)) }
+    }
+}
+
+/// Values that an option takes.
+#[derive(Clone, Debug, PartialEq)]
 pub enum OptionKind {
-    /// A finite number above `above` and at most `most`.
-    Number {
-        /// Exclusive lower bound.
-        above: f64,
-        /// Inclusive upper bound.
-        most: f64,
-    },
+    /// A number of a range.
+    Number(NumberRange),
     /// True or false.
     Switch,
     /// One of these words.
-    Choice(&'static [&'static str]),
+    Choice(Vec<&'static str>),
+}
+
+impl fmt::Display for OptionKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(range) => range.fmt(f),
+            Self::Switch => f.write_str("true or false"),
+            Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
+        }
+    }
+}
+
+/// Finite numbers between two ends, each of which may belong to the range or not.
+///
+/// ```
+/// use vr_core::NumberRange;
+/// let edge = NumberRange::at_least(8.0).up_to(1024.0).whole().or_zero();
+/// assert!(edge.contains(0.0) && edge.contains(8.0) && !edge.contains(9.5));
+/// assert_eq!(edge.to_string(), "a whole number from 8 to 1024, or 0");
+/// assert_eq!(NumberRange::above(0.0).up_to(1.0).to_string(), "a number above 0, at most 1");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NumberRange {
+    low: f64,
+    has_low: bool,
+    high: f64,
+    has_high: bool,
+    whole: bool,
+    zero: bool,
+}
+
+impl NumberRange {
+    const ALL: Self = Self {
+        low: f64::NEG_INFINITY,
+        has_low: false,
+        high: f64::INFINITY,
+        has_high: false,
+        whole: false,
+        zero: false,
+    };
+
+    /// Numbers above one that does not belong to them.
+    pub const fn above(low: f64) -> Self {
+        Self { low, ..Self::ALL }
+    }
+
+    /// A number and those above it.
+    pub const fn at_least(low: f64) -> Self {
+        Self { low, has_low: true, ..Self::ALL }
+    }
+
+    /// Of these, those up to a number that belongs to them.
+    #[must_use]
+    pub const fn up_to(self, high: f64) -> Self {
+        Self { high, has_high: true, ..self }
+    }
+
+    /// Of these, those below a number that does not belong to them.
+    #[must_use]
+    pub const fn below(self, high: f64) -> Self {
+        Self { high, has_high: false, ..self }
+    }
+
+    /// Of these, the whole ones.
+    #[must_use]
+    pub const fn whole(self) -> Self {
+        Self { whole: true, ..self }
+    }
+
+    /// These, and 0.
+    #[must_use]
+    pub const fn or_zero(self) -> Self {
+        Self { zero: true, ..self }
+    }
+
+    /// True if a number belongs to the range; infinities and NaN never do.
+    pub fn contains(&self, x: f64) -> bool {
+        let above = x > self.low || self.has_low && x == self.low;
+        let below = x < self.high || self.has_high && x == self.high;
+        above && below && x.is_finite() && (!self.whole || x.fract() == 0.0) || self.zero && x == 0.0
+    }
+}
+
+impl fmt::Display for NumberRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.whole { "a whole number" } else { "a number" })?;
+        let (low, high) = (OptionValue::Number(self.low), OptionValue::Number(self.high));
+        match (self.has_low, self.has_high) {
+            (true, true) => write!(f, " from {low} to {high}")?,
+            (true, false) => write!(f, ", {low} or more")?,
+            (false, _) => write!(f, " above {low}")?,
+        }
+        match self.has_high {
+            true if !self.has_low => write!(f, ", at most {high}")?,
+            false if self.high.is_finite() => write!(f, ", below {high}")?,
+            _ => {}
+        }
+        f.write_str(if self.zero { ", or 0" } else { "" })
+    }
 }
 
 /// The value of an option.
@@ -57,100 +170,14 @@ impl OptionValue {
     }
 }
 
-impl std::fmt::Display for OptionValue {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl fmt::Display for OptionValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Switch(b) => b.fmt(f),
+            // Without the zeros that decimal notation gives a very small or large number.
+            Self::Number(x) if *x != 0.0 && !(1e-4..1e9).contains(&x.abs()) => write!(f, "{x:e}"),
             Self::Number(x) => x.fmt(f),
             Self::Word(w) => w.fmt(f),
-        }
-    }
-}
-
-/// Options that were set, by name.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(transparent))]
-pub struct Options(pub BTreeMap<String, OptionValue>);
-
-impl Options {
-    /// None set.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Sets one.
-    #[must_use]
-    pub fn with(mut self, key: &str, value: impl Into<OptionValue>) -> Self {
-        self.0.insert(key.to_owned(), value.into());
-        self
-    }
-
-    /// Checks every option against a renderer's list; returns those set, in the list's order.
-    ///
-    /// # Errors
-    /// [`OptionError`] for an unknown key (naming the nearest one) or a value of the wrong type or range.
-    pub fn check<'a>(
-        &'a self,
-        renderer: &'static str,
-        specs: &'a [OptionSpec],
-    ) -> Result<Vec<(&'static str, &'a OptionValue)>, OptionError> {
-        for key in self.0.keys() {
-            if !specs.iter().any(|s| s.key == key) {
-                let nearest = specs
-                    .iter()
-                    .map(|s| (strsim::damerau_levenshtein(s.key, key), s.key))
-                    .min()
-                    .filter(|&(distance, known)| distance <= 2.max(known.len() / 2))
-                    .map(|(_, known)| known);
-                return Err(OptionError::Unknown { renderer, key: key.clone(), nearest });
-            }
-        }
-        let set = specs.iter().filter_map(|s| self.0.get(s.key).map(|v| (s, v)));
-        set.map(|(spec, value)| match spec.accepts(value) {
-            Ok(()) => Ok((spec.key, value)),
-            Err(allowed) => {
-                Err(OptionError::Value { renderer, key: spec.key.to_owned(), found: value.to_string(), allowed })
-            }
-        })
-        .collect()
-    }
-}
-
-impl OptionSpec {
-    /// Whether a value is allowed; if not, what would be.
-    fn accepts(&self, value: &OptionValue) -> Result<(), String> {
-        match (self.kind, value) {
-            (OptionKind::Number { above, most }, OptionValue::Number(x)) if *x > above && *x <= most => Ok(()),
-            (OptionKind::Switch, OptionValue::Switch(_)) => Ok(()),
-            (OptionKind::Choice(words), OptionValue::Word(w)) if words.contains(&w.as_str()) => Ok(()),
-            _ => Err(self.kind.to_string()),
-        }
-    }
-}
-
-/// The word for a meaning, of a list that has one for each.
-///
-/// # Panics
-/// Where the list has none: it is of the code, not of what somebody typed.
-pub fn word_of<T: PartialEq>(words: &[(&'static str, T)], meaning: T) -> &'static str {
-    words.iter().find(|(_, m)| *m == meaning).expect("every meaning has a word").0
-}
-
-/// The meaning of a word that [`Options::check`] has found among those of an [`OptionKind::Choice`].
-///
-/// # Panics
-/// Where the list has no such word.
-pub fn meaning_of<T: Copy>(words: &[(&'static str, T)], word: &str) -> T {
-    words.iter().find(|(w, _)| *w == word).expect("checked against the list").1
-}
-
-impl std::fmt::Display for OptionKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Number { above, most } => write!(f, "must be a number above {above} and at most {most}"),
-            Self::Switch => f.write_str("must be true or false"),
-            Self::Choice(words) => write!(f, "must be one of {}", words.join(", ")),
         }
     }
 }
@@ -173,28 +200,53 @@ impl From<&str> for OptionValue {
     }
 }
 
+/// Options that were set, by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(transparent))]
+pub struct Options(pub BTreeMap<String, OptionValue>);
+
+impl Options {
+    /// None set.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Sets one.
+    #[must_use]
+    pub fn with(mut self, key: &str, value: impl Into<OptionValue>) -> Self {
+        self.0.insert(key.to_owned(), value.into());
+        self
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const SPECS: &[OptionSpec] = &[];
+    #[test]
+    fn ranges_know_their_ends() {
+        for (range, inside, outside, words) in [
+            (NumberRange::above(0.0).up_to(16.0), [1e-300, 16.0], [0.0, 16.1], "a number above 0, at most 16"),
+            (NumberRange::at_least(0.0).up_to(16.0), [0.0, 16.0], [-1e-300, 17.0], "a number from 0 to 16"),
+            (NumberRange::at_least(0.0), [0.0, 1e300], [-1.0, f64::INFINITY], "a number, 0 or more"),
+            (NumberRange::at_least(0.0).below(1.0), [0.0, 0.9999], [1.0, -0.1], "a number, 0 or more, below 1"),
+            (NumberRange::above(0.0).below(1.0), [0.1, 0.9999], [1.0, 0.0], "a number above 0, below 1"),
+            (NumberRange::at_least(1e-13).up_to(0.01), [1e-13, 0.01], [0.0, 0.02], "a number from 1e-13 to 0.01"),
+            (NumberRange::at_least(0.5).up_to(8.0).or_zero(), [0.0, 8.0], [0.1, 9.0], "a number from 0.5 to 8, or 0"),
+            (NumberRange::at_least(8.0).whole(), [8.0, 1e9], [8.5, 7.0], "a whole number, 8 or more"),
+        ] {
+            assert_eq!(range.to_string(), words);
+            assert!(inside.iter().all(|&x| range.contains(x)), "{words}");
+            assert!(outside.iter().chain(&[f64::NAN]).all(|&x| !range.contains(x)), "{words}");
+        }
+    }
 
     #[test]
-    fn names_the_nearest_key_and_what_is_allowed() {
-        let specs = [OptionSpec {
-            key: "step",
-            kind: OptionKind::Number { above: 0.0, most: 16.0 },
-            default: OptionValue::Number(0.5),
-            help: "",
-        }];
-        assert!(Options::new().with("step", 1.0).check("r", &specs).is_ok());
-        let e = Options::new().with("stop", 1.0).check("r", &specs).unwrap_err();
-        assert_eq!(e.to_string(), "renderer r has no option 'stop'; did you mean 'step'?");
-        for bad in [OptionValue::Number(0.0), OptionValue::Number(f64::NAN), OptionValue::Switch(true)] {
-            assert!(matches!(Options::new().with("step", 1.0).check("r", SPECS), Err(OptionError::Unknown { .. })));
-            let mut o = Options::new();
-            o.0.insert("step".into(), bad);
-            assert!(matches!(o.check("r", &specs), Err(OptionError::Value { .. })));
+    fn numbers_are_short() {
+        for (x, text) in [(0.0, "0"), (0.5, "0.5"), (1e-13, "1e-13"), (1_048_576.0, "1048576"), (5e-4, "0.0005")] {
+            assert_eq!(OptionValue::Number(x).to_string(), text);
+            assert_eq!(OptionValue::parse(text), OptionValue::Number(x));
         }
     }
 }

@@ -1,11 +1,9 @@
 //! The seam: everything that draws scenes stands behind [`Renderer`].
 
-use crate::claim::{DocumentedError, OrderClaim};
 use crate::control::Control;
 use crate::error::{OptionError, RenderError};
 use crate::frame::Frame;
 use crate::model::Model;
-use crate::options::{OptionSpec, Options};
 use crate::probe::Probe;
 use crate::scene::Scene;
 use crate::stats::RenderStats;
@@ -16,35 +14,30 @@ pub trait Renderer: Send + Sync {
     /// Its name, as scene files and command lines use it.
     fn name(&self) -> &'static str;
 
-    /// The options it has.
-    fn options(&self) -> &[OptionSpec];
-
-    /// The same renderer with options set; those not given keep the value that they have here.
-    ///
-    /// # Errors
-    /// [`OptionError`] for an option that it does not have, or a value that it does not take.
-    fn configure(&self, options: &Options) -> Result<Box<dyn Renderer>, OptionError>;
-
-    /// The settings that a study of speed against error should try.
-    fn settings(&self) -> Vec<NamedSetting>;
-
-    /// What its documentation says of convergence, in a form that a program can put to the test.
-    fn orders(&self) -> Vec<OrderClaim> {
-        Vec::new()
-    }
-
-    /// The error that it documents, as it is configured, for a hard case of that name (`vr_physics::cases`); `None` where it documents
-    /// none.
-    fn hard_case_error(&self, _case: &str) -> Option<DocumentedError> {
-        None
-    }
-
     /// Does all that can be done before the view is known.
     ///
     /// # Errors
     /// [`RenderError::Unsupported`] for a scene that it cannot draw; never a silently different picture.
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError>;
+
+    /// Largest error that it promises, as it is configured, of any component of a pixel, in units of max(1, the picture's largest
+    /// magnitude); `None` if it promises none. Pixels for which it cannot prove that are counted
+    /// ([`Counts::unbounded`](crate::Counts::unbounded)).
+    fn max_error(&self) -> Option<f64> {
+        None
+    }
+
+    /// The same renderer, promising a largest error; `None` from one that cannot promise.
+    ///
+    /// # Errors
+    /// [`OptionError`] for an error that no picture can keep (below [`MIN_MAX_ERROR`]), or settings that the promise does not go with.
+    fn with_max_error(&self, _error: f64) -> Option<Result<Box<dyn Renderer>, OptionError>> {
+        None
+    }
 }
+
+/// Smallest error that can be promised: frames are f32.
+pub const MIN_MAX_ERROR: f64 = 1e-6;
 
 /// A renderer that has seen its scene.
 ///
@@ -83,17 +76,4 @@ pub struct Rendered {
     pub frame: Frame,
     /// What was done for it.
     pub stats: RenderStats,
-}
-
-/// A setting worth measuring, with what its documentation promises.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NamedSetting {
-    /// Short and unique within the renderer.
-    pub name: String,
-    /// The options that make it.
-    pub options: Options,
-    /// Documented order of convergence in the step, on smooth fields and transfer functions; `None` for an exact method.
-    pub order: Option<f64>,
-    /// Error that no step goes below: rounding and tables.
-    pub error_floor: f64,
 }

@@ -74,7 +74,7 @@ pub use metrics::{Channels, Metrics};
 pub use model_solvers::{integrate_continuous, sum_segments};
 pub use optics::Optics;
 pub use order::{fit_order, fit_order_above};
-pub use reference::{DEFAULT_TOLERANCE, LEAST_TOLERANCE, Pixel, Reference, Solution};
+pub use reference::{DEFAULT_TOLERANCE, MIN_TOLERANCE, Pixel, Reference, Solution};
 pub use scattered::spread;
 pub use segments::{RaySegment, SegmentLight};
 pub use ssim::ssim;

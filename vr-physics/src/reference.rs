@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use vr_core::image_order::{PixelValue, Spot, trace_pixels, trace_view};
 use vr_core::{
-    Control, Counts, DocumentedError, Frame, Model, NamedSetting, OptionError, OptionKind, OptionSpec, OptionValue,
-    Options, Prepared, Ray, RenderError, RenderStats, Rendered, Renderer, Scene, View,
+    Configurable, Control, Counts, DeclaredOption, Documented, DocumentedError, Frame, HardCaseErrors, MIN_MAX_ERROR,
+    Model, NamedSetting, NumberRange, OptionError, OptionTable, Prepared, Ray, RenderError, RenderStats, Rendered,
+    Renderer, Scene, View,
 };
 
 use crate::segments::RaySegment;
@@ -17,13 +18,16 @@ use vr_core::bound::{Bound, largest};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     tolerance: f64,
-    options: Vec<OptionSpec>,
 }
 
 /// The default tolerance, relative to max(1, the picture's largest magnitude).
 pub const DEFAULT_TOLERANCE: f64 = 1e-10;
 /// The smallest tolerance: rounding is not far below.
-pub const LEAST_TOLERANCE: f64 = 1e-13;
+pub const MIN_TOLERANCE: f64 = 1e-13;
+/// The largest tolerance that is an option.
+const MAX_TOLERANCE: f64 = 1e-2;
+/// Storing a pixel as f32 adds this to its error.
+const F32_ROUNDING: f64 = f32::EPSILON as f64;
 
 impl Default for Reference {
     fn default() -> Self {
@@ -104,15 +108,12 @@ impl PixelValue for Pixel {
 }
 
 impl Reference {
-    /// A reference of the given tolerance (at least [`LEAST_TOLERANCE`]).
+    /// The name in scene files and on command lines.
+    pub const NAME: &'static str = "physics";
+
+    /// A reference of the given tolerance (at least [`MIN_TOLERANCE`]).
     pub fn new(tolerance: f64) -> Self {
-        let options = vec![OptionSpec {
-            key: "tolerance",
-            kind: OptionKind::Number { above: 0.0, most: 1e-2 },
-            default: OptionValue::Number(DEFAULT_TOLERANCE),
-            help: "largest error of a pixel, relative to max(1, the picture's largest magnitude); 1e-13 at the least",
-        }];
-        Self { tolerance: tolerance.max(LEAST_TOLERANCE), options }
+        Self { tolerance: tolerance.max(MIN_TOLERANCE) }
     }
 
     /// The tolerance.
@@ -188,43 +189,57 @@ impl Reference {
 
 impl Renderer for Reference {
     fn name(&self) -> &'static str {
-        "physics"
+        Self::NAME
     }
 
-    fn options(&self) -> &[OptionSpec] {
-        &self.options
+    fn max_error(&self) -> Option<f64> {
+        Some(self.tolerance + F32_ROUNDING)
     }
 
-    fn configure(&self, options: &Options) -> Result<Box<dyn Renderer>, OptionError> {
-        let mut tolerance = self.tolerance;
-        for (_, value) in options.check(self.name(), &self.options)? {
-            if let OptionValue::Number(x) = value {
-                tolerance = *x;
-            }
-        }
-        Ok(Box::new(Self::new(tolerance)))
-    }
-
-    fn settings(&self) -> Vec<NamedSetting> {
-        // Others take the same time: bounds are found beforehand, and most pieces fit any of them.
-        vec![NamedSetting {
-            name: format!("tolerance {DEFAULT_TOLERANCE:e}"),
-            options: Options::new().with("tolerance", DEFAULT_TOLERANCE),
-            order: None,
-            // The frame is f32.
-            error_floor: f64::from(f32::EPSILON),
-        }]
-    }
-
-    fn hard_case_error(&self, _case: &str) -> Option<DocumentedError> {
-        // The picture is f32.
-        Some(DocumentedError::Max(self.tolerance + f64::from(f32::EPSILON)))
+    /// Half of the error is the tolerance, and leaves room for storing pixels as f32.
+    fn with_max_error(&self, error: f64) -> Option<Result<Box<dyn Renderer>, OptionError>> {
+        let range = NumberRange::at_least(MIN_MAX_ERROR);
+        Some(if error == f64::INFINITY || range.contains(error) {
+            Ok(Box::new(Self::new((0.5 * error).min(MAX_TOLERANCE))))
+        } else {
+            let (renderer, key) = (Self::NAME, "max-error".to_owned());
+            Err(OptionError::Value { renderer, key, found: error.to_string(), allowed: format!("must be {range}") })
+        })
     }
 
     fn prepare(&self, scene: &Scene, _control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
         scene.validate()?;
         scene.volume.prepare_derived();
         Ok(Box::new(PreparedReference { reference: self.clone(), scene: Arc::new(scene.clone()) }))
+    }
+}
+
+impl Configurable for Reference {
+    fn options() -> OptionTable<Self> {
+        OptionTable::new(
+            Self::NAME,
+            [DeclaredOption::<Self>::number(
+                "tolerance",
+                "largest error of a pixel, in units of max(1, the picture's largest magnitude)",
+                NumberRange::at_least(MIN_TOLERANCE).up_to(MAX_TOLERANCE),
+                |r| r.tolerance,
+                |r, x| r.tolerance = x,
+            )
+            .promise()],
+        )
+    }
+}
+
+impl Documented for Reference {
+    /// The default alone. Others take the same time: bounds are found beforehand, and most pieces fit any of them.
+    fn settings(&self) -> Vec<NamedSetting> {
+        let reference = Self::default();
+        vec![NamedSetting::new(format!("tolerance {:e}", reference.tolerance), &reference, None, F32_ROUNDING)]
+    }
+
+    fn hard_case_errors(&self) -> HardCaseErrors {
+        let otherwise = self.max_error().map(DocumentedError::Max);
+        HardCaseErrors { otherwise, ..HardCaseErrors::default() }
     }
 }
 

@@ -1,201 +1,256 @@
-//! The settings as named options, both ways.
+//! The settings as named options.
 
-use std::sync::LazyLock;
-
-use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options, meaning_of, word_of};
+use vr_core::{Configurable, DeclaredOption, Filter, MIN_MAX_ERROR, NumberRange, OptionTable};
 
 use crate::caster::{
-    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Traversal, Vector,
+    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector,
 };
-use crate::step_options;
 
-const SCENE_FILTER: &str = "scene";
-const FILTERS: &[&str] = &[SCENE_FILTER, "nearest", "trilinear", "bspline", "catmull-rom", "gaussian"];
-const RULES: &[(&str, Rule)] = &[
-    (Rule::Midpoint.name(), Rule::Midpoint),
-    (Rule::Left.name(), Rule::Left),
-    (Rule::Linear.name(), Rule::Linear),
-    (Rule::Quadratic.name(), Rule::Quadratic),
-    (Rule::Exact.name(), Rule::Exact),
+/// The option that is refined.
+pub(crate) const STEP: &str = "step";
+/// The option that promises.
+pub(crate) const MAX_ERROR: &str = "max-error";
+/// Largest error that can be promised: no picture is off by more than its largest magnitude.
+pub(crate) const LARGEST_ERROR: f64 = 1.0;
+
+const UNIFORM: Step = Step::Uniform(Step::OTHERWISE);
+const LOCAL: Step = Step::Local { error: Step::ERROR };
+const VICINITY: Step = Step::Vicinity { coarse: 8.0, fine: Step::OTHERWISE };
+const HOMOGENEOUS: Step = Step::Homogeneous { step: Step::OTHERWISE, error: 1e-2 };
+const TOLERANCE: Step = Step::Tolerance(4e-3);
+/// Every kind of steps, with the numbers that it has where none are given.
+const STEPS: [(&str, Step); 6] = [
+    ("auto", Step::Auto),
+    ("uniform", UNIFORM),
+    ("local", LOCAL),
+    ("vicinity", VICINITY),
+    ("homogeneous", HOMOGENEOUS),
+    ("tolerance", TOLERANCE),
 ];
-const TRAVERSALS: &[(&str, Traversal)] =
-    &[("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)];
-const LEAPINGS: &[(&str, Leaping)] = &[
-    ("auto", Leaping::Auto),
-    ("none", Leaping::None),
-    ("octree", Leaping::Octree),
-    ("pyramid", Leaping::Pyramid),
-    ("exact-cloud", Leaping::ExactCloud),
-    ("chessboard-cloud", Leaping::ChessboardCloud),
-    ("boxes", Leaping::Boxes),
-    ("polyhedron", Leaping::Polyhedron),
-];
-const FRONT_TO_BACK: &str = "front-to-back";
-const BACK_TO_FRONT: &str = "back-to-front";
-const CLASSIFICATIONS: &[(&str, Classification)] =
-    &[("table", Classification::Table), ("exact", Classification::Exact)];
-const PRECISIONS: &[(&str, Precision)] = &[("f32", Precision::F32), ("f64", Precision::F64)];
+/// Its RMSE is a twentieth of the threshold or less: about what default steps are wrong by.
+const ADAPTIVE: Screen = Screen::Adaptive { threshold: 0.05 };
 
-const ADAPTIVE: &str = "adaptive";
-/// Those without a number of their own.
-const SCREENS: &[(&str, Screen)] = &[
-    ("every-pixel", Screen::EveryPixel),
-    ("coherent", Screen::Coherent),
-    ("template-discrete", Screen::Template { connectivity: Connectivity::Discrete }),
-    ("template-continuous", Screen::Template { connectivity: Connectivity::Continuous }),
-];
-/// What a refined picture may miss by default. Its RMSE is a twentieth of that or less: about what default steps are wrong by.
-const THRESHOLD: f64 = 0.05;
-const VECTORS: &[(&str, Vector)] =
-    &[("auto", Vector::Auto), ("avx2", Vector::Avx2), ("baseline", Vector::Baseline), ("off", Vector::Off)];
-
-/// Every option, with the default caster's values.
-pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
-    let defaults = to_options(&RayCaster::default());
-    let spec = |key, kind, help| OptionSpec { key, kind, default: defaults.0[key].clone(), help };
-    let others = [
-        spec(
-            "leaping",
-            OptionKind::Choice(&[
-                "auto",
-                "none",
-                "octree",
-                "pyramid",
-                "exact-cloud",
-                "chessboard-cloud",
-                "boxes",
-                "polyhedron",
-            ]),
-            "how rays find out where nothing is visible; changes no pixel. But for auto, it goes with uniform steps, and all but none with the plain engine",
-        ),
-        spec(
-            "rule",
-            OptionKind::Choice(&["midpoint", "left", "linear", "quadratic", "exact"]),
-            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs cells",
-        ),
-        spec(
-            "traversal",
-            OptionKind::Choice(&["samples", "cells", "voxels"]),
-            "what steps are: of one length, ending at cell faces, or from voxel to voxel",
-        ),
-        spec(
-            "order",
-            OptionKind::Choice(&[FRONT_TO_BACK, BACK_TO_FRONT]),
-            "from which end samples are composited; back-to-front is for over alone",
-        ),
-        spec("filter", OptionKind::Choice(FILTERS), "reconstruction filter; scene: the one that the scene names"),
-        spec(
-            "classification",
-            OptionKind::Choice(&["table", "exact"]),
-            "how a value becomes light and opacity: looked up, or evaluated at every sample",
-        ),
-        spec("precision", OptionKind::Choice(&["f32", "f64"]), "precision of the kernels"),
-        spec(
-            "vector",
-            OptionKind::Choice(&["auto", "avx2", "baseline", "off"]),
-            "widest instructions of the vector engine; off: the plain engine draws everything",
-        ),
-        spec(
-            "termination",
-            OptionKind::Number { above: 0.0, most: 1.0 },
-            "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
-        ),
-        spec(
-            "screen",
-            OptionKind::Choice(&["every-pixel", ADAPTIVE, "coherent", "template-discrete", "template-continuous"]),
-            "which rays are cast: all, those where colours bend, from where the last view saw something, or by a template",
-        ),
-        OptionSpec {
-            key: "screen-threshold",
-            kind: OptionKind::Number { above: 0.0, most: 1.0 },
-            default: OptionValue::Number(THRESHOLD),
-            help: "adaptive screen: how far from the straight lines through its neighbours a colour may be where nothing is refined",
-        },
-    ];
-    step_options::specs().into_iter().chain(others).collect()
-});
-
-/// All options that say what this caster is.
-pub(crate) fn to_options(caster: &RayCaster) -> Options {
-    let options = step_options::to_options(caster.step)
-        .with("leaping", word_of(LEAPINGS, caster.leaping))
-        .with("rule", word_of(RULES, caster.rule))
-        .with("traversal", word_of(TRAVERSALS, caster.traversal))
-        .with("filter", caster.filter.map_or(SCENE_FILTER, Filter::name))
-        .with("classification", word_of(CLASSIFICATIONS, caster.classification))
-        .with("precision", word_of(PRECISIONS, caster.precision))
-        .with("vector", word_of(VECTORS, caster.vector));
-
-    let options = match caster.screen {
-        Screen::Adaptive { threshold } => options.with("screen", ADAPTIVE).with("screen-threshold", threshold),
-        screen => options.with("screen", word_of(SCREENS, screen)),
-    };
-    match caster.order {
-        Order::FrontToBack { termination } => options.with("order", FRONT_TO_BACK).with("termination", termination),
-        Order::BackToFront => options.with("order", BACK_TO_FRONT),
+impl Configurable for RayCaster {
+    fn options() -> OptionTable<Self> {
+        OptionTable::new(Self::NAME, step_options().into_iter().chain(other_options()).collect::<Vec<_>>())
     }
 }
 
-/// A caster with options set.
-pub(crate) fn configure(caster: &RayCaster, options: &Options) -> Result<RayCaster, OptionError> {
-    let set = options.check(RayCaster::NAME, &SPECS)?;
-    let mut new = RayCaster { step: step_options::step_of(caster.step, options)?, ..caster.clone() };
-    // In the order of the list: `order` is set before `termination`.
-    for (key, value) in set {
-        match (key, value) {
-            (key, _) if step_options::owns(key) => {}
-            ("leaping", OptionValue::Word(w)) => new.leaping = meaning_of(LEAPINGS, w),
-            ("rule", OptionValue::Word(w)) => new.rule = meaning_of(RULES, w),
-            ("traversal", OptionValue::Word(w)) => new.traversal = meaning_of(TRAVERSALS, w),
-            ("order", OptionValue::Word(w)) => {
-                new.order = match (w.as_str(), new.order) {
-                    (BACK_TO_FRONT, _) => Order::BackToFront,
-                    (_, Order::BackToFront) => Order::default(),
-                    (_, front_to_back) => front_to_back,
+/// Options that say how long steps are. Each number makes steps the kind that has it, unless they are of one already.
+fn step_options() -> [DeclaredOption<RayCaster>; 6] {
+    let length = NumberRange::above(0.0).up_to(RayCaster::LONGEST_STEP);
+    let error = NumberRange::above(0.0).up_to(1.0);
+    [
+        DeclaredOption::choice(
+            "steps",
+            "length of steps: uniform; local, as long as what is in each place allows; vicinity, coarse where nothing is visible; homogeneous, long where the medium hardly changes; tolerance, as a promised error asks for; auto, local where light is followed, else uniform",
+            STEPS,
+            |c: &RayCaster| {
+                let is_same = |step: &Step| std::mem::discriminant(step) == std::mem::discriminant(&c.step);
+                STEPS.into_iter().map(|(_, step)| step).find(is_same).unwrap_or_default()
+            },
+            |c, step| c.step = step,
+        ),
+        DeclaredOption::number_only_with(
+            (STEP, "length of a step, as a fraction of the smallest voxel edge"),
+            length,
+            ("steps=uniform, vicinity or homogeneous", |c| c.step = UNIFORM),
+            |c| c.step.length(),
+            |c: &mut RayCaster, x| match &mut c.step {
+                Step::Uniform(step) | Step::Vicinity { fine: step, .. } | Step::Homogeneous { step, .. } => *step = x,
+                step => *step = Step::Uniform(x),
+            },
+        ),
+        DeclaredOption::number_only_with(
+            ("local-error", "RMSE that local steps aim at"),
+            error,
+            ("steps=local", |c| c.step = LOCAL),
+            |c| if let Step::Local { error } = c.step { Some(error) } else { None },
+            |c: &mut RayCaster, error| c.step = Step::Local { error },
+        ),
+        DeclaredOption::number_only_with(
+            ("homogeneity", "largest error that all the long ones of homogeneous steps may make together on a ray"),
+            error,
+            ("steps=homogeneous", |c| c.step = HOMOGENEOUS),
+            |c| if let Step::Homogeneous { error, .. } = c.step { Some(error) } else { None },
+            |c: &mut RayCaster, error| {
+                let step = c.step.length().unwrap_or(Step::OTHERWISE);
+                c.step = Step::Homogeneous { step, error };
+            },
+        ),
+        DeclaredOption::<RayCaster>::number_only_with(
+            (
+                MAX_ERROR,
+                "largest error of a pixel that is promised, in units of max(1, the picture's largest magnitude)",
+            ),
+            NumberRange::at_least(MIN_MAX_ERROR).up_to(LARGEST_ERROR),
+            ("steps=tolerance", |c| c.step = TOLERANCE),
+            |c| if let Step::Tolerance(error) = c.step { Some(error) } else { None },
+            |c, error| c.step = Step::Tolerance(error),
+        )
+        .promise()
+        .refuse(
+            "a promised error leaves rule, traversal, order and termination to the caster: they must not be set",
+            |c| {
+                let own = (c.order, c.rule, c.traversal);
+                matches!(c.step, Step::Tolerance(_)) && own != (Order::default(), Rule::default(), Traversal::default())
+            },
+        ),
+        DeclaredOption::<RayCaster>::number_only_with(
+            ("coarse", "length of coarse steps, in voxels"),
+            length,
+            ("steps=vicinity", |c| c.step = VICINITY),
+            |c| if let Step::Vicinity { coarse, .. } = c.step { Some(coarse) } else { None },
+            |c, coarse| {
+                let fine = c.step.length().unwrap_or(Step::OTHERWISE);
+                c.step = Step::Vicinity { coarse, fine };
+            },
+        )
+        .refuse(
+            "must be longer than the fine step",
+            |c| matches!(c.step, Step::Vicinity { coarse, fine } if coarse <= fine),
+        ),
+    ]
+}
+
+/// All options but those of steps.
+fn other_options() -> [DeclaredOption<RayCaster>; 11] {
+    let rules = [Rule::Midpoint, Rule::Left, Rule::Linear, Rule::Quadratic, Rule::Exact];
+    let screens = [
+        Screen::EveryPixel,
+        ADAPTIVE,
+        Screen::Coherent,
+        Screen::Template { connectivity: Connectivity::Discrete },
+        Screen::Template { connectivity: Connectivity::Continuous },
+    ];
+    let filters = Filter::ALL.map(|filter| (filter.name(), Some(filter)));
+    [
+        DeclaredOption::<RayCaster>::choice(
+            "leaping",
+            "how rays find out where nothing is visible; changes no pixel. All but auto go with uniform steps, and all but auto and none with the plain engine",
+            [
+                ("auto", Leaping::Auto),
+                ("none", Leaping::None),
+                ("octree", Leaping::Octree),
+                ("pyramid", Leaping::Pyramid),
+                ("exact-cloud", Leaping::ExactCloud),
+                ("chessboard-cloud", Leaping::ChessboardCloud),
+                ("boxes", Leaping::Boxes),
+                ("polyhedron", Leaping::Polyhedron),
+            ],
+            |c| c.leaping,
+            |c, leaping| c.leaping = leaping,
+        )
+        .refuse("coarse steps find the empty space themselves: must be none", |c| {
+            matches!(c.step, Step::Vicinity { .. }) && !matches!(c.leaping, Leaping::Auto | Leaping::None)
+        })
+        .refuse("every cell is walked: must be absent", |c| {
+            c.traversal != Traversal::Samples && c.leaping != Leaping::Auto
+        })
+        .refuse("steps that follow the medium leap by a map of their own: needs uniform steps (set step)", |c| {
+            c.leaping != Leaping::Auto && !matches!(c.step, Step::Uniform(_) | Step::Vicinity { .. })
+        }),
+        DeclaredOption::<RayCaster>::choice(
+            "rule",
+            "how the light of a step is found: midpoint and linear have order 2, quadratic has 4, left has 1; exact needs traversal=cells",
+            rules.map(|rule| (rule.name(), rule)),
+            |c| c.rule,
+            |c, rule| c.rule = rule,
+        )
+        .refuse("needs traversal=cells", |c| c.rule == Rule::Exact && c.traversal != Traversal::Cells),
+        DeclaredOption::<RayCaster>::choice(
+            "traversal",
+            "steps of the given length, steps that end at cell faces, or steps from voxel to voxel",
+            [("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)],
+            |c| c.traversal,
+            |c, traversal| c.traversal = traversal,
+        )
+        .refuse("steps of this kind follow the medium, not cells or voxels: must be samples", |c| {
+            c.traversal != Traversal::Samples && !matches!(c.step, Step::Auto | Step::Uniform(_))
+        })
+        .refuse("goes with rule=midpoint only", |c| c.traversal == Traversal::Voxels && c.rule != Rule::Midpoint),
+        DeclaredOption::choice(
+            "order",
+            "from which end samples are composited; back-to-front is for over alone",
+            [("front-to-back", Order::default()), ("back-to-front", Order::BackToFront)],
+            |c: &RayCaster| if c.order == Order::BackToFront { Order::BackToFront } else { Order::default() },
+            |c, order| c.order = order,
+        ),
+        DeclaredOption::choice(
+            "filter",
+            "reconstruction filter; scene: the one that the scene names",
+            std::iter::once(("scene", None)).chain(filters),
+            |c: &RayCaster| c.filter,
+            |c, filter| c.filter = filter,
+        ),
+        DeclaredOption::choice(
+            "classification",
+            "how a value becomes light and opacity: looked up, or evaluated at every sample",
+            [("table", Classification::Table), ("exact", Classification::Exact)],
+            |c: &RayCaster| c.classification,
+            |c, classification| c.classification = classification,
+        ),
+        DeclaredOption::choice(
+            "precision",
+            "precision of the kernels",
+            [("f32", Precision::F32), ("f64", Precision::F64)],
+            |c: &RayCaster| c.precision,
+            |c, precision| c.precision = precision,
+        ),
+        DeclaredOption::choice(
+            "vector",
+            "widest instructions of the vector engine; off: the plain engine draws everything",
+            [("auto", Vector::Auto), ("avx2", Vector::Avx2), ("baseline", Vector::Baseline), ("off", Vector::Off)],
+            |c: &RayCaster| c.vector,
+            |c, vector| c.vector = vector,
+        ),
+        DeclaredOption::number_only_with(
+            (
+                "termination",
+                "opacity at which a ray ends (1: only where opaque); changes no pixel by more than 1 - termination",
+            ),
+            NumberRange::above(0.0).up_to(1.0),
+            ("order=front-to-back", |_| {}),
+            |c: &RayCaster| if let Order::FrontToBack { termination } = c.order { Some(termination) } else { None },
+            |c, x| {
+                if let Order::FrontToBack { termination } = &mut c.order {
+                    *termination = x;
                 }
-            }
-            ("filter", OptionValue::Word(w)) => new.filter = Filter::from_name(w),
-            ("classification", OptionValue::Word(w)) => new.classification = meaning_of(CLASSIFICATIONS, w),
-            ("precision", OptionValue::Word(w)) => new.precision = meaning_of(PRECISIONS, w),
-            ("vector", OptionValue::Word(w)) => new.vector = meaning_of(VECTORS, w),
-            ("termination", OptionValue::Number(x)) => {
-                let Order::FrontToBack { termination } = &mut new.order else {
-                    return Err(OptionError::Value {
-                        renderer: RayCaster::NAME,
-                        key: key.to_owned(),
-                        found: x.to_string(),
-                        allowed: "back to front, no ray can end early: must be absent".to_owned(),
-                    });
-                };
-                *termination = *x;
-            }
-            ("screen", OptionValue::Word(w)) => {
-                new.screen = match (w.as_str(), new.screen) {
-                    (ADAPTIVE, adaptive @ Screen::Adaptive { .. }) => adaptive,
-                    (ADAPTIVE, _) => Screen::Adaptive { threshold: THRESHOLD },
-                    (word, _) => meaning_of(SCREENS, word),
+            },
+        ),
+        DeclaredOption::choice(
+            "screen",
+            "rays that are cast: all, those where colours bend, those from where the last view saw something, or those of a template",
+            screens.map(|screen| (screen.name(), screen)),
+            |c: &RayCaster| if let Screen::Adaptive { .. } = c.screen { ADAPTIVE } else { c.screen },
+            |c, screen| c.screen = screen,
+        ),
+        DeclaredOption::number_only_with(
+            (
+                "screen-threshold",
+                "how far from the straight lines through its neighbours a colour may be where nothing is refined",
+            ),
+            NumberRange::at_least(0.0),
+            ("screen=adaptive", |c| c.screen = ADAPTIVE),
+            |c: &RayCaster| if let Screen::Adaptive { threshold } = c.screen { Some(threshold) } else { None },
+            |c, x| {
+                if let Screen::Adaptive { threshold } = &mut c.screen {
+                    *threshold = x;
                 }
-            }
-            ("screen-threshold", OptionValue::Number(x)) => {
-                let Screen::Adaptive { threshold } = &mut new.screen else {
-                    return Err(OptionError::Value {
-                        renderer: RayCaster::NAME,
-                        key: key.to_owned(),
-                        found: x.to_string(),
-                        allowed: "only the screen 'adaptive' interpolates: must be absent".to_owned(),
-                    });
-                };
-                *threshold = *x;
-            }
-            _ => unreachable!("checked against the list"),
-        }
-    }
-    Ok(new)
+            },
+        ),
+    ]
 }
 
 #[cfg(test)]
 mod tests {
+    use vr_core::{OptionError, OptionValue, Options};
+
     use super::*;
+
+    fn configured(options: Options) -> Result<RayCaster, OptionError> {
+        RayCaster::default().configure(&options)
+    }
 
     #[test]
     fn every_caster_survives_the_way_through_options() {
@@ -208,52 +263,73 @@ mod tests {
             RayCaster { screen: Screen::Coherent, ..RayCaster::default() },
             RayCaster { screen: Screen::Template { connectivity: Connectivity::Continuous }, ..RayCaster::default() },
             RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::default() },
-            RayCaster { rule: Rule::Quadratic, traversal: Traversal::Voxels, ..RayCaster::default() },
+            RayCaster { traversal: Traversal::Voxels, ..RayCaster::default() },
             RayCaster { vector: Vector::Off, ..RayCaster::default() },
-            RayCaster { leaping: Leaping::Octree, ..RayCaster::default() },
+            RayCaster { leaping: Leaping::Octree, ..RayCaster::uniform(0.5) },
+            RayCaster { step: Step::Local { error: 0.01 }, ..RayCaster::default() },
+            RayCaster { step: Step::Vicinity { coarse: 4.0, fine: 0.5 }, ..RayCaster::default() },
+            RayCaster { step: Step::Homogeneous { step: 0.5, error: 0.1 }, ..RayCaster::default() },
+            RayCaster { step: Step::Tolerance(0.1), ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {
-                assert_eq!(configure(from, &to_options(to)).unwrap(), *to);
+                assert_eq!(from.configure(&to.to_options()).unwrap(), *to);
             }
-            assert_eq!(configure(from, &Options::new()).unwrap(), *from);
+            assert_eq!(from.configure(&Options::new()).unwrap(), *from);
         }
     }
 
     #[test]
-    fn termination_back_to_front_is_an_error() {
-        let options = Options::new().with("order", BACK_TO_FRONT).with("termination", 0.9);
-        let error = configure(&RayCaster::default(), &options).unwrap_err().to_string();
-        assert!(error.contains("termination") && error.contains("back to front"), "{error}");
+    fn numbers_go_with_what_has_them_alone() {
+        for (word, number, needs) in [
+            (("order", "back-to-front"), ("termination", 0.9), "order=front-to-back"),
+            (("screen", "coherent"), ("screen-threshold", 0.1), "screen=adaptive"),
+            (("steps", "uniform"), ("local-error", 0.5), "steps=local"),
+            (("steps", "vicinity"), ("homogeneity", 0.1), "steps=homogeneous"),
+        ] {
+            let error =
+                configured(Options::new().with(word.0, word.1).with(number.0, number.1)).unwrap_err().to_string();
+            assert!(error.contains(number.0) && error.contains(needs), "{error}");
+        }
+        assert_eq!(configured(Options::new().with("screen", "adaptive")).unwrap().screen, ADAPTIVE);
     }
 
     #[test]
-    fn a_threshold_is_for_the_adaptive_screen_alone() {
-        let options = Options::new().with("screen", "coherent").with("screen-threshold", 0.1);
-        let error = configure(&RayCaster::default(), &options).unwrap_err().to_string();
-        assert!(error.contains("screen-threshold") && error.contains("adaptive"), "{error}");
-        let adaptive = configure(&RayCaster::default(), &Options::new().with("screen", ADAPTIVE)).unwrap();
-        assert_eq!(adaptive.screen, Screen::Adaptive { threshold: THRESHOLD });
+    fn a_number_chooses_its_kind_of_steps_and_no_other_takes_it() {
+        let step = |options: Options| configured(options).map(|caster| caster.step);
+        let one = |key: &str, x: f64| Options::new().with(key, x);
+        assert_eq!(step(one("local-error", 0.01)).unwrap(), Step::Local { error: 0.01 });
+        assert_eq!(step(one("coarse", 4.0)).unwrap(), Step::Vicinity { coarse: 4.0, fine: 0.2 });
+        assert_eq!(step(one(MAX_ERROR, 0.01)).unwrap(), Step::Tolerance(0.01));
+        assert_eq!(step(one(STEP, 0.5).with("homogeneity", 0.1)).unwrap(), Step::Homogeneous { step: 0.5, error: 0.1 });
+        let local = RayCaster { step: Step::Local { error: 0.01 }, ..RayCaster::default() };
+        assert_eq!(local.configure(&one(STEP, 0.5)).unwrap().step, Step::Uniform(0.5));
+        assert!(step(one(STEP, 0.5).with("local-error", 0.5)).is_err());
+        assert!(step(one(STEP, 0.5).with(MAX_ERROR, 0.1)).is_err());
     }
 
     #[test]
-    fn the_lists_name_what_the_options_take() {
-        for filter in Filter::ALL {
-            assert!(FILTERS.contains(&filter.name()), "{filter}");
+    fn settings_that_do_not_go_together_are_refused() {
+        for (key, word) in [("rule", "exact"), ("leaping", "octree")] {
+            let error = configured(Options::new().with(key, word)).unwrap_err().to_string();
+            assert!(error.contains(key), "{error}");
         }
-        assert_eq!(SPECS.iter().filter(|s| matches!(s.kind, OptionKind::Choice(w) if w.is_empty())).count(), 0);
-        for (word, leaping) in LEAPINGS {
-            let options = Options::new().with("leaping", *word).with("step", 0.2);
-            assert_eq!(configure(&RayCaster::default(), &options).unwrap().leaping, *leaping);
-        }
-        // The numbers of other kinds of steps than the default's choose those.
-        let own = to_options(&RayCaster::default());
-        for spec in SPECS.iter().filter(|s| own.0.contains_key(s.key) || s.key == "screen-threshold") {
-            // A threshold by itself is an error, by default.
-            let adaptive = RayCaster { screen: Screen::Adaptive { threshold: THRESHOLD }, ..RayCaster::default() };
-            let caster = if spec.key == "screen-threshold" { adaptive } else { RayCaster::default() };
+        assert!(configured(Options::new().with("coarse", 0.1)).is_err());
+        assert!(configured(Options::new().with(MAX_ERROR, 0.1).with("rule", "left")).is_err());
+    }
+
+    #[test]
+    fn what_a_caster_is_by_default_can_be_set() {
+        for spec in RayCaster::options().specs() {
             let set = Options([(spec.key.to_owned(), spec.default.clone())].into());
-            assert_eq!(configure(&caster, &set).unwrap(), caster, "{}", spec.key);
+            let caster = if spec.key == "screen-threshold" {
+                RayCaster { screen: ADAPTIVE, ..RayCaster::default() }
+            } else {
+                RayCaster::default()
+            };
+            let value = caster.configure(&set).unwrap().to_options().0[spec.key].clone();
+            assert_eq!(value, spec.default, "{}", spec.key);
         }
+        assert_eq!(RayCaster::default().to_options().0["steps"], OptionValue::from("auto"));
     }
 }

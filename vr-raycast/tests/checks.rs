@@ -1,6 +1,6 @@
 //! The checks that every renderer is put through.
 
-use vr_core::{Options, Renderer};
+use vr_core::{Configurable, Documented, Options};
 use vr_physics::Reference;
 use vr_physics::cases::Case;
 use vr_physics::check::{self, Effort, Refinement};
@@ -9,7 +9,7 @@ use vr_raycast::{Order, RayCaster};
 #[test]
 fn survives_hard_cases() {
     for caster in [RayCaster::default(), RayCaster::uniform(0.2)] {
-        let bound = |case: &Case| caster.hard_case_error(case.name).expect("every case has a documented error");
+        let bound = |case: &Case| caster.hard_case_errors().of(case.name).expect("every case has a documented error");
         let table = check::survives_hard_cases(&caster, bound, &Reference::new(1e-7));
         println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
     }
@@ -19,7 +19,7 @@ fn survives_hard_cases() {
 fn converges_at_the_documented_orders() {
     for (rule, order) in [("midpoint", 2.0), ("left", 1.0)] {
         let caster = RayCaster::exact(1.0).configure(&Options::new().with("rule", rule)).unwrap();
-        let found = check::converges(&*caster, &Refinement::new("step", order), &Effort::cases(12));
+        let found = check::converges(&caster, &Refinement::new("step", order), &Effort::cases(12));
         println!("{rule}: {}", found.unwrap_or_else(|e| panic!("{e}")));
     }
 }

@@ -127,12 +127,9 @@ fn what_has_no_bound_is_refused() {
     assert!(refuses(&RayCaster { order: Order::BackToFront, ..caster.clone() }, &scene));
     assert!(refuses(&RayCaster { rule: Rule::Left, ..caster.clone() }, &scene));
     let cells = RayCaster { traversal: Traversal::Cells, ..caster };
-    assert!(matches!(cells.prepare(&scene, &Control::default()), Err(RenderError::Parameter(_))));
+    assert!(matches!(cells.prepare(&scene, &Control::default()), Err(RenderError::Option(_))));
     for (step, error) in [(0.0, 0.1), (0.5, 0.0), (0.5, f64::NAN), (0.5, 2.0)] {
         let caster = RayCaster { step: Step::Homogeneous { step, error }, ..RayCaster::default() };
-        assert!(
-            matches!(caster.prepare(&scene, &Control::default()), Err(RenderError::Parameter(_))),
-            "{step} {error}"
-        );
+        assert!(matches!(caster.prepare(&scene, &Control::default()), Err(RenderError::Option(_))), "{step} {error}");
     }
 }

@@ -279,7 +279,7 @@ fn what_cannot_be_drawn_is_said() {
     assert!(error.to_string().contains("a termination under 'maximum'"), "{error}");
     for step in [0.0, -1.0, f64::NAN, 65.0] {
         let caster = RayCaster { step: Step::Uniform(step), ..RayCaster::uniform(0.2) };
-        assert!(matches!(caster.prepare(&bumpy(), &control), Err(RenderError::Parameter(_))), "{step}");
+        assert!(matches!(caster.prepare(&bumpy(), &control), Err(RenderError::Option(_))), "{step}");
     }
     control.cancel_flag().store(true, std::sync::atomic::Ordering::Relaxed);
     assert!(matches!(RayCaster::uniform(0.2).prepare(&bumpy(), &control), Err(RenderError::Cancelled)));

@@ -314,7 +314,7 @@ fn what_templates_cannot_do_is_said() {
     refuses(&good, &walled, "surfaces");
     assert!(prepared.render(&view(None), &control).is_ok());
     let odd = caster(Screen::Adaptive { threshold: f64::NAN });
-    assert!(matches!(odd.prepare(&scene, &control), Err(RenderError::Parameter(_))));
+    assert!(matches!(odd.prepare(&scene, &control), Err(RenderError::Option(_))));
 }
 
 #[test]

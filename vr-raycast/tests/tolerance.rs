@@ -238,8 +238,9 @@ fn what_has_no_bound_at_all_is_refused() {
     }
     // The floor.
     for error in [9e-7, 0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let Err(RenderError::Parameter(e)) = promising(error).prepare(&scene, &control) else { panic!("{error}") };
-        assert!(e.field == "render.max_error" && e.allowed.contains("1e-6"), "{e}");
+        let Err(RenderError::Option(e)) = promising(error).prepare(&scene, &control) else { panic!("{error}") };
+        let e = e.to_string();
+        assert!(e.contains("max-error") && e.contains("1e-6"), "{e}");
     }
     assert!(promising(1e-6).prepare(&scene, &control).is_ok());
     // What the promise decides by itself.
@@ -249,7 +250,7 @@ fn what_has_no_bound_at_all_is_refused() {
         RayCaster { order: Order::BackToFront, ..promising(0.1) },
         RayCaster { order: Order::FrontToBack { termination: 0.5 }, ..promising(0.1) },
     ] {
-        assert!(matches!(caster.prepare(&scene, &control), Err(RenderError::Parameter(_))), "{caster:?}");
+        assert!(matches!(caster.prepare(&scene, &control), Err(RenderError::Option(_))), "{caster:?}");
     }
 }
 

@@ -91,9 +91,9 @@ mod prepared;
 mod reflections;
 mod region;
 mod renderer;
-mod settings;
 mod shear_warp;
 mod slices;
+mod study;
 mod support;
 mod warp;
 

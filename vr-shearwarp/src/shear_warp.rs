@@ -1,6 +1,6 @@
 //! The renderer's settings.
 
-use vr_core::ParameterError;
+use vr_core::{Configurable, OptionError};
 
 use crate::warp::WarpFilter;
 
@@ -63,7 +63,8 @@ impl Default for ShearWarp {
 }
 
 impl ShearWarp {
-    pub(crate) const NAME: &'static str = "shearwarp";
+    /// The name in scene files and on command lines.
+    pub const NAME: &'static str = "shearwarp";
 
     /// The classic: voxels classified and shaded, then interpolated in each layer, and texels opaque at 0.99 (Lacroute & Levoy 1994).
     pub fn classic() -> Self {
@@ -77,25 +78,11 @@ impl ShearWarp {
         if (spacing - 1.0).abs() < 1e-9 { 1.0 } else { spacing }
     }
 
-    /// Checks the numbers.
+    /// Checks the numbers, and that they go together.
     ///
     /// # Errors
-    /// A [`ParameterError`] naming the option.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        if !(self.slice_spacing() >= 0.01 && self.slice_spacing() <= 1.0) {
-            let allowed = "must put slices 0.01 to 1 voxel apart: it is in texels";
-            return Err(ParameterError::new("render.slice-distance", self.slice_distance, allowed));
-        }
-        if !(self.texel >= 0.03 && self.texel <= 1.0) {
-            return Err(ParameterError::new("render.texel", self.texel, "must be 0.03 to 1"));
-        }
-        if !(self.termination > 0.0 && self.termination <= 1.0) {
-            return Err(ParameterError::new("render.termination", self.termination, "must be above 0 and at most 1"));
-        }
-        if !(self.opacity_threshold >= 0.0 && self.opacity_threshold < 1.0) {
-            let found = self.opacity_threshold;
-            return Err(ParameterError::new("render.opacity-threshold", found, "must be at least 0 and below 1"));
-        }
-        Ok(())
+    /// An [`OptionError`] naming the option.
+    pub fn validate(&self) -> Result<(), OptionError> {
+        Self::options().check(self)
     }
 }

@@ -1,8 +1,8 @@
 //! The renderer's settings.
 
-use vr_core::ParameterError;
+use vr_core::{Configurable, OptionError};
 
-use crate::kernel::{Shape, SplatKernel};
+use crate::kernel::SplatKernel;
 
 /// A renderer that splats.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,45 +75,16 @@ impl Splatting {
     /// The name in scene files and on command lines.
     pub const NAME: &'static str = "splat";
 
-    /// Checks the numbers.
+    /// Checks the numbers, and that they go together.
     ///
     /// # Errors
-    /// A [`ParameterError`] naming the option.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        self.kernel.validate()?;
-        if !(self.slice_distance >= 0.02 && self.slice_distance <= 64.0) {
-            return Err(ParameterError::new("render.slice-distance", self.slice_distance, "must be 0.02 to 64"));
-        }
-        if !(self.low_pass >= 0.0 && self.low_pass <= 16.0) {
-            return Err(ParameterError::new("render.low-pass", self.low_pass, "must be 0 to 16 pixels"));
-        }
-        if !(self.termination > 0.0 && self.termination <= 1.0) {
-            return Err(ParameterError::new("render.termination", self.termination, "must be above 0 and at most 1"));
-        }
-        match self.idle_option() {
-            Some((key, found, allowed)) => Err(ParameterError::new(format!("render.{key}"), found, allowed)),
-            None => Ok(()),
-        }
+    /// An [`OptionError`] naming the option.
+    pub fn validate(&self) -> Result<(), OptionError> {
+        Self::options().check(self)
     }
 
     /// True if a termination was asked for: neither the default, nor 1, at which no pixel ends early.
     pub(crate) fn sets_termination(&self) -> bool {
         ![Self::default().termination, 1.0].contains(&self.termination)
-    }
-
-    /// Finds an option that is set and has no effect beside the others: its name, its value, and the reason. One left at its default is none.
-    pub(crate) fn idle_option(&self) -> Option<(&'static str, f64, &'static str)> {
-        let default = Self::default();
-        if self.kernel.sigma != default.kernel.sigma && self.kernel.shape != Shape::Gaussian {
-            return Some(("sigma", self.kernel.sigma, "only the kernel 'gaussian' has one: must be absent"));
-        }
-        if self.slice_distance != default.slice_distance && self.buffers != Buffers::Image {
-            let why = "only sheets parallel to the image have a distance of their own: must be absent";
-            return Some(("slice-distance", self.slice_distance, why));
-        }
-        if self.order == SheetOrder::BackToFront && self.sets_termination() {
-            return Some(("termination", self.termination, "back to front, no pixel can end early: must be absent"));
-        }
-        None
     }
 }

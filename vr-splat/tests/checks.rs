@@ -1,7 +1,7 @@
 //! The checks that every renderer is put through.
 
 use proptest::strategy::Strategy;
-use vr_core::{Compositing, DocumentedError, Renderer, Scene, View};
+use vr_core::{Compositing, Documented, DocumentedError, Scene, View};
 use vr_physics::cases::Case;
 use vr_physics::check::invariants::{
     forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
@@ -20,7 +20,7 @@ fn voxels(buffers: Buffers, shape: Shape) -> Splatting {
 #[test]
 fn survives_hard_cases() {
     let renderer = Splatting::default();
-    let bound = |case: &Case| renderer.hard_case_error(case.name).expect("every case has a documented error");
+    let bound = |case: &Case| renderer.hard_case_errors().of(case.name).expect("every case has a documented error");
     let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
     let table = table.unwrap_or_else(|e| panic!("{e}"));
     println!("{table}");
@@ -121,7 +121,7 @@ fn obeys_invariants() {
 
 #[test]
 fn converges_at_its_documented_order() {
-    for claim in Splatting::default().orders() {
+    for claim in Splatting::default().convergence() {
         let refinement = Refinement {
             options: claim.options,
             floor: claim.floor,

@@ -1,6 +1,6 @@
 //! Renderers under their settings.
 
-use vr_core::{NamedSetting, OptionError, Options, Renderer};
+use vr_core::{NamedSetting, OptionError, Options, StudiedRenderer};
 
 /// A renderer under one of its settings.
 pub struct Contestant {
@@ -15,7 +15,7 @@ pub struct Contestant {
     /// Error that no step goes below, as documented.
     pub error_floor: f64,
     /// It, configured.
-    pub configured: Box<dyn Renderer>,
+    pub configured: Box<dyn StudiedRenderer>,
 }
 
 impl Contestant {
@@ -29,7 +29,7 @@ impl Contestant {
 ///
 /// # Errors
 /// A setting that the renderer itself does not take.
-pub fn contestants(renderers: &[Box<dyn Renderer>]) -> Result<Vec<Contestant>, OptionError> {
+pub fn contestants(renderers: &[Box<dyn StudiedRenderer>]) -> Result<Vec<Contestant>, OptionError> {
     let mut all = Vec::new();
     for renderer in renderers {
         let mut settings = renderer.settings();
@@ -38,7 +38,7 @@ pub fn contestants(renderers: &[Box<dyn Renderer>]) -> Result<Vec<Contestant>, O
             settings.push(NamedSetting { name, options: Options::new(), order: None, error_floor: 0.0 });
         }
         for NamedSetting { name: setting, options, order, error_floor } in settings {
-            let configured = renderer.configure(&options)?;
+            let configured = renderer.with_options(&options)?;
             let renderer = renderer.name().to_owned();
             all.push(Contestant { renderer, setting, options, order, error_floor, configured });
         }

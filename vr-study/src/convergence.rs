@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use vr_core::phantom::Phantom;
-use vr_core::{Control, Frame, Model, OrderClaim, RenderError, Renderer, Scene, View};
+use vr_core::{Control, ConvergenceClaim, Frame, Model, RenderError, Scene, StudiedRenderer, View};
 use vr_physics::fit_order_above;
 use vr_physics::metrics::subgrid;
 
@@ -159,8 +159,12 @@ impl Prover<'_> {
     ///
     /// # Errors
     /// Cancellation; what a renderer does wrong stands in the results.
-    pub fn proving_ground(&self, renderer: &dyn Renderer, told: &dyn Fn(f64)) -> Result<Vec<Convergence>, StudyError> {
-        let claims = renderer.orders();
+    pub fn proving_ground(
+        &self,
+        renderer: &dyn StudiedRenderer,
+        told: &dyn Fn(f64),
+    ) -> Result<Vec<Convergence>, StudyError> {
+        let claims = renderer.convergence();
         let mut results = Vec::new();
         for (i, claim) in claims.iter().enumerate() {
             results.push(self.step(renderer, claim, Refined::Step, ("waves", &smooth(SAMPLES)))?);
@@ -181,13 +185,13 @@ impl Prover<'_> {
     /// Cancellation.
     pub fn step_on(
         &self,
-        renderer: &dyn Renderer,
+        renderer: &dyn StudiedRenderer,
         (name, scene, view): (&str, &Scene, &View),
         told: &dyn Fn(f64),
     ) -> Result<Vec<Convergence>, StudyError> {
         let refined = if jumps(scene) { Refined::StepAtJumps } else { Refined::Step };
         let view = View { size: [OWN_SIDE, OWN_SIDE], ..view.clone() };
-        let claims = renderer.orders();
+        let claims = renderer.convergence();
         let mut results = Vec::new();
         for (i, claim) in claims.iter().enumerate() {
             let mut blank = of_own(blank(renderer, claim, refined, name));
@@ -196,7 +200,7 @@ impl Prover<'_> {
                 results.push(blank);
                 continue;
             }
-            let claim = OrderClaim { coarsest: OWN_COARSEST * claim.coarsest, ..claim.clone() };
+            let claim = ConvergenceClaim { coarsest: OWN_COARSEST * claim.coarsest, ..claim.clone() };
             results.push(self.step_in(blank, (renderer, &claim), scene, &view)?);
             told((i + 1) as f64 / claims.len() as f64);
         }
@@ -210,10 +214,12 @@ impl Prover<'_> {
     /// Cancellation.
     pub fn grid_of(
         &self,
-        renderer: &dyn Renderer,
+        renderer: &dyn StudiedRenderer,
         (name, scene): (&str, &Scene),
     ) -> Result<Option<Convergence>, StudyError> {
-        let Some(claim) = renderer.orders().into_iter().next().filter(|_| is_claimed(scene)) else { return Ok(None) };
+        let Some(claim) = renderer.convergence().into_iter().next().filter(|_| is_claimed(scene)) else {
+            return Ok(None);
+        };
         let mut blank = of_own(blank(renderer, &claim, Refined::Grid, name));
         // What falls is the error of the step.
         let orders = claim.orders;
@@ -235,8 +241,8 @@ impl Prover<'_> {
 
     fn step(
         &self,
-        renderer: &dyn Renderer,
-        claim: &OrderClaim,
+        renderer: &dyn StudiedRenderer,
+        claim: &ConvergenceClaim,
         refined: Refined,
         (name, scene): (&str, &Scene),
     ) -> Result<Convergence, StudyError> {
@@ -246,7 +252,7 @@ impl Prover<'_> {
     fn step_in(
         &self,
         blank: Convergence,
-        (renderer, claim): (&dyn Renderer, &OrderClaim),
+        (renderer, claim): (&dyn StudiedRenderer, &ConvergenceClaim),
         scene: &Scene,
         view: &View,
     ) -> Result<Convergence, StudyError> {
@@ -264,7 +270,7 @@ impl Prover<'_> {
         self.fill(blank, (renderer, claim), sizes, &pictures, |_| view.clone(), judge)
     }
 
-    fn grid(&self, renderer: &dyn Renderer, claim: &OrderClaim) -> Result<Convergence, StudyError> {
+    fn grid(&self, renderer: &dyn StudiedRenderer, claim: &ConvergenceClaim) -> Result<Convergence, StudyError> {
         let cells = [16usize, 22, 32, 44, 64];
         let sizes: Vec<f64> = cells.iter().map(|&n| 2.0 / n as f64).collect();
         let pictures: Vec<(Scene, f64)> = cells.iter().map(|&n| (smooth(n + 1), 0.5 * claim.coarsest)).collect();
@@ -281,7 +287,7 @@ impl Prover<'_> {
         self.fill(blank, (renderer, claim), sizes, &pictures, |_| view.clone(), judge)
     }
 
-    fn pixels(&self, renderer: &dyn Renderer, claim: &OrderClaim) -> Result<Convergence, StudyError> {
+    fn pixels(&self, renderer: &dyn StudiedRenderer, claim: &ConvergenceClaim) -> Result<Convergence, StudyError> {
         /// Patches along each side, and pixels of the truth along each side of a patch: its own error is a sixteenth of the smallest
         /// measured.
         const PATCHES: u32 = 6;
@@ -307,14 +313,14 @@ impl Prover<'_> {
     fn fill(
         &self,
         mut blank: Convergence,
-        (renderer, claim): (&dyn Renderer, &OrderClaim),
+        (renderer, claim): (&dyn StudiedRenderer, &ConvergenceClaim),
         sizes: Vec<f64>,
         pictures: &[(Scene, f64)],
         view: impl Fn(usize) -> View,
         mut judge: impl FnMut(&Frame, &Model, usize) -> Result<f64, RenderError>,
     ) -> Result<Convergence, StudyError> {
         for (k, (scene, step)) in pictures.iter().enumerate() {
-            let configured = renderer.configure(&claim.options.clone().with(claim.key, *step))?;
+            let configured = renderer.with_options(&claim.options.clone().with(claim.key, *step))?;
             let draw = || {
                 let mut prepared = configured.prepare(scene, self.control)?;
                 let view = view(k);
@@ -349,7 +355,7 @@ impl Prover<'_> {
     }
 }
 
-fn blank(renderer: &dyn Renderer, claim: &OrderClaim, refined: Refined, scene: &str) -> Convergence {
+fn blank(renderer: &dyn StudiedRenderer, claim: &ConvergenceClaim, refined: Refined, scene: &str) -> Convergence {
     let orders = claim.orders;
     let expected = match refined {
         Refined::Step => orders.smooth,

@@ -1,9 +1,7 @@
 //! The study of speed against error: what renderers cost, and how wrong they are, on the same scenes.
 //!
-//! Renderers are known through [`vr_core::Renderer`] alone: each brings the settings that are worth a try
-//! ([`Renderer::settings`](vr_core::Renderer::settings)), the orders of convergence that it documents
-//! ([`orders`](vr_core::Renderer::orders)), and the errors that it allows itself on hard cases
-//! ([`hard_case_error`](vr_core::Renderer::hard_case_error)). A new one joins by being in the list.
+//! Renderers are known through [`vr_core::StudiedRenderer`] alone: each [documents](vr_core::Documented) the settings that are worth a
+//! try, its claims of convergence, and the errors that it allows itself on hard cases. A new one joins by being in the list.
 //!
 //! | what | where |
 //! |---|---|
@@ -22,11 +20,11 @@
 //! ```
 //! use vr_study::exact::ExactCache;
 //! use vr_study::{contestant::contestants, front::pareto_front, study::Study, subject::phantom_subject};
-//! use vr_core::{Control, Renderer};
+//! use vr_core::{Control, StudiedRenderer};
 //! use vr_raycast::RayCaster;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let renderers: Vec<Box<dyn Renderer>> = vec![Box::new(RayCaster::default())];
+//! let renderers: Vec<Box<dyn StudiedRenderer>> = vec![Box::new(RayCaster::default())];
 //! let contestants = contestants(&renderers)?;
 //! let cache = ExactCache::none();
 //! let study = Study { contestants: &contestants, timing: None, subgrid: 4, own_subgrid: 2, cache: &cache, meter: None };

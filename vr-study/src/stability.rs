@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
-use vr_core::{Control, DocumentedError, Model, RenderError, Renderer};
+use vr_core::{Control, DocumentedError, HardCaseErrors, Model, RenderError, StudiedRenderer};
 use vr_physics::cases::{self, Case};
 use vr_physics::metrics::subgrid;
 
@@ -79,13 +79,12 @@ pub struct CaseResult {
 
 /// Who takes part: every renderer as it is by default, and under those settings of which a bound is documented.
 pub fn contestants_with_bounds<'a>(
-    renderers: &'a [Box<dyn Renderer>],
+    renderers: &'a [Box<dyn StudiedRenderer>],
     settings: &'a [Contestant],
-) -> Vec<(String, &'a dyn Renderer)> {
-    let mut all: Vec<(String, &dyn Renderer)> =
+) -> Vec<(String, &'a dyn StudiedRenderer)> {
+    let mut all: Vec<(String, &dyn StudiedRenderer)> =
         renderers.iter().map(|r| (format!("{} default", r.name()), &**r)).collect();
-    let documented =
-        |c: &&Contestant| cases::all().iter().any(|case| c.configured.hard_case_error(case.name).is_some());
+    let documented = |c: &&Contestant| c.configured.hard_case_errors() != HardCaseErrors::default();
     all.extend(settings.iter().filter(documented).map(|c| (c.name(), &*c.configured)));
     all
 }
@@ -95,7 +94,7 @@ pub fn contestants_with_bounds<'a>(
 /// # Errors
 /// Cancellation alone: all else is a verdict.
 pub fn survey(
-    (name, renderer): (&str, &dyn Renderer),
+    (name, renderer): (&str, &dyn StudiedRenderer),
     cache: &ExactCache,
     control: &Control,
 ) -> Result<Vec<CaseResult>, RenderError> {
@@ -103,12 +102,12 @@ pub fn survey(
 }
 
 fn judge(
-    (name, renderer): (&str, &dyn Renderer),
+    (name, renderer): (&str, &dyn StudiedRenderer),
     case: &Case,
     cache: &ExactCache,
     control: &Control,
 ) -> Result<CaseResult, RenderError> {
-    let bound = renderer.hard_case_error(case.name);
+    let bound = renderer.hard_case_errors().of(case.name);
     let mut result = CaseResult {
         case: case.name.to_owned(),
         summary: case.summary.to_owned(),

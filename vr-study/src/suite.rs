@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
-use vr_core::{Camera, Control, Model, Options, Renderer, View};
+use vr_core::{Camera, Control, Model, Options, Renderer, StudiedRenderer, View};
 
 use crate::contestant::{Contestant, contestants};
 use crate::convergence::{Convergence, Outcome, Prover};
@@ -116,7 +116,7 @@ impl Report {
 /// How a suite is run.
 pub struct Run<'a> {
     /// Who takes part.
-    pub renderers: &'a [Box<dyn Renderer>],
+    pub renderers: &'a [Box<dyn StudiedRenderer>],
     /// Measured on this, in place of the phantoms.
     pub own: Option<Subject>,
     /// Errors and counts alone.
@@ -138,8 +138,8 @@ struct Piece<'a> {
 
 enum Work<'a> {
     Subject(Box<Subject>),
-    Orders(&'a dyn Renderer),
-    Stability(String, &'a dyn Renderer),
+    Orders(&'a dyn StudiedRenderer),
+    Stability(String, &'a dyn StudiedRenderer),
     Growth(&'a dyn Renderer, Grown),
 }
 
@@ -237,7 +237,7 @@ impl Run<'_> {
             }
         }
         if suite.has(Part::Orders) {
-            let claiming = self.renderers.iter().filter(|r| !r.orders().is_empty());
+            let claiming = self.renderers.iter().filter(|r| !r.convergence().is_empty());
             pieces.extend(claiming.map(|r| Piece {
                 name: format!("orders {}", r.name()),
                 weight: 8.0,

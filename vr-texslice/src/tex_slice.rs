@@ -1,6 +1,6 @@
 //! The renderer's settings.
 
-use vr_core::ParameterError;
+use vr_core::{Configurable, OptionError};
 
 /// A renderer that draws slices through textures.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl Default for TexSlice {
             termination: 0.9999,
             correction: true,
             brick: None,
-            budget: Self::MOST_BUDGET,
+            budget: Self::MAX_BUDGET,
         }
     }
 }
@@ -101,7 +101,7 @@ impl TexSlice {
     /// The name in scene files and on command lines.
     pub const NAME: &'static str = "texslice";
     /// The largest budget, in mebibytes: a tebibyte, which is none at all.
-    pub const MOST_BUDGET: f64 = 1_048_576.0;
+    pub const MAX_BUDGET: f64 = 1_048_576.0;
 
     /// As the textbooks have it: every fragment is drawn, whether it can be seen or not.
     pub fn brute_force() -> Self {
@@ -129,37 +129,16 @@ impl TexSlice {
         matches!(self.format, Format::Rgba | Format::LuminanceAlpha | Format::Paletted)
     }
 
-    /// Checks the numbers.
+    /// Checks the numbers, and that they go together.
     ///
     /// # Errors
-    /// A [`ParameterError`] naming the option.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        if !(self.slice_distance >= 0.01 && self.slice_distance <= 64.0) {
-            return Err(ParameterError::new("render.slice-distance", self.slice_distance, "must be 0.01 to 64"));
-        }
-        if !(self.termination > 0.0 && self.termination <= 1.0) {
-            return Err(ParameterError::new("render.termination", self.termination, "must be above 0 and at most 1"));
-        }
-        if self.brick.is_some_and(|edge| !(8..=1024).contains(&edge)) {
-            return Err(ParameterError::new("render.brick", self.brick, "must be 8 to 1024 cells"));
-        }
-        if !(self.budget > 0.0 && self.budget <= Self::MOST_BUDGET) {
-            return Err(ParameterError::new("render.budget", self.budget, "must be above 0 and at most a tebibyte"));
-        }
-        match self.idle_option() {
-            Some((key, found, allowed)) => Err(ParameterError::new(format!("render.{key}"), found, allowed)),
-            None => Ok(()),
-        }
+    /// An [`OptionError`] naming the option.
+    pub fn validate(&self) -> Result<(), OptionError> {
+        Self::options().check(self)
     }
 
     /// True if a termination was asked for: neither the default, nor 1, at which no pixel ends early.
     pub(crate) fn sets_termination(&self) -> bool {
         ![Self::default().termination, 1.0].contains(&self.termination)
-    }
-
-    /// Finds an option that is set and has no effect beside the others: its name, its value, and the reason. One left at its default is none.
-    pub(crate) fn idle_option(&self) -> Option<(&'static str, f64, &'static str)> {
-        let why = "back to front, no pixel can end early: must be absent";
-        (self.sets_termination() && self.blend == Blend::BackToFront).then_some(("termination", self.termination, why))
     }
 }

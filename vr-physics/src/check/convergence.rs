@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use proptest::strategy::{Strategy, ValueTree};
-use vr_core::{Control, Model, Options, RenderError, Renderer};
+use vr_core::{Configurable, Control, Model, Options, RenderError, Renderer};
 
 use super::drawn::{Truth, draw};
 use super::effort::{Effort, Verdict};
@@ -83,15 +83,18 @@ impl std::fmt::Display for Convergence {
 /// # Panics
 /// If there are fewer than 4 halvings.
 pub fn converges(
-    renderer: &dyn Renderer,
+    renderer: &impl Configurable,
     refinement: &Refinement,
     effort: &Effort,
 ) -> Result<Convergence, CheckFailure> {
     assert!(refinement.halvings >= 4, "fewer than four halvings say little about an order");
     let failure = |reason: String, scene| CheckFailure { check: CHECK, renderer: renderer.name(), reason, scene };
     let steps = refinement.steps();
-    let refined: Result<Vec<Box<dyn Renderer>>, _> =
-        steps.iter().map(|&h| renderer.configure(&refinement.options.clone().with(refinement.step, h))).collect();
+    let at = |&h: &f64| {
+        let configured = renderer.configure(&refinement.options.clone().with(refinement.step, h));
+        configured.map(|renderer| Box::new(renderer) as Box<dyn Renderer>)
+    };
+    let refined: Result<Vec<_>, _> = steps.iter().map(at).collect();
     let refined = refined.map_err(|e| failure(e.to_string(), None))?;
 
     let mut runner = effort.runner();

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use proptest::strategy::{Strategy, ValueTree};
-use vr_core::{Control, Model, OptionError, Options, RenderError, Renderer};
+use vr_core::{Configurable, Control, Model, OptionError, Options, RenderError, Renderer};
 
 use super::drawn::{Truth, draw};
 use super::effort::Effort;
@@ -59,10 +59,11 @@ impl Falling {
     ///
     /// # Errors
     /// An option that the renderer does not have, or does not take.
-    pub fn ladder(&self, renderer: &dyn Renderer) -> Result<Ladder, OptionError> {
+    pub fn ladder(&self, renderer: &impl Configurable) -> Result<Ladder, OptionError> {
         let at = |level: i32, phase: f64| {
             let step = self.coarsest * phase / self.ratio.powi(level);
-            renderer.configure(&self.options.clone().with(self.step, step))
+            let configured = renderer.configure(&self.options.clone().with(self.step, step));
+            configured.map(|renderer| Box::new(renderer) as Box<dyn Renderer>)
         };
         let level = |level| PHASES.into_iter().map(|phase| at(level, phase)).collect::<Result<Vec<_>, _>>();
         Ok(Ladder { levels: [level(0)?, level(1)?, level(2)?], falling: self.clone() })
@@ -275,7 +276,11 @@ pub fn survey_kind(
 ///
 /// # Errors
 /// The first scene that shows otherwise, made smaller; or the kind, with its table and its worst scene.
-pub fn errors_fall(renderer: &dyn Renderer, falling: &Falling, effort: &Effort) -> Result<Vec<KindFall>, CheckFailure> {
+pub fn errors_fall(
+    renderer: &impl Configurable,
+    falling: &Falling,
+    effort: &Effort,
+) -> Result<Vec<KindFall>, CheckFailure> {
     let failure = |reason: String, scene| CheckFailure { check: CHECK, renderer: renderer.name(), reason, scene };
     let ladder = falling.ladder(renderer).map_err(|e| failure(e.to_string(), None))?;
     let seeds = effort.seed..effort.seed + u64::from(effort.cases);

@@ -6,9 +6,9 @@ use vr_core::filter::Reconstruction;
 use vr_core::optics::{opacity_of_depth, source_weight};
 use vr_core::transfer::Optical;
 use vr_core::{
-    Compositing, Control, Frame, IndexRay, Model, NamedSetting, OptionError, OptionKind, OptionSpec, OptionValue,
-    Options, OrderClaim, Orders, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer, Sampler, SamplerVisitor,
-    Scene, TransferFunction, View, Voxel,
+    Compositing, Configurable, Control, ConvergenceClaim, ConvergenceOrders, DeclaredOption, Documented, Frame,
+    IndexRay, Model, NumberRange, OptionTable, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer, Sampler,
+    SamplerVisitor, Scene, TransferFunction, View, Voxel,
 };
 
 /// The classic mistakes.
@@ -79,12 +79,27 @@ impl Marcher {
     }
 }
 
-const OPTIONS: &[OptionSpec] = &[OptionSpec {
-    key: "step",
-    kind: OptionKind::Number { above: 0.0, most: 16.0 },
-    default: OptionValue::Number(0.125),
-    help: "step as a fraction of the smallest spacing",
-}];
+impl Default for Marcher {
+    fn default() -> Self {
+        Self::new(Fault::None)
+    }
+}
+
+impl Configurable for Marcher {
+    fn options() -> OptionTable<Self> {
+        let range = NumberRange::above(0.0).up_to(16.0);
+        let help = "step as a fraction of the smallest spacing";
+        let step = DeclaredOption::number("step", help, range, |m: &Self| m.step, |m, x| m.step = x);
+        OptionTable::new("marcher", [step])
+    }
+}
+
+impl Documented for Marcher {
+    fn convergence(&self) -> Vec<ConvergenceClaim> {
+        let orders = ConvergenceOrders { smooth: 2.0, jumps: 1.0, grid: 2.0, pixels: 2.0 };
+        vec![ConvergenceClaim::new("midpoint", self, "step", 3e-7, orders)]
+    }
+}
 
 fn unsupported(feature: &str) -> RenderError {
     RenderError::Unsupported { renderer: "marcher", feature: feature.to_owned() }
@@ -93,30 +108,6 @@ fn unsupported(feature: &str) -> RenderError {
 impl Renderer for Marcher {
     fn name(&self) -> &'static str {
         "marcher"
-    }
-
-    fn options(&self) -> &[OptionSpec] {
-        OPTIONS
-    }
-
-    fn configure(&self, options: &Options) -> Result<Box<dyn Renderer>, OptionError> {
-        let mut configured = self.clone();
-        for (_, value) in options.check("marcher", OPTIONS)? {
-            if let OptionValue::Number(x) = value {
-                configured.step = *x;
-            }
-        }
-        Ok(Box::new(configured))
-    }
-
-    fn settings(&self) -> Vec<NamedSetting> {
-        Vec::new()
-    }
-
-    fn orders(&self) -> Vec<OrderClaim> {
-        let orders = Orders { smooth: 2.0, jumps: 1.0, grid: 2.0, pixels: 2.0 };
-        let options = Options::new();
-        vec![OrderClaim { name: "midpoint".to_owned(), options, key: "step", coarsest: 1.0, floor: 3e-7, orders }]
     }
 
     fn prepare(&self, scene: &Scene, _: &Control) -> Result<Box<dyn Prepared>, RenderError> {

@@ -8,9 +8,7 @@ mod screen;
 mod step;
 mod traversal;
 
-use vr_core::{Filter, GridVolume, ParameterError, Scene};
-
-use crate::tolerance::check_error;
+use vr_core::{Configurable, Filter, GridVolume, OptionError, Scene};
 
 pub use kernel::{Classification, Precision, Vector};
 pub use leaping::Leaping;
@@ -96,13 +94,8 @@ impl RayCaster {
 
     /// World length of a step.
     pub(crate) fn world_step(&self, volume: &GridVolume) -> f64 {
-        let voxels = match self.step {
-            Step::Uniform(voxels) | Step::Vicinity { fine: voxels, .. } | Step::Homogeneous { step: voxels, .. } => {
-                voxels
-            }
-            // They have no one length.
-            Step::Auto | Step::Local { .. } | Step::Tolerance(_) => 1.0,
-        };
+        // Other steps have no one length.
+        let voxels = self.step.length().unwrap_or(1.0);
         voxels * volume.placement().spacing().min_element()
     }
 
@@ -115,69 +108,10 @@ impl RayCaster {
     }
 
     /// Checks the numbers, and that they go together.
-    pub(crate) fn validate(&self) -> Result<(), ParameterError> {
-        match self.step {
-            Step::Uniform(step) | Step::Vicinity { fine: step, .. } | Step::Homogeneous { step, .. }
-                if !(step > 0.0 && step <= Self::LONGEST_STEP) =>
-            {
-                return Err(ParameterError::new("render.step", step, "must be above 0 and at most 64"));
-            }
-            Step::Vicinity { coarse, fine } if !(coarse > fine && coarse <= Self::LONGEST_STEP) => {
-                let allowed = "must be longer than the fine step, and at most 64";
-                return Err(ParameterError::new("render.coarse", coarse, allowed));
-            }
-            Step::Homogeneous { error, .. } if !(error > 0.0 && error <= 1.0) => {
-                return Err(ParameterError::new("render.homogeneity", error, "must be above 0 and at most 1"));
-            }
-            Step::Tolerance(error) => {
-                check_error(error)?;
-                let own = (self.order, self.rule, self.traversal);
-                if own != (Order::default(), Rule::default(), Traversal::default()) {
-                    let allowed = "a promised error leaves rule, traversal, order and termination to the caster: they must not be set";
-                    return Err(ParameterError::new("render.max_error", error, allowed));
-                }
-            }
-            Step::Local { error } if !(error > 0.0 && error <= 1.0) => {
-                return Err(ParameterError::new("render.local-error", error, "must be above 0 and at most 1"));
-            }
-            Step::Auto | Step::Uniform(_) | Step::Vicinity { .. } | Step::Local { .. } | Step::Homogeneous { .. } => {}
-        }
-        self.validate_leaping()?;
-        if self.traversal != Traversal::Samples && !matches!(self.step, Step::Auto | Step::Uniform(_)) {
-            let allowed = "steps of this kind follow the medium, not cells or voxels: must be samples";
-            return Err(ParameterError::new("render.traversal", self.traversal, allowed));
-        }
-        match (self.rule, self.traversal) {
-            (Rule::Exact, Traversal::Samples | Traversal::Voxels) => {
-                return Err(ParameterError::new("render.rule", "exact", "needs traversal = \"cells\""));
-            }
-            (Rule::Left | Rule::Linear | Rule::Quadratic, Traversal::Voxels) => {
-                return Err(ParameterError::new("render.traversal", "voxels", "goes with rule = \"midpoint\" only"));
-            }
-            _ => {}
-        }
-        if let Screen::Adaptive { threshold } = self.screen
-            && !(threshold >= 0.0 && threshold.is_finite())
-        {
-            return Err(ParameterError::new("render.screen-threshold", threshold, "must be 0 or more, and finite"));
-        }
-        match self.order {
-            Order::FrontToBack { termination } if !(termination > 0.0 && termination <= 1.0) => {
-                Err(ParameterError::new("render.termination", termination, "must be above 0 and at most 1"))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Checks that the way of leaping that was asked for can act.
-    fn validate_leaping(&self) -> Result<(), ParameterError> {
-        let refuse = |allowed| Err(ParameterError::new("render.leaping", self.leaping, allowed));
-        match (self.leaping, self.step, self.traversal) {
-            (Leaping::Auto, ..) | (Leaping::None, Step::Vicinity { .. }, _) => Ok(()),
-            (_, Step::Vicinity { .. }, _) => refuse("coarse steps find the empty space themselves: must be none"),
-            (_, _, Traversal::Cells | Traversal::Voxels) => refuse("every cell is walked: must be absent"),
-            (_, Step::Uniform(_), _) => Ok(()),
-            _ => refuse("steps that follow the medium leap by a map of their own: needs uniform steps (set step)"),
-        }
+    ///
+    /// # Errors
+    /// An [`OptionError`] naming the option.
+    pub fn validate(&self) -> Result<(), OptionError> {
+        Self::options().check(self)
     }
 }

@@ -64,4 +64,12 @@ impl Step {
     pub const OTHERWISE: f64 = 0.2;
     /// The error that local steps aim at by default; the crate's README says how it was chosen.
     pub const ERROR: f64 = 5e-4;
+
+    /// Length of those steps that all have the same one, as a fraction of the smallest voxel edge.
+    pub(crate) fn length(self) -> Option<f64> {
+        match self {
+            Self::Uniform(step) | Self::Vicinity { fine: step, .. } | Self::Homogeneous { step, .. } => Some(step),
+            Self::Auto | Self::Local { .. } | Self::Tolerance(_) => None,
+        }
+    }
 }

@@ -11,8 +11,8 @@ mod walk;
 use vr_core::filter::Reconstruction;
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, GridVolume, IndexRay, Layer, ParameterError, Rays, Real, RenderError, Sampler,
-    SamplerVisitor, Scene, View, Voxel,
+    Compositing, Counts, Filter, GridVolume, IndexRay, Layer, Rays, Real, RenderError, Sampler, SamplerVisitor, Scene,
+    View, Voxel,
 };
 
 use crate::caster::RayCaster;
@@ -21,9 +21,6 @@ use account::{Account, Limits};
 use blocks::Blocks;
 use optics::Optics;
 use piece_by_piece::Integral;
-
-/// The smallest error that can be promised: pixels are stored as f32, whose rounding is a sixteenth of it.
-pub(crate) const LEAST_ERROR: f64 = 1e-6;
 
 /// What a scene's rays look things up in, whatever the error.
 #[derive(Clone, Debug)]
@@ -38,11 +35,9 @@ impl Promise {
     /// Prepares a scene for pictures of a largest error.
     ///
     /// # Errors
-    /// [`RenderError::Parameter`] for an error below [`LEAST_ERROR`]; [`RenderError::Unsupported`] for what there is no bound for: other
-    /// operators than over and accumulate, other filters than trilinear and nearest, shading, and emission given on its own under
+    /// [`RenderError::Unsupported`] for what there is no bound for: other operators than over and accumulate, other filters than trilinear and nearest, shading, and emission given on its own under
     /// accumulate.
     pub(crate) fn new(error: f64, scene: &Scene, volume: &GridVolume) -> Result<Self, RenderError> {
-        check_error(error)?;
         let without = |what: String| {
             let feature = format!("a promised error (max-error) {what}");
             Err(RenderError::Unsupported { renderer: RayCaster::NAME, feature })
@@ -80,14 +75,6 @@ impl Promise {
             emits: self.optics.emits,
         }
     }
-}
-
-/// Whether an error can be promised at all.
-pub(crate) fn check_error(error: f64) -> Result<(), ParameterError> {
-    if error >= LEAST_ERROR && error.is_finite() {
-        return Ok(());
-    }
-    Err(ParameterError::new("render.max_error", error, "must be at least 1e-6: pictures are f32"))
 }
 
 /// Traces the rays of one view within the promise.

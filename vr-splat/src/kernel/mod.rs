@@ -3,7 +3,7 @@
 mod partition;
 mod profile;
 
-use vr_core::{ParameterError, PointKernel};
+use vr_core::PointKernel;
 
 pub(crate) use profile::{Profile, Radial, WindowedSinc, quadrature};
 
@@ -85,29 +85,6 @@ impl SplatKernel {
         self.width.map(|w| w * radius)
     }
 
-    /// Checks the numbers.
-    ///
-    /// # Errors
-    /// A [`ParameterError`] naming the option.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        if !(self.radius == 0.0 || (self.radius >= 0.5 && self.radius <= 8.0)) {
-            return Err(ParameterError::new(
-                "render.radius",
-                self.radius,
-                "must be 0.5 to 8, or 0 for the kernel's own",
-            ));
-        }
-        if !(self.sigma >= 0.1 && self.sigma <= 8.0) {
-            return Err(ParameterError::new("render.sigma", self.sigma, "must be 0.1 to 8"));
-        }
-        for (axis, w) in ["x", "y", "z"].iter().zip(self.width) {
-            if !(0.25..=4.0).contains(&w) {
-                return Err(ParameterError::new(format!("render.width-{axis}"), w, "must be 0.25 to 4"));
-            }
-        }
-        Ok(())
-    }
-
     /// The weight at an offset in voxels.
     pub fn at(&self, offset: [f64; 3]) -> f64 {
         let reach = self.reach();
@@ -156,20 +133,6 @@ mod tests {
             }
             let total = total * reach.iter().map(|r| 2.0 * r / n as f64).product::<f64>();
             assert!((total - 1.0).abs() < 1e-3, "{shape:?}: {total}");
-        }
-    }
-
-    #[test]
-    fn what_makes_no_sense_is_refused() {
-        let good = SplatKernel::default();
-        assert!(good.validate().is_ok());
-        for bad in [
-            SplatKernel { radius: 0.1, ..good },
-            SplatKernel { radius: f64::NAN, ..good },
-            SplatKernel { sigma: 0.0, ..good },
-            SplatKernel { width: [1.0, 9.0, 1.0], ..good },
-        ] {
-            assert!(bad.validate().is_err(), "{bad:?}");
         }
     }
 }

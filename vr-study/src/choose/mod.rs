@@ -231,7 +231,7 @@ mod tests {
     use crate::contestant::contestants;
     use crate::exact::Exact;
     use crate::subject::phantom_subject;
-    use vr_core::{Model, Options};
+    use vr_core::{Model, StudiedRenderer};
     use vr_physics::Reference;
     use vr_physics::metrics::subgrid;
     use vr_raycast::RayCaster;
@@ -239,12 +239,13 @@ mod tests {
     /// The ray caster, under a promise of an eighth of the target.
     pub(super) fn provers(target: f64) -> Vec<Prover> {
         let max_error = (target / 8.0).max(1e-6);
-        let renderer = RayCaster::default().configure(&Options::new().with("max-error", max_error)).unwrap();
+        let renderer = RayCaster::default().with_max_error(max_error).unwrap().unwrap();
         vec![Prover { renderer, max_error }]
     }
 
     fn chosen(target: f64) -> Result<(String, Choice), ChoiceError> {
-        let renderers: Vec<Box<dyn Renderer>> = vec![Box::new(RayCaster::default()), Box::new(Reference::default())];
+        let renderers: Vec<Box<dyn StudiedRenderer>> =
+            vec![Box::new(RayCaster::default()), Box::new(Reference::default())];
         let contestants = contestants(&renderers).unwrap();
         let subject = phantom_subject("blobs", 24, [64, 48]).unwrap();
         let control = Control::default();

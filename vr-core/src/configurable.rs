@@ -1,0 +1,49 @@
+//! Renderers whose settings are options, and those that a study can take as they come.
+
+use crate::documented::Documented;
+use crate::error::OptionError;
+use crate::option_table::OptionTable;
+use crate::options::{OptionSpec, Options};
+use crate::renderer::Renderer;
+
+/// A renderer whose settings are named options.
+pub trait Configurable: Renderer + Clone + Default + 'static {
+    /// Its options: the one place where each is declared.
+    fn options() -> OptionTable<Self>;
+
+    /// The same renderer with options set; those not given keep the value that they have here.
+    ///
+    /// # Errors
+    /// As [`OptionTable::configure`].
+    fn configure(&self, options: &Options) -> Result<Self, OptionError> {
+        Self::options().configure(self, options)
+    }
+
+    /// All options that say what this renderer is.
+    fn to_options(&self) -> Options {
+        Self::options().values(self)
+    }
+}
+
+/// A renderer of any type that can be drawn with, configured, and held to its documentation: every [`Configurable`] one that is
+/// [`Documented`].
+pub trait StudiedRenderer: Documented {
+    /// What its options are.
+    fn option_specs(&self) -> Vec<OptionSpec>;
+
+    /// The same renderer with options set; those not given keep the value that they have here.
+    ///
+    /// # Errors
+    /// As [`OptionTable::configure`].
+    fn with_options(&self, options: &Options) -> Result<Box<dyn StudiedRenderer>, OptionError>;
+}
+
+impl<R: Configurable + Documented> StudiedRenderer for R {
+    fn option_specs(&self) -> Vec<OptionSpec> {
+        R::options().specs()
+    }
+
+    fn with_options(&self, options: &Options) -> Result<Box<dyn StudiedRenderer>, OptionError> {
+        Ok(Box::new(self.configure(options)?))
+    }
+}

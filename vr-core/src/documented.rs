@@ -1,0 +1,156 @@
+//! What a renderer documents of its settings, its convergence and its errors, as data that programs put to the test.
+
+use crate::configurable::Configurable;
+use crate::options::Options;
+use crate::renderer::Renderer;
+
+/// A renderer that documents itself for a study of speed against error. By default, nothing is documented.
+pub trait Documented: Renderer {
+    /// The settings that are worth a try.
+    fn settings(&self) -> Vec<NamedSetting> {
+        Vec::new()
+    }
+
+    /// Its claims of convergence.
+    fn convergence(&self) -> Vec<ConvergenceClaim> {
+        Vec::new()
+    }
+
+    /// The errors that it allows itself, as it is configured, on the hard cases (`vr_physics::cases`).
+    fn hard_case_errors(&self) -> HardCaseErrors {
+        HardCaseErrors::default()
+    }
+}
+
+/// A setting worth measuring.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedSetting {
+    /// Short and unique within the renderer.
+    pub name: String,
+    /// The options that make it.
+    pub options: Options,
+    /// Documented order of convergence in the step, on smooth fields and transfer functions; `None` for an exact method.
+    pub order: Option<f64>,
+    /// Error that no step goes below: rounding and tables.
+    pub error_floor: f64,
+}
+
+impl NamedSetting {
+    /// The setting that a renderer has.
+    pub fn new(
+        name: impl Into<String>,
+        renderer: &impl Configurable,
+        order: impl Into<Option<f64>>,
+        error_floor: f64,
+    ) -> Self {
+        Self { name: name.into(), options: renderer.to_options(), order: order.into(), error_floor }
+    }
+}
+
+/// A claim: as an option gets smaller, errors fall like a power of it.
+///
+/// Errors are against the canonical pixel, or against that of the renderer's own filter where it has one
+/// ([`Model::Filtered`](crate::Model::Filtered)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvergenceClaim {
+    /// Short and unique within the renderer.
+    pub name: String,
+    /// Options held fixed: those that keep rounding, tables and early termination out of the way.
+    pub options: Options,
+    /// The option that is halved again and again: a length in voxels.
+    pub key: &'static str,
+    /// The value from which on it is halved.
+    pub coarsest: f64,
+    /// RMSE below which rounding decides, and no order can be seen.
+    pub floor: f64,
+    /// The exponents.
+    pub orders: ConvergenceOrders,
+}
+
+impl ConvergenceClaim {
+    /// A claim about a renderer, all of whose options but `key` are held fixed; it begins at 1 voxel.
+    pub fn new(
+        name: impl Into<String>,
+        renderer: &impl Configurable,
+        key: &'static str,
+        floor: f64,
+        orders: ConvergenceOrders,
+    ) -> Self {
+        let mut options = renderer.to_options();
+        options.0.remove(key);
+        Self { name: name.into(), options, key, coarsest: 1.0, floor, orders }
+    }
+}
+
+/// How fast errors fall, by what is refined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConvergenceOrders {
+    /// In the option, where field and transfer function are continuous.
+    pub smooth: f64,
+    /// In the option, where the transfer function jumps.
+    pub jumps: f64,
+    /// In the spacing of the samples of a smooth field, the option being held fixed in voxels.
+    pub grid: f64,
+    /// In the size of a pixel: of the light that falls on a patch of the picture.
+    pub pixels: f64,
+}
+
+/// The errors that a renderer allows itself on hard cases, by the names of these.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HardCaseErrors {
+    /// Those of single cases.
+    pub by_case: Vec<(&'static str, DocumentedError)>,
+    /// That of every other case; `None` where nothing is documented of them.
+    pub otherwise: Option<DocumentedError>,
+}
+
+impl HardCaseErrors {
+    /// Errors that are documented of a renderer's default settings alone.
+    pub fn of_default<R: Default + PartialEq>(
+        renderer: &R,
+        by_case: impl Into<Vec<(&'static str, DocumentedError)>>,
+    ) -> Self {
+        if *renderer == R::default() { Self { by_case: by_case.into(), otherwise: None } } else { Self::default() }
+    }
+
+    /// The error of a case; `None` where none is documented.
+    pub fn of(&self, case: &str) -> Option<DocumentedError> {
+        self.by_case.iter().find(|(name, _)| *name == case).map(|(_, error)| *error).or(self.otherwise)
+    }
+}
+
+/// The error that a renderer allows itself in a picture, relative to max(1, largest magnitude of the picture).
+///
+/// Where a wall or a shell decides between everything and nothing, the largest error says little: no picture can be off by more
+/// than all. The root mean square does, since it says how many rays are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DocumentedError {
+    /// Of every component of every pixel.
+    Max(f64),
+    /// Root mean square over all of them.
+    Rmse(f64),
+}
+
+impl DocumentedError {
+    /// The number, whatever it is of.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Max(error) | Self::Rmse(error) => error,
+        }
+    }
+
+    /// Of a picture's largest error and its RMSE, the one that this is about.
+    pub fn choose(self, max: f64, rmse: f64) -> f64 {
+        match self {
+            Self::Max(_) => max,
+            Self::Rmse(_) => rmse,
+        }
+    }
+}
+
+/// A bound of the largest error.
+impl From<f64> for DocumentedError {
+    fn from(error: f64) -> Self {
+        Self::Max(error)
+    }
+}

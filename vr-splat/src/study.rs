@@ -1,0 +1,83 @@
+//! What the renderer documents for a study of speed against error.
+
+use vr_core::{ConvergenceClaim, ConvergenceOrders, Documented, HardCaseErrors, NamedSetting};
+
+use crate::hard_cases::ERRORS;
+use crate::kernel::{Shape, SplatKernel};
+use crate::options::SLICE_DISTANCE;
+use crate::splatting::{Buffers, Classification, Splatting};
+
+/// Rounding of f32 kernels, tables and early termination together, on smooth scenes.
+const FLOOR: f64 = 3e-4;
+/// Rounding in f32: of smooth transfer functions tables leave less.
+const FLOOR_OF_ORDERS: f64 = 3e-7;
+/// Order in the distance of sheets parallel to the image, where nothing jumps: each takes the value in its middle.
+const ORDER: f64 = 2.0;
+
+impl Documented for Splatting {
+    /// Every way to gather splats, from coarse to fine.
+    fn settings(&self) -> Vec<NamedSetting> {
+        let named = |name: String, renderer: &Self, order| NamedSetting::new(name, renderer, order, FLOOR);
+        let image = |slice_distance: f64| Self { slice_distance, ..Self::default() };
+        let voxels = |buffers, shape| Self {
+            buffers,
+            classification: Classification::Voxels,
+            kernel: SplatKernel::new(shape),
+            ..Self::default()
+        };
+        let mut all: Vec<NamedSetting> =
+            [2.0, 1.0, 0.5, 0.25].map(|d| named(format!("image {d}"), &image(d), Some(ORDER))).into();
+        let gaussian = SplatKernel::new(Shape::Gaussian);
+        // Kernels that smooth come near a field of their own: no order.
+        let others = [
+            ("image 1 gaussian", Self { kernel: gaussian, ..image(1.0) }),
+            ("image 1 voxels", voxels(Buffers::Image, Shape::Gaussian)),
+            ("axis", Self { buffers: Buffers::Axis, kernel: gaussian, ..Self::default() }),
+            ("axis voxels", voxels(Buffers::Axis, Shape::Gaussian)),
+            ("samples", voxels(Buffers::Samples, Shape::Gaussian)),
+            // These for scattered points, too, which have kernels of their own.
+            ("image 1 voxels bilinear", voxels(Buffers::Image, Shape::Bilinear)),
+            ("samples bilinear", voxels(Buffers::Samples, Shape::Bilinear)),
+        ];
+        all.extend(others.map(|(name, renderer)| named(name.to_owned(), &renderer, None)));
+        all
+    }
+
+    /// Sheets parallel to the image as they come closer together.
+    fn convergence(&self) -> Vec<ConvergenceClaim> {
+        let orders = ConvergenceOrders { smooth: ORDER, jumps: 1.0, grid: 2.0, pixels: 2.0 };
+        let whole_rays = Self { termination: 1.0, ..Self::default() };
+        vec![ConvergenceClaim::new("image sheets", &whole_rays, SLICE_DISTANCE, FLOOR_OF_ORDERS, orders)]
+    }
+
+    fn hard_case_errors(&self) -> HardCaseErrors {
+        HardCaseErrors::of_default(self, ERRORS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vr_core::Configurable;
+
+    use super::*;
+
+    #[test]
+    fn settings_are_distinct_and_can_be_set() {
+        let all = Splatting::default().settings();
+        for (i, a) in all.iter().enumerate() {
+            assert!(Splatting::default().configure(&a.options).is_ok(), "{}", a.name);
+            assert!(all[..i].iter().all(|b| b.name != a.name && b.options != a.options), "{}", a.name);
+        }
+    }
+
+    #[test]
+    fn what_is_claimed_can_be_refined() {
+        for claim in Splatting::default().convergence() {
+            for halvings in 0..5 {
+                let at = claim.coarsest / f64::from(1 << halvings);
+                assert!(Splatting::default().configure(&claim.options.clone().with(claim.key, at)).is_ok());
+            }
+            assert!(!claim.options.0.contains_key(claim.key));
+        }
+    }
+}
