@@ -32,6 +32,14 @@ pub fn opacity_of_thickness<R: Real>(alpha: R, ratio: R) -> R {
     -((ratio * (-alpha).ln_1p()).exp_m1())
 }
 
+/// Light and opacity of a homogeneous step `ratio` times as long: light grows with opacity and, where nothing absorbs, with the length.
+pub fn step_of_thickness([r, g, b, alpha]: [f64; 4], ratio: f64) -> [f64; 4] {
+    // Interpolated, opacity may round past 1.
+    let part = opacity_of_thickness(alpha.min(1.0), ratio);
+    let grown = if alpha > 0.0 { part / alpha } else { ratio };
+    [r * grown, g * grown, b * grown, part]
+}
+
 /// The source weight (1 − e^(−τ)) / τ: 1 at τ = 0, 1/τ for large τ, 0 at infinity.
 ///
 /// `expm1` keeps the quotient accurate down to the smallest τ; only 0/0 needs its limit.
@@ -53,6 +61,12 @@ pub fn add_up_to_level(rgba: &mut [f64; 4], [r, g, b, opacity]: [f64; 4], level:
     }
     rgba[3] = if reached { level } else { rgba[3] + clear * opacity };
     reached
+}
+
+/// Fraction of a homogeneous step of opacity α > 0, behind so much that is clear, at which opacity reaches a level: x with
+/// clear·(1 − α)^x = 1 − level. An opaque step is so from its first point on.
+pub fn fraction_to_level(clear: f64, alpha: f64, level: f64) -> f64 {
+    (depth_of_opacity(1.0 - (1.0 - level) / clear) / depth_of_opacity(alpha)).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -79,6 +93,26 @@ mod tests {
         assert_eq!(opacity_of_thickness(1.0, 1e-30), 1.0);
         assert_eq!(opacity_of_thickness(1.0, 0.0), 0.0);
         assert_eq!(opacity_of_thickness(1e-30f32, 0.5), 5e-31);
+    }
+
+    #[test]
+    fn a_level_is_reached_within_a_step() {
+        assert!((fraction_to_level(1.0, 0.75, 0.5) - 0.5).abs() < 1e-15);
+        assert_eq!(
+            [fraction_to_level(0.75, 1.0, 0.5), fraction_to_level(0.5, 0.5, 0.5), fraction_to_level(1.0, 0.5, 0.5)],
+            [0.0, 0.0, 1.0]
+        );
+        let mut rgba = [0.0; 4];
+        assert!(!add_up_to_level(&mut rgba, [1.0, 0.0, 2.0, 0.5], 0.625));
+        assert!(add_up_to_level(&mut rgba, [1.0, 0.0, 2.0, 0.5], 0.625));
+        assert_eq!(rgba, [1.25, 0.0, 2.5, 0.625]);
+    }
+
+    #[test]
+    fn light_goes_with_opacity_or_with_length() {
+        assert_eq!(step_of_thickness([1.0, 2.0, 0.0, 0.75], 0.5), [2.0 / 3.0, 4.0 / 3.0, 0.0, 0.5]);
+        assert_eq!(step_of_thickness([1.0, 2.0, 0.0, 0.0], 3.0), [3.0, 6.0, 0.0, 0.0]);
+        assert_eq!(step_of_thickness([0.5, 0.5, 0.5, 1.0], 1e-9), [0.5, 0.5, 0.5, 1.0]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3};
 use vr_core::filter::Lattice;
-use vr_core::optics::opacity_of_thickness;
+use vr_core::optics::step_of_thickness;
 use vr_core::{DiscreteModel, GridVolume, LatticeVisitor, Scene, SegmentTerm, View, Voxel, gradient_at_sample};
 
 use crate::factorization::IndexView;
@@ -139,7 +139,7 @@ impl SlicedModel {
                     let sample = lit(transfer.step(calibration.value(stored(index)), interpolated), reflection(index));
                     (0..4).for_each(|c| sum[c] += weight * sample[c]);
                 }
-                stretched(sum, length / interpolated)
+                step_of_thickness(sum, length / interpolated)
             }
             Classification::Values => {
                 let value: f64 = corners.iter().map(|&(index, weight)| weight * stored(index)).sum();
@@ -166,12 +166,4 @@ impl SlicedModel {
         let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
         shading.along::<f64>(&self.scene.lights, self.ahead).reflect(gradient.to_array())
     }
-}
-
-/// A homogeneous sample of `ratio` times the length.
-fn stretched(sample: [f64; 4], ratio: f64) -> [f64; 4] {
-    let alpha = sample[3];
-    let part = opacity_of_thickness(alpha.min(1.0), ratio);
-    let grown = if alpha > 0.0 { part / alpha } else { ratio };
-    [sample[0] * grown, sample[1] * grown, sample[2] * grown, part]
 }

@@ -10,11 +10,12 @@ use vr_core::{
     RenderStats, Rendered, Scene, Shading, View,
 };
 use vr_kernels::ranges::VisibleValues;
+use vr_kernels::vector::Operator;
 
 use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume};
 use crate::codes::Codes;
 use crate::composite::Scratch;
-use crate::composite::pick::{Choice, Pick};
+use crate::composite::pick::Pick;
 use crate::encode::{Pyramid, Rule, VisibleLevels};
 use crate::factorization::IndexView;
 use crate::image::IntermediateImage;
@@ -233,14 +234,14 @@ impl PreparedShearWarp {
             scratch: &self.scratch,
             control,
         };
-        let choice = Choice::of(self.scene.compositing, self.calibration());
+        let operator = Operator::new(self.scene.compositing, self.calibration(), false);
         let image = &mut self.image;
-        if let Some(choice) = choice {
+        if operator.picks() {
             return match &axis.voxels.codes {
-                Codewords::Bytes(voxels) => job.draw(&Pick { voxels, choice }, image),
-                Codewords::Words(voxels) => job.draw(&Pick { voxels, choice }, image),
+                Codewords::Bytes(voxels) => job.draw(&Pick { voxels, operator }, image),
+                Codewords::Words(voxels) => job.draw(&Pick { voxels, operator }, image),
             }
-            .map(|()| self.classify_picks(choice));
+            .map(|()| self.classify_picks(operator));
         }
         let optics = &self.classified.optics;
         let level = match self.scene.compositing {
@@ -300,12 +301,12 @@ impl PreparedShearWarp {
     }
 
     /// Turns the values of texels into light and opacity.
-    fn classify_picks(&mut self, choice: Choice) {
+    fn classify_picks(&mut self, operator: Operator) {
         let (calibration, transfer, codes) = (self.calibration(), &self.scene.transfer, &self.codes);
         for texel in self.image.texels_mut() {
             let [value, weight, ..] = texel.map(f64::from);
             if weight > 0.0 {
-                let code = if choice == Choice::Mean { value / weight } else { value };
+                let code = if operator == Operator::Average { value / weight } else { value };
                 *texel = transfer.at(calibration.value(codes.stored(code))).pixel().map(|x| x as f32);
             }
         }

@@ -99,6 +99,18 @@ pub fn source_weight_and_opacity<S: Simd>(simd: S, tau: f32x16<S>) -> (f32x16<S>
     (source_weight(simd, tau, alpha), alpha)
 }
 
+/// Light and opacity of homogeneous steps `ratio` times as long: light grows with opacity and, where nothing absorbs, with the length.
+#[inline(always)]
+pub fn step_of_thickness<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4], ratio: f32x16<S>) -> [f32x16<S>; 4] {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let part = opacity_of_depth(simd, depth_of_opacity(simd, alpha) * ratio);
+    // A wall is opaque however thin.
+    let part = pick(alpha.simd_ge(one) & ratio.simd_gt(zero), one, part);
+    let clear = alpha.simd_le(zero);
+    let grown = pick(clear, ratio, part / pick(clear, one, alpha));
+    [r * grown, g * grown, b * grown, part]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,5 +170,21 @@ mod tests {
             [source_weight_and_opacity(simd, zero).0, source_weight(simd, zero, zero)].map(|w| w.to_array())
         });
         assert_eq!(none, [[1.0; LANES]; 2]);
+    }
+
+    #[test]
+    fn steps_of_other_lengths_are_those_of_the_definition() {
+        for alpha in [0.0f32, 1e-6, 0.25, 0.9, 1.0] {
+            for ratio in [0.0f32, 1e-3, 0.5, 1.0, 3.0] {
+                let step = [0.5 * alpha, 1.0, 2.0, alpha];
+                let got = dispatch!(Level::new(), simd => {
+                    step_of_thickness(simd, step.map(|x| splat(simd, x)), splat(simd, ratio)).map(|x| x[9])
+                });
+                let want = vr_core::optics::step_of_thickness(step.map(f64::from), ratio.into());
+                for (got, want) in got.into_iter().zip(want) {
+                    assert!((f64::from(got) - want).abs() <= 8e-7 * want, "{alpha} {ratio}: {got}, not {want}");
+                }
+            }
+        }
     }
 }

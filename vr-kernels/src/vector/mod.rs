@@ -15,7 +15,9 @@ mod sums;
 mod table;
 
 pub use chords::Chords;
-pub use elementary::{depth_of_opacity, ln, opacity_of_depth, source_weight, source_weight_and_opacity};
+pub use elementary::{
+    depth_of_opacity, ln, opacity_of_depth, source_weight, source_weight_and_opacity, step_of_thickness,
+};
 pub use field::{Cells, Field, Pairs, Stage, TwoRows, cells, inside};
 pub use lanes::Lanes;
 pub use level::{Vectorized, run};

@@ -1,6 +1,10 @@
 //! Compositing operators, as kernels on sixteen lanes tell them apart.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_core::{Calibration, Compositing};
+
+use super::{pick, splat};
 
 /// Compositing operator on stored numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,11 +53,52 @@ impl Operator {
     pub fn picks(self) -> bool {
         matches!(self, Self::Extreme { .. } | Self::Average | Self::First { .. })
     }
+
+    /// Takes values over lengths, where there are any, into the value picked so far (of a mean, the sum of values by length) and its length, 0
+    /// where there is none yet. Only for an extreme or a mean: others leave both as they are.
+    #[inline(always)]
+    pub fn choose<S: Simd>(
+        self,
+        simd: S,
+        [so_far, sum]: [f32x16<S>; 2],
+        [value, length]: [f32x16<S>; 2],
+        there: mask32x16<S>,
+    ) -> [f32x16<S>; 2] {
+        let zero = splat(simd, 0.0);
+        let sum_now = sum + pick(there, length, zero);
+        match self {
+            Self::Extreme { sign } => {
+                let better = there & (sum.simd_le(zero) | (value * sign).simd_gt(so_far * sign));
+                [pick(better, value, so_far), sum_now]
+            }
+            Self::Average => [so_far + pick(there, value * length, zero), sum_now],
+            _ => [so_far, sum],
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn extremes_and_means_of_what_is_there() {
+        let picked = |operator: Operator| {
+            dispatch!(Level::new(), simd => {
+                let mut so_far = [splat(simd, 0.0); 2];
+                for (value, length, there) in [(9.0, 1.0, false), (-3.0, 2.0, true), (-5.0, 0.5, true), (9.0, 1.0, false)] {
+                    let length = splat(simd, length);
+                    let there = splat(simd, if there { 1.0 } else { 0.0 }).simd_gt(splat(simd, 0.0));
+                    so_far = operator.choose(simd, so_far, [splat(simd, value), length], there);
+                }
+                so_far.map(|x| x[4])
+            })
+        };
+        assert_eq!(picked(Operator::Extreme { sign: 1.0 }), [-3.0, 2.5]);
+        assert_eq!(picked(Operator::Extreme { sign: -1.0 }), [-5.0, 2.5]);
+        assert_eq!(picked(Operator::Average), [-8.5, 2.5]);
+    }
 
     #[test]
     fn a_negative_slope_turns_values_round() {

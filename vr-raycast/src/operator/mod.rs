@@ -30,7 +30,7 @@ pub(crate) use recording::Recording;
 use std::ops::ControlFlow;
 
 use vr_core::Real;
-use vr_core::optics::depth_of_opacity;
+use vr_core::optics::fraction_to_level;
 
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
@@ -64,18 +64,13 @@ const HALF: f64 = 0.5;
 
 /// The distance at which opacity reaches a level, within consecutive homogeneous steps (opacity, begin, length), from the opacity
 /// that lies before them on; `None` if it does not.
-///
-/// In a step of opacity α that begins behind opacity A: (1 − A)(1 − α)^x = 1 − level at the fraction x of its length.
 fn distance_of_opacity(level: f64, before: f64, steps: impl Iterator<Item = (f64, f64, f64)>) -> Option<f64> {
     let mut clear = 1.0 - before;
     // A step of no opacity reaches nothing, whatever rounding says.
     for (alpha, begin, length) in steps.filter(|step| step.0 > 0.0) {
         let behind = clear * (1.0 - alpha);
         if behind <= 1.0 - level {
-            let wanted = depth_of_opacity(1.0 - (1.0 - level) / clear);
-            let whole = depth_of_opacity(alpha);
-            // An opaque step is so from its first point on.
-            return Some(begin + length * (wanted / whole).clamp(0.0, 1.0));
+            return Some(begin + length * fraction_to_level(clear, alpha, level));
         }
         clear = behind;
     }

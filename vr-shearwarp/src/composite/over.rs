@@ -3,8 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 use vr_kernels::vector::{
-    LANES, depth_of_opacity, opacity_of_depth, packed, pick, share_to_level, source_weight_and_opacity, splat,
-    transpose, transpose_packed,
+    LANES, packed, pick, share_to_level, source_weight_and_opacity, splat, step_of_thickness, transpose,
+    transpose_packed,
 };
 
 use super::cells::{Columns, Edges, Places, SPAN, STEPS_F32, values};
@@ -60,9 +60,9 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Kernel for Over<'_, P, BEF
             if let Some(shares) = shares {
                 ratio *= shares;
             }
-            samples = if BEFORE { cut(simd, samples, ratio) } else { of_depth(simd, samples, ratio) };
+            samples = if BEFORE { step_of_thickness(simd, samples, ratio) } else { of_depth(simd, samples, ratio) };
         } else if let Some(shares) = shares {
-            samples = cut(simd, samples, shares);
+            samples = step_of_thickness(simd, samples, shares);
         }
         self.composite(simd, samples, &at, row)
     }
@@ -75,18 +75,6 @@ fn of_depth<S: Simd>(simd: S, [r, g, b, tau]: [f32x16<S>; 4], ratio: f32x16<S>) 
     let (out, alpha) = source_weight_and_opacity(simd, tau);
     let shines = ratio * out;
     [r * shines, g * shines, b * shines, alpha]
-}
-
-/// Samples that stand for that much of their length: light and opacity of a homogeneous piece grow in step.
-#[inline(always)]
-fn cut<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4], share: f32x16<S>) -> [f32x16<S>; 4] {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let part = opacity_of_depth(simd, depth_of_opacity(simd, alpha) * share);
-    // A wall is opaque however thin, and what does not absorb shines in proportion.
-    let part = pick(alpha.simd_ge(one) & share.simd_gt(zero), one, part);
-    let clear = alpha.simd_le(zero);
-    let ratio = pick(clear, share, part / pick(clear, one, alpha));
-    [r * ratio, g * ratio, b * ratio, part]
 }
 
 impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED> {

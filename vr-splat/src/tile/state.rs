@@ -62,15 +62,6 @@ impl State {
         let zero = splat(simd, 0.0);
         let fresh = sum.simd_le(zero);
         match operator {
-            Operator::Extreme { sign } => {
-                let better = there & (fresh | (value * sign).simd_gt(before * sign));
-                self.value = Lanes::of(pick(better, value, before));
-                self.length = Lanes::of(sum + pick(there, length, zero));
-            }
-            Operator::Average => {
-                self.value = Lanes::of(before + pick(there, value * length, zero));
-                self.length = Lanes::of(sum + pick(there, length, zero));
-            }
             Operator::First { sign, threshold } => {
                 let reaches = there & (value * sign).simd_ge(splat(simd, threshold * sign));
                 let found = self.clear.load(simd).simd_le(zero);
@@ -81,7 +72,10 @@ impl State {
                 self.clear = Lanes::of(pick(reaches, zero, self.clear.load(simd)));
                 self.length = Lanes::of(pick(vacuum & !found, zero, sum + pick(there, length, zero)));
             }
-            Operator::Under { .. } | Operator::Over => {}
+            _ => {
+                let [value, length] = operator.choose(simd, [before, sum], [value, length], there);
+                (self.value, self.length) = (Lanes::of(value), Lanes::of(length));
+            }
         }
     }
 }

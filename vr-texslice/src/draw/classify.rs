@@ -3,7 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use vr_kernels::tables::{PreIntegrated, TablePlace};
-use vr_kernels::vector::{LANES, Lanes, OpticsTable, Rows, depth_of_opacity, light_of, opacity_of_depth, pick, splat};
+use vr_kernels::vector::{
+    LANES, Lanes, OpticsTable, Rows, light_of, opacity_of_depth, pick, source_weight, splat, step_of_thickness,
+};
 
 use super::chunk::{CHUNK, Chunk};
 
@@ -60,7 +62,8 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
                 for j in 0..chunk.len {
                     let [r, g, b, a] = &chunk.light[j];
                     let light = [r.load(simd), g.load(simd), b.load(simd), a.load(simd)];
-                    let [r, g, b, a] = corrected(simd, light, ratio);
+                    let [r, g, b, corrected] = step_of_thickness(simd, light, ratio);
+                    let a = where_defined(simd, light[3], corrected);
                     chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
                 }
             }
@@ -73,17 +76,6 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
 #[inline(always)]
 fn where_defined<S: Simd>(simd: S, value: f32x16<S>, alpha: f32x16<S>) -> f32x16<S> {
     pick(value.simd_eq(value), alpha, splat(simd, f32::NAN))
-}
-
-/// Light and opacity of a slab `ratio` times as long: α′ = 1 − (1 − α)^ratio, and light grows with it.
-#[inline(always)]
-fn corrected<S: Simd>(simd: S, [r, g, b, alpha]: [f32x16<S>; 4], ratio: f32x16<S>) -> [f32x16<S>; 4] {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let corrected = opacity_of_depth(simd, depth_of_opacity(simd, alpha) * ratio);
-    let clear = alpha.simd_le(zero);
-    // Where nothing absorbs, light grows with the length itself.
-    let share = pick(clear, ratio, corrected / pick(clear, one, alpha));
-    [r * share, g * share, b * share, where_defined(simd, alpha, pick(clear, zero, corrected))]
 }
 
 /// Light and opacity of segments that end at the values of a chunk, each so long in world units; each begins where the one before it ended, the first at
@@ -127,8 +119,7 @@ pub(crate) fn integrate<S: Simd>(
                 let kappa = mean[3].load(simd);
                 let tau = kappa * h;
                 let alpha = where_defined(simd, kappa, opacity_of_depth(simd, tau));
-                let clear = tau.simd_le(zero);
-                let weight = pick(clear, one, alpha / pick(clear, one, tau));
+                let weight = source_weight(simd, tau, alpha);
                 let (tau_a, tau_b) = (front[3].load(simd) * h, back[3].load(simd) * h);
                 let fade = one / (tau * (tau * 1.5 + 6.0) + 12.0);
                 let product = tau_a * tau_b;

@@ -1,6 +1,6 @@
 //! What pixels have gathered so far.
 
-use vr_core::optics::depth_of_opacity;
+use vr_core::optics::fraction_to_level;
 use vr_kernels::vector::{LANES, Lanes, Operator};
 
 /// Sixteen pixels.
@@ -34,15 +34,11 @@ impl State {
     }
 
     /// The number at which a pixel's opacity reaches a half, the medium being homogeneous in the slab in which it does; +∞ where it does not.
-    ///
-    /// (1 − A)(1 − α)^x = ½ at the fraction x of the slab.
     pub(crate) fn half(&self, pixel: usize) -> f32 {
         let [begin, length, before, alpha] = self.sums[2].map(|lanes| lanes.0[pixel]);
-        if begin == f32::INFINITY || alpha >= 1.0 {
+        if begin == f32::INFINITY {
             return begin;
         }
-        let wanted = (1.0 - 0.5 / (1.0 - f64::from(before))).max(0.0);
-        let share = depth_of_opacity(wanted) / depth_of_opacity(f64::from(alpha)).max(f64::MIN_POSITIVE);
-        begin + length * share.min(1.0) as f32
+        begin + length * fraction_to_level(1.0 - f64::from(before), alpha.into(), 0.5) as f32
     }
 }
