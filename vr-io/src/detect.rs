@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::encoding::Encoding;
-use crate::error::ReadError;
+use crate::error::{FileError, FileErrorKind, VOLUMES};
 use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
 
@@ -20,7 +20,7 @@ pub(crate) enum Format {
 }
 
 /// The format of a file of which the first bytes are given.
-pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, ReadError> {
+pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     let unpacked = unpack(head);
     // What no other file begins with.
     if head.starts_with(b"NRRD") {
@@ -33,7 +33,7 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, ReadError> {
         return Ok(Format::Points(format));
     }
     if let Some(format) = unsupported_by_content(&unpacked) {
-        return Err(ReadError::Unsupported { path: path.into(), format });
+        return Err(FileError::new(path, FileErrorKind::Unsupported { format }));
     }
     if is_metaimage(head) {
         return Ok(Format::MetaImage);
@@ -54,15 +54,15 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, ReadError> {
                 return Ok(Format::Points(format));
             }
             if let Some(format) = unsupported_by_extension(extension).or_else(|| bare_dicom(&unpacked)) {
-                return Err(ReadError::Unsupported { path: path.into(), format });
+                return Err(FileError::new(path, FileErrorKind::Unsupported { format }));
             }
         }
     }
-    Err(ReadError::Unrecognised { path: path.into() })
+    Err(FileError::new(path, FileErrorKind::Unrecognised { supported: VOLUMES }))
 }
 
 /// What to say of a folder: some formats are one.
-pub(crate) fn unsupported_folder(path: &Path) -> ReadError {
+pub(crate) fn unsupported_folder(path: &Path) -> FileError {
     let has = |name: &str| path.join(name).exists();
     let is_dicom = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm"));
     let format = if has(".zgroup") || has(".zarray") || has(".zattrs") || has("zarr.json") {
@@ -72,7 +72,7 @@ pub(crate) fn unsupported_folder(path: &Path) -> ReadError {
     } else {
         "folder of files"
     };
-    ReadError::Unsupported { path: path.into(), format }
+    FileError::new(path, FileErrorKind::Unsupported { format })
 }
 
 /// The beginning of what a compressed beginning unpacks to.
@@ -153,7 +153,7 @@ fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
         "vvd" => "Voreen (.vvd)",
         "general" | "dx" => "OpenDX",
         "ex2" | "exo" => "ExodusII",
-        "stl" | "obj" | "ply" => "mesh (a surface, for --mesh)",
+        "stl" | "obj" | "ply" => "mesh (a surface, not a volume)",
         _ => return None,
     })
 }

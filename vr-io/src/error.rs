@@ -1,143 +1,132 @@
-//! What can go wrong between a file and a volume, and between a frame and a file.
+//! What can go wrong between a file and what it should hold, and between a frame and a file.
 
+use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use vr_core::GridError;
+use vr_core::{GridError, MeshError, PointError};
 
-use crate::points::PointFileError;
+/// Why a file gives no volume, points, surface or colour map: one line that names the file, the place in it, what was found and what is
+/// allowed.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {kind}", path.display())]
+pub struct FileError {
+    /// The file with the fault: the one that was asked for, or one that it names.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub kind: FileErrorKind,
+}
 
-/// Why a file gives no volume. Every message is one line that names the file, the field, what was found and what is allowed.
+impl FileError {
+    pub(crate) fn new(path: &Path, kind: impl Into<FileErrorKind>) -> Self {
+        Self { path: path.into(), kind: kind.into() }
+    }
+}
+
+/// What is wrong with a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ReadError {
+pub enum FileErrorKind {
     /// The file cannot be opened or read.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// Which file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// A field of the header (or of the request) that makes no sense.
-    #[error("{}: {field}: found {found}; {allowed}", path.display())]
-    Field {
-        /// Which file.
-        path: PathBuf,
-        /// The field, as the format names it.
-        field: String,
-        /// What was found, shortened.
-        found: String,
-        /// What would be right.
-        allowed: String,
-    },
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// Content, or a request, that makes no sense.
+    #[error(transparent)]
+    Field(#[from] FieldError),
     /// A data file that a header names and that cannot be opened.
-    #[error("{}: data file {}: {source}; it must lie where the header says", path.display(), data.display())]
+    #[error("data file {}: {source}; it must lie where the header says", data.display())]
     DataFile {
-        /// The header.
-        path: PathBuf,
-        /// The file that it names.
+        /// The file that the header names.
         data: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// More or fewer bytes than the header claims.
-    #[error(
-        "{}: the header claims {claimed} bytes of voxels, found {found}; the two must agree{hint}",
-        path.display()
-    )]
+    #[error("the header claims {claimed} bytes of voxels, found {found}; the two must agree{hint}")]
     Length {
-        /// The file with the voxels.
-        path: PathBuf,
-        /// What sizes and type add up to.
+        /// The bytes that sizes and type add up to.
         claimed: u64,
-        /// What is there (at least, where there are many more).
+        /// The bytes that are there (at least, where there are many more).
         found: u64,
-        /// What may have happened; empty, or starting with a bracket.
+        /// A likely cause; empty, or starting with a bracket.
         hint: &'static str,
     },
     /// A compressed stream, or text, that is damaged.
-    #[error("{}: {encoding} data are damaged: {source}", path.display())]
+    #[error("{encoding} data are damaged: {source}")]
     Damaged {
-        /// The file with the voxels.
-        path: PathBuf,
-        /// How they are encoded.
+        /// The encoding of the voxels.
         encoding: &'static str,
-        /// What the decoder says.
+        /// The decoder's error.
         source: io::Error,
     },
     /// Several frames or components, of which a volume has one.
-    #[error("{}: holds {count} {what}s, a volume has one: pick it with {flag} N (0 to {})", path.display(), count - 1)]
+    #[error("holds {count} {what}s, a volume has one: choose a {what}, 0 to {}", count - 1)]
     Choose {
-        /// Which file.
-        path: PathBuf,
-        /// `frame` or `component`.
+        /// `frame` or `component`: the field of [`ReadOptions`](crate::ReadOptions) that chooses.
         what: &'static str,
-        /// How many there are.
+        /// Number of frames or components in the file.
         count: usize,
-        /// The flag of `vr`, and the field of [`crate::ReadOptions`].
-        flag: &'static str,
     },
     /// A format that is known and not read.
-    #[error("{}: unsupported format {format}; supported are {SUPPORTED}", path.display())]
+    #[error("unsupported format {format}; supported are {VOLUMES}")]
     Unsupported {
-        /// Which file.
-        path: PathBuf,
         /// The format found.
         format: &'static str,
     },
-    /// A file that nothing is known about.
-    #[error(
-        "{}: format not recognised by content or name; supported are {SUPPORTED}; raw data need a description \
-         (--dims and --type) or a name like foot_256x256x256_uint8.raw",
-        path.display()
-    )]
+    /// A format that is not known, or not one of those that were asked for.
+    #[error("format not recognised by content or name; supported are {supported}")]
     Unrecognised {
-        /// Which file.
-        path: PathBuf,
+        /// The formats that are read there.
+        supported: &'static str,
+    },
+    /// A format that is read by builds with a feature alone.
+    #[error("{format} is read by builds with the feature `{feature}` alone: cargo build --features {feature}")]
+    Feature {
+        /// The format found.
+        format: &'static str,
+        /// The feature of this crate that reads it.
+        feature: &'static str,
     },
     /// Sizes, spacing or orientation that make no grid.
-    #[error("{}: {source}", path.display())]
-    Grid {
-        /// Which file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: GridError,
-    },
-    /// A file of scattered points with something wrong in it.
     #[error(transparent)]
-    Points(PointFileError),
+    Grid(#[from] GridError),
+    /// Positions, radii, weights and values that make no set of points.
+    #[error(transparent)]
+    Points(#[from] PointError),
+    /// Vertices and triangles that make no surface.
+    #[error(transparent)]
+    Surface(#[from] MeshError),
 }
 
-/// The formats that are read, as messages list them.
-const SUPPORTED: &str = "NRRD, MetaImage, NIfTI-1 and -2, raw; points as CSV, VTK, NumPy or HDF5";
+/// The formats of volumes, as messages list them.
+pub(crate) const VOLUMES: &str = "NRRD, MetaImage, NIfTI-1 and -2; raw, with dims and a type or a name like \
+                                  foo_256x256x256_uint8.raw; points as CSV, VTK, NumPy or HDF5";
 
-impl ReadError {
-    pub(crate) fn io(path: &Path, source: io::Error) -> Self {
-        Self::Io { path: path.into(), source }
-    }
-
-    pub(crate) fn grid(path: &Path, source: GridError) -> Self {
-        Self::Grid { path: path.into(), source }
+impl FileErrorKind {
+    pub(crate) fn field(field: impl Into<String>, found: impl Display, allowed: impl Into<String>) -> Self {
+        FieldError::new(field, found, allowed).into()
     }
 }
 
-/// A wrong field, before it is known which file it came from: what the header parsers return.
-#[derive(Debug, PartialEq)]
-pub(crate) struct FieldError {
+/// A wrong field of a header, line of a text, point or column.
+#[derive(Debug, PartialEq, thiserror::Error)]
+#[error("{field}: found {found}; {allowed}")]
+pub struct FieldError {
+    /// The field as the format names it, or the place: a line from 1, a point from 0, a column.
     pub field: String,
+    /// The content found there, shortened.
     pub found: String,
+    /// The content that would be right.
     pub allowed: String,
 }
 
 impl FieldError {
-    pub fn new(field: impl Into<String>, found: impl std::fmt::Display, allowed: impl Into<String>) -> Self {
+    pub(crate) fn new(field: impl Into<String>, found: impl Display, allowed: impl Into<String>) -> Self {
         Self { field: field.into(), found: shown(&found.to_string()), allowed: allowed.into() }
     }
 
-    pub fn in_file(self, path: &Path) -> ReadError {
-        let Self { field, found, allowed } = self;
-        ReadError::Field { path: path.into(), field, found, allowed }
+    pub(crate) fn in_file(self, path: &Path) -> FileError {
+        FileError::new(path, self)
     }
 }
 

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Take};
 use std::path::Path;
 
-use crate::error::ReadError;
+use crate::error::FileError;
 
 /// Reads a header line by line, as far as whoever understands it asks, and keeps what was read.
 pub(crate) struct HeaderText<'p> {
@@ -17,21 +17,21 @@ impl<'p> HeaderText<'p> {
     /// Far beyond any header that makes sense, a list of a million files included: there it ends, and so does the file for whoever reads.
     const LONGEST: u64 = 1 << 26;
 
-    pub fn open(path: &'p Path) -> Result<Self, ReadError> {
-        let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+    pub fn open(path: &'p Path) -> Result<Self, FileError> {
+        let file = File::open(path).map_err(|e| FileError::new(path, e))?;
         Ok(Self { path, file: BufReader::new(file).take(Self::LONGEST), text: Vec::new() })
     }
 
     /// The next line, with what ends it; empty at the end of the file.
-    pub fn next_line(&mut self) -> Result<&[u8], ReadError> {
+    pub fn next_line(&mut self) -> Result<&[u8], FileError> {
         let from = self.text.len();
-        self.file.read_until(b'\n', &mut self.text).map_err(|e| ReadError::io(self.path, e))?;
+        self.file.read_until(b'\n', &mut self.text).map_err(|e| FileError::new(self.path, e))?;
         Ok(&self.text[from..])
     }
 
     /// Reads all the lines that are left.
-    pub fn read_rest(&mut self) -> Result<(), ReadError> {
-        self.file.read_to_end(&mut self.text).map_err(|e| ReadError::io(self.path, e))?;
+    pub fn read_rest(&mut self) -> Result<(), FileError> {
+        self.file.read_to_end(&mut self.text).map_err(|e| FileError::new(self.path, e))?;
         Ok(())
     }
 

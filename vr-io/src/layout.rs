@@ -4,7 +4,7 @@ use std::path::Path;
 
 use vr_core::{GridError, sample_count};
 
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::read::ReadOptions;
 
 /// What an axis of a file runs over.
@@ -36,20 +36,20 @@ pub(crate) struct Layout {
 
 impl Layout {
     /// From the axes of a file, fastest first; exactly three of them run over space.
-    pub fn new(path: &Path, axes: &[Axis], options: &ReadOptions) -> Result<Self, ReadError> {
+    pub fn new(path: &Path, axes: &[Axis], options: &ReadOptions) -> Result<Self, FileError> {
         let space: Vec<usize> = axes.iter().filter(|a| a.role == Role::Space).map(|a| a.size).collect();
         let dims: [usize; 3] = space.as_slice().try_into().map_err(|_| {
             FieldError::new("dimension", format_args!("{} axes of space", space.len()), "a volume has three")
                 .in_file(path)
         })?;
-        sample_count(dims).map_err(|e| ReadError::grid(path, e))?;
-        let too_large = || ReadError::grid(path, GridError::Dims { dims });
+        sample_count(dims).map_err(|e| FileError::new(path, e))?;
+        let too_large = || FileError::new(path, GridError::Dims { dims });
         let total = axes.iter().try_fold(1usize, |n, a| n.checked_mul(a.size)).ok_or_else(too_large)?;
 
         let count = |role| axes.iter().filter(|a| a.role == role).map(|a| a.size).product::<usize>();
         let (frames, components) = (count(Role::Frame), count(Role::Component));
-        let mut frame = pick(path, "frame", "--frame", options.frame, frames)?;
-        let mut component = pick(path, "component", "--component", options.component, components)?;
+        let mut frame = pick(path, "frame", options.frame, frames)?;
+        let mut component = pick(path, "component", options.component, components)?;
 
         // An index over several axes of one role is taken apart, fastest axis first.
         let (mut strides, mut offset, mut stride, mut axis_of_space) = ([0; 3], 0, 1, 0);
@@ -92,20 +92,14 @@ impl Layout {
     }
 }
 
-fn pick(
-    path: &Path,
-    what: &'static str,
-    flag: &'static str,
-    chosen: Option<usize>,
-    count: usize,
-) -> Result<usize, ReadError> {
+fn pick(path: &Path, what: &'static str, chosen: Option<usize>, count: usize) -> Result<usize, FileError> {
     match chosen {
         _ if count == 0 => Err(FieldError::new(format!("number of {what}s"), 0, "must be at least 1").in_file(path)),
         None if count == 1 => Ok(0),
-        None => Err(ReadError::Choose { path: path.into(), what, count, flag }),
+        None => Err(FileError::new(path, FileErrorKind::Choose { what, count })),
         Some(i) if i < count => Ok(i),
         Some(i) => {
-            Err(FieldError::new(flag, i, format!("the file has {count} {what}(s), 0 to {}", count - 1)).in_file(path))
+            Err(FieldError::new(what, i, format!("the file has {count} {what}(s), 0 to {}", count - 1)).in_file(path))
         }
     }
 }
@@ -134,7 +128,7 @@ mod tests {
         let axes = axes(&[(2, Role::Space), (2, Role::Space), (2, Role::Space), (5, Role::Frame)]);
         let at = |frame| Layout::new(Path::new("x"), &axes, &ReadOptions { frame, ..Default::default() });
         let message = at(None).unwrap_err().to_string();
-        assert!(message.contains("5 frames") && message.contains("--frame N (0 to 4)"), "{message}");
+        assert!(message.contains("5 frames") && message.contains("choose a frame, 0 to 4"), "{message}");
         assert!(at(Some(5)).is_err());
         let last = at(Some(4)).unwrap();
         assert!(last.is_contiguous());

@@ -11,7 +11,7 @@ use vr_core::GridError;
 
 use crate::decode::with_scalar;
 use crate::encoding::{Encoding, invalid};
-use crate::error::{FieldError, ReadError, shown};
+use crate::error::{FieldError, FileError, FileErrorKind, shown};
 use crate::layout::Layout;
 use crate::mapped::MappedSamples;
 use crate::read::ReadOptions;
@@ -60,7 +60,7 @@ impl Payload {
         layout: &Layout,
         options: &ReadOptions,
         notes: &mut Vec<String>,
-    ) -> Result<Samples, ReadError> {
+    ) -> Result<Samples, FileError> {
         with_scalar!(self.scalar, S => self.load_as::<S>(header, layout, options, notes))
     }
 
@@ -70,7 +70,7 @@ impl Payload {
         layout: &Layout,
         options: &ReadOptions,
         notes: &mut Vec<String>,
-    ) -> Result<Samples, ReadError> {
+    ) -> Result<Samples, FileError> {
         let files = self.segments.len();
         if files == 0 || !layout.total.is_multiple_of(files) {
             let allowed = format!("a number that divides the {} samples", layout.total);
@@ -80,7 +80,7 @@ impl Payload {
         let samples = layout.total / files;
         let bytes = (samples as u64)
             .checked_mul(size_of::<S>() as u64)
-            .ok_or_else(|| ReadError::grid(header, GridError::Dims { dims: layout.dims }))?;
+            .ok_or_else(|| FileError::new(header, GridError::Dims { dims: layout.dims }))?;
 
         let as_stored = S::IS_MEMORY_TYPE && (self.endian == Endian::NATIVE || size_of::<S>() == 1);
         if let [segment] = self.segments.as_slice()
@@ -92,7 +92,7 @@ impl Payload {
             let (file, offset) = self.locate(header, segment, bytes, notes)?;
             let first = offset + (layout.offset * size_of::<S>()) as u64;
             let mapped = MappedSamples::new(file.get_ref(), first, layout.count());
-            if let Some(mapped) = mapped.map_err(|e| ReadError::io(&segment.path, e))? {
+            if let Some(mapped) = mapped.map_err(|e| FileError::new(&segment.path, e))? {
                 return Ok(S::remember(Stored::Mapped(mapped), notes));
             }
         }
@@ -115,15 +115,15 @@ impl Payload {
     }
 
     /// The file, standing where the encoded data begin.
-    fn open(&self, header: &Path, segment: &Segment) -> Result<BufReader<File>, ReadError> {
+    fn open(&self, header: &Path, segment: &Segment) -> Result<BufReader<File>, FileError> {
         let file = File::open(&segment.path).map_err(|source| {
             if segment.path == header {
-                ReadError::io(header, source)
+                FileError::new(header, source)
             } else {
-                ReadError::DataFile { path: header.into(), data: segment.path.clone(), source }
+                FileError::new(header, FileErrorKind::DataFile { data: segment.path.clone(), source })
             }
         })?;
-        let io = |e| ReadError::io(&segment.path, e);
+        let io = |e| FileError::new(&segment.path, e);
         // A device or a pipe may go on for ever.
         if !file.metadata().map_err(io)?.is_file() {
             return Err(io(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
@@ -146,8 +146,8 @@ impl Payload {
         segment: &Segment,
         claimed: u64,
         notes: &mut Vec<String>,
-    ) -> Result<(BufReader<File>, u64), ReadError> {
-        let io = |e| ReadError::io(&segment.path, e);
+    ) -> Result<(BufReader<File>, u64), FileError> {
+        let io = |e| FileError::new(&segment.path, e);
         let mut file = self.open(header, segment)?;
         let start = file.stream_position().map_err(io)?;
         let rest = file.get_ref().metadata().map_err(io)?.len().saturating_sub(start);
@@ -167,9 +167,9 @@ impl Payload {
         claimed: u64,
         found: u64,
         notes: &mut Vec<String>,
-    ) -> Result<(), ReadError> {
+    ) -> Result<(), FileError> {
         if found < claimed || (found > claimed && self.excess_is_error) {
-            return Err(ReadError::Length { path: segment.path.clone(), claimed, found, hint: self.hint });
+            return Err(FileError::new(&segment.path, FileErrorKind::Length { claimed, found, hint: self.hint }));
         }
         if found > claimed {
             notes.push(format!("{} bytes after the voxels are left unread", found - claimed));
@@ -184,9 +184,9 @@ impl Payload {
         claimed: u64,
         kept: &mut Kept<S>,
         notes: &mut Vec<String>,
-    ) -> Result<(), ReadError> {
+    ) -> Result<(), FileError> {
         let damaged = |source: io::Error| self.damaged(segment, source);
-        let length = |found| ReadError::Length { path: segment.path.clone(), claimed, found, hint: self.hint };
+        let length = |found| FileError::new(&segment.path, FileErrorKind::Length { claimed, found, hint: self.hint });
         let raw = self.encoding == Encoding::Raw;
 
         let mut data: Box<dyn Read> = if raw {
@@ -238,9 +238,9 @@ impl Payload {
         samples: usize,
         kept: &mut Kept<S>,
         notes: &mut Vec<String>,
-    ) -> Result<(), ReadError> {
+    ) -> Result<(), FileError> {
         let mut text = Vec::new();
-        self.open(header, segment)?.read_to_end(&mut text).map_err(|e| ReadError::io(&segment.path, e))?;
+        self.open(header, segment)?.read_to_end(&mut text).map_err(|e| FileError::new(&segment.path, e))?;
         let mut found = 0;
         for word in text.split(|c| c.is_ascii_whitespace() || *c == b',').filter(|w| !w.is_empty()) {
             if found < samples {
@@ -256,8 +256,8 @@ impl Payload {
         self.check_length(segment, samples as u64 * size, found as u64 * size, notes)
     }
 
-    fn damaged(&self, segment: &Segment, source: io::Error) -> ReadError {
-        ReadError::Damaged { path: segment.path.clone(), encoding: self.encoding.name(), source }
+    fn damaged(&self, segment: &Segment, source: io::Error) -> FileError {
+        FileError::new(&segment.path, FileErrorKind::Damaged { encoding: self.encoding.name(), source })
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use vr_core::{Calibration, Placement};
 
 use crate::encoding::Encoding;
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Layout, Role};
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
@@ -77,12 +77,12 @@ pub(crate) fn describe(
     raw: &RawDescription,
     encoding: Encoding,
     options: &ReadOptions,
-) -> Result<Description, ReadError> {
+) -> Result<Description, FileError> {
     let axes = raw.dims.map(|size| Axis { size, role: Role::Space });
     let layout = Layout::new(path, &axes, options)?;
     let direction = DMat3::from_cols_array_2d(&raw.direction);
     let placement = Placement::oriented(DVec3::from_array(raw.origin), raw.spacing.unwrap_or([1.0; 3]), direction)
-        .map_err(|e| ReadError::grid(path, e))?;
+        .map_err(|e| FileError::new(path, e))?;
     let mut notes = Vec::new();
     if raw.spacing.is_none() {
         notes.push("raw files state no spacing: 1, 1, 1 is assumed".into());

@@ -9,7 +9,7 @@ use vr_core::{Calibration, Placement, Volume};
 
 use crate::detect::{Format, detect, unsupported_folder};
 use crate::encoding::Encoding;
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError};
 use crate::layout::Layout;
 use crate::nifti::Transform;
 use crate::payload::Payload;
@@ -115,17 +115,17 @@ pub(crate) struct Description {
 /// format is told by the content first, by the name second.
 ///
 /// # Errors
-/// A [`ReadError`] that names the file, the field, what was found and what is allowed.
-pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, ReadError> {
+/// A [`FileError`] that names the file, the field, what was found and what is allowed.
+pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, FileError> {
     let path = path.as_ref();
     if path.is_dir() {
         return Err(unsupported_folder(path));
     }
     if let Some(description) = &options.raw {
-        let head = file_head(path).map_err(|e| ReadError::io(path, e))?;
+        let head = file_head(path).map_err(|e| FileError::new(path, e))?;
         return load(path, raw::describe(path, description, Encoding::of_file(&head), options)?, options);
     }
-    let head = file_head(path).map_err(|e| ReadError::io(path, e))?;
+    let head = file_head(path).map_err(|e| FileError::new(path, e))?;
     let described = match detect(path, &head)? {
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
@@ -144,7 +144,7 @@ pub(crate) fn file_head(path: &Path) -> io::Result<Vec<u8>> {
     Ok(head)
 }
 
-fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Result<Loaded, ReadError> {
+fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Result<Loaded, FileError> {
     for (field, choice) in [("frame", options.frame), ("component", options.component)] {
         if let Some(choice) = choice {
             return Err(FieldError::new(field, choice, "scattered points have none to choose").in_file(path));
@@ -154,12 +154,12 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
     Ok(Loaded { volume: points.into(), info, notes })
 }
 
-fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Loaded, ReadError> {
+fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Loaded, FileError> {
     let Description { format, header, payload, layout, placement, placed_by, calibration, space, units, mut notes } =
         described;
     let samples = payload.load(path, &layout, options, &mut notes)?;
     let mapped = samples.is_mapped();
-    let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| ReadError::grid(path, e))?;
+    let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
     let volume = Volume::from(grid);
     if let Some(uniform) = volume.grid() {
         let census = uniform.census();

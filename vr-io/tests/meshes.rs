@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use vr_core::TriangleMesh;
-use vr_io::{LoadedMesh, MeshFileError, is_mesh, read_mesh};
+use vr_io::{FileError, FileErrorKind, LoadedMesh, is_mesh, read_mesh};
 
 mod small_meshes;
 use small_meshes::{CORNERS, FACES, obj, ply_binary, ply_text, stl_binary, stl_text};
 
-fn read(name: &str, bytes: impl AsRef<[u8]>) -> Result<LoadedMesh, MeshFileError> {
+fn read(name: &str, bytes: impl AsRef<[u8]>) -> Result<LoadedMesh, FileError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
@@ -96,7 +96,7 @@ fn a_mesh_is_told_from_a_volume() {
     }
     assert!(!is_mesh(folder.path().join("none.stl")));
     let error = vr_io::read(folder.path().join("a.stl"), &vr_io::ReadOptions::default()).unwrap_err().to_string();
-    assert!(error.contains("--mesh"), "{error}");
+    assert!(error.contains("a surface, not a volume"), "{error}");
 }
 
 /// What is wrong is said in one line, with all of these words.
@@ -164,5 +164,5 @@ fn broken_files_are_refused_with_reasons() {
     }
     refused("x.raw", "solid", &["STL", "OBJ", "PLY"]);
     let missing = read_mesh("nowhere.stl").unwrap_err();
-    assert!(matches!(missing, MeshFileError::Io { .. }), "{missing}");
+    assert!(matches!(missing.kind, FileErrorKind::Io(_)), "{missing}");
 }

@@ -1,17 +1,17 @@
 //! Every format of scattered points, and what is said of those that are broken.
 
 use glam::DVec3;
-use vr_io::{LoadedPoints, PointFileError, PointOptions, ReadOptions, read_points};
+use vr_io::{FileError, FileErrorKind, LoadedPoints, PointOptions, ReadOptions, read_points};
 
 mod small_points;
 mod tiny;
 use small_points::{POINTS, Packed, Stored, all_vtp, csv, npy, vtk_binary, vtk_text, vtp};
 
-fn read(name: &str, bytes: impl AsRef<[u8]>) -> Result<LoadedPoints, PointFileError> {
+fn read(name: &str, bytes: impl AsRef<[u8]>) -> Result<LoadedPoints, FileError> {
     read_with(name, bytes, &PointOptions::default())
 }
 
-fn read_with(name: &str, bytes: impl AsRef<[u8]>, options: &PointOptions) -> Result<LoadedPoints, PointFileError> {
+fn read_with(name: &str, bytes: impl AsRef<[u8]>, options: &PointOptions) -> Result<LoadedPoints, FileError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
@@ -79,8 +79,8 @@ fn the_one_way_in_reads_points() {
     let error = vr_io::read(&path, &ReadOptions { frame: Some(0), ..ReadOptions::default() }).unwrap_err().to_string();
     assert!(error.contains("frame: found 0; scattered points have none"), "{error}");
     // What is no file of points is not read as one.
-    assert!(matches!(read("x.nrrd", "NRRD0004\n"), Err(PointFileError::Unrecognised { .. })));
-    assert!(matches!(read_points("nowhere.csv", &PointOptions::default()), Err(PointFileError::Io { .. })));
+    assert!(matches!(read("x.nrrd", "NRRD0004\n").unwrap_err().kind, FileErrorKind::Unrecognised { .. }));
+    assert!(matches!(read_points("nowhere.csv", &PointOptions::default()).unwrap_err().kind, FileErrorKind::Io(_)));
 }
 
 /// What is wrong is said in one line, with all of these words.

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use vr_core::{AnyGrid, GridError, GridVolume, VoxelType, with_grid};
 use vr_io::{
-    FileInfo, Loaded, LoadedPoints, PointOptions, RawDescription, ReadError, ReadOptions, ScalarType, Space, Transform,
-    orientation, read, read_points,
+    FileError, FileErrorKind, FileInfo, Loaded, LoadedPoints, PointOptions, RawDescription, ReadOptions, ScalarType,
+    Space, Transform, orientation, read, read_points,
 };
 
 /// A file of the shared data, or `None` after a word where there are none.
@@ -136,7 +136,8 @@ fn every_encoding_of_the_ball() {
         }
         match read(&path, &ReadOptions::default()) {
             // It points into a NIfTI file and forgets to skip its header.
-            Err(ReadError::Length { claimed: 54000, found: 54352, .. }) if name == "BallBinary30x30x30_nifti.nhdr" => {}
+            Err(FileError { kind: FileErrorKind::Length { claimed: 54000, found: 54352, .. }, .. })
+                if name == "BallBinary30x30x30_nifti.nhdr" => {}
             Err(e) => panic!("{e}"),
             Ok(loaded) => {
                 assert!(stored(&loaded) == plain, "{name}");
@@ -312,7 +313,7 @@ fn broken_files_are_met() {
     assert_eq!(uniform(&slope).calibration().slope, 1.0);
     assert!(matches!(
         read(data("bad/one_slice.nrrd").unwrap(), &ReadOptions::default()),
-        Err(ReadError::Grid { source: GridError::Dims { .. }, .. })
+        Err(FileError { kind: FileErrorKind::Grid(GridError::Dims { .. }), .. })
     ));
 }
 

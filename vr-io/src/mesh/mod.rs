@@ -1,19 +1,20 @@
 //! Surfaces in: STL, OBJ and PLY.
 
-mod error;
 mod obj;
 mod ply;
 mod stl;
 
+use std::fmt::Display;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use vr_core::TriangleMesh;
 
-pub use error::MeshFileError;
+use crate::error::{FieldError, FileError, FileErrorKind};
 
-use error::Trouble;
+/// The formats that are read, as messages list them.
+const SUPPORTED: &str = "STL (text and binary), OBJ and PLY (text and binary)";
 
 /// A surface from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,18 +34,18 @@ pub struct LoadedMesh {
 /// are more often right. Polygons are cut into fans of triangles. Materials, textures, lines and points are left out.
 ///
 /// # Errors
-/// A [`MeshFileError`] that names the file, the place, what was found and what is allowed.
-pub fn read_mesh(path: impl AsRef<Path>) -> Result<LoadedMesh, MeshFileError> {
+/// A [`FileError`] that names the file, the place, what was found and what is allowed.
+pub fn read_mesh(path: impl AsRef<Path>) -> Result<LoadedMesh, FileError> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|source| MeshFileError::Io { path: path.into(), source })?;
-    let format = detect(path, &bytes).ok_or_else(|| MeshFileError::Unrecognised { path: path.into() })?;
-    let read: Result<LoadedMesh, Trouble> = match format {
+    let bytes = std::fs::read(path).map_err(|e| FileError::new(path, e))?;
+    let unrecognised = || FileError::new(path, FileErrorKind::Unrecognised { supported: SUPPORTED });
+    let read = match detect(path, &bytes).ok_or_else(unrecognised)? {
         Format::Ply => ply::read(&bytes),
         Format::Obj => obj::read(&String::from_utf8_lossy(&bytes)),
         Format::Stl if stl::is_text(&bytes) => stl::read_text(&String::from_utf8_lossy(&bytes)),
         Format::Stl => stl::read_binary(&bytes),
     };
-    read.map_err(|trouble| trouble.in_file(path))
+    read.map_err(|kind| FileError::new(path, kind))
 }
 
 /// Whether a file is a mesh rather than a volume, by its first bytes and its name. One that cannot be read is not.
@@ -77,6 +78,11 @@ fn detect(path: &Path, head: &[u8]) -> Option<Format> {
 /// The triangles of a polygon: a fan around its first corner.
 fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
     corners.iter().skip(1).zip(corners.iter().skip(2)).map(|(&b, &c)| [corners[0], b, c])
+}
+
+/// A complaint about a line, counted from 0.
+fn in_line(line: usize, found: impl Display, allowed: impl Into<String>) -> FieldError {
+    FieldError::new(format!("line {}", line + 1), found, allowed)
 }
 
 /// What to say of polygons that are no triangles.

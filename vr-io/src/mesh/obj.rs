@@ -10,9 +10,8 @@ use glam::DVec3;
 use vr_core::TriangleMesh;
 use vr_core::transfer::srgb_to_linear;
 
-use super::error::{Trouble, in_line};
-use super::{LoadedMesh, fan, note_of_fans};
-use crate::error::FieldError;
+use super::{LoadedMesh, fan, in_line, note_of_fans};
+use crate::error::{FieldError, FileErrorKind};
 
 /// Instead of the index of a normal: there is none.
 const NONE: u32 = u32::MAX;
@@ -29,7 +28,7 @@ struct Contents {
     polygons: usize,
 }
 
-pub(super) fn read(text: &str) -> Result<LoadedMesh, Trouble> {
+pub(super) fn read(text: &str) -> Result<LoadedMesh, FileErrorKind> {
     let mut contents = Contents::default();
     let mut lines = text.lines().enumerate();
     while let Some((i, line)) = lines.next() {
@@ -90,7 +89,7 @@ impl Contents {
         Some([position, normal])
     }
 
-    fn into_mesh(self) -> Result<LoadedMesh, Trouble> {
+    fn into_mesh(self) -> Result<LoadedMesh, FileErrorKind> {
         let Self { positions, colors, colored, normals, triangles, polygons } = self;
         let notes = note_of_fans(polygons);
         let mesh = if triangles.iter().flatten().all(|corner| corner[1] == NONE) {
@@ -117,10 +116,10 @@ fn split(
     colors: Option<&[[f32; 3]]>,
     normals: &[[f32; 3]],
     triangles: &[[[u32; 2]; 3]],
-) -> Result<TriangleMesh, Trouble> {
+) -> Result<TriangleMesh, FileErrorKind> {
     let missing = |what: &str, found: u32, count: usize| {
         let allowed = format!("there are {count}, counted from 1");
-        Trouble::from(FieldError::new("faces", format!("{what} {}", u64::from(found) + 1), allowed))
+        FileErrorKind::field("faces", format!("{what} {}", u64::from(found) + 1), allowed)
     };
     let mut known = HashMap::new();
     let (mut at, mut facing, mut colored) = (Vec::new(), Vec::new(), Vec::new());

@@ -6,11 +6,10 @@ use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAcc
 use vr_core::TriangleMesh;
 use vr_core::transfer::srgb_to_linear;
 
-use super::error::Trouble;
 use super::{LoadedMesh, fan, note_of_fans};
-use crate::error::FieldError;
+use crate::error::{FieldError, FileErrorKind};
 
-pub(super) fn read(bytes: &[u8]) -> Result<LoadedMesh, Trouble> {
+pub(super) fn read(bytes: &[u8]) -> Result<LoadedMesh, FileErrorKind> {
     let mut reader = Reader::new(bytes);
     let (vertices, faces) = (Parser::<Vertex>::new(), Parser::<Face>::new());
     let header = vertices.read_header(&mut reader).map_err(|e| damaged(&e, true))?;

@@ -8,9 +8,8 @@ use std::collections::HashMap;
 use glam::DVec3;
 use vr_core::TriangleMesh;
 
-use super::LoadedMesh;
-use super::error::{Trouble, in_line};
-use crate::error::FieldError;
+use super::{LoadedMesh, in_line};
+use crate::error::{FieldError, FileErrorKind};
 
 /// Bytes before the number of triangles, of which the first may say anything.
 const TITLE: usize = 80;
@@ -38,9 +37,9 @@ fn length(count: u32) -> u64 {
     HEAD as u64 + u64::from(count) * FACET as u64
 }
 
-pub(super) fn read_binary(bytes: &[u8]) -> Result<LoadedMesh, Trouble> {
+pub(super) fn read_binary(bytes: &[u8]) -> Result<LoadedMesh, FileErrorKind> {
     let found = format!("{} bytes", bytes.len());
-    let wrong = |allowed| Trouble::from(FieldError::new("length", &found, allowed));
+    let wrong = |allowed| FileErrorKind::field("length", &found, allowed);
     let count = claimed(bytes).ok_or_else(|| wrong(format!("a binary STL file has {HEAD} at least")))?;
     if length(count) != bytes.len() as u64 {
         return Err(wrong(format!("the header claims {count} triangles, which need {}", length(count))));
@@ -55,7 +54,7 @@ pub(super) fn read_binary(bytes: &[u8]) -> Result<LoadedMesh, Trouble> {
     soup.into_mesh("STL (binary)")
 }
 
-pub(super) fn read_text(text: &str) -> Result<LoadedMesh, Trouble> {
+pub(super) fn read_text(text: &str) -> Result<LoadedMesh, FileErrorKind> {
     let mut soup = Soup::default();
     let mut facet: Option<Vec<DVec3>> = None;
     let mut ended = true;
@@ -120,7 +119,7 @@ impl Soup {
         Ok(())
     }
 
-    fn into_mesh(self, format: &'static str) -> Result<LoadedMesh, Trouble> {
+    fn into_mesh(self, format: &'static str) -> Result<LoadedMesh, FileErrorKind> {
         let mesh = TriangleMesh::new(self.positions, self.triangles)?;
         Ok(LoadedMesh { mesh, format, notes: Vec::new() })
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError};
 use crate::header_text::HeaderText;
 
 #[derive(Debug, Default)]
@@ -18,7 +18,7 @@ pub(super) struct Header {
 const LAST_KEY: &str = "ElementDataFile";
 
 impl Header {
-    pub fn read(path: &Path) -> Result<Self, ReadError> {
+    pub fn read(path: &Path) -> Result<Self, FileError> {
         let mut text = HeaderText::open(path)?;
         loop {
             let line = text.next_line()?;

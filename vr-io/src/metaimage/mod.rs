@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use vr_core::Calibration;
 
 use crate::encoding::Encoding;
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError};
 use crate::file_pattern::expand;
 use crate::layout::{Axis, Layout, Role};
 use crate::payload::{Payload, Segment, Skip};
@@ -22,7 +22,7 @@ use crate::world::Space;
 use header::Header;
 
 /// Everything that a header says.
-pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, ReadError> {
+pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let header = Header::read(path)?;
     let in_file = |e: FieldError| e.in_file(path);
     let mut notes = Vec::new();
@@ -35,7 +35,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let axes = axes(&header).map_err(in_file)?;
     let layout = Layout::new(path, &axes, options)?;
     let frame = Frame::new(&header, &mut notes).map_err(in_file)?;
-    let placement = frame.space.place(frame.origin, frame.axes).map_err(|e| ReadError::grid(path, e))?;
+    let placement = frame.space.place(frame.origin, frame.axes).map_err(|e| FileError::new(path, e))?;
     let payload = payload(path, &header, &layout, scalar).map_err(in_file)?;
     let calibration = Calibration {
         slope: header.number("ElementToIntensityFunctionSlope").map_err(in_file)?.unwrap_or(1.0),

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use vr_core::Calibration;
 
 use crate::encoding::Encoding;
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
 use crate::payload::{Payload, Segment, Skip};
 use crate::read::{Description, ReadOptions};
@@ -22,7 +22,7 @@ pub use transform::Transform;
 use header::Header;
 
 /// Everything that a header says.
-pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, ReadError> {
+pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let path = &header_of_image(path);
     let in_file = |e: FieldError| e.in_file(path);
     let (head, encoding) = read_head(path)?;
@@ -43,7 +43,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     }));
     let layout = Layout::new(path, &axes, options)?;
     let placed = transform::place(&header, options.transform, &mut notes).map_err(in_file)?;
-    let placement = Space::Ras.place(placed.origin, placed.axes).map_err(|e| ReadError::grid(path, e))?;
+    let placement = Space::Ras.place(placed.origin, placed.axes).map_err(|e| FileError::new(path, e))?;
 
     let segment = if header.is_pair {
         let image = image_of_header(path)?;
@@ -115,20 +115,20 @@ fn data_type(code: i16) -> Result<(ScalarType, usize), FieldError> {
 }
 
 /// The first bytes of a file, decompressed, and the compression.
-fn read_head(path: &Path) -> Result<(Vec<u8>, Encoding), ReadError> {
+fn read_head(path: &Path) -> Result<(Vec<u8>, Encoding), FileError> {
     // The longer of the two headers.
     const LONGEST: u64 = 540;
     let encoding = encoding_of(path)?;
-    let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+    let file = File::open(path).map_err(|e| FileError::new(path, e))?;
     let mut head = Vec::new();
     // What came out before the damage is judged as a short header.
     let _ = encoding.reader(BufReader::new(file)).take(LONGEST).read_to_end(&mut head);
     Ok((head, encoding))
 }
 
-fn encoding_of(path: &Path) -> Result<Encoding, ReadError> {
+fn encoding_of(path: &Path) -> Result<Encoding, FileError> {
     let mut magic = Vec::new();
-    File::open(path).and_then(|f| f.take(4).read_to_end(&mut magic)).map_err(|e| ReadError::io(path, e))?;
+    File::open(path).and_then(|f| f.take(4).read_to_end(&mut magic)).map_err(|e| FileError::new(path, e))?;
     Ok(Encoding::of_file(&magic))
 }
 
@@ -138,11 +138,10 @@ fn header_of_image(path: &Path) -> PathBuf {
 }
 
 /// The image file of a pair.
-fn image_of_header(path: &Path) -> Result<PathBuf, ReadError> {
-    sibling(path, "hdr", "img").ok_or_else(|| ReadError::DataFile {
-        path: path.into(),
-        data: PathBuf::from(path.to_string_lossy().replace(".hdr", ".img")),
-        source: std::io::ErrorKind::NotFound.into(),
+fn image_of_header(path: &Path) -> Result<PathBuf, FileError> {
+    sibling(path, "hdr", "img").ok_or_else(|| {
+        let data = PathBuf::from(path.to_string_lossy().replace(".hdr", ".img"));
+        FileError::new(path, FileErrorKind::DataFile { data, source: std::io::ErrorKind::NotFound.into() })
     })
 }
 

@@ -85,7 +85,7 @@ pub(super) fn place(header: &Header, wanted: Transform, notes: &mut Vec<String>)
             !q.axes.abs_diff_eq(placed.axes, 1e-3 * scale) || !q.origin.abs_diff_eq(placed.origin, scale)
         });
         if differ {
-            notes.push("placed by the sform; the qform says otherwise (--xform qform takes that)".into());
+            notes.push("placed by the sform; the qform says otherwise (the transform `qform` takes that)".into());
             return Ok(placed);
         }
     }

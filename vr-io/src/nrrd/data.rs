@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::encoding::Encoding;
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError};
 use crate::file_pattern::expand;
 use crate::layout::Layout;
 use crate::payload::{Payload, Segment, Skip};
@@ -11,7 +11,7 @@ use crate::scalar::{Endian, ScalarType};
 
 use super::header::Header;
 
-pub(super) fn payload(path: &Path, header: &Header, layout: &Layout, scalar: ScalarType) -> Result<Payload, ReadError> {
+pub(super) fn payload(path: &Path, header: &Header, layout: &Layout, scalar: ScalarType) -> Result<Payload, FileError> {
     parse(path, header, layout, scalar).map_err(|e| e.in_file(path))
 }
 

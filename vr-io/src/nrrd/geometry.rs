@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 use vr_core::Placement;
 
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Role};
 use crate::world::Space;
 
@@ -18,7 +18,7 @@ pub(super) struct World {
     pub units: Option<String>,
 }
 
-pub(super) fn world(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) -> Result<World, ReadError> {
+pub(super) fn world(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) -> Result<World, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     let space = space(header).map_err(in_file)?;
     let has_directions = header.get("space directions").is_some();
@@ -64,7 +64,7 @@ fn oriented(
     axes: &[Axis],
     space: Space,
     notes: &mut Vec<String>,
-) -> Result<World, ReadError> {
+) -> Result<World, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     // One number for each axis of the world; a fourth one is time.
     let in_space = |field: &str, v: &[f64]| match *v {
@@ -97,12 +97,12 @@ fn oriented(
     let (scale, unit) = common_unit("space units", units.as_deref().unwrap_or_default(), notes);
     let scale = DVec3::from_array(scale);
     let matrix = DMat3::from_diagonal(scale) * DMat3::from_cols(x, y, z);
-    let placement = space.place(scale * origin, matrix).map_err(|e| ReadError::grid(path, e))?;
+    let placement = space.place(scale * origin, matrix).map_err(|e| FileError::new(path, e))?;
     Ok(World { placement, placed_by: "space directions", space, units: unit })
 }
 
 /// By spacings (or axis mins and maxs), along the axes of the file's own frame.
-fn spaced(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) -> Result<World, ReadError> {
+fn spaced(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) -> Result<World, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     let n = axes.len();
     let of_space = |list: Vec<f64>| -> [f64; 3] {
@@ -154,7 +154,7 @@ fn spaced(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) 
         origin[a] *= scale[a];
     }
     let placement = Placement::oriented(DVec3::from_array(origin), spacing, DMat3::IDENTITY)
-        .map_err(|e| ReadError::grid(path, e))?;
+        .map_err(|e| FileError::new(path, e))?;
     Ok(World { placement, placed_by, space: Space::Own, units: unit })
 }
 
@@ -196,7 +196,7 @@ fn common_unit(field: &str, units: &[&str], notes: &mut Vec<String>) -> ([f64; 3
 mod tests {
     use super::*;
 
-    fn place(fields: &str) -> Result<World, ReadError> {
+    fn place(fields: &str) -> Result<World, FileError> {
         let h = Header::parse(format!("NRRD0005\ndimension: 3\nsizes: 5 6 7\n{fields}").as_bytes()).unwrap();
         let axes = [5, 6, 7].map(|size| Axis { size, role: Role::Space });
         world(Path::new("x.nrrd"), &h, &axes, &mut Vec::new())

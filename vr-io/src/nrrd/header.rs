@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError};
 use crate::header_text::HeaderText;
 
 /// A header's fields, by their names without spaces (`data file` and `datafile` are the same field).
@@ -51,7 +51,7 @@ const KNOWN_ORIENTATION: [&str; 3] = ["spaceorigin", "spacedirections", "measure
 
 impl Header {
     /// Reads a file up to the empty line that ends its header.
-    pub fn read(path: &Path) -> Result<Self, ReadError> {
+    pub fn read(path: &Path) -> Result<Self, FileError> {
         let mut text = HeaderText::open(path)?;
         let mut first = true;
         loop {

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use vr_core::Calibration;
 
-use crate::error::{FieldError, ReadError};
+use crate::error::{FieldError, FileError};
 use crate::layout::Layout;
 use crate::read::{Description, ReadOptions};
 use crate::scalar::ScalarType;
@@ -24,7 +24,7 @@ const SLOPE_KEY: &str = "vr slope";
 const INTERCEPT_KEY: &str = "vr intercept";
 
 /// Everything that a header says.
-pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, ReadError> {
+pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let header = Header::read(path)?;
     let in_file = |e: FieldError| e.in_file(path);
     let mut notes = Vec::new();

@@ -4,14 +4,13 @@ mod color_space;
 mod opacity;
 mod polyline;
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Deserialize;
 use vr_core::ControlPoint;
 use vr_core::transfer::srgb_to_linear;
 
-use crate::error::{FieldError, shown};
+use crate::error::{FieldError, FileError, shown};
 
 use color_space::ColorSpace;
 use polyline::{Polyline, resample};
@@ -44,40 +43,6 @@ impl ColorMap {
     }
 }
 
-/// Why a file gives no colour map.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ColorMapError {
-    /// The file cannot be opened or read.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// Which file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// Not JSON, or not a list of colour maps.
-    #[error("{}: {message}; must be ParaView's list of colour maps (JSON)", path.display())]
-    Syntax {
-        /// Which file.
-        path: PathBuf,
-        /// What the parser says, with line and column.
-        message: String,
-    },
-    /// A field that makes no sense.
-    #[error("{}: {field}: found {found}; {allowed}", path.display())]
-    Field {
-        /// Which file.
-        path: PathBuf,
-        /// The field.
-        field: String,
-        /// What was found.
-        found: String,
-        /// What would be right.
-        allowed: String,
-    },
-}
-
 /// A colour map as it stands in the file. Unknown keys are ParaView's business.
 #[derive(Deserialize)]
 #[serde(rename_all = "PascalCase")]
@@ -103,19 +68,22 @@ fn rgb() -> String {
 /// points with a midpoint of 0.5 and no sharpness are linear, and exact.
 ///
 /// # Errors
-/// A [`ColorMapError`] naming the file and the field.
-pub fn read_color_maps(path: impl AsRef<Path>) -> Result<Vec<ColorMap>, ColorMapError> {
+/// A [`FileError`] naming the file and the field.
+pub fn read_color_maps(path: impl AsRef<Path>) -> Result<Vec<ColorMap>, FileError> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|source| ColorMapError::Io { path: path.into(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|e| FileError::new(path, e))?;
     parse_color_maps(&text, path)
 }
 
 /// Reads every colour map of a text; `path` is what errors call it. See [`read_color_maps`].
 ///
 /// # Errors
-/// A [`ColorMapError`] naming the file and the field.
-pub fn parse_color_maps(text: &str, path: &Path) -> Result<Vec<ColorMap>, ColorMapError> {
-    let syntax = |message: String| ColorMapError::Syntax { path: path.into(), message };
+/// A [`FileError`] naming the file and the field.
+pub fn parse_color_maps(text: &str, path: &Path) -> Result<Vec<ColorMap>, FileError> {
+    let syntax = |found: String| {
+        let allowed = "must be ParaView's list of colour maps".to_owned();
+        FieldError { field: "JSON".to_owned(), found, allowed }.in_file(path)
+    };
     // The list may be one map alone.
     let value: serde_json::Value = serde_json::from_str(text).map_err(|e| syntax(e.to_string()))?;
     let values = match value {
@@ -125,13 +93,11 @@ pub fn parse_color_maps(text: &str, path: &Path) -> Result<Vec<ColorMap>, ColorM
     if values.is_empty() {
         return Err(syntax("an empty list".to_owned()));
     }
-    let in_file =
-        |FieldError { field, found, allowed }| ColorMapError::Field { path: path.into(), field, found, allowed };
     values
         .into_iter()
         .map(|v| {
             let entry: Entry = serde_json::from_value(v).map_err(|e| syntax(e.to_string()))?;
-            color_map(entry).map_err(in_file)
+            color_map(entry).map_err(|e| e.in_file(path))
         })
         .collect()
 }
@@ -206,7 +172,7 @@ mod tests {
     use vr_core::transfer::{cool_warm, linear_to_srgb};
     use vr_core::{OpacityRule, TransferFunction};
 
-    fn one(text: &str) -> Result<ColorMap, ColorMapError> {
+    fn one(text: &str) -> Result<ColorMap, FileError> {
         parse_color_maps(text, Path::new("map.json")).map(|mut maps| maps.remove(0))
     }
 
@@ -259,7 +225,7 @@ mod tests {
     #[test]
     fn names_what_is_wrong() {
         for (text, word) in [
-            ("{", "map.json: EOF"),
+            ("{", "map.json: JSON: found EOF"),
             ("[]", "an empty list"),
             ("[7]", "must be ParaView's list"),
             (r#"{"IndexedColors": [1,0,0]}"#, "RGBPoints: found 0 numbers"),

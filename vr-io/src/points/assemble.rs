@@ -3,10 +3,10 @@
 use glam::DVec3;
 use vr_core::PointSet;
 
-use super::error::Trouble;
 use super::neighbours;
 use super::roles::Roles;
 use super::{Column, PointOptions, Table};
+use crate::error::FileErrorKind;
 
 /// η: a smoothing length is so many mean distances of particles in smoothed particle hydrodynamics, h = η (m/ρ)^(1/3) (Price 2012,
 /// "Smoothed particle hydrodynamics and magnetohydrodynamics", section 2.3).
@@ -20,12 +20,20 @@ const NEIGHBOURS: usize = 58;
 ///
 /// # Errors
 /// A number that makes no sense, with its point and column; too few points, or all at one place, where radii are to be guessed.
-pub(super) fn assemble(table: Table, options: &PointOptions, notes: &mut Vec<String>) -> Result<PointSet, Trouble> {
+pub(super) fn assemble(
+    table: Table,
+    options: &PointOptions,
+    notes: &mut Vec<String>,
+) -> Result<PointSet, FileErrorKind> {
     let Table { positions, columns, numbering } = table;
     let place = |k: usize, what: &str| format!("{}, {what}", numbering.name(k));
     if let Some(k) = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(1e30)).all()) {
         let found = positions[k].to_array();
-        return Err(Trouble::new(place(k, "position"), format!("{found:?}"), "must be finite, and smaller than 1e30"));
+        return Err(FileErrorKind::field(
+            place(k, "position"),
+            format!("{found:?}"),
+            "must be finite, and smaller than 1e30",
+        ));
     }
     if positions.is_empty() {
         return Err(vr_core::PointError::Empty.into());
@@ -36,7 +44,9 @@ pub(super) fn assemble(table: Table, options: &PointOptions, notes: &mut Vec<Str
         .position(|&x| !right(x))
     {
         None => Ok(()),
-        Some(k) => Err(Trouble::new(place(k, &format!("{what} '{}'", column.name)), show(column.numbers[k]), allowed)),
+        Some(k) => {
+            Err(FileErrorKind::field(place(k, &format!("{what} '{}'", column.name)), show(column.numbers[k]), allowed))
+        }
     };
     let length = (|x: f64| x > 1e-30 && x < 1e30, "must be positive, between 1e-30 and 1e30");
     let finite = (|x: f64| (x as f32).is_finite(), "must be finite, and below 3.4e38");
@@ -60,7 +70,7 @@ pub(super) fn assemble(table: Table, options: &PointOptions, notes: &mut Vec<Str
     let scale = options.radius_scale.unwrap_or(1.0);
     let scaled: Vec<f64> = radii.iter().map(|r| r * scale).collect();
     if let Some(k) = scaled.iter().position(|&r| !length.0(r)) {
-        return Err(Trouble::new(place(k, "radius"), show(scaled[k]), length.1));
+        return Err(FileErrorKind::field(place(k, "radius"), show(scaled[k]), length.1));
     }
 
     let own_volumes = || radii.iter().map(|r| (r / (REACH * ETA)).powi(3)).collect();
@@ -87,10 +97,10 @@ pub(super) fn assemble(table: Table, options: &PointOptions, notes: &mut Vec<Str
             (weights, ones())
         }
     };
-    let single = |numbers: Vec<f64>, what: &str| -> Result<Vec<f32>, Trouble> {
+    let single = |numbers: Vec<f64>, what: &str| -> Result<Vec<f32>, FileErrorKind> {
         match numbers.iter().position(|&x| !(x as f32).is_finite()) {
             None => Ok(numbers.into_iter().map(|x| x as f32).collect()),
-            Some(k) => Err(Trouble::new(place(k, what), show(numbers[k]), finite.1)),
+            Some(k) => Err(FileErrorKind::field(place(k, what), show(numbers[k]), finite.1)),
         }
     };
     let (weights, values) = (single(weights, "weight")?, single(values, "value")?);
@@ -110,7 +120,7 @@ fn radii(
     volumes: Option<&[f64]>,
     options: &PointOptions,
     notes: &mut Vec<String>,
-) -> Result<Vec<f64>, Trouble> {
+) -> Result<Vec<f64>, FileErrorKind> {
     if let Some(radius) = options.radius {
         return Ok(vec![radius; positions.len()]);
     }
@@ -130,12 +140,12 @@ fn radii(
     let advice =
         "the file tells no radii, and they cannot be guessed from the neighbours: give one, or a column of them";
     if k == 0 {
-        return Err(Trouble::new("radius", "one point alone", advice));
+        return Err(FileErrorKind::field("radius", "one point alone", advice));
     }
     let plain: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
     let mut radii = neighbours::distances(&plain, k);
     if let Some(point) = radii.iter().position(|&r| r <= 0.0) {
-        return Err(Trouble::new("radius", format!("point {point} with {k} others at its place"), advice));
+        return Err(FileErrorKind::field("radius", format!("point {point} with {k} others at its place"), advice));
     }
     // Fewer points than a support would hold: as if it went on like that.
     let widened = libm::cbrt(NEIGHBOURS as f64 / k as f64);
@@ -162,7 +172,7 @@ mod tests {
         let table = Table { positions, columns, numbering: Numbering::FromZero };
         match assemble(table, options, &mut notes) {
             Ok(points) => Ok((points, notes)),
-            Err(e) => Err(e.in_file(std::path::Path::new("x")).to_string()),
+            Err(e) => Err(e.to_string()),
         }
     }
 

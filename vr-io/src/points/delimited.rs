@@ -3,20 +3,19 @@
 use csv::{ReaderBuilder, StringRecord, Trim};
 use glam::DVec3;
 
-use crate::error::shown;
+use crate::error::{FileErrorKind, shown};
 use crate::scalar::{Endian, ScalarType};
 
-use super::error::Trouble;
 use super::roles::{Roles, name_positions, positions};
 use super::{Column, Found, Numbering, PointOptions, Table};
 
 /// What columns are where no line says so.
 const NAMELESS: [&str; 6] = ["x", "y", "z", "radius", "value", "weight"];
 
-pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Trouble> {
+pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileErrorKind> {
     let text = str::from_utf8(bytes).map_err(|e| {
         let line = 1 + bytes[..e.valid_up_to()].iter().filter(|&&c| c == b'\n').count();
-        Trouble::new(format!("line {line}"), "bytes that are no text", "must be UTF-8")
+        FileErrorKind::field(format!("line {line}"), "bytes that are no text", "must be UTF-8")
     })?;
     let text = text.trim_start_matches('\u{feff}');
     let Some(first) = text.lines().find(|line| !is_comment(line) && !line.trim().is_empty()) else {
@@ -30,7 +29,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
             let count = words(first, delimiter)?.len();
             if !(3..=NAMELESS.len()).contains(&count) {
                 let allowed = "without a line of names, columns are x y z [radius [value [weight]]]";
-                return Err(Trouble::new("columns", count, allowed));
+                return Err(FileErrorKind::field("columns", count, allowed));
             }
             let names = &NAMELESS[..count];
             notes.push(format!("no line of names: the columns are taken for {}", names.join(", ")));
@@ -55,8 +54,9 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
         lines.push(row.line);
     }
     let mut columns = columns.into_iter();
-    let column =
-        |c: usize| Ok::<_, Trouble>(Column { name: names[c].clone(), numbers: columns.next().unwrap_or_default() });
+    let column = |c: usize| {
+        Ok::<_, FileErrorKind>(Column { name: names[c].clone(), numbers: columns.next().unwrap_or_default() })
+    };
     let columns = roles.try_map(column)?;
     Ok(Found {
         table: Table { positions: points, columns, numbering: Numbering::Lines(lines) },
@@ -74,7 +74,7 @@ fn is_comment(line: &str) -> bool {
 }
 
 /// The words of a line.
-fn words(line: &str, delimiter: Delimiter) -> Result<Vec<String>, Trouble> {
+fn words(line: &str, delimiter: Delimiter) -> Result<Vec<String>, FileErrorKind> {
     let row = delimiter.rows(line).next().transpose()?;
     // Fit for a line, as all that messages may quote.
     Ok(row.map_or_else(Vec::new, |row| row.words.iter().map(shown).collect()))
@@ -82,7 +82,7 @@ fn words(line: &str, delimiter: Delimiter) -> Result<Vec<String>, Trouble> {
 
 /// The names of the columns, and how many rows they take: one where the first row is no numbers, and none where a comment before it names
 /// coordinates.
-fn header(text: &str, first: &str, delimiter: Delimiter) -> Result<Option<(Vec<String>, usize)>, Trouble> {
+fn header(text: &str, first: &str, delimiter: Delimiter) -> Result<Option<(Vec<String>, usize)>, FileErrorKind> {
     let first = words(first, delimiter)?;
     if first.iter().any(|word| word.parse::<f64>().is_err()) {
         return Ok(Some((first, 1)));
@@ -121,7 +121,7 @@ impl Delimiter {
     }
 
     /// The lines that are neither empty nor comments.
-    fn rows(self, text: &str) -> Box<dyn Iterator<Item = Result<Row<'static>, Trouble>> + '_> {
+    fn rows(self, text: &str) -> Box<dyn Iterator<Item = Result<Row<'static>, FileErrorKind>> + '_> {
         match self {
             Self::Blanks => Box::new(
                 text.lines()
@@ -158,7 +158,7 @@ struct Row<'a> {
 }
 
 impl Row<'static> {
-    fn new(record: csv::Result<StringRecord>, text: &str) -> Result<Self, Trouble> {
+    fn new(record: csv::Result<StringRecord>, text: &str) -> Result<Self, FileErrorKind> {
         // The library tells where it began to look for the record: lines without one may come first.
         let line = |position: Option<&csv::Position>| {
             let (before, line) = position.map_or((0, 1), |p| (p.byte() as usize, p.line()));
@@ -167,27 +167,27 @@ impl Row<'static> {
         };
         match record {
             Ok(words) => Ok(Self { line: line(words.position()), words, names: &[] }),
-            Err(e) => Err(Trouble::new(format!("line {}", line(e.position())), e, "must be a line of numbers")),
+            Err(e) => Err(FileErrorKind::field(format!("line {}", line(e.position())), e, "must be a line of numbers")),
         }
     }
 }
 
 impl Row<'_> {
     /// Refuses more words than names; those that are empty at the end count as none.
-    fn check_length(&self) -> Result<(), Trouble> {
+    fn check_length(&self) -> Result<(), FileErrorKind> {
         let last = (0..self.words.len()).rev().find(|&c| !self.words[c].is_empty());
         let count = last.map_or(0, |last| last + 1);
         if count <= self.names.len() {
             return Ok(());
         }
         let allowed = format!("there are names for {}", self.names.len());
-        Err(Trouble::new(format!("line {}", self.line), format!("{count} columns"), allowed))
+        Err(FileErrorKind::field(format!("line {}", self.line), format!("{count} columns"), allowed))
     }
 
-    fn number(&self, column: usize) -> Result<f64, Trouble> {
+    fn number(&self, column: usize) -> Result<f64, FileErrorKind> {
         let word = self.words.get(column).unwrap_or_default();
         let place = || format!("line {}, column '{}'", self.line, self.names[column]);
-        word.parse().map_err(|_| Trouble::new(place(), word, "must be a number"))
+        word.parse().map_err(|_| FileErrorKind::field(place(), word, "must be a number"))
     }
 }
 
@@ -200,7 +200,7 @@ mod tests {
     }
 
     fn found_with(text: &str, options: &PointOptions) -> Result<Found, String> {
-        read(text.as_bytes(), options).map_err(|e| e.in_file(std::path::Path::new("x.csv")).to_string())
+        read(text.as_bytes(), options).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -258,13 +258,13 @@ mod tests {
                 Ok(found) => {
                     let notes = &mut Vec::new();
                     let points = super::super::assemble::assemble(found.table, &PointOptions::default(), notes);
-                    points.unwrap_err().in_file(std::path::Path::new("x.csv")).to_string()
+                    points.unwrap_err().to_string()
                 }
                 Err(message) => message,
             };
             assert!(message.contains(word), "no {word:?} in {message}");
         }
         let message = read(b"x,y,z\n\xff\n", &PointOptions::default()).err().unwrap();
-        assert!(message.in_file(std::path::Path::new("x.csv")).to_string().contains("line 2: found bytes"));
+        assert!(message.to_string().contains("line 2: found bytes"));
     }
 }

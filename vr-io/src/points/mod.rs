@@ -2,7 +2,6 @@
 
 mod assemble;
 mod delimited;
-mod error;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod neighbours;
@@ -19,13 +18,11 @@ use vr_core::scene_file::PointColumns;
 use vr_core::{ParameterError, PointKernel, PointSet};
 
 use crate::detect::{Format, detect};
+use crate::error::{FileError, FileErrorKind};
 use crate::read::{FileInfo, file_head};
 use crate::scalar::{Endian, ScalarType};
 use crate::world::Space;
 
-pub use error::PointFileError;
-
-use error::Trouble;
 use roles::Roles;
 
 /// The formats that are read, as messages list them.
@@ -87,12 +84,12 @@ pub struct LoadedPoints {
 /// distances hold 58 points each (Price 2012, "Smoothed particle hydrodynamics and magnetohydrodynamics").
 ///
 /// # Errors
-/// A [`PointFileError`] that names the file, the line or point and the column, what was found and what is allowed. Points that make no
+/// A [`FileError`] that names the file, the line or point and the column, what was found and what is allowed. Points that make no
 /// sense are refused, not left out.
-pub fn read_points(path: impl AsRef<Path>, options: &PointOptions) -> Result<LoadedPoints, PointFileError> {
+pub fn read_points(path: impl AsRef<Path>, options: &PointOptions) -> Result<LoadedPoints, FileError> {
     let path = path.as_ref();
-    let unrecognised = || PointFileError::Unrecognised { path: path.into() };
-    let head = file_head(path).map_err(|source| PointFileError::Io { path: path.into(), source })?;
+    let unrecognised = || FileError::new(path, FileErrorKind::Unrecognised { supported: SUPPORTED });
+    let head = file_head(path).map_err(|e| FileError::new(path, e))?;
     match detect(path, &head) {
         Ok(Format::Points(format)) => read_as(format, path, options),
         _ => Err(unrecognised()),
@@ -135,18 +132,14 @@ pub(crate) fn by_extension(extension: &str) -> Option<PointFormat> {
 }
 
 /// Reads points of a known format.
-pub(crate) fn read_as(
-    format: PointFormat,
-    path: &Path,
-    options: &PointOptions,
-) -> Result<LoadedPoints, PointFileError> {
-    let in_file = |trouble: Trouble| trouble.in_file(path);
-    options.validate().map_err(|e| Trouble::new(e.field, e.found, e.allowed)).map_err(in_file)?;
+pub(crate) fn read_as(format: PointFormat, path: &Path, options: &PointOptions) -> Result<LoadedPoints, FileError> {
+    let in_file = |kind| FileError::new(path, kind);
+    options.validate().map_err(|e| FileErrorKind::field(e.field, e.found, e.allowed)).map_err(in_file)?;
     if format != PointFormat::Delimited && options.columns.position.is_some() {
         let allowed = "the format itself tells which numbers are positions; only text has a choice";
-        return Err(in_file(Trouble::new("columns.position", "names", allowed)));
+        return Err(in_file(FileErrorKind::field("columns.position", "names", allowed)));
     }
-    let bytes = || std::fs::read(path).map_err(|source| PointFileError::Io { path: path.into(), source });
+    let bytes = || std::fs::read(path).map_err(|e| FileError::new(path, e));
     let found = match format {
         PointFormat::Delimited => delimited::read(&bytes()?, options),
         PointFormat::Npy => npy::read(&bytes()?),
@@ -156,7 +149,7 @@ pub(crate) fn read_as(
         PointFormat::Hdf5 => hdf5::read(path, options),
         #[cfg(not(feature = "hdf5"))]
         PointFormat::Hdf5 => {
-            return Err(PointFileError::Feature { path: path.into(), format: "HDF5", feature: "hdf5" });
+            return Err(in_file(FileErrorKind::Feature { format: "HDF5", feature: "hdf5" }));
         }
     };
     let Found { table, format, encoding, scalar, endian, names, mut notes } = found.map_err(in_file)?;

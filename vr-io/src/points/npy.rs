@@ -6,21 +6,22 @@ use glam::DVec3;
 
 use crate::scalar::{Endian, ScalarType};
 
-use super::error::Trouble;
 use super::roles::Roles;
 use super::{Found, Numbering, Table, numbers};
+use crate::error::FileErrorKind;
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 
-pub(super) fn read(bytes: &[u8]) -> Result<Found, Trouble> {
-    let cut = || Trouble::new("header", format!("{} bytes", bytes.len()), "the header must be whole");
-    let rest =
-        bytes.strip_prefix(MAGIC).ok_or_else(|| Trouble::new("begin", "something else", "must be \\x93NUMPY"))?;
+pub(super) fn read(bytes: &[u8]) -> Result<Found, FileErrorKind> {
+    let cut = || FileErrorKind::field("header", format!("{} bytes", bytes.len()), "the header must be whole");
+    let rest = bytes
+        .strip_prefix(MAGIC)
+        .ok_or_else(|| FileErrorKind::field("begin", "something else", "must be \\x93NUMPY"))?;
     let (version, rest) = rest.split_first_chunk::<2>().ok_or_else(cut)?;
     let (length, rest) = match version[0] {
         1 => rest.split_first_chunk().map(|(n, rest)| (usize::from(u16::from_le_bytes(*n)), rest)),
         2 | 3 => rest.split_first_chunk().map(|(n, rest)| (u32::from_le_bytes(*n) as usize, rest)),
-        other => return Err(Trouble::new("version", other, "must be 1, 2 or 3")),
+        other => return Err(FileErrorKind::field("version", other, "must be 1, 2 or 3")),
     }
     .ok_or_else(cut)?;
     let (header, data) = rest.split_at_checked(length).ok_or_else(cut)?;
@@ -30,19 +31,19 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, Trouble> {
     let by_column = match entry(&header, "fortran_order")? {
         "True" => true,
         "False" => false,
-        other => return Err(Trouble::new("fortran_order", other, "must be True or False")),
+        other => return Err(FileErrorKind::field("fortran_order", other, "must be True or False")),
     };
     let shape = entry(&header, "shape")?;
     let sizes: Option<Vec<u64>> =
         shape.split(',').map(str::trim).filter(|n| !n.is_empty()).map(|n| n.parse().ok()).collect();
     let count = match sizes.as_deref() {
         Some(&[count, 3]) => count,
-        _ => return Err(Trouble::new("shape", shape, "must be (N, 3): a position in each row")),
+        _ => return Err(FileErrorKind::field("shape", shape, "must be (N, 3): a position in each row")),
     };
     let claimed = u128::from(count) * 3 * scalar.bytes() as u128;
     if claimed != data.len() as u128 {
         let allowed = format!("the shape and type claim {claimed}");
-        return Err(Trouble::new("data", format!("{} bytes", data.len()), allowed));
+        return Err(FileErrorKind::field("data", format!("{} bytes", data.len()), allowed));
     }
     let all = numbers::numbers(data, scalar, endian);
     let positions = if by_column {
@@ -63,8 +64,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, Trouble> {
 }
 
 /// What the dictionary in the header holds: a word, or what stands in quotes or brackets.
-fn entry<'h>(header: &'h str, key: &str) -> Result<&'h str, Trouble> {
-    let missing = || Trouble::new(key, header.trim(), "the header must hold 'descr', 'fortran_order' and 'shape'");
+fn entry<'h>(header: &'h str, key: &str) -> Result<&'h str, FileErrorKind> {
+    let missing =
+        || FileErrorKind::field(key, header.trim(), "the header must hold 'descr', 'fortran_order' and 'shape'");
     let (_, after) = header.split_once(&format!("'{key}'")).ok_or_else(missing)?;
     let value = after.trim_start().strip_prefix(':').ok_or_else(missing)?.trim_start();
     let end = |value: &'h str, stop: &[char]| value.find(stop).map(|end| &value[..end]);
@@ -77,7 +79,7 @@ fn entry<'h>(header: &'h str, key: &str) -> Result<&'h str, Trouble> {
 }
 
 /// `<f4`.
-fn element(descr: &str) -> Result<(ScalarType, Endian), Trouble> {
+fn element(descr: &str) -> Result<(ScalarType, Endian), FileErrorKind> {
     let endian = match descr.chars().next() {
         Some('>') => Endian::Big,
         Some('<' | '|') => Endian::Little,
@@ -94,7 +96,7 @@ fn element(descr: &str) -> Result<(ScalarType, Endian), Trouble> {
         "u4" => ScalarType::U32,
         "i8" => ScalarType::I64,
         "u8" => ScalarType::U64,
-        _ => return Err(Trouble::new("descr", descr, "must be a real number type: f4, f8, i1 … u8")),
+        _ => return Err(FileErrorKind::field("descr", descr, "must be a real number type: f4, f8, i1 … u8")),
     };
     Ok((scalar, endian))
 }
@@ -110,7 +112,7 @@ mod tests {
     }
 
     fn found(bytes: &[u8]) -> Result<Vec<DVec3>, String> {
-        read(bytes).map(|f| f.table.positions).map_err(|e| e.in_file(std::path::Path::new("x.npy")).to_string())
+        read(bytes).map(|f| f.table.positions).map_err(|e| e.to_string())
     }
 
     #[test]

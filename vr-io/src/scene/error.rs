@@ -1,26 +1,18 @@
 //! What can be wrong with a scene file.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use vr_core::ParameterError;
 
-use crate::error::{ReadError, shown};
-use crate::mesh::MeshFileError;
-use crate::paraview::ColorMapError;
+use crate::error::{FileError, shown};
 
 /// Why a scene file gives no scene. Every message is one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneFileError {
-    /// The file cannot be opened or read.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// Which file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
+    /// The file itself, or one that it names: a volume, points, a mesh, a colour map.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A key that means nothing.
     #[error("{}unknown key '{key}'; {}", place(path, *line), hint(nearest.as_deref(), known))]
     UnknownKey {
@@ -53,15 +45,6 @@ pub enum SceneFileError {
         /// The field, what was found and what is allowed.
         source: ParameterError,
     },
-    /// The volume that the file names.
-    #[error(transparent)]
-    Volume(#[from] ReadError),
-    /// The mesh that the file names.
-    #[error(transparent)]
-    Mesh(#[from] MeshFileError),
-    /// The colour map that the file names.
-    #[error(transparent)]
-    ColorMap(#[from] ColorMapError),
     /// A scene that cannot be put into text.
     #[error("the scene cannot be written as TOML: {message}")]
     Text {

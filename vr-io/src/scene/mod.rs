@@ -9,7 +9,7 @@ use std::path::Path;
 use vr_core::scene_file::SceneFile;
 
 use crate::atomic::write_whole;
-use crate::error::WriteError;
+use crate::error::{FileError, WriteError};
 
 pub use error::SceneFileError;
 pub use resolve::{LoadedScene, SceneMesh, resolve_scene};
@@ -21,7 +21,7 @@ pub use volume::{LoadedVolume, load_volume};
 /// A [`SceneFileError`] naming the file and the line; an unknown key comes with the known one most like it.
 pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneFile, SceneFileError> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|source| SceneFileError::Io { path: path.into(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|e| FileError::new(path, e))?;
     parse_scene(&text, path)
 }
 

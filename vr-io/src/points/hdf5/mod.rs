@@ -6,16 +6,15 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::shown;
+use crate::error::{FileErrorKind, shown};
 use crate::scalar::Endian;
 
-use super::error::Trouble;
 use super::roles::Roles;
 use super::{Column, Found, Numbering, PointOptions, Table, numbers};
 
 use source::Source;
 
-pub(super) fn read(path: &Path, options: &PointOptions) -> Result<Found, Trouble> {
+pub(super) fn read(path: &Path, options: &PointOptions) -> Result<Found, FileErrorKind> {
     let source = Source::open(path)?;
     let groups = source.groups("/")?;
     // Gas comes first; snapshots of dark matter have none.
@@ -37,12 +36,12 @@ pub(super) fn read(path: &Path, options: &PointOptions) -> Result<Found, Trouble
         return phantom(&source)?.into_found("HDF5 (Phantom)", options);
     }
     let allowed = "must hold a group PartType0 with Coordinates (Gadget), or particles with xyz (Phantom)";
-    Err(Trouble::new("groups", groups.join(", "), allowed))
+    Err(FileErrorKind::field("groups", groups.join(", "), allowed))
 }
 
 /// A dump of Phantom (Price et al. 2018, "Phantom: a smoothed particle hydrodynamics and magnetohydrodynamics code for astrophysics"): particles
 /// of one kind have one mass, and densities are told by smoothing lengths, ρ = m (hfact / h)³.
-fn phantom<'s>(source: &'s Source) -> Result<Snapshot<'s>, Trouble> {
+fn phantom<'s>(source: &'s Source) -> Result<Snapshot<'s>, FileErrorKind> {
     /// The kind of gas.
     const GAS: f64 = 1.0;
     let mut snapshot = Snapshot::new(source, "particles", "xyz")?;
@@ -82,11 +81,11 @@ struct Snapshot<'s> {
 }
 
 impl<'s> Snapshot<'s> {
-    fn new(source: &'s Source, group: &str, positions: &str) -> Result<Self, Trouble> {
+    fn new(source: &'s Source, group: &str, positions: &str) -> Result<Self, FileErrorKind> {
         let path = format!("/{group}/{positions}");
         let (shape, scalar, all) = source.numbers(&path)?;
         if !matches!(shape[..], [_, 3]) {
-            return Err(Trouble::new(path, format!("{shape:?}"), "must be of shape [N, 3]"));
+            return Err(FileErrorKind::field(path, format!("{shape:?}"), "must be of shape [N, 3]"));
         }
         let positions = numbers::positions(&all);
         let names = source.columns(group, positions.len() as u64)?;
@@ -94,7 +93,7 @@ impl<'s> Snapshot<'s> {
         Ok(Self { source, group, scalar, positions, names, derived: Vec::new(), kept: None, notes })
     }
 
-    fn load(&self, name: &str) -> Result<Vec<f64>, Trouble> {
+    fn load(&self, name: &str) -> Result<Vec<f64>, FileErrorKind> {
         let (_, _, numbers) = self.source.numbers(&format!("/{}/{name}", self.group))?;
         Ok(numbers)
     }
@@ -107,7 +106,7 @@ impl<'s> Snapshot<'s> {
         }
     }
 
-    fn into_found(self, format: &'static str, options: &PointOptions) -> Result<Found, Trouble> {
+    fn into_found(self, format: &'static str, options: &PointOptions) -> Result<Found, FileErrorKind> {
         let own = self.names.len();
         let names: Vec<String> =
             self.names.iter().map(|name| shown(name)).chain(self.derived.iter().map(|c| c.name.clone())).collect();
@@ -120,7 +119,7 @@ impl<'s> Snapshot<'s> {
                 Some(derived) => self.derived[derived].numbers.clone(),
                 None => self.load(&self.names[i])?,
             };
-            Ok::<_, Trouble>(Column { name: names[i].clone(), numbers: keep(numbers) })
+            Ok::<_, FileErrorKind>(Column { name: names[i].clone(), numbers: keep(numbers) })
         })?;
         let (positions, numbering) = match &self.kept {
             Some(kept) => {

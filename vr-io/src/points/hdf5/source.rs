@@ -4,7 +4,7 @@ use std::path::Path;
 
 use hdf5_reader::{Datatype, Hdf5File, OpenOptions};
 
-use crate::points::error::Trouble;
+use crate::error::FileErrorKind;
 use crate::points::numbers;
 use crate::scalar::{Endian, ScalarType};
 
@@ -17,7 +17,7 @@ pub(super) struct Source {
 const DENSEST: u64 = 1032;
 
 impl Source {
-    pub fn open(path: &Path) -> Result<Self, Trouble> {
+    pub fn open(path: &Path) -> Result<Self, FileErrorKind> {
         let most = std::fs::metadata(path)?.len().saturating_mul(DENSEST);
         let most = usize::try_from(most).unwrap_or(usize::MAX);
         let options = OpenOptions::default()
@@ -28,13 +28,13 @@ impl Source {
     }
 
     /// Names of the groups within a group.
-    pub fn groups(&self, group: &str) -> Result<Vec<String>, Trouble> {
+    pub fn groups(&self, group: &str) -> Result<Vec<String>, FileErrorKind> {
         let group = self.file.group(group).map_err(|e| damaged(group, e))?;
         Ok(group.member_names().map_err(|e| damaged("groups", e))?.0)
     }
 
     /// Names of the datasets of a group that are columns of `count` numbers.
-    pub fn columns(&self, group: &str, count: u64) -> Result<Vec<String>, Trouble> {
+    pub fn columns(&self, group: &str, count: u64) -> Result<Vec<String>, FileErrorKind> {
         let found = self.file.group(group).map_err(|e| damaged(group, e))?;
         let (_, names) = found.member_names().map_err(|e| damaged(group, e))?;
         let is_column = |name: &String| {
@@ -45,16 +45,17 @@ impl Source {
     }
 
     /// Shape, type and numbers of a dataset.
-    pub fn numbers(&self, path: &str) -> Result<(Vec<u64>, ScalarType, Vec<f64>), Trouble> {
+    pub fn numbers(&self, path: &str) -> Result<(Vec<u64>, ScalarType, Vec<f64>), FileErrorKind> {
         let dataset = self.file.dataset(path).map_err(|e| damaged(path, e))?;
         let scalar = scalar_of(dataset.dtype());
-        let scalar = scalar.ok_or_else(|| Trouble::new(path, format!("{:?}", dataset.dtype()), "must be numbers"))?;
+        let scalar =
+            scalar.ok_or_else(|| FileErrorKind::field(path, format!("{:?}", dataset.dtype()), "must be numbers"))?;
         let bytes = dataset.read_native_bytes().map_err(|e| damaged(path, e))?;
         Ok((dataset.shape().to_vec(), scalar, numbers::numbers(&bytes, scalar, Endian::NATIVE)))
     }
 
     /// The numbers of an attribute of a group, or of a dataset in it; `None` where there is neither.
-    pub fn list(&self, group: &str, name: &str) -> Result<Option<Vec<f64>>, Trouble> {
+    pub fn list(&self, group: &str, name: &str) -> Result<Option<Vec<f64>>, FileErrorKind> {
         let Ok(found) = self.file.group(group) else { return Ok(None) };
         if let Ok(attribute) = found.attribute(name) {
             let numbers = attribute.read_1d::<f64>().or_else(|_| attribute.read_as_f64().map(|x| vec![x]));
@@ -86,6 +87,6 @@ fn scalar_of(datatype: &Datatype) -> Option<ScalarType> {
     })
 }
 
-fn damaged(place: &str, error: hdf5_reader::error::Error) -> Trouble {
-    Trouble::new(place, error, "must be whole, as HDF5 describes it")
+fn damaged(place: &str, error: hdf5_reader::error::Error) -> FileErrorKind {
+    FileErrorKind::field(place, error, "must be whole, as HDF5 describes it")
 }

@@ -7,9 +7,9 @@ mod scan;
 
 use crate::scalar::Endian;
 
-use super::error::Trouble;
 use super::roles::Roles;
 use super::{Column, Found, Numbering, PointOptions, Table, numbers};
+use crate::error::FileErrorKind;
 
 use scan::{Array, Scan};
 
@@ -19,7 +19,7 @@ pub(super) fn holds_points(head: &[u8]) -> bool {
     head.starts_with(b"# vtk DataFile") && head.split(|&c| c == b'\n').take(12).any(kind)
 }
 
-pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Trouble> {
+pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileErrorKind> {
     let mut scan = Scan::new(bytes);
     for _ in 0..2 {
         scan.line();
@@ -28,14 +28,14 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
     scan.binary = match form.as_deref().map(str::to_ascii_uppercase).as_deref() {
         Some("ASCII") => false,
         Some("BINARY") => true,
-        other => return Err(Trouble::new(place, other.unwrap_or_default(), "must be ASCII or BINARY")),
+        other => return Err(FileErrorKind::field(place, other.unwrap_or_default(), "must be ASCII or BINARY")),
     };
     let mut content = Content::default();
     while let Some(line) = scan.line() {
         content.section(&line, &mut scan)?;
     }
     let Content { points, arrays, cells, cell_arrays, .. } = content;
-    let points = points.ok_or_else(|| Trouble::new("POINTS", "nothing", "there must be points"))?;
+    let points = points.ok_or_else(|| FileErrorKind::field("POINTS", "nothing", "there must be points"))?;
 
     let mut notes = Vec::new();
     if cells > 0 {
@@ -48,7 +48,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
     let names: Vec<String> = arrays.iter().map(|a| a.name.clone()).collect();
     let column = |i: usize| {
         let array: &Array = &arrays[i];
-        Ok::<_, Trouble>(Column { name: array.name.clone(), numbers: scan.numbers(array)? })
+        Ok::<_, FileErrorKind>(Column { name: array.name.clone(), numbers: scan.numbers(array)? })
     };
     let columns = Roles::choose(&names, options)?.try_map(column)?;
     let positions = numbers::positions(&scan.numbers(&points)?);
@@ -78,11 +78,11 @@ struct Content {
 
 impl Content {
     /// Takes in what a line begins.
-    fn section(&mut self, line: &str, scan: &mut Scan<'_>) -> Result<(), Trouble> {
+    fn section(&mut self, line: &str, scan: &mut Scan<'_>) -> Result<(), FileErrorKind> {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         // Names of places are for errors alone: they take a look at all lines before.
         let here = *scan;
-        let wrong = |allowed: &str| Trouble::new(here.place(), line, allowed);
+        let wrong = |allowed: &str| FileErrorKind::field(here.place(), line, allowed);
         let word = |i: usize| words.get(i).copied().ok_or_else(|| wrong("this line must say more"));
         let size = |i: usize| word(i)?.parse::<usize>().map_err(|_| wrong("must hold a whole number"));
         let keyword = word(0)?.to_ascii_uppercase();
@@ -105,7 +105,7 @@ impl Content {
                         scan.array("OFFSETS", offsets.split_whitespace().nth(1).unwrap_or_default(), count)?;
                         let connectivity = scan.line().unwrap_or_default();
                         let scalar = connectivity.strip_prefix("CONNECTIVITY").map(str::trim);
-                        let wrong = || Trouble::new(scan.place(), &connectivity, "must be CONNECTIVITY");
+                        let wrong = || FileErrorKind::field(scan.place(), &connectivity, "must be CONNECTIVITY");
                         let scalar = scalar.ok_or_else(wrong)?;
                         scan.array("CONNECTIVITY", scalar, size)?;
                         self.cells = self.cells.saturating_add(count.saturating_sub(1));
@@ -160,15 +160,22 @@ impl Content {
     }
 
     /// An array with so many numbers for each point or cell.
-    fn attribute(&mut self, name: &str, scalar: &str, components: usize, scan: &mut Scan<'_>) -> Result<(), Trouble> {
+    fn attribute(
+        &mut self,
+        name: &str,
+        scalar: &str,
+        components: usize,
+        scan: &mut Scan<'_>,
+    ) -> Result<(), FileErrorKind> {
         let numbers = self.count.checked_mul(components);
-        let numbers = numbers.ok_or_else(|| Trouble::new(scan.place(), components, "must have fewer components"))?;
+        let numbers =
+            numbers.ok_or_else(|| FileErrorKind::field(scan.place(), components, "must have fewer components"))?;
         let array = scan.array(name, scalar, numbers)?;
         self.keep(array);
         Ok(())
     }
 
-    fn field_array(&mut self, scan: &mut Scan<'_>) -> Result<(), Trouble> {
+    fn field_array(&mut self, scan: &mut Scan<'_>) -> Result<(), FileErrorKind> {
         let mut line = scan.line();
         if line.as_deref() == Some("METADATA") {
             scan.skip_paragraph();
@@ -184,7 +191,7 @@ impl Content {
             _ => None,
         };
         let allowed = "an array of a field: its name, components, tuples and type";
-        let (name, scalar, numbers) = parsed.ok_or_else(|| Trouble::new(scan.place(), &line, allowed))?;
+        let (name, scalar, numbers) = parsed.ok_or_else(|| FileErrorKind::field(scan.place(), &line, allowed))?;
         let array = scan.array(name, scalar, numbers)?;
         self.keep(array);
         Ok(())

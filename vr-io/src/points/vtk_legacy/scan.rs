@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use crate::error::shown;
-use crate::points::error::Trouble;
+use crate::error::{FileErrorKind, shown};
 use crate::points::numbers;
 use crate::scalar::{Endian, ScalarType};
 
@@ -68,10 +67,14 @@ impl<'a> Scan<'a> {
     }
 
     /// Passes over the numbers of an array, which must all be there.
-    pub fn array(&mut self, name: &str, scalar: &str, numbers: usize) -> Result<Array, Trouble> {
+    pub fn array(&mut self, name: &str, scalar: &str, numbers: usize) -> Result<Array, FileErrorKind> {
         let packed = scalar.eq_ignore_ascii_case("bit");
         let scalar = type_of(scalar).ok_or_else(|| {
-            Trouble::new(self.place(), scalar, "must be a type of numbers, like float, double, int or vtktypeint64")
+            FileErrorKind::field(
+                self.place(),
+                scalar,
+                "must be a type of numbers, like float, double, int or vtktypeint64",
+            )
         })?;
         let begin = self.at;
         let end = if self.binary {
@@ -82,7 +85,7 @@ impl<'a> Scan<'a> {
         };
         let short = || {
             let found = format!("{} bytes left", self.bytes.len() - begin);
-            Trouble::new(
+            FileErrorKind::field(
                 format!("array {}", shown(name)),
                 found,
                 format!("{numbers} numbers of {scalar} are to follow"),
@@ -102,7 +105,7 @@ impl<'a> Scan<'a> {
         Some(at)
     }
 
-    pub fn numbers(&self, array: &Array) -> Result<Vec<f64>, Trouble> {
+    pub fn numbers(&self, array: &Array) -> Result<Vec<f64>, FileErrorKind> {
         let bytes = &self.bytes[array.at.clone()];
         if self.binary {
             return Ok(numbers::numbers(bytes, array.scalar, Endian::Big));
@@ -114,7 +117,7 @@ impl<'a> Scan<'a> {
                 number(word).ok_or_else(|| {
                     let at = array.at.start + word.as_ptr().addr() - bytes.as_ptr().addr();
                     let place = format!("line {}, array {}", self.line_of(at), array.name);
-                    Trouble::new(place, String::from_utf8_lossy(word), "must be a number")
+                    FileErrorKind::field(place, String::from_utf8_lossy(word), "must be a number")
                 })
             })
             .collect()

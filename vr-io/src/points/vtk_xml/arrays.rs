@@ -11,8 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 use roxmltree::Node;
 
-use crate::error::shown;
-use crate::points::error::Trouble;
+use crate::error::{FileErrorKind, shown};
 use crate::points::numbers;
 use crate::scalar::{Endian, ScalarType};
 
@@ -31,8 +30,9 @@ enum Compressor {
 }
 
 impl Coding {
-    pub fn of(root: Node<'_, '_>) -> Result<Self, Trouble> {
-        let wrong = |place: &str, found: &str, allowed| Err(Trouble::new(format!("VTKFile {place}"), found, allowed));
+    pub fn of(root: Node<'_, '_>) -> Result<Self, FileErrorKind> {
+        let wrong =
+            |place: &str, found: &str, allowed| Err(FileErrorKind::field(format!("VTKFile {place}"), found, allowed));
         let endian = match root.attribute("byte_order") {
             None | Some("LittleEndian") => Endian::Little,
             Some("BigEndian") => Endian::Big,
@@ -71,15 +71,15 @@ pub(super) struct Appended<'a> {
 
 impl<'a> Appended<'a> {
     /// Parts the XML from appended data, which need not be XML.
-    pub fn split(bytes: &'a [u8]) -> Result<(Cow<'a, str>, Self), Trouble> {
+    pub fn split(bytes: &'a [u8]) -> Result<(Cow<'a, str>, Self), FileErrorKind> {
         const TAG: &[u8] = b"<AppendedData";
         let text = |bytes: &'a [u8]| {
-            str::from_utf8(bytes).map_err(|_| Trouble::new("XML", "bytes that are no text", "must be UTF-8"))
+            str::from_utf8(bytes).map_err(|_| FileErrorKind::field("XML", "bytes that are no text", "must be UTF-8"))
         };
         let Some(tag) = bytes.windows(TAG.len()).position(|w| w == TAG) else {
             return Ok((text(bytes)?.into(), Self { bytes: &[], base64: false }));
         };
-        let missing = || Trouble::new("AppendedData", "no '_'", "its bytes begin behind '_'");
+        let missing = || FileErrorKind::field("AppendedData", "no '_'", "its bytes begin behind '_'");
         let end = tag + bytes[tag..].iter().position(|&c| c == b'>').ok_or_else(missing)? + 1;
         let begin = end + bytes[end..].iter().position(|&c| c == b'_').ok_or_else(missing)? + 1;
         let base64 = !text(&bytes[tag..end])?.contains("\"raw\"");
@@ -96,13 +96,14 @@ pub(super) struct DataArray<'d, 't> {
 }
 
 impl<'d, 't> DataArray<'d, 't> {
-    pub fn new(node: Node<'d, 't>) -> Result<Self, Trouble> {
+    pub fn new(node: Node<'d, 't>) -> Result<Self, FileErrorKind> {
         let name = format!("array {}", shown(node.attribute("Name").unwrap_or("Points")));
         let scalar = node.attribute("type").unwrap_or_default();
         // Float32, UInt8, …
         let known = ScalarType::from_name(&scalar.to_ascii_lowercase())
             .filter(|_| scalar.ends_with(|c: char| c.is_ascii_digit()));
-        let wrong = || Trouble::new(format!("{name}, type"), scalar, "must be Int8 to UInt64, Float32 or Float64");
+        let wrong =
+            || FileErrorKind::field(format!("{name}, type"), scalar, "must be Int8 to UInt64, Float32 or Float64");
         let scalar = known.ok_or_else(wrong)?;
         Ok(Self { node, name, scalar })
     }
@@ -119,7 +120,7 @@ impl<'d, 't> DataArray<'d, 't> {
     }
 
     /// All its numbers, of which there must be `count`.
-    pub fn numbers(&self, count: usize, coding: &Coding, appended: &Appended<'_>) -> Result<Vec<f64>, Trouble> {
+    pub fn numbers(&self, count: usize, coding: &Coding, appended: &Appended<'_>) -> Result<Vec<f64>, FileErrorKind> {
         let text: String = match self.node.attribute("format") {
             Some("appended") => String::new(),
             _ => self.node.children().filter_map(|n| n.is_text().then(|| n.text()).flatten()).collect(),
@@ -131,7 +132,8 @@ impl<'d, 't> DataArray<'d, 't> {
                 let offset = self.node.attribute("offset").unwrap_or_default();
                 let from = offset.trim().parse().ok().and_then(|from: usize| appended.bytes.get(from..));
                 let allowed = format!("must be within the {} bytes of AppendedData", appended.bytes.len());
-                let bytes = from.ok_or_else(|| Trouble::new(format!("{}, offset", self.name), offset, allowed))?;
+                let bytes =
+                    from.ok_or_else(|| FileErrorKind::field(format!("{}, offset", self.name), offset, allowed))?;
                 Source { bytes, base64: appended.base64 }
             }
             Some(other) => return Err(self.wrong(other, "format must be ascii, binary or appended")),
@@ -144,11 +146,11 @@ impl<'d, 't> DataArray<'d, 't> {
         Ok(numbers::numbers(&bytes, self.scalar, coding.endian))
     }
 
-    fn wrong(&self, found: impl std::fmt::Display, allowed: impl Into<String>) -> Trouble {
-        Trouble::new(self.name.clone(), found, allowed)
+    fn wrong(&self, found: impl std::fmt::Display, allowed: impl Into<String>) -> FileErrorKind {
+        FileErrorKind::field(self.name.clone(), found, allowed)
     }
 
-    fn ascii(&self, text: &str, count: usize) -> Result<Vec<f64>, Trouble> {
+    fn ascii(&self, text: &str, count: usize) -> Result<Vec<f64>, FileErrorKind> {
         let number = |word: &str| word.parse().map_err(|_| self.wrong(word, "must be a number"));
         let all: Vec<f64> = text.split_ascii_whitespace().map(number).collect::<Result<_, _>>()?;
         if all.len() != count {
@@ -157,7 +159,7 @@ impl<'d, 't> DataArray<'d, 't> {
         Ok(all)
     }
 
-    fn plain<'b>(&self, source: Source<'b>, length: u64, coding: &Coding) -> Result<Cow<'b, [u8]>, Trouble> {
+    fn plain<'b>(&self, source: Source<'b>, length: u64, coding: &Coding) -> Result<Cow<'b, [u8]>, FileErrorKind> {
         let cut = || self.wrong("an end", "its bytes must be whole");
         // The number of bytes and the bytes are one run of base64.
         let claimed = coding.word(&source.run(0, coding.header).ok_or_else(cut)?);
@@ -178,7 +180,7 @@ impl<'d, 't> DataArray<'d, 't> {
         length: u64,
         coding: &Coding,
         compressor: Compressor,
-    ) -> Result<Cow<'b, [u8]>, Trouble> {
+    ) -> Result<Cow<'b, [u8]>, FileErrorKind> {
         let cut = || self.wrong("an end", "its blocks must be whole");
         let start = source.run(0, 3 * coding.header).ok_or_else(cut)?;
         let [blocks, size, last] = [0, 1, 2].map(|i| coding.word(&start[i * coding.header..(i + 1) * coding.header]));

@@ -7,9 +7,8 @@ mod arrays;
 
 use roxmltree::{Document, Node};
 
-use crate::error::{FieldError, shown};
+use crate::error::{FieldError, FileErrorKind, shown};
 
-use super::error::Trouble;
 use super::roles::Roles;
 use super::{Column, Found, Numbering, PointOptions, Table, numbers};
 
@@ -23,13 +22,13 @@ pub(super) fn holds_points(head: &[u8]) -> bool {
         && (contains(b"type=\"PolyData\"") || contains(b"type=\"UnstructuredGrid\""))
 }
 
-pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Trouble> {
+pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileErrorKind> {
     let (text, appended) = Appended::split(bytes)?;
-    let document = Document::parse(&text).map_err(|e| Trouble::new("XML", e, "must be well-formed"))?;
+    let document = Document::parse(&text).map_err(|e| FileErrorKind::field("XML", e, "must be well-formed"))?;
     let root = document.root_element();
     let kind = root.attribute("type").unwrap_or_default();
     if !root.has_tag_name("VTKFile") || !matches!(kind, "PolyData" | "UnstructuredGrid") {
-        return Err(Trouble::new("VTKFile type", kind, "must be PolyData or UnstructuredGrid"));
+        return Err(FileErrorKind::field("VTKFile type", kind, "must be PolyData or UnstructuredGrid"));
     }
     let coding = Coding::of(root)?;
     let pieces: Vec<Piece<'_, '_>> = root
@@ -48,7 +47,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
     let names: Vec<String> = first.scalars().map(name_of).collect();
     let mut positions = Vec::new();
     let mut columns = Roles::choose(&names, options)?
-        .try_map(|i| Ok::<_, Trouble>(Column { name: names[i].clone(), numbers: Vec::new() }))?;
+        .try_map(|i| Ok::<_, FileErrorKind>(Column { name: names[i].clone(), numbers: Vec::new() }))?;
     let place = first.positions()?;
     let (scalar, encoding) = (place.scalar, place.encoding(&coding, &appended));
     for piece in filled {
@@ -60,7 +59,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, Troubl
                 FieldError::new(place, "nothing", "every piece must have it, as the first one has")
             })?;
             column.numbers.extend(DataArray::new(array)?.numbers(piece.count, &coding, &appended)?);
-            Ok::<_, Trouble>(column)
+            Ok::<_, FileErrorKind>(column)
         })?;
     }
     Ok(Found {
@@ -102,10 +101,10 @@ struct Piece<'d, 't> {
 }
 
 impl<'d, 't> Piece<'d, 't> {
-    fn new(node: Node<'d, 't>) -> Result<Self, Trouble> {
+    fn new(node: Node<'d, 't>) -> Result<Self, FileErrorKind> {
         let text = node.attribute("NumberOfPoints").unwrap_or_default();
         let count = text.trim().parse().ok().filter(|&count: &usize| count <= u32::MAX as usize);
-        let wrong = || Trouble::new("Piece, NumberOfPoints", text, "must be a whole number below 2^32");
+        let wrong = || FileErrorKind::field("Piece, NumberOfPoints", text, "must be a whole number below 2^32");
         Ok(Self { node, count: count.ok_or_else(wrong)? })
     }
 
@@ -121,10 +120,11 @@ impl<'d, 't> Piece<'d, 't> {
         self.children("PointData").filter(move |n| n.has_tag_name("DataArray") && single(n) && is_number(n))
     }
 
-    fn positions(&self) -> Result<DataArray<'d, 't>, Trouble> {
+    fn positions(&self) -> Result<DataArray<'d, 't>, FileErrorKind> {
         let array = self.children("Points").find(|n| n.has_tag_name("DataArray"));
         DataArray::new(
-            array.ok_or_else(|| Trouble::new("Piece", "no Points with a DataArray", "points have positions"))?,
+            array
+                .ok_or_else(|| FileErrorKind::field("Piece", "no Points with a DataArray", "points have positions"))?,
         )
     }
 
