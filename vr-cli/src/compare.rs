@@ -95,7 +95,7 @@ fn measure(renderer: &dyn Renderer, setup: &Setup, exact: &Exact, control: &Cont
         rendered = again;
     }
     times.sort_unstable();
-    let own = match prepared.model(view) {
+    let own = match prepared.model(view)? {
         Model::Canonical => None,
         model => {
             let pixels = subgrid(SUBGRID, view.size);

@@ -1,5 +1,7 @@
 //! What can be wrong with the parts of a scene, and with a render.
 
+use crate::unsupported::Unsupported;
+
 /// A grid that cannot be.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -179,14 +181,9 @@ impl ParameterError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// This renderer cannot do what the scene asks for.
-    #[error("renderer {renderer} does not support {feature}")]
-    Unsupported {
-        /// Which renderer.
-        renderer: &'static str,
-        /// What it lacks.
-        feature: String,
-    },
+    /// This renderer cannot draw what the scene or the view asks for.
+    #[error(transparent)]
+    Unsupported(#[from] Unsupported),
     /// A camera, a clip plane, a size… that makes no sense.
     #[error(transparent)]
     Parameter(#[from] ParameterError),

@@ -14,10 +14,16 @@ pub trait Renderer: Send + Sync {
     /// Its name, as scene files and command lines use it.
     fn name(&self) -> &'static str;
 
+    /// Asks whether it can draw a scene, and a view of it if one is given, as it is configured: cheap, for no voxel is looked at.
+    ///
+    /// # Errors
+    /// [`RenderError::Unsupported`] with the feature that it lacks and the reason; or what makes no sense in the scene or the view.
+    fn supports(&self, scene: &Scene, view: Option<&View>) -> Result<(), RenderError>;
+
     /// Does all that can be done before the view is known.
     ///
     /// # Errors
-    /// [`RenderError::Unsupported`] for a scene that it cannot draw; never a silently different picture.
+    /// As [`Self::supports`]: never a silently different picture.
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError>;
 
     /// Largest error that it promises, as it is configured, of any component of a pixel, in units of max(1, the picture's largest
@@ -55,8 +61,11 @@ pub trait Prepared: Send {
     /// A view that makes no sense, cancellation, or what the renderer cannot do.
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError>;
 
-    /// What this renderer integrates: it is judged against the canonical pixel, and against this done exactly.
-    fn model(&self, view: &View) -> Model;
+    /// Tells what this renderer integrates: it is judged against the canonical pixel, and against this done exactly.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    fn model(&self, view: &View) -> Result<Model, RenderError>;
 
     /// What was done for the ray through the centre of pixel (x, y) of a view; `None` from a renderer that cannot tell.
     ///

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use vr_core::image_order::{Spot, trace_pixels};
 use vr_core::phantom::Phantom;
-use vr_core::{Control, Counts, IndexRay, Ray, RenderError, Scene, View};
+use vr_core::{Control, Counts, Feature, IndexRay, Ray, RenderError, Scene, Unsupported, View};
 
 use crate::optics::Optics;
 use crate::reference::{Pixel, Reference, Solution};
@@ -29,16 +29,20 @@ impl Reference {
         control: &Control,
     ) -> Result<Solution, RenderError> {
         scene.validate()?;
-        let unsupported = |feature: &str| {
-            let feature = format!("{feature} of a phantom without samples");
-            RenderError::Unsupported { renderer: "physics", feature }
+        let unsupported = |feature: Feature, what: &str| Unsupported {
+            renderer: "physics",
+            feature,
+            what: format!("{what} of a phantom without samples"),
         };
-        let level =
-            level(scene.compositing).ok_or_else(|| unsupported("compositing other than over and accumulate"))?;
+        let level = level(scene.compositing)
+            .ok_or_else(|| unsupported(Feature::Compositing, "compositing other than over and accumulate"))?;
         if scene.shading.is_some() {
-            return Err(unsupported("shading"));
+            return Err(unsupported(Feature::Shading, "shading").into());
         }
-        let volume = scene.volume.grid().ok_or_else(|| unsupported("a volume that is not a uniform grid"))?;
+        let volume = scene
+            .volume
+            .grid()
+            .ok_or_else(|| unsupported(Feature::VolumeKind, "a volume that is not a uniform grid"))?;
         let field = FunctionField::of_phantom(Arc::clone(phantom));
         let layer = scene.layer(view, control)?;
         let optics = Optics::new(&scene.transfer, None);

@@ -10,7 +10,7 @@ use vr_core::{
 };
 
 use crate::segments::RaySegment;
-use crate::solver::{Answer, Solver, Want};
+use crate::solver::{Answer, Solver, Want, check};
 use crate::transport::{Certainty, Transport};
 use vr_core::bound::{Bound, largest};
 
@@ -207,8 +207,13 @@ impl Renderer for Reference {
         })
     }
 
+    fn supports(&self, scene: &Scene, view: Option<&View>) -> Result<(), RenderError> {
+        check(scene, &Model::Canonical)?;
+        view.map_or(Ok(()), |view| Ok(view.validate()?))
+    }
+
     fn prepare(&self, scene: &Scene, _control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
-        scene.validate()?;
+        check(scene, &Model::Canonical)?;
         scene.volume.prepare_derived();
         Ok(Box::new(PreparedReference { reference: self.clone(), scene: Arc::new(scene.clone()) }))
     }
@@ -250,7 +255,7 @@ struct PreparedReference {
 
 impl Prepared for PreparedReference {
     fn update(&mut self, scene: &Scene, _control: &Control) -> Result<(), RenderError> {
-        scene.validate()?;
+        check(scene, &Model::Canonical)?;
         self.scene = Arc::new(scene.clone());
         Ok(())
     }
@@ -265,7 +270,7 @@ impl Prepared for PreparedReference {
         Ok(Rendered { frame: Frame::new(view.size, pixels, Some(depth)), stats })
     }
 
-    fn model(&self, _view: &View) -> Model {
-        Model::Canonical
+    fn model(&self, _view: &View) -> Result<Model, RenderError> {
+        Ok(Model::Canonical)
     }
 }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Control, Counts, Field, GradientMethod, GridVolume, IndexRay, LatticeVisitor, Layer, Model, Ray,
-    RenderError, Sampler, SamplerVisitor, Scene, View, Volume, Voxel, gradient_at_sample,
+    Compositing, Control, Counts, Feature, Field, GradientMethod, GridVolume, IndexRay, LatticeVisitor, Layer, Model,
+    Ray, RenderError, Sampler, SamplerVisitor, Scene, Unsupported, View, Volume, Voxel, gradient_at_sample,
 };
 
 use crate::exact_ray::{ExactPlacement, ExactRay, ExactRays, IndexChord};
@@ -40,36 +40,45 @@ enum Source<'a> {
     Model,
 }
 
+fn unsupported(feature: Feature, what: String) -> RenderError {
+    Unsupported { renderer: "physics", feature, what }.into()
+}
+
+/// Checks that a scene, or a renderer's model of it, can be solved.
+pub(crate) fn check(scene: &Scene, model: &Model) -> Result<(), RenderError> {
+    scene.validate()?;
+    match (model, scene.volume.field()) {
+        (Model::Filtered(_), Some(field)) => {
+            let what = format!("a reconstruction filter over volumes of the kind '{}'", field.kind());
+            Err(unsupported(Feature::Filter, what))
+        }
+        (Model::Canonical, Some(field)) if scene.shading.is_some() && !field.has_gradient() => {
+            let what = format!("shading of volumes of the kind '{}', which have no gradient", field.kind());
+            Err(unsupported(Feature::Shading, what))
+        }
+        _ => Ok(()),
+    }
+}
+
 impl<'a> Solver<'a> {
     pub(crate) fn new(tolerance: f64, scene: &'a Scene, view: &'a View, model: &'a Model) -> Result<Self, RenderError> {
-        scene.validate()?;
-        let unsupported = |feature: String| RenderError::Unsupported { renderer: "physics", feature };
+        check(scene, model)?;
         let grid = |volume: Arc<GridVolume>| {
             volume.prepare_derived();
             let placement = ExactPlacement::new(volume.placement(), volume.dims());
             Source::Grid(volume, placement)
         };
         let field = |field: &'a dyn Field| {
-            if scene.shading.is_some() && !field.has_gradient() {
-                let feature = format!("shading of volumes of the kind '{}', which have no gradient", field.kind());
-                return Err(unsupported(feature));
-            }
             field.prepare_derived();
-            Ok(Source::Field(field))
+            Source::Field(field)
         };
         let source = match (model, &scene.volume) {
             (Model::Continuous(_) | Model::Discrete(_), _) => Source::Model,
             (Model::Canonical, Volume::Grid(volume)) => grid(Arc::clone(volume)),
             (Model::Filtered(filter), Volume::Grid(volume)) => grid(Arc::new(volume.with_filter(*filter))),
-            (Model::Canonical, Volume::Points(points)) => field(&**points)?,
-            (Model::Canonical, Volume::Field(any)) => field(&**any)?,
-            (Model::Filtered(_), other) => {
-                return Err(unsupported(format!(
-                    "a reconstruction filter over volumes of the kind '{}'",
-                    other.kind()
-                )));
-            }
-            _ => return Err(unsupported(format!("the model {model:?}"))),
+            (Model::Canonical, Volume::Points(points)) => field(&**points),
+            (Model::Canonical, Volume::Field(any)) => field(&**any),
+            _ => return Err(unsupported(Feature::Model, format!("the model {model:?}"))),
         };
         let rays = ExactRays::new(view)?;
         Ok(Self { tolerance, scene, view, model, rays, layer: None, source })

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use vr_core::{
-    Compositing, Control, Filter, GridVolume, Layer, Model, ParameterError, Prepared, Probe, Projection, Rays, Real,
+    Compositing, Control, Feature, Filter, GridVolume, Layer, Model, ParameterError, Prepared, Probe, Rays, Real,
     RenderError, Rendered, Scene, View,
 };
 use vr_kernels::tables::BakedTransfer;
@@ -74,11 +74,8 @@ impl Prepared for PreparedCaster {
         rendered
     }
 
-    fn model(&self, _: &View) -> Model {
-        match self.filtered {
-            Some(filter) => Model::Filtered(filter),
-            None => Model::Canonical,
-        }
+    fn model(&self, _: &View) -> Result<Model, RenderError> {
+        Ok(self.filtered.map_or(Model::Canonical, Model::Filtered))
     }
 
     /// `None` from templates, whose rays are not those of pixels, and under a promised error.
@@ -156,12 +153,12 @@ impl PreparedCaster {
         view: &View,
         control: &Control,
     ) -> Result<Rendered, RenderError> {
-        if !matches!(view.camera.projection, Projection::Orthographic { .. }) {
-            return Err(unsupported("perspective with a template screen".to_owned()));
-        }
         let volume = &*self.volume;
         let Order::FrontToBack { termination } = self.caster.order else {
-            return Err(unsupported("compositing back to front with a template screen".to_owned()));
+            return Err(unsupported(
+                Feature::Compositing,
+                "compositing back to front with a template screen".to_owned(),
+            ));
         };
         let (low, high) = self.scene.volume.bounds();
         let most = self.scene.max_radiance().over(low.distance(high));

@@ -1,14 +1,24 @@
 //! The ray caster behind the trait that all renderers stand behind.
 
-use vr_core::{Configurable, Control, OptionError, Options, Prepared, RenderError, Renderer, Scene};
+use vr_core::{Configurable, Control, OptionError, Options, Prepared, RenderError, Renderer, Scene, View};
 
 use crate::caster::{RayCaster, Step};
 use crate::options::{LARGEST_ERROR, MAX_ERROR};
 use crate::prepared::PreparedCaster;
+use crate::support::{check, check_view};
 
 impl Renderer for RayCaster {
     fn name(&self) -> &'static str {
         Self::NAME
+    }
+
+    fn supports(&self, scene: &Scene, view: Option<&View>) -> Result<(), RenderError> {
+        let (caster, scene) = (self.settled_for(scene), self.scene_of(scene));
+        check(&caster, &scene)?;
+        view.map_or(Ok(()), |view| {
+            view.validate()?;
+            check_view(&caster, view)
+        })
     }
 
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use vr_core::{Compositing, Filter, GridVolume, RenderError, Scene};
+use vr_core::{Compositing, Feature, Filter, GridVolume, Projection, RenderError, Scene, Unsupported, View};
 
 use crate::caster::{
     Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal,
 };
 
-pub(crate) fn unsupported(feature: String) -> RenderError {
-    RenderError::Unsupported { renderer: RayCaster::NAME, feature }
+pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
+    Unsupported { renderer: RayCaster::NAME, feature, what: what.into() }.into()
 }
 
 /// Whether this caster can draw this scene; its volume, if so.
@@ -17,52 +17,87 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Arc<GridVolume>
     caster.validate()?;
     scene.validate()?;
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
-        return Err(unsupported(format!("compositing '{}' back to front", scene.compositing.name())));
+        return Err(unsupported(
+            Feature::Compositing,
+            format!("compositing '{}' back to front", scene.compositing.name()),
+        ));
     }
     if matches!(caster.step, Step::Local { .. }) && !caster.follows_light(scene) {
         let what = if caster.order == Order::BackToFront { "back to front" } else { scene.compositing.name() };
-        return Err(unsupported(format!(
-            "local steps (local-error) under '{what}', where there is no light to follow: set a step"
-        )));
+        return Err(unsupported(
+            Feature::Setting,
+            format!("local steps (local-error) under '{what}', where there is no light to follow: set a step"),
+        ));
     }
     if let Order::FrontToBack { termination } = caster.order
         && !scene.compositing.integrates_light()
         // A termination of 1 asks for what is done anyway: no ray ends early.
         && ![Order::TERMINATION, 1.0].contains(&termination)
     {
-        return Err(unsupported(format!("a termination under '{}': no opacity is gathered", scene.compositing.name())));
+        return Err(unsupported(
+            Feature::Setting,
+            format!("a termination under '{}': no opacity is gathered", scene.compositing.name()),
+        ));
     }
     let samples_all = !scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. });
     let leaps =
         matches!(caster.step, Step::Vicinity { .. }) || !matches!(caster.leaping, Leaping::Auto | Leaping::None);
     if samples_all && leaps {
         let what = scene.compositing.name();
-        return Err(unsupported(format!("leaping over what is clear under '{what}', which depends on it, too")));
+        return Err(unsupported(
+            Feature::Setting,
+            format!("leaping over what is clear under '{what}', which depends on it, too"),
+        ));
     }
     if let Some(what) = beyond_screen(caster, scene) {
-        return Err(unsupported(what));
+        return Err(unsupported(Feature::Setting, what));
     }
     if caster.rule == Rule::Exact && !scene.compositing.integrates_light() {
-        return Err(unsupported(format!("compositing '{}' by the rule 'exact'", scene.compositing.name())));
+        return Err(unsupported(
+            Feature::Compositing,
+            format!("compositing '{}' by the rule 'exact'", scene.compositing.name()),
+        ));
     }
     let volume = scene.volume.grid();
-    let volume = volume.ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    let volume = volume
+        .ok_or_else(|| unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind())))?;
     let filter = volume.filter();
     if !caster.rule.goes_with(filter) {
-        return Err(unsupported(format!("the filter '{filter}' by the rule '{}'", caster.rule.name())));
+        return Err(unsupported(
+            Feature::Filter,
+            format!("the filter '{filter}' by the rule '{}'", caster.rule.name()),
+        ));
     }
     if matches!(caster.step, Step::Homogeneous { .. }) {
         if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
-            return Err(unsupported("homogeneous steps under anything but over, front to back".to_owned()));
+            return Err(unsupported(
+                Feature::Setting,
+                "homogeneous steps under anything but over, front to back".to_owned(),
+            ));
         }
         if caster.rule != Rule::Midpoint {
-            return Err(unsupported("homogeneous steps by another rule than the midpoint's".to_owned()));
+            return Err(unsupported(
+                Feature::Setting,
+                "homogeneous steps by another rule than the midpoint's".to_owned(),
+            ));
         }
         if scene.shading.is_some() {
-            return Err(unsupported("homogeneous steps with shading: values do not tell how it changes".to_owned()));
+            return Err(unsupported(
+                Feature::Shading,
+                "homogeneous steps with shading: values do not tell how it changes".to_owned(),
+            ));
         }
     }
     Ok(Arc::clone(volume))
+}
+
+/// Checks that this caster can draw a view of a scene that it can draw.
+pub(crate) fn check_view(caster: &RayCaster, view: &View) -> Result<(), RenderError> {
+    let parallel = matches!(view.camera.projection, Projection::Orthographic { .. });
+    if !parallel && matches!(caster.screen, Screen::Template { .. }) {
+        return Err(unsupported(Feature::Perspective, "perspective with a template screen"));
+    }
+    Ok(())
 }
 
 /// What this caster's screen has no answer to.

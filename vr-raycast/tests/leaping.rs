@@ -189,7 +189,9 @@ fn values_of_clear_samples_cannot_be_skipped() {
         let scene = Scene { compositing, ..speck() };
         for caster in leaping_casters(&plain()) {
             let refused = caster.prepare(&scene, &Control::default()).err();
-            let Some(RenderError::Unsupported { feature, .. }) = refused else { panic!("{:?}", caster.leaping) };
+            let Some(RenderError::Unsupported(Unsupported { what: feature, .. })) = refused else {
+                panic!("{:?}", caster.leaping)
+            };
             assert!(feature.contains(compositing.name()), "{feature}");
         }
         let counts = render(&plain(), &scene, &oblique(&scene, 8)).stats.counts;

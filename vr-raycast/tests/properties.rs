@@ -273,7 +273,7 @@ fn what_cannot_be_drawn_is_said() {
     let backwards = RayCaster { order: Order::BackToFront, ..RayCaster::uniform(0.2) };
     let scene = Scene { compositing: Compositing::Maximum, ..bumpy() };
     let error = backwards.prepare(&scene, &control).err().unwrap();
-    assert!(matches!(error, RenderError::Unsupported { renderer: "raycast", .. }), "{error}");
+    assert!(matches!(error, RenderError::Unsupported(Unsupported { renderer: "raycast", .. })), "{error}");
     let early = RayCaster { order: Order::FrontToBack { termination: 0.5 }, ..RayCaster::uniform(0.2) };
     let error = early.prepare(&scene, &control).err().unwrap();
     assert!(error.to_string().contains("a termination under 'maximum'"), "{error}");
@@ -290,7 +290,7 @@ fn another_filter_is_another_model() {
     let scene = bumpy();
     let model = |filter| {
         let prepared = RayCaster { filter, ..RayCaster::uniform(0.2) }.prepare(&scene, &Control::default()).unwrap();
-        prepared.model(&oblique(&scene, 4))
+        prepared.model(&oblique(&scene, 4)).unwrap()
     };
     assert!(matches!(model(None), Model::Canonical));
     assert!(matches!(model(Some(Filter::Trilinear)), Model::Canonical));

@@ -291,7 +291,9 @@ fn what_templates_cannot_do_is_said() {
     let control = Control::default();
     let good = template(Connectivity::Continuous, 1.0);
     let refuses = |caster: &RayCaster, scene: &Scene, what: &str| match caster.prepare(scene, &control).err() {
-        Some(RenderError::Unsupported { feature, .. }) => assert!(feature.contains(what), "{feature}"),
+        Some(RenderError::Unsupported(Unsupported { what: feature, .. })) => {
+            assert!(feature.contains(what), "{feature}")
+        }
         other => panic!("{what}: {other:?}"),
     };
     refuses(&good, &Scene { shading: Some(Shading::default().into()), ..scene.clone() }, "shading");

@@ -221,7 +221,7 @@ fn what_has_no_bound_at_all_is_refused() {
     let control = Control::default();
     let scene = Scene::new(volume([3; 3], |x, _, _| x / 2.0), homogeneous(0.1));
     let refused = |scene: &Scene| match promising(1e-3).prepare(scene, &control) {
-        Err(RenderError::Unsupported { feature, .. }) => feature,
+        Err(RenderError::Unsupported(Unsupported { what: feature, .. })) => feature,
         other => panic!("{:?}", other.err()),
     };
     let emitting = ControlPoint { emission: Some([1.0; 3]), ..ControlPoint::new(0.0, [0.0; 3], 0.1) };

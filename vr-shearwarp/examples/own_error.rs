@@ -78,7 +78,7 @@ fn main() {
             for (label, renderer) in settings() {
                 let mut prepared = renderer.prepare(&scene, &control).expect("a scene that it can draw");
                 let frame = prepared.render(&view, &control).expect("a valid view").frame;
-                let own = Metrics::of(&exact(&prepared.model(&view)), frame.pixels());
+                let own = Metrics::of(&exact(&prepared.model(&view).unwrap()), frame.pixels());
                 let truth = Metrics::of(&canonical, frame.pixels());
                 let [a, b, c, d] = [own.max, own.rmse, truth.max, truth.rmse];
                 println!("| {name} {n} | {label} | {a:.1e} | {b:.1e} | {c:.1e} | {d:.1e} |");

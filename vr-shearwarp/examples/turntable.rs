@@ -218,7 +218,7 @@ fn turns(keys: &Keys) -> Vec<Turn> {
                         turn.changes = std::array::from_fn(|i| turn.changes[i].max(change[i]));
                         before = all;
                         let frame: Pixels = chosen.iter().map(|&[x, y]| frame.pixel(x, y).map(f64::from)).collect();
-                        let own = solve(&scene, view, &prepared.model(view), &chosen, &control);
+                        let own = solve(&scene, view, &prepared.model(view).unwrap(), &chosen, &control);
                         turn.biases[0].push(bias(&frame, truth));
                         turn.biases[1].push(bias(&frame, &own));
                         turn.errors.push(difference(&frame, truth));

@@ -1,17 +1,22 @@
 //! What the renderer integrates, told for any ray: samples in slices, each for its share of the ray; without intermediate image, warp, codes
 //! and tables, in f64.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 use vr_core::filter::Lattice;
 use vr_core::optics::step_of_thickness;
-use vr_core::{DiscreteModel, GridVolume, LatticeVisitor, Scene, SegmentTerm, View, Voxel, gradient_at_sample};
+use vr_core::{
+    DiscreteModel, GridVolume, LatticeVisitor, RenderError, Scene, SegmentTerm, View, Voxel, gradient_at_sample,
+};
 
 use crate::factorization::IndexView;
 use crate::lengths::length;
 use crate::passes::{Pass, passes};
+use crate::region::Region;
 use crate::shear_warp::{Classification, ShearWarp};
 use crate::slices::{Slice, Slices};
-use crate::support::{last_sample, visible_region};
+use crate::support::{check_view, last_sample};
 
 /// The sum over slices.
 pub(crate) struct SlicedModel {
@@ -19,40 +24,45 @@ pub(crate) struct SlicedModel {
     scene: Scene,
     /// World vector straight ahead.
     ahead: DVec3,
-    view: Option<IndexView>,
+    volume: Arc<GridVolume>,
+    view: IndexView,
     passes: Vec<(Pass, Slices)>,
 }
 
 impl SlicedModel {
-    /// Of a view; of one that cannot be drawn, nothing.
-    pub(crate) fn new(renderer: &ShearWarp, scene: &Scene, view: &View) -> Self {
-        let mut model = Self {
+    pub(crate) fn new(
+        renderer: &ShearWarp,
+        (scene, volume): (&Scene, &Arc<GridVolume>),
+        view: &View,
+    ) -> Result<Self, RenderError> {
+        check_view(scene, view)?;
+        let index_view = IndexView::new(view, volume.placement())?;
+        let (dims, texel) = (volume.dims(), renderer.texel);
+        let passes = match Region::of(view, volume.placement(), dims)? {
+            None => Vec::new(),
+            Some(region) => {
+                let slices = |pass: &Pass| {
+                    let layers = dims[pass.factorization.axes[2]];
+                    Slices::new(pass.factorization, &region, layers, renderer.slice_spacing())
+                };
+                let all = passes(&index_view, region.corners(), last_sample(dims), texel)?;
+                all.into_iter().map(|pass| (pass, slices(&pass))).collect()
+            }
+        };
+        Ok(Self {
             renderer: renderer.clone(),
             scene: scene.clone(),
-            ahead: view.camera.frame().map_or(DVec3::Z, |f| f.z_axis),
-            view: None,
-            passes: Vec::new(),
-        };
-        let Some(volume) = scene.volume.grid() else { return model };
-        let Ok(index_view) = IndexView::new(view, volume.placement()) else { return model };
-        let Ok(region) = visible_region(scene, volume, view, index_view.is_perspective()) else { return model };
-        if let Some(region) = region
-            && let Ok(all) = passes(&index_view, region.corners(), last_sample(volume.dims()), renderer.texel)
-        {
-            let slices = |pass: &Pass| {
-                let layers = volume.dims()[pass.factorization.axes[2]];
-                Slices::new(pass.factorization, &region, layers, renderer.slice_spacing())
-            };
-            model.passes = all.into_iter().map(|pass| (pass, slices(&pass))).collect();
-        }
-        model.view = Some(index_view);
-        model
+            volume: Arc::clone(volume),
+            ahead: view.camera.frame()?.z_axis,
+            view: index_view,
+            passes,
+        })
     }
 }
 
 impl DiscreteModel for SlicedModel {
     fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
-        let (Some(view), Some(volume)) = (&self.view, self.scene.volume.grid()) else { return Vec::new() };
+        let Self { view, volume, .. } = self;
         for (pass, slices) in &self.passes {
             let f = &pass.factorization;
             let texel = f.texels_of_screen() * DVec3::new(x, y, 1.0);

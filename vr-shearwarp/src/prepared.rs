@@ -25,9 +25,10 @@ use crate::model::SlicedModel;
 use crate::optics::Optics;
 use crate::passes::{Pass, passes};
 use crate::reflections::{Reflection, table};
+use crate::region::Region;
 use crate::shear_warp::{Classification, ShearWarp};
 use crate::slices::Slices;
-use crate::support::{check, last_sample, visible_region};
+use crate::support::{check, check_view, last_sample};
 use crate::warp::{Texture, Warp};
 
 /// The scene, the volume as it is encoded for it, and what is kept from picture to picture.
@@ -174,7 +175,8 @@ impl Prepared for PreparedShearWarp {
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
         let volume = Arc::clone(&self.volume);
         let index_view = IndexView::new(view, volume.placement())?;
-        let region = visible_region(&self.scene, &volume, view, index_view.is_perspective())?;
+        check_view(&self.scene, view)?;
+        let region = Region::of(view, volume.placement(), volume.dims())?;
         let dims = volume.dims();
         control.check()?;
         let [width, height] = view.size;
@@ -199,12 +201,13 @@ impl Prepared for PreparedShearWarp {
         Ok(Rendered { frame: Frame::new(view.size, pixels, None), stats })
     }
 
-    /// The sum over slices; of what is no sum, and of one that is cut at a level, the scene as it is.
-    fn model(&self, view: &View) -> Model {
+    /// The sum over slices under `over`; the canonical pixel under every other operator.
+    fn model(&self, view: &View) -> Result<Model, RenderError> {
         if self.scene.compositing != Compositing::Over {
-            return Model::Canonical;
+            return Ok(Model::Canonical);
         }
-        Model::Discrete(Arc::new(SlicedModel::new(&self.renderer, &self.scene, view)))
+        let model = SlicedModel::new(&self.renderer, (&self.scene, &self.volume), view)?;
+        Ok(Model::Discrete(Arc::new(model)))
     }
 }
 

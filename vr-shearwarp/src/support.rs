@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::{Compositing, Filter, GradientMethod, GridVolume, RenderError, Scene, View};
+use vr_core::{
+    Compositing, Feature, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene, Unsupported, View,
+};
 use vr_kernels::tables::beyond_f32;
 
-use crate::region::Region;
 use crate::shear_warp::ShearWarp;
 
-pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
-    RenderError::Unsupported { renderer: ShearWarp::NAME, feature: feature.into() }
+pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
+    Unsupported { renderer: ShearWarp::NAME, feature, what: what.into() }.into()
 }
 
 /// Whether this renderer can draw this scene; its volume, if so.
@@ -18,30 +19,41 @@ pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolum
     renderer.validate()?;
     scene.validate()?;
     if let Compositing::First { .. } = scene.compositing {
-        return Err(unsupported("compositing 'first': the place of a surface between slices is not known"));
+        return Err(unsupported(
+            Feature::Compositing,
+            "compositing 'first': the place of a surface between slices is not known",
+        ));
     }
     if scene.surfaces.is_some() {
-        return Err(unsupported("opaque surfaces: a texel of the intermediate image is no pixel"));
+        return Err(unsupported(Feature::Surfaces, "opaque surfaces: a texel of the intermediate image is no pixel"));
     }
     if let Some(option) = idle_option(renderer, scene) {
-        return Err(unsupported(format!(
-            "{option} under '{}': a ray is left with one value",
-            scene.compositing.name()
-        )));
+        return Err(unsupported(
+            Feature::Setting,
+            format!("{option} under '{}': a ray is left with one value", scene.compositing.name()),
+        ));
     }
     if scene.has_gradient_opacity() {
-        return Err(unsupported("opacity that follows the gradient: encoded normals have no length"));
+        return Err(unsupported(
+            Feature::GradientOpacity,
+            "opacity that follows the gradient: encoded normals have no length",
+        ));
     }
     if scene.reflection().is_some_and(|shading| shading.gradient == GradientMethod::Analytic) {
-        return Err(unsupported("analytic gradients: normals are encoded at the samples"));
+        return Err(unsupported(Feature::AnalyticGradients, "analytic gradients: normals are encoded at the samples"));
     }
-    let volume =
-        scene.volume.grid().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    let volume = scene
+        .volume
+        .grid()
+        .ok_or_else(|| unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind())))?;
     if volume.filter() != Filter::Trilinear {
-        return Err(unsupported(format!("the filter '{}': slices are interpolated linearly", volume.filter())));
+        return Err(unsupported(
+            Feature::Filter,
+            format!("the filter '{}': slices are interpolated linearly", volume.filter()),
+        ));
     }
     match beyond_f32(volume, &scene.transfer) {
-        Some(feature) => Err(unsupported(feature)),
+        Some(feature) => Err(unsupported(Feature::Precision, feature)),
         None => Ok(Arc::clone(volume)),
     }
 }
@@ -66,17 +78,13 @@ fn idle_option(renderer: &ShearWarp, scene: &Scene) -> Option<&'static str> {
     }
 }
 
-/// Checks that this renderer can draw a view. Returns the part of the volume that it shows; `None` if it shows nothing.
-pub(crate) fn visible_region(
-    scene: &Scene,
-    volume: &GridVolume,
-    view: &View,
-    perspective: bool,
-) -> Result<Option<Region>, RenderError> {
-    if perspective && scene.reflection().is_some() {
-        return Err(unsupported("shading in perspective: what a normal reflects changes from ray to ray"));
+/// Checks that this renderer can draw a view of a scene that it can draw.
+pub(crate) fn check_view(scene: &Scene, view: &View) -> Result<(), RenderError> {
+    if matches!(view.camera.projection, Projection::Perspective { .. }) && scene.reflection().is_some() {
+        let what = "shading in perspective: what a normal reflects changes from ray to ray";
+        return Err(unsupported(Feature::Perspective, what));
     }
-    Region::of(view, volume.placement(), volume.dims())
+    Ok(())
 }
 
 /// The index of the last sample along each axis.

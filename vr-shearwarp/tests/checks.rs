@@ -76,7 +76,7 @@ fn what_it_cannot_draw_it_refuses() {
     let control = Control::default();
     let refused = |scene: &Scene, view: &View| {
         let drawn = ShearWarp::default().prepare(scene, &control).and_then(|mut p| p.render(view, &control));
-        matches!(drawn, Err(RenderError::Unsupported { renderer: "shearwarp", .. }))
+        matches!(drawn, Err(RenderError::Unsupported(Unsupported { renderer: "shearwarp", .. })))
     };
     let view = |fov| View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, fov), [8, 8]);
     assert!(!refused(&scene, &view(None)) && !refused(&scene, &view(Some(30.0))));
@@ -218,7 +218,7 @@ fn a_negative_slope_turns_largest_and_smallest_round() {
 fn only_sums_have_a_model_of_their_own() {
     let model = |compositing| {
         let (scene, view) = ramp(compositing);
-        ShearWarp::default().prepare(&scene, &Control::default()).unwrap().model(&view)
+        ShearWarp::default().prepare(&scene, &Control::default()).unwrap().model(&view).unwrap()
     };
     assert!(matches!(model(Compositing::Over), Model::Discrete(_)));
     for other in [Compositing::Maximum, Compositing::Average, Compositing::Accumulate { level: 0.5 }] {

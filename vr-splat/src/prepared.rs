@@ -83,11 +83,12 @@ impl Prepared for PreparedSplatting {
     }
 
     /// The sum over sheets or splats under `over`; the canonical pixel under every other operator.
-    fn model(&self, view: &View) -> Model {
+    fn model(&self, view: &View) -> Result<Model, RenderError> {
         if self.scene.compositing != Compositing::Over {
-            return Model::Canonical;
+            return Ok(Model::Canonical);
         }
-        Model::Discrete(Arc::new(SplatModel::new(&self.renderer, &self.scene, view)))
+        let model = SplatModel::new(&self.renderer, &self.scene, &self.input, view)?;
+        Ok(Model::Discrete(Arc::new(model)))
     }
 }
 

@@ -1,13 +1,19 @@
 //! The splatting renderer behind the trait that all renderers stand behind.
 
-use vr_core::{Control, Prepared, RenderError, Renderer, Scene};
+use vr_core::{Control, Prepared, RenderError, Renderer, Scene, View};
 
 use crate::prepared::PreparedSplatting;
 use crate::splatting::Splatting;
+use crate::support::{check, check_view};
 
 impl Renderer for Splatting {
     fn name(&self) -> &'static str {
         Self::NAME
+    }
+
+    fn supports(&self, scene: &Scene, view: Option<&View>) -> Result<(), RenderError> {
+        check(self, scene)?;
+        view.map_or(Ok(()), check_view)
     }
 
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {

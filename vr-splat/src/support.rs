@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use vr_core::{Compositing, Filter, GradientMethod, RenderError, Scene, View};
+use vr_core::{Compositing, Feature, Filter, GradientMethod, RenderError, Scene, Unsupported, View};
 use vr_kernels::tables::beyond_f32;
 
 use crate::input::SplatInput;
 use crate::kernel::SplatKernel;
 use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
 
-pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
-    RenderError::Unsupported { renderer: Splatting::NAME, feature: feature.into() }
+pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
+    Unsupported { renderer: Splatting::NAME, feature, what: what.into() }.into()
 }
 
 /// Whether this renderer can draw this scene; what is in it, if so.
@@ -20,25 +20,29 @@ pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, R
     let input = match (scene.volume.grid(), scene.volume.points()) {
         (Some(grid), _) => SplatInput::Grid(Arc::clone(grid)),
         (_, Some(points)) => SplatInput::Points(Arc::clone(points)),
-        _ => return Err(unsupported(format!("volumes of the kind '{}'", scene.volume.kind()))),
+        _ => return Err(unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind()))),
     };
     if let SplatInput::Grid(grid) = &input {
         if grid.filter() != Filter::Trilinear {
             let feature = format!("the filter '{}': the option 'kernel' says how voxels are spread", grid.filter());
-            return Err(unsupported(feature));
+            return Err(unsupported(Feature::Filter, feature));
         }
         if let Some(feature) = beyond_f32(grid, &scene.transfer) {
-            return Err(unsupported(feature));
+            return Err(unsupported(Feature::Precision, feature));
         }
         if grid.dims().iter().any(|&n| n > usize::from(u16::MAX)) {
-            return Err(unsupported("grids of more than 65535 samples along an axis"));
+            return Err(unsupported(Feature::Size, "grids of more than 65535 samples along an axis"));
         }
     }
     if matches!(input, SplatInput::Points(_)) && renderer.buffers == Buffers::Axis {
-        return Err(unsupported("sheets of the volume's own among scattered points: they have no layers"));
+        return Err(unsupported(
+            Feature::Setting,
+            "sheets of the volume's own among scattered points: they have no layers",
+        ));
     }
     if matches!(input, SplatInput::Points(_)) && renderer.kernel != SplatKernel::default() {
         return Err(unsupported(
+            Feature::Setting,
             "another kernel, radius, sigma or width than the default for scattered points: they have kernels of their own",
         ));
     }
@@ -46,19 +50,23 @@ pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, R
     if renderer.order == SheetOrder::BackToFront
         && (renderer.buffers != Buffers::Axis || scene.compositing != Compositing::Over)
     {
-        return Err(unsupported("back to front but the volume's own sheets under 'over'"));
+        return Err(unsupported(Feature::Setting, "back to front but the volume's own sheets under 'over'"));
     }
     if renderer.sets_termination() && !scene.compositing.integrates_light() {
-        return Err(unsupported(format!("a termination under '{}': no opacity is gathered", scene.compositing.name())));
+        return Err(unsupported(
+            Feature::Setting,
+            format!("a termination under '{}': no opacity is gathered", scene.compositing.name()),
+        ));
     }
     let values_in_image_sheets =
         renderer.buffers == Buffers::Image && renderer.classification == Classification::Values;
     match scene.compositing {
-        picks if !picks.integrates_light() && !values_in_image_sheets => {
-            Err(unsupported(format!("compositing '{}' but of values in sheets parallel to the image", picks.name())))
-        }
+        picks if !picks.integrates_light() && !values_in_image_sheets => Err(unsupported(
+            Feature::Compositing,
+            format!("compositing '{}' but of values in sheets parallel to the image", picks.name()),
+        )),
         Compositing::First { .. } if scene.shading.is_some() => {
-            Err(unsupported("compositing 'first' of a shaded surface"))
+            Err(unsupported(Feature::Compositing, "compositing 'first' of a shaded surface"))
         }
         _ => Ok(input),
     }
@@ -66,21 +74,26 @@ pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, R
 
 fn check_shading(renderer: &Splatting, scene: &Scene, input: &SplatInput) -> Result<(), RenderError> {
     if scene.has_gradient_opacity() {
-        return Err(unsupported("opacity that follows the gradient"));
+        return Err(unsupported(Feature::GradientOpacity, "opacity that follows the gradient"));
     }
     let Some(shading) = scene.reflection() else { return Ok(()) };
-    let SplatInput::Grid(grid) = input else { return Err(unsupported("shading of scattered points")) };
+    let SplatInput::Grid(grid) = input else {
+        return Err(unsupported(Feature::Shading, "shading of scattered points"));
+    };
     if renderer.splats_light() {
-        return Err(unsupported("shading of what is classified before it is splatted"));
+        return Err(unsupported(Feature::Shading, "shading of what is classified before it is splatted"));
     }
     if shading.gradient == GradientMethod::Analytic {
-        return Err(unsupported("analytic gradients: those at the samples are interpolated"));
+        return Err(unsupported(
+            Feature::AnalyticGradients,
+            "analytic gradients: those at the samples are interpolated",
+        ));
     }
     if grid.census().nan + grid.census().infinite > 0 {
-        return Err(unsupported("shading of a volume with missing samples"));
+        return Err(unsupported(Feature::MissingValues, "shading of a volume with missing samples"));
     }
     if grid.dims().iter().product::<usize>() > i32::MAX as usize {
-        return Err(unsupported("shading of 2³¹ samples and more"));
+        return Err(unsupported(Feature::Size, "shading of 2³¹ samples and more"));
     }
     Ok(())
 }
@@ -92,7 +105,7 @@ const MOST_SUBPIXELS: u32 = 1 << 16;
 pub(crate) fn check_view(view: &View) -> Result<(), RenderError> {
     view.validate()?;
     if view.size.iter().any(|&n| n.saturating_mul(view.supersampling) > MOST_SUBPIXELS) {
-        return Err(unsupported("pictures of more than 65536 subpixels along a side"));
+        return Err(unsupported(Feature::Size, "pictures of more than 65536 subpixels along a side"));
     }
     Ok(())
 }

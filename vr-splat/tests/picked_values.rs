@@ -75,7 +75,9 @@ fn only_values_in_image_sheets_are_averaged() {
         .chain([voxels])
     {
         match renderer.prepare(&mean, &Control::default()) {
-            Err(RenderError::Unsupported { feature, .. }) => assert!(feature.contains("average"), "{feature}"),
+            Err(RenderError::Unsupported(Unsupported { what: feature, .. })) => {
+                assert!(feature.contains("average"), "{feature}")
+            }
             other => panic!("{renderer:?}: {:?}", other.map(|_| "prepared")),
         }
     }

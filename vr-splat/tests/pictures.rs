@@ -176,7 +176,7 @@ fn what_cannot_be_drawn_is_said() {
     let scene = phantom_scene::<u8>("fog", 8, 1.0);
     let control = Control::default();
     let refused = |renderer: Splatting, scene: &Scene| match renderer.prepare(scene, &control) {
-        Err(RenderError::Unsupported { renderer: "splat", feature }) => feature,
+        Err(RenderError::Unsupported(Unsupported { renderer: "splat", what: feature, .. })) => feature,
         other => panic!("{:?}", other.map(|_| "prepared")),
     };
     let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };

@@ -325,7 +325,7 @@ impl Prover<'_> {
                 let mut prepared = configured.prepare(scene, self.control)?;
                 let view = view(k);
                 let frame = prepared.render(&view, self.control)?.frame;
-                Ok::<_, RenderError>((frame, prepared.model(&view)))
+                Ok::<_, RenderError>((frame, prepared.model(&view)?))
             };
             // A renderer that panics is not used again.
             match catch_unwind(AssertUnwindSafe(draw)) {
@@ -335,8 +335,8 @@ impl Prover<'_> {
                     blank.errors.push(judge(&frame, &model, k)?);
                 }
                 Ok(Err(RenderError::Cancelled)) => return Err(RenderError::Cancelled.into()),
-                Ok(Err(RenderError::Unsupported { feature, .. })) => {
-                    blank.trouble = Some(format!("{REFUSED}{feature}"))
+                Ok(Err(RenderError::Unsupported(refused))) => {
+                    blank.trouble = Some(format!("{REFUSED}{}", refused.what))
                 }
                 Ok(Err(other)) => blank.trouble = Some(other.to_string()),
                 Err(_) => blank.trouble = Some("panics".to_owned()),

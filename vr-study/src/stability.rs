@@ -122,8 +122,8 @@ fn judge(
     let rendered = match catch_unwind(AssertUnwindSafe(draw)) {
         Ok(Ok(rendered)) => rendered,
         Ok(Err(RenderError::Cancelled)) => return Err(RenderError::Cancelled),
-        Ok(Err(RenderError::Unsupported { feature, .. })) => {
-            result.verdict = Verdict::Refused { feature };
+        Ok(Err(RenderError::Unsupported(refused))) => {
+            result.verdict = Verdict::Refused { feature: refused.what };
             return Ok(result);
         }
         Ok(Err(other)) => {

@@ -129,8 +129,8 @@ pub fn draw_in_turns(
                 drawn.push(Ok(first));
                 rounds.push(round);
             }
-            Err(RenderError::Unsupported { feature, .. }) => {
-                drawn.push(Err(feature));
+            Err(RenderError::Unsupported(refused)) => {
+                drawn.push(Err(refused.what));
                 rounds.push(Rounds::default());
             }
             Err(other) => return Err(other),
@@ -223,7 +223,7 @@ impl Clock<'_> {
                 self.frames(&mut *prepared, &subject.view, &mut rounds)?;
             }
         }
-        let model = prepared.model(&subject.view);
+        let model = prepared.model(&subject.view)?;
         let (frame, counts) = (rendered.frame, rendered.stats.counts);
         Ok((Drawn { frame, model, counts, times: None, peak_bytes: None }, rounds))
     }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::optics::opacity_of_thickness;
 use vr_core::{
-    Control, DiscreteModel, GridVolume, IndexRay, LatticeVisitor, Layer, Ray, Rays, Sampler, SamplerVisitor, Scene,
-    SegmentTerm, View, Voxel, gradient_between_samples,
+    Control, DiscreteModel, GridVolume, IndexRay, LatticeVisitor, Layer, Ray, Rays, RenderError, Sampler,
+    SamplerVisitor, Scene, SegmentTerm, View, Voxel, gradient_between_samples,
 };
 use vr_kernels::tables::PreIntegrated;
 
@@ -22,8 +22,9 @@ pub(crate) struct SliceModel {
     scene: Scene,
     view: View,
     layer: Option<Layer>,
-    /// `None`: a view that cannot be drawn.
-    geometry: Option<(Rays, Slices)>,
+    volume: Arc<GridVolume>,
+    rays: Rays,
+    slices: Slices,
     segments: Option<PreIntegrated<f64>>,
     compressed: Option<Arc<Compressed>>,
     /// What texels of light are made for.
@@ -31,34 +32,33 @@ pub(crate) struct SliceModel {
 }
 
 impl SliceModel {
-    pub(crate) fn new(renderer: &TexSlice, scene: &Scene, view: &View, compressed: Option<Arc<Compressed>>) -> Self {
-        let geometry = scene.volume.grid().and_then(|volume| {
-            let rays = Rays::new(view).ok()?;
-            let on_faces = renderer.is_pre_integrated();
-            let slices = Slices::new(renderer, view, volume.placement(), volume.dims(), on_faces).ok()?;
-            Some((rays, slices))
-        });
-        let light = geometry.as_ref().filter(|_| renderer.holds_light());
-        let made = light.and_then(|(_, slices)| Made::new(renderer.format, scene, view, slices).ok());
-        let table = scene.volume.grid().filter(|_| renderer.is_pre_integrated());
-        Self {
+    pub(crate) fn new(
+        renderer: &TexSlice,
+        (scene, volume): (&Scene, &Arc<GridVolume>),
+        view: &View,
+        compressed: Option<Arc<Compressed>>,
+    ) -> Result<Self, RenderError> {
+        let on_faces = renderer.is_pre_integrated();
+        let slices = Slices::new(renderer, view, volume.placement(), volume.dims(), on_faces)?;
+        let made = if renderer.holds_light() { Some(Made::new(renderer.format, scene, view, &slices)?) } else { None };
+        Ok(Self {
             renderer: renderer.clone(),
             scene: scene.clone(),
-            layer: scene.layer(view, &Control::default()).ok().flatten(),
+            layer: scene.layer(view, &Control::default())?,
             view: view.clone(),
-            geometry,
-            segments: table.map(|volume| segments(scene, volume)),
+            volume: Arc::clone(volume),
+            rays: Rays::new(view)?,
+            slices,
+            segments: renderer.is_pre_integrated().then(|| segments(scene, volume)),
             compressed,
             made,
-        }
+        })
     }
 }
 
 impl DiscreteModel for SliceModel {
     fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
-        let (Some((rays, slices)), Some(volume)) = (&self.geometry, self.scene.volume.grid()) else {
-            return Vec::new();
-        };
+        let Self { volume, rays, slices, .. } = self;
         let ray = rays.at(x, y);
         let far = self.layer.as_ref().map_or(f64::INFINITY, |layer| {
             let [w, h] = self.view.size.map(|n| n as usize);

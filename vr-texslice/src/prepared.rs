@@ -208,13 +208,13 @@ impl Prepared for PreparedTexSlice {
         Ok(Rendered { frame: Frame::new(view.size, rgba, depth), stats })
     }
 
-    /// The sum over slabs; of what is no sum, and of one that is cut at a level, the scene as it is.
-    fn model(&self, view: &View) -> Model {
+    /// The sum over slabs under `over`; the canonical pixel under every other operator.
+    fn model(&self, view: &View) -> Result<Model, RenderError> {
         if self.scene.compositing != Compositing::Over {
-            return Model::Canonical;
+            return Ok(Model::Canonical);
         }
-        let compressed = self.compressed.clone();
-        Model::Discrete(Arc::new(SliceModel::new(&self.renderer, &self.scene, view, compressed)))
+        let of = (&self.scene, &self.volume);
+        Ok(Model::Discrete(Arc::new(SliceModel::new(&self.renderer, of, view, self.compressed.clone())?)))
     }
 }
 

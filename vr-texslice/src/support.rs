@@ -2,51 +2,73 @@
 
 use std::sync::Arc;
 
-use vr_core::{Compositing, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene, View};
+use vr_core::{
+    Compositing, Feature, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene, Unsupported, View,
+};
 use vr_kernels::tables::beyond_f32;
 
 use crate::classified::is_shaded;
 use crate::tex_slice::{Blend, Format, Order, Proxy, TexSlice};
 
-pub(crate) fn unsupported(feature: impl Into<String>) -> RenderError {
-    RenderError::Unsupported { renderer: TexSlice::NAME, feature: feature.into() }
+pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
+    Unsupported { renderer: TexSlice::NAME, feature, what: what.into() }.into()
 }
 
 /// Whether this renderer can draw this scene; its volume, if so.
 pub(crate) fn check(renderer: &TexSlice, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     renderer.validate()?;
     scene.validate()?;
-    let volume =
-        scene.volume.grid().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    let volume = scene
+        .volume
+        .grid()
+        .ok_or_else(|| unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind())))?;
     if volume.filter() != Filter::Trilinear {
-        return Err(unsupported(format!("the filter '{}': textures are interpolated linearly", volume.filter())));
+        return Err(unsupported(
+            Feature::Filter,
+            format!("the filter '{}': textures are interpolated linearly", volume.filter()),
+        ));
     }
     if volume.dims().iter().product::<usize>() > i32::MAX as usize {
-        return Err(unsupported("volumes of 2³¹ samples and more"));
+        return Err(unsupported(Feature::Size, "volumes of 2³¹ samples and more"));
     }
     if let Some(feature) = beyond_f32(volume, &scene.transfer) {
-        return Err(unsupported(feature));
+        return Err(unsupported(Feature::Precision, feature));
     }
     let picks = !scene.compositing.integrates_light();
     if picks && renderer.holds_light() {
-        return Err(unsupported(format!("compositing '{}' of light: take values", scene.compositing.name())));
+        return Err(unsupported(
+            Feature::Compositing,
+            format!("compositing '{}' of light: take values", scene.compositing.name()),
+        ));
     }
     if picks && renderer.sets_termination() {
-        return Err(unsupported(format!("a termination under '{}': no opacity is gathered", scene.compositing.name())));
+        return Err(unsupported(
+            Feature::Setting,
+            format!("a termination under '{}': no opacity is gathered", scene.compositing.name()),
+        ));
     }
     if let Compositing::First { .. } = scene.compositing
         && (renderer.format == Format::Compressed || renderer.proxy == Proxy::Stacks)
     {
-        return Err(unsupported("compositing 'first' but through 3D textures that are not compressed"));
+        return Err(unsupported(
+            Feature::Compositing,
+            "compositing 'first' but through 3D textures that are not compressed",
+        ));
     }
     if renderer.blend == Blend::BackToFront {
         match scene.compositing {
             Compositing::Accumulate { level } if level < 1.0 => {
-                return Err(unsupported("compositing 'accumulate' back to front: it ends at what is nearest"));
+                return Err(unsupported(
+                    Feature::Compositing,
+                    "compositing 'accumulate' back to front: it ends at what is nearest",
+                ));
             }
             _ if picks => {
                 let name = scene.compositing.name();
-                return Err(unsupported(format!("compositing '{name}' back to front: nothing is blended")));
+                return Err(unsupported(
+                    Feature::Compositing,
+                    format!("compositing '{name}' back to front: nothing is blended"),
+                ));
             }
             _ => {}
         }
@@ -58,19 +80,25 @@ pub(crate) fn check(renderer: &TexSlice, scene: &Scene) -> Result<Arc<GridVolume
 
 fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
     if scene.has_gradient_opacity() {
-        return Err(unsupported("opacity that follows the gradient"));
+        return Err(unsupported(Feature::GradientOpacity, "opacity that follows the gradient"));
     }
     let Some(shading) = scene.reflection() else { return Ok(()) };
     if shading.gradient == GradientMethod::Analytic {
-        return Err(unsupported("analytic gradients: those at the samples are interpolated"));
+        return Err(unsupported(
+            Feature::AnalyticGradients,
+            "analytic gradients: those at the samples are interpolated",
+        ));
     }
     if matches!(renderer.format, Format::PreIntegrated | Format::Paletted | Format::Compressed)
         && scene.compositing.integrates_light()
     {
-        return Err(unsupported("shading of pre-integrated segments, of palettes and of compressed textures"));
+        return Err(unsupported(
+            Feature::Shading,
+            "shading of pre-integrated segments, of palettes and of compressed textures",
+        ));
     }
     if volume.census().nan + volume.census().infinite > 0 {
-        return Err(unsupported("shading of a volume with missing samples"));
+        return Err(unsupported(Feature::MissingValues, "shading of a volume with missing samples"));
     }
     Ok(())
 }
@@ -80,31 +108,35 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
         let grey = |c: [f64; 3]| c[0] == c[1] && c[1] == c[2];
         let points = scene.transfer.points();
         if !points.iter().all(|p| grey(p.color) && grey(p.emission.unwrap_or_default())) {
-            return Err(unsupported("colours in textures of luminance and alpha"));
+            return Err(unsupported(Feature::Color, "colours in textures of luminance and alpha"));
         }
         if scene.reflection().is_some() && !scene.lights.iter().all(|light| grey(light.color)) {
-            return Err(unsupported("lights of a colour on textures of luminance and alpha"));
+            return Err(unsupported(Feature::Color, "lights of a colour on textures of luminance and alpha"));
         }
     }
     if renderer.format == Format::Compressed && volume.census().nan + volume.census().infinite > 0 {
-        return Err(unsupported("compression of a volume with missing samples"));
+        return Err(unsupported(Feature::MissingValues, "compression of a volume with missing samples"));
     }
     let plain_stack = matches!(renderer.format, Format::Scalar | Format::PreIntegrated);
     if renderer.proxy == Proxy::Stacks && !plain_stack {
-        return Err(unsupported("stacks of 2D textures but of values"));
+        return Err(unsupported(Feature::Setting, "stacks of 2D textures but of values"));
     }
     let bricks = renderer.brick.is_some();
     if bricks && (renderer.format != Format::Scalar || renderer.proxy == Proxy::Stacks || scene.reflection().is_some())
     {
-        return Err(unsupported("bricks but of unshaded values in 3D textures, classified after interpolation"));
+        return Err(unsupported(
+            Feature::Setting,
+            "bricks but of unshaded values in 3D textures, classified after interpolation",
+        ));
     }
     let in_order = renderer.blend == Blend::FrontToBack && scene.compositing == Compositing::Over;
     if (bricks || renderer.order == Order::Slices) && !in_order {
-        return Err(unsupported("bricks and whole slices but under 'over', front to back"));
+        return Err(unsupported(Feature::Setting, "bricks and whole slices but under 'over', front to back"));
     }
     let planes_of_values = renderer.proxy == Proxy::Planes && renderer.format == Format::Scalar;
     if renderer.order == Order::Slices && (bricks || scene.reflection().is_some() || !planes_of_values) {
         return Err(unsupported(
+            Feature::Setting,
             "whole slices but planes through unshaded values, classified after interpolation, in one texture",
         ));
     }
@@ -115,10 +147,13 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
 pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Result<(), RenderError> {
     let perspective = matches!(view.camera.projection, Projection::Perspective { .. });
     if perspective && is_shaded(renderer.format, scene) {
-        return Err(unsupported("voxels shaded beforehand in perspective: what they reflect changes from ray to ray"));
+        return Err(unsupported(
+            Feature::Perspective,
+            "voxels shaded beforehand in perspective: what they reflect changes from ray to ray",
+        ));
     }
     if renderer.order == Order::Slices && view.supersampling > 1 {
-        return Err(unsupported("several samples a pixel in whole slices"));
+        return Err(unsupported(Feature::Supersampling, "several samples a pixel in whole slices"));
     }
     Ok(())
 }

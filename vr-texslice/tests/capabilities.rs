@@ -15,7 +15,7 @@ fn what_it_cannot_draw_it_refuses() {
     let control = Control::default();
     let refused = |renderer: TexSlice, scene: &Scene, view: &View| {
         let drawn = renderer.prepare(scene, &control).and_then(|mut p| p.render(view, &control));
-        matches!(drawn, Err(RenderError::Unsupported { renderer: "texslice", .. }))
+        matches!(drawn, Err(RenderError::Unsupported(Unsupported { renderer: "texslice", .. })))
     };
     let plain = TexSlice::default;
     assert!(!refused(plain(), &scene, &view));
@@ -144,7 +144,9 @@ fn opacity_by_the_gradient_is_refused_whatever_shines() {
     let control = Control::default();
     for format in [Format::Scalar, Format::PreIntegrated, Format::Rgba, Format::Paletted, Format::Compressed] {
         match (TexSlice { format, ..TexSlice::default() }).prepare(&scene, &control) {
-            Err(RenderError::Unsupported { feature, .. }) => assert!(feature.contains("gradient"), "{feature}"),
+            Err(RenderError::Unsupported(Unsupported { what: feature, .. })) => {
+                assert!(feature.contains("gradient"), "{feature}")
+            }
             other => panic!("{format:?}: {:?}", other.map(|_| "prepared")),
         }
     }

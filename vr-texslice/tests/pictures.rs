@@ -303,7 +303,7 @@ fn shaded_pictures_are_what_the_model_sums() {
     let rgba = TexSlice { format: Format::Rgba, ..brute };
     let control = Control::default();
     let refused = rgba.prepare(&scene, &control).and_then(|mut p| p.render(&perspective, &control));
-    assert!(matches!(refused, Err(RenderError::Unsupported { renderer: "texslice", .. })));
+    assert!(matches!(refused, Err(RenderError::Unsupported(Unsupported { renderer: "texslice", .. }))));
 }
 
 #[test]

@@ -93,7 +93,7 @@ fn look(
     control: &Control,
 ) -> Result<Seen, RenderError> {
     let mut prepared = renderer.prepare(&setup.scene, control)?;
-    let model = match prepared.model(view) {
+    let model = match prepared.model(view)? {
         Model::Canonical => None,
         other => Some(format!("{other:?}")),
     };

@@ -66,7 +66,7 @@ pub fn agrees_with_its_model(
         let control = Control::default();
         let mut prepared = renderer.prepare(&test.scene, &control)?;
         let frame = prepared.render(&test.view, &control)?.frame;
-        let model = prepared.model(&test.view);
+        let model = prepared.model(&test.view)?;
         Ok(judge(&frame, Truth::of(&effort.reference, test, &model)?, allowed))
     })
 }

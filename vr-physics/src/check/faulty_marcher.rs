@@ -6,9 +6,9 @@ use vr_core::filter::Reconstruction;
 use vr_core::optics::{opacity_of_depth, source_weight};
 use vr_core::transfer::Optical;
 use vr_core::{
-    Compositing, Configurable, Control, ConvergenceClaim, ConvergenceOrders, DeclaredOption, Documented, Frame,
-    IndexRay, Model, NumberRange, OptionTable, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer, Sampler,
-    SamplerVisitor, Scene, TransferFunction, View, Voxel,
+    Compositing, Configurable, Control, ConvergenceClaim, ConvergenceOrders, DeclaredOption, Documented, Feature,
+    Frame, IndexRay, Model, NumberRange, OptionTable, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer,
+    Sampler, SamplerVisitor, Scene, TransferFunction, Unsupported, View, Voxel,
 };
 
 /// The classic mistakes.
@@ -101,8 +101,8 @@ impl Documented for Marcher {
     }
 }
 
-fn unsupported(feature: &str) -> RenderError {
-    RenderError::Unsupported { renderer: "marcher", feature: feature.to_owned() }
+fn unsupported(feature: Feature) -> RenderError {
+    Unsupported { renderer: "marcher", feature, what: feature.to_string() }.into()
 }
 
 impl Renderer for Marcher {
@@ -110,21 +110,26 @@ impl Renderer for Marcher {
         "marcher"
     }
 
-    fn prepare(&self, scene: &Scene, _: &Control) -> Result<Box<dyn Prepared>, RenderError> {
+    fn supports(&self, scene: &Scene, _: Option<&View>) -> Result<(), RenderError> {
         if self.fault == Fault::RefusesEverything {
-            return Err(unsupported("anything"));
+            return Err(unsupported(Feature::VolumeKind));
         }
+        supports(scene)
+    }
+
+    fn prepare(&self, scene: &Scene, _: &Control) -> Result<Box<dyn Prepared>, RenderError> {
+        self.supports(scene, None)?;
         assert!(self.fault != Fault::Panic, "a bug");
-        supports(scene)?;
         Ok(Box::new(Marching { marcher: self.clone(), scene: scene.clone(), frames: AtomicU32::new(0) }))
     }
 }
 
 fn supports(scene: &Scene) -> Result<(), RenderError> {
-    match (scene.compositing, &scene.shading) {
-        (Compositing::Over, None) => Ok(()),
-        (Compositing::Over, Some(_)) => Err(unsupported("shading")),
-        _ => Err(unsupported("compositing")),
+    match (scene.compositing, &scene.shading, &scene.surfaces) {
+        (Compositing::Over, None, None) => Ok(()),
+        (Compositing::Over, None, Some(_)) => Err(unsupported(Feature::Surfaces)),
+        (Compositing::Over, Some(_), _) => Err(unsupported(Feature::Shading)),
+        _ => Err(unsupported(Feature::Compositing)),
     }
 }
 
@@ -154,9 +159,6 @@ impl Prepared for Marching {
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
-        if self.scene.surfaces.is_some() {
-            return Err(unsupported("opaque layers"));
-        }
         let rays = Rays::new(view)?;
         let volume = self.scene.volume.grid().expect("a uniform grid");
         let threads = control.run(rayon::current_num_threads);
@@ -189,8 +191,8 @@ impl Prepared for Marching {
         Ok(Rendered { frame, stats: RenderStats::default() })
     }
 
-    fn model(&self, _: &View) -> Model {
-        Model::Canonical
+    fn model(&self, _: &View) -> Result<Model, RenderError> {
+        Ok(Model::Canonical)
     }
 }
 

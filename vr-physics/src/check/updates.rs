@@ -38,8 +38,11 @@ pub fn update_is_prepare(renderer: &dyn Renderer, effort: &Effort) -> Result<Rep
                 (Err(RenderError::Unsupported { .. }), Err(RenderError::Unsupported { .. })) => {
                     prepared = renderer.prepare(&test.scene, &control)?;
                 }
-                (Err(RenderError::Unsupported { feature, .. }), Ok(_)) => {
-                    return Ok(Verdict::Broken(format!("{what}: drawn, though a new preparation refuses {feature}")));
+                (Err(RenderError::Unsupported(refused)), Ok(_)) => {
+                    return Ok(Verdict::Broken(format!(
+                        "{what}: drawn, though a new preparation refuses {}",
+                        refused.what
+                    )));
                 }
                 (Ok(_), Err(e)) => return Ok(Verdict::Broken(format!("{what}: {e}, though a new preparation draws"))),
                 (Err(e), _) => return Ok(Verdict::Broken(format!("{what}: {e}"))),

@@ -11,11 +11,11 @@ mod walk;
 use vr_core::filter::Reconstruction;
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Filter, GridVolume, IndexRay, Layer, Rays, Real, RenderError, Sampler, SamplerVisitor, Scene,
-    View, Voxel,
+    Compositing, Counts, Feature, Filter, GridVolume, IndexRay, Layer, Rays, Real, RenderError, Sampler,
+    SamplerVisitor, Scene, View, Voxel,
 };
 
-use crate::caster::RayCaster;
+use crate::support::unsupported;
 use crate::tracer::{Traced, Tracer};
 use account::{Account, Limits};
 use blocks::Blocks;
@@ -38,10 +38,8 @@ impl Promise {
     /// [`RenderError::Unsupported`] for what there is no bound for: other operators than over and accumulate, other filters than trilinear and nearest, shading, and emission given on its own under
     /// accumulate.
     pub(crate) fn new(error: f64, scene: &Scene, volume: &GridVolume) -> Result<Self, RenderError> {
-        let without = |what: String| {
-            let feature = format!("a promised error (max-error) {what}");
-            Err(RenderError::Unsupported { renderer: RayCaster::NAME, feature })
-        };
+        let without =
+            |what: String| Err(unsupported(Feature::MaxError, format!("a promised error (max-error) {what}")));
         let level = match scene.compositing {
             Compositing::Over => 1.0,
             Compositing::Accumulate { level } => level,

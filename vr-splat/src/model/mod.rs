@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::{
-    Control, DiscreteModel, IndexRay, LatticeVisitor, Layer, Ray, Rays, Scene, SegmentTerm, View, Voxel,
+    Control, DiscreteModel, IndexRay, LatticeVisitor, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View, Voxel,
     gradient_between_samples,
 };
 
@@ -16,7 +16,6 @@ use crate::kernel::Profile;
 use crate::projection::SplatView;
 use crate::sheets::{ImageSheets, OwnSheets, is_boxed, splat_view};
 use crate::splatting::{Buffers, Splatting};
-use crate::support::check;
 use crate::voxel_optics::optics_of;
 
 use gather::{ExactSplat, Line, gather};
@@ -25,22 +24,31 @@ use gather::{ExactSplat, Line, gather};
 pub(crate) struct SplatModel {
     renderer: Splatting,
     scene: Scene,
-    /// `None` for what cannot be drawn.
-    view: Option<(View, Rays, SplatView, SplatInput)>,
+    view: View,
+    rays: Rays,
+    seen: SplatView,
+    input: SplatInput,
     layer: Option<Layer>,
 }
 
 impl SplatModel {
-    pub(crate) fn new(renderer: &Splatting, scene: &Scene, view: &View) -> Self {
-        let made = || {
-            let input = check(renderer, scene).ok()?;
-            // Subpixels are asked for one by one, in pixels of the picture.
-            let coarse = View { supersampling: 1, ..view.clone() };
-            let seen = splat_view(renderer, scene, &input, &coarse).ok()?;
-            Some((view.clone(), Rays::new(view).ok()?, seen, input))
-        };
-        let layer = scene.layer(view, &Control::default()).ok().flatten();
-        Self { renderer: renderer.clone(), scene: scene.clone(), view: made(), layer }
+    pub(crate) fn new(
+        renderer: &Splatting,
+        scene: &Scene,
+        input: &SplatInput,
+        view: &View,
+    ) -> Result<Self, RenderError> {
+        // Subpixels are asked for one by one, in pixels of the picture.
+        let coarse = View { supersampling: 1, ..view.clone() };
+        Ok(Self {
+            renderer: renderer.clone(),
+            scene: scene.clone(),
+            view: view.clone(),
+            rays: Rays::new(view)?,
+            seen: splat_view(renderer, scene, input, &coarse)?,
+            input: input.clone(),
+            layer: scene.layer(view, &Control::default())?,
+        })
     }
 
     /// Between which depths a ray is inside of what cuts it.
@@ -83,9 +91,7 @@ impl SplatModel {
 
 impl DiscreteModel for SplatModel {
     fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
-        let Some((view, rays, seen, input)) = &self.view else {
-            return Vec::new();
-        };
+        let Self { view, rays, seen, input, .. } = self;
         let line = Line::new(seen, input, &rays.at(x, y), [x, y]);
         let Some(ends) = self.ends(input, view, seen, &rays.at(x, y), &line) else { return Vec::new() };
         let own = match (input, self.renderer.buffers) {

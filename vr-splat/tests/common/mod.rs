@@ -38,7 +38,7 @@ pub fn to_model(renderer: &dyn Renderer, scene: &Scene, view: &View) -> Metrics 
     let control = Control::default();
     let mut prepared = renderer.prepare(scene, &control).expect("a scene that it can draw");
     let frame = prepared.render(view, &control).expect("a view that it can draw").frame;
-    Metrics::of(&solve(scene, view, &prepared.model(view), 1e-9), frame.pixels())
+    Metrics::of(&solve(scene, view, &prepared.model(view).unwrap(), 1e-9), frame.pixels())
 }
 
 /// Against the canonical pixel.
