@@ -214,7 +214,7 @@ mod tests {
     fn nonsense_is_named() {
         let of = |columns| three(columns, &PointOptions::default()).unwrap_err();
         let error = of(Roles { smoothing: column("h", &[1.0, 0.0, 1.0]), ..Roles::default() });
-        assert_eq!(error, "x: point 1, smoothing length 'h': found 0.0; must be positive, between 1e-30 and 1e30");
+        assert_eq!(error, "point 1, smoothing length 'h': found 0.0; must be positive, between 1e-30 and 1e30");
         for bad in [-1.0, f64::NAN, f64::INFINITY, 1e30] {
             let error = of(Roles { radius: column("R", &[1.0, 1.0, bad]), ..Roles::default() });
             assert!(error.contains("point 2, radius 'R'"), "{error}");
