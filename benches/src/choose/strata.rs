@@ -184,7 +184,7 @@ mod tests {
         for (k, stars) in [3usize, 30, 300].into_iter().enumerate() {
             subjects.push(starry(stars, k as u64, size));
         }
-        let raycast: Vec<Box<dyn vr_core::Renderer>> = vec![Box::new(vr_raycast::RayCaster::default())];
+        let raycast: Vec<Box<dyn vr_core::StudiedRenderer>> = vec![Box::new(vr_raycast::RayCaster::default())];
         let contestants = crate::contestant::contestants(&raycast).unwrap();
         let (mut all, mut failed) = (0, 0);
         for subject in &subjects {
