@@ -7,12 +7,20 @@ use crate::options::{NumberRange, OptionKind, OptionSpec, OptionValue, Options};
 pub struct DeclaredOption<R> {
     spec: OptionSpec,
     /// Reads its value; `None` where the renderer's other settings leave it none.
-    get: Box<dyn Fn(&R) -> Option<OptionValue>>,
-    set: Box<dyn Fn(&mut R, &OptionValue)>,
+    get: Getter<R>,
+    set: Setter<R>,
     /// Gives it a value, of a renderer whose other settings leave it none by default.
     enable: fn(&mut R),
-    /// What is wrong with its value beside the renderer's other settings, and if it is.
-    refusals: Vec<(&'static str, fn(&R) -> bool)>,
+    refusals: Vec<Refusal<R>>,
+}
+
+type Getter<R> = Box<dyn Fn(&R) -> Option<OptionValue>>;
+type Setter<R> = Box<dyn Fn(&mut R, &OptionValue)>;
+
+/// Settings beside which the value of an option is wrong.
+struct Refusal<R> {
+    reason: &'static str,
+    is_wrong: fn(&R) -> bool,
 }
 
 impl<R: 'static> DeclaredOption<R> {
@@ -98,7 +106,7 @@ impl<R: 'static> DeclaredOption<R> {
     /// Refuses its value, for a reason, where the renderer's other settings do not go with it.
     #[must_use]
     pub fn refuse(mut self, reason: &'static str, is_wrong: fn(&R) -> bool) -> Self {
-        self.refusals.push((reason, is_wrong));
+        self.refusals.push(Refusal { reason, is_wrong });
         self
     }
 
@@ -207,8 +215,8 @@ impl<R: Clone + Default> OptionTable<R> {
         for option in &self.options {
             let Some(value) = (option.get)(renderer) else { continue };
             option.spec.accepts(&value).map_err(|allowed| self.error(option, &value, allowed))?;
-            if let Some((reason, _)) = option.refusals.iter().find(|(_, is_wrong)| is_wrong(renderer)) {
-                return Err(self.error(option, &value, (*reason).to_owned()));
+            if let Some(refusal) = option.refusals.iter().find(|refusal| (refusal.is_wrong)(renderer)) {
+                return Err(self.error(option, &value, refusal.reason.to_owned()));
             }
         }
         Ok(())
