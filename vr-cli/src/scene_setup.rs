@@ -3,11 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, FromArgMatches};
-use vr_core::scene_file::{SceneFile, VolumeSection};
 use vr_core::{
     Control, Geometry, OptionError, Options, ParameterError, RenderError, Renderer, Scene, TriangleMesh, View, Volume,
 };
-use vr_io::{LoadedScene, SceneFileError, SceneMesh};
+use vr_io::{FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection, VolumeSource};
 use vr_mesh::Surface;
 
 use crate::args::{RendererArgs, SceneArgs};
@@ -36,8 +35,8 @@ pub struct Setup {
     pub phantom: Option<String>,
     /// The opaque surface among the volume, and what it looks like.
     mesh: Option<(TriangleMesh, Surface)>,
-    renderer: String,
-    is_renderer_named: bool,
+    /// The renderer that the scene file names.
+    renderer: Option<String>,
     options: Options,
     max_error: Option<f64>,
     origin: Origin,
@@ -90,22 +89,11 @@ impl Setup {
         // One light for all that is there; a mesh alone would be flat without any.
         let shading = scene.shading.as_deref().cloned().unwrap_or_default();
         let mesh = mesh.map(|SceneMesh { mesh, color }| (mesh, Surface { color, shading }));
-        let phantom = file.volume.phantom;
-        let is_renderer_named = file.render.renderer.is_some();
-        let mut setup = Self {
-            scene,
-            view,
-            title,
-            notes,
-            inputs,
-            phantom,
-            mesh,
-            renderer,
-            is_renderer_named,
-            options,
-            max_error,
-            origin,
+        let phantom = match file.volume.source {
+            Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => Some(name),
+            _ => None,
         };
+        let mut setup = Self { scene, view, title, notes, inputs, phantom, mesh, renderer, options, max_error, origin };
         setup.view = setup.with_mesh(&setup.view).map_err(|e| setup.render_failure(e))?;
         if setup.view.layer.as_ref().is_some_and(|layer| layer.pixels.iter().all(|p| p.1 == f32::INFINITY)) {
             console.note("the mesh is nowhere in the picture");
@@ -144,14 +132,14 @@ impl Setup {
             Some(path) if !by_flag => Failure::failed(format!("{}: {message}", path.display())),
             _ => Failure::usage(message),
         };
-        let name = args.renderer.as_ref().unwrap_or(&self.renderer);
+        let own_name = self.renderer.as_deref().unwrap_or_else(|| renderers::usual(&self.scene.volume));
+        let name = args.renderer.as_deref().unwrap_or(own_name);
         let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
         // Another renderer than the scene file's: the options there are not for it.
-        let is_own = *name == self.renderer;
+        let is_own = name == own_name;
         let own = if is_own { self.options.clone() } else { Options::new() };
         if !is_own && !self.options.0.is_empty() {
-            console
-                .note(&format!("options of the scene file have no effect: they are for {}, not {name}", self.renderer));
+            console.note(&format!("options of the scene file have no effect: they are for {own_name}, not {name}"));
         }
         let set = |key: &str| args.set.iter().any(|(k, _)| k == key);
         let max_error = match (args.max_error, renderers::promising_option(&*renderer)) {
@@ -192,7 +180,7 @@ impl Setup {
     pub fn note_unused_renderer(&self, why: &str, console: Console) {
         let options = self.options.0.keys().map(|key| format!("render.{key}"));
         let max_error = self.max_error.map(|_| "render.max_error".to_owned());
-        let named = self.is_renderer_named.then(|| "render.renderer".to_owned());
+        let named = self.renderer.as_ref().map(|_| "render.renderer".to_owned());
         let unused: Vec<String> = named.into_iter().chain(max_error).chain(options).collect();
         if !unused.is_empty() {
             console.note(&format!("{} of the scene file: without effect, {why}", unused.join(", ")));
@@ -250,10 +238,12 @@ pub fn default_scene(volume_named: bool) -> Result<SceneFile, Failure> {
 
 /// `phantom fog, 64×64×64 f32`, or `halo.npy, 32314 points`.
 pub fn title(section: &VolumeSection, volume: &Volume) -> String {
-    let name = match (&section.path, &section.phantom) {
-        (Some(path), _) => path.clone(),
-        (None, Some(phantom)) => format!("phantom {phantom}"),
-        (None, None) => "inline data".to_owned(),
+    let name = match &section.source {
+        Some(VolumeSource::File(FileSource { path, .. })) => path.clone(),
+        Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => {
+            format!("phantom {name}")
+        }
+        _ => "inline data".to_owned(),
     };
     match volume.geometry() {
         Geometry::Uniform(u) => format!("{name}, {} {}", number::triple(u.dims(), "×"), u.voxel_type()),
