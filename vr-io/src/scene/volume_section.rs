@@ -24,6 +24,7 @@ pub struct VolumeSection {
 
 /// Source of a volume, with the keys that mean something to it.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a scene file has one")]
 pub enum VolumeSource {
     /// A file.
     File(FileSource),
