@@ -1,9 +1,8 @@
 //! The camera of a view, changed by flags.
 
 use glam::DVec3;
-use vr_core::scene_file::ProjectionName;
 use vr_core::{Camera, ParameterError, Projection};
-use vr_io::{FileInfo, OBLIQUE};
+use vr_io::{FileInfo, OBLIQUE, ProjectionName};
 
 use crate::args::CameraArgs;
 

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
-use vr_core::scene_file::{
-    ClipSection, LightEntry, MeshSection, PlaneEntry, PointEntry, SceneFile, TransferSection, VolumeSection,
+use vr_core::{ControlPoint, Plane};
+use vr_io::{
+    FileSource, GridDescription, LightEntry, MeshSection, PointOptions, SceneFile, TransferSection, VolumeSection,
+    VolumeSource,
 };
 
 use crate::args::{CameraArgs, CompositingArgs, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs};
@@ -55,9 +57,12 @@ impl Overrides {
         self.fields.push(field);
     }
 
-    /// Whether a flag set a field, or a part of it.
+    /// True if a flag set a field, or what it is a part of: `shading.lights` for `shading.lights[0].color`.
     pub fn set_by_flag(&self, field: &str) -> bool {
-        self.fields.iter().any(|f| field.starts_with(f))
+        let part_of = |whole: &&str| {
+            field.strip_prefix(*whole).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        };
+        self.fields.iter().any(part_of)
     }
 
     fn set<T>(&mut self, field: &'static str, flag: Option<T>, value: &mut T) {
@@ -83,46 +88,58 @@ impl Overrides {
     /// Writes the flags of `[volume]`, the filter's apart.
     ///
     /// # Errors
-    /// A flag about files where there is a phantom, or the other way round.
+    /// An unknown phantom, or a flag that means nothing to the source of the volume: one about files where there is a phantom, say.
     pub fn volume(&mut self, args: &VolumeArgs, section: &mut VolumeSection) -> Result<(), Failure> {
-        if args.path.is_some() || args.phantom.is_some() {
-            // Another volume: what the file says about its own is void, the filter apart.
-            *section = VolumeSection { filter: section.filter, ..VolumeSection::default() };
+        // Another volume: what the file says about its own is void, the filter apart.
+        if let Some(path) = &args.path {
+            let path = self.path_from_here(path);
+            section.source = Some(VolumeSource::File(FileSource { path, ..FileSource::default() }));
+            self.note("volume.path");
+        } else if let Some(name) = &args.phantom {
+            section.source = Some(VolumeSource::phantom(name).map_err(Failure::usage)?);
+            self.note("volume.phantom");
         }
-        let path = args.path.as_deref().map(|p| self.path_from_here(p));
-        self.set_some("volume.path", path, &mut section.path);
-        self.set_some("volume.phantom", args.phantom.clone(), &mut section.phantom);
-        self.set_some("volume.size", args.phantom_size, &mut section.size);
-        self.set_some("volume.frame", args.frame, &mut section.frame);
-        self.set_some("volume.component", args.component, &mut section.component);
-        self.set_some("volume.transform", args.transform.clone(), &mut section.transform);
-        self.set_some("volume.dims", args.dims, &mut section.dims);
-        self.set_some("volume.type", args.voxel_type.clone(), &mut section.voxel_type);
-        self.set_some("volume.endian", args.endian.clone(), &mut section.endian);
-        self.set_some("volume.skip", args.skip, &mut section.skip);
-        self.set_some("volume.spacing", args.spacing, &mut section.spacing);
-        self.set_some("volume.origin", args.origin, &mut section.origin);
-        self.points(args, section)?;
-        let of_phantoms = |field: &str| ["volume.phantom", "volume.size", "volume.count"].contains(&field);
-        let is_phantom = section.phantom.is_some();
-        match self.fields.iter().find(|field| of_phantoms(field) != is_phantom) {
-            Some(field) if is_phantom => Err(Failure::usage(format!("{field}: a phantom has none; only files do"))),
-            Some(field) => Err(Failure::usage(format!("{field}: a file has none; only phantoms do"))),
-            None => Ok(()),
+        match &mut section.source {
+            Some(VolumeSource::File(file)) => {
+                self.set_some("volume.frame", args.frame, &mut file.frame);
+                self.set_some("volume.component", args.component, &mut file.component);
+                self.set_some("volume.transform", args.transform, &mut file.transform);
+                self.set_some("volume.endian", args.endian, &mut file.endian);
+                self.set_some("volume.skip", args.skip, &mut file.skip);
+                self.grid(args, &mut file.grid);
+                self.points(args, &mut file.points)?;
+            }
+            Some(VolumeSource::Phantom { size, .. }) => self.set_some("volume.size", args.phantom_size, size),
+            Some(VolumeSource::PhantomPoints { count, .. }) => {
+                self.set_some("volume.count", args.points_count, count);
+            }
+            Some(VolumeSource::Grid { grid, .. }) => self.grid(args, grid),
+            Some(VolumeSource::Points { kernel, .. }) => self.set_some("volume.kernel", args.kernel, kernel),
+            None => {}
+        }
+        match (&section.source, given(args).find(|(field, _)| !self.fields.contains(field))) {
+            (Some(source), Some((field, found))) => {
+                Err(Failure::usage(source.refusal(field.trim_start_matches("volume."), found)))
+            }
+            _ => Ok(()),
         }
     }
 
+    /// Writes the flags of a grid without a header.
+    fn grid(&mut self, args: &VolumeArgs, grid: &mut GridDescription) {
+        self.set_some("volume.dims", args.dims, &mut grid.dims);
+        self.set_some("volume.type", args.voxel_type, &mut grid.scalar);
+        self.set_some("volume.spacing", args.spacing, &mut grid.spacing);
+        self.set_some("volume.origin", args.origin, &mut grid.origin);
+    }
+
     /// Writes the flags of scattered points.
-    fn points(&mut self, args: &VolumeArgs, section: &mut VolumeSection) -> Result<(), Failure> {
-        self.set_some("volume.count", args.points_count, &mut section.count);
-        self.set_some("volume.value", args.value.clone(), &mut section.value);
-        self.set_some("volume.kernel", args.kernel, &mut section.kernel);
-        self.set_some("volume.radius", args.radius, &mut section.radius);
-        self.set_some("volume.radius_scale", args.radius_scale, &mut section.radius_scale);
-        if args.position_columns.is_none() && args.column.is_empty() {
-            return Ok(());
-        }
-        let columns = section.columns.get_or_insert_default();
+    fn points(&mut self, args: &VolumeArgs, points: &mut PointOptions) -> Result<(), Failure> {
+        self.set_some("volume.value", args.value.clone(), &mut points.value);
+        self.set_some("volume.kernel", args.kernel, &mut points.kernel);
+        self.set_some("volume.radius", args.radius, &mut points.radius);
+        self.set_some("volume.radius_scale", args.radius_scale, &mut points.radius_scale);
+        let columns = &mut points.columns;
         self.set_some("volume.columns", args.position_columns.clone(), &mut columns.position);
         for (role, name) in &args.column {
             let column = match role.as_str() {
@@ -157,8 +174,7 @@ impl Overrides {
             }
         }
         if !point.is_empty() {
-            let entry =
-                |&[value, r, g, b, opacity]: &[f64; 5]| PointEntry { value, color: [r, g, b], opacity, emission: None };
+            let entry = |&[value, r, g, b, opacity]: &[f64; 5]| ControlPoint::new(value, [r, g, b], opacity);
             section.points = Some(point.iter().map(entry).collect());
             // What stretched those is not for points.
             (section.preset, section.file, section.range) = (None, None, None);
@@ -186,12 +202,12 @@ impl Overrides {
         self.set("shading.power", args.power, &mut section.power);
         self.set("shading.gradient", args.gradient, &mut section.gradient);
         if !args.light.is_empty() {
-            let entry = |&d: &[f64; 3]| LightEntry { headlight: false, direction: Some(d), color: [1.0; 3] };
+            let entry = |&d: &[f64; 3]| LightEntry { headlight: false, direction: Some(d.into()), color: [1.0; 3] };
             section.lights = args.light.iter().map(entry).collect();
             self.note("shading.lights");
         }
         if !args.gradient_opacity.is_empty() {
-            section.gradient_opacity.clone_from(&args.gradient_opacity);
+            section.gradient_opacity = args.gradient_opacity.iter().map(|&[m, f]| (m, f)).collect();
             self.note("shading.gradient_opacity");
         }
         if args.shading || self.fields.len() > before {
@@ -219,14 +235,12 @@ impl Overrides {
         self.set("image.size", args.size, &mut file.image.size);
         self.set("image.samples", args.samples, &mut file.image.samples);
         self.set("image.background", args.background, &mut file.image.background);
-        let mut clip = file.clip.clone().unwrap_or_default();
-        self.set_some("clip.box", args.crop, &mut clip.crop);
+        let crop = args.crop.map(|[low, high]| (low.into(), high.into()));
+        self.set_some("clip.box", crop, &mut file.clip.crop);
         if !args.clip_plane.is_empty() {
-            clip.planes = args.clip_plane.iter().map(|&(normal, offset)| PlaneEntry { normal, offset }).collect();
+            let plane = |&(normal, offset): &([f64; 3], f64)| Plane { normal: normal.into(), offset };
+            file.clip.planes = args.clip_plane.iter().map(plane).collect();
             self.note("clip.planes");
-        }
-        if clip != ClipSection::default() {
-            file.clip = Some(clip);
         }
     }
 
@@ -242,4 +256,31 @@ impl Overrides {
         self.set_some("render.threshold", args.threshold, &mut file.render.threshold);
         self.set_some("render.level", args.level, &mut file.render.level);
     }
+}
+
+/// Returns the flags of `[volume]` that are given and name no source: the fields that they set, and to what.
+fn given(args: &VolumeArgs) -> impl Iterator<Item = (&'static str, String)> {
+    fn shown(value: &Option<impl std::fmt::Debug>) -> Option<String> {
+        value.as_ref().map(|v| format!("{v:?}"))
+    }
+    let columns = (!args.column.is_empty()).then_some(&args.column);
+    let flags = [
+        ("volume.size", shown(&args.phantom_size)),
+        ("volume.count", shown(&args.points_count)),
+        ("volume.frame", shown(&args.frame)),
+        ("volume.component", shown(&args.component)),
+        ("volume.transform", shown(&args.transform)),
+        ("volume.dims", shown(&args.dims)),
+        ("volume.type", shown(&args.voxel_type)),
+        ("volume.endian", shown(&args.endian)),
+        ("volume.skip", shown(&args.skip)),
+        ("volume.spacing", shown(&args.spacing)),
+        ("volume.origin", shown(&args.origin)),
+        ("volume.value", shown(&args.value)),
+        ("volume.kernel", shown(&args.kernel)),
+        ("volume.radius", shown(&args.radius)),
+        ("volume.radius_scale", shown(&args.radius_scale)),
+        ("volume.columns", shown(&args.position_columns).or_else(|| shown(&columns))),
+    ];
+    flags.into_iter().filter_map(|(field, found)| Some((field, found?)))
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use vr_core::{OptionSpec, OptionValue, Options, StudiedRenderer};
+use vr_core::{OptionSpec, OptionValue, Options, StudiedRenderer, Volume};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
@@ -33,6 +33,15 @@ pub fn named(name: &str) -> Result<Box<dyn StudiedRenderer>, String> {
         .into_iter()
         .find(|r| r.name() == name)
         .ok_or_else(|| format!("render.renderer: found {name:?}; must be one of {names}"))
+}
+
+/// Returns the name of the renderer that draws volumes of a kind where no other is named.
+pub fn usual(volume: &Volume) -> &'static str {
+    match &volume {
+        // No ray caster finds the few points, of all, that a ray meets.
+        Volume::Points(_) => "splat",
+        _ => "raycast",
+    }
 }
 
 /// Those of the names; all where there are none.

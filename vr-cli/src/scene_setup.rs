@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, FromArgMatches};
-use vr_core::scene_file::{SceneFile, VolumeSection};
 use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
-use vr_io::{LoadedScene, SceneFileError, SceneMesh};
+use vr_io::{FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection, VolumeSource};
 use vr_mesh::Surface;
 
 use crate::args::{RendererArgs, SceneArgs};
@@ -33,8 +32,8 @@ pub struct Setup {
     pub inputs: Vec<PathBuf>,
     /// The phantom that the volume is made of, if it is.
     pub phantom: Option<String>,
-    renderer: String,
-    is_renderer_named: bool,
+    /// The renderer that the scene file names.
+    renderer: Option<String>,
     options: Options,
     max_error: Option<f64>,
     origin: Origin,
@@ -89,21 +88,11 @@ impl Setup {
         scene.surfaces = mesh.map(|SceneMesh { mesh, color }| {
             Arc::new(Surface { color, shading, ..Surface::new(mesh) }) as Arc<dyn Surfaces>
         });
-        let phantom = file.volume.phantom;
-        let is_renderer_named = file.render.renderer.is_some();
-        let setup = Self {
-            scene,
-            view,
-            title,
-            notes,
-            inputs,
-            phantom,
-            renderer,
-            is_renderer_named,
-            options,
-            max_error,
-            origin,
+        let phantom = match file.volume.source {
+            Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => Some(name),
+            _ => None,
         };
+        let setup = Self { scene, view, title, notes, inputs, phantom, renderer, options, max_error, origin };
         let layer = setup.scene.layer(&setup.view, &Control::default()).map_err(|e| setup.render_failure(e))?;
         if layer.is_some_and(|layer| layer.pixels.iter().all(|p| p.1 == f32::INFINITY)) {
             console.note("the mesh is nowhere in the picture");
@@ -120,14 +109,14 @@ impl Setup {
             Some(path) if !by_flag => Failure::failed(format!("{}: {message}", path.display())),
             _ => Failure::usage(message),
         };
-        let name = args.renderer.as_ref().unwrap_or(&self.renderer);
+        let own_name = self.renderer.as_deref().unwrap_or_else(|| renderers::usual(&self.scene.volume));
+        let name = args.renderer.as_deref().unwrap_or(own_name);
         let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
         // Another renderer than the scene file's: the options there are not for it.
-        let is_own = *name == self.renderer;
+        let is_own = name == own_name;
         let own = if is_own { self.options.clone() } else { Options::new() };
         if !is_own && !self.options.0.is_empty() {
-            console
-                .note(&format!("options of the scene file have no effect: they are for {}, not {name}", self.renderer));
+            console.note(&format!("options of the scene file have no effect: they are for {own_name}, not {name}"));
         }
         let set = |key: &str| args.set.iter().any(|(k, _)| k == key);
         let promising = renderer.option_specs().into_iter().find(|option| option.promises).map(|option| option.key);
@@ -177,7 +166,7 @@ impl Setup {
     pub fn note_unused_renderer(&self, why: &str, console: Console) {
         let options = self.options.0.keys().map(|key| format!("render.{key}"));
         let max_error = self.max_error.map(|_| "render.max_error".to_owned());
-        let named = self.is_renderer_named.then(|| "render.renderer".to_owned());
+        let named = self.renderer.as_ref().map(|_| "render.renderer".to_owned());
         let unused: Vec<String> = named.into_iter().chain(max_error).chain(options).collect();
         if !unused.is_empty() {
             console.note(&format!("{} of the scene file: without effect, {why}", unused.join(", ")));
@@ -229,10 +218,12 @@ pub fn default_scene(volume_named: bool) -> Result<SceneFile, Failure> {
 
 /// `phantom fog, 64×64×64 f32`, or `halo.npy, 32314 points`.
 pub fn title(section: &VolumeSection, volume: &Volume) -> String {
-    let name = match (&section.path, &section.phantom) {
-        (Some(path), _) => path.clone(),
-        (None, Some(phantom)) => format!("phantom {phantom}"),
-        (None, None) => "inline data".to_owned(),
+    let name = match &section.source {
+        Some(VolumeSource::File(FileSource { path, .. })) => path.clone(),
+        Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => {
+            format!("phantom {name}")
+        }
+        _ => "inline data".to_owned(),
     };
     match volume {
         Volume::Grid(u) => format!("{name}, {} {}", number::triple(u.dims(), "×"), u.voxel_type()),

@@ -36,7 +36,7 @@
 //! ```
 //!
 //! # Features
-//! * `serde`: the types of a scene file, in `scene_file`.
+//! * `serde`: the values that scene files and reports hold (words, options, control points, clipping), with serde.
 
 mod any_grid;
 pub mod bound;
@@ -73,8 +73,6 @@ mod real;
 mod renderer;
 mod sampler;
 mod scene;
-#[cfg(feature = "serde")]
-pub mod scene_file;
 mod shading;
 mod stats;
 mod surfaces;

@@ -61,8 +61,11 @@ impl View {
 
 /// What is cut away. Everything is kept by default.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Clip {
     /// Lower and upper corner of a world box that is kept.
+    #[cfg_attr(feature = "serde", serde(rename = "box"))]
     pub crop: Option<(DVec3, DVec3)>,
     /// Half spaces that are kept, all of them.
     pub planes: Vec<Plane>,
@@ -70,6 +73,8 @@ pub struct Clip {
 
 /// Keeps normal·x ≥ offset, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Plane {
     /// Points into what is kept; any length.
     pub normal: DVec3,

@@ -30,6 +30,27 @@
 //! # }
 //! ```
 //!
+//! # Scene files
+//!
+//! A [`SceneFile`] holds the sections of the text; [`resolve_scene`] reads what they name.
+//!
+//! ```
+//! use std::path::Path;
+//! use vr_io::VolumeSource;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let text = "[volume]\nphantom = \"blobs\"\nsize = 8\n[camera]\neye = [0, 0, 9]\ntarget = [0, 0, 0]\nup = [0, 1, 0]\nheight = 3\n";
+//! let file = vr_io::parse_scene(text, Path::new("blobs.toml"))?;
+//! assert!(matches!(&file.volume.source, Some(VolumeSource::Phantom { size: Some(8), .. })));
+//! let loaded = vr_io::resolve_scene(&file, Path::new("blobs.toml"))?;
+//! assert_eq!((loaded.view.camera.eye.z, loaded.view.size), (9.0, [512, 512]));
+//!
+//! let error = vr_io::parse_scene("[volume]\nphantom = \"blobs\"\nsise = 8\n", Path::new("blobs.toml")).unwrap_err();
+//! assert_eq!(error.to_string(), "blobs.toml: line 3: unknown key 'sise'; did you mean 'size'?");
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Volumes that are read
 //!
 //! | format | files | encodings |
@@ -131,13 +152,15 @@ pub use paraview::{ColorMap, parse_color_maps, read_color_maps};
 pub use picture::write;
 pub use picture_read::{MOST_PIXELS, Picture, PictureError, SampleKind, read_picture};
 pub use png::{Encode, PngDepth, PngOptions, encode_png, write_png};
-pub use points::{LoadedPoints, PointOptions, read_points};
+pub use points::{LoadedPoints, PointColumns, PointOptions, read_points};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, read};
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    LoadedScene, LoadedVolume, SceneFileError, SceneMesh, load_scene, load_volume, parse_scene, read_scene,
-    resolve_scene, scene_text, write_scene,
+    CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LightEntry, LoadedScene,
+    LoadedVolume, MeshSection, ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection,
+    TransferSection, VolumeSection, VolumeSource, load_scene, load_volume, parse_scene, read_scene, resolve_scene,
+    scene_text, write_scene,
 };
 pub use world::{Space, orientation};
 

@@ -1,9 +1,11 @@
 //! The sample types that files hold.
 
-use vr_core::VoxelType;
+use serde::{Deserialize, Serialize};
+use vr_core::{ParameterError, VoxelType};
 
 /// The type of the samples in a file. Memory holds five of them (see [`VoxelType`]); the others are converted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", rename_all = "lowercase")]
 pub enum ScalarType {
     /// Unsigned 8-bit integers.
     U8,
@@ -73,6 +75,15 @@ impl ScalarType {
     }
 }
 
+impl TryFrom<String> for ScalarType {
+    type Error = ParameterError;
+
+    fn try_from(name: String) -> Result<Self, ParameterError> {
+        let allowed = "must be u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64";
+        Self::from_name(&name).ok_or_else(|| ParameterError::new("volume.type", name, allowed))
+    }
+}
+
 impl From<VoxelType> for ScalarType {
     fn from(t: VoxelType) -> Self {
         match t {
@@ -92,7 +103,8 @@ impl std::fmt::Display for ScalarType {
 }
 
 /// Which byte of a number comes first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Endian {
     /// The lowest one, as on x86-64.
     #[default]

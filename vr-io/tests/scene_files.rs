@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use glam::DVec3;
-use vr_core::scene_file::SceneFile;
 use vr_core::transfer::srgb_to_linear;
 use vr_core::{Calibration, Placement, PointKernel, PointSet, Scene, UniformGrid, View};
-use vr_io::{load_scene, parse_scene, resolve_scene, scene_text, write_scene};
+use vr_io::{SceneFile, load_scene, parse_scene, resolve_scene, scene_text, write_scene};
 
 /// The example of the design, with a raw volume beside it.
 const EXAMPLE: &str = r#"
@@ -63,7 +62,7 @@ fn the_example_of_the_design() {
     assert_eq!(loaded.scene.volume.value_range(), Some((-1.0, 114.0)));
     assert_eq!(loaded.scene.transfer.points()[1].color[1], srgb_to_linear(0.5));
     assert_eq!(loaded.view.clip.planes.len(), 1);
-    assert_eq!((loaded.renderer.as_str(), loaded.max_error), ("raycast", Some(0.004)));
+    assert_eq!((loaded.renderer.as_deref(), loaded.max_error), (Some("raycast"), Some(0.004)));
     assert_eq!(loaded.options.0.len(), 1);
 }
 
@@ -120,8 +119,35 @@ fn wrong_files_are_told_where_and_what() {
         ),
     ] {
         let path = Path::new("s.toml");
-        let message = resolve_scene(&parse_scene(text, path).unwrap(), path).unwrap_err().to_string();
+        let message = parse_scene(text, path).and_then(|file| resolve_scene(&file, path)).unwrap_err().to_string();
         assert!(message.contains(word) && !message.contains('\n'), "{message}");
+    }
+}
+
+/// Whatever a section says is said again in its text, and nothing else.
+#[test]
+fn sections_come_back_as_they_were() {
+    for volume in [
+        "path = \"x.raw\"\ndims = [2, 3, 4]\ntype = \"uint16\"\nendian = \"big\"\nskip = 9\nspacing = [1, 2, 3]\norigin = [0, 1, 2]\n\
+         direction = [[0, 1, 0], [1, 0, 0], [0, 0, 1]]\nslope = 2\nintercept = -1\nfilter = \"gaussian\"",
+        "path = \"x.nii\"\nframe = 1\ncomponent = 2\ntransform = \"qform\"",
+        "path = \"x.csv\"\nkernel = \"cone\"\nradius = 1\nradius_scale = 2\nvalue = \"T\"\ncolumns = {position = [\"a\", \"b\", \"c\"], mass = \"m\"}",
+        "phantom = \"fog\"\nsize = 9",
+        "phantom = \"plummer\"\ncount = 7",
+        "data = [0, nan, 2, 3, 4, 5, 6, 7]\ndims = [2, 2, 2]\ntype = \"f32\"\nslope = 2",
+        "points = [[0, 0, 0, 1, 2, 3]]\nkernel = \"gaussian\"",
+        "filter = \"nearest\"",
+    ] {
+        let rest = "[shading]\nlights = [{direction = [0, 0, 1]}]\ngradient_opacity = [[0, 1], [2, 0.5]]\n[clip]\nbox = [[0, 0, 0], [1, 1, 1]]\n\
+                    planes = [{normal = [0, 0, 1], offset = 4}]\n[render]\ncompositing = \"first\"\nthreshold = 3\nstep = 0.5\n";
+        let file = parse_scene(&format!("[volume]\n{volume}\n{rest}"), Path::new("")).unwrap();
+        let text = scene_text(&file).unwrap();
+        assert_eq!(scene_text(&parse_scene(&text, Path::new("")).unwrap()).unwrap(), text);
+        let keys = |text: &str| text.parse::<toml::Table>().unwrap()["volume"].as_table().unwrap().clone();
+        let keys = (keys(&format!("[volume]\n{volume}")), keys(&text));
+        let filter = 1 - usize::from(volume.contains("filter"));
+        assert_eq!(keys.0.len() + filter, keys.1.len(), "{text}");
+        assert!(keys.0.keys().all(|key| keys.1.contains_key(key)), "{text}");
     }
 }
 
@@ -194,8 +220,7 @@ fn points_stand_in_scene_files_and_come_back_identical() {
     let (a, b) = (scene.volume.points().unwrap(), back.scene.volume.points().unwrap());
     assert_eq!((a.positions(), a.radii(), a.kernel()), (b.positions(), b.radii(), b.kernel()), "{text}");
     assert_eq!((a.weights(), a.values()), (b.weights(), b.values()), "{text}");
-    // Splatting is what draws them where nobody names another.
-    assert_eq!(back.renderer, "splat");
+    assert_eq!(back.renderer, None);
 }
 
 #[test]
@@ -255,6 +280,14 @@ fn keys_that_do_not_suit_the_volume_are_refused() {
         ("phantom = \"plumer\"", &["did you mean 'plummer'"]),
         ("points = [[0,0,0,1,1,1]]\nradius = 2.0", &["volume.radius", "only points from files"]),
         ("points = [[0,0,0,0,1,1]]", &["volume.points", "radius 0"]),
+        (
+            "phantom = \"fog\"\nspacing = [1, 1, 2]",
+            &["x.toml: line 1: volume.spacing: found [1.0, 1.0, 2.0]", "a size"],
+        ),
+        ("phantom = \"plumer\"\ncount = 4", &["did you mean 'plummer'"]),
+        ("data = [0]\ndims = [1,1,1]\nframe = 1", &["volume.frame: found 1", "dims, type, spacing"]),
+        ("dims = [2,2,2]", &["volume: found dims alone", "a path, a phantom, data or points"]),
+        ("path = \"x.raw\"\nendian = \"middle\"", &["line 3", "`middle`", "`little`", "`big`"]),
         ("points = []", &["volume.points", "no point"]),
         ("data = [0,0,0,0,0,0,0,0]\ndims = [2,2,2]\nvalue = \"T\"", &["volume.value", "grid"]),
     ] {

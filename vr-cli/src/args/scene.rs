@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use vr_core::scene_file::{ColorEncoding, CompositingName, ProjectionName};
 use vr_core::{Filter, GradientMethod, OpacityRule};
+use vr_io::{ColorEncoding, CompositingName, ProjectionName};
 
 use super::{VolumeArgs, value};
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use vr_core::PointKernel;
+use vr_io::{Endian, ScalarType, Transform};
 
 use super::value;
 
@@ -28,17 +29,17 @@ pub struct VolumeArgs {
     #[arg(long, value_name = "N")]
     pub component: Option<usize>,
     /// NIfTI: what places the volume (auto, sform, qform or spacing)
-    #[arg(long = "xform", value_name = "WHICH")]
-    pub transform: Option<String>,
+    #[arg(long = "xform", value_name = "WHICH", value_parser = value::word::<Transform>)]
+    pub transform: Option<Transform>,
     /// Raw files: samples along x, y, z
     #[arg(long, value_name = "NXxNYxNZ", value_parser = value::dims, requires = "voxel_type")]
     pub dims: Option<[usize; 3]>,
     /// Raw files: type of the samples (u8, i16, f32, ...)
-    #[arg(long = "type", value_name = "TYPE", requires = "dims")]
-    pub voxel_type: Option<String>,
+    #[arg(long = "type", value_name = "TYPE", value_parser = value::word::<ScalarType>, requires = "dims")]
+    pub voxel_type: Option<ScalarType>,
     /// Raw files: little or big
-    #[arg(long, value_name = "ORDER", requires = "dims")]
-    pub endian: Option<String>,
+    #[arg(long, value_name = "ORDER", value_parser = value::word::<Endian>, requires = "dims")]
+    pub endian: Option<Endian>,
     /// Raw files: bytes before the samples
     #[arg(long, value_name = "BYTES", requires = "dims")]
     pub skip: Option<u64>,

@@ -51,10 +51,19 @@ fn wrong_flags_and_files_get_one_line() {
         }
     }
     assert!(vr.run("render --scene p.toml").failed(1).contains("p.toml: volume.radius"));
+    // A flag that is right is not to blame for a key whose name begins with its own.
+    vr.write("p.toml", "[volume]\npath = \"p.csv\"\nradius_scale = -1.0\n");
+    assert!(vr.run("render --scene p.toml --radius 2").failed(1).contains("p.toml: volume.radius_scale: found -1"));
+    assert!(
+        vr.run("render --scene p.toml --radius-scale 0").failed(2).starts_with("error: volume.radius_scale: found 0")
+    );
     // A grid is what it takes.
     let error = vr.run("render p.csv --renderer shearwarp --error none").failed(1);
     assert!(error.contains("shearwarp") && error.contains("scattered points"), "{error}");
     assert_eq!(vr.files(), ["p.csv", "p.toml", "zero.csv"]);
+    // Splatting is what draws points where no renderer is named.
+    let json = vr.run("render p.csv --size 8 --error none --json").succeeded().json();
+    assert_eq!(json["renderer"], "splat");
 }
 
 #[test]

@@ -18,6 +18,8 @@ use crate::optics::{extinction_of_opacity, opacity_of_depth, opacity_of_thicknes
 
 /// A point of a transfer function.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct ControlPoint {
     /// Calibrated value of the field.
     pub value: f64,

@@ -1,13 +1,15 @@
 //! From voxel to world, by one of the three methods that a header can hold.
 
 use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 use crate::error::FieldError;
 
 use super::header::Header;
 
 /// Which transform of a NIfTI file places it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Transform {
     /// The sform if its code is above 0, else the qform if its is, else spacing alone.
     #[default]
@@ -18,32 +20,6 @@ pub enum Transform {
     Qform,
     /// Spacing alone, from the world's origin.
     Spacing,
-}
-
-impl Transform {
-    /// Every choice.
-    pub const ALL: [Self; 4] = [Self::Auto, Self::Sform, Self::Qform, Self::Spacing];
-
-    /// `auto`, `sform`, `qform` or `spacing`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Sform => "sform",
-            Self::Qform => "qform",
-            Self::Spacing => "spacing",
-        }
-    }
-}
-
-impl std::str::FromStr for Transform {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|t| t.name() == s)
-            .ok_or_else(|| format!("'{s}' is no transform: auto, sform, qform or spacing"))
-    }
 }
 
 /// Origin and steps in RAS.

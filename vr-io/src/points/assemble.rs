@@ -105,7 +105,7 @@ pub(super) fn assemble(
     };
     let (weights, values) = (single(weights, "weight")?, single(values, "value")?);
     let radii = single(scaled, "radius")?;
-    Ok(PointSet::new(positions, radii, weights, values, options.kernel)?)
+    Ok(PointSet::new(positions, radii, weights, values, options.kernel.unwrap_or_default())?)
 }
 
 /// With an exponent where there would be many zeros.

@@ -14,7 +14,7 @@ mod vtk_xml;
 use std::path::Path;
 
 use glam::DVec3;
-use vr_core::scene_file::PointColumns;
+use serde::{Deserialize, Serialize};
 use vr_core::{ParameterError, PointKernel, PointSet};
 
 use crate::detect::{Format, detect};
@@ -29,10 +29,10 @@ use roles::Roles;
 const SUPPORTED: &str = "CSV and TSV, VTK PolyData and UnstructuredGrid (.vtp, .vtu, .vtk), NumPy (.npy, N x 3) and, with the feature hdf5, Gadget and Phantom HDF5";
 
 /// How to read points. `PointOptions::default()` is right where columns have the usual names.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PointOptions {
-    /// How each point is spread.
-    pub kernel: PointKernel,
+    /// Spread of each point; the default kernel if absent.
+    pub kernel: Option<PointKernel>,
     /// How far the kernels of all points reach, in world units, whatever the file tells.
     pub radius: Option<f64>,
     /// Multiplies every radius: more than 1 smoothes.
@@ -40,7 +40,33 @@ pub struct PointOptions {
     /// The column or array of the values; `1` for a value of 1 at every point.
     pub value: Option<String>,
     /// The other columns or arrays.
+    #[serde(skip_serializing_if = "PointColumns::is_empty")]
     pub columns: PointColumns,
+}
+
+/// Columns or arrays of a file of points, by name. What is absent is found by the names that are commonly used.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PointColumns {
+    /// x, y and z; of text alone.
+    pub position: Option<[String; 3]>,
+    /// Reach of a kernel.
+    pub radius: Option<String>,
+    /// Half of that: h of smoothed particle hydrodynamics.
+    pub smoothing_length: Option<String>,
+    /// Mass.
+    pub mass: Option<String>,
+    /// Mass per volume.
+    pub density: Option<String>,
+    /// Weights, which are mass by density otherwise.
+    pub weight: Option<String>,
+}
+
+impl PointColumns {
+    /// True if no column is named.
+    pub(crate) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl PointOptions {

@@ -27,7 +27,7 @@ pub enum SceneFileError {
         /// All keys that would be right there.
         known: Vec<String>,
     },
-    /// Not TOML, or a value of the wrong type.
+    /// Not TOML, a value of the wrong type, or keys of `[volume]` that do not go together.
     #[error("{}{message}", place(path, *line))]
     Syntax {
         /// Which file.
@@ -72,13 +72,19 @@ impl SceneFileError {
 }
 
 /// The word most like this one, unless none is.
-pub(super) fn nearest<'a>(word: &str, known: &'a [impl AsRef<str>]) -> Option<&'a str> {
+fn nearest<'a>(word: &str, known: &'a [impl AsRef<str>]) -> Option<&'a str> {
     known
         .iter()
         .map(|k| (strsim::damerau_levenshtein(k.as_ref(), word), k.as_ref()))
         .min()
         .filter(|&(distance, k)| distance <= 2.max(k.len() / 2))
         .map(|(_, k)| k)
+}
+
+/// Makes the complaint about a name that is not known, with the known one most like it.
+pub(super) fn unknown_name(field: &str, name: &str, known: &[&str], allowed: &'static str) -> ParameterError {
+    let near = nearest(name, known).map_or_else(String::new, |n| format!(" (did you mean '{n}'?)"));
+    ParameterError { field: field.into(), found: format!("'{name}'{near}"), allowed }
 }
 
 /// `file: line 3: `, as far as it is known.

@@ -1,19 +1,27 @@
 //! Scene files: from TOML text to a scene and a view, and back.
 
 mod error;
+mod inline;
 mod resolve;
+mod scene_file;
+mod sections;
 mod volume;
+mod volume_section;
 
 use std::path::Path;
-
-use vr_core::scene_file::SceneFile;
 
 use crate::atomic::write_whole;
 use crate::error::{FileError, WriteError};
 
 pub use error::SceneFileError;
 pub use resolve::{LoadedScene, SceneMesh, resolve_scene};
+pub use scene_file::SceneFile;
+pub use sections::{
+    CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, MeshSection, ProjectionName,
+    RenderSection, ShadingSection, TransferSection,
+};
 pub use volume::{LoadedVolume, load_volume};
+pub use volume_section::{FileSource, GridDescription, VolumeSection, VolumeSource};
 
 /// Reads a scene file, without the files that it names.
 ///

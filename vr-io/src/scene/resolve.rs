@@ -1,9 +1,9 @@
 //! From a scene file's sections to the scene that they describe: volumes, phantoms, presets and colour maps by name.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use glam::DVec3;
-use vr_core::scene_file::{ColorEncoding, SceneFile, TransferSection};
 use vr_core::transfer::{Preset, srgb_to_linear};
 use vr_core::{ControlPoint, Options, ParameterError, Scene, TriangleMesh, View, Volume};
 
@@ -12,7 +12,9 @@ use crate::mesh::read_mesh;
 use crate::paraview::read_color_maps;
 use crate::read::{FileInfo, each_once};
 
-use super::error::{SceneFileError, nearest};
+use super::error::{SceneFileError, unknown_name};
+use super::scene_file::SceneFile;
+use super::sections::{ColorEncoding, TransferSection};
 use super::volume::load_volume;
 
 /// A scene, ready to be rendered.
@@ -24,9 +26,9 @@ pub struct LoadedScene {
     pub view: View,
     /// The opaque surface among the volume, where the file names one.
     pub mesh: Option<SceneMesh>,
-    /// The renderer that the file asks for, or the one for volumes of this kind.
-    pub renderer: String,
-    /// That renderer's own options.
+    /// The renderer that the file asks for, where it names one.
+    pub renderer: Option<String>,
+    /// The renderer's own options.
     pub options: Options,
     /// The largest error that the picture may have, where the file promises one.
     pub max_error: Option<f64>,
@@ -113,12 +115,11 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
         view.camera = framing(bounds(&scene, mesh.as_ref()), found.info.as_ref(), OBLIQUE, None);
     }
     let render = file.render;
-    let renderer = render.renderer(&scene.volume).to_owned();
     Ok(LoadedScene {
         scene,
         view,
         mesh,
-        renderer,
+        renderer: render.renderer,
         options: render.options,
         max_error: render.max_error,
         info: found.info,
@@ -144,7 +145,10 @@ fn check_transfer(section: &TransferSection, notes: &mut Vec<String>) -> Result<
     Ok(())
 }
 
-/// Whether a section leaves the points to the volume.
+/// Names that a preset may have.
+static PRESETS: LazyLock<String> = LazyLock::new(|| format!("must be one of {}", Preset::NAMES.join(", ")));
+
+/// True if a section leaves the points to the volume.
 fn names_no_points(section: &TransferSection) -> bool {
     let TransferSection { preset, range, file, points, .. } = section;
     preset.is_none() && range.is_none() && file.is_none() && points.is_none()
@@ -169,25 +173,15 @@ fn points(
     };
     match (&section.points, &section.preset, &section.file) {
         (Some(points), None, None) => {
-            let decode = |c: [f64; 3]| match section.colors {
-                ColorEncoding::Linear => c,
-                ColorEncoding::Srgb => c.map(srgb_to_linear),
+            let decoded = |p: &ControlPoint| match section.colors {
+                ColorEncoding::Linear => *p,
+                ColorEncoding::Srgb => ControlPoint { color: p.color.map(srgb_to_linear), ..*p },
             };
-            let point = |p: &vr_core::scene_file::PointEntry| ControlPoint {
-                value: p.value,
-                color: decode(p.color),
-                opacity: p.opacity,
-                emission: p.emission,
-            };
-            Ok(points.iter().map(point).collect())
+            Ok(points.iter().map(decoded).collect())
         }
         (None, Some(name), None) => {
-            let preset = Preset::from_name(name).ok_or_else(|| {
-                let near =
-                    nearest(name, &Preset::NAMES).map_or_else(String::new, |n| format!(" (did you mean '{n}'?)"));
-                let allowed = "must be grey, x-ray, ct-bone, ct-soft-tissue, mr-default, viridis, inferno or cool-warm";
-                in_file(ParameterError { field: "transfer.preset".into(), found: format!("'{name}'{near}"), allowed })
-            })?;
+            let preset = Preset::from_name(name)
+                .ok_or_else(|| in_file(unknown_name("transfer.preset", name, &Preset::NAMES, &PRESETS)))?;
             Ok(preset.points(range))
         }
         (None, None, Some(name)) => {

@@ -1,7 +1,7 @@
 //! A scene and a view of it, printed as a scene file.
 
-use vr_core::scene_file::SceneFile;
 use vr_core::{Scene, View};
+use vr_io::{SceneFile, scene_text};
 
 /// A scene and a view of it. `{:?}` prints a scene file with the samples inline, so that what a failing property test shows can
 /// be drawn by `vr render --scene`.
@@ -17,9 +17,9 @@ impl TestScene {
     /// The text of the scene file.
     ///
     /// # Errors
-    /// What a scene file cannot hold: more than 64³ samples, or a volume that is not a uniform grid. (A layer is left out.)
+    /// What a scene file cannot hold: more than 64³ samples or 4096 points. (A layer is left out.)
     pub fn scene_file(&self) -> Result<String, Box<dyn std::error::Error>> {
-        Ok(toml::to_string(&SceneFile::describe(&self.scene, &self.view)?)?)
+        Ok(scene_text(&SceneFile::describe(&self.scene, &self.view)?)?)
     }
 }
 
@@ -40,16 +40,9 @@ mod tests {
     use proptest::prelude::*;
 
     fn read_back(text: &str) -> TestScene {
-        let file: SceneFile = toml::from_str(text).unwrap();
-        let points = file.transfer.as_ref().unwrap().points.as_ref().unwrap().iter();
-        let points = points.map(|p| vr_core::ControlPoint {
-            value: p.value,
-            color: p.color,
-            opacity: p.opacity,
-            emission: p.emission,
-        });
-        let (scene, view) = file.assemble(file.volume.inline().unwrap(), points.collect()).unwrap();
-        TestScene { scene, view }
+        let path = std::path::Path::new("");
+        let loaded = vr_io::resolve_scene(&vr_io::parse_scene(text, path).unwrap(), path).unwrap();
+        TestScene { scene: loaded.scene, view: loaded.view }
     }
 
     #[test]

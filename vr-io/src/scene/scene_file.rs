@@ -1,0 +1,97 @@
+//! A whole scene file, and how it becomes a scene and a view, and back.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use vr_core::{Camera, Clip, ControlPoint, ParameterError, Scene, TransferFunction, View, Volume};
+
+use super::inline::inline_volume;
+use super::sections::{CameraSection, ImageSection, MeshSection, RenderSection, ShadingSection, TransferSection};
+use super::volume_section::VolumeSection;
+
+/// A whole scene file.
+///
+/// Unknown keys are errors. The default of what is absent: trilinear, power rule, unit distance = mean spacing, linear colours,
+/// no shading, no clipping, a picture of 512×512 pixels of the whole volume before black.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SceneFile {
+    /// The volume and its filter.
+    pub volume: VolumeSection,
+    /// Map from value to light; absent: a preset is chosen.
+    pub transfer: Option<TransferSection>,
+    /// Absent: unshaded.
+    pub shading: Option<ShadingSection>,
+    /// Absent: the whole volume, from an oblique direction.
+    pub camera: Option<CameraSection>,
+    /// Absent: no opaque surface.
+    pub mesh: Option<MeshSection>,
+    /// Crop box and clip planes.
+    #[serde(skip_serializing_if = "cuts_nothing")]
+    pub clip: Clip,
+    /// Size, supersampling, background.
+    pub image: ImageSection,
+    /// Renderer, compositing, and the renderer's own options.
+    pub render: RenderSection,
+}
+
+fn cuts_nothing(clip: &Clip) -> bool {
+    *clip == Clip::default()
+}
+
+impl SceneFile {
+    /// Describes a scene whose volume is small enough to stand in the file; its surfaces, which no file can hold, are left out.
+    ///
+    /// # Errors
+    /// A volume of more than 64³ samples or 4096 points.
+    pub fn describe(scene: &Scene, view: &View) -> Result<Self, ParameterError> {
+        let t = &scene.transfer;
+        Ok(Self {
+            volume: VolumeSection {
+                source: Some(inline_volume(&scene.volume)?),
+                filter: scene.volume.filter().unwrap_or_default(),
+            },
+            transfer: Some(TransferSection {
+                unit_distance: Some(t.unit_distance()),
+                opacity_rule: t.rule(),
+                points: Some(t.points().to_vec()),
+                ..TransferSection::default()
+            }),
+            shading: scene.shading.as_deref().map(|shading| ShadingSection::describe(shading, &scene.lights)),
+            camera: Some(CameraSection::from(&view.camera)),
+            mesh: None,
+            clip: view.clip.clone(),
+            image: ImageSection { size: view.size, samples: view.supersampling, background: scene.background },
+            render: RenderSection::describe(scene.compositing),
+        })
+    }
+
+    /// Makes the scene and the view, given the volume that `[volume]` names and the points that `[transfer]` comes to.
+    ///
+    /// # Errors
+    /// A [`ParameterError`] naming the field.
+    pub fn assemble(&self, volume: Volume, points: Vec<ControlPoint>) -> Result<(Scene, View), ParameterError> {
+        let default = TransferSection::default();
+        let t = self.transfer.as_ref().unwrap_or(&default);
+        let unit_distance = t.unit_distance.unwrap_or_else(|| volume.mean_spacing());
+        let transfer = TransferFunction::new(points, t.opacity_rule, unit_distance)?;
+        let camera = match &self.camera {
+            Some(c) => c.camera()?,
+            None => Camera::framing(volume.bounds(), 30.0, 20.0, None),
+        };
+        let view =
+            View { supersampling: self.image.samples, clip: self.clip.clone(), ..View::new(camera, self.image.size) };
+        view.validate()?;
+        let mut scene = Scene {
+            compositing: self.render.compositing()?,
+            background: self.image.background,
+            ..Scene::new(volume.with_filter(self.volume.filter), transfer)
+        };
+        if let Some(section) = &self.shading {
+            scene.shading = Some(Arc::new(section.shading()));
+            scene.lights = section.lights()?;
+        }
+        scene.validate()?;
+        Ok((scene, view))
+    }
+}

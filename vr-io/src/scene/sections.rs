@@ -1,0 +1,282 @@
+//! The sections of a scene file but `[volume]` and `[clip]`, with serde.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use vr_core::{
+    Camera, Compositing, ControlPoint, GradientMethod, Light, OpacityRule, Options, ParameterError, Projection, Shading,
+};
+
+/// `[transfer]`: points, a preset, or a file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TransferSection {
+    /// The name of a preset.
+    pub preset: Option<String>,
+    /// The range of values that a preset or a file is stretched over; the volume's if absent.
+    pub range: Option<[f64; 2]>,
+    /// Or a ParaView colour map (JSON), relative to the scene file.
+    pub file: Option<String>,
+    /// World length that the opacities belong to; the volume's mean spacing if absent.
+    pub unit_distance: Option<f64>,
+    /// Meaning of the opacities.
+    pub opacity_rule: OpacityRule,
+    /// Encoding of the colours of the points.
+    pub colors: ColorEncoding,
+    /// Or the points, their colours as `colors` says.
+    pub points: Option<Vec<ControlPoint>>,
+}
+
+/// Encoding of colours in a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ColorEncoding {
+    /// Linear light.
+    #[default]
+    Linear,
+    /// The sRGB curve.
+    Srgb,
+}
+
+/// `[shading]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ShadingSection {
+    /// ka.
+    pub ambient: f64,
+    /// kd.
+    pub diffuse: f64,
+    /// ks.
+    pub specular: f64,
+    /// p.
+    pub power: f64,
+    /// The lights.
+    pub lights: Vec<LightEntry>,
+    /// `central-differences` or `analytic`.
+    pub gradient: GradientMethod,
+    /// Magnitude per world unit and factor on κ, sorted.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gradient_opacity: Vec<(f64, f64)>,
+}
+
+impl Default for ShadingSection {
+    fn default() -> Self {
+        Self::describe(&Shading::default(), &[Light::default()])
+    }
+}
+
+impl ShadingSection {
+    /// Describes shading, and the lights.
+    pub(super) fn describe(s: &Shading, lights: &[Light]) -> Self {
+        let light = |l: &Light| LightEntry { headlight: l.direction.is_none(), direction: l.direction, color: l.color };
+        Self {
+            ambient: s.ambient,
+            diffuse: s.diffuse,
+            specular: s.specular,
+            power: s.power,
+            lights: lights.iter().map(light).collect(),
+            gradient: s.gradient,
+            gradient_opacity: s.gradient_opacity.clone(),
+        }
+    }
+
+    pub(super) fn shading(&self) -> Shading {
+        Shading {
+            ambient: self.ambient,
+            diffuse: self.diffuse,
+            specular: self.specular,
+            power: self.power,
+            gradient: self.gradient,
+            gradient_opacity: self.gradient_opacity.clone(),
+        }
+    }
+
+    pub(super) fn lights(&self) -> Result<Vec<Light>, ParameterError> {
+        let light = |(i, l): (usize, &LightEntry)| {
+            if l.headlight == l.direction.is_some() {
+                let allowed = "must be either a headlight or have a direction";
+                return Err(ParameterError::new(format!("shading.lights[{i}]"), l, allowed));
+            }
+            Ok(Light { direction: l.direction, color: l.color })
+        };
+        self.lights.iter().enumerate().map(light).collect()
+    }
+}
+
+/// A light in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LightEntry {
+    /// True if it shines along every ray.
+    #[serde(default)]
+    pub headlight: bool,
+    /// World vector towards the light.
+    pub direction: Option<DVec3>,
+    /// Linear RGB.
+    #[serde(default = "white")]
+    pub color: [f64; 3],
+}
+
+fn white() -> [f64; 3] {
+    [1.0; 3]
+}
+
+/// `[camera]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraSection {
+    /// Orthographic (with `height`) or perspective (with `fov`).
+    #[serde(default)]
+    pub projection: ProjectionName,
+    /// Position of the eye.
+    pub eye: DVec3,
+    /// The point that the image centre shows.
+    pub target: DVec3,
+    /// Direction that is up in the image.
+    pub up: DVec3,
+    /// World height of an orthographic image.
+    pub height: Option<f64>,
+    /// Vertical angle of a perspective image in degrees.
+    pub fov: Option<f64>,
+}
+
+/// The word for a projection.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ProjectionName {
+    /// Parallel rays.
+    #[default]
+    Orthographic,
+    /// Rays from the eye.
+    Perspective,
+}
+
+impl From<&Camera> for CameraSection {
+    fn from(&Camera { eye, target, up, projection }: &Camera) -> Self {
+        let (projection, height, fov) = match projection {
+            Projection::Orthographic { height } => (ProjectionName::Orthographic, Some(height), None),
+            Projection::Perspective { fov } => (ProjectionName::Perspective, None, Some(fov)),
+        };
+        Self { projection, eye, target, up, height, fov }
+    }
+}
+
+impl CameraSection {
+    pub(super) fn camera(&self) -> Result<Camera, ParameterError> {
+        let &Self { projection, eye, target, up, height, fov } = self;
+        let projection = match (projection, height, fov) {
+            (ProjectionName::Orthographic, Some(height), None) => Projection::Orthographic { height },
+            (ProjectionName::Perspective, None, Some(fov)) => Projection::Perspective { fov },
+            (ProjectionName::Orthographic, height, fov) => {
+                let allowed = "an orthographic camera needs height, and no fov";
+                return Err(ParameterError::new("camera.height", (height, fov), allowed));
+            }
+            (ProjectionName::Perspective, height, fov) => {
+                let allowed = "a perspective camera needs fov, and no height";
+                return Err(ParameterError::new("camera.fov", (height, fov), allowed));
+            }
+        };
+        let camera = Camera { eye, target, up, projection };
+        camera.frame()?;
+        Ok(camera)
+    }
+}
+
+/// `[mesh]`: an opaque surface among the volume, lit as `[shading]` says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeshSection {
+    /// A mesh file, relative to the scene file.
+    pub path: String,
+    /// Linear RGB all over; the mesh's own colours, or grey, if absent.
+    pub color: Option<[f64; 3]>,
+}
+
+/// `[image]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ImageSection {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// A pixel is the mean over samples² subpixel centres.
+    pub samples: u32,
+    /// Linear RGB behind everything.
+    pub background: [f32; 3],
+}
+
+impl Default for ImageSection {
+    fn default() -> Self {
+        Self { size: [512, 512], samples: 1, background: [0.0; 3] }
+    }
+}
+
+/// `[render]`. Keys that are none of these are the renderer's own options.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct RenderSection {
+    /// Name of a renderer; absent: the program's choice.
+    pub renderer: Option<String>,
+    /// over, first, average, maximum, minimum or accumulate.
+    pub compositing: CompositingName,
+    /// For `first`.
+    pub threshold: Option<f64>,
+    /// For `accumulate`.
+    pub level: Option<f64>,
+    /// The picture's largest error, promised; renderers that cannot promise refuse.
+    pub max_error: Option<f64>,
+    /// The renderer's own options, by name.
+    #[serde(flatten)]
+    pub options: Options,
+}
+
+/// The word for a compositing scheme.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs)]
+pub enum CompositingName {
+    #[default]
+    Over,
+    First,
+    Average,
+    Maximum,
+    Minimum,
+    Accumulate,
+}
+
+impl RenderSection {
+    pub(super) fn compositing(&self) -> Result<Compositing, ParameterError> {
+        let name = self.compositing;
+        if let (Some(t), true) = (self.threshold, name != CompositingName::First) {
+            return Err(ParameterError::new("render.threshold", t, "only compositing = \"first\" has a threshold"));
+        }
+        if let (Some(l), true) = (self.level, name != CompositingName::Accumulate) {
+            return Err(ParameterError::new("render.level", l, "only compositing = \"accumulate\" has a level"));
+        }
+        let needs = |field: &str, allowed| ParameterError { field: field.into(), found: "nothing".into(), allowed };
+        let compositing = match name {
+            CompositingName::Over => Compositing::Over,
+            CompositingName::Average => Compositing::Average,
+            CompositingName::Maximum => Compositing::Maximum,
+            CompositingName::Minimum => Compositing::Minimum,
+            CompositingName::First => Compositing::First {
+                threshold: self.threshold.ok_or_else(|| needs("render.threshold", "first needs a value to reach"))?,
+            },
+            CompositingName::Accumulate => Compositing::Accumulate {
+                level: self.level.ok_or_else(|| needs("render.level", "accumulate needs an opacity in (0, 1]"))?,
+            },
+        };
+        compositing.validate()?;
+        Ok(compositing)
+    }
+
+    pub(super) fn describe(compositing: Compositing) -> Self {
+        let (compositing, threshold, level) = match compositing {
+            Compositing::Over => (CompositingName::Over, None, None),
+            Compositing::Average => (CompositingName::Average, None, None),
+            Compositing::Maximum => (CompositingName::Maximum, None, None),
+            Compositing::Minimum => (CompositingName::Minimum, None, None),
+            Compositing::First { threshold } => (CompositingName::First, Some(threshold), None),
+            Compositing::Accumulate { level } => (CompositingName::Accumulate, None, Some(level)),
+        };
+        Self { compositing, threshold, level, ..Self::default() }
+    }
+}
