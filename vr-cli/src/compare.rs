@@ -151,11 +151,12 @@ fn text(setup: &Setup, exact: &Exact, results: &[(String, Measured)], args: &Com
     format!(
         "{}, {w}x{h} pixels; exact solution: {}, {}\n\n{table}\n\
          Own model: against what the renderer itself integrates, done exactly, on {SUBGRID}x{SUBGRID} pixels.\n\
-         Wrote {}: pictures above maps of their error, numbered as above.\n",
+         Wrote {}: pictures above maps of their error, numbered as above.\n\n{}",
         setup.title,
         exact.certainty_text(),
         number::time(exact.time),
-        args.output.display()
+        args.output.display(),
+        renderers::feature_table()
     )
 }
 

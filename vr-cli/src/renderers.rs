@@ -7,6 +7,7 @@ use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_splat::Splatting;
+use vr_study::features::FeatureMatrix;
 use vr_texslice::TexSlice;
 
 use crate::failure::Failure;
@@ -69,6 +70,12 @@ pub fn with_flags(mut options: Options, flags: &[(String, String)]) -> Options {
         options.0.insert(key.clone(), OptionValue::parse(value));
     }
     options
+}
+
+/// Features by renderer, for the help text and beside a comparison.
+pub fn feature_table() -> String {
+    let matrix = FeatureMatrix::of(&all());
+    format!("Features (yes: drawn; some: in some settings; -: refused, with the reason):\n{matrix}")
 }
 
 /// The options of every renderer that `--set` takes, for the help text.

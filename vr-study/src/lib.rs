@@ -8,6 +8,7 @@
 //! | suites of measurements, and what they found | [`suite`] |
 //! | one subject: times in turns, errors against the exact solution, memory | [`study`] |
 //! | exact pixels, kept on disk | [`exact`] |
+//! | features of scenes by renderer | [`features`] |
 //! | who is beaten by nobody, and who wins for which error | [`front`] |
 //! | orders of convergence, documented and measured | [`convergence`] |
 //! | hard cases | [`stability`] |
@@ -44,6 +45,7 @@ pub mod convergence;
 mod error;
 pub mod error_colors;
 pub mod exact;
+pub mod features;
 pub mod figures;
 pub mod front;
 mod journal;

@@ -247,8 +247,11 @@ impl Cli {
     /// [`Failure::Usage`] for anything else that is no command.
     pub fn from_command_line() -> Result<Self, Failure> {
         let options = renderers::option_help();
+        // Renderers are asked for their features only where the answers are read.
+        let asked = std::env::args().any(|word| ["-h", "--help", "help"].contains(&word.as_str()));
+        let features = if asked { renderers::feature_table() + "\n" } else { String::new() };
         let command = Self::command()
-            .mut_subcommand("render", |render| render.after_help(options.clone() + EXIT_CODES))
+            .mut_subcommand("render", |render| render.after_help(features + &options + EXIT_CODES))
             .mut_subcommand("bench", |bench| bench.after_help(options.clone() + EXIT_CODES))
             .mut_subcommand("ray", |ray| ray.after_help(options));
         match command.try_get_matches().and_then(|matches| Self::from_arg_matches(&matches)) {

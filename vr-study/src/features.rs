@@ -1,0 +1,193 @@
+//! Features of scenes by renderer, as the renderers themselves answer for them.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::DVec3;
+use vr_core::field::FunctionField;
+use vr_core::{
+    Calibration, Camera, Clip, Compositing, Control, ControlPoint, Filter, GradientMethod, Layer, Light, OpacityRule,
+    Placement, Plane, PointKernel, PointSet, RenderError, Scene, Shading, StudiedRenderer, Surfaces, TransferFunction,
+    UniformGrid, View, Volume,
+};
+
+/// A renderer's answer for a feature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Support {
+    /// Drawn at its default settings.
+    Drawn,
+    /// Drawn at some of the settings that it documents, but not at the defaults.
+    InSomeSettings,
+    /// Refused.
+    Refused,
+}
+
+impl fmt::Display for Support {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Drawn => "yes",
+            Self::InSomeSettings => "some",
+            Self::Refused => "-",
+        })
+    }
+}
+
+/// Features by renderer: asked of each by [`vr_core::Renderer::supports`] about a small scene that has the feature, without drawing it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeatureMatrix {
+    /// The renderers' names.
+    pub renderers: Vec<&'static str>,
+    /// The features, and each renderer's answer.
+    pub rows: Vec<(&'static str, Vec<Support>)>,
+}
+
+impl FeatureMatrix {
+    /// Asks renderers for every feature.
+    pub fn of(renderers: &[Box<dyn StudiedRenderer>]) -> Self {
+        let mut rows: Vec<(&'static str, Vec<Support>)> = scenes()
+            .into_iter()
+            .map(|(name, scene, view)| {
+                let draws = |renderer: &dyn StudiedRenderer| renderer.supports(&scene, Some(&view)).is_ok();
+                (name, renderers.iter().map(|renderer| asked(&**renderer, draws)).collect())
+            })
+            .collect();
+        let promises = |renderer: &dyn StudiedRenderer| matches!(renderer.with_max_error(1e-3), Some(Ok(_)));
+        rows.push(("a promised error", renderers.iter().map(|renderer| asked(&**renderer, promises)).collect()));
+        Self { renderers: renderers.iter().map(|renderer| renderer.name()).collect(), rows }
+    }
+}
+
+/// Asks a renderer at its defaults, then at each setting that it documents.
+fn asked(renderer: &dyn StudiedRenderer, draws: impl Fn(&dyn StudiedRenderer) -> bool) -> Support {
+    if draws(renderer) {
+        return Support::Drawn;
+    }
+    let configured = |options| renderer.with_options(options).is_ok_and(|other| draws(&*other));
+    if renderer.settings().iter().any(|setting| configured(&setting.options)) {
+        Support::InSomeSettings
+    } else {
+        Support::Refused
+    }
+}
+
+impl fmt::Display for FeatureMatrix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let first = self.rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        write!(f, "{:first$}", "")?;
+        for name in &self.renderers {
+            write!(f, "  {name}")?;
+        }
+        writeln!(f)?;
+        for (name, answers) in &self.rows {
+            write!(f, "{name:first$}")?;
+            for (renderer, answer) in self.renderers.iter().zip(answers) {
+                write!(f, "  {answer:>width$}", width = renderer.chars().count())?;
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+/// A small scene and view for each feature.
+fn scenes() -> Vec<(&'static str, Scene, View)> {
+    let grid = |missing: bool| -> Volume {
+        let samples: Vec<f32> = (0..27).map(|i| if missing && i == 13 { f32::NAN } else { i as f32 / 26.0 }).collect();
+        let placement = Placement::from_spacing([1.0; 3]).expect("a placement");
+        UniformGrid::new([3; 3], samples, placement, Calibration::default()).expect("a grid").into()
+    };
+    let transfer = |emission: Option<[f64; 3]>| {
+        let point = |value, opacity| ControlPoint { emission, ..ControlPoint::new(value, [0.8; 3], opacity) };
+        let points = vec![point(0.0, 0.0), point(1.0, 0.5)];
+        TransferFunction::new(points, OpacityRule::Power, 1.0).expect("a transfer function")
+    };
+    let plain = Scene::new(grid(false), transfer(None));
+    let camera = |fov| Camera::framing(plain.volume.bounds(), 30.0, 20.0, fov);
+    let view = View::new(camera(None), [8, 8]);
+    let points = PointSet::new(vec![DVec3::ONE], vec![1.0], vec![1.0], vec![1.0], PointKernel::CubicSpline);
+    let function = FunctionField::new((DVec3::ZERO, DVec3::splat(2.0)), |p| 0.5 * p.x).expect("a box");
+    let with_volume = |volume: Volume| Scene { volume, ..plain.clone() };
+    let shaded = |shading: Shading| Scene { shading: Some(Arc::new(shading)), ..plain.clone() };
+    let composited = |compositing| Scene { compositing, ..plain.clone() };
+    let modulated = Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::default() };
+    let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
+    let perspective = View { camera: camera(Some(30.0)), ..view.clone() };
+    let boxed = Clip { crop: Some((DVec3::ZERO, DVec3::new(2.0, 2.0, 1.0))), planes: Vec::new() };
+    let plane = Clip { crop: None, planes: vec![Plane { normal: DVec3::ONE, offset: 3.0 }] };
+    let of_scene = |name, scene| (name, scene, view.clone());
+    let of_view = |name, view| (name, plain.clone(), view);
+    vec![
+        of_scene("volume: uniform grid", plain.clone()),
+        of_scene("volume: scattered points", with_volume(points.expect("a point").into())),
+        of_scene("volume: function", with_volume(function.into())),
+        of_scene("missing values", with_volume(grid(true))),
+        of_scene("filter: nearest", plain.with_filter(Filter::Nearest)),
+        of_scene("filter: B-spline", plain.with_filter(Filter::BSpline)),
+        of_scene("filter: Catmull-Rom", plain.with_filter(Filter::CatmullRom)),
+        of_scene("filter: Gaussian", plain.with_filter(Filter::Gaussian)),
+        of_scene("over", plain.clone()),
+        of_scene("accumulate", composited(Compositing::Accumulate { level: 0.5 })),
+        of_scene("first", composited(Compositing::First { threshold: 0.5 })),
+        of_scene("average", composited(Compositing::Average)),
+        of_scene("maximum", composited(Compositing::Maximum)),
+        of_scene("minimum", composited(Compositing::Minimum)),
+        of_scene("emission of its own", Scene { transfer: Arc::new(transfer(Some([0.1; 3]))), ..plain.clone() }),
+        of_scene("shading", shaded(Shading::default())),
+        ("shading in perspective", shaded(Shading::default()), perspective.clone()),
+        of_scene("shading, analytic gradients", shaded(analytic)),
+        of_scene("opacity by gradient", shaded(modulated)),
+        of_view("perspective", perspective),
+        of_view("crop box", View { clip: boxed, ..view.clone() }),
+        of_view("clip planes", View { clip: plane, ..view.clone() }),
+        of_scene("opaque surfaces", Scene { surfaces: Some(Arc::new(NoSurface)), ..plain.clone() }),
+        of_view("several rays a pixel", View { supersampling: 2, ..view.clone() }),
+    ]
+}
+
+/// Surfaces that are nowhere: asked about, and not drawn.
+#[derive(Debug)]
+struct NoSurface;
+
+impl Surfaces for NoSurface {
+    fn layer(&self, _: &[Light], view: &View, _: &Control) -> Result<Layer, RenderError> {
+        let pixels = view.size[0] as usize * view.size[1] as usize;
+        Ok(Layer { pixels: vec![([0.0; 3], f32::INFINITY); pixels] })
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        (DVec3::ZERO, DVec3::ZERO)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A renderer draws what it says that it supports, and refuses what it says that it does not.
+    #[test]
+    fn answers_are_kept() {
+        let renderers: Vec<Box<dyn StudiedRenderer>> = vec![
+            Box::new(vr_raycast::RayCaster::default()),
+            Box::new(vr_shearwarp::ShearWarp::default()),
+            Box::new(vr_texslice::TexSlice::default()),
+            Box::new(vr_splat::Splatting::default()),
+            Box::new(vr_physics::Reference::default()),
+        ];
+        let control = Control::default();
+        for (name, scene, view) in scenes() {
+            for renderer in &renderers {
+                let answer = renderer.supports(&scene, Some(&view));
+                let drawn = renderer.prepare(&scene, &control).and_then(|mut p| p.render(&view, &control));
+                match (answer, drawn) {
+                    (Ok(()), Ok(_)) => {}
+                    (Err(RenderError::Unsupported(a)), Err(RenderError::Unsupported(b))) => assert_eq!(a, b),
+                    (answer, drawn) => {
+                        panic!("{name}, {}: {answer:?}, then {:?}", renderer.name(), drawn.map(|_| "drawn"))
+                    }
+                }
+            }
+        }
+        let matrix = FeatureMatrix::of(&renderers);
+        assert!(matrix.rows.iter().all(|(_, answers)| answers[4] == Support::Drawn), "{matrix}");
+    }
+}
