@@ -34,7 +34,9 @@ pub use shepp_logan::SheppLogan;
 
 use glam::DVec3;
 
-use crate::transfer::ControlPoint;
+use crate::error::GridError;
+use crate::scene::Scene;
+use crate::transfer::{ControlPoint, OpacityRule, TransferFunction};
 
 /// The `unit_distance`, in world units, that [`Phantom::transfer_points`] have in mind: the spacing of a grid of 65³ samples
 /// over [−1, 1]³. Given explicitly, it keeps the picture the same at every grid size.
@@ -76,6 +78,16 @@ pub trait Phantom: Send + Sync {
     /// Control points of a transfer function that shows what the phantom is about, by ascending value, for a
     /// `unit_distance` of [`TRANSFER_UNIT_DISTANCE`].
     fn transfer_points(&self) -> Vec<ControlPoint>;
+
+    /// An unshaded scene of `n`³ samples of it in f32, under its own transfer function.
+    ///
+    /// # Errors
+    /// Fewer than two samples, or more than can be held.
+    fn scene(&self, n: usize) -> Result<Scene, GridError> {
+        let grid = sample::<f32>(self, [n; 3])?;
+        let transfer = TransferFunction::new(self.transfer_points(), OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
+        Ok(Scene::new(grid.into(), transfer.expect("the points of phantoms ascend")))
+    }
 }
 
 /// The names that [`by_name`] knows.

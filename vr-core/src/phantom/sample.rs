@@ -46,7 +46,7 @@ impl Quantize for f32 {
 ///
 /// # Errors
 /// [`GridError::Dims`] for an axis with fewer than two samples, or a product that overflows.
-pub fn sample<T: Quantize>(phantom: &dyn Phantom, dims: [usize; 3]) -> Result<UniformGrid<T>, GridError> {
+pub fn sample<T: Quantize>(phantom: &(impl Phantom + ?Sized), dims: [usize; 3]) -> Result<UniformGrid<T>, GridError> {
     let count = sample_count(dims)?;
     let (low, high) = phantom.domain();
     let spacing = (high - low) / DVec3::from_array(dims.map(|n| (n - 1) as f64));
