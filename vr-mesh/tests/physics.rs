@@ -12,9 +12,7 @@ use vr_physics::Reference;
 
 fn scene() -> Scene {
     let blobs = phantom::by_name("blobs").expect("a phantom");
-    let grid = phantom::sample::<f32>(&*blobs, [24; 3]).expect("a grid");
-    let transfer = TransferFunction::new(blobs.transfer_points(), OpacityRule::Power, phantom::TRANSFER_UNIT_DISTANCE);
-    Scene::new(grid.into(), transfer.expect("a transfer function"))
+    phantom::sampled_scene::<f32>(&*blobs, 24, 1.0).expect("a grid")
 }
 
 /// A plane at a depth z is the same as cutting the ray at z: a square of two triangles across the volume hides exactly what a

@@ -80,10 +80,7 @@ mod tests {
     fn differences(name: &str) -> [f64; 2] {
         let phantom: Arc<dyn Phantom> = phantom::by_name(name).unwrap().into();
         [33, 65].map(|n| {
-            let grid = phantom::sample::<f32>(&*phantom, [n; 3]).unwrap();
-            let points = phantom.transfer_points();
-            let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE).unwrap();
-            let scene = Scene::new(grid.into(), transfer);
+            let scene = phantom::sampled_scene::<f32>(&*phantom, n, 1.0).unwrap();
             let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [24, 24]);
             let (control, pixels) = (Control::default(), subgrid(12, view.size));
             let reference = Reference::new(1e-7);

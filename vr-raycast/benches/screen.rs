@@ -17,9 +17,7 @@ use vr_raycast::{Connectivity, RayCaster, Screen, Step};
 
 fn of_phantom(name: &str, n: usize) -> Scene {
     let phantom: Box<dyn Phantom> = phantom::by_name(name).expect("a known phantom");
-    let grid = phantom::sample::<u8>(&*phantom, [n; 3]).expect("a valid size");
-    let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
-    Scene::new(grid.into(), transfer.expect("valid points"))
+    phantom::sampled_scene::<u8>(&*phantom, n, 1.0).expect("a valid size")
 }
 
 /// The tooth: 103×94×161 samples of 16 bits, big endian, 0 to 1300; air below 400, dentine about 800, enamel above 1000.

@@ -22,10 +22,7 @@ fn main() {
     for size in sizes {
         for name in ["blobs", "hydrogen", "marschner-lobb", "fog"] {
             let phantom = phantom::by_name(name).expect("a known phantom");
-            let grid = phantom::sample::<u8>(&*phantom, [size; 3]).expect("SIZE: two or more");
-            let points = phantom.transfer_points();
-            let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
-            let scene = Scene::new(grid.into(), transfer.expect("valid points"));
+            let scene = phantom::sampled_scene::<u8>(&*phantom, size, 1.0).expect("SIZE: two or more");
             for (label, renderer) in &encodings {
                 let size_of = |axes: &[usize]| renderer.encoded_size(&scene, axes, &control).expect("a valid scene");
                 let (one, three) = (size_of(&[2]), size_of(&[0, 1, 2]));

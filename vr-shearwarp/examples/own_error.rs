@@ -65,10 +65,7 @@ fn main() {
         for size in text("sizes", "64,128").split(',') {
             let phantom = phantom::by_name(name).expect("scenes: known phantoms");
             let n: usize = size.parse().expect("sizes: numbers");
-            let grid = phantom::sample::<u8>(&*phantom, [n; 3]).expect("sizes: two or more");
-            let points = phantom.transfer_points();
-            let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
-            let scene = Scene::new(grid.into(), transfer.expect("valid points"));
+            let scene = phantom::sampled_scene::<u8>(&*phantom, n, 1.0).expect("sizes: two or more");
             let view = view(&scene, fov, pixels);
             let exact = |model: &Model| -> Vec<[f64; 4]> {
                 let solved = Reference::new(TOLERANCE).solve(&scene, &view, model, &control).expect("a valid view");

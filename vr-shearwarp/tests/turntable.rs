@@ -12,11 +12,7 @@ const SAMPLES: usize = 32;
 /// A phantom that light passes through: a twentieth of its opacities.
 fn translucent(name: &str) -> Scene {
     let phantom: Box<dyn Phantom> = phantom::by_name(name).expect("a known phantom");
-    let grid = phantom::sample::<u8>(&*phantom, [SAMPLES; 3]).expect("a valid size");
-    let mut points = phantom.transfer_points();
-    points.iter_mut().for_each(|p| p.opacity *= 0.05);
-    let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
-    Scene::new(grid.into(), transfer.expect("valid points"))
+    phantom::sampled_scene::<u8>(&*phantom, SAMPLES, 0.05).expect("a valid size")
 }
 
 fn view(scene: &Scene, azimuth: f64) -> View {

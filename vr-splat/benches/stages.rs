@@ -12,10 +12,7 @@ const SIDE: usize = 64;
 
 fn grid(name: &str) -> Scene {
     let phantom = phantom::by_name(name).expect("a known phantom");
-    let grid = phantom::sample::<u8>(&*phantom, [SIDE; 3]).expect("a valid size");
-    let points = phantom.transfer_points();
-    let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE).expect("valid points");
-    Scene::new(grid.into(), transfer)
+    phantom::sampled_scene::<u8>(&*phantom, SIDE, 1.0).expect("a valid size")
 }
 
 fn cloud(name: &str, count: usize) -> Scene {

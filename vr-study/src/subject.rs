@@ -44,9 +44,7 @@ pub fn reduced(view: &View, pixels: f64) -> View {
 /// If there is no phantom of the name.
 pub fn phantom_subject(name: &str, samples: usize, size: [u32; 2]) -> Result<Subject, GridError> {
     let phantom = phantom::by_name(name).expect("the name of a phantom");
-    let grid = phantom::sample::<f32>(&*phantom, [samples; 3])?;
-    let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
-    let scene = Scene::new(grid.into(), transfer.expect("the points of phantoms ascend"));
+    let scene = phantom::sampled_scene::<f32>(&*phantom, samples, 1.0)?;
     let camera = Camera::framing(scene.volume.bounds(), 30.0, 20.0, None);
     Ok(Subject {
         name: name.to_owned(),

@@ -21,11 +21,7 @@ use vr_texslice::{Format, Proxy, TexSlice};
 
 fn scene(name: &str, n: usize, opacity: f64) -> Scene {
     let phantom = phantom::by_name(name).expect("a known phantom");
-    let grid = phantom::sample::<u8>(&*phantom, [n; 3]).expect("a valid size");
-    let mut points = phantom.transfer_points();
-    points.iter_mut().for_each(|p| p.opacity *= opacity);
-    let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
-    Scene::new(grid.into(), transfer.expect("valid points"))
+    phantom::sampled_scene::<u8>(&*phantom, n, opacity).expect("a valid size")
 }
 
 fn light(pixels: impl Iterator<Item = [f64; 4]>) -> f64 {

@@ -9,9 +9,7 @@ use vr_texslice::{Format, Proxy, TexSlice};
 
 fn phantom_scene(name: &str, n: usize) -> Scene {
     let phantom = phantom::by_name(name).expect("a known phantom");
-    let grid = phantom::sample::<u8>(&*phantom, [n; 3]).expect("a valid size");
-    let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
-    Scene::new(grid.into(), transfer.expect("valid points"))
+    phantom::sampled_scene::<u8>(&*phantom, n, 1.0).expect("a valid size")
 }
 
 /// A smooth field of floats under a smooth transfer function, or one that jumps.

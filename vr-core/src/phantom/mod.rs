@@ -28,7 +28,7 @@ pub use fog::Fog;
 pub use hydrogen::Hydrogen;
 pub use marschner_lobb::MarschnerLobb;
 pub use points::{POINT_NAMES, point_transfer, points_by_name};
-pub use sample::{Quantize, sample};
+pub use sample::{Quantize, sample, sampled_scene};
 pub use shells::Shells;
 pub use shepp_logan::SheppLogan;
 
@@ -36,7 +36,7 @@ use glam::DVec3;
 
 use crate::error::GridError;
 use crate::scene::Scene;
-use crate::transfer::{ControlPoint, OpacityRule, TransferFunction};
+use crate::transfer::ControlPoint;
 
 /// The `unit_distance`, in world units, that [`Phantom::transfer_points`] have in mind: the spacing of a grid of 65³ samples
 /// over [−1, 1]³. Given explicitly, it keeps the picture the same at every grid size.
@@ -84,9 +84,7 @@ pub trait Phantom: Send + Sync {
     /// # Errors
     /// Fewer than two samples, or more than can be held.
     fn scene(&self, n: usize) -> Result<Scene, GridError> {
-        let grid = sample::<f32>(self, [n; 3])?;
-        let transfer = TransferFunction::new(self.transfer_points(), OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
-        Ok(Scene::new(grid.into(), transfer.expect("the points of phantoms ascend")))
+        sampled_scene::<f32>(self, n, 1.0)
     }
 }
 

@@ -2,11 +2,14 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Phantom;
+use super::{Phantom, TRANSFER_UNIT_DISTANCE};
+use crate::any_grid::AnyGrid;
 use crate::error::GridError;
 use crate::grid::{Calibration, UniformGrid, sample_count};
 use crate::parallel::each_part;
 use crate::placement::Placement;
+use crate::scene::Scene;
+use crate::transfer::{OpacityRule, TransferFunction};
 use crate::voxel::Voxel;
 
 /// A sample type that a number can be rounded to.
@@ -69,6 +72,21 @@ fn calibration<T: Quantize>((low, high): (f64, f64)) -> Calibration {
         let slope = (high - low) / (last - first);
         Calibration { slope, intercept: low - slope * first }
     })
+}
+
+/// An unshaded scene of `n`³ samples of a phantom, under its own transfer function with opacities times `opacity` (1 at the most).
+///
+/// # Errors
+/// As [`sample`].
+pub fn sampled_scene<T: Quantize>(phantom: &(impl Phantom + ?Sized), n: usize, opacity: f64) -> Result<Scene, GridError>
+where
+    AnyGrid: From<UniformGrid<T>>,
+{
+    let grid = sample::<T>(phantom, [n; 3])?;
+    let mut points = phantom.transfer_points();
+    points.iter_mut().for_each(|p| p.opacity *= opacity);
+    let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE);
+    Ok(Scene::new(grid.into(), transfer.expect("the points of phantoms ascend, and opacities stay below 1")))
 }
 
 #[cfg(test)]

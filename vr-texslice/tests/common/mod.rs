@@ -12,11 +12,7 @@ where
     AnyGrid: From<UniformGrid<T>>,
 {
     let phantom = phantom::by_name(name).expect("a known phantom");
-    let grid = phantom::sample::<T>(&*phantom, [n; 3]).expect("a valid size");
-    let mut points = phantom.transfer_points();
-    points.iter_mut().for_each(|p| p.opacity *= opacity);
-    let transfer = TransferFunction::new(points, OpacityRule::Power, TRANSFER_UNIT_DISTANCE).expect("valid points");
-    Scene::new(grid.into(), transfer)
+    phantom::sampled_scene::<T>(&*phantom, n, opacity).expect("a valid size")
 }
 
 pub fn view(scene: &Scene, azimuth: f64, elevation: f64, fov: Option<f64>, side: u32) -> View {
