@@ -1,17 +1,15 @@
 //! A ray caster that has seen its scene.
 
-use std::sync::Arc;
-
 use vr_core::transfer::BakedTransfer;
 use vr_core::{
-    Compositing, Control, Model, ParameterError, Prepared, Probe, Projection, Rays, Real, RenderError, Rendered, Scene,
+    Control, Model, ParameterError, Prepared, Probe, Projection, Rays, Real, RenderError, Rendered, Scene,
     UniformVolume, View,
 };
 
 use crate::caster::{Connectivity, Order, Precision, RayCaster, Rule, Screen};
 use crate::engine::Engine;
 use crate::instruments::{Instruments, Kernel};
-use crate::operator::{Accumulate, Average, Brightest, Extreme, First, Operator, OverBackToFront, OverFrontToBack};
+use crate::operator::Brightest;
 use crate::packet::PacketFrame;
 use crate::pipeline::Pipeline;
 use crate::screen::{CoherenceBuffer, Stage, Template};
@@ -95,10 +93,9 @@ impl Prepared for PreparedCaster {
             Engine::Packets(_, kernel) => (kernel, false),
             Engine::Promise(_) => return Ok(None),
         };
-        let probing = Probing { view, pixel, own_kernel };
         control.run(|| match kernel {
-            Kernel::F32(instruments) => self.by_plain_engine(instruments, probing),
-            Kernel::F64(instruments) => self.by_plain_engine(instruments, probing),
+            Kernel::F32(instruments) => Ok(Some(self.pipeline(instruments, view)?.probe(pixel, own_kernel))),
+            Kernel::F64(instruments) => Ok(Some(self.pipeline(instruments, view)?.probe(pixel, own_kernel))),
         })
     }
 }
@@ -130,8 +127,8 @@ impl PreparedCaster {
         let step = self.caster.world_step(volume);
         let stage = Stage { screen: self.caster.screen, coherence, volume, step, view, control };
         match &self.engine {
-            Engine::Plain(Kernel::F32(instruments)) => self.by_plain_engine(instruments, stage),
-            Engine::Plain(Kernel::F64(instruments)) => self.by_plain_engine(instruments, stage),
+            Engine::Plain(Kernel::F32(instruments)) => stage.draw(&self.pipeline(instruments, view)?),
+            Engine::Plain(Kernel::F64(instruments)) => stage.draw(&self.pipeline(instruments, view)?),
             Engine::Packets(engine, _) => stage.draw(&PacketFrame::new(engine, volume, view)?),
             Engine::Promise(promise) => {
                 let single = self.caster.precision == Precision::F32;
@@ -171,109 +168,31 @@ impl PreparedCaster {
         template.draw(bake, view, control)
     }
 
-    /// Has the plain engine do something: chooses the operator, once a frame.
-    fn by_plain_engine<'v, R: Real, T: PlainTask<'v>>(
-        &self,
-        instruments: &Instruments<R>,
-        task: T,
-    ) -> Result<T::Output, RenderError> {
-        let volume = check(&self.caster, &self.scene)?;
-        let transfer = || Arc::clone(&self.scene.transfer);
-        let calibration = volume.calibration();
-        let plain = Plain { prepared: self, volume, instruments, task };
-        match (self.scene.compositing, self.caster.order) {
-            (Compositing::Over, Order::BackToFront) => plain.with(OverBackToFront::default),
-            (Compositing::Over, Order::FrontToBack { termination }) => {
-                plain.with(|| OverFrontToBack::new(termination, instruments.brightest()))
-            }
-            (Compositing::Accumulate { level }, _) => plain.with(|| Accumulate::new(level)),
-            (Compositing::First { threshold }, _) => plain.with(|| First::new(transfer(), calibration, threshold)),
-            (Compositing::Average, _) => plain.with(|| Average::new(transfer(), calibration)),
-            (Compositing::Maximum, _) => plain.with(|| Extreme::new(transfer(), calibration, true)),
-            (Compositing::Minimum, _) => plain.with(|| Extreme::new(transfer(), calibration, false)),
-        }
-    }
-}
-
-/// What the plain engine is to do once its operator is chosen.
-trait PlainTask<'v> {
-    type Output;
-
-    /// The view that it is about.
-    fn view(&self) -> &'v View;
-
-    fn done_by<R: Real, O: Operator<R>>(
-        self,
-        pipeline: &Pipeline<'_, R, impl Fn() -> O + Sync>,
-    ) -> Result<Self::Output, RenderError>;
-}
-
-/// A frame.
-impl<'v> PlainTask<'v> for Stage<'v> {
-    type Output = Rendered;
-
-    fn view(&self) -> &'v View {
-        self.view
-    }
-
-    fn done_by<R: Real, O: Operator<R>>(
-        self,
-        pipeline: &Pipeline<'_, R, impl Fn() -> O + Sync>,
-    ) -> Result<Rendered, RenderError> {
-        self.draw(pipeline)
-    }
-}
-
-/// One ray, watched.
-struct Probing<'a> {
-    view: &'a View,
-    pixel: [u32; 2],
-    own_kernel: bool,
-}
-
-impl<'v> PlainTask<'v> for Probing<'v> {
-    type Output = Option<Probe>;
-
-    fn view(&self) -> &'v View {
-        self.view
-    }
-
-    fn done_by<R: Real, O: Operator<R>>(
-        self,
-        pipeline: &Pipeline<'_, R, impl Fn() -> O + Sync>,
-    ) -> Result<Option<Probe>, RenderError> {
-        Ok(Some(pipeline.probe(self.pixel, self.own_kernel)))
-    }
-}
-
-/// The plain engine before a task, but for its operator.
-struct Plain<'a, R, T> {
-    prepared: &'a PreparedCaster,
-    volume: &'a UniformVolume,
-    instruments: &'a Instruments<R>,
-    task: T,
-}
-
-impl<'v, R: Real, T: PlainTask<'v>> Plain<'_, R, T> {
-    fn with<O: Operator<R>>(self, operator: impl Fn() -> O + Sync) -> Result<T::Output, RenderError> {
-        let caster = &self.prepared.caster;
-        let view = self.task.view();
-        let pipeline = Pipeline {
-            volume: self.volume,
-            filter: caster.filter_of(&self.prepared.scene),
+    /// Returns the plain engine with a view.
+    fn pipeline<'a, R: Real>(
+        &'a self,
+        instruments: &'a Instruments<R>,
+        view: &'a View,
+    ) -> Result<Pipeline<'a, R>, RenderError> {
+        let (caster, scene) = (&self.caster, &self.scene);
+        let volume = check(caster, scene)?;
+        Ok(Pipeline {
+            scene,
+            volume,
+            filter: caster.filter_of(scene),
             traversal: caster.traversal,
-            voxel: self.volume.placement().spacing().min_element(),
-            step: caster.longest_step(self.volume),
-            pace: self.instruments.pace.as_deref(),
-            homogeneity: self.instruments.homogeneity.as_deref(),
+            voxel: volume.placement().spacing().min_element(),
+            step: caster.longest_step(volume),
+            pace: instruments.pace.as_deref(),
+            homogeneity: instruments.homogeneity.as_deref(),
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
-            classifier: &self.instruments.classifier,
-            shader: self.instruments.shader.as_ref(),
-            empty_space: self.instruments.empty_space.as_ref(),
+            classifier: &instruments.classifier,
+            shader: instruments.shader.as_ref(),
+            empty_space: instruments.empty_space.as_ref(),
             view,
             rays: Rays::new(view)?,
-            operator,
-        };
-        self.task.done_by(&pipeline)
+            order: caster.order,
+            brightest: instruments.brightest(),
+        })
     }
 }

@@ -31,7 +31,7 @@ pub(crate) struct Stage<'a> {
 
 impl Stage<'_> {
     /// Draws the view.
-    pub(crate) fn draw(self, tracer: &impl Tracer) -> Result<Rendered, RenderError> {
+    pub(crate) fn draw(self, tracer: &dyn Tracer) -> Result<Rendered, RenderError> {
         let Self { screen, coherence, volume, step, view, control } = self;
         match (screen, coherence) {
             (Screen::Coherent, Some(buffer)) => coherent(tracer, buffer, volume, step, view, control),

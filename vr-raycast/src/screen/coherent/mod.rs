@@ -49,7 +49,7 @@ use crate::tracer::{Traced, Tracer};
 ///
 /// `step` is the world length of the steps of the tracer's lattice.
 pub(crate) fn coherent(
-    tracer: &impl Tracer,
+    tracer: &dyn Tracer,
     buffer: &mut CoherenceBuffer,
     volume: &UniformVolume,
     step: f64,
@@ -69,7 +69,7 @@ pub(crate) fn coherent(
         // `as` saturates. No step that ends before the distance, rounding included, can be seen.
         Some(((distance - part.start) / step).floor() as u32)
     };
-    let frame = by_tiles(view, control, &mut stats, |pixels| {
+    let frame = by_tiles(view, control, &mut stats, &|pixels| {
         let (mut spots, mut starts) = (Vec::with_capacity(pixels.len()), Vec::with_capacity(pixels.len()));
         for &pixel in pixels {
             let depth = near.at(pixel);

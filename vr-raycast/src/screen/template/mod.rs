@@ -5,7 +5,7 @@ mod tile;
 
 use vr_core::image_order::in_parallel;
 use vr_core::transfer::BakedTransfer;
-use vr_core::{Control, Counts, Frame, Rays, RenderError, RenderStats, Rendered, UniformVolume, View, with_grid};
+use vr_core::{Control, Counts, Frame, Rays, RenderError, RenderStats, Rendered, UniformVolume, View};
 
 use super::every_pixel::spots_of_pixel;
 use crate::caster::Connectivity;
@@ -101,14 +101,12 @@ impl Template<'_> {
     ) -> Result<BasePicture, RenderError> {
         let [across, down] = [plane.size[0].div_ceil(ACROSS), plane.size[1].div_ceil(DOWN)];
         let corner = |tile: u32| [tile as usize % across * ACROSS, tile as usize / across * DOWN];
-        let tiles = with_grid!(self.volume.grid(), grid => {
-            let rays =
-                TemplateRays { plane, grid, connectivity: self.connectivity, steps, tables, enough: self.enough };
-            in_parallel(control, (across * down) as u32, |tile| {
-                let mut counts = Counts::default();
-                (rays.tile(corner(tile), &mut counts), counts)
-            })?
-        });
+        let (grid, connectivity, enough) = (self.volume.grid(), self.connectivity, self.enough);
+        let rays = TemplateRays { plane, grid, connectivity, steps, tables, enough };
+        let tiles = in_parallel(control, (across * down) as u32, |tile| {
+            let mut counts = Counts::default();
+            (rays.tile(corner(tile), &mut counts), counts)
+        })?;
         let pixels = plane.size[0] * plane.size[1];
         let mut picture = BasePicture {
             size: plane.size,
