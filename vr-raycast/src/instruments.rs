@@ -6,13 +6,13 @@ use vr_core::transfer::{BakedTransfer, PreIntegrated, outwards, resolves_ramps};
 use vr_core::{Filter, Real, Scene, UniformVolume};
 
 use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
+#[cfg(feature = "classics")]
+use crate::classics::Homogeneity;
 use crate::classify::Classifier;
-use crate::homogeneity::Homogeneity;
-use crate::leap::{EmptySpace, Visibility};
+use crate::leap::{Leaper, empty_space};
 use crate::operator::Brightest;
 use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
-use crate::screen::Sight;
 use crate::shade::Shader;
 use crate::table_range::{field_range, resolves, single_precision_resolves, table_range};
 
@@ -29,9 +29,10 @@ pub(crate) struct Instruments<R> {
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<Arc<PaceMap>>,
     /// Where long steps will do.
+    #[cfg(feature = "classics")]
     pub(crate) homogeneity: Option<Arc<Homogeneity>>,
     /// Where nothing is visible; `None`: everything is sampled. Found by [`Kernel::find_empty_space`].
-    pub(crate) empty_space: Option<EmptySpace>,
+    pub(crate) empty_space: Option<Arc<dyn Leaper>>,
 }
 
 impl Kernel {
@@ -77,32 +78,12 @@ impl Kernel {
             (Self::F64(new), _) => new.find_empty_space(caster, scene, volume, None),
         }
     }
-
-    /// How bright the medium can be.
-    pub(crate) fn brightest(&self) -> Brightest {
-        match self {
-            Self::F32(instruments) => instruments.brightest(),
-            Self::F64(instruments) => instruments.brightest(),
-        }
-    }
-
-    /// What can be seen of a field.
-    pub(crate) fn sight(&self) -> Sight {
-        match self {
-            Self::F32(instruments) => instruments.sight(),
-            Self::F64(instruments) => instruments.sight(),
-        }
-    }
 }
 
 /// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
-        (Rule::Midpoint | Rule::Left, Traversal::Samples)
-            if matches!(caster.step, Step::Uniform(_) | Step::Vicinity { .. }) =>
-        {
-            None
-        }
+        (Rule::Midpoint | Rule::Left, Traversal::Samples) if caster.step.is_on_lattice() => None,
         (Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
         (Rule::Linear, _) => Some(Shape::Line),
         (Rule::Quadratic, _) => Some(Shape::Parabola),
@@ -132,12 +113,6 @@ fn same_light(a: &Scene, b: &Scene) -> bool {
 }
 
 impl<R: Real> Instruments<R> {
-    fn sight(&self) -> Sight {
-        let Classifier { transfer, calibration, table, .. } = &self.classifier;
-        let visibility = Visibility::of_light(transfer, *calibration, table.as_ref().map(|(table, _)| table));
-        Arc::new(move |low, high| visibility.is_visible(low, high))
-    }
-
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, last: Option<(&Scene, &Self)>) -> Self {
         let field = caster.filter_of(scene);
@@ -148,6 +123,7 @@ impl<R: Real> Instruments<R> {
             let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
             resolves(&table, volume, field, &scene.transfer).then(|| (Arc::new(table), step))
         };
+        #[cfg(feature = "classics")]
         let last_of_field = last.filter(|(old, _)| same_field(old, scene)).and_then(|(_, i)| i.homogeneity.clone());
         let last = last.filter(|(old, _)| same_light(old, scene)).map(|(_, instruments)| instruments);
         let lights = scene.compositing.integrates_light();
@@ -192,6 +168,7 @@ impl<R: Real> Instruments<R> {
             Step::Local { error } if follows => Some(pace(error)),
             _ => None,
         };
+        #[cfg(feature = "classics")]
         let homogeneity = match caster.step {
             Step::Homogeneous { error, .. } if caster.traversal == Traversal::Samples => {
                 last.and_then(|i| i.homogeneity.clone()).or_else(|| {
@@ -200,7 +177,14 @@ impl<R: Real> Instruments<R> {
             }
             _ => None,
         };
-        Self { classifier, shader, pace, homogeneity, empty_space: None }
+        Self {
+            classifier,
+            shader,
+            pace,
+            #[cfg(feature = "classics")]
+            homogeneity,
+            empty_space: None,
+        }
     }
 
     /// Makes what tells of empty space, which packets do not need.
@@ -215,7 +199,7 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| same_light(old, scene) && old.compositing == scene.compositing;
         self.empty_space = of(last.is_some_and(|(old, _)| same(old))).cloned().or_else(|| {
             let of_field = of(last.is_some_and(|(old, _)| same_field(old, scene)));
-            EmptySpace::new(caster, scene, volume, &self.classifier, of_field)
+            empty_space(caster, scene, volume, &self.classifier, of_field)
         });
     }
 

@@ -4,9 +4,9 @@ use std::sync::LazyLock;
 
 use vr_core::{Filter, OptionError, OptionKind, OptionSpec, OptionValue, Options, meaning_of, word_of};
 
-use crate::caster::{
-    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Traversal, Vector,
-};
+#[cfg(feature = "classics")]
+use crate::caster::Connectivity;
+use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Screen, Traversal, Vector};
 use crate::step_options;
 
 const SCENE_FILTER: &str = "scene";
@@ -18,16 +18,25 @@ const RULES: &[(&str, Rule)] = &[
     (Rule::Quadratic.name(), Rule::Quadratic),
     (Rule::Exact.name(), Rule::Exact),
 ];
-const TRAVERSALS: &[(&str, Traversal)] =
-    &[("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)];
+const TRAVERSALS: &[(&str, Traversal)] = &[
+    ("samples", Traversal::Samples),
+    ("cells", Traversal::Cells),
+    #[cfg(feature = "classics")]
+    ("voxels", Traversal::Voxels),
+];
 const LEAPINGS: &[(&str, Leaping)] = &[
     ("auto", Leaping::Auto),
     ("none", Leaping::None),
+    #[cfg(feature = "classics")]
     ("octree", Leaping::Octree),
+    #[cfg(feature = "classics")]
     ("pyramid", Leaping::Pyramid),
     ("exact-cloud", Leaping::ExactCloud),
+    #[cfg(feature = "classics")]
     ("chessboard-cloud", Leaping::ChessboardCloud),
+    #[cfg(feature = "classics")]
     ("boxes", Leaping::Boxes),
+    #[cfg(feature = "classics")]
     ("polyhedron", Leaping::Polyhedron),
 ];
 const FRONT_TO_BACK: &str = "front-to-back";
@@ -40,8 +49,11 @@ const ADAPTIVE: &str = "adaptive";
 /// Those without a number of their own.
 const SCREENS: &[(&str, Screen)] = &[
     ("every-pixel", Screen::EveryPixel),
+    #[cfg(feature = "classics")]
     ("coherent", Screen::Coherent),
+    #[cfg(feature = "classics")]
     ("template-discrete", Screen::Template { connectivity: Connectivity::Discrete }),
+    #[cfg(feature = "classics")]
     ("template-continuous", Screen::Template { connectivity: Connectivity::Continuous }),
 ];
 /// What a refined picture may miss by default. Its RMSE is a twentieth of that or less: about what default steps are wrong by.
@@ -59,11 +71,16 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
             OptionKind::Choice(&[
                 "auto",
                 "none",
+                #[cfg(feature = "classics")]
                 "octree",
+                #[cfg(feature = "classics")]
                 "pyramid",
                 "exact-cloud",
+                #[cfg(feature = "classics")]
                 "chessboard-cloud",
+                #[cfg(feature = "classics")]
                 "boxes",
+                #[cfg(feature = "classics")]
                 "polyhedron",
             ]),
             "how rays find out where nothing is visible; changes no pixel. But for auto, it goes with uniform steps, and all but none with the plain engine",
@@ -75,7 +92,12 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         ),
         spec(
             "traversal",
-            OptionKind::Choice(&["samples", "cells", "voxels"]),
+            OptionKind::Choice(&[
+                "samples",
+                "cells",
+                #[cfg(feature = "classics")]
+                "voxels",
+            ]),
             "what steps are: of one length, ending at cell faces, or from voxel to voxel",
         ),
         spec(
@@ -102,7 +124,16 @@ pub(crate) static SPECS: LazyLock<Vec<OptionSpec>> = LazyLock::new(|| {
         ),
         spec(
             "screen",
-            OptionKind::Choice(&["every-pixel", ADAPTIVE, "coherent", "template-discrete", "template-continuous"]),
+            OptionKind::Choice(&[
+                "every-pixel",
+                ADAPTIVE,
+                #[cfg(feature = "classics")]
+                "coherent",
+                #[cfg(feature = "classics")]
+                "template-discrete",
+                #[cfg(feature = "classics")]
+                "template-continuous",
+            ]),
             "which rays are cast: all, those where colours bend, from where the last view saw something, or by a template",
         ),
         OptionSpec {

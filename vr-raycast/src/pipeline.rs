@@ -4,18 +4,15 @@ use glam::DVec3;
 use vr_core::image_order::Spot;
 use vr_core::{Counts, Filter, IndexRay, Probe, Ray, RayShading, Rays, Real, Scene, UniformVolume, View};
 
-use crate::caster::{Order, Traversal};
+use crate::caster::Order;
 use crate::chord::Chord;
 use crate::classify::Classifier;
-use crate::homogeneity::Homogeneity;
-use crate::leap::EmptySpace;
 use crate::operator::{Brightest, Operator, Recording, operator};
-use crate::pace::PaceMap;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::tracer::{Traced, Tracer};
-use crate::walk::{HomogeneousWalk, Lattice, LatticeWalk, LocalWalk, VisibleSteps, Walk, cell_walk, voxel_walk};
+use crate::walk::{Walk, Walks};
 
 /// What a frame's rays share.
 ///
@@ -26,17 +23,7 @@ pub(crate) struct Pipeline<'a, R> {
     pub(crate) scene: &'a Scene,
     pub(crate) volume: &'a UniformVolume,
     pub(crate) filter: Filter,
-    pub(crate) traversal: Traversal,
-    /// World length of the smallest voxel edge.
-    pub(crate) voxel: f64,
-    /// World length of a step, where all are alike; the longest, where steps end at cell faces; +∞: they end there only.
-    pub(crate) step: f64,
-    /// How long steps are, where they follow the data.
-    pub(crate) pace: Option<&'a PaceMap>,
-    /// Where long steps will do.
-    pub(crate) homogeneity: Option<&'a Homogeneity>,
-    /// Where nothing is visible, if that is to be left out of steps that are all alike.
-    pub(crate) empty_space: Option<&'a EmptySpace>,
+    pub(crate) walks: Walks<'a>,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
@@ -96,21 +83,8 @@ impl<R: Real> Pipeline<'_, R> {
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
-            let dims = self.volume.dims();
             let needs = scratch.operator.needs();
-            let walk = match (self.traversal, self.pace, self.homogeneity) {
-                (Traversal::Cells, ..) => Walk::Listed(cell_walk(&part, dims, self.step, start, needs.backwards)),
-                (Traversal::Voxels, ..) => Walk::Listed(voxel_walk(&part, dims, start, needs.backwards)),
-                (Traversal::Samples, Some(map), _) => Walk::Local(LocalWalk::new(map, part, self.voxel)),
-                (Traversal::Samples, None, Some(map)) => {
-                    Walk::Homogeneous(HomogeneousWalk::new(map, part, self.step, self.voxel))
-                }
-                (Traversal::Samples, None, None) => {
-                    let lattice = Lattice::new(part.start, part.end, self.step);
-                    let visible = VisibleSteps::new(lattice, start, u32::from(needs.brackets), &part, self.empty_space);
-                    Walk::Lattice(LatticeWalk::new(lattice, visible, needs.backwards))
-                }
-            };
+            let walk = self.walks.along(part, start, u32::from(needs.brackets), needs.backwards);
             let chord = Chord { volume: self.volume, filter: self.filter, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });

@@ -1,21 +1,23 @@
 //! A ray caster that has seen its scene.
 
-use vr_core::transfer::BakedTransfer;
 use vr_core::{
-    Control, Model, ParameterError, Prepared, Probe, Projection, Rays, Real, RenderError, Rendered, Scene,
-    UniformVolume, View,
+    Control, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered, Scene, UniformVolume, View,
 };
 
-use crate::caster::{Connectivity, Order, Precision, RayCaster, Rule, Screen};
+#[cfg(feature = "classics")]
+use crate::caster::Screen;
+use crate::caster::{Precision, RayCaster, Rule, Traversal};
+#[cfg(feature = "classics")]
+use crate::classics::{CoherenceBuffer, coherent, draw_by_template};
 use crate::engine::Engine;
 use crate::instruments::{Instruments, Kernel};
-use crate::operator::Brightest;
 use crate::packet::PacketFrame;
 use crate::pipeline::Pipeline;
-use crate::screen::{CoherenceBuffer, Stage, Template};
-use crate::support::{check, unsupported};
-use crate::table_range::table_range;
+use crate::screen;
+use crate::support::check;
 use crate::tolerance::Promised;
+use crate::tracer::Tracer;
+use crate::walk::{WalkKind, Walks};
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
 pub(crate) struct PreparedCaster {
@@ -26,6 +28,7 @@ pub(crate) struct PreparedCaster {
     scene: Scene,
     engine: Engine,
     /// What the coherent screen keeps from picture to picture.
+    #[cfg(feature = "classics")]
     coherence: Option<CoherenceBuffer>,
 }
 
@@ -36,8 +39,14 @@ impl PreparedCaster {
         control.check()?;
         control.run(|| volume.warm(caster.filter_of(scene)));
         let engine = control.run(|| Engine::new(&caster, scene, volume, None))?;
-        let coherence = control.run(|| coherence(&caster, scene, volume, &engine));
-        Ok(Self { asked, caster, scene: scene.clone(), engine, coherence })
+        Ok(Self {
+            #[cfg(feature = "classics")]
+            coherence: control.run(|| CoherenceBuffer::of(&caster, scene, volume, &engine)),
+            asked,
+            caster,
+            scene: scene.clone(),
+            engine,
+        })
     }
 }
 
@@ -48,22 +57,29 @@ impl Prepared for PreparedCaster {
         control.check()?;
         control.run(|| volume.warm(caster.filter_of(scene)));
         self.engine = control.run(|| Engine::new(&caster, scene, volume, Some((&self.scene, &self.engine))))?;
-        let then = &self.scene;
-        let same = then.volume.same(&scene.volume) && then.filter == scene.filter && then.transfer == scene.transfer;
-        // Compositing decides what a table is needed for, and so what can be seen.
-        if !same || then.compositing != scene.compositing {
-            self.coherence = control.run(|| coherence(&caster, scene, volume, &self.engine));
+        #[cfg(feature = "classics")]
+        if !CoherenceBuffer::holds_for(&self.scene, scene) {
+            self.coherence = control.run(|| CoherenceBuffer::of(&caster, scene, volume, &self.engine));
         }
         (self.caster, self.scene) = (caster, scene.clone());
         Ok(())
     }
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
-        // Taken out for the while, so that the rest can be shared.
-        let mut coherence = self.coherence.take();
-        let rendered = self.draw(coherence.as_mut(), view, control);
-        self.coherence = coherence;
-        rendered
+        let volume = check(&self.caster, &self.scene)?;
+        #[cfg(feature = "classics")]
+        if let (Screen::Template { connectivity }, Some(kernel)) = (self.caster.screen, self.engine.kernel()) {
+            return draw_by_template(connectivity, &self.caster, &self.scene, volume, kernel, view, control);
+        }
+        #[cfg(feature = "classics")]
+        if let Some(mut buffer) = self.coherence.take() {
+            let step = self.caster.world_step(volume);
+            let tracer = self.tracer(volume, view);
+            let drawn = tracer.and_then(|tracer| coherent(tracer.as_ref(), &mut buffer, volume, step, view, control));
+            self.coherence = Some(buffer);
+            return drawn;
+        }
+        screen::draw(self.caster.screen, self.tracer(volume, view)?.as_ref(), view, control)
     }
 
     fn model(&self, _: &View) -> Model {
@@ -79,7 +95,7 @@ impl Prepared for PreparedCaster {
         if pixel[0] >= view.size[0] || pixel[1] >= view.size[1] {
             return Err(ParameterError::new("pixel", pixel, "must lie in the picture").into());
         }
-        if matches!(self.caster.screen, Screen::Template { .. }) {
+        if !self.caster.screen.casts_pixels() {
             return Ok(None);
         }
         let volume = check(&self.caster, &self.scene)?;
@@ -100,72 +116,18 @@ impl Prepared for PreparedCaster {
     }
 }
 
-/// What the coherent screen knows before its first picture; `None` for the others.
-fn coherence(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, engine: &Engine) -> Option<CoherenceBuffer> {
-    match engine {
-        Engine::Plain(kernel) | Engine::Packets(_, kernel) if caster.screen == Screen::Coherent => {
-            Some(CoherenceBuffer::new(volume, caster.filter_of(scene), kernel.sight()))
-        }
-        _ => None,
-    }
-}
-
 impl PreparedCaster {
-    /// Chooses the engine.
-    fn draw(
-        &self,
-        coherence: Option<&mut CoherenceBuffer>,
-        view: &View,
-        control: &Control,
-    ) -> Result<Rendered, RenderError> {
-        let volume = check(&self.caster, &self.scene)?;
-        if let (Screen::Template { connectivity }, Engine::Plain(kernel) | Engine::Packets(_, kernel)) =
-            (self.caster.screen, &self.engine)
-        {
-            return self.draw_by_template(connectivity, kernel.brightest(), view, control);
-        }
-        let step = self.caster.world_step(volume);
-        let stage = Stage { screen: self.caster.screen, coherence, volume, step, view, control };
-        match &self.engine {
-            Engine::Plain(Kernel::F32(instruments)) => stage.draw(&self.pipeline(instruments, view)?),
-            Engine::Plain(Kernel::F64(instruments)) => stage.draw(&self.pipeline(instruments, view)?),
-            Engine::Packets(engine, _) => stage.draw(&PacketFrame::new(engine, volume, view)?),
+    /// Returns the engine with a view.
+    fn tracer<'a>(&'a self, volume: &'a UniformVolume, view: &'a View) -> Result<Box<dyn Tracer + 'a>, RenderError> {
+        Ok(match &self.engine {
+            Engine::Plain(Kernel::F32(instruments)) => Box::new(self.pipeline(instruments, view)?),
+            Engine::Plain(Kernel::F64(instruments)) => Box::new(self.pipeline(instruments, view)?),
+            Engine::Packets(engine, _) => Box::new(PacketFrame::new(engine, volume, view)?),
             Engine::Promise(promise) => {
                 let single = self.caster.precision == Precision::F32;
-                stage.draw(&Promised { promise, volume, view, rays: Rays::new(view)?, single })
+                Box::new(Promised { promise, volume, view, rays: Rays::new(view)?, single })
             }
-        }
-    }
-
-    /// Draws by a template.
-    fn draw_by_template(
-        &self,
-        connectivity: Connectivity,
-        brightest: Brightest,
-        view: &View,
-        control: &Control,
-    ) -> Result<Rendered, RenderError> {
-        if !matches!(view.camera.projection, Projection::Orthographic { .. }) {
-            return Err(unsupported("perspective with a template screen".to_owned()));
-        }
-        if view.layer.is_some() {
-            return Err(unsupported("opaque layers with a template screen".to_owned()));
-        }
-        let volume = check(&self.caster, &self.scene)?;
-        let Order::FrontToBack { termination } = self.caster.order else {
-            return Err(unsupported("compositing back to front with a template screen".to_owned()));
-        };
-        let (low, high) = self.scene.volume.bounds();
-        let most = match brightest {
-            Brightest::Radiance(c) => c.max(1.0),
-            Brightest::Emission(q) => (q * low.distance(high)).max(1.0),
-        };
-        let step = self.caster.world_step(volume);
-        let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
-        let range = table_range(volume, self.caster.filter_of(&self.scene), &self.scene.transfer);
-        let integer = volume.voxel_type().is_integer();
-        let bake = |length| BakedTransfer::new(&self.scene.transfer, volume.calibration(), range, integer, length);
-        template.draw(bake, view, control)
+        })
     }
 
     /// Returns the plain engine with a view.
@@ -180,19 +142,34 @@ impl PreparedCaster {
             scene,
             volume,
             filter: caster.filter_of(scene),
-            traversal: caster.traversal,
-            voxel: volume.placement().spacing().min_element(),
-            step: caster.longest_step(volume),
-            pace: instruments.pace.as_deref(),
-            homogeneity: instruments.homogeneity.as_deref(),
+            walks: Walks {
+                kind: self.walk_kind(instruments),
+                step: caster.longest_step(volume),
+                voxel: volume.placement().spacing().min_element(),
+                dims: volume.dims(),
+            },
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &instruments.classifier,
             shader: instruments.shader.as_ref(),
-            empty_space: instruments.empty_space.as_ref(),
             view,
             rays: Rays::new(view)?,
             order: caster.order,
             brightest: instruments.brightest(),
         })
+    }
+
+    fn walk_kind<'a, R: Real>(&self, instruments: &'a Instruments<R>) -> WalkKind<'a> {
+        match (self.caster.traversal, &instruments.pace) {
+            (Traversal::Cells, _) => return WalkKind::Cells,
+            #[cfg(feature = "classics")]
+            (Traversal::Voxels, _) => return WalkKind::Voxels,
+            (Traversal::Samples, Some(map)) => return WalkKind::Local(map),
+            (Traversal::Samples, None) => {}
+        }
+        #[cfg(feature = "classics")]
+        if let Some(map) = &instruments.homogeneity {
+            return WalkKind::Homogeneous(map);
+        }
+        WalkKind::Lattice(instruments.empty_space.as_deref())
     }
 }

@@ -2,7 +2,9 @@
 
 use vr_core::{Filter, NamedSetting, OrderClaim, Orders};
 
-use crate::caster::{Connectivity, RayCaster, Rule, Screen, Step, Traversal};
+#[cfg(feature = "classics")]
+use crate::caster::Connectivity;
+use crate::caster::{RayCaster, Rule, Screen, Step, Traversal};
 use crate::options::to_options;
 
 /// Rounding of f32 kernels, table and early termination together, on smooth scenes.
@@ -47,7 +49,9 @@ pub(crate) fn settings() -> Vec<NamedSetting> {
     all.extend(uniform(Rule::Left, 1.0, &[0.5]));
     all.push(named("exact cells".to_owned(), &exact_cells(), None, FLOOR_F32));
 
+    #[cfg(feature = "classics")]
     let template = Screen::Template { connectivity: Connectivity::Continuous };
+    #[cfg(feature = "classics")]
     for (word, screen) in [("coherent", Screen::Coherent), ("template", template)] {
         all.push(named(
             format!("midpoint 1 {word}"),

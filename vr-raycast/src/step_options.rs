@@ -7,8 +7,10 @@ use crate::caster::{RayCaster, Step};
 const STEPS: &str = "steps";
 const STEP: &str = "step";
 const LOCAL_ERROR: &str = "local-error";
+#[cfg(feature = "classics")]
 const HOMOGENEITY: &str = "homogeneity";
 const MAX_ERROR: &str = "max-error";
+#[cfg(feature = "classics")]
 const COARSE: &str = "coarse";
 
 /// Every kind of steps, and the numbers that it takes.
@@ -16,7 +18,9 @@ const KINDS: &[(&str, &[&str])] = &[
     ("auto", &[]),
     ("uniform", &[STEP]),
     ("local", &[LOCAL_ERROR]),
+    #[cfg(feature = "classics")]
     ("vicinity", &[STEP, COARSE]),
+    #[cfg(feature = "classics")]
     ("homogeneous", &[STEP, HOMOGENEITY]),
     ("tolerance", &[MAX_ERROR]),
 ];
@@ -25,8 +29,10 @@ const KINDS: &[(&str, &[&str])] = &[
 const NUMBERS: &[(&str, f64, f64, &str)] = &[
     (STEP, RayCaster::LONGEST_STEP, 0.2, "length of a step, as a fraction of the smallest voxel edge"),
     (LOCAL_ERROR, 1.0, Step::ERROR, "RMSE that local steps aim at"),
+    #[cfg(feature = "classics")]
     (HOMOGENEITY, 1.0, 1e-2, "largest error that all the long ones of homogeneous steps may make together on a ray"),
     (MAX_ERROR, 1.0, 4e-3, "largest error of the picture that steps of a tolerance promise; 1e-6 at the least"),
+    #[cfg(feature = "classics")]
     (COARSE, RayCaster::LONGEST_STEP, 8.0, "length in voxels of the coarse steps of steps=vicinity"),
 ];
 
@@ -36,8 +42,10 @@ fn parts(step: Step) -> (&'static str, Vec<f64>) {
         Step::Auto => ("auto", vec![]),
         Step::Uniform(step) => ("uniform", vec![step]),
         Step::Local { error } => ("local", vec![error]),
+        #[cfg(feature = "classics")]
         Step::Homogeneous { step, error } => ("homogeneous", vec![step, error]),
         Step::Tolerance(error) => ("tolerance", vec![error]),
+        #[cfg(feature = "classics")]
         Step::Vicinity { coarse, fine } => ("vicinity", vec![fine, coarse]),
     }
 }
@@ -48,8 +56,10 @@ fn build(kind: &str, number: impl Fn(&str) -> f64) -> Step {
         "auto" => Step::Auto,
         "uniform" => Step::Uniform(number(STEP)),
         "local" => Step::Local { error: number(LOCAL_ERROR) },
+        #[cfg(feature = "classics")]
         "homogeneous" => Step::Homogeneous { step: number(STEP), error: number(HOMOGENEITY) },
         "tolerance" => Step::Tolerance(number(MAX_ERROR)),
+        #[cfg(feature = "classics")]
         "vicinity" => Step::Vicinity { coarse: number(COARSE), fine: number(STEP) },
         _ => unreachable!("checked against the list"),
     }
@@ -69,7 +79,16 @@ fn held(step: Step) -> Vec<(&'static str, f64)> {
 pub(crate) fn specs() -> Vec<OptionSpec> {
     let kind = OptionSpec {
         key: STEPS,
-        kind: OptionKind::Choice(&["auto", "uniform", "local", "vicinity", "homogeneous", "tolerance"]),
+        kind: OptionKind::Choice(&[
+            "auto",
+            "uniform",
+            "local",
+            #[cfg(feature = "classics")]
+            "vicinity",
+            #[cfg(feature = "classics")]
+            "homogeneous",
+            "tolerance",
+        ]),
         default: parts(Step::default()).0.into(),
         help: "how long steps are: local where light is followed, else uniform; all alike; as what is in each place allows; alike, with coarse ones where nothing is visible; long \
                where the medium is nearly the same; as a promised error asks for",

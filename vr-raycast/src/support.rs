@@ -1,10 +1,8 @@
 //! What the caster can draw, and what it says of the rest.
 
-use vr_core::{Compositing, Filter, RenderError, Scene, UniformVolume};
+use vr_core::{Compositing, RenderError, Scene, UniformVolume};
 
-use crate::caster::{
-    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal,
-};
+use crate::caster::{Leaping, Order, RayCaster, Rule, Screen, Step};
 
 pub(crate) fn unsupported(feature: String) -> RenderError {
     RenderError::Unsupported { renderer: RayCaster::NAME, feature }
@@ -31,8 +29,7 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
         return Err(unsupported(format!("a termination under '{}': no opacity is gathered", scene.compositing.name())));
     }
     let samples_all = !scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. });
-    let leaps =
-        matches!(caster.step, Step::Vicinity { .. }) || !matches!(caster.leaping, Leaping::Auto | Leaping::None);
+    let leaps = caster.step.finds_empty_space() || !matches!(caster.leaping, Leaping::Auto | Leaping::None);
     if samples_all && leaps {
         let what = scene.compositing.name();
         return Err(unsupported(format!("leaping over what is clear under '{what}', which depends on it, too")));
@@ -47,53 +44,22 @@ pub(crate) fn check<'s>(caster: &RayCaster, scene: &'s Scene) -> Result<&'s Unif
     if !caster.rule.goes_with(filter) {
         return Err(unsupported(format!("the filter '{filter}' by the rule '{}'", caster.rule.name())));
     }
-    if matches!(caster.step, Step::Homogeneous { .. }) {
-        if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
-            return Err(unsupported("homogeneous steps under anything but over, front to back".to_owned()));
-        }
-        if caster.rule != Rule::Midpoint {
-            return Err(unsupported("homogeneous steps by another rule than the midpoint's".to_owned()));
-        }
-        if scene.shading.is_some() {
-            return Err(unsupported("homogeneous steps with shading: values do not tell how it changes".to_owned()));
-        }
+    #[cfg(feature = "classics")]
+    if let Some(what) = crate::classics::beyond_steps(caster, scene) {
+        return Err(unsupported(what.to_owned()));
     }
     scene.volume.uniform().ok_or_else(|| unsupported(format!("volumes of the kind '{}'", scene.volume.kind())))
 }
 
 /// What this caster's screen has no answer to.
+#[cfg_attr(not(feature = "classics"), expect(unused_variables, reason = "these screens draw every scene"))]
 fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
-    let compositing = format!("compositing '{}'", scene.compositing.name());
-    let filter = caster.filter_of(scene);
-    let uneven = !matches!(caster.step, Step::Uniform(_)) || caster.traversal != Traversal::Samples;
-    let uneven = uneven.then_some("steps that are not all of one length (set a step, in voxels)".to_owned());
-    let found = match caster.screen {
-        Screen::EveryPixel => vec![],
+    let what = match caster.screen {
+        Screen::EveryPixel => None,
         // A promise for each pixel is none for what lies between them.
-        Screen::Adaptive { .. } => {
-            vec![matches!(caster.step, Step::Tolerance(_)).then_some("a promised error".to_owned())]
-        }
-        Screen::Coherent => vec![
-            (!scene.compositing.integrates_light()).then_some(compositing),
-            uneven,
-            // What a table of segments shows cannot be told from the values at their ends.
-            (!matches!(caster.rule, Rule::Midpoint | Rule::Left)).then(|| format!("the rule '{}'", caster.rule.name())),
-        ],
-        Screen::Template { connectivity } => {
-            let own_values = connectivity == Connectivity::Discrete && filter == Filter::Nearest;
-            vec![
-                (scene.compositing != Compositing::Over).then_some(compositing),
-                scene.shading.is_some().then_some("shading".to_owned()),
-                (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
-                (caster.order == Order::BackToFront).then_some("compositing back to front".to_owned()),
-                uneven,
-                (caster.leaping != Leaping::Auto).then_some("a way of leaping".to_owned()),
-                (caster.rule != Rule::Midpoint).then(|| format!("the rule '{}'", caster.rule.name())),
-                (caster.precision == Precision::F64).then_some("64-bit precision".to_owned()),
-                (caster.classification == Classification::Exact).then_some("exact classification".to_owned()),
-            ]
-        }
-    };
-    let what = found.into_iter().flatten().next()?;
+        Screen::Adaptive { .. } => matches!(caster.step, Step::Tolerance(_)).then_some("a promised error".to_owned()),
+        #[cfg(feature = "classics")]
+        Screen::Coherent | Screen::Template { .. } => crate::classics::beyond_screen(caster, scene),
+    }?;
     Some(format!("{what} with the screen '{}'", caster.screen.name()))
 }

@@ -16,7 +16,9 @@ pub use kernel::{Classification, Precision, Vector};
 pub use leaping::Leaping;
 pub use order::Order;
 pub use rule::Rule;
-pub use screen::{Connectivity, Screen};
+#[cfg(feature = "classics")]
+pub use screen::Connectivity;
+pub use screen::Screen;
 pub use step::Step;
 pub use traversal::Traversal;
 
@@ -96,14 +98,7 @@ impl RayCaster {
 
     /// World length of a step.
     pub(crate) fn world_step(&self, volume: &UniformVolume) -> f64 {
-        let voxels = match self.step {
-            Step::Uniform(voxels) | Step::Vicinity { fine: voxels, .. } | Step::Homogeneous { step: voxels, .. } => {
-                voxels
-            }
-            // They have no one length.
-            Step::Auto | Step::Local { .. } | Step::Tolerance(_) => 1.0,
-        };
-        voxels * volume.placement().spacing().min_element()
+        self.step.shortest().unwrap_or(1.0) * volume.placement().spacing().min_element()
     }
 
     /// World length that no step of a walk exceeds; +∞: cells are not cut. Nothing is gained by cutting what is exact already.
@@ -116,19 +111,12 @@ impl RayCaster {
 
     /// Checks the numbers, and that they go together.
     pub(crate) fn validate(&self) -> Result<(), ParameterError> {
+        if let Some(step) = self.step.shortest().filter(|&step| !(step > 0.0 && step <= Self::LONGEST_STEP)) {
+            return Err(ParameterError::new("render.step", step, "must be above 0 and at most 64"));
+        }
+        #[cfg(feature = "classics")]
+        crate::classics::validate(self)?;
         match self.step {
-            Step::Uniform(step) | Step::Vicinity { fine: step, .. } | Step::Homogeneous { step, .. }
-                if !(step > 0.0 && step <= Self::LONGEST_STEP) =>
-            {
-                return Err(ParameterError::new("render.step", step, "must be above 0 and at most 64"));
-            }
-            Step::Vicinity { coarse, fine } if !(coarse > fine && coarse <= Self::LONGEST_STEP) => {
-                let allowed = "must be longer than the fine step, and at most 64";
-                return Err(ParameterError::new("render.coarse", coarse, allowed));
-            }
-            Step::Homogeneous { error, .. } if !(error > 0.0 && error <= 1.0) => {
-                return Err(ParameterError::new("render.homogeneity", error, "must be above 0 and at most 1"));
-            }
             Step::Tolerance(error) => {
                 check_error(error)?;
                 let own = (self.order, self.rule, self.traversal);
@@ -140,21 +128,15 @@ impl RayCaster {
             Step::Local { error } if !(error > 0.0 && error <= 1.0) => {
                 return Err(ParameterError::new("render.local-error", error, "must be above 0 and at most 1"));
             }
-            Step::Auto | Step::Uniform(_) | Step::Vicinity { .. } | Step::Local { .. } | Step::Homogeneous { .. } => {}
+            _ => {}
         }
         self.validate_leaping()?;
         if self.traversal != Traversal::Samples && !matches!(self.step, Step::Auto | Step::Uniform(_)) {
             let allowed = "steps of this kind follow the medium, not cells or voxels: must be samples";
             return Err(ParameterError::new("render.traversal", self.traversal, allowed));
         }
-        match (self.rule, self.traversal) {
-            (Rule::Exact, Traversal::Samples | Traversal::Voxels) => {
-                return Err(ParameterError::new("render.rule", "exact", "needs traversal = \"cells\""));
-            }
-            (Rule::Left | Rule::Linear | Rule::Quadratic, Traversal::Voxels) => {
-                return Err(ParameterError::new("render.traversal", "voxels", "goes with rule = \"midpoint\" only"));
-            }
-            _ => {}
+        if self.rule == Rule::Exact && self.traversal != Traversal::Cells {
+            return Err(ParameterError::new("render.rule", "exact", "needs traversal = \"cells\""));
         }
         if let Screen::Adaptive { threshold } = self.screen
             && !(threshold >= 0.0 && threshold.is_finite())
@@ -172,11 +154,12 @@ impl RayCaster {
     /// Checks that the way of leaping that was asked for can act.
     fn validate_leaping(&self) -> Result<(), ParameterError> {
         let refuse = |allowed| Err(ParameterError::new("render.leaping", self.leaping, allowed));
-        match (self.leaping, self.step, self.traversal) {
-            (Leaping::Auto, ..) | (Leaping::None, Step::Vicinity { .. }, _) => Ok(()),
-            (_, Step::Vicinity { .. }, _) => refuse("coarse steps find the empty space themselves: must be none"),
-            (_, _, Traversal::Cells | Traversal::Voxels) => refuse("every cell is walked: must be absent"),
-            (_, Step::Uniform(_), _) => Ok(()),
+        match self.leaping {
+            Leaping::Auto => Ok(()),
+            Leaping::None if self.step.finds_empty_space() => Ok(()),
+            _ if self.step.finds_empty_space() => refuse("coarse steps find the empty space themselves: must be none"),
+            _ if self.traversal != Traversal::Samples => refuse("every cell is walked: must be absent"),
+            _ if matches!(self.step, Step::Uniform(_)) => Ok(()),
             _ => refuse("steps that follow the medium leap by a map of their own: needs uniform steps (set step)"),
         }
     }

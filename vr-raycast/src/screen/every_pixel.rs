@@ -17,12 +17,15 @@ pub(crate) fn every_pixel(tracer: &dyn Tracer, view: &View, control: &Control) -
     Ok(Rendered { frame, stats })
 }
 
+/// Draws pixels; returns one value for each.
+type DrawTile<'a> = &'a (dyn Fn(&[[u32; 2]]) -> (Vec<Traced>, Counts) + Sync);
+
 /// Draws a view tile by tile on all threads: `draw` is handed the pixels of a tile and returns one value for each.
 pub(crate) fn by_tiles(
     view: &View,
     control: &Control,
     stats: &mut RenderStats,
-    draw: &(dyn Fn(&[[u32; 2]]) -> (Vec<Traced>, Counts) + Sync),
+    draw: DrawTile<'_>,
 ) -> Result<Frame, RenderError> {
     let across = view.size[0].div_ceil(TILE);
     let tiles = across * view.size[1].div_ceil(TILE);

@@ -38,12 +38,49 @@ mod buffer;
 mod cells;
 
 pub(crate) use buffer::CoherenceBuffer;
-pub(crate) use cells::{Sides, Sight};
+use cells::Sight;
 
-use vr_core::{Control, Counts, IndexRay, Ray, Rays, RenderError, RenderStats, Rendered, UniformVolume, View};
+use std::sync::Arc;
 
-use super::every_pixel::{by_tiles, spots_of_pixel};
+use vr_core::{
+    Control, Counts, IndexRay, Ray, Rays, Real, RenderError, RenderStats, Rendered, Scene, UniformVolume, View,
+};
+
+use crate::caster::{RayCaster, Screen};
+use crate::engine::Engine;
+use crate::instruments::{Instruments, Kernel};
+use crate::leap::Visibility;
+use crate::screen::{by_tiles, spots_of_pixel};
 use crate::tracer::{Traced, Tracer};
+
+impl CoherenceBuffer {
+    /// Makes what the coherent screen knows before its first picture; `None` for other screens.
+    pub(crate) fn of(caster: &RayCaster, scene: &Scene, volume: &UniformVolume, engine: &Engine) -> Option<Self> {
+        if caster.screen != Screen::Coherent {
+            return None;
+        }
+        let sight = match engine.kernel()? {
+            Kernel::F32(instruments) => sight(instruments),
+            Kernel::F64(instruments) => sight(instruments),
+        };
+        Some(Self::new(volume, caster.filter_of(scene), sight))
+    }
+
+    /// True if a buffer made for one scene tells of another one, too. Compositing decides what a table is needed for, and so what can be
+    /// seen.
+    pub(crate) fn holds_for(then: &Scene, now: &Scene) -> bool {
+        let same_light = then.transfer == now.transfer && then.compositing == now.compositing;
+        then.volume.same(&now.volume) && then.filter == now.filter && same_light
+    }
+}
+
+/// Tells what can be seen of a field.
+fn sight<R: Real>(instruments: &Instruments<R>) -> Sight {
+    let classifier = &instruments.classifier;
+    let table = classifier.table.as_ref().map(|(table, _)| table);
+    let visibility = Visibility::of_light(&classifier.transfer, classifier.calibration, table);
+    Arc::new(move |low, high| visibility.is_visible(low, high))
+}
 
 /// Draws a view, each ray from where something can be seen first; rays that cannot see anything are not traced.
 ///

@@ -5,23 +5,68 @@ mod tile;
 
 use vr_core::image_order::in_parallel;
 use vr_core::transfer::BakedTransfer;
-use vr_core::{Control, Counts, Frame, Rays, RenderError, RenderStats, Rendered, UniformVolume, View};
+use vr_core::{
+    Control, Counts, Frame, Projection, Rays, RenderError, RenderStats, Rendered, Scene, UniformVolume, View,
+};
 
-use super::every_pixel::spots_of_pixel;
-use crate::caster::Connectivity;
+use crate::caster::{Connectivity, Order, RayCaster};
+use crate::instruments::Kernel;
+use crate::operator::Brightest;
+use crate::screen::spots_of_pixel;
+use crate::support::unsupported;
+use crate::table_range::table_range;
 use crate::tracer::Traced;
 use crate::walk::Lattice;
 use base_plane::BasePlane;
 use tile::{ACROSS, DOWN, TemplateRays, TemplateStep};
 
+/// Draws a view of a scene, which the caster can draw, by a template.
+///
+/// # Errors
+/// A view that is not orthographic or that has an opaque layer; what a camera that makes no sense leaves; or [`RenderError::Cancelled`].
+pub(crate) fn draw_by_template(
+    connectivity: Connectivity,
+    caster: &RayCaster,
+    scene: &Scene,
+    volume: &UniformVolume,
+    kernel: &Kernel,
+    view: &View,
+    control: &Control,
+) -> Result<Rendered, RenderError> {
+    if !matches!(view.camera.projection, Projection::Orthographic { .. }) {
+        return Err(unsupported("perspective with a template screen".to_owned()));
+    }
+    if view.layer.is_some() {
+        return Err(unsupported("opaque layers with a template screen".to_owned()));
+    }
+    let Order::FrontToBack { termination } = caster.order else {
+        return Err(unsupported("compositing back to front with a template screen".to_owned()));
+    };
+    let (low, high) = scene.volume.bounds();
+    let brightest = match kernel {
+        Kernel::F32(instruments) => instruments.brightest(),
+        Kernel::F64(instruments) => instruments.brightest(),
+    };
+    let most = match brightest {
+        Brightest::Radiance(c) => c.max(1.0),
+        Brightest::Emission(q) => (q * low.distance(high)).max(1.0),
+    };
+    let step = caster.world_step(volume);
+    let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
+    let range = table_range(volume, caster.filter_of(scene), &scene.transfer);
+    let integer = volume.voxel_type().is_integer();
+    let bake = |length| BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, length);
+    template.draw(bake, view, control)
+}
+
 /// What a template is cast through.
-pub(crate) struct Template<'a> {
-    pub(crate) volume: &'a UniformVolume,
-    pub(crate) connectivity: Connectivity,
+struct Template<'a> {
+    volume: &'a UniformVolume,
+    connectivity: Connectivity,
     /// World length of a step between the voxels.
-    pub(crate) step: f64,
+    step: f64,
     /// Opacity at which rays may end.
-    pub(crate) enough: f64,
+    enough: f64,
 }
 
 impl Template<'_> {
@@ -47,7 +92,7 @@ impl Template<'_> {
     ///
     /// # Errors
     /// A camera that makes no sense, or [`RenderError::Cancelled`].
-    pub(crate) fn draw(
+    fn draw(
         &self,
         bake: impl Fn(f64) -> BakedTransfer<f32>,
         view: &View,

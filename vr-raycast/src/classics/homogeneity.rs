@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use vr_core::{Filter, LevelRanges, TransferFunction, UniformVolume};
 
-use crate::straightness::bends;
+use super::straightness::bends;
 use crate::tolerance::optics::{Extremes, Optics};
 
 /// For every block of 4³ cells, the largest node of an octree around it that a ray may cross in one step.

@@ -8,6 +8,7 @@ use vr_core::transfer::BakedTransfer;
 use vr_core::*;
 
 use super::*;
+use crate::leap::ExactCloud;
 
 /// All structures over the same blocks.
 pub(super) fn leapers(
@@ -227,7 +228,7 @@ fn structures_are_small() {
     let placement = Placement::from_spacing([1.0; 3]).unwrap();
     let volume: Volume = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap().into();
     let volume = volume.uniform().unwrap();
-    let ranges = volume.range_blocks(Filter::Trilinear, empty_space::EDGE);
+    let ranges = volume.range_blocks(Filter::Trilinear, EDGE);
     let seen = Visibility::of_threshold(128.0, Calibration::default());
     for (name, leaper) in leapers(dims, &ranges, &seen) {
         let bytes = leaper.bytes() + size_of_val(ranges.ranges());
