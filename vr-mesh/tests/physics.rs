@@ -3,10 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::{
-    Camera, Clip, Control, Model, OpacityRule, Plane, Projection, Scene, Shading, TransferFunction, TriangleMesh, View,
-    phantom,
-};
+use vr_core::{Camera, Clip, Control, Model, Plane, Projection, Scene, Shading, TriangleMesh, View, phantom};
 use vr_mesh::Surface;
 use vr_physics::Reference;
 

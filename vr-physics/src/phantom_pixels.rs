@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use crate::Certainty;
     use crate::metrics::subgrid;
-    use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
+    use vr_core::phantom::{self};
     use vr_core::{Camera, Compositing, Model, OpacityRule, TransferFunction};
 
     /// Differences to the phantom itself, at grids of 33³ and 65³ samples.

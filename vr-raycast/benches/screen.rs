@@ -8,7 +8,7 @@
 use std::path::Path;
 
 use criterion::{BenchmarkId, Criterion};
-use vr_core::phantom::{self, Phantom, TRANSFER_UNIT_DISTANCE};
+use vr_core::phantom::{self, Phantom};
 use vr_core::{
     Calibration, Camera, Control, ControlPoint, Frame, OpacityRule, Placement, Renderer, Scene, TransferFunction,
     UniformGrid, View,

@@ -18,6 +18,14 @@ pub(crate) enum Engine {
 }
 
 impl Engine {
+    /// What the plain engine looks things up in, where it may draw.
+    pub(crate) fn kernel(&self) -> Option<&Kernel> {
+        match self {
+            Self::Plain(kernel) | Self::Packets(_, kernel) => Some(kernel),
+            Self::Promise(_) => None,
+        }
+    }
+
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     ///
     /// # Errors
@@ -33,8 +41,8 @@ impl Engine {
             return Ok(Self::Promise(Box::new(promise)));
         }
         let last = match last {
-            Some((scene, Self::Plain(kernel) | Self::Packets(_, kernel))) => Some((scene, kernel)),
-            _ => None,
+            Some((scene, engine)) => engine.kernel().map(|kernel| (scene, kernel)),
+            None => None,
         };
         let mut kernel = Kernel::new(caster, scene, volume, last);
         let packets = match &kernel {

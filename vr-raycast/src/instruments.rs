@@ -8,11 +8,9 @@ use vr_kernels::tables::{BakedTransfer, PreIntegrated, outwards};
 
 use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
-use crate::homogeneity::Homogeneity;
-use crate::leap::{EmptySpace, Visibility};
+use crate::leap::{Leaper, empty_space};
 use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
-use crate::screen::Sight;
 use crate::shade::Shader;
 use crate::table_range::{field_range, resolves, single_precision_resolves, table_range};
 
@@ -29,9 +27,10 @@ pub(crate) struct Instruments<R> {
     /// How long steps are, where they follow the data.
     pub(crate) pace: Option<Arc<PaceMap>>,
     /// Where long steps will do.
-    pub(crate) homogeneity: Option<Arc<Homogeneity>>,
+    #[cfg(feature = "classics")]
+    pub(crate) homogeneity: Option<Arc<crate::classics::Homogeneity>>,
     /// Where nothing is visible; `None`: everything is sampled. Found by [`Kernel::find_empty_space`].
-    pub(crate) empty_space: Option<EmptySpace>,
+    pub(crate) empty_space: Option<Arc<dyn Leaper>>,
 }
 
 impl Kernel {
@@ -72,24 +71,12 @@ impl Kernel {
             (Self::F64(new), _) => new.find_empty_space(caster, scene, volume, None),
         }
     }
-
-    /// What can be seen of a field.
-    pub(crate) fn sight(&self) -> Sight {
-        match self {
-            Self::F32(instruments) => instruments.sight(),
-            Self::F64(instruments) => instruments.sight(),
-        }
-    }
 }
 
 /// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
-        (Rule::Midpoint | Rule::Left, Traversal::Samples)
-            if matches!(caster.step, Step::Uniform(_) | Step::Vicinity { .. }) =>
-        {
-            None
-        }
+        (Rule::Midpoint | Rule::Left, Traversal::Samples) if caster.step.is_on_lattice() => None,
         (Rule::Midpoint | Rule::Left, _) => Some(Shape::Point),
         (Rule::Linear, _) => Some(Shape::Line),
         (Rule::Quadratic, _) => Some(Shape::Parabola),
@@ -113,12 +100,6 @@ fn same_light(a: &Scene, b: &Scene) -> bool {
 }
 
 impl<R: Real> Instruments<R> {
-    fn sight(&self) -> Sight {
-        let Classifier { transfer, calibration, table, .. } = &self.classifier;
-        let visibility = Visibility::of_light(transfer, *calibration, table.as_ref().map(|(table, _)| table), None);
-        Arc::new(move |low, high| visibility.shows(low, high))
-    }
-
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &GridVolume, last: Option<(&Scene, &Self)>) -> Self {
         let bake = || {
@@ -128,8 +109,12 @@ impl<R: Real> Instruments<R> {
             let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
             resolves(&table, volume).then(|| (Arc::new(table), step))
         };
-        let last_of_field =
-            last.filter(|(old, _)| old.volume.same(&scene.volume)).and_then(|(_, i)| i.homogeneity.clone());
+        #[cfg(feature = "classics")]
+        let homogeneity = {
+            let last_of_field = last.filter(|(old, _)| old.volume.same(&scene.volume));
+            let then = last_of_field.and_then(|(old, i)| Some((i.homogeneity.as_ref()?, same_light(old, scene))));
+            crate::classics::homogeneity(caster, scene, volume, then)
+        };
         let last = last.filter(|(old, _)| same_light(old, scene)).map(|(_, instruments)| instruments);
         let lights = scene.compositing.integrates_light();
         let wanted = caster.classification == Classification::Table && lights;
@@ -172,13 +157,14 @@ impl<R: Real> Instruments<R> {
             Step::Local { error } if follows => Some(pace(error)),
             _ => None,
         };
-        let homogeneity = match caster.step {
-            Step::Homogeneous { error, .. } if caster.traversal == Traversal::Samples => last
-                .and_then(|i| i.homogeneity.clone())
-                .or_else(|| Some(Arc::new(Homogeneity::new(volume, &scene.transfer, error, last_of_field.as_deref())))),
-            _ => None,
-        };
-        Self { classifier, shader, pace, homogeneity, empty_space: None }
+        Self {
+            classifier,
+            shader,
+            pace,
+            #[cfg(feature = "classics")]
+            homogeneity,
+            empty_space: None,
+        }
     }
 
     /// Makes what tells of empty space, which packets do not need.
@@ -193,7 +179,7 @@ impl<R: Real> Instruments<R> {
         let same = |old: &Scene| same_light(old, scene) && old.compositing == scene.compositing;
         self.empty_space = of(last.is_some_and(|(old, _)| same(old))).cloned().or_else(|| {
             let of_field = of(last.is_some_and(|(old, _)| old.volume.same(&scene.volume)));
-            EmptySpace::new(caster, scene, volume, &self.classifier, of_field)
+            empty_space(caster, scene, volume, &self.classifier, of_field)
         });
     }
 }

@@ -55,7 +55,6 @@
 //! | [`Rule::Quadratic`], smooth field | 4; at kinks of the transfer function 3.6, at jumps 2 |
 //! | [`Rule::Quadratic`], trilinear field | 2, for its kinks at cell faces, with a quarter to a fifteenth of midpoint's error at the same step; from one step a cell on 10⁻⁶ to 10⁻⁴ with [`Traversal::Cells`] |
 //! | [`Rule::Exact`], [`Traversal::Cells`] | no error but rounding, unless shaded (one gradient a cell) |
-//! | [`Traversal::Voxels`] | 1 in the size of a voxel |
 //! | average, midpoint | 2 |
 //! | maximum, minimum: samples and chord ends | 2 inside a smooth piece; 1 at a kink of the field |
 //! | first | as exact as f32 depth, where the field crosses the threshold once between two samples |
@@ -84,8 +83,13 @@
 //! | constant | 2·10⁻⁷ | 2·10⁻⁷ | |
 //!
 //! # Empty space
-//! Under over, accumulate and first, steps in which nothing can be visible are not sampled. [`Leaping`] says how rays find them, and
-//! [`Step::Vicinity`] is another way; none changes a picture by a bit, its depths included.
+//! Under over, accumulate and first, steps in which nothing can be visible are not sampled. [`Leaping`] says how rays find them; no way
+//! changes a picture by a bit, its depths included.
+//!
+//! # Classics
+//! The feature `classics` adds the accelerations of the literature that lost to these: other structures over empty space, coarse steps that
+//! look at a flag, long steps where the medium is nearly the same, walks from voxel to voxel, ray templates and the coherence buffer. The
+//! README in `src/classics` tells what each was for and what beat it.
 //!
 //! # A promised error
 //! [`Step::Tolerance`] takes no step of a given length, but as long ones as an error allows: no component of a pixel is further from
@@ -97,12 +101,16 @@
 //! Its vector kernels ([`Vector`] says what they draw) know neither pre-integration nor the other filters and operators: those go ray by
 //! ray. It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
+// What the modules hold for classics alone; the check for dead code is that with all features.
+#![cfg_attr(not(feature = "classics"), allow(dead_code))]
+
 mod caster;
 mod chord;
+#[cfg(feature = "classics")]
+mod classics;
 mod classify;
 mod engine;
 mod hard_cases;
-mod homogeneity;
 mod instruments;
 mod leap;
 mod near_depths;
@@ -121,7 +129,6 @@ mod run;
 mod screen;
 mod shade;
 mod silhouette;
-mod straightness;
 mod study;
 mod support;
 mod table_range;
@@ -129,6 +136,6 @@ mod tolerance;
 mod tracer;
 mod walk;
 
-pub use caster::{
-    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector,
-};
+pub use caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector};
+#[cfg(feature = "classics")]
+pub use classics::Connectivity;

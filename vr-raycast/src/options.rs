@@ -2,9 +2,30 @@
 
 use vr_core::{Configurable, DeclaredOption, Filter, MIN_MAX_ERROR, NumberRange, OptionTable};
 
-use crate::caster::{
-    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector,
-};
+use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector};
+#[cfg(feature = "classics")]
+use crate::classics::options as classics;
+
+/// What takes the place of the classics' options where they are left out.
+#[cfg(not(feature = "classics"))]
+mod classics {
+    use super::*;
+
+    pub(super) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; tolerance, as a promised error asks for; auto, local where light is followed, else uniform";
+    pub(super) const STEPS_OF_ONE_LENGTH: &str = "steps=uniform";
+    pub(super) const STEPS: [(&str, Step); 0] = [];
+    pub(super) const LEAPINGS: [(&str, Leaping); 0] = [];
+    pub(super) const TRAVERSALS: [(&str, Traversal); 0] = [];
+    pub(super) const SCREENS: [Screen; 0] = [];
+
+    pub(super) fn step_options() -> [DeclaredOption<RayCaster>; 0] {
+        []
+    }
+
+    pub(super) fn is_rule_beyond_voxels(_: &RayCaster) -> bool {
+        false
+    }
+}
 
 /// The option that is refined.
 pub(crate) const STEP: &str = "step";
@@ -15,68 +36,56 @@ pub(crate) const LARGEST_ERROR: f64 = 1.0;
 
 const UNIFORM: Step = Step::Uniform(Step::OTHERWISE);
 const LOCAL: Step = Step::Local { error: Step::ERROR };
-const VICINITY: Step = Step::Vicinity { coarse: 8.0, fine: Step::OTHERWISE };
-const HOMOGENEOUS: Step = Step::Homogeneous { step: Step::OTHERWISE, error: 1e-2 };
 const TOLERANCE: Step = Step::Tolerance(4e-3);
-/// Every kind of steps, with the numbers that it has where none are given.
-const STEPS: [(&str, Step); 6] = [
-    ("auto", Step::Auto),
-    ("uniform", UNIFORM),
-    ("local", LOCAL),
-    ("vicinity", VICINITY),
-    ("homogeneous", HOMOGENEOUS),
-    ("tolerance", TOLERANCE),
-];
+/// Kinds of steps, with the numbers that they have where none are given.
+const STEPS: [(&str, Step); 4] =
+    [("auto", Step::Auto), ("uniform", UNIFORM), ("local", LOCAL), ("tolerance", TOLERANCE)];
 /// Its RMSE is a twentieth of the threshold or less: about what default steps are wrong by.
 const ADAPTIVE: Screen = Screen::Adaptive { threshold: 0.05 };
 
 impl Configurable for RayCaster {
     fn options() -> OptionTable<Self> {
-        OptionTable::new(Self::NAME, step_options().into_iter().chain(other_options()).collect::<Vec<_>>())
+        OptionTable::new(
+            Self::NAME,
+            step_options().into_iter().chain(classics::step_options()).chain(other_options()).collect::<Vec<_>>(),
+        )
     }
 }
 
+/// Every kind of steps.
+fn steps() -> impl Iterator<Item = (&'static str, Step)> {
+    STEPS.into_iter().chain(classics::STEPS)
+}
+
 /// Options that say how long steps are. Each number makes steps the kind that has it, unless they are of one already.
-fn step_options() -> [DeclaredOption<RayCaster>; 6] {
-    let length = NumberRange::above(0.0).up_to(RayCaster::LONGEST_STEP);
-    let error = NumberRange::above(0.0).up_to(1.0);
+fn step_options() -> [DeclaredOption<RayCaster>; 4] {
     [
         DeclaredOption::choice(
             "steps",
-            "length of steps: uniform; local, as long as what is in each place allows; vicinity, coarse where nothing is visible; homogeneous, long where the medium hardly changes; tolerance, as a promised error asks for; auto, local where light is followed, else uniform",
-            STEPS,
+            classics::STEPS_HELP,
+            steps(),
             |c: &RayCaster| {
                 let is_same = |step: &Step| std::mem::discriminant(step) == std::mem::discriminant(&c.step);
-                STEPS.into_iter().map(|(_, step)| step).find(is_same).unwrap_or_default()
+                steps().map(|(_, step)| step).find(is_same).unwrap_or_default()
             },
             |c, step| c.step = step,
         ),
         DeclaredOption::number_only_with(
             (STEP, "length of a step, as a fraction of the smallest voxel edge"),
-            length,
-            ("steps=uniform, vicinity or homogeneous", |c| c.step = UNIFORM),
+            NumberRange::above(0.0).up_to(RayCaster::LONGEST_STEP),
+            (classics::STEPS_OF_ONE_LENGTH, |c| c.step = UNIFORM),
             |c| c.step.length(),
-            |c: &mut RayCaster, x| match &mut c.step {
-                Step::Uniform(step) | Step::Vicinity { fine: step, .. } | Step::Homogeneous { step, .. } => *step = x,
-                step => *step = Step::Uniform(x),
+            |c: &mut RayCaster, x| match c.step.length_mut() {
+                Some(length) => *length = x,
+                None => c.step = Step::Uniform(x),
             },
         ),
         DeclaredOption::number_only_with(
             ("local-error", "RMSE that local steps aim at"),
-            error,
+            NumberRange::above(0.0).up_to(1.0),
             ("steps=local", |c| c.step = LOCAL),
             |c| if let Step::Local { error } = c.step { Some(error) } else { None },
             |c: &mut RayCaster, error| c.step = Step::Local { error },
-        ),
-        DeclaredOption::number_only_with(
-            ("homogeneity", "largest error that all the long ones of homogeneous steps may make together on a ray"),
-            error,
-            ("steps=homogeneous", |c| c.step = HOMOGENEOUS),
-            |c| if let Step::Homogeneous { error, .. } = c.step { Some(error) } else { None },
-            |c: &mut RayCaster, error| {
-                let step = c.step.length().unwrap_or(Step::OTHERWISE);
-                c.step = Step::Homogeneous { step, error };
-            },
         ),
         DeclaredOption::<RayCaster>::number_only_with(
             (
@@ -96,33 +105,13 @@ fn step_options() -> [DeclaredOption<RayCaster>; 6] {
                 matches!(c.step, Step::Tolerance(_)) && own != (Order::default(), Rule::default(), Traversal::default())
             },
         ),
-        DeclaredOption::<RayCaster>::number_only_with(
-            ("coarse", "length of coarse steps, in voxels"),
-            length,
-            ("steps=vicinity", |c| c.step = VICINITY),
-            |c| if let Step::Vicinity { coarse, .. } = c.step { Some(coarse) } else { None },
-            |c, coarse| {
-                let fine = c.step.length().unwrap_or(Step::OTHERWISE);
-                c.step = Step::Vicinity { coarse, fine };
-            },
-        )
-        .refuse(
-            "must be longer than the fine step",
-            |c| matches!(c.step, Step::Vicinity { coarse, fine } if coarse <= fine),
-        ),
     ]
 }
 
 /// All options but those of steps.
 fn other_options() -> [DeclaredOption<RayCaster>; 11] {
     let rules = [Rule::Midpoint, Rule::Left, Rule::Linear, Rule::Quadratic, Rule::Exact];
-    let screens = [
-        Screen::EveryPixel,
-        ADAPTIVE,
-        Screen::Coherent,
-        Screen::Template { connectivity: Connectivity::Discrete },
-        Screen::Template { connectivity: Connectivity::Continuous },
-    ];
+    let screens = [Screen::EveryPixel, ADAPTIVE];
     let filters = Filter::ALL.map(|filter| (filter.name(), Some(filter)));
     [
         DeclaredOption::<RayCaster>::choice(
@@ -131,24 +120,21 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
             [
                 ("auto", Leaping::Auto),
                 ("none", Leaping::None),
-                ("octree", Leaping::Octree),
-                ("pyramid", Leaping::Pyramid),
                 ("exact-cloud", Leaping::ExactCloud),
-                ("chessboard-cloud", Leaping::ChessboardCloud),
-                ("boxes", Leaping::Boxes),
-                ("polyhedron", Leaping::Polyhedron),
-            ],
+            ]
+            .into_iter()
+            .chain(classics::LEAPINGS),
             |c| c.leaping,
             |c, leaping| c.leaping = leaping,
         )
         .refuse("coarse steps find the empty space themselves: must be none", |c| {
-            matches!(c.step, Step::Vicinity { .. }) && !matches!(c.leaping, Leaping::Auto | Leaping::None)
+            c.step.finds_empty_space() && !matches!(c.leaping, Leaping::Auto | Leaping::None)
         })
         .refuse("every cell is walked: must be absent", |c| {
             c.traversal != Traversal::Samples && c.leaping != Leaping::Auto
         })
         .refuse("steps that follow the medium leap by a map of their own: needs uniform steps (set step)", |c| {
-            c.leaping != Leaping::Auto && !matches!(c.step, Step::Uniform(_) | Step::Vicinity { .. })
+            c.leaping != Leaping::Auto && !c.step.is_on_lattice()
         }),
         DeclaredOption::<RayCaster>::choice(
             "rule",
@@ -161,14 +147,14 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
         DeclaredOption::<RayCaster>::choice(
             "traversal",
             "steps of the given length, steps that end at cell faces, or steps from voxel to voxel",
-            [("samples", Traversal::Samples), ("cells", Traversal::Cells), ("voxels", Traversal::Voxels)],
+            [("samples", Traversal::Samples), ("cells", Traversal::Cells)].into_iter().chain(classics::TRAVERSALS),
             |c| c.traversal,
             |c, traversal| c.traversal = traversal,
         )
         .refuse("steps of this kind follow the medium, not cells or voxels: must be samples", |c| {
             c.traversal != Traversal::Samples && !matches!(c.step, Step::Auto | Step::Uniform(_))
         })
-        .refuse("goes with rule=midpoint only", |c| c.traversal == Traversal::Voxels && c.rule != Rule::Midpoint),
+        .refuse("goes with rule=midpoint only", classics::is_rule_beyond_voxels),
         DeclaredOption::choice(
             "order",
             "from which end samples are composited; back-to-front is for over alone",
@@ -221,7 +207,7 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
         DeclaredOption::choice(
             "screen",
             "rays that are cast: all, those where colours bend, those from where the last view saw something, or those of a template",
-            screens.map(|screen| (screen.name(), screen)),
+            screens.into_iter().chain(classics::SCREENS).map(|screen| (screen.name(), screen)),
             |c: &RayCaster| if let Screen::Adaptive { .. } = c.screen { ADAPTIVE } else { c.screen },
             |c, screen| c.screen = screen,
         ),
@@ -247,6 +233,7 @@ mod tests {
     use vr_core::{OptionError, OptionValue, Options};
 
     use super::*;
+    use crate::classics::Connectivity;
 
     fn configured(options: Options) -> Result<RayCaster, OptionError> {
         RayCaster::default().configure(&options)

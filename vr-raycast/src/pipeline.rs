@@ -2,39 +2,27 @@
 
 use glam::DVec3;
 use vr_core::image_order::Spot;
-use vr_core::{Counts, GridVolume, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, View};
+use vr_core::{Counts, GridVolume, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
 
-use crate::caster::Traversal;
+use crate::caster::Order;
 use crate::chord::Chord;
 use crate::classify::Classifier;
-use crate::homogeneity::Homogeneity;
-use crate::leap::EmptySpace;
-use crate::operator::{Operator, Recording};
-use crate::pace::PaceMap;
+use crate::operator::{Operator, Recording, operator};
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::tracer::{Traced, Tracer};
-use crate::walk::{HomogeneousWalk, Lattice, LatticeWalk, LocalWalk, VisibleSteps, Walk, cell_walk, voxel_walk};
+use crate::walk::{Walk, Walks};
 
 /// What a frame's rays share.
 ///
 /// A run goes from pass to pass: walked, placed, sampled, classified, shaded, composited. Each pass is instantiated for what *it*
-/// depends on (the sampling for voxel type and filter, the compositing for the operator, all for the precision) and chosen once per
-/// run, so that there is a sum of instances and not their product.
-pub(crate) struct Pipeline<'a, R, F> {
+/// depends on (the sampling for voxel type and filter, all for the precision) and chosen once per run, so that there is a sum of
+/// instances and not their product.
+pub(crate) struct Pipeline<'a, R> {
+    pub(crate) scene: &'a Scene,
     pub(crate) volume: &'a GridVolume,
-    pub(crate) traversal: Traversal,
-    /// World length of the smallest voxel edge.
-    pub(crate) voxel: f64,
-    /// World length of a step, where all are alike; the longest, where steps end at cell faces; +∞: they end there only.
-    pub(crate) step: f64,
-    /// How long steps are, where they follow the data.
-    pub(crate) pace: Option<&'a PaceMap>,
-    /// Where long steps will do.
-    pub(crate) homogeneity: Option<&'a Homogeneity>,
-    /// Where nothing is visible, if that is to be left out of steps that are all alike.
-    pub(crate) empty_space: Option<&'a EmptySpace>,
+    pub(crate) walks: Walks<'a>,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
@@ -42,21 +30,21 @@ pub(crate) struct Pipeline<'a, R, F> {
     pub(crate) view: &'a View,
     pub(crate) layer: Option<&'a Layer>,
     pub(crate) rays: Rays,
-    /// Makes the compositing operator of a thread.
-    pub(crate) operator: F,
+    pub(crate) order: Order,
 }
 
 /// What one thread needs to trace rays.
-struct Scratch<R, O> {
-    operator: O,
+struct Scratch<'o, R> {
+    operator: &'o mut dyn Operator<R>,
     run: Run<R>,
     /// Shading along the direction of the last ray: parallel rays share it.
     lights: Option<(DVec3, RayShading<R>)>,
 }
 
-impl<R: Real, O: Operator<R>, F: Fn() -> O + Sync> Tracer for Pipeline<'_, R, F> {
+impl<R: Real> Tracer for Pipeline<'_, R> {
     fn trace(&self, spots: &[Spot], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
-        let mut scratch = Scratch { operator: (self.operator)(), run: Run::new(), lights: None };
+        let mut operator = self.operator();
+        let mut scratch = Scratch { operator: operator.as_mut(), run: Run::new(), lights: None };
         values.extend(spots.iter().enumerate().map(|(i, spot)| {
             let start = starts.map_or(0, |starts| starts[i]);
             self.trace_ray(&mut scratch, &self.rays.at(spot.x, spot.y), spot.pixel, start, counts)
@@ -64,25 +52,27 @@ impl<R: Real, O: Operator<R>, F: Fn() -> O + Sync> Tracer for Pipeline<'_, R, F>
     }
 }
 
-impl<R: Real, O: Operator<R>, F: Fn() -> O> Pipeline<'_, R, F> {
+impl<R: Real> Pipeline<'_, R> {
+    fn operator(&self) -> Box<dyn Operator<R>> {
+        operator(self.scene, self.volume.calibration(), self.order)
+    }
+
     /// Traces the ray through the centre of a pixel as any other, and tells all that is done for it. `own_kernel`: see [`Probe`].
     pub(crate) fn probe(&self, [x, y]: [u32; 2], own_kernel: bool) -> Probe {
         let fractions = self.classifier.profile.as_ref().and_then(|profile| profile.fractions());
-        let operator = Recording::new((self.operator)(), self.volume.calibration(), fractions);
-        let mut scratch = Scratch { operator, run: Run::new(), lights: None };
+        let mut recording = Recording::new(self.operator(), self.volume.calibration(), fractions);
+        let mut scratch = Scratch { operator: &mut recording, run: Run::new(), lights: None };
         let mut counts = Counts::default();
         let ray = self.rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let pixel = y as usize * self.view.size[0] as usize + x as usize;
         let Traced { rgba, depth } = self.trace_ray(&mut scratch, &ray, pixel, 0, &mut counts);
-        Probe { rgba, depth, own_kernel, ended_early: counts.terminated > 0, steps: scratch.operator.into_steps() }
+        Probe { rgba, depth, own_kernel, ended_early: counts.terminated > 0, steps: recording.into_steps() }
     }
-}
 
-impl<R: Real, F> Pipeline<'_, R, F> {
     /// Traces a ray through a pixel from step `start` of its lattice on.
-    fn trace_ray<O: Operator<R>>(
+    fn trace_ray(
         &self,
-        scratch: &mut Scratch<R, O>,
+        scratch: &mut Scratch<'_, R>,
         ray: &Ray,
         pixel: usize,
         start: u32,
@@ -92,36 +82,25 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
-            let dims = self.volume.dims();
-            let walk = match (self.traversal, self.pace, self.homogeneity) {
-                (Traversal::Cells, ..) => Walk::Listed(cell_walk(&part, dims, self.step, start, O::BACKWARDS)),
-                (Traversal::Voxels, ..) => Walk::Listed(voxel_walk(&part, dims, start, O::BACKWARDS)),
-                (Traversal::Samples, Some(map), _) => Walk::Local(LocalWalk::new(map, part, self.voxel)),
-                (Traversal::Samples, None, Some(map)) => {
-                    Walk::Homogeneous(HomogeneousWalk::new(map, part, self.step, self.voxel))
-                }
-                (Traversal::Samples, None, None) => {
-                    let lattice = Lattice::new(part.start, part.end, self.step);
-                    let visible = VisibleSteps::new(lattice, start, u32::from(O::BRACKETS), &part, self.empty_space);
-                    Walk::Lattice(LatticeWalk::new(lattice, visible, O::BACKWARDS))
-                }
-            };
+            let needs = scratch.operator.needs();
+            let walk = self.walks.along(part, start, u32::from(needs.brackets), needs.backwards);
             let chord = Chord { volume: self.volume, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });
         layer.map_or(value, |l| value.over(l, pixel))
     }
 
-    fn along<O: Operator<R>>(
+    fn along(
         &self,
-        scratch: &mut Scratch<R, O>,
+        scratch: &mut Scratch<'_, R>,
         ray: &Ray,
         chord: &Chord<'_>,
         mut walk: Walk<'_>,
         counts: &mut Counts,
     ) -> RayValue {
         let Scratch { operator, run, lights } = scratch;
-        let shader = self.shader.filter(|_| O::LIGHT || O::SURFACE).map(|shader| {
+        let needs = operator.needs();
+        let shader = self.shader.filter(|_| needs.light || needs.surface).map(|shader| {
             if lights.as_ref().is_none_or(|(direction, _)| *direction != ray.direction) {
                 *lights = Some((ray.direction, shader.along(ray.direction)));
             }
@@ -130,7 +109,7 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         counts.rays += 1;
         operator.begin(chord);
         let mut ended = false;
-        if O::ENDS {
+        if needs.ends {
             chord.place_point(run, chord.ray.start);
             chord.sample(run);
             counts.samples += 1;
@@ -142,13 +121,13 @@ impl<R: Real, F> Pipeline<'_, R, F> {
                 run.place_at(places);
             }
             counts.samples += match &self.classifier.profile {
-                Some(profile) if O::LIGHT => profile.sample(chord, run),
+                Some(profile) if needs.light => profile.sample(chord, run),
                 _ => {
                     chord.sample(run);
                     run.len() as u64
                 }
             };
-            if O::LIGHT {
+            if needs.light {
                 self.classifier.classify(run);
                 if let Some((shader, lights)) = shader {
                     shader.shade(lights, chord, run, self.classifier);
@@ -156,7 +135,7 @@ impl<R: Real, F> Pipeline<'_, R, F> {
             }
             ended = operator.take(run, chord).is_break();
         }
-        if O::ENDS && !ended {
+        if needs.ends && !ended {
             chord.place_point(run, chord.ray.end);
             chord.sample(run);
             counts.samples += 1;
@@ -168,7 +147,7 @@ impl<R: Real, F> Pipeline<'_, R, F> {
         counts.terminated += u64::from(ended && walk.next(&mut run.steps));
         let mut value = operator.finish(chord);
         if let Some((shader, lights)) = shader
-            && O::SURFACE
+            && needs.surface
             && value.depth < f64::INFINITY
         {
             shader.shade_surface(lights, chord, run, &mut value);

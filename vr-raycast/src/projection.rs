@@ -3,8 +3,6 @@
 use glam::DVec3;
 use vr_core::{ParameterError, Placement, Projection as Kind, View};
 
-use crate::screen::Sides;
-
 /// Pixels along the edge of the tiles in which depths are kept: those of one packet of rays.
 pub(crate) const TILE: u32 = 4;
 
@@ -105,7 +103,7 @@ impl Projection {
     }
 
     /// From which sides rays come to the points of a box, per axis from below and from above.
-    pub(crate) fn sides(&self, centre: DVec3, half: DVec3) -> Sides {
+    pub(crate) fn sides(&self, centre: DVec3, half: DVec3) -> [[bool; 2]; 3] {
         std::array::from_fn(|a| match self.rays {
             // Where rays go across the axis, rounding included, from both.
             Rays::Along(direction) => [direction[a] > -PARALLEL, direction[a] < PARALLEL],

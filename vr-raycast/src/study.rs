@@ -2,7 +2,7 @@
 
 use vr_core::{ConvergenceClaim, ConvergenceOrders, Documented, Filter, HardCaseErrors, NamedSetting};
 
-use crate::caster::{Connectivity, RayCaster, Rule, Screen, Step, Traversal};
+use crate::caster::{RayCaster, Rule, Screen, Step, Traversal};
 use crate::options::STEP;
 
 /// Rounding of f32 kernels, table and early termination together, on smooth scenes.
@@ -47,10 +47,8 @@ impl Documented for RayCaster {
         let exact_cells = Self { rule: Rule::Exact, traversal: Traversal::Cells, ..Self::uniform(1.0) };
         all.push(named("exact cells".to_owned(), &exact_cells));
 
-        let template = Screen::Template { connectivity: Connectivity::Continuous };
-        for (word, screen) in [("coherent", Screen::Coherent), ("template", template)] {
-            all.push(named(format!("midpoint 1 {word}"), &Self { screen, ..Self::uniform(1.0) }));
-        }
+        #[cfg(feature = "classics")]
+        all.extend(crate::classics::options::settings().map(|(name, caster)| named(name, &caster)));
         all.extend(Filter::ALL.into_iter().filter(|&f| f != Filter::Trilinear).map(|filter| {
             converging(format!("midpoint {filter} 0.5"), &Self { filter: Some(filter), ..Self::uniform(0.5) })
         }));

@@ -3,8 +3,8 @@
 //! Phantoms of SIZE³ bytes (default 256), each encoding, in a Markdown table: stored voxels as a part of all, bytes to each with its
 //! runs, MB for one axis and for three. The samples themselves are not counted.
 
-use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
-use vr_core::{Control, OpacityRule, Scene, TransferFunction};
+use vr_core::Control;
+use vr_core::phantom::{self};
 use vr_shearwarp::{Encoding, ShearWarp};
 
 fn main() {

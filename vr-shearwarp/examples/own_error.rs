@@ -12,8 +12,8 @@
 
 use std::collections::HashMap;
 
-use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
-use vr_core::{Camera, Control, Model, OpacityRule, Projection, Renderer, Scene, TransferFunction, View};
+use vr_core::phantom::{self};
+use vr_core::{Camera, Control, Model, Projection, Renderer, Scene, View};
 use vr_physics::{Metrics, Reference};
 use vr_shearwarp::{ShearWarp, WarpFilter};
 

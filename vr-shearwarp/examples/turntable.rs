@@ -23,10 +23,8 @@
 
 use std::collections::HashMap;
 
-use vr_core::phantom::{self, Phantom, TRANSFER_UNIT_DISTANCE};
-use vr_core::{
-    Camera, Control, Frame, Model, OpacityRule, Prepared, Projection, Renderer, Scene, TransferFunction, View,
-};
+use vr_core::phantom::{self, Phantom};
+use vr_core::{Camera, Control, Frame, Model, Prepared, Projection, Renderer, Scene, View};
 use vr_physics::Reference;
 use vr_physics::metrics::subgrid;
 use vr_shearwarp::{Encoding, ShearWarp, WarpFilter};

@@ -1,7 +1,7 @@
 //! A volume that turns keeps its brightness and does not jump where the principal axis changes.
 
-use vr_core::phantom::{self, Phantom, TRANSFER_UNIT_DISTANCE};
-use vr_core::{Camera, Control, Frame, Model, OpacityRule, Prepared, Renderer, Scene, TransferFunction, View};
+use vr_core::phantom::{self, Phantom};
+use vr_core::{Camera, Control, Frame, Model, Prepared, Renderer, Scene, View};
 use vr_physics::Reference;
 use vr_physics::metrics::{outline_mask, subgrid};
 use vr_shearwarp::ShearWarp;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
+use vr_core::phantom::{self};
 use vr_core::*;
 use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use vr_core::phantom::{self, Phantom, TRANSFER_UNIT_DISTANCE};
-use vr_core::{Camera, GridError, OpacityRule, Scene, TransferFunction, View};
+use vr_core::phantom::{self, Phantom};
+use vr_core::{Camera, GridError, Scene, View};
 
 /// A scene, a view of it, and the name that results go by.
 #[derive(Clone)]

@@ -5,8 +5,8 @@
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode};
-use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
-use vr_core::{Camera, Control, OpacityRule, Renderer, Scene, TransferFunction, View};
+use vr_core::phantom::{self};
+use vr_core::{Camera, Control, Renderer, Scene, View};
 use vr_texslice::{Format, Order, Proxy, TexSlice};
 
 fn scene(name: &str, n: usize) -> Scene {

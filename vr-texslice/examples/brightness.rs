@@ -14,8 +14,8 @@
 
 use std::collections::HashMap;
 
-use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
-use vr_core::{Camera, Control, Model, OpacityRule, Renderer, Scene, TransferFunction, View};
+use vr_core::phantom::{self};
+use vr_core::{Camera, Control, Model, Renderer, Scene, View};
 use vr_physics::Reference;
 use vr_texslice::{Format, Proxy, TexSlice};
 

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p vr-texslice --example figures`
 
-use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
+use vr_core::phantom::{self};
 use vr_core::*;
 use vr_physics::{Metrics, Reference, fit_order};
 use vr_texslice::{Format, Proxy, TexSlice};

@@ -9,8 +9,7 @@
 /// Visible is a block of 8³ cells whose range of values holds anything that the transfer function, and the table made of it, do not
 /// make perfectly clear (under `first`: that reaches the threshold). Each structure is made anew when the transfer function changes.
 ///
-/// Steps that follow the medium ([`Step::Local`](super::Step::Local), [`Step::Homogeneous`](super::Step::Homogeneous),
-/// [`Step::Tolerance`](super::Step::Tolerance)) leap by maps of their own, and packets of rays by distances between small blocks:
+/// Steps that follow the medium ([`Step::Local`](super::Step::Local), [`Step::Tolerance`](super::Step::Tolerance)) leap by maps of their own, and packets of rays by distances between small blocks:
 /// to them belongs `Auto`. A structure that is asked for by name goes with uniform steps alone, and is the plain engine's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Leaping {
@@ -20,17 +19,22 @@ pub enum Leaping {
     /// All steps are sampled.
     None,
     /// An octree of minima and maxima, from the root down.
+    #[cfg(feature = "classics")]
     Octree,
     /// The same nodes, each block storing the level of the largest one around it that is all clear, or all visible.
+    #[cfg(feature = "classics")]
     Pyramid,
     /// Balls: each block stores its exact Euclidean distance to the nearest block of the other kind.
     ///
     /// The fastest of all on sparse blobs, thin shells and a real scan; a fog loses nothing by it (`benches/leaping.rs`).
     ExactCloud,
     /// Cubes: each block stores its distance to the nearest block of the other kind as a king moves on a chessboard.
+    #[cfg(feature = "classics")]
     ChessboardCloud,
     /// Up to eight boxes around the visible blocks.
+    #[cfg(feature = "classics")]
     Boxes,
     /// One convex polyhedron of 26 faces around the visible blocks.
+    #[cfg(feature = "classics")]
     Polyhedron,
 }

@@ -14,7 +14,7 @@ pub use kernel::{Classification, Precision, Vector};
 pub use leaping::Leaping;
 pub use order::Order;
 pub use rule::Rule;
-pub use screen::{Connectivity, Screen};
+pub use screen::Screen;
 pub use step::Step;
 pub use traversal::Traversal;
 

@@ -19,13 +19,15 @@ pub enum Screen {
     /// earlier pictures met first (a C-buffer; Yagel and Shi, *Accelerating volume animation by space-leaping*, 1993). The picture is that
     /// of [`Screen::EveryPixel`], bit for bit. For samples at equal distances by the rules
     /// midpoint and left, under over and accumulate.
+    #[cfg(feature = "classics")]
     Coherent,
     /// Parallel rays that all step through the voxels alike, cast from the face of the volume that looks at the eye most; what they
     /// show there is stretched onto the screen (Yagel and Kaufman, *Template-based volume viewing*, 1992). Not exact, and for unshaded
     /// scenes under over in orthographic views without layers alone.
+    #[cfg(feature = "classics")]
     Template {
         /// What the template is made of.
-        connectivity: Connectivity,
+        connectivity: crate::classics::Connectivity,
     },
 }
 
@@ -35,18 +37,19 @@ impl Screen {
         match self {
             Self::EveryPixel => "every-pixel",
             Self::Adaptive { .. } => "adaptive",
+            #[cfg(feature = "classics")]
             Self::Coherent => "coherent",
-            Self::Template { connectivity: Connectivity::Discrete } => "template-discrete",
-            Self::Template { connectivity: Connectivity::Continuous } => "template-continuous",
+            #[cfg(feature = "classics")]
+            Self::Template { connectivity } => connectivity.name(),
         }
     }
-}
 
-/// What a ray template is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Connectivity {
-    /// Voxels that touch by a face, an edge or a corner (26-connected), one in each slice: their own values, not interpolated.
-    Discrete,
-    /// Points at equal distances, between the voxels: trilinear samples, with the same weights on all rays.
-    Continuous,
+    /// True if its rays go through pixels, and not through a picture that is stretched onto them.
+    pub(crate) fn casts_pixels(self) -> bool {
+        #[cfg(feature = "classics")]
+        if matches!(self, Self::Template { .. }) {
+            return false;
+        }
+        true
+    }
 }

@@ -20,6 +20,7 @@ pub enum Step {
     ///
     /// The long steps of a ray together are off by at most `error` from the truth, where no source is brighter than 1 (else in
     /// proportion); the short ones by what short steps are off by. For over, front to back, without shading.
+    #[cfg(feature = "classics")]
     Homogeneous {
         /// The short steps, as a fraction of the smallest voxel edge.
         step: f64,
@@ -38,9 +39,10 @@ pub enum Step {
     /// The flag is kept per block of as many cells along its edge as a coarse step has voxels, and set where the block, or one of the
     /// 26 around it, holds something visible. A coarse step moves by at most one block along each axis (a 26-connected ray), and so
     /// passes nothing that is visible from where the flag is not set. Fine steps are those of [`Step::Uniform`]: the picture is the same,
-    /// bit for bit. Coarse steps are a whole number of fine ones.
+    /// bit for bit.
     ///
     /// It finds the empty space itself, and so no [`Leaping`](super::Leaping) goes with it.
+    #[cfg(feature = "classics")]
     Vicinity {
         /// Length of coarse steps: above `fine`, at most 64, in voxels.
         coarse: f64,
@@ -66,10 +68,31 @@ impl Step {
     pub const ERROR: f64 = 5e-4;
 
     /// Length of those steps that all have the same one, as a fraction of the smallest voxel edge.
-    pub(crate) fn length(self) -> Option<f64> {
+    pub(crate) fn length(mut self) -> Option<f64> {
+        self.length_mut().copied()
+    }
+
+    /// The same, to be set.
+    pub(crate) fn length_mut(&mut self) -> Option<&mut f64> {
         match self {
-            Self::Uniform(step) | Self::Vicinity { fine: step, .. } | Self::Homogeneous { step, .. } => Some(step),
+            Self::Uniform(step) => Some(step),
+            #[cfg(feature = "classics")]
+            Self::Vicinity { fine: step, .. } | Self::Homogeneous { step, .. } => Some(step),
             Self::Auto | Self::Local { .. } | Self::Tolerance(_) => None,
         }
+    }
+
+    /// True if steps are of one length, but for the last.
+    pub(crate) fn is_on_lattice(self) -> bool {
+        matches!(self, Self::Uniform(_)) || self.finds_empty_space()
+    }
+
+    /// True if steps of one length find the empty space by themselves.
+    pub(crate) fn finds_empty_space(self) -> bool {
+        #[cfg(feature = "classics")]
+        if matches!(self, Self::Vicinity { .. }) {
+            return true;
+        }
+        false
     }
 }

@@ -13,5 +13,6 @@ pub enum Traversal {
     /// From voxel to voxel (a 26-connected Bresenham line): the field is taken at the samples nearest to the ray, as if it were constant
     /// around each. The classic discrete approximation: of first order in the size of a voxel, and as there is one step a voxel, none
     /// makes it better. With [`Rule::Midpoint`](super::Rule::Midpoint) alone.
+    #[cfg(feature = "classics")]
     Voxels,
 }

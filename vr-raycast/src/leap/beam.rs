@@ -5,7 +5,7 @@ use vr_core::IndexRay;
 use super::visible_blocks::BlockGrid;
 
 /// What a structure over blocks says of one of them.
-pub(super) trait Regions: Send + Sync {
+pub(crate) trait Regions: Send + Sync {
     /// Whether the block at an index can be seen.
     fn is_visible(&self, index: usize) -> bool;
 
@@ -15,7 +15,7 @@ pub(super) trait Regions: Send + Sync {
 
 /// A region all of whose blocks are visible, or all of whose blocks are clear. It may reach beyond the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Region {
+pub(crate) enum Region {
     /// The blocks `low .. high` along each axis.
     Cube { low: [usize; 3], high: [usize; 3] },
     /// Everything nearer than this to any point of the block, in block edges; and the block itself.
@@ -31,7 +31,7 @@ const DIAGONAL: f64 = 1.7321;
 /// the beam covers, along each axis, what lies between its rear, `rear + s·speed`, and its front, which is ahead by twice the reach. So it
 /// touches one or two blocks along each axis, and up to eight in all. A front that enters a block, or a rear that leaves one, is an event;
 /// there are finitely many, for both move in one direction, and each event moves an index on.
-pub(super) struct Beam {
+pub(crate) struct Beam {
     grid: BlockGrid,
     flipped: [bool; 3],
     front: [f64; 3],
@@ -46,14 +46,14 @@ pub(super) struct Beam {
 
 /// Where a beam is: its distance, and the blocks of its rear and its front along each axis (mirrored), which are the same or neighbours.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(crate) struct Place {
     s: f64,
     rear: [usize; 3],
     front: [usize; 3],
 }
 
 /// The first interval behind `from` in which the beam touches a visible block.
-pub(super) fn next_interval<R: Regions>(grid: BlockGrid, regions: &R, ray: &IndexRay, from: f64) -> Option<(f64, f64)> {
+pub(crate) fn next_interval<R: Regions>(grid: BlockGrid, regions: &R, ray: &IndexRay, from: f64) -> Option<(f64, f64)> {
     let beam = Beam::new(grid, ray);
     let from = from.max(ray.start);
     if from >= ray.end {

@@ -3,9 +3,7 @@
 use rayon::prelude::*;
 use vr_core::IndexRay;
 
-use super::beam::{Region, Regions, next_interval};
-use super::visible_blocks::BlockGrid;
-use super::{Leaper, VisibleBlocks};
+use super::{BlockGrid, Leaper, Region, Regions, VisibleBlocks, next_interval};
 
 /// Each block stores the Euclidean distance, in block edges, between itself and the nearest block of the other kind: from surface to surface,
 /// so that a ball of that radius around *any* point of the block is all of the block's own kind (Cohen & Sheffer 1994, "Proximity clouds",

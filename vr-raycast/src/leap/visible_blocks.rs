@@ -138,16 +138,6 @@ impl VisibleBlocks {
         self.words[self.row_start(y, z) + x / 64] >> (x % 64) & 1 == 1
     }
 
-    /// First and last visible block of a row.
-    pub(crate) fn ends_of_row(&self, y: usize, z: usize) -> Option<(usize, usize)> {
-        let row = self.row(y, z);
-        let first = row.iter().position(|w| *w != 0)?;
-        let last = row.iter().rposition(|w| *w != 0)?;
-        let low = row[first].trailing_zeros() as usize;
-        let high = 63 - row[last].leading_zeros() as usize;
-        Some((first * 64 + low, last * 64 + high))
-    }
-
     /// The blocks that are not visible.
     pub(crate) fn inverted(&self) -> Self {
         let mut made = Self { grid: self.grid, words: self.words.iter().map(|w| !w).collect() };
@@ -232,8 +222,6 @@ mod tests {
         let mut clear = 0;
         for z in 0..n[2] {
             for y in 0..n[1] {
-                let visible: Vec<usize> = (0..n[0]).filter(|&x| seen([x, y, z])).collect();
-                assert_eq!(blocks.ends_of_row(y, z), visible.first().copied().zip(visible.last().copied()));
                 for x in 0..n[0] {
                     let around = |i: usize, n: usize| i.saturating_sub(1)..=(i + 1).min(n - 1);
                     let near =

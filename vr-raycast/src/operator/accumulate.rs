@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use vr_core::Real;
 use vr_core::optics::add_up_to_level;
 
-use super::{HALF, Operator, distance_of_opacity, end_of_opacity, steps_of};
+use super::{HALF, Needs, Operator, distance_of_opacity, end_of_opacity, steps_of};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -28,7 +28,9 @@ impl Accumulate {
 }
 
 impl<R: Real> Operator<R> for Accumulate {
-    const LIGHT: bool = true;
+    fn needs(&self) -> Needs {
+        Needs::LIGHT
+    }
 
     fn begin(&mut self, _: &Chord<'_>) {
         self.rgba = [0.0; 4];

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use vr_core::{Calibration, Real, TransferFunction};
 
-use super::Operator;
+use super::{Needs, Operator};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -29,7 +29,9 @@ impl Average {
 }
 
 impl<R: Real> Operator<R> for Average {
-    const LIGHT: bool = false;
+    fn needs(&self) -> Needs {
+        Needs::VALUES
+    }
 
     fn begin(&mut self, _: &Chord<'_>) {
         (self.integral, self.length) = (0.0, 0.0);

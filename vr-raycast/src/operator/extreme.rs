@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use vr_core::{Calibration, Real, TransferFunction};
 
-use super::Operator;
+use super::{Needs, Operator};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -34,8 +34,9 @@ impl Extreme {
 }
 
 impl<R: Real> Operator<R> for Extreme {
-    const LIGHT: bool = false;
-    const ENDS: bool = true;
+    fn needs(&self) -> Needs {
+        Needs { ends: true, ..Needs::VALUES }
+    }
 
     fn begin(&mut self, _: &Chord<'_>) {
         (self.best, self.distance) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use vr_core::{Calibration, Real, TransferFunction};
 
-use super::Operator;
+use super::{Needs, Operator};
 use crate::chord::{Chord, Crossing};
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -37,10 +37,9 @@ impl First {
 }
 
 impl<R: Real> Operator<R> for First {
-    const LIGHT: bool = false;
-    const ENDS: bool = true;
-    const BRACKETS: bool = true;
-    const SURFACE: bool = true;
+    fn needs(&self) -> Needs {
+        Needs { ends: true, brackets: true, surface: true, ..Needs::VALUES }
+    }
 
     fn begin(&mut self, _: &Chord<'_>) {
         (self.below, self.hit) = (None, None);

@@ -19,35 +19,52 @@ mod over_back_to_front;
 mod over_front_to_back;
 mod recording;
 
-pub(crate) use accumulate::Accumulate;
-pub(crate) use average::Average;
-pub(crate) use extreme::Extreme;
-pub(crate) use first::First;
-pub(crate) use over_back_to_front::OverBackToFront;
-pub(crate) use over_front_to_back::OverFrontToBack;
 pub(crate) use recording::Recording;
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
-use vr_core::Real;
 use vr_core::optics::fraction_to_level;
+use vr_core::{Calibration, Compositing, Real, Scene};
 
+use accumulate::Accumulate;
+use average::Average;
+use extreme::Extreme;
+use first::First;
+use over_back_to_front::OverBackToFront;
+use over_front_to_back::OverFrontToBack;
+
+use crate::caster::Order;
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
+/// Input that an operator asks for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Needs {
+    /// True if it composites light; if not, values are all that it needs.
+    pub(crate) light: bool,
+    /// True if the runs come from the far end.
+    pub(crate) backwards: bool,
+    /// True if it also takes the two end points of the chord, as runs of one sample and no length.
+    pub(crate) ends: bool,
+    /// True if it goes back from a sample to the one before, even if that one is not visible.
+    pub(crate) brackets: bool,
+    /// True if it finds a surface, shaded once found.
+    pub(crate) surface: bool,
+}
+
+impl Needs {
+    const VALUES: Self = Self { light: false, backwards: false, ends: false, brackets: false, surface: false };
+    const LIGHT: Self = Self { light: true, ..Self::VALUES };
+}
+
 /// A compositing operator, holding the state of one ray.
+///
+/// Called once a run, through a pointer: so that the pipeline is compiled for each precision and not for each operator as well.
 pub(crate) trait Operator<R: Real> {
-    /// Whether it composites light; if not, values are all that it needs.
-    const LIGHT: bool;
-    /// Whether the runs come from the far end.
-    const BACKWARDS: bool = false;
-    /// Whether it also wants the two end points of the chord, as runs of one sample and no length.
-    const ENDS: bool = false;
-    /// Whether it goes back from a sample to the one before, even if that one is not visible.
-    const BRACKETS: bool = false;
-    /// Whether what it finds is a surface, shaded once found.
-    const SURFACE: bool = false;
+    /// Returns what it asks for, the same for every ray.
+    fn needs(&self) -> Needs;
 
     /// Forgets the last ray.
     fn begin(&mut self, chord: &Chord<'_>);
@@ -57,6 +74,22 @@ pub(crate) trait Operator<R: Real> {
 
     /// What the ray becomes.
     fn finish(&mut self, chord: &Chord<'_>) -> RayValue;
+}
+
+/// Makes the operator of a scene for one thread.
+pub(crate) fn operator<R: Real>(scene: &Scene, calibration: Calibration, order: Order) -> Box<dyn Operator<R>> {
+    let transfer = || Arc::clone(&scene.transfer);
+    match (scene.compositing, order) {
+        (Compositing::Over, Order::BackToFront) => Box::new(OverBackToFront::default()),
+        (Compositing::Over, Order::FrontToBack { termination }) => {
+            Box::new(OverFrontToBack::new(termination, scene.max_radiance()))
+        }
+        (Compositing::Accumulate { level }, _) => Box::new(Accumulate::new(level)),
+        (Compositing::First { threshold }, _) => Box::new(First::new(transfer(), calibration, threshold)),
+        (Compositing::Average, _) => Box::new(Average::new(transfer(), calibration)),
+        (Compositing::Maximum, _) => Box::new(Extreme::new(transfer(), calibration, true)),
+        (Compositing::Minimum, _) => Box::new(Extreme::new(transfer(), calibration, false)),
+    }
 }
 
 /// Opacity at which the eye's depth is.

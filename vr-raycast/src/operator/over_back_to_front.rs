@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use vr_core::Real;
 
-use super::{HALF, Operator, distance_of_opacity, steps_of};
+use super::{HALF, Needs, Operator, distance_of_opacity, steps_of};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -20,8 +20,9 @@ pub(crate) struct OverBackToFront {
 }
 
 impl<R: Real> Operator<R> for OverBackToFront {
-    const LIGHT: bool = true;
-    const BACKWARDS: bool = true;
+    fn needs(&self) -> Needs {
+        Needs { backwards: true, ..Needs::LIGHT }
+    }
 
     fn begin(&mut self, _: &Chord<'_>) {
         self.rgba = [0.0; 4];

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use vr_core::{MaxRadiance, Real};
 
-use super::{HALF, Operator, distance_of_opacity, end_of_opacity, steps_of};
+use super::{HALF, Needs, Operator, distance_of_opacity, end_of_opacity, steps_of};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -32,7 +32,9 @@ impl OverFrontToBack {
 }
 
 impl<R: Real> Operator<R> for OverFrontToBack {
-    const LIGHT: bool = true;
+    fn needs(&self) -> Needs {
+        Needs::LIGHT
+    }
 
     fn begin(&mut self, chord: &Chord<'_>) {
         self.most = self.max_radiance.over(chord.ray.length());

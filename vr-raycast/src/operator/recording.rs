@@ -4,23 +4,26 @@ use std::ops::ControlFlow;
 
 use vr_core::{Calibration, ProbedSample, ProbedStep, Real};
 
-use super::Operator;
+use super::{Needs, Operator};
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
 /// Hands everything to another operator, and notes the steps that it takes: nothing is computed in any other way for being watched.
-#[derive(Clone, Debug)]
-pub(crate) struct Recording<O> {
-    operator: O,
+pub(crate) struct Recording<R> {
+    operator: Box<dyn Operator<R>>,
     calibration: Calibration,
     /// Where in a step of light the rule samples, as fractions of its length; `None`: at the sample that the run has for each.
     fractions: Option<&'static [f64]>,
     steps: Vec<ProbedStep>,
 }
 
-impl<O> Recording<O> {
-    pub(crate) fn new(operator: O, calibration: Calibration, fractions: Option<&'static [f64]>) -> Self {
+impl<R: Real> Recording<R> {
+    pub(crate) fn new(
+        operator: Box<dyn Operator<R>>,
+        calibration: Calibration,
+        fractions: Option<&'static [f64]>,
+    ) -> Self {
         Self { operator, calibration, fractions, steps: Vec::new() }
     }
 
@@ -32,13 +35,7 @@ impl<O> Recording<O> {
     }
 
     /// The samples of a step of the run.
-    fn samples<R: Real>(
-        &self,
-        run: &Run<R>,
-        chord: &Chord<'_>,
-        j: usize,
-        fractions: Option<&[f64]>,
-    ) -> Vec<ProbedSample> {
+    fn samples(&self, run: &Run<R>, chord: &Chord<'_>, j: usize, fractions: Option<&[f64]>) -> Vec<ProbedSample> {
         let sample = |at: f64, index: [R; 3], stored: R| ProbedSample {
             at: at + chord.ray.offset,
             index: index.map(R::to_f64),
@@ -55,12 +52,10 @@ impl<O> Recording<O> {
     }
 }
 
-impl<R: Real, O: Operator<R>> Operator<R> for Recording<O> {
-    const LIGHT: bool = O::LIGHT;
-    const BACKWARDS: bool = O::BACKWARDS;
-    const ENDS: bool = O::ENDS;
-    const BRACKETS: bool = O::BRACKETS;
-    const SURFACE: bool = O::SURFACE;
+impl<R: Real> Operator<R> for Recording<R> {
+    fn needs(&self) -> Needs {
+        self.operator.needs()
+    }
 
     fn begin(&mut self, chord: &Chord<'_>) {
         self.steps.clear();
@@ -68,12 +63,13 @@ impl<R: Real, O: Operator<R>> Operator<R> for Recording<O> {
     }
 
     fn take(&mut self, run: &Run<R>, chord: &Chord<'_>) -> ControlFlow<()> {
+        let light = self.needs().light;
         for j in 0..run.len() {
-            let [r, g, b, opacity] = if O::LIGHT { run.light[j].map(R::to_f64) } else { [0.0; 4] };
+            let [r, g, b, opacity] = if light { run.light[j].map(R::to_f64) } else { [0.0; 4] };
             self.steps.push(ProbedStep {
                 begin: run.steps.begin[j] + chord.ray.offset,
                 length: run.steps.length[j],
-                samples: self.samples(run, chord, j, self.fractions.filter(|_| O::LIGHT)),
+                samples: self.samples(run, chord, j, self.fractions.filter(|_| light)),
                 transparency: 1.0 - opacity,
                 light: [r, g, b],
             });

@@ -54,7 +54,10 @@ pub(crate) struct Marched {
 }
 
 /// Takes the packet's rays to their ends. `most`: the largest light, or opacity, that can come from behind, by what is left clear.
-#[inline(always)]
+///
+/// Its own function, called once a packet: stages that the optimizer can see made are stages that it tries to keep in registers, in vain
+/// and for twice the time.
+#[inline(never)]
 pub(crate) fn march<S: Simd, T: Pairs>(
     simd: S,
     medium: &Medium<'_, T>,
@@ -64,8 +67,14 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     stages: &mut [Stage<T>; 2],
 ) -> Marched {
     match medium.pace {
-        Pace::Lattice(pace) => lattice(simd, medium, pace, packet, most, lights, stages),
-        Pace::Local(pace) => local(simd, medium, pace, packet, most, lights, stages),
+        Pace::Lattice(pace) => simd.vectorize(
+            #[inline(always)]
+            || lattice(simd, medium, pace, packet, most, lights, stages),
+        ),
+        Pace::Local(pace) => simd.vectorize(
+            #[inline(always)]
+            || local(simd, medium, pace, packet, most, lights, stages),
+        ),
     }
 }
 

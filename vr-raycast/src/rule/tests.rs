@@ -4,12 +4,12 @@ use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::fit_order;
 
-use crate::caster::{Classification, RayCaster, Rule, Traversal};
+use crate::caster::{Classification, Order, RayCaster, Rule, Traversal};
 use crate::chord::Chord;
 use crate::instruments::Kernel;
-use crate::operator::{Operator, OverBackToFront};
+use crate::operator::operator;
 use crate::run::Run;
-use crate::walk::{Lattice, LatticeWalk, VisibleSteps, Walk, cell_walk};
+use crate::walk::{WalkKind, Walks};
 
 fn volume(dims: [usize; 3], placement: Placement, f: impl Fn(f64, f64, f64) -> f64) -> Volume {
     let point = |i: usize| [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])].map(|x| x as f64);
@@ -83,15 +83,11 @@ fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
         };
         let chord = Chord { volume, ray: part };
         let step = caster.longest_step(volume);
-        let mut walk = match caster.traversal {
-            Traversal::Cells => Walk::Listed(cell_walk(&part, dims, step, 0, true)),
-            _ => {
-                let lattice = Lattice::new(part.start, part.end, step);
-                Walk::Lattice(LatticeWalk::new(lattice, VisibleSteps::new(lattice, 0, 0, &part, None), true))
-            }
-        };
-        let (mut run, mut over) = (Run::<f64>::new(), OverBackToFront::default());
-        Operator::<f64>::begin(&mut over, &chord);
+        let kind = if caster.traversal == Traversal::Cells { WalkKind::Cells } else { WalkKind::Lattice(None) };
+        let walks = Walks { kind, step, voxel: 1.0, dims };
+        let mut walk = walks.along(part, 0, 0, true);
+        let (mut run, mut over) = (Run::<f64>::new(), operator(scene, volume.calibration(), Order::BackToFront));
+        over.begin(&chord);
         while walk.next(&mut run.steps) {
             chord.place(&mut run, if caster.rule == Rule::Left { 0.0 } else { 0.5 });
             match &instruments.classifier.profile {
@@ -104,7 +100,7 @@ fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
             instruments.classifier.classify(&mut run);
             let _ = over.take(&run, &chord);
         }
-        Operator::<f64>::finish(&mut over, &chord).rgba
+        over.finish(&chord).rgba
     };
     (0..view.size[1]).flat_map(|y| (0..view.size[0]).map(move |x| (x, y))).map(|(x, y)| trace(x, y)).collect()
 }

@@ -11,18 +11,21 @@ use crate::tracer::{Traced, Tracer};
 const TILE: u32 = 32;
 
 /// Traces every ray of a view, tile by tile on all threads. The picture does not depend on their number.
-pub(crate) fn every_pixel(tracer: &impl Tracer, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+pub(crate) fn every_pixel(tracer: &dyn Tracer, view: &View, control: &Control) -> Result<Rendered, RenderError> {
     let mut stats = RenderStats::default();
-    let frame = by_tiles(view, control, &mut stats, |pixels| traced(tracer, view, pixels.iter().copied()))?;
+    let frame = by_tiles(view, control, &mut stats, &|pixels| traced(tracer, view, pixels))?;
     Ok(Rendered { frame, stats })
 }
+
+/// Draws pixels; returns one value for each.
+type DrawTile<'a> = &'a (dyn Fn(&[[u32; 2]]) -> (Vec<Traced>, Counts) + Sync);
 
 /// Draws a view tile by tile on all threads: `draw` is handed the pixels of a tile and returns one value for each.
 pub(crate) fn by_tiles(
     view: &View,
     control: &Control,
     stats: &mut RenderStats,
-    draw: impl Fn(&[[u32; 2]]) -> (Vec<Traced>, Counts) + Sync,
+    draw: DrawTile<'_>,
 ) -> Result<Frame, RenderError> {
     let across = view.size[0].div_ceil(TILE);
     let tiles = across * view.size[1].div_ceil(TILE);
@@ -63,14 +66,10 @@ fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
 }
 
 /// Traces pixels; returns a value for each.
-pub(crate) fn traced(
-    tracer: &impl Tracer,
-    view: &View,
-    pixels: impl ExactSizeIterator<Item = [u32; 2]>,
-) -> (Vec<Traced>, Counts) {
+pub(crate) fn traced(tracer: &dyn Tracer, view: &View, pixels: &[[u32; 2]]) -> (Vec<Traced>, Counts) {
     let rays = (view.supersampling * view.supersampling) as usize;
     let mut spots: Vec<Spot> = Vec::with_capacity(pixels.len() * rays);
-    pixels.for_each(|pixel| push_spots(view, pixel, &mut spots));
+    pixels.iter().for_each(|&pixel| push_spots(view, pixel, &mut spots));
     let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
     tracer.trace(&spots, None, &mut values, &mut counts);
     if rays > 1 {

@@ -8,11 +8,11 @@ mod piece_by_piece;
 mod step;
 mod walk;
 
-use vr_core::filter::Reconstruction;
+use vr_core::filter::Lattice;
 use vr_core::image_order::Spot;
 use vr_core::{
-    Compositing, Counts, Feature, Filter, GridVolume, IndexRay, Layer, Rays, Real, RenderError, Sampler,
-    SamplerVisitor, Scene, View, Voxel,
+    Compositing, Counts, Feature, Filter, GridVolume, IndexRay, LatticeVisitor, Layer, Rays, Real, RenderError, Scene,
+    VacuumCells, View, Voxel,
 };
 
 use crate::support::unsupported;
@@ -21,6 +21,7 @@ use account::{Account, Limits};
 use blocks::Blocks;
 use optics::Optics;
 use piece_by_piece::Integral;
+use walk::Medium;
 
 /// What a scene's rays look things up in, whatever the error.
 #[derive(Clone, Debug)]
@@ -35,8 +36,8 @@ impl Promise {
     /// Prepares a scene for pictures of a largest error.
     ///
     /// # Errors
-    /// [`RenderError::Unsupported`] for what there is no bound for: other operators than over and accumulate, other filters than trilinear and nearest, shading, and emission given on its own under
-    /// accumulate.
+    /// [`RenderError::Unsupported`] for what there is no bound for: other operators than over and accumulate, other filters than trilinear
+    /// and nearest, shading, and emission given on its own under accumulate.
     pub(crate) fn new(error: f64, scene: &Scene, volume: &GridVolume) -> Result<Self, RenderError> {
         let without =
             |what: String| Err(unsupported(Feature::MaxError, format!("a promised error (max-error) {what}")));
@@ -135,7 +136,7 @@ impl Promised<'_> {
     fn both_stages(&self, ray: IndexRay, backdrop: f64, stages: &mut Stages, counts: &mut Counts) -> Account {
         if self.single && stages.is_single_worth_while() {
             stages.tried += 1;
-            let (account, kept) = self.volume.with_sampler(self.job::<f32>(ray, backdrop));
+            let (account, kept) = self.volume.with_lattice(self.job::<f32>(ray, backdrop));
             counts.samples += account.steps;
             if kept {
                 return account;
@@ -143,7 +144,7 @@ impl Promised<'_> {
             stages.failed += 1;
         }
         counts.repeated += u64::from(self.single);
-        let (account, kept) = self.volume.with_sampler(self.job::<f64>(ray, backdrop));
+        let (account, kept) = self.volume.with_lattice(self.job::<f64>(ray, backdrop));
         if !kept {
             counts.count_unbounded(self.promise.error * account.overrun());
         }
@@ -152,27 +153,38 @@ impl Promised<'_> {
     }
 
     fn job<R: Real>(&self, ray: IndexRay, backdrop: f64) -> Job<'_, R> {
-        Job { promise: self.promise, ray, backdrop, precision: std::marker::PhantomData }
+        Job {
+            promise: self.promise,
+            vacuum: self.volume.vacuum_cells(),
+            nearest: self.volume.filter() == Filter::Nearest,
+            ray,
+            backdrop,
+            precision: std::marker::PhantomData,
+        }
     }
 }
 
 /// One ray in one precision.
 struct Job<'a, R> {
     promise: &'a Promise,
+    vacuum: Option<&'a VacuumCells>,
+    /// True if each sample stands for all that is nearest to it; trilinear if not.
+    nearest: bool,
     ray: IndexRay,
     backdrop: f64,
     precision: std::marker::PhantomData<R>,
 }
 
-impl<R: Real> SamplerVisitor for Job<'_, R> {
+impl<R: Real> LatticeVisitor for Job<'_, R> {
     type Output = (Account, bool);
 
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Self::Output {
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
         let account = Account::new(self.promise.limits(), self.ray.start, self.ray.end, self.backdrop);
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;
         let mut integral = Integral::new(&self.promise.optics, account, gives_up);
-        walk::along::<R, T, F>(&sampler, &self.ray, &self.promise.blocks, &mut integral);
+        let medium = Medium { lattice, vacuum: self.vacuum, nearest: self.nearest, blocks: &self.promise.blocks };
+        walk::along::<R, T>(&medium, &self.ray, &mut integral);
         integral.account.finish();
         let kept = integral.is_kept();
         (integral.account, kept)

@@ -1,28 +1,34 @@
 //! Along a ray through the blocks and cells of a grid.
 
-use vr_core::filter::{Lattice, Reconstruction};
-use vr_core::{Filter, IndexRay, Real, Sampler, Voxel};
+use vr_core::filter::{Lattice, Nearest, Reconstruction};
+use vr_core::{IndexRay, Real, VacuumCells, Voxel};
 
 use super::blocks::{Blocks, EDGE, State};
 use super::cubic::Cubic;
 use super::piece_by_piece::{Integral, Place};
 
+/// The field that rays go through.
+pub(super) struct Medium<'a, T> {
+    pub(super) lattice: Lattice<'a, T>,
+    pub(super) vacuum: Option<&'a VacuumCells>,
+    /// True if each sample stands for all that is nearest to it; trilinear if not.
+    pub(super) nearest: bool,
+    pub(super) blocks: &'a Blocks,
+}
+
 /// Integrates along a ray: over clear blocks at once, over others in one step where that is good enough, else cell by cell.
-pub(super) fn along<R: Real, T: Voxel, F: Reconstruction>(
-    sampler: &Sampler<'_, T, F>,
+pub(super) fn along<R: Real, T: Voxel>(
+    &Medium { ref lattice, vacuum, nearest, blocks }: &Medium<'_, T>,
     ray: &IndexRay,
-    blocks: &Blocks,
     integral: &mut Integral<'_>,
 ) {
-    let nearest = F::FILTER == Filter::Nearest;
-    let shifts: &[f64] = match (nearest, sampler.vacuum()) {
+    let shifts: &[f64] = match (nearest, vacuum) {
         (false, _) => &[0.0],
         (true, None) => &[0.5],
         // Constant around each sample; vacuum begins at the lattice.
         (true, Some(_)) => &[0.0, 0.5],
     };
     let mut planes = Planes::new(ray, shifts);
-    let lattice = sampler.lattice();
     let cells = lattice.dims.map(|n| n - 1);
     let misplaced = misplaced(ray, lattice.dims);
     let (mut s, mut last) = (ray.start, usize::MAX);
@@ -47,11 +53,11 @@ pub(super) fn along<R: Real, T: Voxel, F: Reconstruction>(
         }
         let from = s;
         s = next;
-        if next <= from || sampler.vacuum().is_some_and(|v| v.contains(middle)) {
+        if next <= from || vacuum.is_some_and(|v| v.contains(middle)) {
             continue;
         }
         if nearest {
-            integral.constant(F::value(lattice, middle), from, next - from);
+            integral.constant(Nearest::value(lattice, middle), from, next - from);
         } else {
             trilinear::<R, T>(lattice, cell, ray, [from, next], misplaced, integral);
         }

@@ -6,7 +6,7 @@ use crate::run::{RUN, Steps};
 
 /// How far a walk from block to block has come.
 #[derive(Clone, Debug)]
-pub(super) struct BlockRay {
+pub(crate) struct BlockRay {
     ray: IndexRay,
     /// Blocks along x, y, z, and cells along their edge.
     blocks: [usize; 3],
@@ -26,30 +26,30 @@ const SLIVER: f64 = 1e-12;
 
 impl BlockRay {
     /// At the begin of a ray whose part in the volume is not empty. `voxel`: world length of the smallest voxel edge.
-    pub(super) fn new(ray: IndexRay, blocks: [usize; 3], edge: usize, voxel: f64) -> Self {
+    pub(crate) fn new(ray: IndexRay, blocks: [usize; 3], edge: usize, voxel: f64) -> Self {
         let end = ray.end - SLIVER * ray.length();
         Self { ray, blocks, edge: edge as f64, at: ray.start, end, number: 0, nudge: NUDGE * voxel }
     }
 
     /// Whether there is room in a run, and something left of the ray.
-    pub(super) fn goes_on(&self, steps: &Steps) -> bool {
+    pub(crate) fn goes_on(&self, steps: &Steps) -> bool {
         steps.len < RUN && self.at < self.end
     }
 
     /// The block that the ray is about to cross.
-    pub(super) fn block(&self) -> [usize; 3] {
+    pub(crate) fn block(&self) -> [usize; 3] {
         let position = self.ray.at(self.at + self.nudge).to_array();
         // `as` saturates: below the first block lies the first.
         std::array::from_fn(|a| ((position[a] / self.edge) as usize).min(self.blocks[a] - 1))
     }
 
     /// How far it is to where the ray leaves a box of blocks. `faces`: the lower and the upper one across an axis, in blocks.
-    pub(super) fn to_exit(&self, faces: impl Fn(usize) -> [f64; 2]) -> f64 {
+    pub(crate) fn to_exit(&self, faces: impl Fn(usize) -> [f64; 2]) -> f64 {
         self.exit(faces) - self.at
     }
 
     /// How far it is to the next face across any axis, of those that lie so far behind each sample.
-    pub(super) fn to_face(&self, behind: &[f64]) -> f64 {
+    pub(crate) fn to_face(&self, behind: &[f64]) -> f64 {
         let (origin, direction) = (self.ray.origin.to_array(), self.ray.direction.to_array());
         let position = self.ray.at(self.at + self.nudge).to_array();
         let mut nearest = f64::INFINITY;
@@ -64,12 +64,12 @@ impl BlockRay {
     }
 
     /// Goes on to where the ray leaves a box of blocks, without a step.
-    pub(super) fn leap(&mut self, faces: impl Fn(usize) -> [f64; 2]) {
+    pub(crate) fn leap(&mut self, faces: impl Fn(usize) -> [f64; 2]) {
         self.at = self.exit(faces).max(self.at + self.nudge);
     }
 
     /// Takes a step, no further than to the ray's end.
-    pub(super) fn step(&mut self, length: f64, steps: &mut Steps) {
+    pub(crate) fn step(&mut self, length: f64, steps: &mut Steps) {
         let length = length.min(self.ray.end - self.at);
         steps.push(self.at, length, self.number);
         self.number += 1;

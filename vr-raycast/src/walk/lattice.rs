@@ -148,10 +148,9 @@ impl<'a> LatticeWalk<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::leap::{EmptySpace, Pyramid, VisibleBlocks};
+    use crate::leap::{ExactCloud, Leaper, VisibleBlocks};
     use glam::DVec3;
     use proptest::prelude::*;
-    use std::sync::Arc;
     use vr_core::IndexRay;
 
     #[test]
@@ -190,11 +189,11 @@ mod tests {
             end: lattice.begin(lattice.count - 1) + lattice.last,
             offset: 0.0,
         };
-        let pyramid = visible.map(|visible| {
+        let cloud = visible.map(|visible| {
             let blocks = VisibleBlocks::from_fn([visible.len() + 1, 2, 2], 1, |[x, _, _]| visible[x]);
-            EmptySpace::Leaper(Arc::new(Pyramid::new(&blocks)))
+            ExactCloud::new(&blocks)
         });
-        let visible = VisibleSteps::new(lattice, first, before, &ray, pyramid.as_ref());
+        let visible = VisibleSteps::new(lattice, first, before, &ray, cloud.as_ref().map(|cloud| cloud as &dyn Leaper));
         let (mut walk, mut steps, mut runs) = (LatticeWalk::new(lattice, visible, backwards), Steps::new(), Vec::new());
         while walk.next(&mut steps) {
             runs.push(steps.number[..steps.len].to_vec());

@@ -2,7 +2,7 @@
 
 use vr_core::IndexRay;
 
-use super::block_ray::BlockRay;
+use super::BlockRay;
 use crate::pace::{Pace, PaceMap};
 use crate::run::Steps;
 

@@ -2,24 +2,66 @@
 
 mod block_ray;
 mod cells;
-mod homogeneous;
 mod lattice;
 mod listed;
 mod local;
-mod vicinity;
 mod visible_steps;
-mod voxels;
 
-pub(crate) use cells::cell_walk;
-pub(crate) use homogeneous::HomogeneousWalk;
-pub(crate) use lattice::{Lattice, LatticeWalk};
+pub(crate) use block_ray::BlockRay;
+pub(crate) use lattice::Lattice;
 pub(crate) use listed::ListedWalk;
-pub(crate) use local::LocalWalk;
-pub(crate) use vicinity::{Vicinity, VicinityFlags};
-pub(crate) use visible_steps::VisibleSteps;
-pub(crate) use voxels::voxel_walk;
 
+use vr_core::IndexRay;
+
+use crate::leap::Leaper;
+use crate::pace::PaceMap;
 use crate::run::Steps;
+use cells::cell_walk;
+use lattice::LatticeWalk;
+use local::LocalWalk;
+use visible_steps::VisibleSteps;
+
+/// How the rays of a frame walk.
+pub(crate) struct Walks<'a> {
+    pub(crate) kind: WalkKind<'a>,
+    /// World length of a step, where all are alike; the longest, where steps end at cell faces; +∞: they end there only.
+    pub(crate) step: f64,
+    /// World length of the smallest voxel edge.
+    pub(crate) voxel: f64,
+    pub(crate) dims: [usize; 3],
+}
+
+/// What the steps of rays follow.
+pub(crate) enum WalkKind<'a> {
+    /// All are alike, but for those in which nothing is visible.
+    Lattice(Option<&'a dyn Leaper>),
+    /// As long as what is in each place allows.
+    Local(&'a PaceMap),
+    /// From cell to cell.
+    Cells,
+    /// As a classic has it.
+    #[cfg(feature = "classics")]
+    Classic(crate::classics::WalkKind<'a>),
+}
+
+impl Walks<'_> {
+    /// Begins the walk of a ray, from step `start` on. `backwards`: from its far end; `before`: steps before what is visible that are walked,
+    /// too.
+    pub(crate) fn along(&self, ray: IndexRay, start: u32, before: u32, backwards: bool) -> Walk<'_> {
+        let &Self { ref kind, step, voxel, dims } = self;
+        match *kind {
+            WalkKind::Lattice(leaper) => {
+                let lattice = Lattice::new(ray.start, ray.end, step);
+                let visible = VisibleSteps::new(lattice, start, before, &ray, leaper);
+                Walk::Lattice(LatticeWalk::new(lattice, visible, backwards))
+            }
+            WalkKind::Local(map) => Walk::Local(LocalWalk::new(map, ray, voxel)),
+            WalkKind::Cells => Walk::Listed(cell_walk(&ray, dims, step, start, backwards)),
+            #[cfg(feature = "classics")]
+            WalkKind::Classic(kind) => kind.along(ray, self, start, backwards),
+        }
+    }
+}
 
 /// A walk along one ray.
 pub(crate) enum Walk<'a> {
@@ -30,7 +72,8 @@ pub(crate) enum Walk<'a> {
     /// Cells or voxels, found beforehand.
     Listed(ListedWalk),
     /// Long steps where the medium is nearly the same.
-    Homogeneous(HomogeneousWalk<'a>),
+    #[cfg(feature = "classics")]
+    Homogeneous(crate::classics::HomogeneousWalk<'a>),
 }
 
 impl Walk<'_> {
@@ -40,23 +83,18 @@ impl Walk<'_> {
             Self::Lattice(walk) => walk.next(steps),
             Self::Local(walk) => walk.next(steps),
             Self::Listed(walk) => walk.next(steps),
+            #[cfg(feature = "classics")]
             Self::Homogeneous(walk) => walk.next(steps),
         }
     }
 
     /// Index-space positions of the last run's samples, where they do not lie on the ray.
     pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
-        match self {
-            Self::Lattice(_) | Self::Local(_) | Self::Homogeneous(_) => None,
-            Self::Listed(walk) => walk.places(),
-        }
+        if let Self::Listed(walk) = self { walk.places() } else { None }
     }
 
-    /// Steps left out so far because nothing in them is visible; 0 where nobody knows how many there would have been.
+    /// Steps left out so far because nothing in them is visible; 0 where it is not known how many there would have been.
     pub(crate) fn skipped(&self) -> u64 {
-        match self {
-            Self::Lattice(walk) => walk.skipped(),
-            Self::Local(_) | Self::Listed(_) | Self::Homogeneous(_) => 0,
-        }
+        if let Self::Lattice(walk) = self { walk.skipped() } else { 0 }
     }
 }

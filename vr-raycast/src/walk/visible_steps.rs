@@ -4,27 +4,21 @@ use std::ops::Range;
 
 use vr_core::IndexRay;
 
-use super::{Lattice, Vicinity};
-use crate::leap::{EmptySpace, Leaper};
+use super::Lattice;
+use crate::leap::Leaper;
 
 /// The steps of a ray's lattice in which something may be visible, as ranges that neither touch what was given out before nor are empty.
 pub(crate) struct VisibleSteps<'a> {
     lattice: Lattice,
-    source: Source<'a>,
+    ray: IndexRay,
+    /// `None`: all steps.
+    leaper: Option<&'a dyn Leaper>,
+    /// World distance up to which `leaper` has been asked.
+    from: f64,
     /// Steps before each range that are given out, too.
     before: u32,
     /// Steps from here on have not been given out.
     next: u32,
-}
-
-/// Who knows.
-enum Source<'a> {
-    /// Nobody: all steps.
-    All,
-    /// Intervals of the ray.
-    Intervals { leaper: &'a dyn Leaper, ray: IndexRay, from: f64 },
-    /// The vicinity flag.
-    Vicinity(Vicinity<'a>),
 }
 
 impl<'a> VisibleSteps<'a> {
@@ -34,38 +28,27 @@ impl<'a> VisibleSteps<'a> {
         first: u32,
         before: u32,
         ray: &IndexRay,
-        empty_space: Option<&'a EmptySpace>,
+        leaper: Option<&'a dyn Leaper>,
     ) -> Self {
-        let intervals = |leaper| Source::Intervals { leaper, ray: *ray, from: lattice.begin(first) };
-        let source = match empty_space {
-            None => Source::All,
-            Some(EmptySpace::Leaper(leaper)) => intervals(leaper.as_ref()),
-            Some(EmptySpace::Octree(octree)) => intervals(octree.as_ref()),
-            Some(EmptySpace::Vicinity(flags)) => Source::Vicinity(Vicinity::new(flags, lattice, ray, first)),
-        };
-        Self { lattice, source, before, next: first }
+        Self { lattice, ray: *ray, leaper, from: lattice.begin(first), before, next: first }
     }
 
     /// The next range; `None` behind the last one.
     pub(crate) fn next(&mut self) -> Option<Range<u32>> {
+        let Some(leaper) = self.leaper else {
+            let all = self.next..self.lattice.count;
+            self.next = self.lattice.count;
+            return Some(all).filter(|all| !all.is_empty());
+        };
         loop {
-            let range = match &mut self.source {
-                Source::All => self.next..self.lattice.count,
-                Source::Intervals { leaper, ray, from } => {
-                    let (begin, end) = leaper.next(ray, *from)?;
-                    *from = end;
-                    self.lattice.steps_in(begin, end)
-                }
-                Source::Vicinity(vicinity) => vicinity.next()?,
-            };
+            let (begin, end) = leaper.next(&self.ray, self.from)?;
+            self.from = end;
+            let range = self.lattice.steps_in(begin, end);
             let first = range.start.saturating_sub(self.before).max(self.next);
+            // If not, an interval within a step that was given out already.
             if first < range.end {
                 self.next = range.end;
                 return Some(first..range.end);
-            }
-            // An interval within a step that was given out already; or the end, where all are.
-            if matches!(self.source, Source::All) {
-                return None;
             }
         }
     }

@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test file is a program of its own, and none uses all of it")]
 
-use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
+use vr_core::phantom::{self};
 use vr_core::*;
 use vr_physics::{Metrics, Reference};
 

@@ -79,7 +79,7 @@ impl<'a> Canvas<'a> {
     /// Traces points of those so many pixels apart.
     pub(super) fn trace(
         &mut self,
-        tracer: &impl Tracer,
+        tracer: &dyn Tracer,
         points: &[[u32; 2]],
         spacing: usize,
     ) -> Result<(), RenderError> {
@@ -87,7 +87,8 @@ impl<'a> Canvas<'a> {
         let all = (self.across * self.rows.len()) as f64;
         let batch = |points: &[[u32; 2]]| {
             control.check()?;
-            let traced = traced(tracer, view, points.iter().map(|p| p.map(|i| i * spacing as u32)));
+            let pixels: Vec<[u32; 2]> = points.iter().map(|p| p.map(|i| i * spacing as u32)).collect();
+            let traced = traced(tracer, view, &pixels);
             let finished = done.fetch_add(points.len(), Ordering::Relaxed) + points.len();
             control.report(finished as f64 / all);
             Ok(traced)

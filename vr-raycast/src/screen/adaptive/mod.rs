@@ -30,7 +30,7 @@ const COARSE: usize = 4;
 ///
 /// The picture depends on scene, view and threshold alone, not on the number of threads.
 pub(crate) fn adaptive(
-    tracer: &impl Tracer,
+    tracer: &dyn Tracer,
     (view, layer): (&View, Option<&Layer>),
     threshold: f64,
     control: &Control,

@@ -9,6 +9,7 @@ use vr_kernels::ranges::RangeBlocks;
 use vr_kernels::tables::BakedTransfer;
 
 use super::*;
+use crate::leap::ExactCloud;
 
 /// All structures over the same blocks.
 pub(super) fn leapers(
@@ -229,7 +230,7 @@ fn structures_are_small() {
     let placement = Placement::from_spacing([1.0; 3]).unwrap();
     let volume: Volume = UniformGrid::new(dims, samples, placement, Calibration::default()).unwrap().into();
     let volume = volume.grid().unwrap();
-    let ranges = RangeBlocks::of_volume(volume, empty_space::EDGE);
+    let ranges = RangeBlocks::of_volume(volume, EDGE);
     let seen = Visibility::of_threshold(128.0, Calibration::default());
     for (name, leaper) in leapers(dims, &ranges, &seen) {
         let bytes = leaper.bytes() + size_of_val(ranges.ranges());

@@ -120,9 +120,9 @@ impl CoherenceBuffer {
         if met.is_empty() {
             return;
         }
-        let blocks: Vec<[usize; 3]> = met.iter().map(|&i| self.place(i)).collect();
-        let look = LookInto { blocks: &blocks, sight: &self.sight };
-        let masks = control.run(|| volume.with_sampler(look));
+        assert_eq!(volume.filter().reach(), 0, "a cell's field depends on its own corners alone");
+        let look = |&i: &u32| volume.with_lattice(LookInto { block: self.place(i), sight: &self.sight });
+        let masks: Vec<CellMask> = control.run(|| met.par_iter().map(look).collect());
         for (block, mask) in met.into_iter().zip(masks) {
             self.known[block as usize] = self.masks.len() as u32;
             self.masks.push(mask);

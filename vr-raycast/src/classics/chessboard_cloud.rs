@@ -2,9 +2,9 @@
 
 use vr_core::IndexRay;
 
-use super::beam::{Region, Regions, next_interval};
-use super::visible_blocks::BlockGrid;
-use super::{Leaper, VisibleBlocks, chessboard_distances};
+use crate::leap::BlockGrid;
+use crate::leap::{Leaper, VisibleBlocks, chessboard_distances};
+use crate::leap::{Region, Regions, next_interval};
 
 /// Each block stores how far the nearest block of the other kind is, as a king moves: max(|Δx|, |Δy|, |Δz|). All in the cube around it up
 /// to there is of its own kind (Cohen & Sheffer 1994, "Proximity clouds: an acceleration technique for 3D grid traversal"; there

@@ -2,9 +2,9 @@
 
 use vr_core::IndexRay;
 
-use super::block_ray::BlockRay;
-use crate::homogeneity::{Homogeneity, Node};
+use super::homogeneity::{Homogeneity, Node};
 use crate::run::Steps;
+use crate::walk::BlockRay;
 
 /// Walks a ray from node to node: over what is clear, through what is homogeneous in one step, and through the rest in short steps.
 #[derive(Clone, Debug)]

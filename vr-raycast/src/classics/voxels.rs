@@ -2,7 +2,7 @@
 
 use vr_core::IndexRay;
 
-use super::ListedWalk;
+use crate::walk::ListedWalk;
 
 /// The discrete line from one voxel to another, both included: as many voxels as the longest axis asks for, on each other axis the nearest
 /// ones to the straight line. Consecutive ones share at least a corner (26-connected).

@@ -4,24 +4,70 @@ mod base_plane;
 mod tile;
 
 use vr_core::image_order::in_parallel;
-use vr_core::{Control, Counts, Frame, GridVolume, Rays, RenderError, RenderStats, Rendered, View, with_grid};
+use vr_core::{Control, Counts, Feature, Frame, GridVolume, Rays, RenderError, RenderStats, Rendered, Scene, View};
 use vr_kernels::tables::BakedTransfer;
 
-use super::every_pixel::spots_of_pixel;
-use crate::caster::Connectivity;
+use crate::caster::{Order, RayCaster};
+use crate::screen::spots_of_pixel;
+use crate::support::unsupported;
+use crate::table_range::table_range;
 use crate::tracer::Traced;
 use crate::walk::Lattice;
 use base_plane::BasePlane;
 use tile::{ACROSS, DOWN, TemplateRays, TemplateStep};
 
+/// What a ray template is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Connectivity {
+    /// Voxels that touch by a face, an edge or a corner (26-connected), one in each slice: their own values, not interpolated.
+    Discrete,
+    /// Points at equal distances, between the voxels: trilinear samples, with the same weights on all rays.
+    Continuous,
+}
+
+impl Connectivity {
+    /// The screen's, as options name it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Discrete => "template-discrete",
+            Self::Continuous => "template-continuous",
+        }
+    }
+}
+
+/// Draws a view of a scene, which the caster can draw, by a template.
+///
+/// # Errors
+/// What a camera that makes no sense leaves, or [`RenderError::Cancelled`].
+pub(crate) fn draw_by_template(
+    connectivity: Connectivity,
+    caster: &RayCaster,
+    scene: &Scene,
+    volume: &GridVolume,
+    view: &View,
+    control: &Control,
+) -> Result<Rendered, RenderError> {
+    let Order::FrontToBack { termination } = caster.order else {
+        return Err(unsupported(Feature::Compositing, "compositing back to front with a template screen"));
+    };
+    let (low, high) = scene.volume.bounds();
+    let most = scene.max_radiance().over(low.distance(high));
+    let step = caster.world_step(volume);
+    let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
+    let range = table_range(volume, &scene.transfer);
+    let integer = volume.voxel_type().is_integer();
+    let bake = |length| BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, length);
+    template.draw(bake, view, control)
+}
+
 /// What a template is cast through.
-pub(crate) struct Template<'a> {
-    pub(crate) volume: &'a GridVolume,
-    pub(crate) connectivity: Connectivity,
+struct Template<'a> {
+    volume: &'a GridVolume,
+    connectivity: Connectivity,
     /// World length of a step between the voxels.
-    pub(crate) step: f64,
+    step: f64,
     /// Opacity at which rays may end.
-    pub(crate) enough: f64,
+    enough: f64,
 }
 
 impl Template<'_> {
@@ -47,7 +93,7 @@ impl Template<'_> {
     ///
     /// # Errors
     /// A camera that makes no sense, or [`RenderError::Cancelled`].
-    pub(crate) fn draw(
+    fn draw(
         &self,
         bake: impl Fn(f64) -> BakedTransfer<f32>,
         view: &View,
@@ -101,14 +147,12 @@ impl Template<'_> {
     ) -> Result<BasePicture, RenderError> {
         let [across, down] = [plane.size[0].div_ceil(ACROSS), plane.size[1].div_ceil(DOWN)];
         let corner = |tile: u32| [tile as usize % across * ACROSS, tile as usize / across * DOWN];
-        let tiles = with_grid!(self.volume.values(), grid => {
-            let rays =
-                TemplateRays { plane, grid, connectivity: self.connectivity, steps, tables, enough: self.enough };
-            in_parallel(control, (across * down) as u32, |tile| {
-                let mut counts = Counts::default();
-                (rays.tile(corner(tile), &mut counts), counts)
-            })?
-        });
+        let (grid, connectivity, enough) = (self.volume.values(), self.connectivity, self.enough);
+        let rays = TemplateRays { plane, grid, connectivity, steps, tables, enough };
+        let tiles = in_parallel(control, (across * down) as u32, |tile| {
+            let mut counts = Counts::default();
+            (rays.tile(corner(tile), &mut counts), counts)
+        })?;
         let pixels = plane.size[0] * plane.size[1];
         let mut picture = BasePicture {
             size: plane.size,

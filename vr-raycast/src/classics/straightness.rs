@@ -9,29 +9,30 @@ use vr_core::{GridVolume, LatticeVisitor, Voxel};
 /// The linear function is the one of least squares, shifted to the middle of what is left. A trilinear function less a linear
 /// one is trilinear: it is farthest from 0 at a sample.
 pub(crate) fn bends(volume: &GridVolume, edge: usize) -> Vec<f32> {
-    volume.with_lattice(Bends { edge })
+    let cells = volume.dims().map(|n| n - 1);
+    let [bx, by, bz] = cells.map(|n| n.div_ceil(edge));
+    let block = |b: usize| {
+        let first = [b % bx, b / bx % by, b / (bx * by)].map(|i| i * edge);
+        let last = std::array::from_fn(|a| (first[a] + edge).min(cells[a]));
+        volume.with_lattice(Block { first, last })
+    };
+    (0..bx * by * bz).into_par_iter().with_min_len(64).map(block).collect()
 }
 
-struct Bends {
-    edge: usize,
+/// The closed block of samples `first ..= last`.
+struct Block {
+    first: [usize; 3],
+    last: [usize; 3],
 }
 
-impl LatticeVisitor for Bends {
-    type Output = Vec<f32>;
+impl LatticeVisitor for Block {
+    type Output = f32;
 
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Vec<f32> {
-        let cells = lattice.dims.map(|n| n - 1);
-        let [bx, by, bz] = cells.map(|n| n.div_ceil(self.edge));
-        let block = |b: usize| {
-            let first = [b % bx, b / bx % by, b / (bx * by)].map(|i| i * self.edge);
-            let last = std::array::from_fn(|a| (first[a] + self.edge).min(cells[a]));
-            bend(&lattice, first, last)
-        };
-        (0..bx * by * bz).into_par_iter().with_min_len(64).map(block).collect()
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> f32 {
+        bend(&lattice, self.first, self.last)
     }
 }
 
-/// Of the closed block of samples `first ..= last`.
 fn bend<T: Voxel>(lattice: &Lattice<'_, T>, first: [usize; 3], last: [usize; 3]) -> f32 {
     // Twice the position less the block's middle: whole numbers that sum to 0 along an axis.
     let away = |a: usize, i: usize| (2 * i) as f32 - (first[a] + last[a]) as f32;

@@ -3,8 +3,8 @@
 use vr_core::IndexRay;
 
 use super::polyhedron::Slab;
-use super::visible_blocks::BlockGrid;
-use super::{Leaper, VisibleBlocks};
+use crate::leap::BlockGrid;
+use crate::leap::{Leaper, VisibleBlocks};
 
 /// Up to [`MOST`] disjoint, axis-parallel boxes that hold all visible blocks.
 ///

@@ -1,10 +1,10 @@
 //! The rays of a tile of the base plane, all one step further at a time.
 
-use vr_core::{Counts, UniformGrid, Voxel};
+use vr_core::{AnyGrid, Counts, UniformGrid, Voxel, with_grid};
 use vr_kernels::tables::BakedTransfer;
 
+use super::Connectivity;
 use super::base_plane::BasePlane;
-use crate::caster::Connectivity;
 
 /// Pixels of a tile along u: whole rows of vector code.
 pub(crate) const ACROSS: usize = 64;
@@ -32,9 +32,9 @@ pub(crate) struct TemplateStep {
 }
 
 /// What all tiles share.
-pub(crate) struct TemplateRays<'a, T> {
+pub(crate) struct TemplateRays<'a> {
     pub(crate) plane: &'a BasePlane,
-    pub(crate) grid: &'a UniformGrid<T>,
+    pub(crate) grid: &'a AnyGrid,
     pub(crate) connectivity: Connectivity,
     pub(crate) steps: &'a [TemplateStep],
     pub(crate) tables: &'a [BakedTransfer<f32>],
@@ -57,7 +57,7 @@ struct Slice {
     voxels: Box<[[f32; WIDTH]; HEIGHT]>,
 }
 
-impl<T: Voxel> TemplateRays<'_, T> {
+impl TemplateRays<'_> {
     /// Draws the tile whose first pixel is `corner`, counted from the plane's first.
     pub(crate) fn tile(&self, corner: [usize; 2], counts: &mut Counts) -> Tile {
         let plane = self.plane;
@@ -198,20 +198,23 @@ impl<T: Voxel> TemplateRays<'_, T> {
     /// Gets a slice from the volume, unless it is there.
     fn fetch(&self, t: usize, first: [i64; 2], slices: &mut [Slice; 2]) {
         let slice = &mut slices[t % 2];
-        if slice.t == t {
-            return;
+        if slice.t != t {
+            slice.t = t;
+            with_grid!(self.grid, grid => self.copy_slice(grid, first, slice));
         }
-        let plane = self.plane;
-        slice.t = t;
+    }
+
+    fn copy_slice<T: Voxel>(&self, grid: &UniformGrid<T>, first: [i64; 2], slice: &mut Slice) {
+        let (plane, t) = (self.plane, slice.t);
         // From the slice before to the one behind, rays are between these; both ends of the template's rounding included.
         slice.first = [0, 1].map(|a| {
             let ends = [t as f64 - 1.0, t as f64 + 1.0].map(|t| (plane.slope[a] * t).floor());
             first[a] + ends[0].min(ends[1]) as i64
         });
-        let grid_dims = self.grid.dims();
+        let grid_dims = grid.dims();
         let strides = [1, grid_dims[0], grid_dims[0] * grid_dims[1]];
         let [su, sv, sw] = plane.axes.map(|a| strides[a]);
-        let samples = self.grid.samples();
+        let samples = grid.samples();
         let start = plane.slice_index(t) * sw;
         let inside = |a: usize, i: i64| i.clamp(0, plane.dims[a] as i64 - 1) as usize;
         for (j, row) in slice.voxels.iter_mut().enumerate() {

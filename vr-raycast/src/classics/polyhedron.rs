@@ -2,7 +2,7 @@
 
 use vr_core::IndexRay;
 
-use super::{Leaper, VisibleBlocks};
+use crate::leap::{Leaper, VisibleBlocks};
 
 /// The polyhedron of 26 faces that fits the visible blocks most closely: between two planes in each of 13 directions, those of
 /// the faces, edges and corners of a cube.
@@ -59,6 +59,15 @@ impl Slab {
     }
 }
 
+/// First and last visible block of a row.
+fn ends(row: &[u64]) -> Option<(usize, usize)> {
+    let first = row.iter().position(|w| *w != 0)?;
+    let last = row.iter().rposition(|w| *w != 0)?;
+    let low = row[first].trailing_zeros() as usize;
+    let high = 63 - row[last].leading_zeros() as usize;
+    Some((first * 64 + low, last * 64 + high))
+}
+
 impl Polyhedron {
     /// Around visible blocks.
     pub(crate) fn new(blocks: &VisibleBlocks) -> Self {
@@ -66,7 +75,7 @@ impl Polyhedron {
         let mut slabs = [Slab { low: f64::INFINITY, high: f64::NEG_INFINITY }; NORMALS.len()];
         for z in 0..grid.blocks[2] {
             for y in 0..grid.blocks[1] {
-                let Some((first, last)) = blocks.ends_of_row(y, z) else { continue };
+                let Some((first, last)) = ends(blocks.row(y, z)) else { continue };
                 // The corners of the row's part between its first and its last visible block.
                 let corners = [[first, last + 1], [y, y + 1], [z, z + 1]].map(|pair| pair.map(|c| c as f64));
                 for (slab, normal) in slabs.iter_mut().zip(NORMALS) {
@@ -113,6 +122,15 @@ impl Leaper for Polyhedron {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_of_several_words_have_ends() {
+        for visible in [vec![], vec![3], vec![63, 64], vec![1, 70], vec![128]] {
+            let mut row = [0u64; 3];
+            visible.iter().for_each(|&x: &usize| row[x / 64] |= 1 << (x % 64));
+            assert_eq!(ends(&row), visible.first().copied().zip(visible.last().copied()));
+        }
+    }
 
     #[test]
     fn a_block_is_its_own_hull_and_nothing_has_none() {

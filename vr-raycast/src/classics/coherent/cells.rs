@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-use vr_core::filter::{Lattice, Reconstruction};
-use vr_core::{Sampler, SamplerVisitor, Voxel};
+use vr_core::filter::Lattice;
+use vr_core::{LatticeVisitor, Voxel};
 
 /// Whether anything between two stored numbers, ends included, can be seen, by the kernels that the picture is drawn with.
 pub(crate) type Sight = Arc<dyn Fn(f32, f32) -> bool + Send + Sync>;
@@ -62,21 +61,19 @@ const OWN: u128 = {
     own
 };
 
-/// Looks into some blocks, given by their coordinates.
+/// Looks into a block, given by its coordinates.
 ///
 /// For filters whose field in a cell stays within the cell's own eight samples.
 pub(crate) struct LookInto<'a> {
-    pub(crate) blocks: &'a [[usize; 3]],
+    pub(crate) block: [usize; 3],
     pub(crate) sight: &'a Sight,
 }
 
-impl SamplerVisitor for LookInto<'_> {
-    type Output = Vec<CellMask>;
+impl LatticeVisitor for LookInto<'_> {
+    type Output = CellMask;
 
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Vec<CellMask> {
-        assert_eq!(F::FILTER.reach(), 0, "a cell's field depends on its own corners alone");
-        let lattice = sampler.lattice();
-        self.blocks.par_iter().map(|&block| visible_cells(lattice, block, self.sight)).collect()
+    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> CellMask {
+        visible_cells(&lattice, self.block, self.sight)
     }
 }
 
@@ -127,7 +124,6 @@ fn visible_cells<T: Voxel>(lattice: &Lattice<'_, T>, block: [usize; 3], sight: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vr_core::filter::Trilinear;
 
     const ALL: Sides = [[true; 2]; 3];
 
@@ -138,7 +134,7 @@ mod tests {
         }
         let sight: Sight = Arc::new(|_, high| high > 0.5);
         let lattice = Lattice { samples: &samples, dims };
-        LookInto { blocks, sight: &sight }.visit(Sampler::<f32, Trilinear>::new(lattice, None))
+        blocks.iter().map(|&block| visible_cells(&lattice, block, &sight)).collect()
     }
 
     #[test]

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use vr_core::{Filter, GridVolume, TransferFunction};
+use vr_core::{Filter, GridVolume, Scene, TransferFunction};
 use vr_kernels::ranges::LevelRanges;
 
-use crate::straightness::bends;
+use super::straightness::bends;
+use crate::caster::{RayCaster, Step, Traversal};
 use crate::tolerance::optics::{Extremes, Optics};
 
 /// For every block of 4³ cells, the largest node of an octree around it that a ray may cross in one step.
@@ -70,12 +71,30 @@ impl Range {
     }
 }
 
+/// Makes the map that a caster asks for, if any. `then`: one made for the same volume, and whether the same could be seen of it.
+pub(crate) fn homogeneity(
+    caster: &RayCaster,
+    scene: &Scene,
+    volume: &GridVolume,
+    then: Option<(&Arc<Homogeneity>, bool)>,
+) -> Option<Arc<Homogeneity>> {
+    match (caster.step, then) {
+        (Step::Homogeneous { .. }, _) if caster.traversal != Traversal::Samples => None,
+        (Step::Homogeneous { .. }, Some((map, true))) => Some(Arc::clone(map)),
+        (Step::Homogeneous { error, .. }, then) => {
+            let last = then.map(|(map, _)| map.as_ref());
+            Some(Arc::new(Homogeneity::new(volume, &scene.transfer, error, last)))
+        }
+        _ => None,
+    }
+}
+
 impl Homogeneity {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
     /// For a volume and a transfer function; `last`: made for the same volume.
-    pub(crate) fn new(volume: &GridVolume, transfer: &TransferFunction, error: f64, last: Option<&Self>) -> Self {
+    fn new(volume: &GridVolume, transfer: &TransferFunction, error: f64, last: Option<&Self>) -> Self {
         let make = || {
             [0, 1].map(|level| {
                 if volume.filter() == Filter::Trilinear { bends(volume, Self::EDGE << level) } else { Vec::new() }

@@ -38,18 +38,55 @@ mod buffer;
 mod cells;
 
 pub(crate) use buffer::CoherenceBuffer;
-pub(crate) use cells::{Sides, Sight};
+use cells::Sight;
 
-use vr_core::{Control, Counts, GridVolume, IndexRay, Layer, Ray, Rays, RenderError, RenderStats, Rendered, View};
+use std::sync::Arc;
 
-use super::every_pixel::{by_tiles, spots_of_pixel};
+use vr_core::{
+    Control, Counts, GridVolume, IndexRay, Layer, Ray, Rays, Real, RenderError, RenderStats, Rendered, Scene, View,
+};
+
+use crate::caster::{RayCaster, Screen};
+use crate::engine::Engine;
+use crate::instruments::{Instruments, Kernel};
+use crate::leap::Visibility;
+use crate::screen::{by_tiles, spots_of_pixel};
 use crate::tracer::{Traced, Tracer};
+
+impl CoherenceBuffer {
+    /// Makes what the coherent screen knows before its first picture; `None` for other screens.
+    pub(crate) fn of(caster: &RayCaster, volume: &GridVolume, engine: &Engine) -> Option<Self> {
+        if caster.screen != Screen::Coherent {
+            return None;
+        }
+        let sight = match engine.kernel()? {
+            Kernel::F32(instruments) => sight(instruments),
+            Kernel::F64(instruments) => sight(instruments),
+        };
+        Some(Self::new(volume, sight))
+    }
+
+    /// True if a buffer made for one scene tells of another one, too. Compositing decides what a table is needed for, and so what can be
+    /// seen.
+    pub(crate) fn holds_for(then: &Scene, now: &Scene) -> bool {
+        let same_light = then.transfer == now.transfer && then.compositing == now.compositing;
+        then.volume.same(&now.volume) && same_light
+    }
+}
+
+/// Tells what can be seen of a field.
+fn sight<R: Real>(instruments: &Instruments<R>) -> Sight {
+    let classifier = &instruments.classifier;
+    let table = classifier.table.as_ref().map(|(table, _)| table);
+    let visibility = Visibility::of_light(&classifier.transfer, classifier.calibration, table, None);
+    Arc::new(move |low, high| visibility.shows(low, high))
+}
 
 /// Draws a view, each ray from where something can be seen first; rays that cannot see anything are not traced.
 ///
 /// `step` is the world length of the steps of the tracer's lattice.
 pub(crate) fn coherent(
-    tracer: &impl Tracer,
+    tracer: &dyn Tracer,
     buffer: &mut CoherenceBuffer,
     volume: &GridVolume,
     step: f64,
@@ -68,7 +105,7 @@ pub(crate) fn coherent(
         // `as` saturates. No step that ends before the distance, rounding included, can be seen.
         Some(((distance - part.start) / step).floor() as u32)
     };
-    let frame = by_tiles(view, control, &mut stats, |pixels| {
+    let frame = by_tiles(view, control, &mut stats, &|pixels| {
         let (mut spots, mut starts) = (Vec::with_capacity(pixels.len()), Vec::with_capacity(pixels.len()));
         for &pixel in pixels {
             let depth = near.at(pixel);

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use vr_core::{IndexRay, Real};
 use vr_kernels::ranges::RangeBlocks;
 
-use super::beam::{Region, Regions, next_interval};
-use super::visible_blocks::BlockGrid;
-use super::{Leaper, Visibility};
+use crate::leap::BlockGrid;
+use crate::leap::{Leaper, Visibility};
+use crate::leap::{Region, Regions, next_interval};
 
 /// A min/max octree over blocks (Wilhelms & Van Gelder 1992, "Octrees for faster isosurface generation"; Levoy 1990, "Efficient ray
 /// tracing of volume data", for one of empty and filled nodes).

@@ -2,10 +2,10 @@
 
 use vr_core::IndexRay;
 
-use super::beam::{Region, Regions, next_interval};
 use super::octree::aligned_cube;
-use super::visible_blocks::BlockGrid;
-use super::{Leaper, VisibleBlocks};
+use crate::leap::BlockGrid;
+use crate::leap::{Leaper, VisibleBlocks};
+use crate::leap::{Region, Regions, next_interval};
 
 /// The octree folded into its leaves: each block stores the level of the largest aligned cube around it that is all of its own kind, so
 /// that a ray asks once and descends nowhere (after Yagel & Shi 1993, "Accelerating volume animation by space-leaping").

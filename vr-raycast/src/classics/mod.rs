@@ -1,0 +1,176 @@
+#![doc = include_str!("README.md")]
+
+mod boxes;
+mod chessboard_cloud;
+mod coherent;
+mod homogeneity;
+mod homogeneous_walk;
+mod octree;
+pub(crate) mod options;
+mod polyhedron;
+mod pyramid;
+mod straightness;
+mod template;
+mod vicinity;
+mod voxels;
+
+#[cfg(test)]
+mod speed;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use coherent::CoherenceBuffer;
+pub(crate) use homogeneity::{Homogeneity, homogeneity};
+pub(crate) use homogeneous_walk::HomogeneousWalk;
+pub use template::Connectivity;
+
+use std::any::Any;
+use std::sync::Arc;
+
+use vr_core::{
+    Compositing, Control, Feature, Filter, GridVolume, IndexRay, Layer, Real, RenderError, Rendered, Scene, View,
+};
+use vr_kernels::ranges::RangeBlocks;
+
+use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal};
+use crate::instruments::Instruments;
+use crate::leap::{EDGE, Leaper, Visibility, VisibleBlocks};
+use crate::prepared::PreparedCaster;
+use crate::walk::{Walk, Walks};
+use boxes::Boxes;
+use chessboard_cloud::ChessboardCloud;
+use coherent::coherent;
+use octree::{NodeRanges, Octree};
+use polyhedron::Polyhedron;
+use pyramid::Pyramid;
+use template::draw_by_template;
+use vicinity::Vicinity;
+use voxels::voxel_walk;
+
+/// Makes the structure that a caster asks for by name; `None` if it is not a classic one. `last`: made for the same field.
+pub(crate) fn leaper<R: Real>(
+    caster: &RayCaster,
+    volume: &GridVolume,
+    visibility: &Visibility<R>,
+    last: Option<&Arc<dyn Leaper>>,
+) -> Option<Arc<dyn Leaper>> {
+    let dims = volume.dims();
+    let blocks = |edge| VisibleBlocks::new(dims, &RangeBlocks::of_volume(volume, edge), visibility);
+    if let Step::Vicinity { coarse, .. } = caster.step {
+        return Some(Arc::new(Vicinity::new(&blocks(coarse.ceil() as usize))));
+    }
+    Some(match caster.leaping {
+        Leaping::Auto | Leaping::None | Leaping::ExactCloud => return None,
+        Leaping::Octree => Arc::new(octree(dims, &RangeBlocks::of_volume(volume, EDGE), visibility, last)),
+        Leaping::Pyramid => Arc::new(Pyramid::new(&blocks(EDGE))),
+        Leaping::ChessboardCloud => Arc::new(ChessboardCloud::new(&blocks(EDGE))),
+        Leaping::Boxes => Arc::new(Boxes::new(&blocks(EDGE))),
+        Leaping::Polyhedron => Arc::new(Polyhedron::new(&blocks(EDGE))),
+    })
+}
+
+/// An octree, whose ranges outlive a transfer function.
+fn octree<R: Real>(
+    dims: [usize; 3],
+    ranges: &RangeBlocks,
+    visibility: &Visibility<R>,
+    last: Option<&Arc<dyn Leaper>>,
+) -> Octree {
+    let last = last.and_then(|last| (last.as_ref() as &dyn Any).downcast_ref::<Octree>());
+    let nodes = last.map_or_else(|| Arc::new(NodeRanges::new(dims, ranges)), Octree::nodes);
+    Octree::new(nodes, ranges, visibility)
+}
+
+/// What the steps of classic walks follow.
+#[derive(Clone, Copy)]
+pub(crate) enum WalkKind<'a> {
+    /// From voxel to voxel.
+    Voxels,
+    /// Long steps where the medium is nearly the same.
+    Homogeneous(&'a Homogeneity),
+}
+
+/// Returns the kind of walk that a caster asks for; `None` if it is not a classic one.
+pub(crate) fn walk_kind<'a, R: Real>(caster: &RayCaster, instruments: &'a Instruments<R>) -> Option<WalkKind<'a>> {
+    if caster.traversal == Traversal::Voxels {
+        return Some(WalkKind::Voxels);
+    }
+    instruments.homogeneity.as_deref().map(WalkKind::Homogeneous)
+}
+
+impl<'a> WalkKind<'a> {
+    /// Begins the walk of a ray: see [`Walks::along`].
+    pub(crate) fn along(self, ray: IndexRay, walks: &Walks<'_>, start: u32, backwards: bool) -> Walk<'a> {
+        match self {
+            Self::Voxels => Walk::Listed(voxel_walk(&ray, walks.dims, start, backwards)),
+            Self::Homogeneous(map) => Walk::Homogeneous(HomogeneousWalk::new(map, ray, walks.step, walks.voxel)),
+        }
+    }
+}
+
+impl PreparedCaster {
+    /// Draws a view, with the surfaces in it, if the caster's screen is a classic one.
+    pub(crate) fn draw_by_classic_screen(
+        &mut self,
+        seen @ (view, _): (&View, Option<&Layer>),
+        control: &Control,
+    ) -> Option<Result<Rendered, RenderError>> {
+        if let (Screen::Template { connectivity }, Some(_)) = (self.caster.screen, self.engine.kernel()) {
+            return Some(draw_by_template(connectivity, &self.caster, &self.scene, &self.volume, view, control));
+        }
+        let mut buffer = self.coherence.take()?;
+        let (volume, step) = (&self.volume, self.caster.world_step(&self.volume));
+        let drawn =
+            self.tracer(seen).and_then(|tracer| coherent(tracer.as_ref(), &mut buffer, volume, step, seen, control));
+        self.coherence = Some(buffer);
+        Some(drawn)
+    }
+}
+
+/// Returns the feature of a scene that homogeneous steps have no answer to, and what it is.
+pub(crate) fn beyond_steps(caster: &RayCaster, scene: &Scene) -> Option<(Feature, &'static str)> {
+    if !matches!(caster.step, Step::Homogeneous { .. }) {
+        None
+    } else if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
+        Some((Feature::Setting, "homogeneous steps under anything but over, front to back"))
+    } else if caster.rule != Rule::Midpoint {
+        Some((Feature::Setting, "homogeneous steps by another rule than the midpoint's"))
+    } else if scene.shading.is_some() {
+        Some((Feature::Shading, "homogeneous steps with shading: values do not tell how it changes"))
+    } else {
+        None
+    }
+}
+
+/// Returns the feature of a scene that a classic screen has no answer to.
+pub(crate) fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
+    let compositing = format!("compositing '{}'", scene.compositing.name());
+    let uneven = !matches!(caster.step, Step::Uniform(_)) || caster.traversal != Traversal::Samples;
+    let uneven = uneven.then_some("steps that are not all of one length (set a step, in voxels)".to_owned());
+    let filter = scene.volume.filter().unwrap_or_default();
+    let found = match caster.screen {
+        Screen::EveryPixel | Screen::Adaptive { .. } => vec![],
+        Screen::Coherent => vec![
+            (!scene.compositing.integrates_light()).then_some(compositing),
+            uneven,
+            // What a table of segments shows cannot be told from the values at their ends.
+            (!matches!(caster.rule, Rule::Midpoint | Rule::Left)).then(|| format!("the rule '{}'", caster.rule.name())),
+        ],
+        Screen::Template { connectivity } => {
+            let own_values = connectivity == Connectivity::Discrete && filter == Filter::Nearest;
+            vec![
+                (scene.compositing != Compositing::Over).then_some(compositing),
+                scene.shading.is_some().then_some("shading".to_owned()),
+                scene.surfaces.is_some().then_some("opaque surfaces".to_owned()),
+                (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
+                (caster.order == Order::BackToFront).then_some("compositing back to front".to_owned()),
+                uneven,
+                (caster.leaping != Leaping::Auto).then_some("a way of leaping".to_owned()),
+                (caster.rule != Rule::Midpoint).then(|| format!("the rule '{}'", caster.rule.name())),
+                (caster.precision == Precision::F64).then_some("64-bit precision".to_owned()),
+                (caster.classification == Classification::Exact).then_some("exact classification".to_owned()),
+            ]
+        }
+    };
+    found.into_iter().flatten().next()
+}

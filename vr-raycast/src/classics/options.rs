@@ -1,0 +1,75 @@
+//! Words and numbers of the options that classics add, and their settings for a study.
+
+use vr_core::{DeclaredOption, NumberRange};
+
+use super::Connectivity;
+use crate::caster::{Leaping, RayCaster, Rule, Screen, Step, Traversal};
+
+/// Help of the option `steps`.
+pub(crate) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; vicinity, coarse where nothing is visible; homogeneous, long where the medium hardly changes; tolerance, as a promised error asks for; auto, local where light is followed, else uniform";
+/// Kinds of steps that have a length.
+pub(crate) const STEPS_OF_ONE_LENGTH: &str = "steps=uniform, vicinity or homogeneous";
+
+const VICINITY: Step = Step::Vicinity { coarse: 8.0, fine: Step::OTHERWISE };
+const HOMOGENEOUS: Step = Step::Homogeneous { step: Step::OTHERWISE, error: 1e-2 };
+
+/// Kinds of steps, with the numbers that they have where none are given.
+pub(crate) const STEPS: [(&str, Step); 2] = [("vicinity", VICINITY), ("homogeneous", HOMOGENEOUS)];
+/// Ways of leaping.
+pub(crate) const LEAPINGS: [(&str, Leaping); 5] = [
+    ("octree", Leaping::Octree),
+    ("pyramid", Leaping::Pyramid),
+    ("chessboard-cloud", Leaping::ChessboardCloud),
+    ("boxes", Leaping::Boxes),
+    ("polyhedron", Leaping::Polyhedron),
+];
+/// Traversals.
+pub(crate) const TRAVERSALS: [(&str, Traversal); 1] = [("voxels", Traversal::Voxels)];
+/// Screens.
+pub(crate) const SCREENS: [Screen; 3] = [
+    Screen::Coherent,
+    Screen::Template { connectivity: Connectivity::Discrete },
+    Screen::Template { connectivity: Connectivity::Continuous },
+];
+
+/// Options of steps. Each number makes steps the kind that has it, unless they are of one already.
+pub(crate) fn step_options() -> [DeclaredOption<RayCaster>; 2] {
+    [
+        DeclaredOption::number_only_with(
+            ("homogeneity", "largest error that all the long ones of homogeneous steps may make together on a ray"),
+            NumberRange::above(0.0).up_to(1.0),
+            ("steps=homogeneous", |c| c.step = HOMOGENEOUS),
+            |c| if let Step::Homogeneous { error, .. } = c.step { Some(error) } else { None },
+            |c: &mut RayCaster, error| {
+                let step = c.step.length().unwrap_or(Step::OTHERWISE);
+                c.step = Step::Homogeneous { step, error };
+            },
+        ),
+        DeclaredOption::<RayCaster>::number_only_with(
+            ("coarse", "length of coarse steps, in voxels"),
+            NumberRange::above(0.0).up_to(RayCaster::LONGEST_STEP),
+            ("steps=vicinity", |c| c.step = VICINITY),
+            |c| if let Step::Vicinity { coarse, .. } = c.step { Some(coarse) } else { None },
+            |c, coarse| {
+                let fine = c.step.length().unwrap_or(Step::OTHERWISE);
+                c.step = Step::Vicinity { coarse, fine };
+            },
+        )
+        .refuse(
+            "must be longer than the fine step",
+            |c| matches!(c.step, Step::Vicinity { coarse, fine } if coarse <= fine),
+        ),
+    ]
+}
+
+/// True if a ray goes from voxel to voxel by a rule that has no meaning there.
+pub(crate) fn is_rule_beyond_voxels(caster: &RayCaster) -> bool {
+    caster.traversal == Traversal::Voxels && caster.rule != Rule::Midpoint
+}
+
+/// Named casters of a study.
+pub(crate) fn settings() -> [(String, RayCaster); 2] {
+    let template = Screen::Template { connectivity: Connectivity::Continuous };
+    [("coherent", Screen::Coherent), ("template", template)]
+        .map(|(word, screen)| (format!("midpoint 1 {word}"), RayCaster { screen, ..RayCaster::uniform(1.0) }))
+}
