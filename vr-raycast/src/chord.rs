@@ -2,18 +2,18 @@
 
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::{
-    GradientMethod, GridVolume, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel,
-    gradient_between_samples,
+    GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel, gradient_between_samples,
 };
 
 use crate::run::Run;
+use crate::source::Source;
 
 /// A ray's part inside the volume, and the field along it.
 ///
 /// The passes over a run are dispatched here, once per run: to the voxel type and the filter, for which they are instantiated.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chord<'a> {
-    pub(crate) volume: &'a GridVolume,
+    pub(crate) source: &'a Source,
     pub(crate) ray: IndexRay,
 }
 
@@ -21,7 +21,7 @@ impl Chord<'_> {
     /// Places the samples of a run's steps, at the fraction `offset` of each.
     pub(crate) fn place<R: Real>(&self, run: &mut Run<R>, offset: f64) {
         run.offset = offset;
-        run.place(&self.ray, self.volume.dims());
+        run.place(&self.ray, self.source.dims());
     }
 
     /// Makes `run` a single point.
@@ -38,28 +38,41 @@ impl Chord<'_> {
 
     /// Fills the values at positions, given axis by axis.
     pub(crate) fn values<R: Real>(&self, position: [&[R]; 3], value: &mut [R]) {
-        self.volume.with_sampler(Values { position, value });
+        match self.source {
+            Source::Grid(grid) => grid.with_sampler(Values { position, value }),
+            Source::Other(field) => {
+                let [x, y, z] = position;
+                for (i, value) in value.iter_mut().enumerate() {
+                    *value = R::from_f64(field.value([x[i], y[i], z[i]]));
+                }
+            }
+        }
     }
 
     /// The index-space position at a distance in the kernel's precision, clamped into the box as those of a run are.
     #[inline(always)]
     pub(crate) fn position<R: Real>(&self, distance: f64) -> [R; 3] {
-        let (at, dims) = (self.ray.at(distance), self.volume.dims());
+        let (at, dims) = (self.ray.at(distance), self.source.dims());
         std::array::from_fn(|a| R::from_f64(at[a].clamp(0.0, (dims[a] - 1) as f64)))
     }
 
     /// Fills the gradients of a placed run, where the opacity is not zero.
     pub(crate) fn gradients<R: Real>(&self, run: &mut Run<R>, method: GradientMethod) {
-        match method {
-            GradientMethod::CentralDifferences => self.volume.with_lattice(CentralDifferences(run)),
-            GradientMethod::Analytic => self.volume.with_sampler(AnalyticGradients(run)),
+        match (self.source, method) {
+            (Source::Grid(grid), GradientMethod::CentralDifferences) => grid.with_lattice(CentralDifferences(run)),
+            (Source::Grid(grid), GradientMethod::Analytic) => grid.with_sampler(AnalyticGradients(run)),
+            // It has one, its own.
+            (Source::Other(field), _) => field.gradients(run),
         }
     }
 
     /// Where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and a point where it does.
     pub(crate) fn crossing(&self, below: f64, reached: Crossing, sign: f64, threshold: f64) -> Crossing {
         let search = Bisection { chord: self, below, reached, sign, threshold };
-        self.volume.with_sampler(search)
+        match self.source {
+            Source::Grid(grid) => grid.with_sampler(search),
+            Source::Other(field) => search.by(|distance| field.value_along(&self.ray, distance)),
+        }
     }
 }
 
@@ -141,12 +154,21 @@ impl SamplerVisitor for Bisection<'_> {
     type Output = Crossing;
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Crossing {
-        let most = self.chord.volume.dims().map(|n| (n - 1) as f64);
+        let (chord, most) = (self.chord, self.chord.source.dims().map(|n| (n - 1) as f64));
+        self.by(|distance| {
+            let at = chord.ray.at(distance).to_array();
+            sampler.value::<f64>(std::array::from_fn(|a| at[a].clamp(0.0, most[a])))
+        })
+    }
+}
+
+impl Bisection<'_> {
+    /// Halves the stretch, given the stored number at a distance; NaN in vacuum.
+    fn by(self, stored_at: impl Fn(f64) -> f64) -> Crossing {
         let (mut below, mut reached) = (self.below, self.reached);
         for _ in 0..HALVINGS {
             let distance = 0.5 * (below + reached.distance);
-            let at = self.chord.ray.at(distance).to_array();
-            let stored = sampler.value::<f64>(std::array::from_fn(|a| at[a].clamp(0.0, most[a])));
+            let stored = stored_at(distance);
             // False in vacuum.
             if self.sign * stored >= self.sign * self.threshold {
                 reached = Crossing { distance, stored };

@@ -1,10 +1,11 @@
 //! What draws a scene.
 
-use vr_core::{GridVolume, RenderError, Scene};
+use vr_core::{RenderError, Scene};
 
 use crate::caster::{RayCaster, Step};
 use crate::instruments::Kernel;
 use crate::packet::PacketEngine;
+use crate::source::Source;
 use crate::tolerance::Promise;
 
 /// What draws a scene.
@@ -33,9 +34,10 @@ impl Engine {
     pub(crate) fn new(
         caster: &RayCaster,
         scene: &Scene,
-        volume: &GridVolume,
+        source: &Source,
         last: Option<(&Scene, &Self)>,
     ) -> Result<Self, RenderError> {
+        let Source::Grid(volume) = source else { return Ok(Self::Plain(Kernel::of_field(scene, source.placement()))) };
         if let Step::Tolerance(error) = caster.step {
             let promise = Promise::new(error, scene, volume)?;
             return Ok(Self::Promise(Box::new(promise)));

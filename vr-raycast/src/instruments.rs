@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vr_core::{GridVolume, Real, Scene};
+use vr_core::{Calibration, GridVolume, Placement, Real, Scene, Shading};
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::tables::{BakedTransfer, PreIntegrated, outwards};
 
@@ -34,6 +34,24 @@ pub(crate) struct Instruments<R> {
 }
 
 impl Kernel {
+    /// Makes what a field that is no grid's needs: everything is evaluated at its place, exactly.
+    pub(crate) fn of_field(scene: &Scene, placement: &Placement) -> Self {
+        let shader = |shading: &Arc<Shading>| Shader::new(Arc::clone(shading), scene.lights.clone(), placement, 1.0);
+        Self::F64(Instruments {
+            classifier: Classifier {
+                transfer: Arc::clone(&scene.transfer),
+                calibration: Calibration::default(),
+                table: None,
+                profile: None,
+            },
+            shader: scene.shading.as_ref().map(shader),
+            pace: None,
+            #[cfg(feature = "classics")]
+            homogeneity: None,
+            empty_space: None,
+        })
+    }
+
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     pub(crate) fn new(caster: &RayCaster, scene: &Scene, volume: &GridVolume, last: Option<(&Scene, &Self)>) -> Self {
         let single = single_precision_resolves(volume, &scene.transfer);
@@ -105,7 +123,7 @@ impl<R: Real> Instruments<R> {
         let bake = || {
             let range = table_range(volume, &scene.transfer);
             let integer = volume.voxel_type().is_integer();
-            let step = caster.world_step(volume);
+            let step = caster.world_step(volume.placement());
             let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
             resolves(&table, volume).then(|| (Arc::new(table), step))
         };
@@ -133,7 +151,7 @@ impl<R: Real> Instruments<R> {
             }
         });
         // Made for the same steps.
-        let step = caster.world_step(volume);
+        let step = caster.world_step(volume.placement());
         let kept = last.and_then(|i| i.classifier.table.clone()).filter(|(_, length)| *length == step);
         // Local steps are of many lengths, none of which has a table.
         let follows = matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples;

@@ -129,6 +129,7 @@ mod run;
 mod screen;
 mod shade;
 mod silhouette;
+mod source;
 mod study;
 mod support;
 mod table_range;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use vr_core::image_order::Spot;
-use vr_core::{Counts, GridVolume, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
+use vr_core::{Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
 
 use crate::caster::Order;
 use crate::chord::Chord;
@@ -11,6 +11,7 @@ use crate::operator::{Operator, Recording, operator};
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
+use crate::source::Source;
 use crate::tracer::{Traced, Tracer};
 use crate::walk::{Walk, Walks};
 
@@ -21,7 +22,7 @@ use crate::walk::{Walk, Walks};
 /// instances and not their product.
 pub(crate) struct Pipeline<'a, R> {
     pub(crate) scene: &'a Scene,
-    pub(crate) volume: &'a GridVolume,
+    pub(crate) source: &'a Source,
     pub(crate) walks: Walks<'a>,
     /// From a step's begin to its sample, as a fraction of the step.
     pub(crate) offset: f64,
@@ -54,13 +55,13 @@ impl<R: Real> Tracer for Pipeline<'_, R> {
 
 impl<R: Real> Pipeline<'_, R> {
     fn operator(&self) -> Box<dyn Operator<R>> {
-        operator(self.scene, self.volume.calibration(), self.order)
+        operator(self.scene, self.source.calibration(), self.order)
     }
 
     /// Traces the ray through the centre of a pixel as any other, and tells all that is done for it. `own_kernel`: see [`Probe`].
     pub(crate) fn probe(&self, [x, y]: [u32; 2], own_kernel: bool) -> Probe {
         let fractions = self.classifier.profile.as_ref().and_then(|profile| profile.fractions());
-        let mut recording = Recording::new(self.operator(), self.volume.calibration(), fractions);
+        let mut recording = Recording::new(self.operator(), self.source.calibration(), fractions);
         let mut scratch = Scratch { operator: &mut recording, run: Run::new(), lights: None };
         let mut counts = Counts::default();
         let ray = self.rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -80,11 +81,11 @@ impl<R: Real> Pipeline<'_, R> {
     ) -> Traced {
         let layer = self.layer;
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
-        let part = IndexRay::new(ray, self.volume.placement(), self.volume.dims(), &self.view.clip, far);
+        let part = IndexRay::new(ray, self.source.placement(), self.source.dims(), &self.view.clip, far);
         let value = part.map_or(Traced::NOTHING, |part| {
             let needs = scratch.operator.needs();
             let walk = self.walks.along(part, start, u32::from(needs.brackets), needs.backwards);
-            let chord = Chord { volume: self.volume, ray: part };
+            let chord = Chord { source: self.source, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });
         layer.map_or(value, |l| value.over(l, pixel))

@@ -1,10 +1,7 @@
 //! A ray caster that has seen its scene.
 
-use std::sync::Arc;
-
 use vr_core::{
-    Control, Filter, GridVolume, Layer, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered,
-    Scene, View,
+    Control, Filter, Layer, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered, Scene, View,
 };
 
 use crate::caster::{Precision, RayCaster, Rule, Traversal};
@@ -13,6 +10,7 @@ use crate::instruments::{Instruments, Kernel};
 use crate::packet::PacketFrame;
 use crate::pipeline::Pipeline;
 use crate::screen;
+use crate::source::Source;
 use crate::support::{check, check_view};
 use crate::tolerance::Promised;
 use crate::tracer::Tracer;
@@ -26,7 +24,7 @@ pub(crate) struct PreparedCaster {
     pub(crate) caster: RayCaster,
     /// The scene, under the filter that the caster samples it with.
     pub(crate) scene: Scene,
-    pub(crate) volume: Arc<GridVolume>,
+    pub(crate) source: Source,
     /// The caster's own filter, where it is not the scene's.
     filtered: Option<Filter>,
     pub(crate) engine: Engine,
@@ -39,17 +37,17 @@ impl PreparedCaster {
     pub(crate) fn new(asked: RayCaster, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
         let filtered = asked.filter.filter(|filter| scene.volume.filter() != Some(*filter));
         let (caster, scene) = (asked.settled_for(scene), asked.scene_of(scene));
-        let volume = check(&caster, &scene)?;
+        let source = check(&caster, &scene)?;
         control.check()?;
-        control.run(|| volume.prepare_derived());
-        let engine = control.run(|| Engine::new(&caster, &scene, &volume, None))?;
+        control.run(|| scene.volume.prepare_derived());
+        let engine = control.run(|| Engine::new(&caster, &scene, &source, None))?;
         Ok(Self {
             #[cfg(feature = "classics")]
-            coherence: control.run(|| crate::classics::CoherenceBuffer::of(&caster, &volume, &engine)),
+            coherence: control.run(|| crate::classics::CoherenceBuffer::of(&caster, source.grid()?, &engine)),
             asked,
             caster,
             scene,
-            volume,
+            source,
             filtered,
             engine,
         })
@@ -60,15 +58,16 @@ impl Prepared for PreparedCaster {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
         self.filtered = self.asked.filter.filter(|filter| scene.volume.filter() != Some(*filter));
         let (caster, scene) = (self.asked.settled_for(scene), self.asked.scene_of(scene));
-        let volume = check(&caster, &scene)?;
+        let source = check(&caster, &scene)?;
         control.check()?;
-        control.run(|| volume.prepare_derived());
-        self.engine = control.run(|| Engine::new(&caster, &scene, &volume, Some((&self.scene, &self.engine))))?;
+        control.run(|| scene.volume.prepare_derived());
+        self.engine = control.run(|| Engine::new(&caster, &scene, &source, Some((&self.scene, &self.engine))))?;
         #[cfg(feature = "classics")]
         if !crate::classics::CoherenceBuffer::holds_for(&self.scene, &scene) {
-            self.coherence = control.run(|| crate::classics::CoherenceBuffer::of(&caster, &volume, &self.engine));
+            self.coherence =
+                control.run(|| crate::classics::CoherenceBuffer::of(&caster, source.grid()?, &self.engine));
         }
-        (self.caster, self.scene, self.volume) = (caster, scene, volume);
+        (self.caster, self.scene, self.source) = (caster, scene, source);
         Ok(())
     }
 
@@ -100,8 +99,8 @@ impl Prepared for PreparedCaster {
         let layer = self.scene.layer(view, control)?;
         let seen = (view, layer.as_ref());
         // Packets have empty space of their own to leap over: the plain kernel is told only now that it draws, too.
-        if let Engine::Packets(_, kernel) = &mut self.engine {
-            control.run(|| kernel.find_empty_space(&self.caster, &self.scene, &self.volume, None));
+        if let Engine::Packets(engine, kernel) = &mut self.engine {
+            control.run(|| kernel.find_empty_space(&self.caster, &self.scene, &engine.volume, None));
         }
         let (kernel, own_kernel) = match &self.engine {
             Engine::Plain(kernel) => (kernel, true),
@@ -121,14 +120,13 @@ impl PreparedCaster {
         &'a self,
         seen @ (view, layer): (&'a View, Option<&'a Layer>),
     ) -> Result<Box<dyn Tracer + 'a>, RenderError> {
-        let volume = &*self.volume;
         Ok(match &self.engine {
             Engine::Plain(Kernel::F32(instruments)) => Box::new(self.pipeline(instruments, seen)?),
             Engine::Plain(Kernel::F64(instruments)) => Box::new(self.pipeline(instruments, seen)?),
-            Engine::Packets(engine, _) => Box::new(PacketFrame::new(engine, volume, seen)?),
+            Engine::Packets(engine, _) => Box::new(PacketFrame::new(engine, &engine.volume, seen)?),
             Engine::Promise(promise) => {
                 let single = self.caster.precision == Precision::F32;
-                Box::new(Promised { promise, volume, view, layer, rays: Rays::new(view)?, single })
+                Box::new(Promised { promise, volume: &promise.volume, view, layer, rays: Rays::new(view)?, single })
             }
         })
     }
@@ -139,15 +137,16 @@ impl PreparedCaster {
         instruments: &'a Instruments<R>,
         (view, layer): (&'a View, Option<&'a Layer>),
     ) -> Result<Pipeline<'a, R>, RenderError> {
-        let Self { caster, scene, volume, .. } = self;
+        let Self { caster, scene, source, .. } = self;
+        let placement = source.placement();
         Ok(Pipeline {
             scene,
-            volume,
+            source,
             walks: Walks {
                 kind: self.walk_kind(instruments),
-                step: caster.longest_step(volume),
-                voxel: volume.placement().spacing().min_element(),
-                dims: volume.dims(),
+                step: caster.longest_step(placement),
+                voxel: placement.spacing().min_element(),
+                dims: source.dims(),
             },
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &instruments.classifier,

@@ -1,17 +1,17 @@
 //! What the caster can draw, and what it says of the rest.
 
-use std::sync::Arc;
+use vr_core::{Compositing, Feature, Field, Projection, RenderError, Scene, Unsupported, View};
 
-use vr_core::{Compositing, Feature, GridVolume, Projection, RenderError, Scene, Unsupported, View};
-
-use crate::caster::{Leaping, Order, RayCaster, Rule, Screen, Step};
+use crate::caster::{Leaping, Order, RayCaster, Rule, Screen, Step, Traversal};
+use crate::source::Source;
+use crate::tolerance::Promise;
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
     Unsupported { renderer: RayCaster::NAME, feature, what: what.into() }.into()
 }
 
-/// Whether this caster can draw this scene; its volume, if so.
-pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
+/// Checks that this caster can draw a scene. Returns the field that it casts rays through.
+pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderError> {
     caster.validate()?;
     scene.validate()?;
     if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
@@ -55,9 +55,12 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Arc<GridVolume>
             format!("compositing '{}' by the rule 'exact'", scene.compositing.name()),
         ));
     }
-    let volume = scene.volume.grid();
-    let volume = volume
-        .ok_or_else(|| unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    let kind = || unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind()));
+    let source = Source::of(&scene.volume).ok_or_else(kind)?;
+    let Source::Grid(volume) = &source else {
+        check_field(caster, scene)?;
+        return Ok(source);
+    };
     let filter = volume.filter();
     if !caster.rule.goes_with(filter) {
         return Err(unsupported(
@@ -69,7 +72,36 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Arc<GridVolume>
     if let Some((feature, what)) = crate::classics::beyond_steps(caster, scene) {
         return Err(unsupported(feature, what));
     }
-    Ok(Arc::clone(volume))
+    if let Step::Tolerance(_) = caster.step {
+        Promise::check(scene, volume)?;
+    }
+    Ok(source)
+}
+
+/// Checks what this caster can do with a field that is no grid's: everything that needs no more than its values and gradients.
+fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
+    let kind = scene.volume.kind();
+    if caster.filter.is_some() {
+        return Err(unsupported(Feature::Filter, format!("a filter over volumes of the kind '{kind}'")));
+    }
+    let plain = matches!(caster.step, Step::Uniform(_))
+        && caster.traversal == Traversal::Samples
+        && matches!(caster.rule, Rule::Midpoint | Rule::Left)
+        && matches!(caster.leaping, Leaping::Auto | Leaping::None)
+        && matches!(caster.screen, Screen::EveryPixel | Screen::Adaptive { .. });
+    if !plain {
+        let what = format!(
+            "volumes of the kind '{kind}' but in uniform steps by the rule midpoint or left: nothing is known of them between samples"
+        );
+        return Err(unsupported(Feature::Setting, what));
+    }
+    if scene.shading.is_some() && !scene.volume.field().is_some_and(Field::has_gradient) {
+        return Err(unsupported(
+            Feature::Shading,
+            format!("shading of volumes of the kind '{kind}' without a gradient"),
+        ));
+    }
+    Ok(())
 }
 
 /// Checks that this caster can draw a view of a scene that it can draw.

@@ -8,7 +8,7 @@ mod screen;
 mod step;
 mod traversal;
 
-use vr_core::{Configurable, Filter, GridVolume, OptionError, Scene};
+use vr_core::{Configurable, Filter, OptionError, Placement, Scene};
 
 pub use kernel::{Classification, Precision, Vector};
 pub use leaping::Leaping;
@@ -77,10 +77,12 @@ impl RayCaster {
         self.filter.map_or_else(|| scene.clone(), |filter| scene.with_filter(filter))
     }
 
-    /// The caster that draws a scene: what [`Step::Auto`] means for it.
+    /// The caster that draws a scene: what [`Step::Auto`] means for it. Local steps follow what is known of a grid.
     pub(crate) fn settled_for(&self, scene: &Scene) -> Self {
         let step = match (self.step, self.traversal) {
-            (Step::Auto, _) if !self.follows_light(scene) => Step::Uniform(Step::OTHERWISE),
+            (Step::Auto, _) if !self.follows_light(scene) || scene.volume.grid().is_none() => {
+                Step::Uniform(Step::OTHERWISE)
+            }
             (Step::Auto, Traversal::Samples) => Step::Local { error: Step::ERROR },
             (step, _) => step,
         };
@@ -93,17 +95,17 @@ impl RayCaster {
     }
 
     /// World length of a step.
-    pub(crate) fn world_step(&self, volume: &GridVolume) -> f64 {
+    pub(crate) fn world_step(&self, placement: &Placement) -> f64 {
         // Other steps have no one length.
         let voxels = self.step.length().unwrap_or(1.0);
-        voxels * volume.placement().spacing().min_element()
+        voxels * placement.spacing().min_element()
     }
 
     /// World length that no step of a walk exceeds; +∞: cells are not cut. Nothing is gained by cutting what is exact already.
-    pub(crate) fn longest_step(&self, volume: &GridVolume) -> f64 {
+    pub(crate) fn longest_step(&self, placement: &Placement) -> f64 {
         match (self.traversal, self.rule, self.step) {
             (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Auto) => f64::INFINITY,
-            _ => self.world_step(volume),
+            _ => self.world_step(placement),
         }
     }
 

@@ -115,13 +115,14 @@ impl PreparedCaster {
         seen @ (view, _): (&View, Option<&Layer>),
         control: &Control,
     ) -> Option<Result<Rendered, RenderError>> {
+        let volume = self.source.grid()?;
         if let (Screen::Template { connectivity }, Some(_)) = (self.caster.screen, self.engine.kernel()) {
-            return Some(draw_by_template(connectivity, &self.caster, &self.scene, &self.volume, view, control));
+            return Some(draw_by_template(connectivity, &self.caster, &self.scene, volume, view, control));
         }
+        let (volume, step) = (Arc::clone(volume), self.caster.world_step(volume.placement()));
         let mut buffer = self.coherence.take()?;
-        let (volume, step) = (&self.volume, self.caster.world_step(&self.volume));
         let drawn =
-            self.tracer(seen).and_then(|tracer| coherent(tracer.as_ref(), &mut buffer, volume, step, seen, control));
+            self.tracer(seen).and_then(|tracer| coherent(tracer.as_ref(), &mut buffer, &volume, step, seen, control));
         self.coherence = Some(buffer);
         Some(drawn)
     }

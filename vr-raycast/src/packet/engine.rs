@@ -34,6 +34,7 @@ use crate::tracer::{Traced, Tracer};
 /// What the vector engine keeps from frame to frame.
 #[derive(Clone, Debug)]
 pub(crate) struct PacketEngine {
+    pub(crate) volume: Arc<GridVolume>,
     pub(crate) level: Level,
     pub(crate) steps: PacketSteps,
     /// Of what is visible; `None` without leaping.
@@ -90,7 +91,7 @@ impl PacketEngine {
     pub(crate) fn new(
         caster: &RayCaster,
         scene: &Scene,
-        volume: &GridVolume,
+        volume: &Arc<GridVolume>,
         instruments: &Instruments<f32>,
     ) -> Option<Self> {
         let level = level::of(caster.vector)?;
@@ -104,7 +105,7 @@ impl PacketEngine {
         if !matches!(caster.leaping, Leaping::Auto | Leaping::None) {
             return None;
         }
-        let step = caster.world_step(volume);
+        let step = caster.world_step(volume.placement());
         let corners = volume.corners();
         let extent = corners.iter().map(|c| c.distance(corners[0])).fold(0.0, f64::max);
         let counted = 2.0 * extent / step < MOST_STEPS;
@@ -133,6 +134,7 @@ impl PacketEngine {
         };
         let hull = (caster.leaping != Leaping::None).then(|| Hull::new(volume.dims(), steps.visible(volume.dims())));
         Some(Self {
+            volume: Arc::clone(volume),
             level,
             steps,
             hull,

@@ -1,5 +1,7 @@
 //! The rules in f64, without the f32 of a frame, against the reference.
 
+use std::sync::Arc;
+
 use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::fit_order;
@@ -9,6 +11,7 @@ use crate::chord::Chord;
 use crate::instruments::Kernel;
 use crate::operator::operator;
 use crate::run::Run;
+use crate::source::Source;
 use crate::walk::{WalkKind, Walks};
 
 fn volume(dims: [usize; 3], placement: Placement, f: impl Fn(f64, f64, f64) -> f64) -> Volume {
@@ -81,8 +84,9 @@ fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
         let Some(part) = IndexRay::new(&ray, volume.placement(), dims, &view.clip, f64::INFINITY) else {
             return [0.0; 4];
         };
-        let chord = Chord { volume, ray: part };
-        let step = caster.longest_step(volume);
+        let source = Source::Grid(Arc::clone(volume));
+        let chord = Chord { source: &source, ray: part };
+        let step = caster.longest_step(volume.placement());
         let kind = if caster.traversal == Traversal::Cells { WalkKind::Cells } else { WalkKind::Lattice(None) };
         let walks = Walks { kind, step, voxel: 1.0, dims };
         let mut walk = walks.along(part, 0, 0, true);

@@ -8,6 +8,8 @@ mod piece_by_piece;
 mod step;
 mod walk;
 
+use std::sync::Arc;
+
 use vr_core::filter::Lattice;
 use vr_core::image_order::Spot;
 use vr_core::{
@@ -26,6 +28,7 @@ use walk::Medium;
 /// What a scene's rays look things up in, whatever the error.
 #[derive(Clone, Debug)]
 pub(crate) struct Promise {
+    pub(crate) volume: Arc<GridVolume>,
     optics: Optics,
     blocks: Blocks,
     error: f64,
@@ -33,12 +36,12 @@ pub(crate) struct Promise {
 }
 
 impl Promise {
-    /// Prepares a scene for pictures of a largest error.
+    /// Checks that there are bounds for a scene. Returns the level at which light ends.
     ///
     /// # Errors
     /// [`RenderError::Unsupported`] for what there is no bound for: other operators than over and accumulate, other filters than trilinear
     /// and nearest, shading, and emission given on its own under accumulate.
-    pub(crate) fn new(error: f64, scene: &Scene, volume: &GridVolume) -> Result<Self, RenderError> {
+    pub(crate) fn check(scene: &Scene, volume: &GridVolume) -> Result<f64, RenderError> {
         let without =
             |what: String| Err(unsupported(Feature::MaxError, format!("a promised error (max-error) {what}")));
         let level = match scene.compositing {
@@ -56,11 +59,20 @@ impl Promise {
         if level < 1.0 && scene.transfer.has_emission() {
             return without("with emission given on its own under compositing 'accumulate'".to_owned());
         }
+        Ok(level)
+    }
+
+    /// Prepares a scene for pictures of a largest error.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub(crate) fn new(error: f64, scene: &Scene, volume: &Arc<GridVolume>) -> Result<Self, RenderError> {
+        let level = Self::check(scene, volume)?;
         let (low, high) = volume.census().range.unwrap_or_default();
         let largest = f64::from(low.abs().max(high.abs()));
         let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
         let blocks = Blocks::new(volume, &optics);
-        Ok(Self { optics, blocks, error, level })
+        Ok(Self { volume: Arc::clone(volume), optics, blocks, error, level })
     }
 
     fn limits(&self) -> Limits {

@@ -52,7 +52,7 @@ pub(crate) fn draw_by_template(
     };
     let (low, high) = scene.volume.bounds();
     let most = scene.max_radiance().over(low.distance(high));
-    let step = caster.world_step(volume);
+    let step = caster.world_step(volume.placement());
     let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
     let range = table_range(volume, &scene.transfer);
     let integer = volume.voxel_type().is_integer();

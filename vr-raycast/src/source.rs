@@ -1,0 +1,101 @@
+//! The field that rays are cast through: of a grid, or of any other volume.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use vr_core::{Calibration, Field, GridVolume, IndexRay, Placement, Real, Volume};
+
+use crate::run::Run;
+
+/// The field that rays are cast through. Grids have kernels for their voxel type and filter; other fields are asked at each place.
+#[derive(Clone, Debug)]
+pub(crate) enum Source {
+    Grid(Arc<GridVolume>),
+    Other(FieldBox),
+}
+
+/// A field that is no grid's, in the index space of a lattice over its box whose edges are about as long as the field's spacing.
+#[derive(Clone, Debug)]
+pub(crate) struct FieldBox {
+    volume: Volume,
+    placement: Placement,
+    dims: [usize; 3],
+}
+
+impl Source {
+    /// The field of a volume; `None` for a box that no lattice can fill.
+    pub(crate) fn of(volume: &Volume) -> Option<Self> {
+        if let Volume::Grid(grid) = volume {
+            return Some(Self::Grid(Arc::clone(grid)));
+        }
+        let ((low, high), spacing) = (volume.bounds(), volume.mean_spacing());
+        let edges = (high - low).to_array();
+        // `as` saturates; the lattice places samples and holds none.
+        let cells = edges.map(|edge| (edge / spacing).round().clamp(1.0, f64::from(u32::MAX)) as usize);
+        let axis = |a: usize| DVec3::AXES[a] * (edges[a] / cells[a] as f64);
+        let placement = Placement::new(low, glam::DMat3::from_cols(axis(0), axis(1), axis(2))).ok()?;
+        Some(Self::Other(FieldBox { volume: volume.clone(), placement, dims: cells.map(|n| n + 1) }))
+    }
+
+    /// The grid, if it is one.
+    pub(crate) fn grid(&self) -> Option<&Arc<GridVolume>> {
+        match self {
+            Self::Grid(grid) => Some(grid),
+            Self::Other(_) => None,
+        }
+    }
+
+    /// Where index space lies in the world.
+    pub(crate) fn placement(&self) -> &Placement {
+        match self {
+            Self::Grid(grid) => grid.placement(),
+            Self::Other(other) => &other.placement,
+        }
+    }
+
+    /// Lattice points along x, y and z.
+    pub(crate) fn dims(&self) -> [usize; 3] {
+        match self {
+            Self::Grid(grid) => grid.dims(),
+            Self::Other(other) => other.dims,
+        }
+    }
+
+    /// From stored numbers to values; fields that are no grids give values themselves.
+    pub(crate) fn calibration(&self) -> Calibration {
+        self.grid().map_or_else(Calibration::default, |grid| grid.calibration())
+    }
+}
+
+impl FieldBox {
+    fn field(&self) -> Option<&dyn Field> {
+        self.volume.field()
+    }
+
+    fn world<R: Real>(&self, position: [R; 3]) -> DVec3 {
+        self.placement.to_world(DVec3::from_array(position.map(R::to_f64)))
+    }
+
+    /// The value at a place in index space; NaN in vacuum.
+    pub(crate) fn value<R: Real>(&self, position: [R; 3]) -> f64 {
+        self.field().and_then(|field| field.value(self.world(position))).unwrap_or(f64::NAN)
+    }
+
+    /// Fills the gradients of a placed run, per index step, where the opacity is not zero.
+    pub(crate) fn gradients<R: Real>(&self, run: &mut Run<R>) {
+        let to_index = self.placement.axes().transpose();
+        for j in 0..run.len() {
+            if run.light[j][3] != R::ZERO {
+                let world = self.world(run.position_of(j));
+                let gradient = self.field().and_then(|field| field.gradient(world)).unwrap_or_default();
+                run.gradient[j] = (to_index * gradient).to_array().map(R::from_f64);
+            }
+        }
+    }
+
+    /// The value at a world distance along a ray, inside the box.
+    pub(crate) fn value_along(&self, ray: &IndexRay, distance: f64) -> f64 {
+        let at = ray.at(distance).to_array();
+        self.value::<f64>(std::array::from_fn(|a| at[a].clamp(0.0, (self.dims[a] - 1) as f64)))
+    }
+}

@@ -1,0 +1,109 @@
+//! Volumes that are no grids, through the seam alone: functions and scattered points, against the reference.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use vr_core::field::FunctionField;
+use vr_core::phantom::{self, Phantom};
+use vr_core::{
+    Camera, Compositing, Control, ControlPoint, Feature, Model, OpacityRule, PointKernel, PointSet, RenderError,
+    Renderer, Scene, Shading, TransferFunction, Unsupported, View, Volume,
+};
+use vr_physics::Reference;
+use vr_physics::metrics::Metrics;
+use vr_raycast::{RayCaster, Step};
+
+fn error(scene: &Scene, caster: &RayCaster, fov: Option<f64>) -> Metrics {
+    let view = View::new(Camera::framing(scene.bounds(), 35.0, 25.0, fov), [16, 16]);
+    let control = Control::default();
+    let frame = caster.prepare(scene, &control).unwrap().render(&view, &control).unwrap().frame;
+    let solved = Reference::new(1e-7).solve(scene, &view, &Model::Canonical, &control).unwrap();
+    let pixels: Vec<[f64; 4]> = solved.pixels.iter().map(|p| p.rgba).collect();
+    Metrics::of(&pixels, frame.pixels())
+}
+
+fn waves() -> FunctionField {
+    let value = |p: DVec3| 0.5 + 0.5 * (4.0 * p.x).sin() * (3.0 * p.y).cos() * (2.0 * p.z + 0.3).sin();
+    let slope = |p: DVec3| {
+        let ((sx, cx), (sy, cy), (sz, cz)) =
+            ((4.0 * p.x).sin_cos(), (3.0 * p.y).sin_cos(), (2.0 * p.z + 0.3).sin_cos());
+        0.5 * DVec3::new(4.0 * cx * cy * sz, -3.0 * sx * sy * sz, 2.0 * sx * cy * cz)
+    };
+    FunctionField::new((DVec3::NEG_ONE, DVec3::new(1.0, 0.7, 1.2)), value).unwrap().with_gradient(slope)
+}
+
+fn transfer() -> TransferFunction {
+    let points = [(0.2, [0.1, 0.3, 0.9], 0.0), (0.6, [0.9, 0.7, 0.2], 0.2), (1.0, [1.0; 3], 0.5)];
+    let points = points.map(|(value, color, opacity)| ControlPoint::new(value, color, opacity));
+    TransferFunction::new(points.to_vec(), OpacityRule::Power, 0.1).unwrap()
+}
+
+/// The midpoint rule is of order 2: half the step, a quarter of the error.
+#[test]
+fn functions_converge_to_the_reference() {
+    let scene = Scene::new(Volume::from(waves()), transfer());
+    let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
+    for scene in [scene, shaded] {
+        for fov in [None, Some(40.0)] {
+            let [coarse, fine] = [2.0, 0.5].map(|step| error(&scene, &RayCaster::uniform(step), fov));
+            assert!(fine.rmse < 2e-5 && fine.rmse < coarse.rmse / 8.0, "{coarse}, then {fine}");
+        }
+    }
+}
+
+#[test]
+fn functions_are_drawn_under_every_operator() {
+    let scene = Scene::new(Volume::from(waves()), transfer());
+    let operators = [
+        Compositing::Maximum,
+        Compositing::Minimum,
+        Compositing::Average,
+        Compositing::First { threshold: 0.7 },
+        Compositing::Accumulate { level: 0.5 },
+    ];
+    for compositing in operators {
+        let m = error(
+            &Scene { compositing, ..scene.clone() },
+            &RayCaster { step: Step::Uniform(0.2), ..RayCaster::default() },
+            None,
+        );
+        // A first point is found to 10⁻⁹ of a step, but for a ray that touches the surface.
+        assert!(m.rmse < 3e-4, "{}: {m}", compositing.name());
+    }
+}
+
+/// A phantom as the function that it is, and its samples on finer and finer grids: the trilinear field is of order 2 in the spacing.
+#[test]
+fn phantoms_without_samples_are_the_limit_of_those_with() {
+    let field = FunctionField::of_phantom(Arc::from(phantom::by_name("hydrogen").unwrap()));
+    let scene = phantom::Hydrogen.scene(33).unwrap();
+    let function = Scene { volume: field.into(), ..scene.clone() };
+    let m = error(&function, &RayCaster::default(), None);
+    assert!(m.rmse < 1e-4, "{m}");
+}
+
+#[test]
+fn points_are_a_field_like_any_other() {
+    let positions = vec![DVec3::ZERO, DVec3::new(0.8, 0.2, -0.1), DVec3::new(-0.3, 0.9, 0.4)];
+    let points = PointSet::new(positions, vec![1.0; 3], vec![1.0; 3], vec![1.0, 0.7, 0.4], PointKernel::CubicSpline);
+    let scene = Scene::new(points.unwrap().into(), transfer());
+    let m = error(&scene, &RayCaster { step: Step::Uniform(0.1), ..RayCaster::default() }, Some(30.0));
+    assert!(m.rmse < 1e-3, "{m}");
+}
+
+#[test]
+fn what_a_function_does_not_have_is_refused() {
+    let plain = FunctionField::new((DVec3::NEG_ONE, DVec3::ONE), |p| p.x).unwrap();
+    let scene = Scene::new(Volume::from(plain), transfer());
+    let refused = |caster: RayCaster, scene: &Scene| match caster.supports(scene, None) {
+        Err(RenderError::Unsupported(Unsupported { feature, .. })) => Some(feature),
+        other => other.map(|()| None).unwrap(),
+    };
+    let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
+    assert_eq!(refused(RayCaster::default(), &scene), None);
+    assert_eq!(refused(RayCaster::default(), &shaded), Some(Feature::Shading));
+    assert_eq!(
+        refused(RayCaster { step: Step::Tolerance(1e-3), ..RayCaster::default() }, &scene),
+        Some(Feature::Setting)
+    );
+}
