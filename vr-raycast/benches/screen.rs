@@ -1,6 +1,6 @@
 //! What the choice of rays gains, and how far it changes the picture.
 //!
-//! `cargo bench -p vr-raycast --bench screen` times single pictures. With `-- --table` it prints the tables of the crate's README
+//! `cargo bench -p vr-raycast --bench screen` times single pictures. With `-- --table` it prints the tables of `docs/figures/vr-raycast.md`
 //! instead: pictures of 512×512 at a step of one voxel, against every pixel's rays in the same run.
 //!
 //! The real scan is `nrrd/tooth.raw` of the directory `VR_TEST_DATA`; without it, its rows are left out.

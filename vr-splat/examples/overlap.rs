@@ -1,4 +1,4 @@
-//! The figures of the crate's README about errors: kernels, overlap, thickness of sheets, popping. `cargo run --release -p vr-splat --example overlap`
+//! Figures of `docs/figures/vr-splat.md` about errors: kernels, overlap, thickness of sheets, popping. `cargo run --release -p vr-splat --example overlap`
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The figures of the crate's README about speed and memory, on one thread: voxels, zoom, points. `cargo run --release -p vr-splat --example splat_speed`
+//! Figures of `docs/figures/vr-splat.md` about speed and memory, on one thread: voxels, zoom, points. `cargo run --release -p vr-splat --example splat_speed`
 
 use std::time::Instant;
 

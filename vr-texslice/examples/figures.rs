@@ -1,4 +1,4 @@
-//! The figures of the README: errors of formats and distances, the thin shell, orders, compression, and what skipping saves.
+//! Figures of `docs/figures/vr-texslice.md`: errors of formats and distances, the thin shell, orders, compression, and what skipping saves.
 //!
 //! `cargo run --release -p vr-texslice --example figures`
 

@@ -66,7 +66,7 @@
 //! # Accuracy
 //! Against the canonical pixel, errors fall with the distance of slices by the order 2 where field and transfer function are continuous, of planes, shells and
 //! pre-integrated segments; where the transfer function jumps, by 1, but by 1.4 to 1.6 of segments. Stacks, compression and light that is interpolated after
-//! classification have an error of their own that no distance takes away. The crate's README has the figures; the bounds on the hard cases of
+//! classification have an error of their own that no distance takes away. `docs/figures/vr-texslice.md` has the figures; the bounds on the hard cases of
 //! `vr-physics` are those of [`Documented::hard_case_errors`](vr_core::Documented::hard_case_errors). No error can be promised.
 //!
 //! # What it does not do

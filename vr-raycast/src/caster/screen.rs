@@ -7,7 +7,7 @@ pub enum Screen {
     #[default]
     EveryPixel,
     /// Every fourth pixel's first, along x and y, then those between where the colours bend; the rest is interpolated by cubics (after Levoy,
-    /// *Volume rendering by adaptive refinement*, 1990). Not exact: see the crate's README for what was measured.
+    /// *Volume rendering by adaptive refinement*, 1990). Not exact: see `docs/figures/vr-raycast.md` for what was measured.
     Adaptive {
         /// How far a component of the premultiplied colours may be from the straight lines through its neighbours' along x and y (the sum of
         /// both second differences), 0 or more, where nothing is refined; 0: every pixel is traced. Where features are wider than four

@@ -64,7 +64,7 @@ pub enum Step {
 impl Step {
     /// Uniform steps where local ones have nothing to follow, as a fraction of the smallest voxel edge.
     pub const OTHERWISE: f64 = 0.2;
-    /// The error that local steps aim at by default; the crate's README says how it was chosen.
+    /// The error that local steps aim at by default; `docs/notes/vr-raycast.md` says how it was chosen.
     pub const ERROR: f64 = 5e-4;
 
     /// Length of those steps that all have the same one, as a fraction of the smallest voxel edge.
