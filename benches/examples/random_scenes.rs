@@ -1,4 +1,4 @@
-//! Thousands of random scenes of every kind, drawn by one renderer at steps that get shorter: what fell short.
+//! Thousands of random scenes of every kind, drawn by one renderer at steps that get shorter: a table of those that fell short.
 //!
 //! `cargo run --release -p vr-benches --example random_scenes -- raycast 10000`
 //!
@@ -28,8 +28,8 @@ KIND: one of those that the table names; all of them if absent, COUNT scenes tog
 
 type Error = Box<dyn std::error::Error>;
 
-/// Scene files written of each kind; the table counts all.
-const MOST_FILES: usize = 20;
+/// Largest number of scene files written of each kind; the table counts all.
+const MAX_FILES: usize = 20;
 
 fn main() -> Result<(), Error> {
     let (mut kinds, mut first, mut out) = (Kind::ALL.to_vec(), 0, PathBuf::from("target/random_scenes"));
@@ -121,7 +121,7 @@ fn survey(
     std::fs::create_dir_all(out)?;
     for (kind, mut found) in failures {
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (_, seed, reason, test) in found.iter().take(MOST_FILES) {
+        for (_, seed, reason, test) in found.iter().take(MAX_FILES) {
             let path = out.join(format!("{name}-{kind}-{seed}.toml"));
             let mut file = std::fs::File::create(&path)?;
             writeln!(file, "# {name}, kind '{kind}', seed {seed}: {reason}")?;
@@ -133,7 +133,7 @@ fn survey(
             }
             writeln!(file, "{}", test.scene_file()?)?;
         }
-        println!("{kind}: {} scenes in {}, worst: {}", found.len().min(MOST_FILES), out.display(), found[0].2);
+        println!("{kind}: {} scenes in {}, worst: {}", found.len().min(MAX_FILES), out.display(), found[0].2);
     }
     Ok(())
 }

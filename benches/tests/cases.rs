@@ -13,7 +13,7 @@ use vr_physics::metrics::subgrid;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_splat::Splatting;
-use vr_study::exact::Exact;
+use vr_study::reference::ReferencePixels;
 use vr_texslice::TexSlice;
 
 /// Pixels along each side of a picture that are compared.
@@ -50,7 +50,7 @@ fn load(path: &Path) -> (Scene, View) {
 }
 
 /// RMSE and largest error; `None` where the renderer refuses the scene.
-fn errors(renderer: &dyn Renderer, (scene, view): (&Scene, &View), exact: &Exact) -> Option<[f64; 2]> {
+fn errors(renderer: &dyn Renderer, (scene, view): (&Scene, &View), exact: &ReferencePixels) -> Option<[f64; 2]> {
     let control = Control::default();
     let drawn = renderer.prepare(scene, &control).and_then(|mut prepared| prepared.render(view, &control));
     match drawn {
@@ -83,7 +83,8 @@ fn every_scene_is_drawn_right_or_refused() {
         let (scene, view) = load(path);
         let control = Control::default();
         let pixels = subgrid(PIXELS, view.size);
-        let exact = Exact::solve((&scene, &view), &Model::Canonical, pixels, &control).expect("the reference");
+        let exact =
+            ReferencePixels::solve((&scene, &view), &Model::Canonical, pixels, &control).expect("the reference");
         let drawn = (&scene, &view);
 
         // The default ray caster comes as near as it aims.
@@ -118,7 +119,7 @@ fn every_scene_is_drawn_right_or_refused() {
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }
 
-/// What steps do not make better.
+/// The error that shorter steps do not go below.
 fn floor(scene: &str, renderer: &str) -> f64 {
     match (scene, renderer) {
         // Texels are as large as voxels: shear-warp's picture is as soft as that, whatever the distance of its slices.

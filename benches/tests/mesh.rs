@@ -54,7 +54,7 @@ fn a_plane_at_a_depth_is_a_ray_cut_there() {
                 }
                 frames.push(layered);
             }
-            // The truth jumps in shells and shepp-logan, which steps of a tenth of a voxel see to within a step.
+            // The correct picture jumps in shells and shepp-logan, which steps of a tenth of a voxel see to within a step.
             let rough = ["shells", "shepp-logan", "marschner-lobb"].contains(&subject.name.as_str());
             let far = frames[0].pixels().iter().flatten().zip(frames[1].pixels().iter().flatten());
             let worst = far.fold(0.0, |m: f32, (a, b)| m.max((a - b).abs()));

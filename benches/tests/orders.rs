@@ -3,12 +3,12 @@
 use vr_core::{Control, Documented, StudiedRenderer};
 use vr_physics::check::faulty_marcher::{Fault, Marcher};
 use vr_raycast::RayCaster;
-use vr_study::convergence::{Convergence, Outcome, Prover, Refined};
-use vr_study::exact::ExactCache;
+use vr_study::convergence::{Convergence, OrderCheck, Outcome, Refined};
+use vr_study::reference::ReferenceCache;
 
 fn proven(renderer: &dyn StudiedRenderer) -> Vec<Convergence> {
-    let (cache, control) = (ExactCache::none(), Control::default());
-    let results = Prover { cache: &cache, control: &control }.proving_ground(renderer, &|_| {}).unwrap();
+    let (cache, control) = (ReferenceCache::none(), Control::default());
+    let results = OrderCheck { cache: &cache, control: &control }.check_claims(renderer, &|_| {}).unwrap();
     for c in &results {
         let errors: Vec<String> = c.errors.iter().map(|e| format!("{e:.1e}")).collect();
         println!(
@@ -40,7 +40,7 @@ fn a_right_marcher_passes() {
     assert!(proven(&Marcher::new(Fault::None)).iter().all(|c| c.outcome() == Outcome::Holds));
 }
 
-/// What fails under a fault.
+/// The refinements that fail under a fault.
 fn failing(fault: Fault) -> Vec<Refined> {
     let results = proven(&Marcher::new(fault));
     results.iter().filter(|c| c.outcome() == Outcome::Fails).map(|c| c.refined).collect()

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use vr_core::{Control, Counts, Frame, Model, Prepared, RenderError, Renderer, View};
 use vr_physics::metrics::subgrid;
-use vr_study::exact::{Exact, SUBGRID};
+use vr_study::reference::{ReferencePixels, SUBGRID};
 
 use crate::args::{BenchArgs, TimingArgs};
 use crate::bench_report::Report;
@@ -112,10 +112,10 @@ fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<
 }
 
 /// The exact solution that the first frame is compared with.
-fn judge(setup: &Setup, frame: &Frame, console: Console, control: &Control) -> Result<Exact, Failure> {
+fn judge(setup: &Setup, frame: &Frame, console: Console, control: &Control) -> Result<ReferencePixels, Failure> {
     let pixels = subgrid(SUBGRID, frame.size());
     under_bar(console, control, "measuring the error", |control| {
-        Exact::solve((&setup.scene, &setup.view), &Model::Canonical, pixels, control)
+        ReferencePixels::solve((&setup.scene, &setup.view), &Model::Canonical, pixels, control)
     })
     .map_err(|e| setup.render_failure(e))
 }

@@ -5,8 +5,8 @@ use std::time::Duration;
 use serde::Serialize;
 use vr_core::{Options, Renderer};
 use vr_physics::metrics::Metrics;
-use vr_study::exact::Exact;
 use vr_study::figures::ErrorFigures;
+use vr_study::reference::ReferencePixels;
 
 use crate::args::TimingArgs;
 use crate::bench::{Measured, Timed};
@@ -34,7 +34,7 @@ pub struct Report<'a> {
     /// What became of the largest error that was promised for every frame, where one was.
     pub promise: Option<Promise>,
     /// How far frame 0 is from the exact solution.
-    pub error: Option<(Metrics, &'a Exact)>,
+    pub error: Option<(Metrics, &'a ReferencePixels)>,
 }
 
 /// One object, for scripts. What the system does not tell is `null`.

@@ -6,9 +6,9 @@ use serde::Serialize;
 use vr_core::{Control, Model, Prepared, RenderError, Rendered, Renderer, View};
 use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
-use vr_study::contestant::contestants;
-use vr_study::exact::Exact;
+use vr_study::candidate::candidates;
 use vr_study::figures::ErrorFigures;
+use vr_study::reference::ReferencePixels;
 
 use crate::args::CompareArgs;
 use crate::console::Console;
@@ -34,7 +34,7 @@ const SUBGRID: u32 = 16;
 /// Whatever goes wrong with the command line, the volume, the scene, or the sheet.
 pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<(), Failure> {
     output_file::check(&args.output, &["png"])?;
-    let contestants = contestants(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
+    let candidates = candidates(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
     let mut setup = Setup::new(&args.scene, console)?;
     setup.protect([("--output", &*args.output)])?;
     setup.note_unused_renderer("renderers are compared under settings of their own", console);
@@ -44,14 +44,14 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     let (scene, view) = (&setup.scene, &setup.view);
     let every_pixel = subgrid(u32::MAX, view.size);
     let exact = under_bar(console, control, "exact solution", |control| {
-        Exact::solve((scene, view), &Model::Canonical, every_pixel, control)
+        ReferencePixels::solve((scene, view), &Model::Canonical, every_pixel, control)
     })
     .map_err(|e| setup.render_failure(e))?;
 
     let mut results = Vec::new();
-    for contestant in &contestants {
-        let name = contestant.name();
-        let measure = |control: &Control| measure(&*contestant.configured, &setup, &exact, control);
+    for candidate in &candidates {
+        let name = candidate.name();
+        let measure = |control: &Control| measure(&*candidate.configured, &setup, &exact, control);
         match under_bar(console, control, &name, measure) {
             Ok(measured) => results.push((name, measured)),
             Err(e @ RenderError::Unsupported { .. }) => console.note(&format!("{name} is left out: {e}")),
@@ -81,7 +81,12 @@ struct Measured {
     own: Option<Metrics>,
 }
 
-fn measure(renderer: &dyn Renderer, setup: &Setup, exact: &Exact, control: &Control) -> Result<Measured, RenderError> {
+fn measure(
+    renderer: &dyn Renderer,
+    setup: &Setup,
+    exact: &ReferencePixels,
+    control: &Control,
+) -> Result<Measured, RenderError> {
     let (scene, view) = (&setup.scene, &setup.view);
     let start = Instant::now();
     let mut prepared = renderer.prepare(scene, control)?;
@@ -99,7 +104,7 @@ fn measure(renderer: &dyn Renderer, setup: &Setup, exact: &Exact, control: &Cont
         Model::Canonical => None,
         model => {
             let pixels = subgrid(SUBGRID, view.size);
-            Some(Exact::solve((scene, view), &model, pixels, control)?.judge(&rendered.frame))
+            Some(ReferencePixels::solve((scene, view), &model, pixels, control)?.judge(&rendered.frame))
         }
     };
     Ok(Measured {
@@ -119,7 +124,7 @@ fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<
     Ok((start.elapsed(), rendered))
 }
 
-fn text(setup: &Setup, exact: &Exact, results: &[(String, Measured)], args: &CompareArgs) -> String {
+fn text(setup: &Setup, exact: &ReferencePixels, results: &[(String, Measured)], args: &CompareArgs) -> String {
     let mut table = Table::new(&[
         "#  renderer",
         "prepare",
@@ -179,7 +184,12 @@ struct RendererJson<'a> {
     own_model_max_error: Option<f64>,
 }
 
-fn json<'a>(setup: &'a Setup, exact: &Exact, results: &'a [(String, Measured)], args: &CompareArgs) -> Json<'a> {
+fn json<'a>(
+    setup: &'a Setup,
+    exact: &ReferencePixels,
+    results: &'a [(String, Measured)],
+    args: &CompareArgs,
+) -> Json<'a> {
     let renderer = |(name, m): &'a (String, Measured)| RendererJson {
         name,
         prepare_seconds: m.prepare.as_secs_f64(),

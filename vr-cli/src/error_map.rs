@@ -6,7 +6,7 @@ use serde::Serialize;
 use vr_core::Frame;
 use vr_io::PngOptions;
 use vr_physics::spread;
-use vr_study::exact::{Exact, SUBGRID};
+use vr_study::reference::{ReferencePixels, SUBGRID};
 
 use crate::args::{ErrorMeasure, OutputArgs};
 use crate::failure::Failure;
@@ -42,7 +42,7 @@ pub fn check(output: &OutputArgs) -> Result<(), Failure> {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(path: &Path, exact: &Exact, frame: &Frame) -> Result<ErrorMap, Failure> {
+pub fn write(path: &Path, exact: &ReferencePixels, frame: &Frame) -> Result<ErrorMap, Failure> {
     let size = frame.size();
     let all = size[0] as usize * size[1] as usize;
     let known = exact.count();

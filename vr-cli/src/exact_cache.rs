@@ -1,14 +1,14 @@
 //! Where exact solutions are kept.
 
-use vr_study::exact::ExactCache;
+use vr_study::reference::ReferenceCache;
 
 use crate::args::CacheArgs;
 
 /// The folder that flags name, or that of the user's caches; nothing is kept where there is neither.
-pub fn open(args: &CacheArgs) -> ExactCache {
+pub fn open(args: &CacheArgs) -> ReferenceCache {
     let users = || dirs::cache_dir().map(|folder| folder.join("vr").join("exact"));
     match args.cache.clone().or_else(users) {
-        Some(folder) if !args.no_cache => ExactCache::in_folder(folder),
-        _ => ExactCache::none(),
+        Some(folder) if !args.no_cache => ReferenceCache::in_folder(folder),
+        _ => ReferenceCache::none(),
     }
 }

@@ -7,8 +7,8 @@ use serde::Serialize;
 use vr_core::{Control, Counts, Frame, Model, Rendered};
 use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
-use vr_study::exact::{Exact, SUBGRID};
 use vr_study::figures::ErrorFigures;
+use vr_study::reference::{ReferencePixels, SUBGRID};
 
 use crate::args::{ErrorMeasure, RenderArgs, RendererArgs};
 use crate::console::Console;
@@ -110,7 +110,7 @@ fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control)
 struct Done<'a> {
     setup: &'a Setup,
     drawn: &'a Drawn,
-    error: Option<(Metrics, Exact)>,
+    error: Option<(Metrics, ReferencePixels)>,
     map: Option<ErrorMap>,
     outputs: &'a [PathBuf],
 }

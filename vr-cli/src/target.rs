@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 use vr_core::{Control, MIN_MAX_ERROR, Options, StudiedRenderer};
-use vr_study::choose::{CONFIDENCE, Choice, ChoiceError, Prover, draw_within};
-use vr_study::contestant::contestants;
-use vr_study::exact::ExactCache;
+use vr_study::candidate::candidates;
+use vr_study::choose::{BoundedRenderer, CONFIDENCE, Choice, ChoiceError, draw_within};
+use vr_study::reference::ReferenceCache;
 
 use crate::args::RendererArgs;
 use crate::console::Console;
@@ -50,7 +50,7 @@ pub fn draw(
     target: f64,
     args: &RendererArgs,
     setup: &Setup,
-    cache: &ExactCache,
+    cache: &ReferenceCache,
     console: Console,
     control: &Control,
 ) -> Result<Drawn, Failure> {
@@ -61,26 +61,26 @@ pub fn draw(
     }
     setup.note_unused_renderer("--target-rmse chooses", console);
     let only: Vec<String> = args.renderer.iter().cloned().collect();
-    let contestants = contestants(&renderers::chosen(&only)?).map_err(Failure::failed)?;
-    let provers = provers(target);
+    let candidates = candidates(&renderers::chosen(&only)?).map_err(Failure::failed)?;
+    let bounded = bounded(target);
     let choice = under_bar(console, control, "trying settings", |told| {
         let told = |share| told.report(share);
-        draw_within(target, &contestants, &provers, (&setup.scene, &setup.view), cache, (control, &told))
+        draw_within(target, &candidates, &bounded, (&setup.scene, &setup.view), cache, (control, &told))
     });
     let choice = choice.map_err(|e| match e {
         ChoiceError::Render(e) => setup.render_failure(e),
         other => Failure::failed(other),
     })?;
-    let Choice { contestant, rendered, prepare, render, error, rehearsals, disappointed } = choice;
-    let winner = &contestants[contestant];
+    let Choice { candidate, rendered, prepare, render, error, trials, missed } = choice;
+    let winner = &candidates[candidate];
     let [w, h] = setup.view.size.map(u64::from);
     let chosen = Chosen {
         target_rmse: target,
         setting: winner.setting.clone(),
         options: winner.options.clone(),
-        tried: rehearsals.len(),
-        within: rehearsals.iter().filter(|r| r.error.upper <= target).count(),
-        disappointed: disappointed.iter().map(|(i, e)| (contestants[*i].name(), e.upper)).collect(),
+        tried: trials.len(),
+        within: trials.iter().filter(|r| r.error.upper <= target).count(),
+        disappointed: missed.iter().map(|(i, e)| (candidates[*i].name(), e.upper)).collect(),
         rmse: error.rmse,
         rmse_at_most: error.upper,
         proven: error.proven,
@@ -121,11 +121,11 @@ impl Chosen {
 }
 
 /// Renderers that can prove a picture to be well within a target: by it, others are judged.
-fn provers(target: f64) -> Vec<Prover> {
+fn bounded(target: f64) -> Vec<BoundedRenderer> {
     // An eighth is little beside the target, and costs little more than the target itself would; no picture of floats keeps less than the least.
     let max_error = (target / 8.0).max(MIN_MAX_ERROR);
     // One that promises by default draws as slowly as exact pixels are solved: it is no help.
     let quick = renderers::all().into_iter().filter(|renderer| renderer.max_error().is_none());
     let promising = |renderer: Box<dyn StudiedRenderer>| renderer.with_max_error(max_error)?.ok();
-    quick.filter_map(promising).map(|renderer| Prover { renderer, max_error }).collect()
+    quick.filter_map(promising).map(|renderer| BoundedRenderer { renderer, max_error }).collect()
 }

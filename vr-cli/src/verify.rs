@@ -3,7 +3,7 @@
 use serde::Serialize;
 use vr_core::{Control, StudiedRenderer};
 use vr_study::StudyError;
-use vr_study::convergence::{Convergence, Outcome, Prover};
+use vr_study::convergence::{Convergence, OrderCheck, Outcome};
 
 use crate::args::VerifyArgs;
 use crate::console::Console;
@@ -29,16 +29,16 @@ pub fn run(args: &VerifyArgs, console: Console, control: &Control) -> Result<(),
     }
     let cache = exact_cache::open(&args.cache);
     let proven = under_bar(console, control, "verifying", |told| {
-        let prover = Prover { cache: &cache, control };
+        let check = OrderCheck { cache: &cache, control };
         let mut results = Vec::new();
         for (i, renderer) in chosen.iter().enumerate() {
             let share = |s: f64| told.report((i as f64 + s) / chosen.len() as f64);
             match &setup {
-                None => results.extend(prover.proving_ground(&**renderer, &share)?),
+                None => results.extend(check.check_claims(&**renderer, &share)?),
                 Some(setup) => {
                     let Setup { title, scene, view, .. } = setup;
-                    results.extend(prover.step_on(&**renderer, (title, scene, view), &|s| share(0.8 * s))?);
-                    match prover.grid_of(&**renderer, (title, scene))? {
+                    results.extend(check.step_on(&**renderer, (title, scene, view), &|s| share(0.8 * s))?);
+                    match check.grid_of(&**renderer, (title, scene))? {
                         Some(grid) => results.push(grid),
                         None => console.note("the grid is not refined: no whole, unshaded trilinear field"),
                     }

@@ -1,4 +1,4 @@
-//! Where a polynomial takes given values: a ray is cut there.
+//! Points at which a polynomial takes given values: a ray is cut there.
 
 use vr_core::field::{Bernstein, Poly};
 

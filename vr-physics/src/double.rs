@@ -28,7 +28,7 @@ fn two_product(a: f64, b: f64) -> Double {
 }
 
 impl Double {
-    /// Rounded to f64.
+    /// The number rounded to f64.
     pub(crate) fn round(self) -> f64 {
         self.high
     }
@@ -147,7 +147,7 @@ impl Double3 {
         Self(self.0.map(f))
     }
 
-    /// Of length 1. (Scaled by a power of two first, so that squares neither underflow nor overflow.)
+    /// The vector scaled to length 1. (Scaled by a power of two first, so that squares neither underflow nor overflow.)
     pub(crate) fn normalized(self) -> Self {
         let largest = self.0.iter().fold(0.0f64, |m, x| m.max(x.round().abs()));
         let unit = self.map(|x| x.scaled(power_of_two_below(largest).recip()));

@@ -1,4 +1,4 @@
-//! Rays as a scene's numbers say them, in double-double, and how far the f64 that they are rounded to may be off.
+//! Rays as a scene's numbers define them, in double-double, and bounds on the errors of the f64 that they are rounded to.
 //!
 //! `vr_core::Rays` gives renderers the same rays in f64. Far from the volume, or where axes are nearly parallel, its rounding moves a
 //! ray by much more than the rounding of an index; the reference follows the ray that was meant.
@@ -102,7 +102,7 @@ pub(crate) struct ExactPlacement {
     /// Its rows.
     inverse: [Double3; 3],
     dims: [usize; 3],
-    /// How far the rounding of the axes themselves (directions normalised, times spacings) moves an index, per axis.
+    /// Bound on the shift of an index, per axis, by the rounding of the axes themselves (directions normalised, times spacings).
     axes_off: [f64; 3],
 }
 
@@ -140,7 +140,7 @@ impl ExactPlacement {
         DMat3::from_cols(self.inverse[0].round(), self.inverse[1].round(), self.inverse[2].round()).transpose()
     }
 
-    /// Relative error of a world gradient, per unit of its rows: how far the rounding of the axes turns it.
+    /// Relative error of a world gradient, per unit of its rows: the turn of the axes by rounding.
     pub(crate) fn axes_error(&self) -> f64 {
         let dims = self.dims;
         (0..3).map(|a| self.axes_off[a] / (dims[a].max(2) - 1) as f64).fold(0.0, f64::max)
@@ -157,6 +157,7 @@ impl ExactPlacement {
         far: f64,
         rounded: impl Fn() -> Option<IndexRay>,
     ) -> Option<IndexChord> {
+        // The ray in index space, its distances counted from the point nearest to the middle of the box.
         let last = self.dims.map(|n| (n - 1) as f64);
         let middle = (0..3).fold(self.origin, |sum, a| sum + self.axes[a] * Double::from(0.5 * last[a]));
         let offset = (middle - ray.origin).dot(ray.direction).round();
@@ -176,6 +177,7 @@ impl ExactPlacement {
         let ends = [-offset, far - offset];
         let mut part =
             Part { ends, off: [Bound::ZERO; 2], rounding: [POSITION_ROUNDING * offset.abs(); 2], reach, rounded };
+        // Cut it by the faces of the box, the crop box and the planes.
         for a in 0..3 {
             let faces = [0.0, last[a]];
             part.keep_between(origin[a], direction[a], faces, [self.axes_off[a], rounding(self.inverse[a])]);
@@ -201,6 +203,7 @@ impl ExactPlacement {
         if start.is_nan() || end.is_nan() || start >= end {
             return None;
         }
+        // Bound the errors of positions on what is left.
         let farthest = start.abs().max(end.abs());
         let position_error = std::array::from_fn(|a| {
             // The numbers themselves, and the product and the sum that make a position of them.
@@ -226,9 +229,9 @@ impl ExactPlacement {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct IndexChord {
     pub(crate) ray: IndexRay,
-    /// Upper bounds of how far a position may be off, in index steps.
+    /// Upper bounds of the error of a position, in index steps.
     pub(crate) position_error: [f64; 3],
-    /// Upper bounds of how far its start and its end may be off, in world units.
+    /// Upper bounds of the errors of its start and of its end, in world units.
     pub(crate) end_error: [f64; 2],
 }
 

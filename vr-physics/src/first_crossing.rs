@@ -2,8 +2,8 @@
 
 use crate::crossings::crossings;
 use crate::optics::Optics;
-use crate::picks::{HALVINGS_NEAR, Stretch, rounding, stretches};
 use crate::transport::Certainty;
+use crate::value_operators::{HALVINGS_NEAR, Stretch, rounding, stretches};
 use vr_core::bound::Bound;
 use vr_core::field::Poly;
 use vr_core::field::{FieldLine, LineModel};
@@ -121,7 +121,7 @@ impl Reach<'_> {
         first
     }
 
-    /// How far from t the crossing may be: the error over the slope, where the slope is that of a line.
+    /// Bound on the distance of the crossing from t: the error over the slope, if the slope is nearly constant.
     fn place(&self, t: f64) -> Bound {
         let slope = self.p.derivative();
         let place = self.doubt / slope.at(t);

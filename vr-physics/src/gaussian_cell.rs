@@ -24,7 +24,7 @@ pub(crate) struct GaussianPart {
     pub(crate) gradient: Option<([Poly; 3], Bound)>,
 }
 
-/// Interpolates on the part `middle ± half` (index space) of a cell whose samples are within `reach` of `base`; `reach` is not 0.
+/// Interpolates on the part `middle ± half` (index space) of a cell whose voxels are within `reach` of `base`; `reach` is not 0.
 pub(crate) fn interpolate<T: Voxel>(
     lattice: &Lattice<'_, T>,
     cell: [usize; 3],
@@ -66,7 +66,7 @@ pub(crate) fn interpolate<T: Voxel>(
     GaussianPart { field, error, gradient }
 }
 
-/// The 64 samples around a cell, less the base; x fastest.
+/// The 64 values around a cell, less the base; x fastest.
 fn gather<T: Voxel>(lattice: &Lattice<'_, T>, cell: [usize; 3], base: f64) -> [f64; 64] {
     let index: [[usize; 4]; 3] = std::array::from_fn(|a| Filter::Gaussian.taps(cell[a], lattice.dims[a]));
     std::array::from_fn(|i| {
@@ -106,7 +106,7 @@ impl Taps {
     }
 }
 
-/// Bounds what interpolation misses of the field, and of a component of its gradient, per unit of the samples' reach.
+/// Bounds the error of interpolation of the field, and of a component of its gradient, per unit of the voxels' reach.
 fn remainder(half: DVec3) -> (Bound, Bound) {
     let mut best = (Bound::UNKNOWN, Bound::UNKNOWN);
     for rho in [2.0f64, 3.0, 4.0, 5.5, 8.0, 11.0, 16.0, 24.0, 40.0, 80.0, 200.0] {

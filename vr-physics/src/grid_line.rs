@@ -1,7 +1,7 @@
 //! A uniform grid's field along a ray, under any reconstruction filter: a polynomial in every cell.
 //!
 //! Along a ray each index coordinate is linear in the distance, so a trilinear cell is a cubic, a tricubic one has degree 9, and
-//! the nearest sample is constant between the middles of the lattice. The Gaussian is no polynomial; it is interpolated at
+//! the nearest voxel is constant between the middles of the lattice. The Gaussian is no polynomial; it is interpolated at
 //! Chebyshev points (`gaussian_cell`).
 
 use glam::{DMat3, DVec3};
@@ -16,17 +16,17 @@ use vr_core::bound::Bound;
 use vr_core::field::Poly;
 use vr_core::field::{Chord, Cut, FieldLine, LineModel};
 
-/// Gradients per index step at the samples, where shading takes them from there.
+/// Gradients per index step at the voxels, for shading that takes them from there.
 pub type SampleGradients<'a> = &'a (dyn Fn([usize; 3]) -> [f64; 3] + Sync);
 
-/// Where the gradient of a field comes from.
+/// The source of a field's gradient.
 #[derive(Clone, Copy)]
 pub enum GradientSource<'a> {
-    /// None is needed.
+    /// No gradient is needed.
     None,
     /// The filter itself.
     Analytic,
-    /// The samples' own gradients, interpolated trilinearly.
+    /// The voxels' own gradients, interpolated trilinearly.
     Samples(SampleGradients<'a>),
 }
 
@@ -75,7 +75,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         Some(std::array::from_fn(|a| lattice.cell(a, p[a]).0))
     }
 
-    /// Samples and polynomial weights along one axis, where the coordinate is `middle + half · t`.
+    /// Voxel indices and polynomial weights along one axis, where the coordinate is `middle + half · t`.
     fn axis(&self, axis: usize, cell: usize, middle: f64, half: f64) -> Axis {
         let n = self.sampler.lattice().dims[axis];
         let x = Poly::new(&[middle - cell as f64, half]);
@@ -113,7 +113,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         sum
     }
 
-    /// Largest distance of a sample under the filter from `base`.
+    /// Largest distance of a voxel's value under the filter from `base`.
     fn reach(&self, cell: [usize; 3], base: f64) -> f64 {
         let lattice = self.sampler.lattice();
         let taps: [[usize; 4]; 3] = std::array::from_fn(|a| F::FILTER.taps(cell[a], lattice.dims[a]));
@@ -130,8 +130,8 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         reach.value()
     }
 
-    /// The value of a stored number, as `Calibration::value` defines it, and what it rounds. A constant *is* that value; between samples
-    /// the field is slope and intercept of what is reconstructed.
+    /// The value of a stored number, as `Calibration::value` defines it, and its rounding. A constant *is* that value; between voxels
+    /// the field is slope and intercept applied to the reconstructed number.
     fn calibrated(&self, stored: f64) -> (f64, f64) {
         let Calibration { slope, intercept } = self.calibration;
         let value = self.calibration.value(stored);
@@ -142,7 +142,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         (value, slope.mul_add(stored, -product).abs() + lost.abs())
     }
 
-    /// How far the field may be off because positions are, in stored units: its slope per index is below 5 times the samples' reach.
+    /// Bound on the field's error by that of positions, in stored units: its slope per index is below 5 times the voxels' reach.
     fn displaced(&self, reach: f64) -> f64 {
         let steepest = if F::FILTER.reach() == 0 { 2.0 } else { 5.0 };
         steepest * reach * self.chord.position_error.iter().sum::<f64>()
@@ -182,9 +182,9 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         LineModel { field, field_error: field_error.value(), gradient, gradient_error, limits, certain: true }
     }
 
-    /// Smallest and largest sample of a cell, which a trilinear field does not reach inside it: there all eight samples have a positive weight.
+    /// Smallest and largest value of a cell's voxels, which a trilinear field does not reach inside it: there all eight have a positive weight.
     ///
-    /// `None` if all samples are equal, if the ray may lie in a face, where some weights are 0, and if calibration rounds a sample.
+    /// `None` if all values are equal, if the ray may lie in a face, where some weights are 0, and if calibration rounds a value.
     fn limits(&self, cell: [usize; 3], middle: DVec3, half: DVec3) -> Option<[f64; 2]> {
         let inside = |a: usize| {
             let (off, place) = (self.chord.position_error[a], middle[a] - cell[a] as f64);
@@ -208,7 +208,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         (low < high).then_some([low, high])
     }
 
-    /// How much two samples differ whose middle the ray runs along, to what its place may be off by: it may be nearer to either.
+    /// Difference of two voxels if the ray runs along the face half way between them, to within its error: it may be nearer to either.
     fn tie(&self, axes: &[Axis; 3], middle: DVec3, half: DVec3) -> f64 {
         let lattice = self.sampler.lattice();
         let index = axes.map(|a| a.index[0]);
@@ -268,7 +268,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         }
     }
 
-    /// Calls `each` with every place inside the ray where the field goes over to another polynomial: its distance, and axis and index
+    /// Calls `each` with every place inside the ray at which the field's polynomial changes: its distance, and axis and index
     /// coordinate of the face that is crossed there; axis by axis.
     fn each_face(&self, mut each: impl FnMut(f64, usize, f64)) {
         let IndexRay { origin, direction, start, end, .. } = self.chord.ray;
@@ -321,24 +321,24 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         LineModel { field, field_error: field_error.value(), gradient, gradient_error, limits: None, certain: true }
     }
 
-    /// How far a face at a distance may be off: its axis' error over how fast the ray crosses it.
+    /// Bound on the error of a face's distance: its axis' error over the rate at which the ray crosses it.
     fn place_error(&self, at: f64) -> f64 {
         let IndexRay { origin, direction, start, end, .. } = self.chord.ray;
         let rounding = f64::EPSILON * at.abs();
-        let mut most = Bound::new(rounding);
+        let mut largest = Bound::new(rounding);
         for (edge, off) in [start, end].into_iter().zip(self.chord.end_error) {
             if at == edge {
-                most = most.max(off);
+                largest = largest.max(off);
             }
         }
         for a in (0..3).filter(|&a| direction[a] != 0.0) {
             let (x, off) = (origin[a] + direction[a] * at, self.chord.position_error[a]);
             let reach = 4.0 * (off + direction[a].abs() * rounding);
             if self.shifts().iter().any(|shift| (x - shift - (x - shift).round()).abs() <= reach) {
-                most = most.max(off / direction[a].abs() + rounding);
+                largest = largest.max(off / direction[a].abs() + rounding);
             }
         }
-        most.value()
+        largest.value()
     }
 
     /// True if the field, or its gradient where one is asked for, may jump at a face.
@@ -352,7 +352,7 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
     }
 }
 
-/// The samples' gradients along the ray, per index step, and the largest component of any.
+/// The voxels' gradients along the ray, per index step, and the largest component of any.
 fn trilinear_gradients(at: SampleGradients<'_>, cell: [usize; 3], middle: DVec3, half: DVec3) -> ([Poly; 3], f64) {
     let one = Poly::constant(1.0);
     let x: [Poly; 3] = std::array::from_fn(|a| Poly::new(&[middle[a] - cell[a] as f64, half[a]]));
@@ -383,7 +383,7 @@ impl<T: Voxel, F: Reconstruction> FieldLine for GridLine<'_, T, F> {
 
     fn breakpoints(&self, out: &mut Vec<f64>) {
         let IndexRay { direction, start, end, .. } = self.chord.ray;
-        // Each with how far it may be off.
+        // Each with its error.
         let mut faces = Vec::new();
         self.each_face(|s, axis, _| {
             faces.push((s, self.chord.position_error[axis] / direction[axis].abs() + f64::EPSILON * s.abs()));

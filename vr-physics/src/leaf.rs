@@ -1,4 +1,4 @@
-//! One smooth stretch of a ray: optical depth and light, with an a-priori bound on what the quadrature misses.
+//! One smooth stretch of a ray: optical depth and light, with an a-priori bound on the error of the quadrature.
 //!
 //! On a stretch the field f is a polynomial and lies in one segment of the transfer function, so κ∘f is analytic. The bound
 //! looks at the Bernstein ellipse of parameter ρ around the stretch (sum of semi-axes ρ, a = (ρ + 1/ρ)/2 the major one): there
@@ -22,7 +22,7 @@ use vr_core::bound::{Bound, largest};
 use vr_core::field::LineModel;
 use vr_core::field::Poly;
 
-/// Light and depth of a stretch, before what lies in front of it dims them.
+/// Light and depth of a stretch, not yet dimmed by the medium in front.
 #[derive(Clone, Copy, Debug)]
 pub struct Gain {
     /// Optical depth.
@@ -49,7 +49,7 @@ pub struct Leaf<'a> {
     emission: [Linear; 3],
     /// Opacity at the segment's start.
     first_opacity: f64,
-    /// How fast opacity, colour and emission change with the value, wherever the field's error may take it.
+    /// Largest slopes of opacity, colour and emission by the value, over the range that the field's error leaves open.
     steepest: Slopes,
 }
 
@@ -83,7 +83,7 @@ struct Shade<'a> {
     square: Poly,
     /// g·l and g·h of every light.
     towards: Vec<(f64, [Poly; 2])>,
-    /// κ's factor: value at the middle, and how fast it changes with |g|.
+    /// κ's factor: value at the middle, and its slope by |g|.
     modulation: f64,
     modulation_slope: f64,
 }
@@ -104,7 +104,7 @@ impl Linear {
 /// Ellipses tried: the largest on which everything is still analytic and small wins.
 const RHO: [f64; 9] = [1.25, 1.6, 2.2, 3.2, 5.0, 8.0, 14.0, 30.0, 100.0];
 
-/// A rule, and what it may miss.
+/// A rule, and the bounds on its errors.
 pub struct Choice {
     which: usize,
     depth_error: Bound,
@@ -155,7 +155,7 @@ impl<'a> Leaf<'a> {
         }
     }
 
-    /// Whether light is reflected: the gradient exists and is not zero throughout.
+    /// True if light is reflected: the gradient exists and is not zero throughout.
     fn is_shaded(&self) -> bool {
         self.shade.as_ref().is_some_and(|s| !(s.square.is_constant() && s.square.at(0.0) == 0.0))
     }
@@ -235,12 +235,12 @@ impl<'a> Leaf<'a> {
             return None;
         }
         let growth = libm::exp(growth);
-        let most = |l: &[Linear; 3]| largest(l.iter().map(|l| l.bound(spread)));
+        let brightest = |l: &[Linear; 3]| largest(l.iter().map(|l| l.bound(spread)));
         let (integrand, light_per_depth) = if self.optics.transfer.has_emission() {
-            let e = most(&self.emission) * self.half;
+            let e = brightest(&self.emission) * self.half;
             (e * growth, 2.0 * e)
         } else if self.is_shaded() {
-            let c = most(&self.color) * reflect.0 + reflect.1;
+            let c = brightest(&self.color) * reflect.0 + reflect.1;
             (self.half * size_of_kappa * c * growth, c * 2.0 * self.half * size_of_kappa)
         } else {
             let slope = largest(self.color.iter().map(|l| l.slope));
@@ -248,7 +248,7 @@ impl<'a> Leaf<'a> {
             let run = run.at(0.0).abs() + run.spread(a);
             // |E(b) − E(z)| ≤ |τ(b) − τ(z)| times the growth.
             let apart = (self.half * size_of_kappa * (1.0 + a)).min(2.0) * growth;
-            (slope * run * apart, 3.0 * most(&self.color))
+            (slope * run * apart, 3.0 * brightest(&self.color))
         };
         Some(Size { extinction, integrand, light_per_depth })
     }
@@ -267,6 +267,7 @@ impl<'a> Leaf<'a> {
         let f0 = self.model.field.coefficients()[0];
         let run = self.model.field.derivative();
         let value = |l: &Linear, f: f64| l.middle + l.slope * (f - f0);
+        // The light of each channel: by parts for a density emitter without shading, else by its integrand.
         let (mut light, mut magnitude) = ([0.0; 3], Bound::ZERO);
         for c in 0..3 {
             let terms = |j: usize| -> f64 {
@@ -303,7 +304,7 @@ impl<'a> Leaf<'a> {
         (gain, rule, tau)
     }
 
-    /// What rounding, and the field's own error, add to the errors of depth and light.
+    /// Errors of depth and light by rounding, and by the field's own error.
     fn rounding(&self, depth: f64, opacity: f64, magnitude: f64) -> (Bound, Bound) {
         const ROUNDING: f64 = 8.0 * f64::EPSILON;
         let model = self.model;
@@ -360,7 +361,7 @@ impl<'a> Leaf<'a> {
         (depth_error, light_error)
     }
 
-    /// What the shading does at the nodes; `None` where nothing is shaded.
+    /// Factor and summand of the shading at the nodes; `None` where nothing is shaded.
     fn reflected(&self, rule: &Rule) -> Option<Vec<([f64; 3], [f64; 3])>> {
         if self.optics.transfer.has_emission() || !self.is_shaded() {
             return None;
@@ -392,12 +393,12 @@ impl<'a> Leaf<'a> {
         }
     }
 
-    /// How far rounding and the field's error may move the opacity.
+    /// Bound on the error of the opacity by rounding and the field's error.
     fn noise(&self) -> Bound {
         product(self.model.error(), self.alpha.slope.abs()) + 8.0 * f64::EPSILON * self.clear
     }
 
-    /// Whether 1 − α is no more than what it may be off by, under the power rule.
+    /// True if 1 − α is no larger than its own error, under the power rule.
     pub fn is_lost(&self) -> bool {
         !self.model.error().is_finite()
             || self.optics.has_walls()
@@ -478,17 +479,17 @@ struct Size {
     extinction: f64,
     /// The light's integrand by t.
     integrand: f64,
-    /// How much light an error in depth costs.
+    /// Error in light per error in depth.
     light_per_depth: f64,
 }
 
 impl Shade<'_> {
-    /// Bounds of the colour's factor and the light added, where |g·g| is at least `least`.
-    fn reflect_bound(&self, a: f64, least: f64) -> Option<(f64, f64)> {
+    /// Bounds of the colour's factor and the light added, where |g·g| is at least `min`.
+    fn reflect_bound(&self, a: f64, min: f64) -> Option<(f64, f64)> {
         let s = self.shading;
         let (mut factor, mut added) = (s.ambient, 0.0);
         for (bright, [gl, gh]) in &self.towards {
-            let size = |p: &Poly| (p.coefficients()[0].abs() + p.spread(a)) / least.sqrt();
+            let size = |p: &Poly| (p.coefficients()[0].abs() + p.spread(a)) / min.sqrt();
             factor += bright * s.diffuse * size(gl);
             if s.specular > 0.0 {
                 // A power that is no integer has a branch point where g·h = 0.
@@ -503,7 +504,7 @@ impl Shade<'_> {
     }
 }
 
-/// How fast the factor on κ changes with the gradient's magnitude.
+/// Slope of the factor on κ by the gradient's magnitude.
 fn modulation_slope(shading: &Shading, magnitude: f64) -> f64 {
     let points = &shading.gradient_opacity;
     let i = points.partition_point(|p| p.0 <= magnitude);
@@ -513,7 +514,7 @@ fn modulation_slope(shading: &Shading, magnitude: f64) -> f64 {
     }
 }
 
-/// How fast the factor on κ changes with the gradient's magnitude at most.
+/// Largest slope of the factor on κ by the gradient's magnitude.
 fn steepest_modulation(shading: &Shading) -> f64 {
     largest(shading.gradient_opacity.windows(2).map(|w| (w[1].1 - w[0].1) / (w[1].0 - w[0].0)))
 }

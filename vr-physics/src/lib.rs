@@ -1,4 +1,4 @@
-//! The truth that every renderer here is measured against: the equation of transfer for light in an emitting and absorbing
+//! The reference that every renderer here is measured against: the equation of transfer for light in an emitting and absorbing
 //! medium, solved in f64 with a bound on the solution's own error.
 //!
 //! Along a ray, s being the distance behind its front, radiance I and optical depth τ obey
@@ -16,8 +16,8 @@
 //!    the piece (not by the difference of two rules, which can be too small). Pieces are halved until the bound fits the
 //!    tolerance; a term for rounding is added. Where α only touches 1, the logarithm is enclosed instead.
 //!
-//! Every pixel says its [`Certainty`]: a `Bound`, or an `Estimate` where somebody (a field, a model) had none to offer. Where
-//! the truth itself jumps between neighbouring rays (a ray that touches an opaque wall within the last bits), the bound
+//! Every pixel says its [`Certainty`]: a `Bound`, or an `Estimate` where a field or a model has none to offer. Where
+//! the correct pixel itself jumps between neighbouring rays (a ray that touches an opaque wall within the last bits), the bound
 //! says so by being large.
 //!
 //! # Example
@@ -42,7 +42,7 @@
 //! ```
 //!
 //! # Features
-//! * `proptest`: random scenes, and checks that anyone's `Renderer` can be put through, in `check`.
+//! * `proptest`: random scenes, and checks for any `Renderer`, in `check`.
 
 pub mod cases;
 #[cfg(feature = "proptest")]
@@ -60,7 +60,6 @@ mod nodes;
 mod optics;
 mod order;
 mod phantom_pixels;
-pub mod picks;
 mod reference;
 mod scattered;
 mod segments;
@@ -68,6 +67,7 @@ mod solver;
 mod ssim;
 mod tap_weights;
 mod transport;
+pub mod value_operators;
 mod walls;
 pub use grid_line::{GradientSource, GridLine, SampleGradients};
 pub use metrics::{Channels, Metrics};

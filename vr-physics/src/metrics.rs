@@ -1,4 +1,4 @@
-//! How far a picture is from the truth, in the numbers that every table of this project uses.
+//! Errors of a picture against the reference, in the numbers that every table of this project uses.
 //!
 //! An error is frame − reference, for every component of every pixel that counts (premultiplied linear light), divided by
 //! max(1, largest magnitude of the reference): absolute for ordinary pictures, relative for those brighter than 1.
@@ -10,7 +10,7 @@ use vr_core::{ParameterError, Projection, View, Volume};
 /// and its outermost half voxels differently.
 pub const OUTLINE_REACH: f64 = 2.0;
 
-/// Which components of a pixel are compared.
+/// The components of a pixel that are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Channels {
     /// Red, green, blue and opacity.
@@ -51,19 +51,19 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// All components of all pixels.
+    /// Compares all components of all pixels.
     ///
     /// # Panics
-    /// If there are not as many pixels on both sides.
+    /// Panics if there are not as many pixels on both sides.
     pub fn of(reference: &[[f64; 4]], frame: &[[f32; 4]]) -> Self {
         Self::of_selected(reference, frame, Channels::Rgba, |_| true)
     }
 
-    /// Some components of those pixels whose index is selected. The peak is that of the whole reference, so that numbers of
+    /// Compares some components of those pixels whose index is selected. The peak is that of the whole reference, so that numbers of
     /// different selections can be compared.
     ///
     /// # Panics
-    /// If there are not as many pixels on both sides.
+    /// Panics if there are not as many pixels on both sides.
     pub fn of_selected(
         reference: &[[f64; 4]],
         frame: &[[f32; 4]],
@@ -112,13 +112,13 @@ impl Metrics {
         }
     }
 
-    /// For comparison with other programs: RGB only, the pixels of the [`outline_mask`] left out.
+    /// Compares with a picture of another program: RGB only, the pixels of the [`outline_mask`] left out.
     ///
     /// # Errors
     /// A view that makes no sense.
     ///
     /// # Panics
-    /// If reference and frame do not both have one entry per pixel of the view.
+    /// Panics if reference and frame do not both have one entry per pixel of the view.
     pub fn inside_outline(
         reference: &[[f64; 4]],
         frame: &[[f32; 4]],
@@ -161,7 +161,7 @@ impl CompensatedSum {
 
 /// One pixel of each part of a picture that is cut into `n` × `n` parts, row by row of the parts.
 ///
-/// Where in its part a pixel lies follows a sequence that fills the square evenly and repeats nothing (R2; Roberts 2018, "The unreasonable
+/// The place of a pixel in its part follows a sequence that fills the square evenly and repeats nothing (R2; Roberts 2018, "The unreasonable
 /// effectiveness of quasirandom sequences"): a renderer that traces every fourth pixel and interpolates the rest is not judged
 /// by every fourth pixel. A side with fewer than `n` pixels gives all of them, each once.
 pub fn subgrid(n: u32, size: [u32; 2]) -> Vec<[u32; 2]> {
@@ -184,7 +184,7 @@ pub fn subgrid(n: u32, size: [u32; 2]) -> Vec<[u32; 2]> {
     pixels
 }
 
-/// For each pixel of a view, row by row: whether its centre lies within [`OUTLINE_REACH`] pixels of a projected edge of the
+/// Marks the pixels of a view, row by row: true if the centre lies within [`OUTLINE_REACH`] pixels of a projected edge of the
 /// volume's box (hidden edges count, too).
 ///
 /// # Errors

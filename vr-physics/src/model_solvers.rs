@@ -1,4 +1,4 @@
-//! What a renderer says of itself, done in f64: the sum over its segments, or the integral of its own medium.
+//! A renderer's own model, solved in f64: the sum over its segments, or the integral of its own medium.
 
 use vr_core::{ContinuousModel, Medium, Ray, SegmentTerm};
 

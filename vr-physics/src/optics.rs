@@ -1,4 +1,4 @@
-//! What one scene's transfer function and shading do to a field along one ray.
+//! One scene's transfer function and shading, as one ray meets them.
 
 use vr_core::transfer::Segment;
 use vr_core::{OpacityRule, RayShading, Shading, TransferFunction};
@@ -6,7 +6,7 @@ use vr_core::{OpacityRule, RayShading, Shading, TransferFunction};
 use vr_core::bound::{Bound, largest};
 use vr_core::field::LineModel;
 
-/// Those of some neighbouring segments that a stretch may be in over a length: the ones that its limits leave.
+/// Selects, of some neighbouring segments, those that a stretch may be in over a length: the ones that its limits leave.
 pub(crate) fn inside<'s>(segments: &'s [Segment], model: &LineModel) -> &'s [Segment] {
     let Some([low, high]) = model.limits else { return segments };
     let first = segments.partition_point(|s| s.to <= low);
@@ -16,9 +16,9 @@ pub(crate) fn inside<'s>(segments: &'s [Segment], model: &LineModel) -> &'s [Seg
 
 /// Transfer function and shading as one ray meets them.
 pub struct Optics<'a> {
-    /// From value to extinction and emission.
+    /// The map from value to extinction and emission.
     pub transfer: &'a TransferFunction,
-    /// The shading, and what of it is constant along the ray.
+    /// The shading, and its part that is constant along the ray.
     pub shading: Option<(&'a Shading, RayShading<f64>)>,
     /// Values at which the transfer function has a kink.
     pub(crate) kinks: Vec<f64>,
@@ -27,7 +27,7 @@ pub struct Optics<'a> {
 }
 
 impl<'a> Optics<'a> {
-    /// For a ray whose shading is constant along it: see [`Shading::along`].
+    /// Makes them for a ray, along which the shading's part is constant: see [`Shading::along`].
     pub fn new(transfer: &'a TransferFunction, shading: Option<(&'a Shading, RayShading<f64>)>) -> Self {
         let (mut kinks, mut jumps) = (Vec::new(), Vec::new());
         for pair in transfer.segments().windows(2) {
@@ -47,7 +47,7 @@ impl<'a> Optics<'a> {
         match &self.shading {
             None => color,
             Some((s, ray)) => {
-                let light = light_of(ray);
+                let light = total_light(ray);
                 (color * (s.ambient + s.diffuse * light) + s.specular * light).max(color)
             }
         }
@@ -58,12 +58,12 @@ impl<'a> Optics<'a> {
         self.transfer.brightest_emission()
     }
 
-    /// Whether opacity 1 is a wall here.
+    /// True if opacity 1 is a wall here.
     pub(crate) fn has_walls(&self) -> bool {
         self.transfer.rule() == OpacityRule::Power
     }
 
-    /// The segments of the transfer function that hold somewhere between two values: one at least.
+    /// The segments of the transfer function that hold somewhere between two values: at least one.
     pub(crate) fn touching(&self, low: f64, high: f64) -> &[Segment] {
         let all = self.transfer.segments();
         let first = all.partition_point(|s| s.to < low).min(all.len() - 1);
@@ -89,10 +89,10 @@ impl<'a> Optics<'a> {
 
     /// The largest factor on a colour.
     pub(crate) fn largest_color_factor(&self) -> f64 {
-        self.shading.as_ref().map_or(1.0, |(s, ray)| (s.ambient + s.diffuse * light_of(ray)).max(1.0))
+        self.shading.as_ref().map_or(1.0, |(s, ray)| (s.ambient + s.diffuse * total_light(ray)).max(1.0))
     }
 
-    /// How far the colour may be off where the value is off by no more than `error`.
+    /// Bound on the error of the colour at a value whose error is at most `error`.
     pub(crate) fn color_error(&self, value: f64, error: Bound) -> Bound {
         if error == Bound::ZERO {
             return error;
@@ -113,7 +113,7 @@ impl<'a> Optics<'a> {
         apart + unseen * steepest.fold(Bound::ZERO, Bound::max)
     }
 
-    /// How far reflected light may be off where each component of the gradient may be off by `error`.
+    /// Bound on the error of reflected light if that of each component of the gradient is at most `error`.
     pub(crate) fn shaded_error(&self, gradient: [f64; 3], error: Bound) -> Bound {
         if error == Bound::ZERO {
             return error;
@@ -127,13 +127,13 @@ impl<'a> Optics<'a> {
         self.turned(error * 4.0 / size)
     }
 
-    /// How far reflected light may be off where the normal is turned by no more than the vector's length `turn`.
+    /// Bound on the error of reflected light if the normal's error is a vector no longer than `turn`.
     pub(crate) fn turned(&self, turn: Bound) -> Bound {
         let Some((s, ray)) = &self.shading else { return Bound::ZERO };
         if turn == Bound::ZERO {
             return turn;
         }
-        let light = light_of(ray);
+        let light = total_light(ray);
         // |x^p − y^p| ≤ p |x − y| on [0, 1] for p ≥ 1, and ≤ |x − y|^p below.
         let highlight = match s.power {
             0.0 => Bound::ZERO,
@@ -145,7 +145,7 @@ impl<'a> Optics<'a> {
     }
 }
 
-/// The largest component of each light, added up.
-fn light_of(shading: &RayShading<f64>) -> f64 {
+/// Sum of the largest component of each light.
+fn total_light(shading: &RayShading<f64>) -> f64 {
     shading.lights.iter().map(|l| largest(l.color)).sum()
 }

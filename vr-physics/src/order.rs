@@ -3,7 +3,7 @@
 /// The order p of errors C·hᵖ: the slope of the straight line through (ln h, ln error), by least squares.
 ///
 /// # Panics
-/// If there are not as many errors as steps, fewer than two, or one that is not positive and finite.
+/// Panics if there are not as many errors as steps, fewer than two, or one that is not positive and finite.
 pub fn fit_order(steps: &[f64], errors: &[f64]) -> f64 {
     assert!(steps.len() == errors.len() && steps.len() >= 2, "one error per step, at least two");
     assert!(steps.iter().chain(errors).all(|&x| x > 0.0 && x.is_finite()), "logarithms of {steps:?}, {errors:?}");
@@ -16,13 +16,13 @@ pub fn fit_order(steps: &[f64], errors: &[f64]) -> f64 {
     covariance / variance
 }
 
-/// The order fitted to the leading errors above a floor, from the largest step on; `None` if there are fewer than `least` (two at least).
+/// The order fitted to the leading errors above a floor, from the largest step on; `None` if there are fewer than `min_count` (two at least).
 ///
 /// # Panics
 /// As [`fit_order`].
-pub fn fit_order_above(floor: f64, least: usize, steps: &[f64], errors: &[f64]) -> Option<f64> {
+pub fn fit_order_above(floor: f64, min_count: usize, steps: &[f64], errors: &[f64]) -> Option<f64> {
     let n = errors.iter().take_while(|&&e| e > floor && e.is_finite()).count();
-    (n >= least.max(2)).then(|| fit_order(&steps[..n], &errors[..n]))
+    (n >= min_count.max(2)).then(|| fit_order(&steps[..n], &errors[..n]))
 }
 
 #[cfg(test)]

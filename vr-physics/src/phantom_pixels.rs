@@ -1,4 +1,4 @@
-//! Pixels of a phantom as the function that it is: what a picture of its samples would be if there were infinitely many.
+//! Pixels of a phantom as the function that it is: the limit of pictures of its voxels as they become infinitely many.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ use vr_core::field::{FunctionField, FunctionLine};
 impl Reference {
     /// Solves some pixels of a phantom under the transfer function of a scene, inside the box of the scene's grid, in the order given.
     ///
-    /// The difference to the scene's own pixels is what sampling and reconstruction cost. Errors are estimates: all that bounds could be made
-    /// of is how steep a phantom is, and they would be far too wide.
+    /// The difference to the scene's own pixels is the error of sampling and reconstruction. Errors are estimates: bounds could only be made
+    /// of the largest slope of a phantom, and would be far too wide.
     ///
     /// # Errors
     /// [`RenderError::Unsupported`] where the scene is shaded, does not integrate light, or has another kind of volume than a uniform grid;
@@ -76,7 +76,7 @@ mod tests {
     use vr_core::phantom::{self};
     use vr_core::{Camera, Compositing, Model, OpacityRule, TransferFunction};
 
-    /// Differences to the phantom itself, at grids of 33³ and 65³ samples.
+    /// Differences to the phantom itself, at grids of 33³ and 65³ voxels.
     fn differences(name: &str) -> [f64; 2] {
         let phantom: Arc<dyn Phantom> = phantom::by_name(name).unwrap().into();
         [33, 65].map(|n| {

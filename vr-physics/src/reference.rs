@@ -10,7 +10,7 @@ use vr_core::{
 };
 
 use crate::segments::RaySegment;
-use crate::solver::{Answer, Solver, Want, check};
+use crate::solver::{RayQuery, RayResult, Solver, check};
 use crate::transport::{Certainty, Transport};
 use vr_core::bound::{Bound, largest};
 
@@ -74,7 +74,7 @@ pub struct Pixel {
     pub rgba: [f64; 4],
     /// World distance along the ray to what is seen; +∞ where there is nothing.
     pub depth: f64,
-    /// How far any component of `rgba` may be from the truth.
+    /// Bound or estimate of the error of any component of `rgba`.
     pub certainty: Certainty,
 }
 
@@ -121,10 +121,10 @@ impl Reference {
         self.tolerance
     }
 
-    /// Solves all pixels of a view, row by row: the scene as it is ([`Model::Canonical`]), or what a renderer makes of it.
+    /// Solves all pixels of a view, row by row: the scene as it is ([`Model::Canonical`]), or a renderer's own model of it.
     ///
     /// # Errors
-    /// A view or scene that makes no sense, a volume of a kind that is not known here, or cancellation.
+    /// A view or scene that makes no sense, a volume of an unknown kind, or cancellation.
     pub fn solve(&self, scene: &Scene, view: &View, model: &Model, control: &Control) -> Result<Solution, RenderError> {
         let solver = Solver::new(self.tolerance, scene, view, model)?.with_surfaces(control)?;
         let (pixels, counts) =
@@ -156,14 +156,14 @@ impl Reference {
     /// As [`solve`](Self::solve).
     pub fn transport(&self, scene: &Scene, view: &View, ray: &Ray) -> Result<Option<Transport>, RenderError> {
         let solver = Solver::new(self.tolerance, scene, view, &Model::Canonical)?;
-        match solver.ask(ray, f64::INFINITY, Want::Transport(1.0)) {
+        match solver.ask(ray, f64::INFINITY, RayQuery::Transport(1.0)) {
             None => Ok(None),
-            Some((Answer::Transport(t), _)) => Ok(Some(t)),
+            Some((RayResult::Transport(t), _)) => Ok(Some(t)),
             _ => unreachable!("asked for transport"),
         }
     }
 
-    /// One ray through a scene, front to back, cut at every cell face, wherever its value crosses a knot of the transfer function, and
+    /// One ray through a scene, front to back, cut at every cell face, at every point where its value crosses a knot of the transfer function, and
     /// at the world distances `cuts` along it (those outside the volume are left out): each part, and the ray up to its end, solved.
     /// Nothing for a ray that misses the volume.
     ///
@@ -179,9 +179,9 @@ impl Reference {
         cuts: &[f64],
     ) -> Result<Vec<RaySegment>, RenderError> {
         let solver = Solver::new(self.tolerance, scene, view, &Model::Canonical)?;
-        match solver.ask(ray, f64::INFINITY, Want::Segments(cuts)) {
+        match solver.ask(ray, f64::INFINITY, RayQuery::Segments(cuts)) {
             None => Ok(Vec::new()),
-            Some((Answer::Segments(all), _)) => Ok(all),
+            Some((RayResult::Segments(all), _)) => Ok(all),
             _ => unreachable!("asked for segments"),
         }
     }

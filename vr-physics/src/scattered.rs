@@ -1,8 +1,8 @@
-//! From values at scattered pixels to one for every pixel.
+//! Interpolation of values at scattered pixels for every pixel.
 
 use crate::metrics::subgrid;
 
-/// How far a value reaches, in parts. The pixel of a part itself is nowhere farther than √2, so that every pixel has a value.
+/// Reach of a value, in parts. The pixel of a part itself is nowhere farther than √2, so that every pixel has a value.
 const REACH: f64 = 1.5;
 
 /// Spreads values at the pixels of [`subgrid`]`(n, size)` to every pixel.
@@ -12,7 +12,7 @@ const REACH: f64 = 1.5;
 /// no other leaves the range of its neighbours.
 ///
 /// # Panics
-/// If there is not one value for each pixel of the subgrid.
+/// Panics if there is not one value for each pixel of the subgrid.
 pub fn spread<const N: usize>(n: u32, size: [u32; 2], values: &[[f64; N]]) -> Vec<[f64; N]> {
     let sites = subgrid(n, size);
     assert_eq!(sites.len(), values.len(), "a value for each pixel of the subgrid");

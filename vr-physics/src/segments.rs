@@ -1,4 +1,4 @@
-//! The reference's own account of one ray: cut wherever something changes, each part solved by itself and all of it so far.
+//! The reference's own account of one ray: cut at every change of the medium, each part solved by itself and the ray up to its end.
 
 use crate::crossings::crossings;
 use crate::optics::Optics;
@@ -13,7 +13,7 @@ pub struct RaySegment {
     pub from: f64,
     /// World distance along the ray at which it ends; above `from`.
     pub to: f64,
-    /// What cuts the ray where it begins. Several at once where a ray goes through an edge or a corner.
+    /// The cuts at its front: several if the ray goes through an edge or a corner there.
     pub front: Vec<Cut>,
     /// The field's calibrated values where it begins and where it ends; NaN in vacuum.
     pub values: [f64; 2],
@@ -28,13 +28,13 @@ pub struct SegmentLight {
     pub transparency: f64,
     /// Light b that it sends out at its front: ∫ q e^(−τ) ds, τ counted from there.
     pub light: [f64; 3],
-    /// How far each of these may be from the truth.
+    /// Bound or estimate of the error of each of these.
     pub certainty: Certainty,
     /// Radiance of the ray from its front to the segment's end, as if nothing came after.
     pub radiance: [f64; 3],
     /// Optical depth τ of the ray from its front to the segment's end; +∞ behind a wall.
     pub depth: f64,
-    /// How far `radiance`, and the opacity 1 − e^(−τ), may be from the truth.
+    /// Bound or estimate of the error of `radiance`, and of the opacity 1 − e^(−τ).
     pub running: Certainty,
 }
 
@@ -90,7 +90,7 @@ fn knots(optics: &Optics<'_>) -> Vec<f64> {
     knots
 }
 
-/// Every place where the ray is cut, and by what; the first is where it enters.
+/// Every place where the ray is cut, and its cuts; the first is its entry.
 fn cuts(
     line: &dyn FieldLine,
     chord: &Chord,

@@ -1,4 +1,4 @@
-//! What the rays of a view share: where the field comes from, and what is asked of it.
+//! State that the rays of a view share: the source of the field, and the queries to it.
 
 use std::sync::Arc;
 
@@ -13,10 +13,10 @@ use crate::exact_ray::{ExactPlacement, ExactRay, ExactRays, IndexChord};
 use crate::grid_line::{GradientSource, GridLine};
 use crate::model_solvers::{integrate_continuous, sum_segments};
 use crate::optics::Optics;
-use crate::picks;
 use crate::reference::Pixel;
 use crate::segments::{RaySegment, segments};
 use crate::transport::{Transport, transport};
+use crate::value_operators;
 use vr_core::field::FieldLine;
 
 /// Everything that the rays of a view share.
@@ -30,13 +30,13 @@ pub(crate) struct Solver<'a> {
     source: Source<'a>,
 }
 
-/// What a field along a ray comes from.
+/// The source of a field along a ray.
 // There is one for each view.
 #[expect(clippy::large_enum_variant)]
 enum Source<'a> {
     Grid(Arc<GridVolume>, ExactPlacement),
     Field(&'a dyn Field),
-    /// From nothing here: the renderer's model says it all.
+    /// No field: the renderer's model is integrated.
     Model,
 }
 
@@ -89,39 +89,39 @@ impl<'a> Solver<'a> {
         Ok(Self { layer: self.scene.layer(self.view, control)?, ..self })
     }
 
-    /// What is wanted of a ray up to the world distance `far`, and the world distance that its distances are counted from; `None` where it
-    /// meets nothing.
-    pub(crate) fn ask(&self, ray: &Ray, far: f64, want: Want<'_>) -> Option<(Answer, f64)> {
-        self.ask_exactly(ray, &ExactRay::from(ray), far, want)
+    /// Answers a query of a ray up to the world distance `far`; with it, the world distance that the ray's distances are counted from. `None`
+    /// where the ray meets nothing.
+    pub(crate) fn ask(&self, ray: &Ray, far: f64, query: RayQuery<'_>) -> Option<(RayResult, f64)> {
+        self.ask_exactly(ray, &ExactRay::from(ray), far, query)
     }
 
-    /// The same of a ray and the one that it was rounded from. Scattered points know how far rounding displaces them.
-    fn ask_exactly(&self, ray: &Ray, exact: &ExactRay, far: f64, want: Want<'_>) -> Option<(Answer, f64)> {
+    /// The same for a ray and the one that it was rounded from. Scattered points bound the displacement by rounding themselves.
+    fn ask_exactly(&self, ray: &Ray, exact: &ExactRay, far: f64, query: RayQuery<'_>) -> Option<(RayResult, f64)> {
         match &self.source {
             Source::Grid(volume, placement) => {
                 let clip = &self.view.clip;
                 let rounded = || IndexRay::new(ray, volume.placement(), volume.dims(), clip, far);
                 let chord = placement.chord(exact, clip, far, rounded)?;
-                let job = Job { solver: self, volume, placement, ray, chord, want };
-                Some((volume.with_sampler(job), chord.ray.offset))
+                let grid_ray = GridRay { solver: self, volume, placement, ray, chord, query };
+                Some((volume.with_sampler(grid_ray), chord.ray.offset))
             }
             Source::Field(field) => {
                 let Scene { transfer, shading, lights, .. } = self.scene;
                 let line = field.along(ray, &self.view.clip, far, shading.is_some())?;
                 let shading = shading.as_deref().map(|s| (s, s.along(lights, ray.direction)));
-                Some((self.answer(&*line, &Optics::new(transfer, shading), want), line.chord().offset))
+                Some((self.answer(&*line, &Optics::new(transfer, shading), query), line.chord().offset))
             }
             Source::Model => None,
         }
     }
 
-    fn answer(&self, line: &dyn FieldLine, optics: &Optics<'_>, want: Want<'_>) -> Answer {
-        match want {
-            Want::Transport(level) => Answer::Transport(transport(line, optics, self.tolerance, level)),
-            Want::Pick(compositing) => Answer::Pixel(pick(line, optics, compositing)),
-            Want::Segments(cuts) => {
+    fn answer(&self, line: &dyn FieldLine, optics: &Optics<'_>, query: RayQuery<'_>) -> RayResult {
+        match query {
+            RayQuery::Transport(level) => RayResult::Transport(transport(line, optics, self.tolerance, level)),
+            RayQuery::Pick(compositing) => RayResult::Pixel(pick(line, optics, compositing)),
+            RayQuery::Segments(cuts) => {
                 let level = level(self.scene.compositing);
-                Answer::Segments(segments(line, optics, self.tolerance, level, cuts))
+                RayResult::Segments(segments(line, optics, self.tolerance, level, cuts))
             }
         }
     }
@@ -142,20 +142,20 @@ impl<'a> Solver<'a> {
             Model::Continuous(m) => return Pixel::emitted(&integrate_continuous(&**m, ray), 0.0),
             _ => {}
         }
-        let want = match level(self.scene.compositing) {
-            Some(level) => Want::Transport(level),
-            None => Want::Pick(self.scene.compositing),
+        let query = match level(self.scene.compositing) {
+            Some(level) => RayQuery::Transport(level),
+            None => RayQuery::Pick(self.scene.compositing),
         };
         let exact = self.rays.at(spot.x, spot.y);
-        let Some((answer, offset)) = self.ask_exactly(ray, &exact, far, want) else { return Pixel::EMPTY };
+        let Some((answer, offset)) = self.ask_exactly(ray, &exact, far, query) else { return Pixel::EMPTY };
         counts.rays += 1;
         match answer {
-            Answer::Transport(t) => {
+            RayResult::Transport(t) => {
                 counts.samples += t.pieces;
                 Pixel::emitted(&t, offset)
             }
-            Answer::Pixel(p) => Pixel { depth: p.depth + offset, ..p },
-            Answer::Segments(_) => unreachable!("asked for a pixel"),
+            RayResult::Pixel(p) => Pixel { depth: p.depth + offset, ..p },
+            RayResult::Segments(_) => unreachable!("asked for a pixel"),
         }
     }
 }
@@ -169,33 +169,35 @@ pub(crate) fn level(compositing: Compositing) -> Option<f64> {
     }
 }
 
-/// What is asked of one ray.
-pub(crate) enum Want<'a> {
+/// A query of one ray.
+pub(crate) enum RayQuery<'a> {
     Transport(f64),
     Pick(Compositing),
-    /// With further cuts.
+    /// The segments, with further cuts.
     Segments(&'a [f64]),
 }
 
-pub(crate) enum Answer {
+/// The result of a [`RayQuery`].
+pub(crate) enum RayResult {
     Transport(Transport),
     Pixel(Pixel),
     Segments(Vec<RaySegment>),
 }
 
-struct Job<'a> {
+/// A query of a ray through a grid, for the sampler that the grid's type and filter select.
+struct GridRay<'a> {
     solver: &'a Solver<'a>,
     volume: &'a GridVolume,
     placement: &'a ExactPlacement,
     ray: &'a Ray,
     chord: IndexChord,
-    want: Want<'a>,
+    query: RayQuery<'a>,
 }
 
-impl SamplerVisitor for Job<'_> {
-    type Output = Answer;
+impl SamplerVisitor for GridRay<'_> {
+    type Output = RayResult;
 
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Answer {
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> RayResult {
         let Self { solver: Solver { scene, .. }, volume, placement, .. } = self;
         let shading = scene.shading.as_deref();
         let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(&scene.lights, self.ray.direction))));
@@ -206,7 +208,7 @@ impl SamplerVisitor for Job<'_> {
             Some(GradientMethod::CentralDifferences) => GradientSource::Samples(&at_sample),
         };
         let line = GridLine::along(volume, placement, sampler, self.chord, source);
-        self.solver.answer(&line, &optics, self.want)
+        self.solver.answer(&line, &optics, self.query)
     }
 }
 
@@ -222,14 +224,14 @@ impl LatticeVisitor for SampleGradient {
 fn pick(line: &dyn FieldLine, optics: &Optics<'_>, compositing: Compositing) -> Pixel {
     let picked = match compositing {
         Compositing::First { threshold } => {
-            let first = picks::first(line, threshold);
+            let first = value_operators::first(line, threshold);
             let (rgba, certainty) = first.pixel(optics);
             let depth = first.hit.map_or(f64::INFINITY, |h| h.s);
             return Pixel { rgba, depth, certainty };
         }
-        Compositing::Maximum => picks::extreme(line, 1.0),
-        Compositing::Minimum => picks::extreme(line, -1.0),
-        Compositing::Average => picks::average(line),
+        Compositing::Maximum => value_operators::extreme(line, 1.0),
+        Compositing::Minimum => value_operators::extreme(line, -1.0),
+        Compositing::Average => value_operators::average(line),
         Compositing::Over | Compositing::Accumulate { .. } => unreachable!("integrated"),
     };
     picked.map_or(Pixel::EMPTY, |p| {

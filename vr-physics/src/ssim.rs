@@ -2,7 +2,7 @@
 //! similarity", IEEE Transactions on Image Processing 13(4), 2004; with the windows and constants of section III-C.
 //!
 //! Written here because the crate at hand (`image-compare` 0.5) takes sums where the formula has variances, on 8×8 blocks of 8
-//! bits: its numbers compare with nobody else's.
+//! bits: its numbers cannot be compared with those of other programs.
 
 /// Width of the window; the weights are those of a Gaussian with a deviation of 1.5 pixels.
 const TAPS: usize = 11;
@@ -17,7 +17,7 @@ const C2: f64 = 0.03 * 0.03;
 /// `a` and `b` are pictures of one number per pixel (luma, say), row by row. `None` where no window fits.
 ///
 /// # Panics
-/// If either has fewer values than the size has pixels.
+/// Panics if either has fewer values than the size has pixels.
 pub fn ssim(size: [u32; 2], a: &[f64], b: &[f64]) -> Option<f64> {
     let [w, h] = size.map(|side| side as usize);
     if w < TAPS || h < TAPS {

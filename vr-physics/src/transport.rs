@@ -22,18 +22,18 @@ pub struct Transport {
     pub depth: f64,
     /// Distance along the ray at which 1 − e^(−τ) reaches ½; +∞ if it does not.
     pub half_way: f64,
-    /// How far radiance and opacity may be from the truth.
+    /// Bound or estimate of the error of radiance and opacity.
     pub certainty: Certainty,
     /// Stretches integrated.
     pub pieces: u64,
 }
 
-/// How far a number may be from the truth.
+/// The error of a number: a bound, or an estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Certainty {
-    /// No farther than this.
+    /// The error is at most this.
     Bound(f64),
-    /// About so far: somebody (a field, a model) had no bound to offer.
+    /// The error is about this: a field or a model has no bound to offer.
     Estimate(f64),
 }
 
@@ -45,13 +45,13 @@ impl Certainty {
         }
     }
 
-    /// Never NaN: of that nothing is known.
+    /// Makes it of an error, never NaN: an unknown error is infinite.
     pub(crate) fn new(error: impl Into<Bound>, certain: bool) -> Self {
         let error = error.into().value();
         if certain { Self::Bound(error) } else { Self::Estimate(error) }
     }
 
-    /// Of a sum or a mean of two results, the error being at most `error`.
+    /// The certainty of a sum or a mean of two results, the error being at most `error`.
     pub(crate) fn and(self, other: Self, error: impl Into<Bound>) -> Self {
         Self::new(error, matches!((self, other), (Self::Bound(_), Self::Bound(_))))
     }
@@ -129,15 +129,15 @@ pub fn transport(line: &dyn FieldLine, optics: &Optics<'_>, tolerance: f64, leve
 
 /// ln 2: the depth of opacity ½.
 pub(crate) const HALF_DEPTH: f64 = std::f64::consts::LN_2;
-/// Halvings after which a stretch is enclosed crudely instead: 2⁻⁶⁰ of a cell.
-const MOST_HALVINGS: u32 = 60;
+/// Number of halvings after which a stretch is enclosed crudely instead: 2⁻⁶⁰ of a cell.
+const MAX_HALVINGS: u32 = 60;
 /// A stretch shorter than this part of the ray is a sliver.
 const SLIVER: f64 = 1e-6;
-/// Halvings of a stretch for the sake of its rounding: errors fall with its length.
-const MOST_GRADED: u32 = 20;
-/// Halvings of all stretches of one ray together: no scene may hang the reference.
-const MOST_SPLITS: u64 = 1 << 18;
-/// Halvings that may be spent on a field which is only known roughly.
+/// Largest number of halvings of a stretch for the sake of its rounding: errors fall with its length.
+const MAX_GRADED: u32 = 20;
+/// Largest number of halvings of all stretches of one ray together: no scene may hang the reference.
+const MAX_SPLITS: u64 = 1 << 18;
+/// Largest number of halvings that are spent on a field which is only known roughly.
 const FIELD_HALVINGS: u32 = 8;
 
 /// The light of a ray so far.
@@ -155,7 +155,7 @@ pub(crate) struct Walk<'a> {
     pub(crate) light_error: Bound,
     pub(crate) depth_error: Bound,
     certain: bool,
-    /// What it costs if the value of a wall, just passed within the field's error, was reached without being seen.
+    /// Error that it makes if the value of a wall, just passed within the field's error, was reached unseen.
     pub(crate) pending_wall: Bound,
     /// Halvings so far.
     splits: u64,
@@ -199,7 +199,7 @@ impl Walk<'_> {
             }
         }
         self.certain &= model.certain;
-        self.cut(&model);
+        self.find_cuts(&model);
         let cuts = std::mem::take(&mut self.cuts);
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let whole = cuts.len() == 2;
@@ -217,23 +217,22 @@ impl Walk<'_> {
         self.cuts = cuts;
     }
 
-    /// How steep κ and the emission are at most, per unit of value, in some segments (1 − α is kept off 0 by the field's error).
+    /// Largest slope of κ and of the emission, per unit of value, in some segments (1 − α is kept off 0 by the field's error).
     fn steepness(&self, segments: &[Segment]) -> Bound {
         let unit = self.optics.transfer.unit_distance();
         let finite = segments.iter().filter(|s| s.from.is_finite() && s.to.is_finite());
         let slopes = finite.map(|s| {
             let span = s.to - s.from;
             let alpha = (s.end.opacity - s.start.opacity).abs() / span;
-            let least =
-                if self.optics.has_walls() { (1.0 - s.start.opacity.max(s.end.opacity)).max(1e-3) } else { 1.0 };
+            let min = if self.optics.has_walls() { (1.0 - s.start.opacity.max(s.end.opacity)).max(1e-3) } else { 1.0 };
             let shine = largest((0..3).map(|c| s.end.emission[c] - s.start.emission[c])) / span;
-            Bound::new(alpha / (unit * least)).max(shine)
+            Bound::new(alpha / (unit * min)).max(shine)
         });
         slopes.fold(Bound::ZERO, Bound::max)
     }
 
     /// Fills `cuts` with the ends of the smooth parts of [−1, 1].
-    fn cut(&mut self, model: &LineModel) {
+    fn find_cuts(&mut self, model: &LineModel) {
         self.cuts.clear();
         self.values.clear();
         self.values.extend_from_slice(&self.optics.kinks);
@@ -265,6 +264,7 @@ impl Walk<'_> {
 
     /// A part in one segment of the transfer function, starting at `s`.
     fn part(&mut self, model: &LineModel, s: f64, half: f64, halvings: u32, whole: Whole<'_>) {
+        // The segment of the transfer function that holds.
         let value = model.field.at(0.0);
         let in_front = libm::exp(-self.result.depth);
         let optics = self.optics;
@@ -278,12 +278,12 @@ impl Walk<'_> {
         }
         // A constant field on a value where α only touches 1 has α = 1 over a length, too.
         let opaque = segment.is_opaque() || model.field.is_constant() && segment.at(value).opacity == 1.0;
-        let [least, most] = self.modulation(model);
-        let is_wall = opaque && optics.has_walls() && least > 0.0;
+        let [min, max] = self.modulation(model);
+        let is_wall = opaque && optics.has_walls() && min > 0.0;
         if !doubtful && !is_wall {
             self.touched_wall();
         }
-        if segment.is_clear() || most == 0.0 && segment.start.emission == [0.0; 3] && segment.end.emission == [0.0; 3] {
+        if segment.is_clear() || max == 0.0 && segment.start.emission == [0.0; 3] && segment.end.emission == [0.0; 3] {
             return;
         }
         if is_wall {
@@ -296,15 +296,16 @@ impl Walk<'_> {
             }
             return;
         }
-        if opaque && optics.has_walls() && most > 0.0 {
+        if opaque && optics.has_walls() && max > 0.0 {
             // The factor on κ may vanish in here: a wall begins where it does not.
-            if halvings < MOST_HALVINGS && self.splits < MOST_SPLITS {
+            if halvings < MAX_HALVINGS && self.splits < MAX_SPLITS {
                 self.halve(model, s, half, halvings, whole);
             } else {
                 self.pending_wall = self.pending_wall.max(2.0 * in_front * self.brightest());
             }
             return;
         }
+        // Integrate if a rule fits the share of the tolerance; else enclose, or halve.
         let scale = self.result.radiance.into_iter().fold(1.0, f64::max);
         let budget = self.tolerance * scale / in_front.max(1e-300);
         let share = budget * (2.0 * half / self.length);
@@ -314,7 +315,7 @@ impl Walk<'_> {
         let Some(choice) = leaf.choose(light_share, depth_share) else {
             let gain = leaf.enclosed(whole);
             // Where the field's own error covers all of 1 − α, halving does not help.
-            let lost = leaf.is_lost() || halvings >= MOST_HALVINGS || self.splits >= MOST_SPLITS;
+            let lost = leaf.is_lost() || halvings >= MAX_HALVINGS || self.splits >= MAX_SPLITS;
             if lost || (gain.light_error + gain.depth_error * light).within(1e-3 * budget) {
                 self.add(gain, in_front, s);
                 return;
@@ -325,13 +326,13 @@ impl Walk<'_> {
         let (gain, rule, tau) = leaf.integrate(&choice);
         // The value's error is charged as if 1 − α were small throughout: shorter stretches know better where it is.
         let heavy = !gain.light_error.within(share) || !gain.depth_error.within(share / light);
-        if heavy && leaf.is_graded() && halvings < MOST_GRADED && self.splits < MOST_SPLITS {
+        if heavy && leaf.is_graded() && halvings < MAX_GRADED && self.splits < MAX_SPLITS {
             self.halve(model, s, half, halvings, whole);
             return;
         }
         if self.result.depth + gain.depth > self.deepest {
             // The level is reached in here: the end is found by halving.
-            if gain.depth <= 1e-15 * (1.0 + self.deepest) || halvings >= MOST_HALVINGS {
+            if gain.depth <= 1e-15 * (1.0 + self.deepest) || halvings >= MAX_HALVINGS {
                 self.reach_level(&gain, s, 2.0 * half, in_front);
             } else {
                 self.halve(model, s, half, halvings, whole);
@@ -339,6 +340,7 @@ impl Walk<'_> {
             return;
         }
         if self.result.half_way == f64::INFINITY && self.result.depth + gain.depth >= HALF_DEPTH {
+            // Opacity ½ is reached in here: bisect for its place.
             let wanted = HALF_DEPTH - self.result.depth;
             let (mut a, mut b) = (-1.0, 1.0);
             for _ in 0..52 {
@@ -386,10 +388,10 @@ impl Walk<'_> {
         }
     }
 
-    /// How far the transmittance of what is in front may be off.
+    /// Bound on the error of the transmittance in front.
     pub(crate) fn front_error(&self) -> Bound {
-        let least = (self.result.depth - self.depth_error.value()).max(0.0);
-        let (here, clearest) = (self.result.transmittance(), libm::exp(-least));
+        let min = (self.result.depth - self.depth_error.value()).max(0.0);
+        let (here, clearest) = (self.result.transmittance(), libm::exp(-min));
         Bound::new(clearest - here)
     }
 
@@ -414,8 +416,8 @@ impl Walk<'_> {
         self.touched_wall();
         if !self.level_reached && self.emission > 0.0 && level < 1.0 {
             // The level may have been reached before the end, to what the depth is off by.
-            let [least, most] = [-1.0, 1.0].map(|sign| self.result.depth + sign * self.depth_error.value());
-            if most >= self.deepest && least < self.deepest {
+            let [min, max] = [-1.0, 1.0].map(|sign| self.result.depth + sign * self.depth_error.value());
+            if max >= self.deepest && min < self.deepest {
                 self.light_error += self.emission * self.length * self.result.transmittance();
             }
         }

@@ -1,4 +1,4 @@
-//! Where a ray's medium is not continuous: walls, jumps of the transfer function, and ends of what the field fills.
+//! Discontinuities of a ray's medium: walls, jumps of the transfer function, and ends of the part that the field fills.
 
 use vr_core::transfer::{Optical, Segment};
 
@@ -18,11 +18,11 @@ struct Side {
     wall: bool,
 }
 
-/// The largest depth per unit distance that is told from a wall: α = 1 − e^(−80).
-const MOST_DEPTH: f64 = 80.0;
+/// The largest depth per unit distance that is distinguished from a wall: α = 1 − e^(−80).
+const MAX_DEPTH: f64 = 80.0;
 
 impl<'a> Walk<'a> {
-    /// The breakpoint `i`, where the field may jump: what it costs that its place is only known to rounding.
+    /// Adds the error at the breakpoint `i`, where the field may jump: its place is only known to rounding.
     pub(crate) fn edge(&mut self, line: &dyn FieldLine, breakpoints: &[f64], i: usize) {
         let Some(&at) = breakpoints.get(i) else { return };
         let off = Bound::new(line.misplaced(at));
@@ -52,9 +52,9 @@ impl<'a> Walk<'a> {
         let value = model.field.at(if near > at { -1.0 } else { 1.0 });
         let moved = if slope == Bound::ZERO { Bound::ZERO } else { slope * off };
         let reach = (moved + model.error()).value();
-        // A sliver between two faces tells no slope: there the samples around it say what is possible.
-        let [least, most] = model.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-        let [low, high] = [value - reach, value + reach].map(|v| v.max(least).min(most));
+        // A sliver between two faces has no reliable slope: there the voxels around it bound the values.
+        let [min, max] = model.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let [low, high] = [value - reach, value + reach].map(|v| v.max(min).min(max));
         let touched = self.optics.touching(low, high);
         let factor = self.optics.largest_modulation();
         let side = |s: &Segment| {
@@ -72,10 +72,10 @@ impl<'a> Walk<'a> {
 
     /// κ of an opacity, a wall's being that of one that hardly lets anything through.
     fn extinction(&self, opacity: f64) -> f64 {
-        self.optics.transfer.extinction(opacity).min(MOST_DEPTH / self.optics.transfer.unit_distance())
+        self.optics.transfer.extinction(opacity).min(MAX_DEPTH / self.optics.transfer.unit_distance())
     }
 
-    /// A part on which it is not known which side of a jump holds: takes one that is no wall, and notes what that may cost.
+    /// Chooses a side on a part where either side of a jump may hold: one that is no wall; and adds the error that this may cause.
     pub(crate) fn doubtful(&mut self, model: &LineModel, band: f64, half: f64, in_front: f64) -> &'a Segment {
         let optics = self.optics;
         let (value, reach) = (model.field.at(0.0), model.field.spread(1.0) + 2.0 * band);
@@ -92,8 +92,8 @@ impl<'a> Walk<'a> {
         // Extinction, colour and emission are those of any value in reach: none is farther from what is taken than their ranges.
         let apart = |of: &dyn Fn(&Optical) -> f64, all: &mut dyn Iterator<Item = &Segment>| {
             let all = all.flat_map(ends).map(|o| of(&o));
-            let (least, most) = all.fold((f64::INFINITY, Bound::ZERO), |(l, m), x| (l.min(x), m.max(x)));
-            Bound::new((most.value() - least).max(0.0))
+            let (min, max) = all.fold((f64::INFINITY, Bound::ZERO), |(l, m), x| (l.min(x), m.max(x)));
+            Bound::new((max.value() - min).max(0.0))
         };
         let extinction = |o: &Optical| self.extinction(o.opacity);
         let depth = apart(&extinction, &mut open()) * (length * factors[1]);
@@ -128,7 +128,7 @@ impl<'a> Walk<'a> {
         if walls == touched.len() || !is_wall(own) { own } else { open().next().unwrap_or(own) }
     }
 
-    /// A wall was touched within the field's error, and not entered: it may or may not be there.
+    /// Adds the error of a wall that was touched within the field's error and not entered: it may or may not exist.
     pub(crate) fn touched_wall(&mut self) {
         if self.pending_wall > Bound::ZERO {
             self.light_error += self.pending_wall.value();
@@ -147,19 +147,19 @@ impl<'a> Walk<'a> {
         let square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
         let spread = square.spread(1.0);
         let off = (model.slope_error() * 2.0).value();
-        let least = ((square.at(0.0) - spread).max(0.0).sqrt() - off).max(0.0);
-        let most = (square.at(0.0) + spread).max(0.0).sqrt() + off;
+        let min = ((square.at(0.0) - spread).max(0.0).sqrt() - off).max(0.0);
+        let max = (square.at(0.0) + spread).max(0.0).sqrt() + off;
         let points = &shading.gradient_opacity;
-        if !(least <= most && most.is_finite()) {
+        if !(min <= max && max.is_finite()) {
             let smallest = points.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
             return [smallest, shading.largest_modulation()];
         }
-        let inside = points.iter().filter(|p| p.0 > least && p.0 < most).map(|p| p.1);
-        let factors = inside.chain([least, most].map(|m| shading.modulation(m)));
+        let inside = points.iter().filter(|p| p.0 > min && p.0 < max).map(|p| p.1);
+        let factors = inside.chain([min, max].map(|m| shading.modulation(m)));
         factors.fold([f64::INFINITY, 0.0], |[low, high], f| [low.min(f), high.max(f)])
     }
 
-    /// Opacity 1 over a length: the colour at the point of entry, and the ray ends.
+    /// Enters opacity 1 over a length: adds the colour at the point of entry, and ends the ray.
     pub(crate) fn wall(&mut self, model: &LineModel, segment: &Segment, s: f64, in_front: f64) {
         self.pending_wall = Bound::ZERO;
         let value = model.field.at(-1.0);

@@ -376,7 +376,7 @@ proptest! {
         let t = transport(points.clone(), transfer.clone(), &view, &ray);
         let steps = 20_000;
         let h = (to - from) / f64::from(steps);
-        let (mut light, mut depth, mut kappa_most) = ([0.0; 3], 0.0, 0.0f64);
+        let (mut light, mut depth, mut max_kappa) = ([0.0; 3], 0.0, 0.0f64);
         for i in 0..steps {
             let at = ray.origin + direction * (from + h * (f64::from(i) + 0.5));
             let Some(f) = points.field(at) else { continue };
@@ -387,7 +387,7 @@ proptest! {
                 light[c] += gain * optical.color[c];
             }
             depth += kappa * h;
-            kappa_most = kappa_most.max(kappa);
+            max_kappa = max_kappa.max(kappa);
         }
         let Some(t) = t else {
             prop_assert_eq!(depth, 0.0);

@@ -21,7 +21,7 @@ fn account(test: &TestScene, [x, y]: [u32; 2], cuts: &[f64]) -> (Vec<RaySegment>
     (segments, pixel.unwrap().pixels[0])
 }
 
-/// What must hold of all: they cover the ray and add up to the pixel.
+/// Checks that the segments cover the ray and add up to the pixel.
 fn holds(test: &TestScene, at: [f64; 2], parts: usize) -> Result<(), TestCaseError> {
     let pixel = [0, 1].map(|a| (at[a] * f64::from(test.view.size[a])) as u32);
     let (whole, truth) = account(test, pixel, &[]);

@@ -1,4 +1,4 @@
-//! What a later version must not be worse than: errors and counts of work, no times.
+//! Figures that a later version must not be worse than: errors and counts of work, no times.
 
 use std::collections::BTreeMap;
 
@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::study::SubjectResult;
 
-/// Errors and samples of every contestant on every subject, by name: `hydrogen` → `raycast midpoint 0.5` → figures.
+/// Errors and samples of every candidate on every subject, by name: `hydrogen` → `raycast midpoint 0.5` → figures.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Baseline(pub BTreeMap<String, BTreeMap<String, Figures>>);
 
-/// What is compared.
+/// The figures that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
-    /// RMSE against the canonical pixels, to four digits.
+    /// RMSE against the reference, to four digits.
     pub rmse: f64,
     /// Largest error, to four digits.
     pub max: f64,
@@ -22,9 +22,9 @@ pub struct Figures {
     pub samples: u64,
 }
 
-/// By how much a figure may be worse: rounding differs between processors of different kinds.
+/// Relative amount by which a figure may be worse: rounding differs between processors of different kinds.
 const SLACK: f64 = 0.02;
-/// What RMSE and largest errors may differ by, whatever they are: rounding.
+/// Difference that RMSE and largest error may have at any size: rounding.
 const ROUNDING: [f64; 2] = [2e-8, 3e-7];
 
 impl Baseline {
@@ -33,31 +33,31 @@ impl Baseline {
         let figures = |r: &SubjectResult| {
             let each = r.points.iter().map(|p| {
                 let samples = p.counts.get("samples").copied().unwrap_or(0);
-                (p.contestant(), Figures { rmse: four_digits(p.error.rmse), max: four_digits(p.error.max), samples })
+                (p.candidate(), Figures { rmse: four_digits(p.error.rmse), max: four_digits(p.error.max), samples })
             });
             each.collect()
         };
         Self(results.iter().map(|r| (r.name.clone(), figures(r))).collect())
     }
 
-    /// What is worse in `now`, one line each: larger errors, more samples, and what is no longer there.
+    /// Lists the figures that are worse in `now`, one line each: larger errors, more samples, and candidates that are no longer measured.
     pub fn regressions(&self, now: &Self) -> Vec<String> {
         let mut worse = Vec::new();
-        for (subject, contestants) in &self.0 {
-            for (contestant, then) in contestants {
-                let Some(now) = now.0.get(subject).and_then(|c| c.get(contestant)) else {
-                    worse.push(format!("{subject}: {contestant}: is not measured any more"));
+        for (subject, candidates) in &self.0 {
+            for (candidate, then) in candidates {
+                let Some(now) = now.0.get(subject).and_then(|c| c.get(candidate)) else {
+                    worse.push(format!("{subject}: {candidate}: is not measured any more"));
                     continue;
                 };
                 let compared = [("RMSE", then.rmse, now.rmse), ("largest error", then.max, now.max)];
                 for ((word, then, now), rounding) in compared.into_iter().zip(ROUNDING) {
                     // A NaN is worse than any number.
                     if now.is_nan() || now > then * (1.0 + SLACK) + rounding {
-                        worse.push(format!("{subject}: {contestant}: {word} {now:.3e}, was {then:.3e}"));
+                        worse.push(format!("{subject}: {candidate}: {word} {now:.3e}, was {then:.3e}"));
                     }
                 }
                 if now.samples as f64 > then.samples as f64 * (1.0 + SLACK) {
-                    worse.push(format!("{subject}: {contestant}: {} samples, were {}", now.samples, then.samples));
+                    worse.push(format!("{subject}: {candidate}: {} samples, were {}", now.samples, then.samples));
                 }
             }
         }
@@ -75,8 +75,8 @@ mod tests {
     use super::*;
 
     fn of(figures: &[(&str, Figures)]) -> Baseline {
-        let contestants = figures.iter().map(|(name, f)| ((*name).to_owned(), *f)).collect();
-        Baseline([("fog".to_owned(), contestants)].into())
+        let candidates = figures.iter().map(|(name, f)| ((*name).to_owned(), *f)).collect();
+        Baseline([("fog".to_owned(), candidates)].into())
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! How errors fall as a step, a grid or pixels are refined: the order that is measured beside the one that is documented.
+//! Fall of errors as a step, a grid or pixels are refined: the order that is measured beside the one that is documented.
 //!
 //! After Etiene, Jönsson, Ropinski, Scheidegger, Comba, Nonato, Kirby, Ynnerman and Silva 2014, "Verifying volume rendering using
 //! discretization error analysis": refine one thing at a time, and look at the slope of the error, not at the picture.
@@ -13,11 +13,11 @@ use vr_physics::fit_order_above;
 use vr_physics::metrics::subgrid;
 
 use crate::error::StudyError;
-use crate::exact::{Exact, ExactCache};
-use crate::proving_ground::{Waves, inner_view, jumping, smooth, view};
+use crate::order_scenes::{Waves, inner_view, jumping, smooth, view};
+use crate::reference::{ReferenceCache, ReferencePixels};
 use crate::refined_grid::refined;
 
-/// What is refined.
+/// The quantity that is refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Refined {
@@ -32,7 +32,7 @@ pub enum Refined {
 }
 
 impl Refined {
-    /// As tables name it.
+    /// Its name in tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Step => "step",
@@ -42,7 +42,7 @@ impl Refined {
         }
     }
 
-    /// How far a fitted order may be from the documented one: where something jumps, errors depend on where samples happen to lie.
+    /// Largest difference of a fitted order from the documented one: where something jumps, errors depend on where samples happen to lie.
     pub fn tolerance(self) -> f64 {
         match self {
             Self::StepAtJumps => 0.4,
@@ -56,17 +56,17 @@ impl Refined {
 pub struct Convergence {
     /// The renderer.
     pub renderer: String,
-    /// Which of its claims.
+    /// The claim that is tested.
     pub claim: String,
-    /// What was refined.
+    /// The quantity that was refined.
     pub refined: Refined,
-    /// On what.
+    /// The scene.
     pub scene: String,
     /// The documented order.
     pub expected: f64,
-    /// How far the measured one may be from it.
+    /// Largest difference of the measured order from it.
     pub tolerance: f64,
-    /// Whether a higher one is as good: on data that nobody made for it, errors of either sign can even out.
+    /// True if a higher order is as good: on data that were not made for the test, errors of either sign can cancel.
     pub at_least: bool,
     /// The fitted order; `None` where too few errors lie above the floor.
     pub measured: Option<f64>,
@@ -76,11 +76,11 @@ pub struct Convergence {
     pub errors: Vec<f64>,
     /// RMSE below which rounding decides.
     pub floor: f64,
-    /// What happened, where there is no picture to judge.
+    /// The refusal or the failure, if there is no picture to judge.
     pub trouble: Option<String>,
 }
 
-/// What a convergence shows.
+/// The result of a measured convergence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
@@ -97,12 +97,12 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Whether nothing that is documented was contradicted, and something was seen.
+    /// True if no documented order was contradicted, and errors were seen to fall.
     pub fn is_held(self) -> bool {
         matches!(self, Self::Holds | Self::Exact)
     }
 
-    /// As tables name it.
+    /// Its name in tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Holds => "held",
@@ -115,11 +115,11 @@ impl Outcome {
 }
 
 const REFUSED: &str = "refused: ";
-/// Errors that an order is fitted to at the least.
-const LEAST: usize = 3;
+/// Smallest number of errors that an order is fitted to.
+const MIN_ERRORS: usize = 3;
 
 impl Convergence {
-    /// What it shows.
+    /// The result.
     pub fn outcome(&self) -> Outcome {
         match (&self.trouble, self.measured) {
             (Some(trouble), _) if trouble.starts_with(REFUSED) => Outcome::Refused,
@@ -135,34 +135,34 @@ impl Convergence {
     }
 }
 
-/// What convergence is measured with.
-pub struct Prover<'a> {
-    /// What was solved before.
-    pub cache: &'a ExactCache,
+/// A test of the orders of convergence that renderers document.
+pub struct OrderCheck<'a> {
+    /// Reference pixels that were solved before.
+    pub cache: &'a ReferenceCache,
     /// Cancellation and threads.
     pub control: &'a Control,
 }
 
 /// Pixels along each side where the step or the grid is refined.
 const SIDE: u32 = 24;
-/// The same on anybody's scene, where errors are more erratic.
+/// The same on a scene of the caller, where errors are more erratic.
 const OWN_SIDE: u32 = 32;
-/// Where the step begins there, as a part of the coarsest: fields are steep.
+/// The first step there, as a part of the coarsest: fields are steep.
 const OWN_COARSEST: f64 = 0.5;
-/// Samples along each side of the proving ground.
+/// Voxels along each side of the scenes that are made for the test.
 const SAMPLES: usize = 17;
 /// Steps: divided by the square root of 2 from one to the next.
 const STEPS: i32 = 7;
 
-impl Prover<'_> {
-    /// Everything that a renderer claims, put to the test on scenes that are made for it.
+impl OrderCheck<'_> {
+    /// Tests everything that a renderer claims on scenes that are made for it.
     ///
     /// # Errors
-    /// Cancellation; what a renderer does wrong stands in the results.
-    pub fn proving_ground(
+    /// Cancellation; faults of a renderer stand in the results.
+    pub fn check_claims(
         &self,
         renderer: &dyn StudiedRenderer,
-        told: &dyn Fn(f64),
+        progress: &dyn Fn(f64),
     ) -> Result<Vec<Convergence>, StudyError> {
         let claims = renderer.convergence();
         let mut results = Vec::new();
@@ -173,13 +173,13 @@ impl Prover<'_> {
             if i == 0 {
                 results.push(self.pixels(renderer, claim)?);
             }
-            told((i + 1) as f64 / claims.len() as f64);
+            progress((i + 1) as f64 / claims.len() as f64);
         }
         Ok(results)
     }
 
-    /// The step on anybody's scene. Fields change much from voxel to voxel there, and have kinks at cell faces: no order above 2 is expected,
-    /// fitted ones scatter by as much as at jumps, and higher ones are as good.
+    /// Refines the step on a scene of the caller. Fields change much from voxel to voxel there, and have kinks at cell faces: no order above 2 is
+    /// expected, fitted ones scatter by as much as at jumps, and higher ones are as good.
     ///
     /// # Errors
     /// Cancellation.
@@ -187,14 +187,14 @@ impl Prover<'_> {
         &self,
         renderer: &dyn StudiedRenderer,
         (name, scene, view): (&str, &Scene, &View),
-        told: &dyn Fn(f64),
+        progress: &dyn Fn(f64),
     ) -> Result<Vec<Convergence>, StudyError> {
         let refined = if jumps(scene) { Refined::StepAtJumps } else { Refined::Step };
         let view = View { size: [OWN_SIDE, OWN_SIDE], ..view.clone() };
         let claims = renderer.convergence();
         let mut results = Vec::new();
         for (i, claim) in claims.iter().enumerate() {
-            let mut blank = of_own(blank(renderer, claim, refined, name));
+            let mut blank = on_own_data(blank(renderer, claim, refined, name));
             if !is_claimed(scene) {
                 blank.trouble = Some(format!("{REFUSED}orders are documented of unshaded light alone"));
                 results.push(blank);
@@ -202,13 +202,13 @@ impl Prover<'_> {
             }
             let claim = ConvergenceClaim { coarsest: OWN_COARSEST * claim.coarsest, ..claim.clone() };
             results.push(self.step_in(blank, (renderer, &claim), scene, &view)?);
-            told((i + 1) as f64 / claims.len() as f64);
+            progress((i + 1) as f64 / claims.len() as f64);
         }
         Ok(results)
     }
 
-    /// The grid of anybody's volume: cells are cut in two, three and four, which leaves a trilinear field as it is; the step, fixed in voxels,
-    /// becomes shorter, and errors fall at the order of the step. `None` where the field is another, has samples missing, or is shaded.
+    /// Refines the grid of a volume of the caller: cells are cut in two, three and four, which leaves a trilinear field as it is; the step, fixed
+    /// in voxels, becomes shorter, and errors fall at the order of the step. `None` where the field is another, has missing voxels, or is shaded.
     ///
     /// # Errors
     /// Cancellation.
@@ -220,7 +220,7 @@ impl Prover<'_> {
         let Some(claim) = renderer.convergence().into_iter().next().filter(|_| is_claimed(scene)) else {
             return Ok(None);
         };
-        let mut blank = of_own(blank(renderer, &claim, Refined::Grid, name));
+        let mut blank = on_own_data(blank(renderer, &claim, Refined::Grid, name));
         // What falls is the error of the step.
         let orders = claim.orders;
         blank.expected = if jumps(scene) { orders.jumps } else { orders.smooth }.min(2.0);
@@ -234,8 +234,8 @@ impl Prover<'_> {
         let first = &pictures[0].0;
         let view = view(first, OWN_SIDE);
         let pixels = subgrid(OWN_SIDE, view.size);
-        let truth = self.cache.solve((first, &view), &Model::Canonical, pixels, self.control)?;
-        let judge = |frame: &Frame, _: &Model, _: usize| Ok(truth.judge(frame).rmse);
+        let reference = self.cache.solve((first, &view), &Model::Canonical, pixels, self.control)?;
+        let judge = |frame: &Frame, _: &Model, _: usize| Ok(reference.judge(frame).rmse);
         self.fill(blank, (renderer, &claim), sizes, &pictures, |_| view.clone(), judge).map(Some)
     }
 
@@ -259,13 +259,13 @@ impl Prover<'_> {
         let sizes: Vec<f64> = (0..STEPS).map(|k| claim.coarsest / 2f64.sqrt().powi(k)).collect();
         let pictures: Vec<(Scene, f64)> = sizes.iter().map(|&step| (scene.clone(), step)).collect();
         // The model is the same at every step: it is the scene's, or that of a filter.
-        let mut truth = None;
+        let mut solved = None;
         let judge = |frame: &Frame, model: &Model, _: usize| {
-            let exact = match truth.take() {
-                Some(exact) => exact,
+            let reference = match solved.take() {
+                Some(reference) => reference,
                 None => self.cache.solve((scene, view), model, subgrid(u32::MAX, view.size), self.control)?,
             };
-            Ok(truth.insert(exact).judge(frame).rmse)
+            Ok(solved.insert(reference).judge(frame).rmse)
         };
         self.fill(blank, (renderer, claim), sizes, &pictures, |_| view.clone(), judge)
     }
@@ -276,34 +276,34 @@ impl Prover<'_> {
         let pictures: Vec<(Scene, f64)> = cells.iter().map(|&n| (smooth(n + 1), 0.5 * claim.coarsest)).collect();
         let view = view(&pictures[0].0, SIDE);
         let pixels = subgrid(SIDE, view.size);
-        let truth = Exact::solve_phantom(
+        let reference = ReferencePixels::solve_phantom(
             &(Arc::new(Waves) as Arc<dyn Phantom>),
             (&pictures[0].0, &view),
             pixels,
             self.control,
         )?;
-        let judge = |frame: &Frame, _: &Model, _: usize| Ok(truth.judge(frame).rmse);
+        let judge = |frame: &Frame, _: &Model, _: usize| Ok(reference.judge(frame).rmse);
         let blank = blank(renderer, claim, Refined::Grid, "waves");
         self.fill(blank, (renderer, claim), sizes, &pictures, |_| view.clone(), judge)
     }
 
     fn pixels(&self, renderer: &dyn StudiedRenderer, claim: &ConvergenceClaim) -> Result<Convergence, StudyError> {
-        /// Patches along each side, and pixels of the truth along each side of a patch: its own error is a sixteenth of the smallest
+        /// Patches along each side, and pixels of the reference along each side of a patch: its own error is a sixteenth of the smallest
         /// measured.
         const PATCHES: u32 = 6;
-        const TRUTH: u32 = 24;
+        const FINE: u32 = 24;
         let parts = [1u32, 2, 3, 4, 6];
         let scene = smooth(SAMPLES);
         let at = |parts: u32| inner_view(&scene, PATCHES * parts);
-        let fine = at(TRUTH);
+        let fine = at(FINE);
         let pixels = subgrid(u32::MAX, fine.size);
-        let exact = self.cache.solve((&scene, &fine), &Model::Canonical, pixels, self.control)?;
-        let truth = patches(exact.rgba(), PATCHES, TRUTH);
+        let reference = self.cache.solve((&scene, &fine), &Model::Canonical, pixels, self.control)?;
+        let reference = patches(reference.rgba(), PATCHES, FINE);
         let sizes: Vec<f64> = parts.iter().map(|&n| 1.0 / f64::from(n)).collect();
         let pictures: Vec<(Scene, f64)> = parts.iter().map(|_| (scene.clone(), claim.coarsest / 16.0)).collect();
         let judge = |frame: &Frame, _: &Model, k: usize| {
             let pixels: Vec<[f64; 4]> = frame.pixels().iter().map(|p| p.map(f64::from)).collect();
-            Ok(rms(&patches(&pixels, PATCHES, parts[k]), &truth))
+            Ok(rms(&patches(&pixels, PATCHES, parts[k]), &reference))
         };
         let blank = blank(renderer, claim, Refined::Pixels, "waves");
         self.fill(blank, (renderer, claim), sizes, &pictures, |k| at(parts[k]), judge)
@@ -330,7 +330,7 @@ impl Prover<'_> {
             // A renderer that panics is not used again.
             match catch_unwind(AssertUnwindSafe(draw)) {
                 Ok(Ok((frame, model))) => {
-                    // What a discrete model adds up depends on the step: the limit is the canonical pixel.
+                    // The sum of a discrete model depends on the step: its limit is the correct pixel.
                     let model = if let Model::Filtered(_) = model { model } else { Model::Canonical };
                     blank.errors.push(judge(&frame, &model, k)?);
                 }
@@ -348,7 +348,7 @@ impl Prover<'_> {
         if let Some(e) = blank.errors.iter().find(|e| !e.is_finite()) {
             blank.trouble = Some(format!("an error is {e}"));
         } else {
-            blank.measured = fit_order_above(blank.floor, LEAST, &sizes, &blank.errors);
+            blank.measured = fit_order_above(blank.floor, MIN_ERRORS, &sizes, &blank.errors);
         }
         blank.sizes = sizes;
         Ok(blank)
@@ -379,18 +379,18 @@ fn blank(renderer: &dyn StudiedRenderer, claim: &ConvergenceClaim, refined: Refi
     }
 }
 
-/// Whether the orders that renderers document are about such a scene.
+/// True if the orders that renderers document hold for such a scene: unshaded light.
 fn is_claimed(scene: &Scene) -> bool {
     scene.compositing.integrates_light() && scene.shading.is_none()
 }
 
-/// Whether the transfer function does.
+/// True if the transfer function jumps.
 fn jumps(scene: &Scene) -> bool {
     scene.transfer.points().windows(2).any(|w| w[0].value == w[1].value)
 }
 
-/// The same for data that nobody made for it.
-fn of_own(c: Convergence) -> Convergence {
+/// The same for data that were not made for the test.
+fn on_own_data(c: Convergence) -> Convergence {
     let tolerance = Refined::StepAtJumps.tolerance();
     Convergence { at_least: true, expected: c.expected.min(2.0), tolerance, ..c }
 }

@@ -1,14 +1,14 @@
-//! Why there is no result.
+//! The errors of a study.
 
 use std::io;
 
 use vr_core::{GridError, OptionError, RenderError};
 use vr_io::WriteError;
 
-/// Why a study did not come to its end.
+/// Reason for which a study ended without a result.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A scene, a view or a renderer failed, or somebody cancelled.
+    /// A scene, a view or a renderer failed, or the caller cancelled.
     #[error(transparent)]
     Render(#[from] RenderError),
     /// A setting that the renderer itself does not take.

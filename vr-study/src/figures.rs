@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 use vr_physics::{Certainty, Metrics};
 
-use crate::exact::Exact;
+use crate::reference::ReferencePixels;
 
-/// The error of a picture, and how exact the solution is that it was measured against.
+/// The error of a picture, and the error of the reference that it was measured against.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorFigures {
     /// Largest |e|.
@@ -16,20 +16,20 @@ pub struct ErrorFigures {
     pub bias: f64,
     /// 99th percentile of |e|.
     pub p99: f64,
-    /// In dB; `None` for an exact picture: JSON has no infinity.
+    /// Peak signal-to-noise ratio in dB; `None` for an exact picture: JSON has no infinity.
     pub psnr: Option<f64>,
     /// Pixels compared.
     pub pixels: usize,
-    /// Largest error of the solution.
+    /// Largest error of the reference itself.
     pub reference_error: f64,
     /// `bound` or `estimate`.
     pub reference_error_is: String,
 }
 
 impl ErrorFigures {
-    /// An error, and how exact the solution is that it was measured against.
-    pub fn new(metrics: &Metrics, exact: &Exact) -> Self {
-        let (reference_error, word) = match exact.certainty {
+    /// Makes them of metrics, and of the reference that they were measured against.
+    pub fn new(metrics: &Metrics, reference: &ReferencePixels) -> Self {
+        let (reference_error, word) = match reference.certainty {
             Certainty::Bound(e) => (e, "bound"),
             Certainty::Estimate(e) => (e, "estimate"),
         };

@@ -1,8 +1,8 @@
-//! What nothing else beats in both time and error.
+//! The pairs of time and error that no other beats in both.
 
 use serde::{Deserialize, Serialize};
 
-/// Errors that people ask for, and how tables write them: a hundredth, what 8 bits can show, a thousandth, a ten-thousandth.
+/// Errors that are asked for, and their names in tables: a hundredth, what 8 bits can show, a thousandth, a ten-thousandth.
 pub const THRESHOLDS: [(f64, &str); 4] = [(1e-2, "1e-2"), (1.0 / 255.0, "1/255"), (1e-3, "1e-3"), (1e-4, "1e-4")];
 
 /// Indices of the pairs (time, error) that no other pair beats or equals in both, by ascending time. Of equal pairs, the first counts;
@@ -11,47 +11,47 @@ pub fn pareto_front(pairs: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> =
         (0..pairs.len()).filter(|&i| pairs[i].0.is_finite() && pairs[i].1.is_finite()).collect();
     order.sort_by(|&a, &b| pairs[a].0.total_cmp(&pairs[b].0).then(pairs[a].1.total_cmp(&pairs[b].1)).then(a.cmp(&b)));
-    let mut least = f64::INFINITY;
+    let mut smallest = f64::INFINITY;
     order.retain(|&i| {
-        let better = pairs[i].1 < least;
-        least = least.min(pairs[i].1);
+        let better = pairs[i].1 < smallest;
+        smallest = smallest.min(pairs[i].1);
         better
     });
     order
 }
 
-/// The index of the least time that reaches an error.
+/// Index of the shortest time that reaches an error.
 pub fn fastest_within(error: f64, pairs: &[(f64, f64)]) -> Option<usize> {
     (0..pairs.len()).filter(|&i| pairs[i].1 <= error).min_by(|&a, &b| pairs[a].0.total_cmp(&pairs[b].0))
 }
 
-/// A range of errors, and who is fastest for an error that is asked for within it.
+/// A range of errors, and the pair that is fastest for an error within it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Reign {
-    /// The smallest error that it reaches: asked for less, somebody else wins.
+pub struct BestWithin {
+    /// The smallest error that it reaches: below it, another pair wins.
     pub from: f64,
-    /// The error above which somebody else is faster; `None`: nobody is.
+    /// The error above which another is faster; `None`: none is.
     pub to: Option<f64>,
     /// Index of its fastest pair within the range.
     pub fastest: usize,
 }
 
-/// Who wins for which error: the front, neighbours of one name joined, by ascending error.
-pub fn reigns(pairs: &[(f64, f64)], name: impl Fn(usize) -> String) -> Vec<Reign> {
-    let mut reigns: Vec<Reign> = Vec::new();
-    // Slowest, and so most exact, first.
+/// The fastest within each error: the front, neighbours of one name joined, by ascending error.
+pub fn best_within(pairs: &[(f64, f64)], name: impl Fn(usize) -> String) -> Vec<BestWithin> {
+    let mut ranges: Vec<BestWithin> = Vec::new();
+    // The slowest, and so the one with the smallest error, first.
     for &i in pareto_front(pairs).iter().rev() {
-        match reigns.last_mut() {
+        match ranges.last_mut() {
             Some(last) if name(last.fastest) == name(i) => last.fastest = i,
             last => {
                 if let Some(last) = last {
                     last.to = Some(pairs[i].1);
                 }
-                reigns.push(Reign { from: pairs[i].1, to: None, fastest: i });
+                ranges.push(BestWithin { from: pairs[i].1, to: None, fastest: i });
             }
         }
     }
-    reigns
+    ranges
 }
 
 #[cfg(test)]
@@ -66,10 +66,10 @@ mod tests {
         assert_eq!(fastest_within(5e-3, &pairs), Some(3));
         assert_eq!(fastest_within(1e-9, &pairs[..5]), None);
         let names = ["a", "b", "b", "a", "a", "c", "c"];
-        let reigns = reigns(&pairs, |i| names[i].to_owned());
+        let ranges = best_within(&pairs, |i| names[i].to_owned());
         assert_eq!(
-            reigns,
-            [Reign { from: 1e-4, to: Some(1e-2), fastest: 3 }, Reign { from: 1e-2, to: None, fastest: 1 }]
+            ranges,
+            [BestWithin { from: 1e-4, to: Some(1e-2), fastest: 3 }, BestWithin { from: 1e-2, to: None, fastest: 1 }]
         );
     }
 
@@ -77,7 +77,7 @@ mod tests {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
         #[test]
-        fn whoever_is_not_on_the_front_is_beaten_by_somebody_who_is(
+        fn a_pair_off_the_front_is_beaten_by_one_on_it(
             pairs in prop::collection::vec((0u8..12, 0u8..12), 1..40)
         ) {
             let pairs: Vec<(f64, f64)> = pairs.into_iter().map(|(a, b)| (a.into(), b.into())).collect();

@@ -1,4 +1,4 @@
-//! What is done of a long study, on disk, so that it can be taken up again.
+//! Finished parts of a long study, on disk, so that it can be resumed.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -20,7 +20,7 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Takes up the journal of a study, or begins one: another study's is overwritten.
+    /// Resumes the journal of a study, or begins one: another study's is overwritten.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -43,10 +43,10 @@ impl Journal {
         Ok(Self { path: path.into(), done, file })
     }
 
-    /// The result of a part: as it was, or made now and noted.
+    /// Returns the result of a part: as it was noted, or made now and noted.
     ///
     /// # Errors
-    /// Whatever `make` fails with, and a file that cannot be written.
+    /// Any error of `make`, and a file that cannot be written.
     pub fn part<T, E>(&mut self, name: &str, make: impl FnOnce() -> Result<T, E>) -> Result<T, E>
     where
         T: Serialize + DeserializeOwned,
@@ -63,7 +63,7 @@ impl Journal {
         Ok(made)
     }
 
-    /// The study is done: nothing is to be taken up.
+    /// Removes the file: the study is done, and nothing is left to resume.
     ///
     /// # Errors
     /// A file that cannot be removed.

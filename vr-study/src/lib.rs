@@ -6,29 +6,29 @@
 //! | what | where |
 //! |---|---|
 //! | suites of measurements, and what they found | [`suite`] |
-//! | one subject: times in turns, errors against the exact solution, memory | [`study`] |
-//! | exact pixels, kept on disk | [`exact`] |
+//! | one subject: times in turns, errors against the reference, memory | [`study`] |
+//! | reference pixels, kept on disk | [`reference`] |
 //! | features of scenes by renderer | [`features`] |
-//! | who is beaten by nobody, and who wins for which error | [`front`] |
+//! | candidates that none beats, and the fastest within each error | [`front`] |
 //! | orders of convergence, documented and measured | [`convergence`] |
 //! | hard cases | [`stability`] |
 //! | growth with threads, volumes, pictures | [`scaling`] |
 //! | the cheapest setting within an error | [`choose`] |
-//! | what no later version may be worse than | [`baseline`] |
+//! | the figures that no later version may be worse than | [`baseline`] |
 //! | pages, plots, tables | [`report`] |
 //!
 //! # Example
 //! ```
-//! use vr_study::exact::ExactCache;
-//! use vr_study::{contestant::contestants, front::pareto_front, study::Study, subject::phantom_subject};
+//! use vr_study::reference::ReferenceCache;
+//! use vr_study::{candidate::candidates, front::pareto_front, study::Study, subject::phantom_subject};
 //! use vr_core::{Control, StudiedRenderer};
 //! use vr_raycast::RayCaster;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let renderers: Vec<Box<dyn StudiedRenderer>> = vec![Box::new(RayCaster::default())];
-//! let contestants = contestants(&renderers)?;
-//! let cache = ExactCache::none();
-//! let study = Study { contestants: &contestants, timing: None, subgrid: 4, own_subgrid: 2, cache: &cache, meter: None };
+//! let candidates = candidates(&renderers)?;
+//! let cache = ReferenceCache::none();
+//! let study = Study { candidates: &candidates, timing: None, subgrid: 4, own_subgrid: 2, cache: &cache, meter: None };
 //! let result = study.measure(&phantom_subject("fog", 8, [16, 16])?, (&Control::default(), &|_| {}))?;
 //!
 //! // By samples instead of times: they are the same on every machine.
@@ -39,21 +39,22 @@
 //! ```
 
 pub mod baseline;
+pub mod candidate;
 pub mod choose;
-pub mod contestant;
+mod clock_reference;
 pub mod convergence;
 mod error;
 pub mod error_colors;
-pub mod exact;
 pub mod features;
 pub mod figures;
 pub mod front;
 mod journal;
 pub mod machine;
 pub mod memory;
+mod order_scenes;
 mod picture;
 pub mod point;
-mod proving_ground;
+pub mod reference;
 mod refined_grid;
 pub mod report;
 pub mod scaling;
@@ -62,7 +63,6 @@ pub mod study;
 pub mod subject;
 pub mod suite;
 pub mod timing;
-mod yardstick;
 
 pub use error::StudyError;
 

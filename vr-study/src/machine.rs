@@ -1,4 +1,4 @@
-//! What the figures were measured with.
+//! The machine and the program that figures were measured with.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub struct Machine {
     pub system: String,
     /// The version of these crates.
     pub version: String,
-    /// Whether the program was built with optimization.
+    /// True if the program was built with optimization.
     pub optimized: bool,
 }
 

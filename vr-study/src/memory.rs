@@ -1,11 +1,11 @@
-//! How much memory something took.
+//! Memory that a piece of work takes.
 
 /// Tells how much memory of the heap is in use. The program that runs a study has one where its allocator counts.
 pub trait MemoryMeter: Sync {
     /// Bytes in use now.
     fn current(&self) -> usize;
 
-    /// The most that was in use since the last [`reset`](Self::reset).
+    /// Largest number of bytes in use since the last [`reset`](Self::reset).
     fn peak(&self) -> usize;
 
     /// Begins anew: the peak is what is in use now.

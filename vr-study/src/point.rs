@@ -8,7 +8,7 @@ use vr_core::Options;
 use crate::figures::ErrorFigures;
 use crate::timing::Times;
 
-/// Cost and error of one contestant on one subject.
+/// Cost and error of one candidate on one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// The subject's name.
@@ -23,37 +23,38 @@ pub struct Point {
     pub order: Option<f64>,
     /// Documented error floor.
     pub error_floor: f64,
-    /// `None` where nothing was timed.
+    /// Times; `None` where nothing was timed.
     pub times: Option<Times>,
-    /// Bytes beyond the scene that were needed at once; `None` where nobody counts.
+    /// Bytes beyond the scene that were needed at once; `None` where there is no meter.
     pub peak_bytes: Option<u64>,
     /// Counts of the work, by name.
     pub counts: BTreeMap<String, u64>,
-    /// Against the canonical pixels.
+    /// Error against the reference.
     pub error: ErrorFigures,
-    /// Against what the renderer itself integrates, where that is something else.
+    /// Error against the renderer's own model, where that differs from the scene.
     pub own_error: Option<ErrorFigures>,
-    /// Against the field as a function, where it is known as one.
+    /// Error against the field as a function, where it is known as one.
     pub function_error: Option<ErrorFigures>,
 }
 
 impl Point {
     /// `raycast midpoint 0.5`.
-    pub fn contestant(&self) -> String {
+    pub fn candidate(&self) -> String {
         format!("{} {}", self.renderer, self.setting)
     }
 
-    /// Milliseconds of a frame and RMSE: where the point lies in a plot. Not finite where nothing was timed.
+    /// Milliseconds of a frame and RMSE: the place of the point in a plot. Not finite where nothing was timed.
     pub fn pair(&self) -> (f64, f64) {
         (self.times.map_or(f64::NAN, |t| t.frame.median), self.error.rmse)
     }
 }
 
-/// A contestant that cannot draw a subject.
+/// A candidate that cannot draw a subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Refusal {
-    /// The contestant.
-    pub contestant: String,
-    /// What it cannot do.
+    /// The candidate.
+    #[serde(rename = "contestant")]
+    pub candidate: String,
+    /// The feature that it lacks.
     pub feature: String,
 }

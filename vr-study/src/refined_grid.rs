@@ -4,11 +4,11 @@ use std::cmp::min;
 
 use vr_core::{AnyGrid, Calibration, Filter, Placement, Scene, UniformGrid, Volume};
 
-/// Cells along each axis of what is refined at most: the middle of larger volumes is taken.
-const MOST_CELLS: usize = 32;
+/// Largest number of cells along each axis that is refined: of larger volumes the middle is taken.
+const MAX_CELLS: usize = 32;
 
-/// The middle of a scene's volume with each cell cut into `parts`³: where the samples are finite, the field is the same up to rounding. `None` for
-/// what is no trilinear field of a uniform grid, or has samples missing.
+/// The middle of a scene's volume with each cell cut into `parts`³: where the voxels are finite, the field is the same up to rounding. `None` for
+/// a field that is not trilinear or not on a uniform grid, and for one with missing voxels.
 pub(crate) fn refined(scene: &Scene, parts: usize) -> Option<Scene> {
     let volume = scene.volume.grid()?;
     if volume.filter() != Filter::Trilinear || volume.census().nan + volume.census().infinite > 0 {
@@ -22,7 +22,7 @@ pub(crate) fn refined(scene: &Scene, parts: usize) -> Option<Scene> {
         AnyGrid::I16(g) => sample_of(g),
         AnyGrid::F32(g) => sample_of(g),
     };
-    let cells = volume.dims().map(|n| min(n - 1, MOST_CELLS));
+    let cells = volume.dims().map(|n| min(n - 1, MAX_CELLS));
     let first: [usize; 3] = std::array::from_fn(|a| (volume.dims()[a] - 1 - cells[a]) / 2);
     let dims = cells.map(|n| n * parts + 1);
     let mut samples = Vec::with_capacity(dims.iter().product());

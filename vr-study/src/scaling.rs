@@ -1,4 +1,4 @@
-//! How times grow: with threads, with the volume, with the picture.
+//! Growth of times with threads, with the volume, with the picture.
 
 use std::time::{Duration, Instant};
 
@@ -9,13 +9,13 @@ use vr_physics::fit_order;
 use crate::error::StudyError;
 use crate::subject::{Subject, phantom_subject};
 
-/// What grows.
+/// The quantity that grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grown {
     /// Threads.
     Threads,
-    /// Samples along each side of the volume.
+    /// Voxels along each side of the volume.
     Volume,
     /// Pixels along each side of the picture.
     Picture,
@@ -25,7 +25,7 @@ impl Grown {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Threads, Self::Volume, Self::Picture];
 
-    /// As an axis names it.
+    /// Its name on an axis.
     pub fn word(self) -> &'static str {
         match self {
             Self::Threads => "threads",
@@ -40,9 +40,9 @@ impl Grown {
 pub struct Growth {
     /// The renderer.
     pub renderer: String,
-    /// On what.
+    /// The subject that is drawn.
     pub subject: String,
-    /// What grows.
+    /// The quantity that grows.
     pub grown: Grown,
     /// Its sizes, ascending.
     pub sizes: Vec<f64>,
@@ -56,19 +56,19 @@ pub struct Growth {
 const FRAMES: usize = 5;
 /// Nothing larger is tried, and no further frame drawn, once one takes this long.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Samples and pixels along a side while the other grows.
+/// Voxels and pixels along a side while the other grows.
 const SAMPLES: usize = 64;
 const PIXELS: u32 = 192;
 
 /// Measures a growth on a phantom; `None` where the renderer cannot draw it.
 ///
 /// # Errors
-/// What the renderer fails with, or cancellation.
+/// A renderer that fails, or cancellation.
 pub fn grow(
     renderer: &dyn Renderer,
     phantom: &str,
     grown: Grown,
-    (control, told): (&Control, &dyn Fn(f64)),
+    (control, progress): (&Control, &dyn Fn(f64)),
 ) -> Result<Option<Growth>, StudyError> {
     let threads = control.threads();
     let sizes: Vec<usize> = match grown {
@@ -97,7 +97,7 @@ pub fn grow(
             Err(RenderError::Unsupported { .. }) => return Ok(None),
             Err(other) => return Err(other.into()),
         }
-        told((i + 1) as f64 / sizes.len() as f64);
+        progress((i + 1) as f64 / sizes.len() as f64);
     }
     let exponent = (ms.len() > 1).then(|| fit_order(&measured, &ms));
     let (renderer, subject) = (renderer.name().to_owned(), phantom.to_owned());

@@ -7,39 +7,39 @@ use vr_core::{Control, DocumentedError, HardCaseErrors, Model, RenderError, Stud
 use vr_physics::cases::{self, Case};
 use vr_physics::metrics::subgrid;
 
-use crate::contestant::Contestant;
-use crate::exact::ExactCache;
+use crate::candidate::Candidate;
 use crate::figures::ErrorFigures;
+use crate::reference::ReferenceCache;
 
-/// What is to be thought of a contestant on a case.
+/// The verdict on a candidate on a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "verdict", rename_all = "kebab-case")]
 pub enum Verdict {
     /// The error is within the documented bound.
     Held,
-    /// It is not, and the renderer itself counted the rays that it could not promise anything for.
+    /// It is not, and the renderer itself counted the rays for which it has no bound.
     Counted {
-        /// How many.
+        /// Their number.
         rays: u64,
     },
     /// There is no documented bound.
     Undocumented,
     /// The reference is less certain than the bound.
     Unjudged,
-    /// The renderer does not do such scenes.
+    /// The renderer refuses such scenes.
     Refused {
-        /// What it does not do.
+        /// The feature that it lacks.
         feature: String,
     },
     /// An error beyond the bound, a number that is not finite, a panic, or an error on a valid scene.
     Failed {
-        /// Which.
+        /// The failure.
         reason: String,
     },
 }
 
 impl Verdict {
-    /// Whether it is a failure that nobody explained.
+    /// True if it is a failure that the renderer does not explain.
     pub fn is_failure(&self) -> bool {
         matches!(self, Self::Failed { .. })
     }
@@ -62,10 +62,11 @@ impl Verdict {
 pub struct CaseResult {
     /// The hard case.
     pub case: String,
-    /// What is hard about it.
+    /// The difficulty.
     pub summary: String,
-    /// Who.
-    pub contestant: String,
+    /// The candidate.
+    #[serde(rename = "contestant")]
+    pub candidate: String,
     /// The error that is documented.
     pub bound: Option<f64>,
     /// True if that is of the RMSE, false if it is of the largest error.
@@ -73,29 +74,29 @@ pub struct CaseResult {
     pub bound_of_rmse: bool,
     /// The error, where there is a picture.
     pub error: Option<ErrorFigures>,
-    /// What is to be thought of it.
+    /// The verdict.
     pub verdict: Verdict,
 }
 
-/// Who takes part: every renderer as it is by default, and under those settings of which a bound is documented.
-pub fn contestants_with_bounds<'a>(
+/// The candidates: every renderer at its defaults, and under those settings of which a bound is documented.
+pub fn candidates_with_bounds<'a>(
     renderers: &'a [Box<dyn StudiedRenderer>],
-    settings: &'a [Contestant],
+    settings: &'a [Candidate],
 ) -> Vec<(String, &'a dyn StudiedRenderer)> {
     let mut all: Vec<(String, &dyn StudiedRenderer)> =
         renderers.iter().map(|r| (format!("{} default", r.name()), &**r)).collect();
-    let documented = |c: &&Contestant| c.configured.hard_case_errors() != HardCaseErrors::default();
+    let documented = |c: &&Candidate| c.configured.hard_case_errors() != HardCaseErrors::default();
     all.extend(settings.iter().filter(documented).map(|c| (c.name(), &*c.configured)));
     all
 }
 
-/// Draws every case with a contestant.
+/// Draws every case with a candidate.
 ///
 /// # Errors
 /// Cancellation alone: all else is a verdict.
 pub fn survey(
     (name, renderer): (&str, &dyn StudiedRenderer),
-    cache: &ExactCache,
+    cache: &ReferenceCache,
     control: &Control,
 ) -> Result<Vec<CaseResult>, RenderError> {
     cases::all().iter().map(|case| judge((name, renderer), case, cache, control)).collect()
@@ -104,14 +105,14 @@ pub fn survey(
 fn judge(
     (name, renderer): (&str, &dyn StudiedRenderer),
     case: &Case,
-    cache: &ExactCache,
+    cache: &ReferenceCache,
     control: &Control,
 ) -> Result<CaseResult, RenderError> {
     let bound = renderer.hard_case_errors().of(case.name);
     let mut result = CaseResult {
         case: case.name.to_owned(),
         summary: case.summary.to_owned(),
-        contestant: name.to_owned(),
+        candidate: name.to_owned(),
         bound: bound.map(DocumentedError::value),
         bound_of_rmse: matches!(bound, Some(DocumentedError::Rmse(_))),
         error: None,
@@ -140,11 +141,12 @@ fn judge(
         return Ok(result);
     }
     let all = subgrid(u32::MAX, case.view.size);
-    let truth = cache.solve((&case.scene, &case.view), &Model::Canonical, all, control)?;
-    let metrics = truth.judge(&rendered.frame);
-    let uncertainty = truth.certainty.value() / truth.scale();
-    result.error = Some(ErrorFigures::new(&metrics, &truth));
-    let pixels_beyond = |e: f64| truth.errors(&rendered.frame).into_iter().filter(|&error| error > e).count() as u64;
+    let reference = cache.solve((&case.scene, &case.view), &Model::Canonical, all, control)?;
+    let metrics = reference.judge(&rendered.frame);
+    let uncertainty = reference.certainty.value() / reference.scale();
+    result.error = Some(ErrorFigures::new(&metrics, &reference));
+    let pixels_beyond =
+        |e: f64| reference.errors(&rendered.frame).into_iter().filter(|&error| error > e).count() as u64;
     let Some(documented) = bound else {
         result.verdict = Verdict::Undocumented;
         return Ok(result);
@@ -156,7 +158,7 @@ fn judge(
     } else if error <= bound + uncertainty {
         if uncertainty > bound { Verdict::Unjudged } else { Verdict::Held }
     } else if matches!(documented, DocumentedError::Max(_)) && counted() {
-        // No more pixels than the renderer itself said that it cannot promise anything for.
+        // No more pixels than the renderer itself counted as unbounded.
         Verdict::Counted { rays: rendered.stats.counts.unbounded }
     } else {
         Verdict::Failed { reason: format!("{error:.2e} beyond the documented {bound:.2e}") }

@@ -1,4 +1,4 @@
-//! The study: every contestant on every subject.
+//! The study: every candidate on every subject.
 
 use std::collections::BTreeMap;
 
@@ -6,86 +6,87 @@ use serde::{Deserialize, Serialize};
 use vr_core::{Control, Counts, Frame, Model, RenderError};
 use vr_physics::metrics::subgrid;
 
-use crate::contestant::Contestant;
-use crate::exact::{Exact, ExactCache};
+use crate::candidate::Candidate;
 use crate::figures::ErrorFigures;
 use crate::front::pareto_front;
 use crate::memory::MemoryMeter;
 use crate::picture::{encode_errors, encode_picture};
 use crate::point::{Point, Refusal};
+use crate::reference::{ReferenceCache, ReferencePixels};
 use crate::subject::Subject;
 use crate::timing::{Drawn, Timing, draw_in_turns};
 
-/// How a study measures.
+/// Settings of a study.
 pub struct Study<'a> {
-    /// Who takes part.
-    pub contestants: &'a [Contestant],
-    /// What is timed; `None`: nothing, errors and counts alone.
+    /// Candidates that take part.
+    pub candidates: &'a [Candidate],
+    /// Rounds that are timed; `None`: errors and counts alone.
     pub timing: Option<Timing>,
-    /// Errors are against the exact solution of one pixel of each of so many parts along each side of a picture.
+    /// Errors are against the reference at one pixel of each of so many parts along each side of a picture.
     pub subgrid: u32,
     /// The same for errors against a renderer's own model, and against the field as a function.
     pub own_subgrid: u32,
-    /// What was solved before.
-    pub cache: &'a ExactCache,
-    /// Who counts memory.
+    /// Reference pixels that were solved before.
+    pub cache: &'a ReferenceCache,
+    /// Counter of memory; `None`: memory is not measured.
     pub meter: Option<&'a dyn MemoryMeter>,
 }
 
-/// What came out on one subject.
+/// The result on one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SubjectResult {
     /// The subject's name.
     pub name: String,
-    /// What it is.
+    /// A description in a few words.
     pub title: String,
     /// Width and height of the pictures.
     pub size: [u32; 2],
-    /// One for each contestant that can draw it.
+    /// One for each candidate that can draw it.
     pub points: Vec<Point>,
     /// The others.
     pub refusals: Vec<Refusal>,
-    /// The picture of the contestant with the smallest error.
+    /// The picture of the candidate with the smallest error.
     pub picture: Picture,
-    /// Where some contestants are wrong; interpolated between the pixels that were compared.
+    /// Error maps of some candidates, interpolated between the pixels that were compared.
     pub error_maps: Vec<Picture>,
 }
 
 /// A picture as a report holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Picture {
-    /// Whose.
-    pub contestant: String,
+    /// The candidate that drew it.
+    #[serde(rename = "contestant")]
+    pub candidate: String,
     /// A PNG in base 64.
     pub png: String,
 }
 
 impl Study<'_> {
-    /// Measures every contestant on a subject. `control` runs what is timed, `told` is told how far it is.
+    /// Measures every candidate on a subject. `control` runs the timed work, `progress` is called with the share that is done, 0 to 1.
     ///
     /// # Errors
-    /// What a renderer fails with (but for what it does not do), or cancellation.
+    /// A renderer that fails otherwise than by a refusal, or cancellation.
     pub fn measure(
         &self,
         subject: &Subject,
-        (control, told): (&Control, &dyn Fn(f64)),
+        (control, progress): (&Control, &dyn Fn(f64)),
     ) -> Result<SubjectResult, RenderError> {
         let view = (&subject.scene, &subject.view);
         let pixels = subgrid(self.subgrid, subject.view.size);
-        let exact = self.cache.solve(view, &Model::Canonical, pixels, control)?;
+        let reference = self.cache.solve(view, &Model::Canonical, pixels, control)?;
         let few = subgrid(self.own_subgrid, subject.view.size);
         let function = match &subject.phantom {
-            Some(phantom) => match Exact::solve_phantom(phantom, view, few.clone(), control) {
-                Ok(exact) => Some(exact),
+            Some(phantom) => match ReferencePixels::solve_phantom(phantom, view, few.clone(), control) {
+                Ok(reference) => Some(reference),
                 Err(RenderError::Unsupported { .. }) => None,
                 Err(other) => return Err(other),
             },
             None => None,
         };
 
-        let drawn = draw_in_turns(self.contestants, subject, self.timing, self.meter, (control, told))?;
+        let drawn = draw_in_turns(self.candidates, subject, self.timing, self.meter, (control, progress))?;
         let (mut points, mut refusals, mut frames) = (Vec::new(), Vec::new(), Vec::new());
-        for (contestant, drawn) in self.contestants.iter().zip(drawn) {
+        for (candidate, drawn) in self.candidates.iter().zip(drawn) {
             match drawn {
                 Ok(drawn) => {
                     let own_error = match &drawn.model {
@@ -95,33 +96,33 @@ impl Study<'_> {
                             Some(ErrorFigures::new(&own.judge(&drawn.frame), &own))
                         }
                     };
-                    let error = ErrorFigures::new(&exact.judge(&drawn.frame), &exact);
+                    let error = ErrorFigures::new(&reference.judge(&drawn.frame), &reference);
                     let function_error = function.as_ref().map(|f| ErrorFigures::new(&f.judge(&drawn.frame), f));
-                    points.push(point(contestant, subject, &drawn, (error, own_error, function_error)));
+                    points.push(point(candidate, subject, &drawn, (error, own_error, function_error)));
                     frames.push(drawn.frame);
                 }
-                Err(feature) => refusals.push(Refusal { contestant: contestant.name(), feature }),
+                Err(feature) => refusals.push(Refusal { candidate: candidate.name(), feature }),
             }
         }
-        let (picture, error_maps) = pictures(&points, &frames, subject, (&exact, self.subgrid));
+        let (picture, error_maps) = pictures(&points, &frames, subject, (&reference, self.subgrid));
         let Subject { name, title, .. } = subject.clone();
         Ok(SubjectResult { name, title, size: subject.view.size, points, refusals, picture, error_maps })
     }
 }
 
 fn point(
-    contestant: &Contestant,
+    candidate: &Candidate,
     subject: &Subject,
     drawn: &Drawn,
     (error, own_error, function_error): (ErrorFigures, Option<ErrorFigures>, Option<ErrorFigures>),
 ) -> Point {
     Point {
         subject: subject.name.clone(),
-        renderer: contestant.renderer.clone(),
-        setting: contestant.setting.clone(),
-        options: contestant.options.clone(),
-        order: contestant.order,
-        error_floor: contestant.error_floor,
+        renderer: candidate.renderer.clone(),
+        setting: candidate.setting.clone(),
+        options: candidate.options.clone(),
+        order: candidate.order,
+        error_floor: candidate.error_floor,
         times: drawn.times,
         peak_bytes: drawn.peak_bytes,
         counts: named(drawn.counts),
@@ -144,22 +145,22 @@ fn named(counts: Counts) -> BTreeMap<String, u64> {
     all.into_iter().map(|(name, n)| (name.to_owned(), n)).collect()
 }
 
-/// Contestants whose errors are shown at most.
+/// Largest number of error maps.
 const MAPS: usize = 4;
 
-/// The most exact picture; and maps of the errors of those on the front, evenly chosen: by samples where nothing was timed. Where not
+/// The picture with the smallest error; and error maps of candidates evenly chosen on the front: by samples where nothing was timed. Where not
 /// every pixel was compared, their errors are spread on their logarithmic scale.
 fn pictures(
     points: &[Point],
     frames: &[Frame],
     subject: &Subject,
-    (exact, parts): (&Exact, u32),
+    (reference, parts): (&ReferencePixels, u32),
 ) -> (Picture, Vec<Picture>) {
     let [w, h] = subject.view.size;
     let best = (0..points.len()).min_by(|&a, &b| points[a].error.rmse.total_cmp(&points[b].error.rmse));
     let picture = best.map_or_else(
-        || Picture { contestant: String::new(), png: String::new() },
-        |i| Picture { contestant: points[i].contestant(), png: encode_picture(&frames[i], subject.scene.background) },
+        || Picture { candidate: String::new(), png: String::new() },
+        |i| Picture { candidate: points[i].candidate(), png: encode_picture(&frames[i], subject.scene.background) },
     );
     let cost =
         |p: &Point| p.times.map_or_else(|| p.counts.get("samples").map_or(0.0, |&n| n as f64), |t| t.frame.median);
@@ -168,8 +169,8 @@ fn pictures(
     let shown = front.len().min(MAPS);
     let maps = (0..shown).map(|k| {
         let i = front[if shown > 1 { k * (front.len() - 1) / (shown - 1) } else { 0 }];
-        let errors = exact.error_map(&frames[i], parts);
-        Picture { contestant: points[i].contestant(), png: encode_errors([w, h], &errors) }
+        let errors = reference.error_map(&frames[i], parts);
+        Picture { candidate: points[i].candidate(), png: encode_errors([w, h], &errors) }
     });
     (picture, maps.collect())
 }

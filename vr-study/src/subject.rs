@@ -1,4 +1,4 @@
-//! What renderers are measured on: a scene and a view of it.
+//! Subjects that renderers are measured on: a scene and a view of it.
 
 use std::sync::Arc;
 
@@ -8,9 +8,9 @@ use vr_core::{Camera, GridError, Scene, View};
 /// A scene, a view of it, and the name that results go by.
 #[derive(Clone)]
 pub struct Subject {
-    /// Unique within a study.
+    /// Name, unique within a study.
     pub name: String,
-    /// What it is, in a few words: `64×64×64 f32, oblique`.
+    /// A description in a few words: `64×64×64 f32, oblique`.
     pub title: String,
     /// The scene.
     pub scene: Scene,
@@ -38,10 +38,10 @@ pub fn reduced(view: &View, pixels: f64) -> View {
 /// A phantom on a grid of `samples`³ under its own transfer function, in pictures of the given size, seen from an oblique direction, all of it.
 ///
 /// # Errors
-/// Fewer than two samples.
+/// Fewer than two voxels along a side.
 ///
 /// # Panics
-/// If there is no phantom of the name.
+/// Panics if there is no phantom of this name: a bug in the caller.
 pub fn phantom_subject(name: &str, samples: usize, size: [u32; 2]) -> Result<Subject, GridError> {
     let phantom = phantom::by_name(name).expect("the name of a phantom");
     let scene = phantom::sampled_scene::<f32>(&*phantom, samples, 1.0)?;
@@ -58,7 +58,7 @@ pub fn phantom_subject(name: &str, samples: usize, size: [u32; 2]) -> Result<Sub
 /// Every phantom, as [`phantom_subject`] makes it.
 ///
 /// # Errors
-/// Fewer than two samples.
+/// Fewer than two voxels along a side.
 pub fn phantom_subjects(samples: usize, size: [u32; 2]) -> Result<Vec<Subject>, GridError> {
     phantom::NAMES.iter().map(|name| phantom_subject(name, samples, size)).collect()
 }

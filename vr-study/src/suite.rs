@@ -6,20 +6,20 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use vr_core::{Camera, Control, Model, Options, Renderer, StudiedRenderer, View};
 
-use crate::contestant::{Contestant, contestants};
-use crate::convergence::{Convergence, Outcome, Prover};
+use crate::candidate::{Candidate, candidates};
+use crate::convergence::{Convergence, OrderCheck, Outcome};
 use crate::error::StudyError;
-use crate::exact::{ExactCache, fingerprint};
 use crate::journal::Journal;
 use crate::machine::Machine;
 use crate::memory::MemoryMeter;
+use crate::reference::{ReferenceCache, fingerprint};
 use crate::scaling::{Grown, Growth, grow};
-use crate::stability::{CaseResult, contestants_with_bounds, survey};
+use crate::stability::{CaseResult, candidates_with_bounds, survey};
 use crate::study::{Study, SubjectResult};
 use crate::subject::{Subject, phantom_subjects};
 use crate::timing::Timing;
 
-/// Which measurements.
+/// A set of measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Suite {
@@ -29,7 +29,7 @@ pub enum Suite {
     Full,
     /// Every renderer on every hard case.
     Hard,
-    /// How times grow with threads, volumes and pictures.
+    /// Growth of times with threads, volumes and pictures.
     Scaling,
 }
 
@@ -60,7 +60,7 @@ impl Suite {
         }
     }
 
-    /// Samples along each side of phantoms, and pixels along each side of their pictures.
+    /// Voxels along each side of phantoms, and pixels along each side of their pictures.
     fn sizes(self) -> (usize, u32) {
         if self == Self::Quick { (64, 96) } else { (128, 256) }
     }
@@ -69,8 +69,8 @@ impl Suite {
     fn timing(self, subjects: usize) -> Timing {
         let quick = Duration::from_secs(33) / subjects.max(1) as u32;
         let patience = if self == Self::Quick { quick } else { Duration::from_secs(20) };
-        let least_rounds = if self == Self::Quick { 1 } else { 3 };
-        Timing { least_rounds, most_rounds: 9, patience }
+        let min_rounds = if self == Self::Quick { 1 } else { 3 };
+        Timing { min_rounds, max_rounds: 9, patience }
     }
 }
 
@@ -85,9 +85,9 @@ enum Part {
 /// All that a suite measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// Which suite.
+    /// The suite.
     pub suite: Suite,
-    /// With what.
+    /// The machine that it was measured on.
     pub machine: Machine,
     /// Seconds that it took, without what had been done before.
     pub seconds: f64,
@@ -97,12 +97,12 @@ pub struct Report {
     pub orders: Vec<Convergence>,
     /// Hard cases.
     pub stability: Vec<CaseResult>,
-    /// How times grow.
+    /// Growth of times.
     pub growth: Vec<Growth>,
 }
 
 impl Report {
-    /// Pictures of hard cases that failed, and nobody explained why.
+    /// Pictures of hard cases that failed without an explanation by the renderer.
     pub fn failed_cases(&self) -> usize {
         self.stability.iter().filter(|r| r.verdict.is_failure()).count()
     }
@@ -113,23 +113,23 @@ impl Report {
     }
 }
 
-/// How a suite is run.
+/// Settings of a run of a suite.
 pub struct Run<'a> {
-    /// Who takes part.
+    /// Renderers that take part.
     pub renderers: &'a [Box<dyn StudiedRenderer>],
     /// Measured on this, in place of the phantoms.
     pub own: Option<Subject>,
     /// Errors and counts alone.
     pub untimed: bool,
-    /// What was solved before.
-    pub cache: &'a ExactCache,
-    /// Who counts memory.
+    /// Reference pixels that were solved before.
+    pub cache: &'a ReferenceCache,
+    /// Counter of memory; `None`: memory is not measured.
     pub meter: Option<&'a dyn MemoryMeter>,
-    /// Where finished parts are noted, so that a run can be taken up again; `None`: nowhere.
+    /// File in which finished parts are noted, so that a run can be resumed; `None`: they are not noted.
     pub journal: Option<&'a Path>,
 }
 
-/// A piece of work, by name: its weight tells how far a run is.
+/// A named piece of work; its weight is its share of the progress.
 struct Piece<'a> {
     name: String,
     weight: f64,
@@ -144,20 +144,20 @@ enum Work<'a> {
 }
 
 impl Run<'_> {
-    /// Runs a suite. `told` is told how far it is.
+    /// Runs a suite. `progress` is called with the share that is done, 0 to 1.
     ///
     /// # Errors
-    /// What a renderer fails with, a journal that cannot be written, or cancellation.
-    pub fn run(&self, suite: Suite, (control, told): (&Control, &dyn Fn(f64))) -> Result<Report, StudyError> {
+    /// A renderer that fails, a journal that cannot be written, or cancellation.
+    pub fn run(&self, suite: Suite, (control, progress): (&Control, &dyn Fn(f64))) -> Result<Report, StudyError> {
         let start = Instant::now();
-        let settings = contestants(self.renderers)?;
+        let settings = candidates(self.renderers)?;
         let pieces = self.pieces(suite, &settings)?;
         let machine = Machine::here(control.threads());
         let mut journal =
             self.journal.map(|path| Journal::open(path, &self.signature(suite, &machine, &settings))).transpose()?;
         let subjects = pieces.iter().filter(|p| matches!(p.work, Work::Subject(_))).count();
         let study = Study {
-            contestants: &settings,
+            candidates: &settings,
             timing: (!self.untimed).then(|| suite.timing(subjects)),
             // Every pixel of the small pictures of the quick suite.
             subgrid: 96,
@@ -165,7 +165,7 @@ impl Run<'_> {
             cache: self.cache,
             meter: self.meter,
         };
-        let prover = Prover { cache: self.cache, control };
+        let check = OrderCheck { cache: self.cache, control };
         let mut report = Report {
             suite,
             machine,
@@ -175,25 +175,26 @@ impl Run<'_> {
             stability: Vec::new(),
             growth: Vec::new(),
         };
+        // Measure piece by piece, or take what the journal has.
         let total: f64 = pieces.iter().map(|p| p.weight).sum();
         let mut done = 0.0;
         for Piece { name, weight, work } in &pieces {
-            let told = |share: f64| told((done + weight * share) / total);
+            let progress = |share: f64| progress((done + weight * share) / total);
             control.check()?;
             match work {
                 Work::Subject(subject) => {
-                    let result = noted(&mut journal, name, || Ok(study.measure(subject, (control, &told))?))?;
+                    let result = noted(&mut journal, name, || Ok(study.measure(subject, (control, &progress))?))?;
                     report.subjects.push(result);
                 }
                 Work::Orders(renderer) => {
-                    report.orders.extend(noted(&mut journal, name, || prover.proving_ground(*renderer, &told))?);
+                    report.orders.extend(noted(&mut journal, name, || check.check_claims(*renderer, &progress))?);
                 }
-                Work::Stability(contestant, renderer) => {
-                    let survey = || Ok(survey((contestant, *renderer), self.cache, control)?);
+                Work::Stability(candidate, renderer) => {
+                    let survey = || Ok(survey((candidate, *renderer), self.cache, control)?);
                     report.stability.extend(noted(&mut journal, name, survey)?);
                 }
                 Work::Growth(renderer, grown) => {
-                    let grow = || grow(*renderer, "blobs", *grown, (control, &told));
+                    let grow = || grow(*renderer, "blobs", *grown, (control, &progress));
                     report.growth.extend(noted(&mut journal, name, grow)?);
                 }
             }
@@ -206,8 +207,8 @@ impl Run<'_> {
         Ok(report)
     }
 
-    /// What two runs must share so that one can take up the other: the program, the machine, the settings, and all of the scene.
-    fn signature(&self, suite: Suite, machine: &Machine, settings: &[Contestant]) -> String {
+    /// Text that two runs must share so that one can resume the other: the program, the machine, the settings, and all of the scene.
+    fn signature(&self, suite: Suite, machine: &Machine, settings: &[Candidate]) -> String {
         let program = std::env::current_exe().and_then(std::fs::metadata).ok();
         let program = program.map(|file| (file.len(), file.modified().ok()));
         let own = self.own.as_ref().map(|s| {
@@ -218,7 +219,7 @@ impl Run<'_> {
         format!("{} {program:?} {machine:?} {who:?} {own:?} {}", suite.name(), self.untimed)
     }
 
-    fn pieces<'a>(&'a self, suite: Suite, settings: &'a [Contestant]) -> Result<Vec<Piece<'a>>, StudyError> {
+    fn pieces<'a>(&'a self, suite: Suite, settings: &'a [Candidate]) -> Result<Vec<Piece<'a>>, StudyError> {
         let mut pieces = Vec::new();
         if suite.has(Part::Fronts) {
             let (samples, pixels) = suite.sizes();
@@ -245,7 +246,7 @@ impl Run<'_> {
             }));
         }
         if suite.has(Part::Stability) {
-            pieces.extend(contestants_with_bounds(self.renderers, settings).into_iter().map(|(name, r)| Piece {
+            pieces.extend(candidates_with_bounds(self.renderers, settings).into_iter().map(|(name, r)| Piece {
                 name: format!("stability {name}"),
                 weight: 1.0,
                 work: Work::Stability(name, r),
@@ -264,7 +265,7 @@ impl Run<'_> {
     }
 }
 
-/// A part's result: noted before, or made now and noted.
+/// Returns a part's result: noted before, or made now and noted.
 fn noted<T: Serialize + serde::de::DeserializeOwned>(
     journal: &mut Option<Journal>,
     name: &str,
@@ -276,7 +277,7 @@ fn noted<T: Serialize + serde::de::DeserializeOwned>(
     }
 }
 
-/// As it is; in perspective from the other side; and along an axis, where rays run in cell faces.
+/// Three views: the subject's own; in perspective from the other side; and along an axis, so that rays run in cell faces.
 fn three_views(subject: &Subject) -> Vec<Subject> {
     let bounds = subject.scene.volume.bounds();
     let seen = |word: &str, azimuth: f64, elevation: f64, fov: Option<f64>| {

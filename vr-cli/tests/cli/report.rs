@@ -63,7 +63,7 @@ fn hard_cases_have_no_unexplained_failure() {
     assert_eq!(first.code, 0, "{}", first.stderr);
     let json: serde_json::Value = serde_json::from_str(&first.stdout).unwrap();
     let cells = json["stability"].as_array().unwrap();
-    assert!(cells.len() >= 15 * 5, "all cases, several contestants: {}", cells.len());
+    assert!(cells.len() >= 15 * 5, "all cases, several candidates: {}", cells.len());
     for cell in cells {
         assert_ne!(cell["verdict"]["verdict"], "failed", "{cell}");
     }

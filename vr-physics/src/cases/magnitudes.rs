@@ -16,7 +16,7 @@ pub(super) fn faint() -> (Scene, View) {
     (Scene::new(volume, transfer), view)
 }
 
-/// Seen along the long axis. α = 1 − (1 − 10⁻⁷)⁴⁰⁹⁶ ≈ 4.1 · 10⁻⁴, at a colour of 1000.
+/// A column seen along its long axis. α = 1 − (1 − 10⁻⁷)⁴⁰⁹⁶ ≈ 4.1 · 10⁻⁴, at a colour of 1000.
 pub(super) fn many_faint_steps() -> (Scene, View) {
     let dims = [2, 2, 4097];
     let placement = Placement::from_spacing([1.0; 3]).expect("a valid placement");

@@ -1,7 +1,7 @@
 //! The hard cases, by name: small scenes, each of which breaks a renderer that takes one thing too lightly.
 //!
 //! Every renderer is run on all of them, and the error that it may have on each is written down beside it. Volumes are at most
-//! 33³ (or 2 × 2 × 4097) samples and pictures at most 32² pixels, so that all of them together take seconds. They are made from
+//! 33³ (or 2 × 2 × 4097) voxels and pictures at most 32² pixels, so that all of them together take seconds. They are made from
 //! formulas alone: the same numbers on every machine.
 
 mod magnitudes;
@@ -20,13 +20,13 @@ use vr_core::{
 /// A scene that is hard for a reason.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Unique, in kebab case.
+    /// Unique name, in kebab case.
     pub name: &'static str,
-    /// What is hard about it.
+    /// The difficulty.
     pub summary: &'static str,
-    /// What is drawn.
+    /// The scene.
     pub scene: Scene,
-    /// From where.
+    /// The view of it.
     pub view: View,
 }
 
@@ -105,7 +105,7 @@ fn make(&(name, summary, maker): &(&'static str, &'static str, Maker)) -> Case {
     Case { name, summary, scene, view }
 }
 
-/// Samples a function of the index (x, y, z).
+/// The values of a function of the index (x, y, z).
 fn sampled<T>(dims: [usize; 3], f: impl Fn(usize, usize, usize) -> T) -> Vec<T> {
     let mut samples = Vec::with_capacity(dims.iter().product());
     for z in 0..dims[2] {
@@ -116,14 +116,14 @@ fn sampled<T>(dims: [usize; 3], f: impl Fn(usize, usize, usize) -> T) -> Vec<T> 
     samples
 }
 
-/// A volume of floats with sample (0, 0, 0) at the world's origin.
+/// A volume of floats with voxel (0, 0, 0) at the world's origin.
 fn float_volume(dims: [usize; 3], spacing: [f64; 3], f: impl Fn(usize, usize, usize) -> f32) -> Volume {
     let placement = Placement::from_spacing(spacing).expect("cases have positive spacing");
     let grid = UniformGrid::new(dims, sampled(dims, f), placement, Calibration::default());
     grid.expect("cases are valid grids").into()
 }
 
-/// A smooth bump on `n`³ samples with unit spacing: 1 in the middle, 0 (and no slope) at the faces.
+/// A smooth bump on `n`³ voxels with unit spacing: 1 in the middle, 0 (and no slope) at the faces.
 fn bump(n: usize) -> Volume {
     let profile = |i: usize| {
         let t = i as f64 / (n - 1) as f64;
@@ -154,7 +154,7 @@ fn oblique(volume: &Volume, side: u32) -> View {
     View::new(Camera::framing(volume.bounds(), 35.0, 25.0, None), [side, side])
 }
 
-/// Orthographic, from `eye` towards `target`.
+/// An orthographic view, from `eye` towards `target`.
 fn orthographic(eye: [f64; 3], target: [f64; 3], up: [f64; 3], height: f64, size: [u32; 2]) -> View {
     let projection = Projection::Orthographic { height };
     View::new(Camera { eye: eye.into(), target: target.into(), up: up.into(), projection }, size)

@@ -20,7 +20,7 @@ pub(super) fn anisotropy() -> (Scene, View) {
     (Scene::new(volume, translucent(4.0)), view)
 }
 
-/// Looking along a diagonal of the x-z plane, tilted by 10⁻⁶ against the faces y = 0 and y = 8: the first row of pixels enters
+/// A view along a diagonal of the x-z plane, tilted by 10⁻⁶ against the faces y = 0 and y = 8: the first row of pixels enters
 /// through the upper face half-way along the box, the last row leaves through the lower one, and the middle column meets two
 /// vertical edges.
 pub(super) fn grazing_rays() -> (Scene, View) {
@@ -32,7 +32,7 @@ pub(super) fn grazing_rays() -> (Scene, View) {
     (Scene::new(volume, translucent(2.0)), view)
 }
 
-/// Along −z with two pixels a voxel: pixel centres on every lattice line and half-way between, from face to face of the box.
+/// A view along −z with two pixels a voxel: pixel centres on every lattice line and half-way between, from face to face of the box.
 pub(super) fn axis_aligned() -> (Scene, View) {
     let volume = bump_on_floor(9);
     // 17 pixels over 8.5 units: centres at 0, 0.5, …, 8, all exact in binary.

@@ -19,7 +19,7 @@ pub(super) fn opaque_wall() -> (Scene, View) {
     (Scene::new(volume, transfer(&points, 1.0)), view)
 }
 
-/// A smooth bump under a spike 0.004 wide, where neighbouring samples differ by up to 0.2.
+/// A smooth bump under a spike 0.004 wide, where neighbouring voxels differ by up to 0.2.
 pub(super) fn thin_shell() -> (Scene, View) {
     let volume = bump(17);
     let points = [(0.498, [1.0, 0.7, 0.3], 0.0), (0.5, [1.0, 0.7, 0.3], 0.999), (0.502, [1.0, 0.7, 0.3], 0.0)];

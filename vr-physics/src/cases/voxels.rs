@@ -1,4 +1,4 @@
-//! Cases whose difficulty lies in the samples.
+//! Cases whose difficulty lies in the voxels.
 
 use vr_core::phantom::{MarschnerLobb, sample};
 use vr_core::{
@@ -49,7 +49,7 @@ pub(super) fn constant() -> (Scene, View) {
     (with_shading(Scene::new(volume, transfer(&points, 1.0)), Shading::default()), view)
 }
 
-/// Blocks of 2³ samples that differ by 1 from each other, on top of the whole range; the transfer function goes from clear to
+/// Blocks of 2³ voxels that differ by 1 from each other, on top of the whole range; the transfer function goes from clear to
 /// dense within three units in the middle of it, which a table with fewer than 2¹⁶ entries smears.
 pub(super) fn full_u16() -> (Scene, View) {
     let n = 17;

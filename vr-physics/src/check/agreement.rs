@@ -3,7 +3,7 @@
 use proptest::strategy::Strategy;
 use vr_core::{Control, Frame, Model, Renderer, Scene, View};
 
-use super::drawn::{Truth, draw};
+use super::drawn::{ReferencePixels, draw};
 use super::effort::{Effort, Verdict};
 use super::outcome::{CheckFailure, Report};
 use super::strategies::tame_scene;
@@ -13,7 +13,7 @@ use crate::Metrics;
 /// Every component of every pixel lies within `bound` of the canonical pixel (relative to max(1, largest magnitude of the
 /// picture), as [`Metrics::max`] is), over [tame scenes](tame_scene).
 ///
-/// `bound` is what the renderer documents for a scene and a view: +∞ where it promises nothing, and the scene is skipped. The
+/// `bound` is the error that the renderer documents for a scene and a view; if it is +∞, the scene is skipped. The
 /// reference's own uncertainty comes on top; where that is larger than the bound, the scene is skipped, too.
 ///
 /// # Errors
@@ -26,7 +26,7 @@ pub fn agrees_with_reference(
     agrees_with_reference_on(renderer, tame_scene(), bound, effort)
 }
 
-/// As [`agrees_with_reference`], over scenes of one's own.
+/// As [`agrees_with_reference`], over scenes of the caller.
 ///
 /// # Errors
 /// The failure, with a scene that shows it.
@@ -42,11 +42,11 @@ pub fn agrees_with_reference_on(
             return Ok(Verdict::Skipped);
         }
         let frame = draw(renderer, test, &Control::default())?;
-        Ok(judge(&frame, Truth::of(&effort.reference, test, &Model::Canonical)?, allowed))
+        Ok(judge(&frame, ReferencePixels::solve(&effort.reference, test, &Model::Canonical)?, allowed))
     })
 }
 
-/// Every component of every pixel lies within `bound` of what the renderer says that it integrates
+/// Every component of every pixel lies within `bound` of the model that the renderer integrates
 /// ([`Prepared::model`](vr_core::Prepared::model)), done exactly: only rounding and tables are left, and the scenes may be any
 /// that a strategy of [`super::strategies`] draws.
 ///
@@ -67,16 +67,16 @@ pub fn agrees_with_its_model(
         let mut prepared = renderer.prepare(&test.scene, &control)?;
         let frame = prepared.render(&test.view, &control)?.frame;
         let model = prepared.model(&test.view)?;
-        Ok(judge(&frame, Truth::of(&effort.reference, test, &model)?, allowed))
+        Ok(judge(&frame, ReferencePixels::solve(&effort.reference, test, &model)?, allowed))
     })
 }
 
-/// A truth that is less certain than what is allowed judges nobody.
-fn judge(frame: &Frame, truth: Option<Truth>, allowed: f64) -> Verdict {
-    match truth {
-        Some(truth) if truth.uncertainty <= allowed => {
-            let error = Metrics::of(&truth.pixels, frame.pixels()).max;
-            Verdict::within(error, allowed + truth.uncertainty, || "largest error".to_owned())
+/// Compares a frame with the reference; skipped if the reference is less certain than `allowed`.
+fn judge(frame: &Frame, expected: Option<ReferencePixels>, allowed: f64) -> Verdict {
+    match expected {
+        Some(expected) if expected.uncertainty <= allowed => {
+            let error = Metrics::of(&expected.pixels, frame.pixels()).max;
+            Verdict::within(error, allowed + expected.uncertainty, || "largest error".to_owned())
         }
         _ => Verdict::Skipped,
     }

@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use proptest::strategy::{Strategy, ValueTree};
 use vr_core::{Configurable, Control, Model, Options, RenderError, Renderer};
 
-use super::drawn::{Truth, draw};
+use super::drawn::{ReferencePixels, draw};
 use super::effort::{Effort, Verdict};
 use super::outcome::CheckFailure;
 use super::strategies::smooth_scene;
@@ -14,10 +14,10 @@ use crate::Metrics;
 use crate::order::fit_order_above;
 
 const CHECK: &str = "converges at its documented order";
-/// Errors above the floor that an order is fitted to: four halvings.
-const LEAST_STEPS: usize = 5;
+/// Smallest number of errors above the floor that an order is fitted to: four halvings.
+const MIN_ERRORS: usize = 5;
 
-/// How a renderer is refined, and what order it documents.
+/// Refinement of a renderer, and the order that it documents.
 #[derive(Clone, Debug)]
 pub struct Refinement {
     /// Options held fixed: the instance in f64, early termination off, and so on.
@@ -26,7 +26,7 @@ pub struct Refinement {
     pub step: &'static str,
     /// Its first value.
     pub coarsest: f64,
-    /// How often it is halved; at least 4.
+    /// Number of halvings; at least 4.
     pub halvings: u32,
     /// The documented order.
     pub order: f64,
@@ -81,7 +81,7 @@ impl std::fmt::Display for Convergence {
 /// Another order than documented, errors that do not leave the floor, an option that does not exist.
 ///
 /// # Panics
-/// If there are fewer than 4 halvings.
+/// Panics if there are fewer than 4 halvings.
 pub fn converges(
     renderer: &impl Configurable,
     refinement: &Refinement,
@@ -119,7 +119,7 @@ pub fn converges(
         return Err(failure(format!("not one scene was judged: {refused} refused"), None));
     }
     let errors: Vec<f64> = squares.iter().map(|s| (s / f64::from(judged)).sqrt()).collect();
-    let Some(order) = fit_order_above(refinement.floor, LEAST_STEPS, &steps, &errors) else {
+    let Some(order) = fit_order_above(refinement.floor, MIN_ERRORS, &steps, &errors) else {
         let reason = format!("errors {errors:.2?} at steps {steps:?}: five above {:.1e} are needed", refinement.floor);
         return Err(failure(reason, None));
     };
@@ -131,18 +131,18 @@ pub fn converges(
     Err(failure(format!("{convergence}, documented {}", refinement.order), scene))
 }
 
-/// The RMSE at each step; `None` if the reference has no answer.
+/// The RMSE at each step; `None` if the reference cannot solve the scene.
 fn errors_of(
     refined: &[Box<dyn Renderer>],
     test: &TestScene,
     effort: &Effort,
 ) -> Result<Option<Vec<f64>>, RenderError> {
-    let Some(truth) = Truth::of(&effort.reference, test, &Model::Canonical)? else {
+    let Some(expected) = ReferencePixels::solve(&effort.reference, test, &Model::Canonical)? else {
         return Ok(None);
     };
     let error = |r: &dyn Renderer| {
         let frame = draw(r, test, &Control::default())?;
-        Ok(Metrics::of(&truth.pixels, frame.pixels()).rmse)
+        Ok(Metrics::of(&expected.pixels, frame.pixels()).rmse)
     };
     refined.iter().map(|r| error(&**r)).collect::<Result<Vec<_>, _>>().map(Some)
 }
@@ -157,7 +157,7 @@ fn scene_of_wrong_order(
     let steps = refinement.steps();
     let result = effort.over(CHECK, renderer, smooth_scene(), |test| {
         let Some(errors) = errors_of(refined, test, effort)? else { return Ok(Verdict::Skipped) };
-        let Some(order) = fit_order_above(refinement.floor, LEAST_STEPS, &steps, &errors) else {
+        let Some(order) = fit_order_above(refinement.floor, MIN_ERRORS, &steps, &errors) else {
             return Ok(Verdict::Skipped);
         };
         let deviation = (order - refinement.order).abs();

@@ -10,15 +10,15 @@ pub(super) fn draw(renderer: &dyn Renderer, test: &TestScene, control: &Control)
     Ok(renderer.prepare(&test.scene, control)?.render(&test.view, control)?.frame)
 }
 
-/// The true pixels, and how far they may be from the truth relative to max(1, largest magnitude).
-pub(super) struct Truth {
+/// The reference of a picture, and its error relative to max(1, largest magnitude).
+pub(super) struct ReferencePixels {
     pub pixels: Vec<[f64; 4]>,
     pub uncertainty: f64,
 }
 
-impl Truth {
-    /// `None` if the reference has no answer to such scenes.
-    pub fn of(reference: &Reference, test: &TestScene, model: &Model) -> Result<Option<Self>, RenderError> {
+impl ReferencePixels {
+    /// Solves a scene; `None` if the reference cannot.
+    pub fn solve(reference: &Reference, test: &TestScene, model: &Model) -> Result<Option<Self>, RenderError> {
         let solution = match reference.solve(&test.scene, &test.view, model, &Control::default()) {
             Err(RenderError::Unsupported { .. }) => return Ok(None),
             other => other?,

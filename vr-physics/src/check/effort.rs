@@ -1,4 +1,4 @@
-//! How hard a check tries, and the seeded run over random scenes.
+//! The effort of a check, and the seeded run over random scenes.
 
 use std::cell::{Cell, RefCell};
 
@@ -11,16 +11,16 @@ use super::strategies::{Kind, scene, scene_of};
 use super::test_scene::TestScene;
 use crate::Reference;
 
-/// How hard a check tries. The default takes a second or so with a fast renderer.
+/// The effort of a check. The default takes a second or so with a fast renderer.
 #[derive(Clone, Debug)]
 pub struct Effort {
-    /// Random scenes.
+    /// Number of random scenes.
     pub cases: u32,
-    /// Where the random numbers begin: the same seed draws the same scenes.
+    /// Seed of the random numbers: the same seed draws the same scenes.
     pub seed: u64,
-    /// Most attempts at making a failing scene smaller.
+    /// Largest number of attempts at making a failing scene smaller.
     pub shrink_steps: u32,
-    /// The truth.
+    /// The reference that pictures are compared with.
     pub reference: Reference,
     /// The kinds of scenes that checks over any scenes draw; `None`: their own.
     pub kinds: Option<Vec<Kind>>,
@@ -50,20 +50,20 @@ impl Effort {
     }
 }
 
-/// What is wrong with one scene, or by how much it is right.
+/// The verdict on one scene.
 pub(super) enum Verdict {
-    /// Held: what was measured, and what was allowed.
+    /// The scene held: the measured and the allowed deviation.
     Held { measured: f64, allowed: f64 },
-    /// The renderer does not do such scenes.
+    /// The renderer refuses such scenes.
     Refused,
-    /// Nothing could be said.
+    /// The scene could not be judged.
     Skipped,
-    /// Broken, and how.
+    /// The scene did not hold, for this reason.
     Broken(String),
 }
 
 impl Verdict {
-    /// Held if `measured` is at most `allowed`; `what` is asked for only if not.
+    /// Returns `Held` if `measured` is at most `allowed`; `what` is called only if not.
     pub fn within(measured: f64, allowed: f64, what: impl FnOnce() -> String) -> Self {
         // Written so that NaN is broken.
         if measured <= allowed {

@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use proptest::strategy::{Strategy, ValueTree};
 use vr_core::{Configurable, Control, Model, OptionError, Options, RenderError, Renderer};
 
-use super::drawn::{Truth, draw};
+use super::drawn::{ReferencePixels, draw};
 use super::effort::Effort;
 use super::outcome::CheckFailure;
 use super::strategies::Kind;
@@ -24,10 +24,10 @@ pub const CHANCE: f64 = 2e-3;
 /// The error of all scenes of a kind together, where chance evens out, may be so many times what the order says.
 const POOLED_SLACK: f64 = 2.0;
 
-/// One scene in so many, the worst, has no say in the error of all scenes of a kind together.
+/// One scene in this many, the worst, does not count in the error of all scenes of a kind together.
 const WORST_LEFT_OUT: usize = 20;
 
-/// How a renderer is refined, and how its errors must fall.
+/// Refinement of a renderer, and the fall of errors that is demanded.
 #[derive(Clone, Debug)]
 pub struct Falling {
     /// Options held fixed.
@@ -36,7 +36,7 @@ pub struct Falling {
     pub step: &'static str,
     /// Its first value.
     pub coarsest: f64,
-    /// How many times smaller it is at each of the two levels below.
+    /// Factor by which it is smaller at each of the two levels below.
     pub ratio: f64,
     /// The power of the option that RMSE falls like where a transfer function jumps: ½ for steps, since the part h of all rays is
     /// wrong by all that is at stake.
@@ -86,7 +86,7 @@ pub struct Ladder {
     falling: Falling,
 }
 
-/// What a ladder makes of a scene.
+/// The verdict of a ladder on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fall {
     /// Errors that fall, or stay below the floor: RMSE, the longest steps first.
@@ -97,7 +97,7 @@ pub enum Fall {
     Failed(String),
     /// The renderer does not draw such scenes.
     Refused,
-    /// The reference has no answer, or one that is less certain than the floor.
+    /// The reference cannot solve the scene, or is less certain than the floor.
     Unjudged,
 }
 
@@ -145,13 +145,13 @@ impl Ladder {
         if errors[2] <= allowed { Fall::Within(errors) } else { Fall::Beyond(errors, allowed) }
     }
 
-    /// The errors, and how uncertain the reference is; `None` if it is more so than the floor.
+    /// The errors, and how uncertain the reference is; `None` if that is above the floor.
     fn errors(&self, test: &TestScene, reference: &Reference) -> Result<Option<([f64; 3], f64)>, RenderError> {
         let frame = |r: &dyn Renderer| draw(r, test, &Control::default());
         // Most scenes that are refused are refused by all steps: known before the reference has any work.
         let first = frame(&*self.levels[0][0])?;
-        let Some(truth) = Truth::of(reference, test, &Model::Canonical)? else { return Ok(None) };
-        if truth.uncertainty.is_nan() || truth.uncertainty > self.falling.floor {
+        let Some(expected) = ReferencePixels::solve(reference, test, &Model::Canonical)? else { return Ok(None) };
+        if expected.uncertainty.is_nan() || expected.uncertainty > self.falling.floor {
             return Ok(None);
         }
         let mut errors = [0.0; 3];
@@ -159,19 +159,19 @@ impl Ladder {
             let mut squares = 0.0;
             for (k, renderer) in level.iter().enumerate() {
                 let drawn = if (i, k) == (0, 0) { first.clone() } else { frame(&**renderer)? };
-                let rmse = Metrics::of(&truth.pixels, drawn.pixels()).rmse;
+                let rmse = Metrics::of(&expected.pixels, drawn.pixels()).rmse;
                 squares += rmse * rmse;
             }
             errors[i] = (squares / level.len() as f64).sqrt();
         }
-        Ok(Some((errors, truth.uncertainty)))
+        Ok(Some((errors, expected.uncertainty)))
     }
 }
 
 /// All scenes of a kind together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindFall {
-    /// Which.
+    /// The kind.
     pub kind: Kind,
     /// Scenes within what is allowed.
     pub within: u32,
@@ -179,7 +179,7 @@ pub struct KindFall {
     pub beyond: u32,
     /// Scenes that the renderer refuses.
     pub refused: u32,
-    /// Scenes that the reference has no answer to.
+    /// Scenes that the reference cannot solve.
     pub unjudged: u32,
     /// The largest error of the shortest steps and its scene's seed.
     pub worst: Option<(f64, u64)>,
@@ -216,7 +216,7 @@ impl KindFall {
 
     /// The root mean square of the RMSE of all scenes, the longest steps first; zeros if none was judged.
     ///
-    /// Of the shortest steps the worst twentieth of the scenes is left out: a single ray that is in a wall for less than a step is
+    /// The worst twentieth of the scenes at the shortest steps is left out: a single ray that is in a wall for less than a step is
     /// wrong by all, and would decide alone. A fault of tables, of vacuum or of an operator is in more scenes than that.
     pub fn errors(&self) -> [f64; 3] {
         let mut by_last = self.squares.clone();

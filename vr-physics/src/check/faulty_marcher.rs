@@ -16,7 +16,7 @@ use vr_core::{
 pub enum Fault {
     /// None: a right renderer.
     None,
-    /// Cell-centred where the samples are at lattice points.
+    /// Cell-centred, though the voxels are at lattice points.
     HalfVoxelShift,
     /// α of the unit distance, whatever the step.
     NoOpacityCorrection,
@@ -24,7 +24,7 @@ pub enum Fault {
     DroppedLastStep,
     /// The sample at the front of each step: a rule of order 1.
     LeftSample,
-    /// Missing samples count as 0.
+    /// Missing voxels count as 0.
     MissingIsZero,
     /// A number where there is none.
     Nan,
@@ -42,7 +42,7 @@ pub enum Fault {
     Panic,
     /// It says that it cannot draw the scene, whatever the scene is.
     RefusesEverything,
-    /// Samples are classified before they are interpolated.
+    /// Voxels are classified before they are interpolated.
     PreClassification,
     /// Rays go through the corners of pixels.
     PixelCorners,
@@ -66,7 +66,7 @@ pub enum Fault {
 /// Marches along every ray, for over, without shading.
 #[derive(Clone)]
 pub struct Marcher {
-    /// What it does wrong.
+    /// The fault.
     pub fault: Fault,
     /// Step, as a fraction of the smallest spacing.
     pub step: f64,

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use vr_core::{Control, DocumentedError, Model, RenderError, Renderer};
 
-use super::drawn::{Truth, draw};
+use super::drawn::{ReferencePixels, draw};
 use super::outcome::CheckFailure;
 use super::test_scene::TestScene;
 use crate::cases::{self, Case};
@@ -12,15 +12,15 @@ use crate::{Metrics, Reference};
 
 const CHECK: &str = "survives the hard cases";
 
-/// What a renderer makes of a hard case.
+/// The outcome of a hard case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CaseOutcome {
-    /// A picture, and how far it is from the truth.
+    /// A picture, and its error.
     Drawn(Metrics),
     /// A picture, every number of which is finite, and no more is known: the renderer documents no error, so that the reference is
-    /// not asked, or the reference has no answer.
+    /// not solved, or the reference cannot solve the scene.
     Unjudged,
-    /// The renderer does not do such scenes.
+    /// The renderer refuses such scenes.
     Refused,
 }
 
@@ -29,20 +29,20 @@ pub enum CaseOutcome {
 pub struct CaseResult {
     /// The case.
     pub name: &'static str,
-    /// What came out.
+    /// The outcome.
     pub outcome: CaseOutcome,
     /// The error that the renderer documents for the case.
     pub bound: DocumentedError,
-    /// How far the reference itself may be from the truth.
+    /// The error of the reference itself.
     pub uncertainty: f64,
 }
 
 /// Every case with its error and its bound. `{}` is a table for people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HardCases {
-    /// Which renderer.
+    /// The renderer.
     pub renderer: &'static str,
-    /// In the order of [`cases::all`].
+    /// The results, in the order of [`cases::all`].
     pub results: Vec<CaseResult>,
 }
 
@@ -113,11 +113,12 @@ fn judge(
     if bound.value() == f64::INFINITY {
         return Ok(result(CaseOutcome::Unjudged, f64::INFINITY));
     }
-    let truth = Truth::of(reference, test, &Model::Canonical).map_err(|e| format!("the reference fails: {e}"))?;
-    let Some(truth) = truth else { return Ok(result(CaseOutcome::Unjudged, f64::INFINITY)) };
-    let metrics = Metrics::of(&truth.pixels, frame.pixels());
-    if bound.choose(metrics.max, metrics.rmse) <= bound.value() + truth.uncertainty {
-        Ok(result(CaseOutcome::Drawn(metrics), truth.uncertainty))
+    let expected =
+        ReferencePixels::solve(reference, test, &Model::Canonical).map_err(|e| format!("the reference fails: {e}"))?;
+    let Some(expected) = expected else { return Ok(result(CaseOutcome::Unjudged, f64::INFINITY)) };
+    let metrics = Metrics::of(&expected.pixels, frame.pixels());
+    if bound.choose(metrics.max, metrics.rmse) <= bound.value() + expected.uncertainty {
+        Ok(result(CaseOutcome::Drawn(metrics), expected.uncertainty))
     } else {
         Err(format!("{metrics}; documented {bound:.2?}"))
     }

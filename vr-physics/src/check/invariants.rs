@@ -1,4 +1,4 @@
-//! What must hold for the pictures of any renderer, without knowing the truth.
+//! Invariants that hold for the pictures of any renderer, whatever the correct picture is.
 
 use vr_core::{Control, Frame, RenderError, Renderer, View};
 
@@ -113,7 +113,7 @@ pub fn is_free_of_scale(renderer: &dyn Renderer, tolerance: f64, effort: &Effort
     Ok(Report { held: rounded.held + exact.held, refused: rounded.refused + exact.refused, ..rounded })
 }
 
-/// Samples, camera and clip turned together by 90° about each axis give the same picture within `tolerance`.
+/// Voxels, camera and clip turned together by 90° about each axis give the same picture within `tolerance`.
 ///
 /// # Errors
 /// The failure, with a scene that shows it.

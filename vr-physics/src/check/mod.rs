@@ -11,12 +11,12 @@
 //! # }
 //! ```
 //!
-//! | check | what is demanded |
+//! | check | demand |
 //! |---|---|
 //! | [`agrees_with_reference`] | the distance from the canonical pixel is within the bound that the renderer documents |
-//! | [`agrees_with_its_model`] | the same for what the renderer says that it integrates |
+//! | [`agrees_with_its_model`] | the same for the model that the renderer integrates |
 //! | [`converges`] | the error falls with the step at the documented order |
-//! | [`errors_fall`] | the error falls with the step, whatever is hard about a scene |
+//! | [`errors_fall`] | the error falls with the step, over every kind of hard scene |
 //! | [`obeys_invariants`] | what must not change a picture does not, what must change it does so by the right amount |
 //! | [`survives_hard_cases`] | every [named case](crate::cases) gives a finite picture within its bound |
 //!
@@ -24,10 +24,10 @@
 //! the [`CheckFailure`] as a scene file, which `vr render --scene` draws. Scenes that a renderer refuses with
 //! [`RenderError::Unsupported`](vr_core::RenderError::Unsupported) are counted, not failed; refusing all of them is a failure.
 //!
-//! The checks draw grids; [`agrees_with_reference_on`] and [`agrees_with_its_model`] take scenes of one's own, such as
+//! The checks draw grids; [`agrees_with_reference_on`] and [`agrees_with_its_model`] take scenes of the caller, such as
 //! [scattered points](strategies::tame_point_scene).
 //!
-//! [`strategies`] has the random scenes for checks of one's own, [`transformed`] the scenes that must look the same, and
+//! [`strategies`] has the random scenes for the caller's own checks, [`transformed`] the scenes that must look the same, and
 //! [`faulty_marcher`] a renderer with mistakes, to check checks with.
 
 mod agreement;

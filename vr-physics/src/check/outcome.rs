@@ -1,4 +1,4 @@
-//! What a check found.
+//! Results of checks.
 
 use super::effort::Verdict;
 use super::test_scene::TestScene;
@@ -6,15 +6,15 @@ use super::test_scene::TestScene;
 /// A check that held.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// Which check.
+    /// The check.
     pub check: &'static str,
-    /// Of which renderer.
+    /// The renderer.
     pub renderer: &'static str,
     /// Scenes that held.
     pub held: u32,
     /// Scenes that the renderer refused as unsupported.
     pub refused: u32,
-    /// Scenes about which nothing could be said: no bound is promised, or the truth is less certain than the bound.
+    /// Scenes about which nothing could be said: no bound is documented, or the reference is less certain than the bound.
     pub skipped: u32,
     /// The largest deviation measured, relative to max(1, largest magnitude of the picture).
     pub worst: f64,
@@ -73,13 +73,13 @@ impl std::fmt::Display for Report {
 /// `{}` and `{:?}` both print the scene as a scene file, so that `unwrap` in a test shows it.
 #[derive(Clone)]
 pub struct CheckFailure {
-    /// Which check.
+    /// The check.
     pub check: &'static str,
-    /// Of which renderer.
+    /// The renderer.
     pub renderer: &'static str,
-    /// What was found, and what is allowed.
+    /// The finding, and the limit.
     pub reason: String,
-    /// Where.
+    /// The scene.
     pub scene: Option<Box<TestScene>>,
 }
 

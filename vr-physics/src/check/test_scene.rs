@@ -3,13 +3,13 @@
 use vr_core::{Scene, View};
 use vr_io::{SceneFile, scene_text};
 
-/// A scene and a view of it. `{:?}` prints a scene file with the samples inline, so that what a failing property test shows can
+/// A scene and a view of it. `{:?}` prints a scene file with the voxels inline, so that the scene of a failing property test can
 /// be drawn by `vr render --scene`.
 #[derive(Clone)]
 pub struct TestScene {
-    /// What is drawn.
+    /// The scene.
     pub scene: Scene,
-    /// From where.
+    /// The view of it.
     pub view: View,
 }
 
@@ -17,7 +17,7 @@ impl TestScene {
     /// The text of the scene file.
     ///
     /// # Errors
-    /// What a scene file cannot hold: more than 64³ samples or 4096 points. (A layer is left out.)
+    /// A scene that no scene file can hold: more than 64³ voxels or 4096 points. (A layer is left out.)
     pub fn scene_file(&self) -> Result<String, Box<dyn std::error::Error>> {
         Ok(scene_text(&SceneFile::describe(&self.scene, &self.view)?)?)
     }

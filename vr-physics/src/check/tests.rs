@@ -33,8 +33,8 @@ fn a_right_renderer_passes() {
     println!("{}", survives_hard_cases(&Marcher::new(Fault::None), hard_bound, &Reference::default()).unwrap());
 }
 
-/// What a step of an eighth of a voxel can do, with a margin of about 1.5 to what was measured: where the transfer function jumps
-/// or is narrower than a step, not much.
+/// Error of steps of an eighth of a voxel, 1.5 times the measured one or so: large where the transfer function jumps or is narrower
+/// than a step.
 fn hard_bound(case: &crate::cases::Case) -> f64 {
     match case.name {
         "opaque-wall" | "thin-shell" => 0.6,
@@ -161,7 +161,7 @@ fn a_bound_of_the_rmse_is_of_the_rmse() {
     assert!(run(Fault::HalfVoxelShift, DocumentedError::Rmse(0.05)).is_err());
 }
 
-/// What the marcher draws.
+/// The kinds that the marcher draws.
 const MARCHED: [Kind; 14] = [
     Kind::Plain,
     Kind::Jumps,

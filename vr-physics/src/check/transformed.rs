@@ -23,7 +23,7 @@ fn with_points(scene: &Scene, change: impl Fn(usize, &ControlPoint) -> ControlPo
 /// highlight the picture is linear in these.
 ///
 /// # Panics
-/// If a factor is negative or not finite.
+/// Panics if a factor is negative or not finite.
 pub fn with_emission_times(test: &TestScene, factor: impl Fn(usize) -> f64) -> TestScene {
     let change = |i: usize, p: &ControlPoint| ControlPoint {
         color: p.color.map(|c| c * factor(i)),
@@ -44,7 +44,7 @@ pub fn without_highlights(test: &TestScene) -> TestScene {
 /// Depths are `s` times as large, those of a layer, too.
 ///
 /// # Panics
-/// If `s` is not positive, or takes a number beyond what f64 holds.
+/// Panics if `s` is not positive, or takes a number beyond what f64 holds.
 pub fn scaled_world(test: &TestScene, s: f64) -> TestScene {
     let unit_distance = test.scene.transfer.unit_distance() * s;
     let change = |_: usize, p: &ControlPoint| ControlPoint { emission: p.emission.map(|e| e.map(|x| x / s)), ..*p };
@@ -75,13 +75,13 @@ pub fn scaled_world(test: &TestScene, s: f64) -> TestScene {
 }
 
 /// Everything turned by 90° about a world axis (0 x, 1 y, 2 z), counter-clockwise seen from its tip: camera, clip and lights; and
-/// the samples are laid out anew, so that two axes of the grid swap and one of them runs the other way. The same picture, up to
-/// rounding (the nearest filter excepted, which takes the sample of higher index at the middle between two).
+/// the voxels are laid out anew, so that two axes of the grid swap and one of them runs the other way. The same picture, up to
+/// rounding (the nearest filter excepted, which takes the voxel of higher index at the middle between two).
 ///
 /// A grid whose axes are those of the world keeps this.
 ///
 /// # Panics
-/// If `axis` is above 2.
+/// Panics if `axis` is above 2.
 pub fn quarter_turned(test: &TestScene, axis: usize) -> TestScene {
     // The turn takes axis a to axis b and axis b to minus a.
     let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -108,7 +108,7 @@ pub fn quarter_turned(test: &TestScene, axis: usize) -> TestScene {
     TestScene { scene, view }
 }
 
-/// Sample i of the old grid becomes sample j of the new one: j_b = i_a, j_a = n_b − 1 − i_b.
+/// Voxel i of the old grid becomes voxel j of the new one: j_b = i_a, j_a = n_b − 1 − i_b.
 fn quarter_turned_grid(scene: &Scene, (a, b): (usize, usize), turn: impl Fn(DVec3) -> DVec3) -> AnyGrid {
     fn build<T: Voxel>(grid: &UniformGrid<T>, (a, b): (usize, usize), placement: Placement) -> UniformGrid<T> {
         let old = grid.dims();

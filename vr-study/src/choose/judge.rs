@@ -1,84 +1,84 @@
-//! What pictures of one view are judged by.
+//! The standard by which pictures of one view are judged.
 
 use std::time::Duration;
 
 use vr_core::{Control, Frame, Model, RenderError, Scene, View};
 use vr_physics::metrics::subgrid;
 
-use super::Prover;
+use super::BoundedRenderer;
 use super::rmse::RmseEstimate;
 use super::strata;
-use crate::exact::{Exact, ExactCache, SUBGRID};
+use crate::reference::{ReferenceCache, ReferencePixels, SUBGRID};
 
-/// What pictures of one view are judged by, the most certain first.
+/// The standard by which pictures of one view are judged, the most certain first.
 pub(super) enum Judge {
-    /// A picture of which every pixel is within `error` of the truth.
+    /// A picture of which every pixel is within `error` of the correct one.
     Proven {
         /// The picture.
         frame: Frame,
         /// Its largest error.
         error: f64,
     },
-    /// Exact pixels: all of the view, or an even sample where no more is needed.
-    Exact(Exact),
-    /// Exact pixels that are chosen for each picture.
+    /// Reference pixels: all of the view, or an even sample where no more is needed.
+    Reference(ReferencePixels),
+    /// Reference pixels that are chosen for each picture.
     Strata,
 }
 
 /// The largest share of the target that a proven picture's own error may be.
 const MAX_SHARE: f64 = 0.25;
-/// Parts along each side of the small picture that a pixel is taken of, where it is judged by exact pixels.
+/// Parts along each side of the small picture that a pixel is taken of, where it is judged by reference pixels.
 const SMALL_SUBGRID: u32 = 40;
-/// Exact pixels of a whole picture are solved if that takes no longer than this.
+/// Longest time in which the reference pixels of a whole picture are solved.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// Parts along each side of a picture of which a pixel is solved to see how long all take.
+/// Parts along each side of a picture of which a pixel is solved to time all of them.
 const TIMED_SUBGRID: u32 = 12;
 
 impl Judge {
-    /// For small pictures, which only tell what is worth a closer look.
+    /// Judge of small pictures, which only select candidates for larger ones.
     pub(super) fn of_small(
         target: f64,
-        provers: &[Prover],
+        bounded: &[BoundedRenderer],
         (scene, small): (&Scene, &View),
-        cache: &ExactCache,
+        cache: &ReferenceCache,
         control: &Control,
     ) -> Result<Self, RenderError> {
-        if let Some(proven) = Self::proven(target, provers, (scene, small), control)? {
+        if let Some(proven) = Self::proven(target, bounded, (scene, small), control)? {
             return Ok(proven);
         }
         let pixels = subgrid(SMALL_SUBGRID, small.size);
-        cache.solve((scene, small), &Model::Canonical, pixels, control).map(Self::Exact)
+        cache.solve((scene, small), &Model::Canonical, pixels, control).map(Self::Reference)
     }
 
-    /// For whole pictures.
+    /// Judge of whole pictures.
     pub(super) fn of_whole(
         target: f64,
-        provers: &[Prover],
+        bounded: &[BoundedRenderer],
         (scene, view): (&Scene, &View),
         control: &Control,
     ) -> Result<Self, RenderError> {
-        if let Some(proven) = Self::proven(target, provers, (scene, view), control)? {
+        if let Some(proven) = Self::proven(target, bounded, (scene, view), control)? {
             return Ok(proven);
         }
         let all = subgrid(u32::MAX, view.size);
-        let solve = |pixels| Exact::solve((scene, view), &Model::Canonical, pixels, control);
+        let solve = |pixels| ReferencePixels::solve((scene, view), &Model::Canonical, pixels, control);
         if all.len() > (SUBGRID * SUBGRID) as usize {
             let some = solve(subgrid(TIMED_SUBGRID, view.size))?;
             if some.time.mul_f64(all.len() as f64 / some.count() as f64) > PATIENCE {
                 return Ok(Self::Strata);
             }
         }
-        solve(all).map(Self::Exact)
+        solve(all).map(Self::Reference)
     }
 
-    /// The picture of the first prover that draws the scene and keeps its promise.
+    /// The picture of the first bounded renderer that draws the scene and counts no pixel as unbounded.
     fn proven(
         target: f64,
-        provers: &[Prover],
+        bounded: &[BoundedRenderer],
         (scene, view): (&Scene, &View),
         control: &Control,
     ) -> Result<Option<Self>, RenderError> {
-        for Prover { renderer, max_error } in provers.iter().filter(|p| p.max_error <= MAX_SHARE * target) {
+        for BoundedRenderer { renderer, max_error } in bounded.iter().filter(|p| p.max_error <= MAX_SHARE * target) {
             let drawn = renderer.prepare(scene, control).and_then(|mut prepared| prepared.render(view, control));
             match drawn {
                 Ok(drawn) if drawn.stats.counts.unbounded == 0 => {
@@ -91,7 +91,7 @@ impl Judge {
         Ok(None)
     }
 
-    /// Whether [`rmse`](Self::rmse) is more certain with a finer picture beside the one that is judged.
+    /// True if [`rmse`](Self::rmse) is more certain with a finer picture beside the one that is judged.
     pub(super) fn needs_a_guide(&self) -> bool {
         matches!(self, Self::Strata)
     }
@@ -102,12 +102,12 @@ impl Judge {
         frame: &Frame,
         finer: Option<&Frame>,
         scene: (&Scene, &View),
-        cache: &ExactCache,
+        cache: &ReferenceCache,
         control: &Control,
     ) -> Result<RmseEstimate, RenderError> {
         match self {
             Self::Proven { frame: proven, error } => Ok(RmseEstimate::against(frame, proven, *error)),
-            Self::Exact(exact) => Ok(RmseEstimate::of_sample(exact, frame)),
+            Self::Reference(reference) => Ok(RmseEstimate::of_sample(reference, frame)),
             Self::Strata => strata::bound(frame, finer.unwrap_or(frame), scene, cache, control),
         }
     }

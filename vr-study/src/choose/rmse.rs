@@ -1,13 +1,13 @@
-//! The RMSE of a picture, and what it does not exceed.
+//! The RMSE of a picture, and an upper bound of it.
 
 use vr_core::Frame;
 
-use crate::exact::Exact;
+use crate::reference::ReferencePixels;
 
 /// The RMSE of a picture, known or estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RmseEstimate {
-    /// Of the pixels that were compared, weighted so that it stands for all.
+    /// RMSE of the pixels that were compared, weighted so that it stands for all.
     pub rmse: f64,
     /// Largest RMSE that the whole picture may have: proven, or with a confidence of [`CONFIDENCE`](super::CONFIDENCE).
     pub upper: f64,
@@ -21,37 +21,37 @@ pub struct RmseEstimate {
 const QUANTILE: f64 = 1.645;
 
 impl RmseEstimate {
-    /// From the exact solution of a sample of a frame's pixels that is spread evenly, by the normal distribution of means: good enough to choose
-    /// what is worth a closer look. Errors in a few pixels alone, none of them in the sample, it does not know of. Of all pixels, it is
-    /// proven.
-    pub fn of_sample(exact: &Exact, frame: &Frame) -> Self {
-        let squares = squares(exact, frame);
+    /// Estimates it from the reference at a sample of a frame's pixels that is spread evenly, by the normal distribution of means: good enough to
+    /// choose what is worth a closer look. Errors in a few pixels alone, none of them in the sample, go unseen. If the sample holds all pixels, the
+    /// bound is proven.
+    pub fn of_sample(reference: &ReferencePixels, frame: &Frame) -> Self {
+        let squares = squares(reference, frame);
         let n = squares.len() as f64;
         let mean = squares.iter().sum::<f64>() / n;
         let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
         let all = f64::from(frame.size()[0]) * f64::from(frame.size()[1]);
         let left = (1.0 - n / all).max(0.0);
         let spread = if left > 0.0 { QUANTILE * (variance / n * left).sqrt() } else { 0.0 };
-        Self::new(mean, mean + spread, exact, left == 0.0)
+        Self::new(mean, mean + spread, reference, left == 0.0)
     }
 
-    /// From a mean of squares and the largest that it may be; what the solution itself may be off by comes on top.
-    pub(super) fn new(mean: f64, upper: f64, exact: &Exact, proven: bool) -> Self {
-        let upper = upper.sqrt() + exact.certainty.value() / exact.scale();
+    /// Makes it from a mean of squares and an upper bound of that mean; the error of the reference itself is added.
+    pub(super) fn new(mean: f64, upper: f64, reference: &ReferencePixels, proven: bool) -> Self {
+        let upper = upper.sqrt() + reference.certainty.value() / reference.scale();
         Self {
             rmse: mean.sqrt(),
             // Infinite errors leave no mean of squares.
             upper: if upper.is_nan() { f64::INFINITY } else { upper },
-            pixels: exact.count(),
+            pixels: reference.count(),
             proven,
         }
     }
 
-    /// From a picture of the same view of which every pixel is within `error` of the truth, in units of max(1, the largest magnitude): the
-    /// triangle inequality of root mean squares, over all pixels.
+    /// Estimates it from a picture of the same view of which every pixel is within `error` of the correct one, in units of max(1, the largest
+    /// magnitude): the triangle inequality of root mean squares, over all pixels.
     pub fn against(frame: &Frame, proven: &Frame, error: f64) -> Self {
         let peak = proven.pixels().iter().flatten().map(|c| f64::from(c.abs())).fold(1.0, f64::max);
-        // The truth's own largest magnitude is this at least.
+        // The correct picture's largest magnitude is at least this.
         let scale = (peak * (1.0 - error)).max(1.0);
         let pairs = frame.pixels().iter().zip(proven.pixels());
         let square =
@@ -63,11 +63,11 @@ impl RmseEstimate {
 }
 
 /// The mean square of the components' errors, of each pixel that was solved.
-pub(super) fn squares(exact: &Exact, frame: &Frame) -> Vec<f64> {
-    exact.signed(frame).into_iter().map(mean_square).collect()
+pub(super) fn squares(reference: &ReferencePixels, frame: &Frame) -> Vec<f64> {
+    reference.signed(frame).into_iter().map(mean_square).collect()
 }
 
-/// Infinite where there is no number.
+/// Mean square of a pixel's errors; infinite if one is NaN.
 fn mean_square(errors: [f64; 4]) -> f64 {
     let square = errors.iter().map(|c| c * c).sum::<f64>() / 4.0;
     if square.is_nan() { f64::INFINITY } else { square }
@@ -85,10 +85,10 @@ mod tests {
         let subject = phantom_subject("fog", 8, [6, 5]).unwrap();
         let all = subgrid(u32::MAX, subject.view.size);
         let view = (&subject.scene, &subject.view);
-        let exact = Exact::solve(view, &Model::Canonical, all, &Control::default()).unwrap();
+        let reference = ReferencePixels::solve(view, &Model::Canonical, all, &Control::default()).unwrap();
         let frame = Frame::new([6, 5], vec![[0.5; 4]; 30], None);
-        let estimate = RmseEstimate::of_sample(&exact, &frame);
-        assert!((estimate.rmse - exact.judge(&frame).rmse).abs() < 1e-12 && estimate.upper - estimate.rmse < 1e-9);
+        let estimate = RmseEstimate::of_sample(&reference, &frame);
+        assert!((estimate.rmse - reference.judge(&frame).rmse).abs() < 1e-12 && estimate.upper - estimate.rmse < 1e-9);
         assert!(estimate.proven);
     }
 

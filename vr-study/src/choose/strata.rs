@@ -1,23 +1,23 @@
 //! A sample of a picture's pixels in which those that may be wrong are not rare.
 //!
 //! The mean of squared errors over a picture may be made by few pixels: single bright voxels that a coarse setting misses, silhouettes of thin
-//! shells. An even sample of some thousand pixels may hold none of them. Here pixels are ranked by what two pictures tell without any exact
-//! solution: how far the picture is from a finer one, and how far neighbouring pixels are from each other. The foremost 1/1024 of them, up to
-//! 1/128, 1/16, 1/4, and the rest are strata, of each of which as many pixels are solved.
+//! shells. An even sample of some thousand pixels may hold none of them. Here pixels are ranked by two pictures, without the reference: by the
+//! distance of the picture from a finer one, and by the distance of neighbouring pixels from each other. The foremost 1/1024 of them, up to 1/128,
+//! 1/16, 1/4, and the rest are strata, of each of which as many pixels are solved.
 
 use vr_core::{Control, Frame, Model, RenderError, Scene, View};
 use vr_physics::metrics::subgrid;
 
 use super::CONFIDENCE;
 use super::rmse::{RmseEstimate, squares};
-use crate::exact::{ExactCache, SUBGRID};
+use crate::reference::{ReferenceCache, SUBGRID};
 
 /// Ends of the strata, as shares of all pixels, the most suspicious first.
 const ENDS: [f64; 5] = [1.0 / 1024.0, 1.0 / 128.0, 1.0 / 16.0, 0.25, 1.0];
 /// Pixels of each that are solved, beside those of the even subgrid.
 const SAMPLES: usize = 1024;
 
-/// Bounds the RMSE of a frame by exact pixels of strata that a finer frame of the same view suggests.
+/// Bounds the RMSE of a frame by reference pixels of strata that a finer frame of the same view suggests.
 ///
 /// In each stratum the mean of squares is bounded by the empirical Bernstein bound (Maurer & Pontil 2009, "Empirical Bernstein bounds and sample
 /// variance penalization", theorem 4; it holds for draws without replacement, too: Bardenet & Maillard 2015), all of them together with
@@ -30,7 +30,7 @@ pub(super) fn bound(
     frame: &Frame,
     finer: &Frame,
     (scene, view): (&Scene, &View),
-    cache: &ExactCache,
+    cache: &ReferenceCache,
     control: &Control,
 ) -> Result<RmseEstimate, RenderError> {
     let width = frame.size()[0] as usize;
@@ -38,9 +38,9 @@ pub(super) fn bound(
     let even = subgrid(SUBGRID, view.size).into_iter().map(|[x, y]| y as usize * width + x as usize);
     let chosen = sample(&stratum_of, even);
     let places = chosen.iter().map(|&i| [(i % width) as u32, (i / width) as u32]).collect();
-    let exact = cache.solve((scene, view), &Model::Canonical, places, control)?;
+    let reference = cache.solve((scene, view), &Model::Canonical, places, control)?;
 
-    let squares = squares(&exact, frame);
+    let squares = squares(&reference, frame);
     let range = squares.iter().copied().fold(0.0, f64::max);
     let (mut mean, mut upper) = (0.0, 0.0);
     for h in 0..ENDS.len() as u8 {
@@ -52,10 +52,10 @@ pub(super) fn bound(
         mean += share * m;
         upper += share * u;
     }
-    Ok(RmseEstimate::new(mean, upper, &exact, chosen.len() == stratum_of.len()))
+    Ok(RmseEstimate::new(mean, upper, &reference, chosen.len() == stratum_of.len()))
 }
 
-/// Mean of a sample of `size` numbers in [0, `range`], and what the mean of all of them does not exceed but with the probability `delta`.
+/// Mean of a sample of `size` numbers in [0, `range`], and a bound that the mean of all of them exceeds with the probability `delta` at most.
 fn bernstein(sample: &[f64], size: usize, range: f64, delta: f64) -> [f64; 2] {
     if sample.is_empty() {
         return if size == 0 { [0.0; 2] } else { [range; 2] };
@@ -74,7 +74,7 @@ fn bernstein(sample: &[f64], size: usize, range: f64, delta: f64) -> [f64; 2] {
     [mean, upper.min(range)]
 }
 
-/// How much each pixel is to be suspected: its distance from a finer picture, and the largest distance of its neighbours from it in either.
+/// Suspicion of each pixel: its distance from a finer picture, and the largest distance of its neighbours from it in either.
 fn suspicion(frame: &Frame, finer: &Frame) -> Vec<f32> {
     let [w, h] = frame.size().map(|side| side as usize);
     let apart = |a: [f32; 4], b: [f32; 4]| {
@@ -85,13 +85,13 @@ fn suspicion(frame: &Frame, finer: &Frame) -> Vec<f32> {
     };
     let contrast = |f: &Frame, x: usize, y: usize| {
         let at = |x: usize, y: usize| f.pixels()[y * w + x];
-        let (own, mut most) = (at(x, y), 0.0f32);
+        let (own, mut largest) = (at(x, y), 0.0f32);
         for v in y.saturating_sub(1)..(y + 2).min(h) {
             for u in x.saturating_sub(1)..(x + 2).min(w) {
-                most = most.max(apart(own, at(u, v)));
+                largest = largest.max(apart(own, at(u, v)));
             }
         }
-        most
+        largest
     };
     let score = |i: usize| {
         let (x, y) = (i % w, i / w);
@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(bernstein(&[], 0, 9.0, 0.05), [0.0, 0.0]);
     }
 
-    /// How often the bound holds, over phantoms and scenes of single bright voxels, and all settings of the ray caster.
+    /// The bound holds often enough over phantoms and scenes of single bright voxels, and all settings of the ray caster.
     /// `cargo test --release -p vr-study --lib bounds_hold_on -- --ignored --nocapture` prints the table.
     #[test]
     #[ignore = "some minutes"]
@@ -185,23 +185,24 @@ mod tests {
             subjects.push(starry(stars, k as u64, size));
         }
         let raycast: Vec<Box<dyn vr_core::StudiedRenderer>> = vec![Box::new(vr_raycast::RayCaster::default())];
-        let contestants = crate::contestant::contestants(&raycast).unwrap();
+        let candidates = crate::candidate::candidates(&raycast).unwrap();
         let (mut all, mut failed) = (0, 0);
         for subject in &subjects {
             let view = (&subject.scene, &subject.view);
             let pixels = subgrid(u32::MAX, size);
-            let truth = crate::exact::Exact::solve(view, &Model::Canonical, pixels, &control).unwrap();
-            let frames = contestants.iter().filter_map(|c| {
+            let reference =
+                crate::reference::ReferencePixels::solve(view, &Model::Canonical, pixels, &control).unwrap();
+            let frames = candidates.iter().filter_map(|c| {
                 let drawn =
                     c.configured.prepare(&subject.scene, &control).and_then(|mut p| p.render(&subject.view, &control));
                 Some((c.name(), drawn.ok()?.frame))
             });
             let frames: Vec<(String, Frame)> = frames.collect();
-            let rmse = |f: &Frame| truth.judge(f).rmse;
+            let rmse = |f: &Frame| reference.judge(f).rmse;
             let finest = frames.iter().min_by(|a, b| rmse(&a.1).total_cmp(&rmse(&b.1))).unwrap();
             for (name, frame) in &frames {
                 let finer = if *name == finest.0 { frame } else { &finest.1 };
-                let estimate = bound(frame, finer, view, &ExactCache::none(), &control).unwrap();
+                let estimate = bound(frame, finer, view, &ReferenceCache::none(), &control).unwrap();
                 let whole = rmse(frame);
                 all += 1;
                 failed += u32::from(whole > estimate.upper);

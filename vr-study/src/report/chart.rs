@@ -16,11 +16,11 @@ const COLORS: [RGBColor; 6] = [
     RGBColor(0xe6, 0x9f, 0x00),
     RGBColor(0x56, 0xb4, 0xe9),
 ];
-/// Stands for the ink of the page until the SVG is done.
+/// Placeholder of the page's ink until the SVG is done.
 const INK: RGBColor = RGBColor(1, 2, 3);
 const INK_TEXT: &str = "#010203";
 
-/// What a series is drawn as.
+/// The look of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Look {
     /// Single points.
@@ -33,7 +33,7 @@ pub(super) enum Look {
 
 /// One series.
 pub(super) struct Series {
-    /// For the legend; empty: not there.
+    /// Name in the legend; empty: none.
     pub(super) name: String,
     /// Its points; those that are not positive and finite have no place on such axes.
     pub(super) points: Vec<(f64, f64)>,
@@ -41,7 +41,7 @@ pub(super) struct Series {
     pub(super) labels: Vec<String>,
     /// Number of its colour and of its marker: up to six, the marker alone tells series apart, too.
     pub(super) color: usize,
-    /// How it is drawn.
+    /// Its look.
     pub(super) look: Look,
 }
 
@@ -86,7 +86,7 @@ impl Chart<'_> {
             if low > high {
                 return 0.1..10.0;
             }
-            // A fifteenth of the decades that are there, a sixth of one at the least.
+            // A fifteenth of the decades that are there, at least a sixth of one.
             let more = 10f64.powf((libm::log10(high / low) / 15.0).max(0.16));
             low / more..high * more
         };

@@ -1,4 +1,4 @@
-//! What a front page shows of a study: one plot, one table.
+//! The plot and the table of a study on a front page.
 
 use crate::error::StudyError;
 use crate::front::{THRESHOLDS, fastest_within, pareto_front};
@@ -43,7 +43,7 @@ fn chart(
     })
 }
 
-/// The time to reach each error on each subject, and who does, as a table in Markdown.
+/// The shortest time to reach each error on each subject, and its candidate, as a table in Markdown.
 pub fn headline_table(results: &[SubjectResult]) -> String {
     let mut text = String::from("| scene |");
     for (_, name) in THRESHOLDS {
@@ -62,13 +62,13 @@ pub fn headline_table(results: &[SubjectResult]) -> String {
     text
 }
 
-/// For each threshold the least time, and the contestant.
+/// The shortest time to reach each threshold, and its candidate.
 pub(super) fn reaching(result: &SubjectResult) -> Vec<Option<(f64, String)>> {
     let pairs: Vec<(f64, f64)> = result.points.iter().map(crate::point::Point::pair).collect();
     let timed: Vec<(f64, f64)> =
         pairs.iter().map(|&(t, e)| if t.is_finite() { (t, e) } else { (t, f64::NAN) }).collect();
     let cell =
-        |&(error, _): &(f64, &str)| fastest_within(error, &timed).map(|i| (pairs[i].0, result.points[i].contestant()));
+        |&(error, _): &(f64, &str)| fastest_within(error, &timed).map(|i| (pairs[i].0, result.points[i].candidate()));
     THRESHOLDS.iter().map(cell).collect()
 }
 

@@ -7,7 +7,7 @@ use crate::convergence::{Convergence, Outcome, Refined};
 use crate::error::StudyError;
 use crate::error_colors;
 use crate::figures::ErrorFigures;
-use crate::front::{THRESHOLDS, pareto_front, reigns};
+use crate::front::{THRESHOLDS, best_within, pareto_front};
 use crate::machine::Machine;
 use crate::point::Point;
 use crate::scaling::Grown;
@@ -114,7 +114,7 @@ fn subject_section(s: &SubjectResult, timed: bool) -> Result<Markup, StudyError>
     let pairs: Vec<(f64, f64)> = s.points.iter().map(Point::pair).collect();
     let front = pareto_front(&pairs);
     let [w, h] = s.size;
-    let winners = reigns(&pairs, |i| s.points[i].renderer.clone());
+    let winners = best_within(&pairs, |i| s.points[i].renderer.clone());
     Ok(html! {
         section id=(anchor(&s.name)) {
             h2 { (s.name) }
@@ -146,7 +146,7 @@ fn subject_section(s: &SubjectResult, timed: bool) -> Result<Markup, StudyError>
             @if !s.refusals.is_empty() {
                 details {
                     summary { (s.refusals.len()) " that cannot draw it" }
-                    ul { @for r in &s.refusals { li { (r.contestant) ": " (r.feature) } } }
+                    ul { @for r in &s.refusals { li { (r.candidate) ": " (r.feature) } } }
                 }
             }
         }
@@ -170,8 +170,8 @@ fn certainty(s: &SubjectResult) -> String {
 fn picture(p: &Picture, what: &str) -> Markup {
     html! {
         figure.picture {
-            img src={ "data:image/png;base64," (p.png) } alt={ (what) " " (p.contestant) };
-            figcaption { @if what == "picture" { (p.contestant) } @else { (what) " " (p.contestant) } }
+            img src={ "data:image/png;base64," (p.png) } alt={ (what) " " (p.candidate) };
+            figcaption { @if what == "picture" { (p.candidate) } @else { (what) " " (p.candidate) } }
         }
     }
 }
@@ -199,7 +199,7 @@ fn points(s: &SubjectResult, which: &[usize]) -> Markup {
         table {
             thead {
                 tr {
-                    th { "#" } th { "renderer and setting" } th { "ms a frame" } th { "least … most" } th { "prepare ms" } th { "memory" }
+                    th { "#" } th { "renderer and setting" } th { "ms a frame" } th { "min … max" } th { "prepare ms" } th { "memory" }
                     th { "samples" } th { "RMSE" } th { "max" } th { "bias" } th { "99 %" } th { "own model" } th { "function" }
                 }
             }
@@ -208,11 +208,11 @@ fn points(s: &SubjectResult, which: &[usize]) -> Markup {
                     @let p = &s.points[i];
                     tr {
                         td { (i + 1) }
-                        td.left title=(options(p)) { (p.contestant()) }
+                        td.left title=(options(p)) { (p.candidate()) }
                         @match p.times {
                             Some(t) => {
                                 td { (milliseconds(t.frame.median)) }
-                                td { (milliseconds(t.frame.least)) " … " (milliseconds(t.frame.most)) }
+                                td { (milliseconds(t.frame.min)) " … " (milliseconds(t.frame.max)) }
                                 td { (milliseconds(t.prepare.median)) }
                             },
                             None => { td { "–" } td { "–" } td { "–" } },
@@ -292,11 +292,11 @@ fn orders(results: &[Convergence]) -> Result<Markup, StudyError> {
 }
 
 fn stability(results: &[CaseResult], failures: usize) -> Markup {
-    let mut contestants: Vec<&str> = Vec::new();
+    let mut candidates: Vec<&str> = Vec::new();
     let mut cases: Vec<(&str, &str)> = Vec::new();
     for r in results {
-        if !contestants.contains(&r.contestant.as_str()) {
-            contestants.push(&r.contestant);
+        if !candidates.contains(&r.candidate.as_str()) {
+            candidates.push(&r.candidate);
         }
         if !cases.iter().any(|c| c.0 == r.case) {
             cases.push((&r.case, &r.summary));
@@ -316,13 +316,13 @@ fn stability(results: &[CaseResult], failures: usize) -> Markup {
             }
             div.wide {
                 table {
-                    thead { tr { th { "case" } @for c in &contestants { th { (c) } } } }
+                    thead { tr { th { "case" } @for c in &candidates { th { (c) } } } }
                     tbody {
                         @for (case, summary) in &cases {
                             tr {
                                 th title=(summary) { (case) }
-                                @for contestant in &contestants {
-                                    @match results.iter().find(|r| r.case == *case && r.contestant == *contestant) {
+                                @for candidate in &candidates {
+                                    @match results.iter().find(|r| r.case == *case && r.candidate == *candidate) {
                                         Some(r) => td class=(class(&r.verdict)) {
                                             @let error = |e: &ErrorFigures| if r.bound_of_rmse { e.rmse } else { e.max };
                                             (r.error.as_ref().map_or_else(|| "–".to_owned(), |e| format!("{:.1e}", error(e))))
@@ -351,7 +351,7 @@ fn how() -> Markup {
             ul {
                 li { "Errors are frame − exact pixel, over red, green, blue and opacity of premultiplied linear light, divided by max(1, the largest magnitude of the picture). 1/255 ≈ 0.0039 is what 8 bits can show." }
                 li { "The exact solution integrates the equation of transfer in f64 with a bound on its own error. " b { "own model" } ": RMSE against what the renderer itself integrates, another reconstruction filter say, done exactly. " b { "function" } ": against the phantom as the function that it is, without samples." }
-                li { "Times are of frames after preparation. In each round every contestant prepares a copy of the scene, and draws two views of a turning camera in turns after a frame that counts nowhere; the least time of each view counts, and the mean of the two; of frames that take 40 ms or more, one is drawn each round, the first after preparation. Given is the median of the rounds, and the least and most, corrected for how fast the machine was at the moment: a small computation, always the same, is timed before and after. Contestants take turns, so that a machine that slows down slows all." }
+                li { "Times are of frames after preparation. In each round every candidate prepares a copy of the scene, and draws two views of a turning camera in turns after a frame that counts nowhere; the shortest time of each view counts, and the mean of the two; of frames that take 40 ms or more, one is drawn each round, the first after preparation. Given is the median of the rounds, and the shortest and longest, corrected for how fast the machine was at the moment: a small computation, always the same, is timed before and after. Candidates take turns, so that a machine that slows down slows all." }
                 li { "Memory is what preparation and frames need at once beyond the scene." }
             }
         }

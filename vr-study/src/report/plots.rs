@@ -9,13 +9,13 @@ use crate::study::SubjectResult;
 
 use super::chart::{Chart, Look, Series};
 
-/// Below this, an error is drawn here: a logarithmic axis has no zero, and frames are f32.
-const LEAST_ERROR: f64 = 1e-9;
+/// Smallest error in a plot; smaller ones are drawn here: a logarithmic axis has no zero, and frames are f32.
+const MIN_ERROR: f64 = 1e-9;
 
-/// Where a point lies.
+/// The place of a point in a plot.
 pub(super) fn place(point: &Point) -> (f64, f64) {
     let (time, error) = point.pair();
-    (time, error.max(LEAST_ERROR))
+    (time, error.max(MIN_ERROR))
 }
 
 /// Renderers in the order in which they appear.

@@ -33,7 +33,7 @@ const HEADER: [&str; 26] = [
     "function_max",
 ];
 
-/// Points as comma-separated values, one row each below a header; what was not measured is empty.
+/// Points as comma-separated values, one row each below a header; figures that were not measured are empty.
 ///
 /// # Errors
 /// None that is known: memory takes all.
@@ -58,8 +58,8 @@ pub fn csv(results: &[SubjectResult]) -> Result<Vec<u8>, StudyError> {
                 number(p.order),
                 number(Some(p.error_floor)),
                 number(p.times.map(|t| t.frame.median)),
-                number(p.times.map(|t| t.frame.least)),
-                number(p.times.map(|t| t.frame.most)),
+                number(p.times.map(|t| t.frame.min)),
+                number(p.times.map(|t| t.frame.max)),
                 number(p.times.map(|t| t.prepare.median)),
                 p.times.map_or_else(String::new, |t| t.rounds.to_string()),
                 p.peak_bytes.map_or_else(String::new, |b| b.to_string()),

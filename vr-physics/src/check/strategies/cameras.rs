@@ -8,13 +8,13 @@ use vr_core::{Camera, Clip, GridVolume, Plane, Projection, Volume};
 /// A camera apart from the volume that it looks at.
 #[derive(Clone, Debug)]
 pub(super) enum Viewpoint {
-    /// Orthographic or perspective, from one place in the box's coordinates towards another.
+    /// A view, orthographic or perspective, from one place in the box's coordinates towards another.
     Generic { eye: [f64; 3], target: [f64; 3], up: usize, fov: Option<f64>, zoom: f64 },
-    /// From ten to a million diagonals away, the volume filling the picture.
+    /// A view from ten to a million diagonals away, the volume filling the picture.
     Far { direction: [f64; 3], decades: f64, perspective: bool, zoom: f64 },
-    /// Orthographic along an axis of the grid, the image centre on a lattice line, two pixels a voxel.
+    /// An orthographic view along an axis of the grid, the image centre on a lattice line, two pixels a voxel.
     AlongAxis { axis: usize, backwards: bool, rows: u32 },
-    /// Orthographic, nearly parallel to a face of the box and in it.
+    /// An orthographic view, nearly parallel to a face of the box and in it.
     Grazing { axis: usize, tilt: f64, upper: bool },
 }
 
@@ -122,7 +122,7 @@ pub(super) fn viewpoint() -> impl Strategy<Value = Viewpoint> {
     ]
 }
 
-/// From anywhere within three boxes, the box's own inside included.
+/// Viewpoints anywhere within three boxes, the box's own inside included.
 pub(super) fn generic() -> impl Strategy<Value = Viewpoint> {
     let eye = prop_oneof![
         4 => [-2.0..3.0, -2.0..3.0, 1.5..3.0],
@@ -135,13 +135,13 @@ pub(super) fn generic() -> impl Strategy<Value = Viewpoint> {
         .prop_map(|(eye, target, up, fov, zoom)| Viewpoint::Generic { eye, target, up, fov, zoom })
 }
 
-/// Far away, ten to a million diagonals.
+/// Viewpoints far away, ten to a million diagonals.
 pub(super) fn far() -> impl Strategy<Value = Viewpoint> {
     ([-1.0..1.0, -1.0..1.0, 0.1..1.0], 1.0..=6.0, any::<bool>(), 0.5..1.2)
         .prop_map(|(direction, decades, perspective, zoom)| Viewpoint::Far { direction, decades, perspective, zoom })
 }
 
-/// Inside the volume.
+/// Viewpoints inside the volume.
 pub(super) fn inside() -> impl Strategy<Value = Viewpoint> {
     let within = || 0.05..0.95;
     let eye = [within(), within(), within()];

@@ -5,25 +5,25 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use vr_core::{AnyGrid, Calibration, Placement, UniformGrid, Volume, VoxelType};
 
-/// Most samples along an axis of a random grid.
-const MOST: usize = 6;
+/// Largest number of voxels along an axis of a random grid.
+const MAX_VOXELS: usize = 6;
 
-/// Any small volume: all five sample types, 2 to 6 samples an axis, sheared, flipped and anisotropic placements, calibrations of
-/// either sign, constant data, and (for floats) missing samples.
+/// Any small volume: all five voxel types, 2 to 6 voxels an axis, sheared, flipped and anisotropic placements, calibrations of
+/// either sign, constant data, and (for floats) missing voxels.
 pub fn grid() -> impl Strategy<Value = Volume> {
     let data = prop_oneof![2 => constant(), 2 => ramp(), 4 => noise(), 2 => with_holes()];
     (voxel_type(), dims(2), data, placement(any_spacing()), calibration())
         .prop_map(|(kind, dims, data, placement, calibration)| build(kind, dims, &data, placement, calibration))
 }
 
-/// As [`grid`], with no missing samples.
+/// As [`grid`], without missing voxels.
 pub fn tame_grid() -> impl Strategy<Value = Volume> {
     let data = prop_oneof![1 => constant(), 2 => ramp(), 4 => noise()];
     (voxel_type(), dims(2), data, placement(any_spacing()), calibration())
         .prop_map(|(kind, dims, data, placement, calibration)| build(kind, dims, &data, placement, calibration))
 }
 
-/// Floats in [0, 1] that change little from cell to cell: a ramp with a gentle parabola on it, on 4 to 6 samples an axis, under
+/// Floats in [0, 1] that change little from cell to cell: a ramp with a gentle parabola on it, on 4 to 6 voxels an axis, under
 /// any placement that is not very anisotropic.
 pub fn smooth_grid() -> impl Strategy<Value = Volume> {
     (dims(4), smooth(), placement(0.7..1.4))
@@ -40,12 +40,12 @@ pub(super) fn voxel_type() -> impl Strategy<Value = VoxelType> {
     ]
 }
 
-pub(super) fn dims(least: usize) -> impl Strategy<Value = [usize; 3]> {
-    [least..=MOST, least..=MOST, least..=MOST]
+pub(super) fn dims(min: usize) -> impl Strategy<Value = [usize; 3]> {
+    [min..=MAX_VOXELS, min..=MAX_VOXELS, min..=MAX_VOXELS]
 }
 
-/// Where in the range of the sample type the samples lie, 0 to 1, as a function of the index. Independent of the dims, so that
-/// these can shrink by themselves and leave the samples where they were.
+/// Values of the voxels as fractions of the range of their type, a function of the index. Independent of the dims, so that
+/// these can shrink by themselves and leave the values as they were.
 #[derive(Clone, Debug)]
 pub(super) enum Data {
     Constant(f64),
@@ -62,11 +62,11 @@ pub(super) enum Data {
         turns: [f64; 3],
         phase: f64,
     },
-    /// Other data, NaN in some regions: what scanners write outside of what they see.
+    /// Other data, NaN in some regions, as scanners write outside of the part that they see.
     Masked(Box<Data>, Vec<Region>),
     /// Other data, the same value throughout each of some regions.
     Flat(Box<Data>, Vec<(Region, f64)>),
-    /// Numbers of parts, as fractions of [`LABELS`]: the last region that holds a sample names it.
+    /// Numbers of parts, as fractions of [`LABELS`]: the last region that holds a voxel names it.
     Labels(Vec<(Region, u8)>),
 }
 
@@ -98,7 +98,7 @@ fn region() -> impl Strategy<Value = Region> {
     })
 }
 
-/// Whatever changes from sample to sample: a ramp, a wave, noise.
+/// Data that change from voxel to voxel: a ramp, a wave, noise.
 pub(super) fn varied() -> impl Strategy<Value = Data> {
     prop_oneof![1 => ramp(), 3 => wave(), 2 => noise()]
 }
@@ -107,7 +107,7 @@ fn wave() -> impl Strategy<Value = Data> {
     ([-0.5..0.5, -0.5..0.5, 0.1..0.5], 0.0..1.0).prop_map(|(turns, phase)| Data::Wave { turns, phase })
 }
 
-/// Samples that are missing in one or two blocks or spheres.
+/// Voxels that are missing in one or two blocks or spheres.
 pub(super) fn masked() -> impl Strategy<Value = Data> {
     let inside = prop_oneof![2 => varied(), 1 => constant()];
     (inside, vec(region(), 1..=2)).prop_map(|(data, regions)| Data::Masked(Box::new(data), regions))
@@ -141,25 +141,25 @@ fn smooth() -> impl Strategy<Value = Data> {
 }
 
 pub(super) fn noise() -> impl Strategy<Value = Data> {
-    vec(0.0..=1.0, MOST * MOST * MOST).prop_map(Data::Noise)
+    vec(0.0..=1.0, MAX_VOXELS * MAX_VOXELS * MAX_VOXELS).prop_map(Data::Noise)
 }
 
 pub(super) fn with_holes() -> impl Strategy<Value = Data> {
-    let n = MOST * MOST * MOST;
+    let n = MAX_VOXELS * MAX_VOXELS * MAX_VOXELS;
     // One in eight is missing: 5 NaN, 6 +∞, 7 −∞.
     let hole = prop_oneof![21 => Just(0u8), 1 => Just(5u8), 1 => Just(6u8), 1 => Just(7u8)];
     (vec(0.0..=1.0, n), vec(hole, n)).prop_map(|(values, holes)| Data::Holes(values, holes))
 }
 
 impl Data {
-    /// True if some samples may be NaN or infinite.
+    /// True if some voxels may be NaN or infinite.
     pub fn has_missing(&self) -> bool {
         matches!(self, Self::Holes(..) | Self::Masked(..))
     }
 
     fn at(&self, p: [usize; 3], dims: [usize; 3]) -> f64 {
         // Larger grids repeat what is random.
-        let i = (p[2] % MOST * MOST + p[1] % MOST) * MOST + p[0] % MOST;
+        let i = (p[2] % MAX_VOXELS * MAX_VOXELS + p[1] % MAX_VOXELS) * MAX_VOXELS + p[0] % MAX_VOXELS;
         match self {
             Self::Constant(v) => *v,
             Self::Smooth { slopes, curvature } => {
@@ -237,7 +237,7 @@ fn build(kind: VoxelType, dims: [usize; 3], data: &Data, placement: Placement, c
 
 /// As [`build`], with floats between two numbers other than 0 and 1.
 pub(super) fn build_in(
-    (least, greatest): (f64, f64),
+    (min, max): (f64, f64),
     kind: VoxelType,
     dims: [usize; 3],
     data: &Data,
@@ -246,7 +246,7 @@ pub(super) fn build_in(
 ) -> Volume {
     // Integers have no missing samples: their cast takes NaN to 0 and infinities to the ends of the range.
     let scaled = |low: f64, high: f64| samples(dims, |p| (low + data.at(p, dims) * (high - low)).round());
-    let float = || samples(dims, |p| least + data.at(p, dims) * (greatest - least));
+    let float = || samples(dims, |p| min + data.at(p, dims) * (max - min));
     fn cast<T: vr_core::Voxel>(
         dims: [usize; 3],
         numbers: Vec<f64>,

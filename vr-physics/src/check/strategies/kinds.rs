@@ -27,9 +27,9 @@ pub enum Kind {
     Spikes,
     /// A ramp up to a plateau of opacity 1.
     Opaque,
-    /// Samples that are missing in blocks and spheres.
+    /// Voxels that are missing in blocks and spheres.
     Masks,
-    /// Samples that are missing here and there.
+    /// Voxels that are missing here and there.
     Holes,
     /// Constant data, constant blocks in other data.
     Constants,
@@ -39,7 +39,7 @@ pub enum Kind {
     Peaks,
     /// Calibrations of a negative slope.
     NegativeSlopes,
-    /// Values around 10³ to 10⁷, in the calibration or in the samples themselves.
+    /// Values around 10³ to 10⁷, in the calibration or in the voxels themselves.
     Offsets,
     /// Values near either end of what f32 holds.
     Extremes,
@@ -98,7 +98,7 @@ impl Kind {
         Self::Mixed,
     ];
 
-    /// In kebab case.
+    /// Its name, in kebab case.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "plain",
@@ -211,12 +211,12 @@ impl Kind {
 /// Random scenes of any of these kinds, all alike often.
 ///
 /// # Panics
-/// If there is none.
+/// Panics if the list is empty.
 pub fn scene_of(kinds: &[Kind]) -> impl Strategy<Value = TestScene> + use<> {
     prop::sample::select(kinds.to_vec()).prop_flat_map(Kind::scenes)
 }
 
-/// What scenes are drawn from, part by part.
+/// Strategies for the parts of a scene.
 struct Parts {
     volume: BoxedStrategy<Volume>,
     recipe: BoxedStrategy<Recipe>,
@@ -228,7 +228,7 @@ struct Parts {
     /// The threshold of `first` is a fraction of the range of values.
     compositing: BoxedStrategy<Compositing>,
     layer: BoxedStrategy<Option<LayerPlane>>,
-    samples: BoxedStrategy<u32>,
+    supersampling: BoxedStrategy<u32>,
 }
 
 impl Parts {
@@ -242,7 +242,7 @@ impl Parts {
             shading: Just(None).boxed(),
             compositing: Just(Compositing::Over).boxed(),
             layer: Just(None).boxed(),
-            samples: Just(1).boxed(),
+            supersampling: Just(1).boxed(),
         }
     }
 
@@ -274,27 +274,29 @@ impl Parts {
             shading: prop_oneof![2 => Just(None).boxed(), 1 => shaded(modulations.boxed())].boxed(),
             compositing: scheme().boxed(),
             layer: proptest::option::weighted(0.2, layer()).boxed(),
-            samples: prop_oneof![6 => Just(1u32), 1 => Just(2)].boxed(),
+            supersampling: prop_oneof![6 => Just(1u32), 1 => Just(2)].boxed(),
         }
     }
 
     fn scenes(self) -> BoxedStrategy<TestScene> {
-        let look = (self.filter, self.shading, self.compositing, self.layer, self.samples);
+        let look = (self.filter, self.shading, self.compositing, self.layer, self.supersampling);
         (self.volume, self.recipe, self.viewpoint, [4u32..=6, 4u32..=6], self.cuts, look)
-            .prop_map(|(volume, recipe, viewpoint, size, cuts, (filter, shading, compositing, layer, samples))| {
-                let range = volume.value_range().unwrap_or((0.0, 1.0));
-                let clip = cuts.map(|c| c.of_volume(&volume)).unwrap_or_default();
-                let view = View { supersampling: samples, clip, ..View::new(viewpoint.camera(&volume, size[1]), size) };
-                let surfaces = layer.map(|plane| Arc::new(plane.of(&volume)) as Arc<dyn Surfaces>);
-                let steepest = (range.1 - range.0) / volume.mean_spacing();
-                let transfer = recipe.of_volume(&volume);
-                let compositing = stretched(compositing, range);
-                let mut scene = Scene { surfaces, compositing, ..Scene::new(volume.with_filter(filter), transfer) };
-                if let Some((shading, lights)) = shading {
-                    (scene.shading, scene.lights) = (Some(with_slopes(shading, steepest)), lights);
-                }
-                TestScene { scene, view }
-            })
+            .prop_map(
+                |(volume, recipe, viewpoint, size, cuts, (filter, shading, compositing, layer, supersampling))| {
+                    let range = volume.value_range().unwrap_or((0.0, 1.0));
+                    let clip = cuts.map(|c| c.of_volume(&volume)).unwrap_or_default();
+                    let view = View { supersampling, clip, ..View::new(viewpoint.camera(&volume, size[1]), size) };
+                    let surfaces = layer.map(|plane| Arc::new(plane.of(&volume)) as Arc<dyn Surfaces>);
+                    let steepest = (range.1 - range.0) / volume.mean_spacing();
+                    let transfer = recipe.of_volume(&volume);
+                    let compositing = stretched(compositing, range);
+                    let mut scene = Scene { surfaces, compositing, ..Scene::new(volume.with_filter(filter), transfer) };
+                    if let Some((shading, lights)) = shading {
+                        (scene.shading, scene.lights) = (Some(with_slopes(shading, steepest)), lights);
+                    }
+                    TestScene { scene, view }
+                },
+            )
             .boxed()
     }
 }
@@ -322,7 +324,7 @@ fn shaded(modulation: BoxedStrategy<Vec<(f64, f64)>>) -> BoxedStrategy<Option<Li
         .boxed()
 }
 
-/// Some data in any sample type; floats alone where the data have missing samples, which integers cannot tell.
+/// Some data in any voxel type; floats alone if the data have missing voxels, which integers cannot tell.
 fn volume(data: BoxedStrategy<Data>) -> BoxedStrategy<Volume> {
     (grids::voxel_type(), data)
         .prop_flat_map(|(voxel, data)| {
@@ -362,7 +364,7 @@ fn falling() -> BoxedStrategy<Volume> {
         .boxed()
 }
 
-/// An offset of 10³ to 10⁷ under values that differ by 1 to 1000, given by the calibration or in the samples.
+/// An offset of 10³ to 10⁷ under values that differ by 1 to 1000, given by the calibration or in the voxels.
 fn offset() -> BoxedStrategy<Volume> {
     (3.0..=7.0, any::<bool>(), 0.0..3.0, any::<bool>())
         .prop_flat_map(|(decades, negative, extent, stored)| {
@@ -398,7 +400,7 @@ fn extreme() -> BoxedStrategy<Volume> {
 #[derive(Clone, Copy, Debug)]
 struct LayerPlane {
     color: [f32; 3],
-    /// Behind the middle of the volume, in diagonals; and how much more from one side of the picture to the other.
+    /// Depth behind the middle of the volume, in diagonals; and its increase from one side of the picture to the other.
     behind: f64,
     tilt: f64,
     /// Every how many pixels there is a hole in it.
@@ -416,7 +418,7 @@ impl LayerPlane {
     }
 }
 
-/// Such a picture in a volume's world.
+/// The picture in a volume's world.
 #[derive(Clone, Copy, Debug)]
 struct Backdrop {
     plane: LayerPlane,
@@ -468,7 +470,7 @@ mod tests {
                 let (low, high) = t.scene.volume.bounds();
                 (t.view.camera.eye - low).length() > 9.0 * (high - low).length()
             };
-            let (found, least) = match kind {
+            let (found, min) = match kind {
                 Kind::Plain => (share(&|t| !t.scene.transfer.has_jumps()), 60),
                 Kind::Jumps => (share(&|t| t.scene.transfer.has_jumps()), 60),
                 Kind::Spikes => (share(&|t| t.scene.transfer.points().len() >= 3), 60),
@@ -509,7 +511,7 @@ mod tests {
                 ),
                 Kind::Mixed => (share(&|t| t.scene.compositing == Compositing::Over), 10),
             };
-            assert!(found >= least, "{}: {found} of 60", kind.name());
+            assert!(found >= min, "{}: {found} of 60", kind.name());
         }
     }
 

@@ -10,8 +10,8 @@ use super::looks::{scheme, stretched, tame_compositing};
 use super::transfers::{Recipe, recipe, tame_recipe};
 use crate::check::TestScene;
 
-/// Most pixels along a side of a random picture.
-const MOST_PIXELS: u32 = 8;
+/// Largest number of pixels along a side of a random picture.
+const MAX_PIXELS: u32 = 8;
 
 /// 1 to 40 points with any kernel: clustered in place, with radii over two orders of magnitude, some coincident or in each other's
 /// supports, some apart; weights of one sign, values of one or both; around the origin, or far from it.
@@ -52,7 +52,7 @@ fn scenes(
     cuts: impl Strategy<Value = super::cameras::Cuts>,
     compositing: impl Strategy<Value = vr_core::Compositing>,
 ) -> impl Strategy<Value = TestScene> {
-    let size = [1..=MOST_PIXELS, 1..=MOST_PIXELS];
+    let size = [1..=MAX_PIXELS, 1..=MAX_PIXELS];
     (point_set(), recipe, sight, size, cuts, compositing).prop_map(
         |(points, recipe, sight, size, cuts, compositing)| {
             let (low, high) = points.value_range();
@@ -81,11 +81,11 @@ fn scenes(
     )
 }
 
-/// From where a set is seen.
+/// The place from which a set is seen.
 #[derive(Clone, Debug)]
 enum Sight {
     Generic(Viewpoint),
-    /// Along an axis, straight at the first point.
+    /// A view along an axis, straight at the first point.
     Exact {
         axis: usize,
         backwards: bool,

@@ -11,8 +11,8 @@ use super::looks::{Lit, filter, scheme, shading, stretched, tame_compositing};
 use super::transfers::{Recipe, recipe, smooth_recipe, tame_recipe};
 use crate::check::TestScene;
 
-/// Most pixels along a side of a random picture.
-const MOST_PIXELS: u32 = 8;
+/// Largest number of pixels along a side of a random picture.
+const MAX_PIXELS: u32 = 8;
 
 /// Any valid scene, the unkind included; see the [module](super).
 pub fn scene() -> impl Strategy<Value = TestScene> {
@@ -40,7 +40,7 @@ pub fn tame_scene() -> impl Strategy<Value = TestScene> {
 /// A trilinear scene under emission and absorption that is as smooth as such a scene can be, with unequal extinction at both ends
 /// of nearly every ray; see the [module](super).
 pub fn smooth_scene() -> impl Strategy<Value = TestScene> {
-    (smooth_grid(), smooth_recipe(), generic(), 4u32..=MOST_PIXELS).prop_map(|(volume, recipe, viewpoint, side)| {
+    (smooth_grid(), smooth_recipe(), generic(), 4u32..=MAX_PIXELS).prop_map(|(volume, recipe, viewpoint, side)| {
         let transfer = recipe.of_volume(&volume);
         let camera = viewpoint.camera(&volume, side);
         TestScene { scene: Scene::new(volume, transfer), view: View::new(camera, [side, side]) }
@@ -49,7 +49,7 @@ pub fn smooth_scene() -> impl Strategy<Value = TestScene> {
 
 /// Width, height, and rays along a side of a pixel.
 fn picture() -> impl Strategy<Value = ([u32; 2], u32)> {
-    ([1..=MOST_PIXELS, 1..=MOST_PIXELS], prop_oneof![5 => Just(1u32), 1 => 2u32..=3])
+    ([1..=MAX_PIXELS, 1..=MAX_PIXELS], prop_oneof![5 => Just(1u32), 1 => 2u32..=3])
 }
 
 struct Look {
@@ -63,14 +63,14 @@ fn assemble(
     volume: Volume,
     recipe: &Recipe,
     viewpoint: &Viewpoint,
-    ([width, height], samples): ([u32; 2], u32),
+    ([width, height], supersampling): ([u32; 2], u32),
     cuts: &Cuts,
     look: Look,
 ) -> TestScene {
     let height = viewpoint.rows().unwrap_or(height);
     let camera = viewpoint.camera(&volume, height);
     let clip: Clip = cuts.of_volume(&volume);
-    let view = View { supersampling: samples, clip, ..View::new(camera, [width, height]) };
+    let view = View { supersampling, clip, ..View::new(camera, [width, height]) };
     let transfer = recipe.of_volume(&volume);
     let mut scene = Scene {
         compositing: stretched(look.compositing, volume.value_range().unwrap_or((0.0, 1.0))),

@@ -4,18 +4,18 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use vr_core::{ControlPoint, OpacityRule, TransferFunction, Volume};
 
-/// What a transfer function is like, apart from the volume that it is for.
+/// A transfer function apart from the volume that it is for.
 #[derive(Clone, Debug)]
 pub(super) struct Recipe {
     /// Sorted fractions of the range of values, colours, opacities, emissions.
     points: Vec<(f64, [f64; 3], f64, [f64; 3])>,
     kind: Kind,
     rule: OpacityRule,
-    /// In mean spacings.
+    /// Unit distance, in mean spacings.
     unit_distance: f64,
 }
 
-/// How light is given.
+/// The kind of light that is given.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     DensityEmitter,

@@ -1,4 +1,4 @@
-//! Exact pixels, and how far a picture is from them.
+//! Reference pixels, and the distance of a picture from them.
 
 mod cache;
 mod fingerprint;
@@ -13,24 +13,24 @@ use vr_physics::{Certainty, Reference, Solution, spread};
 
 use crate::error_colors;
 
-pub use cache::ExactCache;
+pub use cache::ReferenceCache;
 pub(crate) use fingerprint::fingerprint;
 
 /// Parts along each side of a picture of which a pixel each is compared, where not every pixel is.
 pub const SUBGRID: u32 = 64;
 
-/// The exact solution of some pixels of a view.
+/// The reference of some pixels of a view.
 #[derive(Clone, Debug)]
-pub struct Exact {
+pub struct ReferencePixels {
     pixels: Vec<[u32; 2]>,
     rgba: Vec<[f64; 4]>,
-    /// Largest error of the solution itself, and whether that is proven or estimated.
+    /// Largest error of the reference itself, proven or estimated.
     pub certainty: Certainty,
-    /// What it took to solve, or to read.
+    /// Time that it took to solve them, or to read them.
     pub time: Duration,
 }
 
-impl Exact {
+impl ReferencePixels {
     /// Solves pixels of a view in f64.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl Exact {
         Ok(Self::new(pixels, &solution, start))
     }
 
-    /// Solves pixels of a phantom as the function that it is, under the transfer function of a scene of its samples.
+    /// Solves pixels of a phantom as the function that it is, under the transfer function of a scene of its voxels.
     ///
     /// # Errors
     /// As [`Reference::solve_phantom`].
@@ -78,12 +78,12 @@ impl Exact {
         Metrics::of(&self.rgba, &drawn)
     }
 
-    /// What errors are divided by: max(1, largest magnitude of the solution).
+    /// The divisor of errors: max(1, largest magnitude of the reference).
     pub fn scale(&self) -> f64 {
         self.rgba.iter().flatten().fold(1.0, |peak, c| peak.max(c.abs()))
     }
 
-    /// Frame − solution per component of each pixel, in units of [`scale`](Self::scale).
+    /// Frame − reference per component of each pixel, in units of [`scale`](Self::scale).
     pub fn signed(&self, frame: &Frame) -> Vec<[f64; 4]> {
         let scale = self.scale();
         let error = |(&[x, y], exact): (&[u32; 2], &[f64; 4])| {
@@ -122,12 +122,12 @@ impl Exact {
         &self.pixels
     }
 
-    /// Their exact premultiplied linear RGBA, in the same order.
+    /// Their premultiplied linear RGBA, in the same order.
     pub fn rgba(&self) -> &[[f64; 4]] {
         &self.rgba
     }
 
-    /// How many pixels were solved.
+    /// Number of pixels that were solved.
     pub fn count(&self) -> usize {
         self.pixels.len()
     }
@@ -142,7 +142,7 @@ mod tests {
     fn what_is_no_number_is_infinitely_wrong() {
         let subject = phantom_subject("fog", 4, [2, 1]).unwrap();
         let view = (&subject.scene, &subject.view);
-        let exact = Exact::solve(view, &Model::Canonical, vec![[0, 0], [1, 0]], &Control::default()).unwrap();
+        let exact = ReferencePixels::solve(view, &Model::Canonical, vec![[0, 0], [1, 0]], &Control::default()).unwrap();
         let [r, g, b, a] = exact.rgba()[1].map(|x| x as f32);
         let frame = Frame::new([2, 1], vec![[f32::NAN, 0.0, 0.0, 0.0], [r, g - 0.25, b, a]], None);
         let errors = exact.errors(&frame);

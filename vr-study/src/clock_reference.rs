@@ -1,4 +1,4 @@
-//! How fast the machine is at the moment.
+//! Speed of the machine at the moment.
 //!
 //! Others use the machine, too, and processors change their clocks: the same frame may take twice as long a second later. A small
 //! computation that is always the same, done right before and right after what is timed, tells by how much.
@@ -8,34 +8,34 @@ use std::time::{Duration, Instant};
 use vr_core::image_order::in_parallel;
 use vr_core::{Control, RenderError};
 
-/// Samples looked up by each piece of work: a third of a millisecond in all on two cores.
+/// Values looked up by each piece of work: a third of a millisecond in all on two cores.
 const LOOKUPS: usize = 30_000;
 /// Values of the table: they fit into any second cache.
 const TABLE: usize = 1 << 14;
-/// The least of so many counts: what interrupts one of them says nothing about the rest.
+/// Number of times of which the shortest counts: what interrupts one of them says nothing about the rest.
 const REPEATS: usize = 3;
 
-/// A computation like that of a renderer: samples of a table, interpolated and composited.
-pub(crate) struct Yardstick {
+/// A computation like that of a renderer: values of a table, interpolated and composited.
+pub(crate) struct ClockReference {
     table: Vec<f32>,
 }
 
-impl Yardstick {
+impl ClockReference {
     pub(crate) fn new() -> Self {
         Self { table: (0..TABLE).map(|i| (i % 251) as f32 / 251.0).collect() }
     }
 
-    /// What it takes now, on all threads.
+    /// Times it now, on all threads.
     pub(crate) fn take(&self, control: &Control) -> Result<Duration, RenderError> {
-        let mut least = Duration::MAX;
+        let mut shortest = Duration::MAX;
         for _ in 0..REPEATS {
             let start = Instant::now();
             let pieces = 2 * control.threads() as u32;
             let sums = in_parallel(control, pieces, |piece| self.march(piece))?;
             std::hint::black_box(sums);
-            least = least.min(start.elapsed());
+            shortest = shortest.min(start.elapsed());
         }
-        Ok(least)
+        Ok(shortest)
     }
 
     fn march(&self, piece: u32) -> f32 {
@@ -61,9 +61,9 @@ mod tests {
 
     #[test]
     fn it_takes_a_moment_and_gives_the_same() {
-        let yardstick = Yardstick::new();
-        assert!(yardstick.take(&Control::default()).unwrap() > Duration::ZERO);
-        assert_eq!(yardstick.march(3), Yardstick::new().march(3));
-        assert!(yardstick.march(0) > 0.0);
+        let clock_reference = ClockReference::new();
+        assert!(clock_reference.take(&Control::default()).unwrap() > Duration::ZERO);
+        assert_eq!(clock_reference.march(3), ClockReference::new().march(3));
+        assert!(clock_reference.march(0) > 0.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Exact solutions on disk, so that a second report does not solve them again.
+//! Reference pixels on disk, so that a second report does not solve them again.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,14 +8,14 @@ use sha2::{Digest, Sha256};
 use vr_core::{Control, Model, RenderError, Scene, View};
 use vr_physics::{Certainty, DEFAULT_TOLERANCE, Pixel, Reference, Solution};
 
-use super::Exact;
+use super::ReferencePixels;
 use super::fingerprint::fingerprint;
 
-/// A folder of exact solutions, by what they depend on. Without a folder, nothing is kept.
+/// A folder of reference pixels, by the hash of all that they depend on. Without a folder, nothing is kept.
 ///
 /// A file that is damaged, or that disagrees with a few of its pixels solved again, is not believed: it is solved anew, and replaced.
 #[derive(Clone, Debug, Default)]
-pub struct ExactCache {
+pub struct ReferenceCache {
     folder: Option<PathBuf>,
 }
 
@@ -26,7 +26,7 @@ const NUMBERS: usize = 6;
 /// Pixels that are solved again before a file is believed.
 const CHECKED: usize = 4;
 
-impl ExactCache {
+impl ReferenceCache {
     /// Keeps nothing.
     pub fn none() -> Self {
         Self::default()
@@ -40,17 +40,17 @@ impl ExactCache {
     /// Solves pixels of a view, or takes what was solved before.
     ///
     /// # Errors
-    /// As [`Exact::solve`]; a folder that cannot be read or written only costs time.
+    /// As [`ReferencePixels::solve`]; a folder that cannot be read or written only costs time.
     pub fn solve(
         &self,
         (scene, view): (&Scene, &View),
         model: &Model,
         pixels: Vec<[u32; 2]>,
         control: &Control,
-    ) -> Result<Exact, RenderError> {
+    ) -> Result<ReferencePixels, RenderError> {
         let key = fingerprint((scene, view), model, &pixels, DEFAULT_TOLERANCE);
         let Some((folder, key)) = self.folder.as_ref().zip(key) else {
-            return Exact::solve((scene, view), model, pixels, control);
+            return ReferencePixels::solve((scene, view), model, pixels, control);
         };
         let path = folder.join(key.iter().map(|b| format!("{b:02x}")).collect::<String>() + ".exact");
         let start = Instant::now();
@@ -60,17 +60,17 @@ impl ExactCache {
             let again = Reference::default().solve_pixels(scene, view, model, &places, control)?;
             if some.iter().zip(&again.pixels).all(|(&i, fresh)| agree(&kept[i], fresh)) {
                 let solution = Solution { pixels: kept, counts: again.counts };
-                return Ok(Exact::new(pixels, &solution, start));
+                return Ok(ReferencePixels::new(pixels, &solution, start));
             }
         }
         let solution = Reference::default().solve_pixels(scene, view, model, &pixels, control)?;
         // A full disk, or none to write to, is no reason to fail: the solution is there.
         let _ = fs::create_dir_all(folder).map(|()| vr_io::write_bytes(&path, &encode(&key, &solution.pixels)));
-        Ok(Exact::new(pixels, &solution, start))
+        Ok(ReferencePixels::new(pixels, &solution, start))
     }
 }
 
-/// Which pixels are solved again: the most opaque one, since background agrees with any version, and others here and there.
+/// Pixels that are solved again: the most opaque one, since background agrees with any version, and others here and there.
 fn checked(kept: &[Pixel]) -> Vec<usize> {
     let opaque = (0..kept.len()).max_by(|&a, &b| kept[a].rgba[3].total_cmp(&kept[b].rgba[3]));
     // By the golden ratio: no row or column of a picture has all of them.
@@ -133,10 +133,10 @@ mod tests {
     #[test]
     fn what_was_solved_comes_back_bit_for_bit() {
         let folder = tempfile::tempdir().unwrap();
-        let cache = ExactCache::in_folder(folder.path().join("deep/down"));
+        let cache = ReferenceCache::in_folder(folder.path().join("deep/down"));
         let subject = phantom_subject("fog", 8, [16, 12]).unwrap();
         let pixels = subgrid(5, subject.view.size);
-        let solve = |cache: &ExactCache| {
+        let solve = |cache: &ReferenceCache| {
             let view = (&subject.scene, &subject.view);
             cache.solve(view, &Model::Canonical, pixels.clone(), &Control::default()).unwrap()
         };
@@ -144,13 +144,13 @@ mod tests {
         assert_eq!(files(&folder.path().join("deep/down")).len(), 1);
         let second = solve(&cache);
         assert_eq!((first.rgba(), first.certainty), (second.rgba(), second.certainty));
-        assert_eq!(first.rgba(), solve(&ExactCache::none()).rgba());
+        assert_eq!(first.rgba(), solve(&ReferenceCache::none()).rgba());
     }
 
     #[test]
     fn damaged_and_wrong_files_are_not_believed() {
         let folder = tempfile::tempdir().unwrap();
-        let cache = ExactCache::in_folder(folder.path().into());
+        let cache = ReferenceCache::in_folder(folder.path().into());
         let subject = phantom_subject("fog", 6, [9, 9]).unwrap();
         let pixels = subgrid(4, subject.view.size);
         let view = (&subject.scene, &subject.view);

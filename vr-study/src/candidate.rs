@@ -3,22 +3,22 @@
 use vr_core::{NamedSetting, OptionError, Options, StudiedRenderer};
 
 /// A renderer under one of its settings.
-pub struct Contestant {
+pub struct Candidate {
     /// The renderer's name.
     pub renderer: String,
     /// The setting's name; `default` where the renderer names none.
     pub setting: String,
-    /// What makes the setting.
+    /// The options that make the setting.
     pub options: Options,
     /// Documented order of convergence.
     pub order: Option<f64>,
     /// Error that no step goes below, as documented.
     pub error_floor: f64,
-    /// It, configured.
+    /// The renderer under these options.
     pub configured: Box<dyn StudiedRenderer>,
 }
 
-impl Contestant {
+impl Candidate {
     /// `raycast midpoint 0.5`.
     pub fn name(&self) -> String {
         format!("{} {}", self.renderer, self.setting)
@@ -29,7 +29,7 @@ impl Contestant {
 ///
 /// # Errors
 /// A setting that the renderer itself does not take.
-pub fn contestants(renderers: &[Box<dyn StudiedRenderer>]) -> Result<Vec<Contestant>, OptionError> {
+pub fn candidates(renderers: &[Box<dyn StudiedRenderer>]) -> Result<Vec<Candidate>, OptionError> {
     let mut all = Vec::new();
     for renderer in renderers {
         let mut settings = renderer.settings();
@@ -40,7 +40,7 @@ pub fn contestants(renderers: &[Box<dyn StudiedRenderer>]) -> Result<Vec<Contest
         for NamedSetting { name: setting, options, order, error_floor } in settings {
             let configured = renderer.with_options(&options)?;
             let renderer = renderer.name().to_owned();
-            all.push(Contestant { renderer, setting, options, order, error_floor, configured });
+            all.push(Candidate { renderer, setting, options, order, error_floor, configured });
         }
     }
     Ok(all)

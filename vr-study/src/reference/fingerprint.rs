@@ -1,9 +1,9 @@
-//! What an exact solution depends on, in 32 bytes.
+//! Everything that reference pixels depend on, in 32 bytes.
 
 use sha2::{Digest, Sha256};
 use vr_core::{Control, Model, Scene, View, with_grid};
 
-/// Raised whenever what is kept, how it is hashed, or what the reference finds changes.
+/// Version of the cache: raised with every change of the file format, of the hash, or of the reference's results.
 const VERSION: u32 = 4;
 
 /// The hash of everything that pixels of a view depend on: values and their placement, filter, transfer function, shading and

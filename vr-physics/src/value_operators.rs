@@ -1,4 +1,4 @@
-//! The compositing schemes that pick one value of a ray: maximum, minimum, average, first crossing.
+//! The compositing operators of values: maximum, minimum, average, first crossing.
 
 use vr_core::TransferFunction;
 
@@ -16,9 +16,9 @@ pub struct Pick {
     pub value: f64,
     /// Upper bound (or estimate) of its error.
     pub error: f64,
-    /// Whether `error` is a bound.
+    /// True if `error` is a bound.
     pub certain: bool,
-    /// Where along the ray it is; +∞ for an average.
+    /// Distance along the ray; +∞ for an average.
     pub s: f64,
 }
 
@@ -64,18 +64,18 @@ pub(crate) struct Stretch {
     pub(crate) from: f64,
     pub(crate) to: f64,
     pub(crate) model: LineModel,
-    /// How far its ends may be misplaced.
+    /// Bounds on the misplacement of its ends.
     pub(crate) misplaced: [Bound; 2],
 }
 
 impl Stretch {
-    /// True if it is surely there: longer than its ends are misplaced.
+    /// True if it certainly exists: longer than the misplacement of its ends.
     pub(crate) fn exists(&self) -> bool {
         let [a, b] = self.misplaced;
         a + b < Bound::new(self.to - self.from)
     }
 
-    /// How far the field's values on it may be off: its own error, rounding, and what its ends' places do.
+    /// Bound on the error of the field's values on it: the field's own, rounding, and that of its ends' places.
     pub(crate) fn doubt(&self) -> Bound {
         let p = &self.model.field;
         if !p.coefficients().iter().all(|c| c.is_finite()) {
@@ -92,12 +92,12 @@ impl Stretch {
     }
 }
 
-/// Halvings of a stretch whose field is only known roughly, where the whole of it counts.
+/// Largest number of halvings of a stretch whose field is only known roughly, if all of it counts.
 const HALVINGS: u32 = 5;
-/// The same, where only what is near one value counts.
+/// The same, if only the neighbourhood of one value counts.
 pub(crate) const HALVINGS_NEAR: u32 = 12;
 
-/// The stretches of a line that are not vacuum, halved where `matters` says that the field's error does.
+/// The stretches of a line that are not vacuum, halved `halvings` times at most while their error is large and `matters` is true.
 pub(crate) fn stretches(line: &dyn FieldLine, halvings: u32, matters: &dyn Fn(&LineModel) -> bool) -> Vec<Stretch> {
     fn refine(
         line: &dyn FieldLine,

@@ -1,4 +1,4 @@
-//! Scenes on which orders of convergence show early: a smooth field, whose every feature is many voxels wide.
+//! Scenes on which orders of convergence show early: a smooth field, each feature of which is many voxels wide.
 
 use glam::DVec3;
 use vr_core::phantom::{self, Phantom};
@@ -50,19 +50,19 @@ fn scene(points: Vec<ControlPoint>, samples: usize) -> Scene {
     Scene::new(grid.into(), transfer)
 }
 
-/// Smooth but for kinks.
+/// A scene that is smooth but for kinks.
 pub(crate) fn smooth(samples: usize) -> Scene {
     scene(Waves.transfer_points(), samples)
 }
 
-/// With jumps of the transfer function.
+/// A scene with jumps of the transfer function.
 pub(crate) fn jumping(samples: usize) -> Scene {
     let c = [1.0, 0.5, 0.2];
     let points = [(0.35, 0.0), (0.35, 0.3), (0.6, 0.3), (0.6, 0.05)];
     scene(points.iter().map(|&(value, opacity)| ControlPoint::new(value, c, opacity)).collect(), samples)
 }
 
-/// Oblique in all axes.
+/// A view oblique to all axes.
 pub(crate) fn view(scene: &Scene, side: u32) -> View {
     View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, None), [side, side])
 }
