@@ -1,7 +1,7 @@
 //! The plain engine: one ray after another through the passes.
 
 use glam::DVec3;
-use vr_core::image_order::Spot;
+use vr_core::image_order::ImageSample;
 use vr_core::{Counts, GridVolume, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, View};
 
 use crate::caster::Traversal;
@@ -55,7 +55,7 @@ struct Scratch<R, O> {
 }
 
 impl<R: Real, O: Operator<R>, F: Fn() -> O + Sync> Tracer for Pipeline<'_, R, F> {
-    fn trace(&self, spots: &[Spot], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
         let mut scratch = Scratch { operator: (self.operator)(), run: Run::new(), lights: None };
         values.extend(spots.iter().enumerate().map(|(i, spot)| {
             let start = starts.map_or(0, |starts| starts[i]);

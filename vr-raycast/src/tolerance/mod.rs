@@ -9,7 +9,7 @@ mod step;
 mod walk;
 
 use vr_core::filter::Reconstruction;
-use vr_core::image_order::Spot;
+use vr_core::image_order::ImageSample;
 use vr_core::{
     Compositing, Counts, Feature, Filter, GridVolume, IndexRay, Layer, Rays, Real, RenderError, Sampler,
     SamplerVisitor, Scene, View, Voxel,
@@ -55,7 +55,7 @@ impl Promise {
         if level < 1.0 && scene.transfer.has_emission() {
             return without("with emission given on its own under compositing 'accumulate'".to_owned());
         }
-        let (low, high) = volume.census().range.unwrap_or_default();
+        let (low, high) = volume.value_stats().range.unwrap_or_default();
         let largest = f64::from(low.abs().max(high.abs()));
         let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
         let blocks = Blocks::new(volume, &optics);
@@ -87,7 +87,7 @@ pub(crate) struct Promised<'a> {
 }
 
 impl Tracer for Promised<'_> {
-    fn trace(&self, spots: &[Spot], _: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+    fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
         let mut stages = Stages::default();
         for spot in spots {
             values.push(self.ray(spot, &mut stages, counts));
@@ -110,7 +110,7 @@ impl Stages {
 }
 
 impl Promised<'_> {
-    fn ray(&self, spot: &Spot, stages: &mut Stages, counts: &mut Counts) -> Traced {
+    fn ray(&self, spot: &ImageSample, stages: &mut Stages, counts: &mut Counts) -> Traced {
         let layer = self.layer;
         let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
         let ray = self.rays.at(spot.x, spot.y);
