@@ -17,7 +17,7 @@ impl Histogram {
     /// Counts every sample of a volume; `None` where none is finite.
     pub fn of(volume: &GridVolume, bins: usize) -> Option<Self> {
         let range = volume.value_range()?;
-        let (low, high) = volume.census().range?;
+        let (low, high) = volume.value_stats().range?;
         let (low, high) = (f64::from(low), f64::from(high));
         let mut counts = with_grid!(volume.values(), g => counts(g.samples(), low, high, bins));
         if volume.calibration().slope < 0.0 {

@@ -98,11 +98,11 @@ impl Description<'_> {
                 |(low, high)| format!("{} to {}", number::value(low), number::value(high)),
             ),
         );
-        let census = u.census();
-        if census.nan + census.infinite > 0 {
+        let stats = u.value_stats();
+        if stats.nan + stats.infinite > 0 {
             line(
                 "missing",
-                format!("{} NaN, {} infinite; cells with such a corner are vacuum", census.nan, census.infinite),
+                format!("{} NaN, {} infinite; cells with such a corner are vacuum", stats.nan, stats.infinite),
             );
         }
         if !self.presets.is_empty() {
@@ -153,8 +153,8 @@ impl Description<'_> {
             slope,
             intercept,
             range: u.value_range().map(|(low, high)| [low, high]),
-            nan: u.census().nan,
-            infinite: u.census().infinite,
+            nan: u.value_stats().nan,
+            infinite: u.value_stats().infinite,
             histogram: self.histogram.as_ref().map(|h| &*h.counts),
             presets: self.presets.iter().map(|p| p.name()).collect(),
             notes: self.notes,

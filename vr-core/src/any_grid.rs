@@ -1,8 +1,8 @@
-//! A uniform grid whose sample type is known when it runs.
+//! A uniform grid whose voxel type is known at run time only.
 
 use crate::grid::UniformGrid;
 
-/// A uniform grid of any sample type.
+/// A uniform grid of any voxel type.
 #[derive(Clone, Debug)]
 pub enum AnyGrid {
     /// Unsigned 8-bit integers.
@@ -17,7 +17,7 @@ pub enum AnyGrid {
     F32(UniformGrid<f32>),
 }
 
-/// Runs one expression for whichever sample type an [`AnyGrid`] holds: `with_grid!(any, g => g.dims())`.
+/// Runs one expression for the voxel type that an [`AnyGrid`] holds: `with_grid!(any, g => g.dims())`.
 #[macro_export]
 macro_rules! with_grid {
     ($any:expr, $grid:ident => $body:expr) => {

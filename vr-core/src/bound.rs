@@ -12,7 +12,7 @@ pub struct Bound(f64);
 impl Bound {
     /// No error at all.
     pub const ZERO: Self = Self(0.0);
-    /// Nothing is known.
+    /// The bound of an error of which nothing is known.
     pub const UNKNOWN: Self = Self(f64::INFINITY);
 
     /// The bound of a size, whatever its sign; +∞ for NaN.
@@ -30,7 +30,7 @@ impl Bound {
         self.0.is_finite()
     }
 
-    /// True if it is no more than a limit: false for a limit of NaN.
+    /// True if it is no more than a limit; false for a limit of NaN.
     pub fn within(self, limit: f64) -> bool {
         self.0 <= limit
     }
@@ -65,7 +65,8 @@ impl<B: Into<Self>> AddAssign<B> for Bound {
     }
 }
 
-/// 0·∞ = ∞: a factor of which nothing is known may hide anything. Where a factor of 0 means that there is no error, say so before.
+/// Product in which 0·∞ = ∞: a factor of which nothing is known may hide anything. A caller for whom a factor of 0 means that there is
+/// no error says so before.
 impl<B: Into<Self>> Mul<B> for Bound {
     type Output = Self;
     fn mul(self, other: B) -> Self {
@@ -73,7 +74,7 @@ impl<B: Into<Self>> Mul<B> for Bound {
     }
 }
 
-/// 0/0 = ∞, as x/0.
+/// Quotient in which 0/0 = ∞, as x/0.
 impl<B: Into<Self>> Div<B> for Bound {
     type Output = Self;
     fn div(self, other: B) -> Self {
@@ -89,7 +90,7 @@ impl std::iter::Sum for Bound {
 
 /// The largest of some sizes: +∞ if one of them is NaN. (`fold(0.0, f64::max)` would leave it out.)
 pub fn largest(sizes: impl IntoIterator<Item = f64>) -> f64 {
-    sizes.into_iter().fold(Bound::ZERO, |most, x| most.max(Bound::new(x))).value()
+    sizes.into_iter().fold(Bound::ZERO, |max, x| max.max(Bound::new(x))).value()
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
-//! Cameras: where the eye is, and what it sees.
+//! Cameras: position, direction and projection.
 
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::error::ParameterError;
 use crate::limits::{DIRECTION_LENGTHS, MAX_COORDINATE, MAX_HEIGHTS_AWAY, MIN_FOV};
 
-/// Orthographic or perspective.
+/// Kind of projection, with the width of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Parallel rays, starting at the plane through the eye.
@@ -27,7 +27,7 @@ pub struct Camera {
     pub eye: DVec3,
     /// The point that the image centre shows.
     pub target: DVec3,
-    /// Which way is up; any vector that is not parallel to the view.
+    /// Direction that is up in the picture: any vector that is not parallel to the view.
     pub up: DVec3,
     /// Kind and width of the view.
     pub projection: Projection,
@@ -36,7 +36,7 @@ pub struct Camera {
 impl Camera {
     /// A camera that sees all of the world box `bounds`, from the direction of an azimuth and an elevation.
     ///
-    /// At azimuth 0 and elevation 0 one looks along −z with y up. Azimuth turns the camera to the right about y, elevation
+    /// At azimuth 0 and elevation 0 it looks along −z with y up. Azimuth turns the camera to the right about y, elevation
     /// raises it, both in degrees. With a perspective `fov` the bounding sphere fills the image's height; orthographic likewise.
     pub fn framing(bounds: (DVec3, DVec3), azimuth: f64, elevation: f64, fov: Option<f64>) -> Self {
         let centre = 0.5 * bounds.0 + 0.5 * bounds.1;
@@ -67,7 +67,7 @@ impl Camera {
     /// Unit vectors (right, up, forward).
     ///
     /// # Errors
-    /// Eye = target, up parallel to the view, a height or field of view that makes no sense, numbers that are not finite, or a camera so far
+    /// Eye = target, up parallel to the view, a height or field of view out of range, numbers that are not finite, or a camera so far
     /// away that f64 does not tell its rays apart.
     pub fn frame(&self) -> Result<DMat3, ParameterError> {
         for (field, v) in [("camera.eye", self.eye), ("camera.target", self.target), ("camera.up", self.up)] {

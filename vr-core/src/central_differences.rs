@@ -1,10 +1,10 @@
-//! Gradients as VTK's mappers take them: central differences at the samples, interpolated trilinearly.
+//! Gradients as VTK's mappers take them: central differences at the voxels, interpolated trilinearly.
 
 use crate::filter::Lattice;
 use crate::real::Real;
 use crate::voxel::Voxel;
 
-/// The gradient per index step at a sample: central differences, one-sided at the faces of the box.
+/// The gradient per index step at a voxel: central differences, one-sided at the faces of the box.
 #[inline]
 pub fn gradient_at_sample<T: Voxel, R: Real>(lattice: &Lattice<'_, T>, index: [usize; 3]) -> [R; 3] {
     std::array::from_fn(|a| {
@@ -16,7 +16,7 @@ pub fn gradient_at_sample<T: Voxel, R: Real>(lattice: &Lattice<'_, T>, index: [u
     })
 }
 
-/// The gradient per index step at any position: trilinear between those of the eight samples around it.
+/// The gradient per index step at any position: trilinear between those of the eight voxels around it.
 #[inline]
 pub fn gradient_between_samples<T: Voxel, R: Real>(lattice: &Lattice<'_, T>, p: [R; 3]) -> [R; 3] {
     let cell: [(usize, R); 3] = std::array::from_fn(|a| lattice.cell(a, p[a]));

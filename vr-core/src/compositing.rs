@@ -1,8 +1,8 @@
-//! Which quantity along the ray becomes the pixel.
+//! Compositing operators: the quantity along the ray that becomes the pixel.
 
 use crate::error::ParameterError;
 
-/// How the field along a ray becomes one pixel. Each has an exact reference in `vr-physics`.
+/// Operator that makes one pixel of the field along a ray. Each has a reference in `vr-physics`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Compositing {
     /// ∫ q e^(−τ) ds and α = 1 − e^(−τ): emission and absorption.
@@ -15,9 +15,9 @@ pub enum Compositing {
     },
     /// (α(v)·c(v), α(v)) of the mean v of the field over the part of the chord that is not vacuum.
     Average,
-    /// The same of the largest value.
+    /// (α(v)·c(v), α(v)) of the largest value v.
     Maximum,
-    /// The same of the smallest value.
+    /// (α(v)·c(v), α(v)) of the smallest value v.
     Minimum,
     /// The over integral, cut where 1 − e^(−τ) reaches a level.
     Accumulate {
@@ -27,7 +27,7 @@ pub enum Compositing {
 }
 
 impl Compositing {
-    /// As scene files name it.
+    /// Name in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Over => "over",
@@ -39,7 +39,7 @@ impl Compositing {
         }
     }
 
-    /// Whether light is integrated along the ray (rather than one value picked).
+    /// True if light is integrated along the ray (rather than one value picked).
     pub fn integrates_light(self) -> bool {
         matches!(self, Self::Over | Self::Accumulate { .. })
     }

@@ -1,4 +1,4 @@
-//! Renderers whose settings are options, and those that a study can take as they come.
+//! Renderers whose settings are options, and renderers of any type that a study can configure.
 
 use crate::documented::Documented;
 use crate::error::OptionError;
@@ -19,7 +19,7 @@ pub trait Configurable: Renderer + Clone + Default + 'static {
         Self::options().configure(self, options)
     }
 
-    /// All options that say what this renderer is.
+    /// All options, with the values that this renderer has.
     fn to_options(&self) -> Options {
         Self::options().values(self)
     }
@@ -28,7 +28,7 @@ pub trait Configurable: Renderer + Clone + Default + 'static {
 /// A renderer of any type that can be drawn with, configured, and held to its documentation: every [`Configurable`] one that is
 /// [`Documented`].
 pub trait StudiedRenderer: Documented {
-    /// What its options are.
+    /// Description of each of its options.
     fn option_specs(&self) -> Vec<OptionSpec>;
 
     /// The same renderer with options set; those not given keep the value that they have here.

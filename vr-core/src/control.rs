@@ -1,11 +1,11 @@
-//! What the outside says to a running render: stop, tell how far, use so many threads.
+//! Control of a running render by its caller: cancellation, progress, number of threads.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::RenderError;
 
-/// Cancel flag, progress, threads. The default never cancels, tells nobody, and uses rayon's global pool.
+/// Cancel flag, progress callback and threads. The default never cancels, reports no progress, and uses rayon's global pool.
 #[derive(Clone, Default)]
 pub struct Control {
     cancel: Arc<AtomicBool>,
@@ -43,12 +43,12 @@ impl Control {
         Arc::clone(&self.cancel)
     }
 
-    /// Whether somebody cancelled.
+    /// True if the cancel flag is set.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
     }
 
-    /// `Err` if somebody cancelled.
+    /// Returns an error if the cancel flag is set.
     ///
     /// # Errors
     /// [`RenderError::Cancelled`].
@@ -56,14 +56,14 @@ impl Control {
         if self.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(()) }
     }
 
-    /// Tells how far the work is.
+    /// Reports the fraction of the work that is done.
     pub fn report(&self, fraction: f64) {
         if let Some(progress) = &self.progress {
             progress(fraction);
         }
     }
 
-    /// How many threads work runs on.
+    /// Number of threads that work runs on.
     pub fn threads(&self) -> usize {
         self.pool.as_ref().map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads())
     }
@@ -75,7 +75,7 @@ impl Control {
         made.expect("the pool ran it")
     }
 
-    /// As [`Self::run`]; compiled once, not anew for each closure.
+    /// Does what [`Self::run`] does; compiled once, not anew for each closure.
     fn install(&self, work: &mut (dyn FnMut() + Send)) {
         match &self.pool {
             Some(pool) => pool.install(work),

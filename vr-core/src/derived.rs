@@ -8,15 +8,15 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Structures derived from a volume, each made once, when first asked for: one for each type and key.
 ///
-/// A volume does not know what renderers derive from it (ranges of blocks, run-length encodings): it keeps it for them.
+/// A volume does not know the structures that renderers derive from it (ranges of blocks, run-length encodings): it keeps them.
 #[derive(Default)]
 pub struct Derived(Mutex<HashMap<TypeId, Box<dyn Any + Send>>>);
 
-/// What is kept of one type of key and structure. Cells are shared, so that the map is not locked while one is made.
+/// Structures of one type, by keys of one type. Cells are shared, so that the map is not locked while one is made.
 type ByKey<K, T> = HashMap<K, Arc<OnceLock<Arc<T>>>>;
 
 impl Derived {
-    /// Returns the structure of a key, making it if it is not there. Others who ask for the same one meanwhile wait for it.
+    /// Returns the structure of a key, making it if it is not there. Threads that ask for the same one meanwhile wait for it.
     pub fn get<K, T>(&self, key: K, make: impl FnOnce() -> T) -> Arc<T>
     where
         K: Eq + Hash + Send + 'static,

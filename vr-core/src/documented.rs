@@ -1,4 +1,4 @@
-//! What a renderer documents of its settings, its convergence and its errors, as data that programs put to the test.
+//! Documentation of a renderer's settings, convergence and errors, as data that programs put to the test.
 
 use crate::configurable::Configurable;
 use crate::options::Options;
@@ -16,7 +16,7 @@ pub trait Documented: Renderer {
         Vec::new()
     }
 
-    /// The errors that it allows itself, as it is configured, on the hard cases (`vr_physics::cases`).
+    /// Its documented errors, as it is configured, on the hard cases (`vr_physics::cases`).
     fn hard_case_errors(&self) -> HardCaseErrors {
         HardCaseErrors::default()
     }
@@ -25,7 +25,7 @@ pub trait Documented: Renderer {
 /// A setting worth measuring.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedSetting {
-    /// Short and unique within the renderer.
+    /// Name, short and unique within the renderer.
     pub name: String,
     /// The options that make it.
     pub options: Options,
@@ -49,11 +49,11 @@ impl NamedSetting {
 
 /// A claim: as an option gets smaller, errors fall like a power of it.
 ///
-/// Errors are against the canonical pixel, or against that of the renderer's own filter where it has one
+/// Errors are against the correct pixel, or against that of the renderer's own filter where it has one
 /// ([`Model::Filtered`](crate::Model::Filtered)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvergenceClaim {
-    /// Short and unique within the renderer.
+    /// Name, short and unique within the renderer.
     pub name: String,
     /// Options held fixed: those that keep rounding, tables and early termination out of the way.
     pub options: Options,
@@ -82,20 +82,20 @@ impl ConvergenceClaim {
     }
 }
 
-/// How fast errors fall, by what is refined.
+/// Exponents with which errors fall, by what is refined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConvergenceOrders {
-    /// In the option, where field and transfer function are continuous.
+    /// Order in the option, where field and transfer function are continuous.
     pub smooth: f64,
-    /// In the option, where the transfer function jumps.
+    /// Order in the option, where the transfer function jumps.
     pub jumps: f64,
-    /// In the spacing of the samples of a smooth field, the option being held fixed in voxels.
+    /// Order in the spacing of the voxels of a smooth field, the option being held fixed in voxels.
     pub grid: f64,
-    /// In the size of a pixel: of the light that falls on a patch of the picture.
+    /// Order in the size of a pixel: of the light that falls on a patch of the picture.
     pub pixels: f64,
 }
 
-/// The errors that a renderer allows itself on hard cases, by the names of these.
+/// Documented errors of a renderer on hard cases, by the names of these.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HardCaseErrors {
     /// Those of single cases.
@@ -105,7 +105,7 @@ pub struct HardCaseErrors {
 }
 
 impl HardCaseErrors {
-    /// Errors that are documented of a renderer's default settings alone.
+    /// Errors that are documented for a renderer's default settings alone.
     pub fn of_default<R: Default + PartialEq>(
         renderer: &R,
         by_case: impl Into<Vec<(&'static str, DocumentedError)>>,
@@ -114,32 +114,32 @@ impl HardCaseErrors {
     }
 
     /// The error of a case; `None` where none is documented.
-    pub fn of(&self, case: &str) -> Option<DocumentedError> {
+    pub fn for_case(&self, case: &str) -> Option<DocumentedError> {
         self.by_case.iter().find(|(name, _)| *name == case).map(|(_, error)| *error).or(self.otherwise)
     }
 }
 
-/// The error that a renderer allows itself in a picture, relative to max(1, largest magnitude of the picture).
+/// Documented error of a renderer in a picture, relative to max(1, largest magnitude of the picture).
 ///
-/// Where a wall or a shell decides between everything and nothing, the largest error says little: no picture can be off by more
-/// than all. The root mean square does, since it says how many rays are.
+/// If a wall or a shell decides between everything and nothing, the largest error says little: a single ray on the wrong side makes it
+/// as large as it can be. The root mean square tells how many rays are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DocumentedError {
-    /// Of every component of every pixel.
+    /// Largest error of any component of any pixel.
     Max(f64),
-    /// Root mean square over all of them.
+    /// Root mean square over all components of all pixels.
     Rmse(f64),
 }
 
 impl DocumentedError {
-    /// The number, whatever it is of.
+    /// The number, for either kind.
     pub fn value(self) -> f64 {
         match self {
             Self::Max(error) | Self::Rmse(error) => error,
         }
     }
 
-    /// Of a picture's largest error and its RMSE, the one that this is about.
+    /// Chooses the one of a picture's largest error and its RMSE that this is about.
     pub fn choose(self, max: f64, rmse: f64) -> f64 {
         match self {
             Self::Max(_) => max,

@@ -1,29 +1,29 @@
-//! What can be wrong with the parts of a scene, and with a render.
+//! Errors of the parts of a scene, and of a render.
 
 use crate::unsupported::Unsupported;
 
-/// A grid that cannot be.
+/// An error of a uniform grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridError {
-    /// Too few samples on an axis, or too many altogether.
-    #[error("dims {dims:?}: every axis needs 2 to 2147483647 samples, and their product must fit in memory")]
+    /// Too few voxels on an axis, or too many altogether.
+    #[error("dims {dims:?}: every axis must have 2 to 2147483647 voxels, and their product must fit in memory")]
     Dims {
-        /// Samples along x, y, z.
+        /// Voxels along x, y, z.
         dims: [usize; 3],
     },
     /// Data that do not fill the grid.
-    #[error("dims {dims:?} need {expected} samples, found {found}")]
+    #[error("dims {dims:?}: found {found} values, must be {expected}, the product of the dims")]
     Length {
-        /// Samples along x, y, z.
+        /// Voxels along x, y, z.
         dims: [usize; 3],
         /// Their product.
         expected: usize,
-        /// Samples given.
+        /// Number of values given.
         found: usize,
     },
     /// A spacing that is not positive and finite, or beyond what arithmetic can keep.
-    #[error("spacing of axis {axis} is {found}: must be positive and finite, 1e-24 to 1e24")]
+    #[error("spacing of axis {axis}: found {found}, must be positive and finite, 1e-24 to 1e24")]
     Spacing {
         /// 0, 1 or 2.
         axis: usize,
@@ -56,109 +56,109 @@ pub enum GridError {
     },
 }
 
-/// A surface that cannot be.
+/// An error of a triangle mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// No triangles.
-    #[error("no triangle: a surface needs one at least")]
+    #[error("found no triangle: a surface must have at least one")]
     Empty,
     /// More triangles than can be counted in 32 bits.
-    #[error("{found} triangles: there may be 4294967295")]
+    #[error("found {found} triangles: a surface may have at most 4294967295")]
     TooMany {
-        /// How many there are.
+        /// Number found.
         found: usize,
     },
     /// A position that is not finite, or too far away.
-    #[error("vertex {vertex} is at {found:?}: coordinates must be finite and smaller than 1e100")]
+    #[error("vertex {vertex}: found the position {found:?}; coordinates must be finite and smaller than 1e100")]
     Position {
-        /// Which vertex, from 0.
+        /// Number of the vertex, from 0.
         vertex: usize,
         /// Its position.
         found: [f64; 3],
     },
-    /// A triangle of a vertex that there is not.
-    #[error("triangle {triangle} has vertex {found}: there are {vertices}, counted from 0")]
+    /// A triangle that names a vertex that the mesh does not have.
+    #[error("triangle {triangle}: found vertex {found}; there are {vertices}, counted from 0")]
     Vertex {
-        /// Which triangle, from 0.
+        /// Number of the triangle, from 0.
         triangle: usize,
-        /// Its vertex.
+        /// Number of the vertex that it names.
         found: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// Normals or colours that are not one for each vertex.
-    #[error("{found} {what} for {vertices} vertices: each must have one")]
+    #[error("found {found} {what} for {vertices} vertices: each must have one")]
     Length {
-        /// What there are more or fewer of.
+        /// Name of the list that is too long or too short.
         what: &'static str,
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
-    /// A colour that is none.
-    #[error("vertex {vertex} has the colour {found:?}: must be finite and not negative")]
+    /// A colour that is negative or not finite.
+    #[error("vertex {vertex}: found the colour {found:?}, must be finite and not negative")]
     Color {
-        /// Which vertex, from 0.
+        /// Number of the vertex, from 0.
         vertex: usize,
         /// Its colour.
         found: [f32; 3],
     },
 }
 
-/// Scattered points that cannot be.
+/// An error of scattered points.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PointError {
     /// No points.
-    #[error("no point: there must be one at least")]
+    #[error("found no point: there must be at least one")]
     Empty,
     /// More points than can be counted in 32 bits.
-    #[error("{found} points: there may be 4294967295")]
+    #[error("found {found} points: there may be at most 4294967295")]
     TooMany {
-        /// How many there are.
+        /// Number found.
         found: usize,
     },
     /// Radii, weights or values that are not one for each point.
-    #[error("{found} {what} for {points} points: each must have one")]
+    #[error("found {found} {what} for {points} points: each must have one")]
     Length {
-        /// What there are more or fewer of.
+        /// Name of the list that is too long or too short.
         what: &'static str,
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many points there are.
+        /// Number of points.
         points: usize,
     },
     /// A position that is not finite, or too far away.
-    #[error("point {point} is at {found:?}: coordinates must be finite and smaller than 1e30")]
+    #[error("point {point}: found the position {found:?}; coordinates must be finite and smaller than 1e30")]
     Position {
-        /// Which point, from 0.
+        /// Number of the point, from 0.
         point: usize,
         /// Its position.
         found: [f64; 3],
     },
-    /// A radius that is none.
-    #[error("point {point} has the radius {found}: must be positive, between 1e-30 and 1e30")]
+    /// A radius that is not positive, too small or too large.
+    #[error("point {point}: found the radius {found}, must be between 1e-30 and 1e30")]
     Radius {
-        /// Which point, from 0.
+        /// Number of the point, from 0.
         point: usize,
         /// Its radius.
         found: f32,
     },
     /// A weight or value that is not finite.
-    #[error("point {point} has the {what} {found}: must be finite")]
+    #[error("point {point}: found the {what} {found}, must be finite")]
     Number {
         /// `weight` or `value`.
         what: &'static str,
-        /// Which point, from 0.
+        /// Number of the point, from 0.
         point: usize,
         /// The number.
         found: f32,
     },
 }
 
-/// A part of a scene or view that makes no sense: which field, what was found, what is allowed.
+/// A value of a scene or view that is out of range: the field, the value found, and the allowed values.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{field}: found {found}; {allowed}")]
 pub struct ParameterError {
@@ -166,7 +166,7 @@ pub struct ParameterError {
     pub field: String,
     /// The value found.
     pub found: String,
-    /// What would be right.
+    /// Values that would be right.
     pub allowed: &'static str,
 }
 
@@ -177,30 +177,30 @@ impl ParameterError {
     }
 }
 
-/// Why there is no picture.
+/// Reason why there is no picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
     /// This renderer cannot draw what the scene or the view asks for.
     #[error(transparent)]
     Unsupported(#[from] Unsupported),
-    /// A camera, a clip plane, a size… that makes no sense.
+    /// A camera, a clip plane, a size… out of range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Settings of the renderer that make no sense.
+    /// Settings of the renderer that are out of range or do not go together.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// Somebody set the cancel flag.
+    /// The caller set the cancel flag.
     #[error("cancelled")]
     Cancelled,
-    /// Too little memory for what was asked.
+    /// Too little memory for what the caller asked.
     #[error("{what} needs {bytes} bytes, more than the limit of {limit}")]
     TooLarge {
-        /// What would have been allocated.
+        /// Name of the memory that would have been allocated.
         what: &'static str,
         /// Its size.
         bytes: u64,
-        /// The most that is allowed.
+        /// Largest size that is allowed.
         limit: u64,
     },
 }
@@ -212,23 +212,23 @@ pub enum OptionError {
     /// No option of this name.
     #[error("renderer {renderer} has no option '{key}'{}", hint(.nearest))]
     Unknown {
-        /// Which renderer.
+        /// Name of the renderer.
         renderer: &'static str,
         /// The name given.
         key: String,
-        /// The known name most like it.
+        /// The known name nearest to it.
         nearest: Option<&'static str>,
     },
     /// A value of the wrong type or out of range.
     #[error("option '{key}' of renderer {renderer}: found {found}; {allowed}")]
     Value {
-        /// Which renderer.
+        /// Name of the renderer.
         renderer: &'static str,
         /// The option.
         key: String,
         /// The value given.
         found: String,
-        /// What is allowed.
+        /// Values that would be right.
         allowed: String,
     },
 }

@@ -1,6 +1,6 @@
 //! A finished picture.
 
-/// Premultiplied linear RGBA without the background, f32; row 0 is the top. Optionally a depth per pixel.
+/// A picture in premultiplied linear RGBA without the background, f32; row 0 is the top. Optionally with a depth per pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     size: [u32; 2],
@@ -12,7 +12,7 @@ impl Frame {
     /// A picture from its pixels, row by row from the top.
     ///
     /// # Panics
-    /// If there is not one entry per pixel.
+    /// Panics if there is not one entry per pixel.
     pub fn new(size: [u32; 2], pixels: Vec<[f32; 4]>, depth: Option<Vec<f32>>) -> Self {
         let n = size[0] as usize * size[1] as usize;
         assert!(pixels.len() == n && depth.as_ref().is_none_or(|d| d.len() == n), "one entry per pixel");

@@ -1,4 +1,4 @@
-//! A uniform grid: samples at lattice points, x fastest, with a placement and a calibration.
+//! A uniform grid: voxels at lattice points, x fastest, with a placement and a calibration.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use crate::parallel::each_part;
 use crate::placement::Placement;
 use crate::voxel::Voxel;
 
-/// What the stored numbers mean: `value = slope · stored + intercept` (as in NIfTI and DICOM).
+/// Map from stored numbers to values: `value = slope · stored + intercept` (as in NIfTI and DICOM).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     /// Value per stored unit; not zero.
@@ -36,20 +36,20 @@ impl Calibration {
     }
 }
 
-/// What a look at every sample found.
+/// Range of the stored numbers of a grid, and counts of those that are not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Census {
+pub struct ValueStats {
     /// Smallest and largest finite stored number; `None` if there is none.
     pub range: Option<(f32, f32)>,
-    /// Samples that were NaN.
+    /// Number of voxels that were NaN.
     pub nan: usize,
-    /// Samples that were +∞ or −∞; they are NaN now.
+    /// Number of voxels that were +∞ or −∞; they are NaN now.
     pub infinite: usize,
 }
 
-/// Samples at the points of a regular lattice.
+/// Voxels at the points of a regular lattice.
 ///
-/// The volume fills the box from the first to the last sample on each axis; outside is vacuum. Cloning is cheap: the samples
+/// The volume fills the box from the first to the last voxel on each axis; outside is vacuum. Cloning is cheap: the voxels
 /// are shared.
 #[derive(Clone)]
 pub struct UniformGrid<T> {
@@ -57,7 +57,7 @@ pub struct UniformGrid<T> {
     samples: Arc<dyn AsRef<[T]> + Send + Sync>,
     placement: Placement,
     calibration: Calibration,
-    census: Census,
+    stats: ValueStats,
 }
 
 impl<T> std::fmt::Debug for UniformGrid<T> {
@@ -66,19 +66,20 @@ impl<T> std::fmt::Debug for UniformGrid<T> {
             .field("dims", &self.dims)
             .field("placement", &self.placement)
             .field("calibration", &self.calibration)
-            .field("census", &self.census)
+            .field("stats", &self.stats)
             .finish_non_exhaustive()
     }
 }
 
 impl<T: Voxel> UniformGrid<T> {
-    /// A grid over samples that something owns: a `Vec`, or a mapped file. Every sample is looked at once.
+    /// A grid over stored numbers in a `Vec`, a mapped file, or any other memory. Each is read once.
     ///
-    /// Infinite samples become NaN (the samples are then copied).
+    /// Infinite ones become NaN (all are then copied).
     ///
     /// # Errors
-    /// [`GridError::Dims`] for an axis with fewer than two samples or a product that overflows, [`GridError::Length`] where
-    /// the number of samples is not the product of `dims`, [`GridError::Calibration`] for a slope that is 0 or not finite.
+    /// [`GridError::Dims`] for an axis with fewer than two voxels or a product that overflows, [`GridError::Length`] where
+    /// the number of voxels is not the product of `dims`, [`GridError::Calibration`] for a slope that is 0 or not finite, or an intercept
+    /// that is not finite.
     pub fn new(
         dims: [usize; 3],
         samples: impl AsRef<[T]> + Send + Sync + 'static,
@@ -94,13 +95,13 @@ impl<T: Voxel> UniformGrid<T> {
         if slope == 0.0 || !slope.is_finite() || !intercept.is_finite() {
             return Err(GridError::Calibration { slope, intercept });
         }
-        let census = census(samples.as_ref());
+        let stats = stats(samples.as_ref());
         let samples: Arc<dyn AsRef<[T]> + Send + Sync> =
-            if census.infinite > 0 { Arc::new(T::infinite_to_nan(samples.as_ref())) } else { Arc::new(samples) };
-        Ok(Self { dims, samples, placement, calibration, census })
+            if stats.infinite > 0 { Arc::new(T::infinite_to_nan(samples.as_ref())) } else { Arc::new(samples) };
+        Ok(Self { dims, samples, placement, calibration, stats })
     }
 
-    /// Samples along x, y and z; at least two each.
+    /// Voxels along x, y and z; at least two each.
     pub fn dims(&self) -> [usize; 3] {
         self.dims
     }
@@ -110,26 +111,26 @@ impl<T: Voxel> UniformGrid<T> {
         (*self.samples).as_ref()
     }
 
-    /// Where the grid lies in the world.
+    /// Placement of the grid in the world.
     pub fn placement(&self) -> &Placement {
         &self.placement
     }
 
-    /// What the stored numbers mean.
+    /// Map from stored numbers to values.
     pub fn calibration(&self) -> Calibration {
         self.calibration
     }
 
-    /// Range and missing samples.
-    pub fn census(&self) -> &Census {
-        &self.census
+    /// Range of the stored numbers, and counts of the missing ones.
+    pub fn value_stats(&self) -> &ValueStats {
+        &self.stats
     }
 }
 
-/// The number of samples of a grid, checked.
+/// The number of voxels of a grid, checked.
 ///
 /// # Errors
-/// [`GridError::Dims`] for an axis with fewer than two samples, or where the product is beyond `isize::MAX` bytes of `f32`.
+/// [`GridError::Dims`] for an axis with fewer than two voxels, or where the product is beyond `isize::MAX` bytes of `f32`.
 pub fn sample_count(dims: [usize; 3]) -> Result<usize, GridError> {
     if dims.iter().any(|&n| n < 2 || n > i32::MAX as usize) {
         return Err(GridError::Dims { dims });
@@ -140,9 +141,9 @@ pub fn sample_count(dims: [usize; 3]) -> Result<usize, GridError> {
         .ok_or(GridError::Dims { dims })
 }
 
-fn census<T: Voxel>(samples: &[T]) -> Census {
+fn stats<T: Voxel>(samples: &[T]) -> ValueStats {
     const CHUNK: usize = 1 << 16;
-    let nothing = Census { range: None, nan: 0, infinite: 0 };
+    let nothing = ValueStats { range: None, nan: 0, infinite: 0 };
     let mut counted = vec![nothing; samples.len().div_ceil(CHUNK)];
     each_part(samples.chunks(CHUNK).zip(&mut counted), |_, (chunk, c)| {
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
@@ -163,7 +164,7 @@ fn census<T: Voxel>(samples: &[T]) -> Census {
             c.range = Some((low, high));
         }
     });
-    counted.into_iter().fold(nothing, |a, b| Census {
+    counted.into_iter().fold(nothing, |a, b| ValueStats {
         range: match (a.range, b.range) {
             (Some(x), Some(y)) => Some((x.0.min(y.0), x.1.max(y.1))),
             (x, y) => x.or(y),
@@ -185,7 +186,7 @@ mod tests {
     fn counts_and_replaces_infinite_samples() {
         let data = vec![1.0f32, f32::NAN, f32::INFINITY, -2.0, f32::NEG_INFINITY, 3.0, 0.0, 0.5];
         let g = UniformGrid::new([2, 2, 2], data, unit(), Calibration::default()).unwrap();
-        assert_eq!(*g.census(), Census { range: Some((-2.0, 3.0)), nan: 1, infinite: 2 });
+        assert_eq!(*g.value_stats(), ValueStats { range: Some((-2.0, 3.0)), nan: 1, infinite: 2 });
         assert!(g.samples()[2].is_nan() && g.samples()[4].is_nan());
     }
 

@@ -1,4 +1,4 @@
-//! A uniform grid under a filter, with what is derived from it once and kept.
+//! A uniform grid under a filter, with the structures that are derived from it once and kept.
 
 use std::sync::{Arc, OnceLock};
 
@@ -8,7 +8,7 @@ use crate::any_grid::AnyGrid;
 use crate::derived::Derived;
 use crate::filter::{BSpline, Filter, Lattice, Reconstruction, interpolation_coefficients};
 use crate::filter::{CatmullRom, Gaussian, Nearest, Trilinear};
-use crate::grid::{Calibration, Census, UniformGrid};
+use crate::grid::{Calibration, UniformGrid, ValueStats};
 use crate::missing::{VacuumCells, fill_missing};
 use crate::placement::Placement;
 use crate::sampler::Sampler;
@@ -16,19 +16,19 @@ use crate::value_frame::framed;
 use crate::voxel::{Voxel, VoxelType};
 use crate::with_grid;
 
-/// A uniform grid under a reconstruction filter. Other filters over the same values share them ([`GridVolume::with_filter`]), and what is
-/// derived from them.
+/// A uniform grid under a reconstruction filter. Volumes of the same values under other filters share the values
+/// ([`GridVolume::with_filter`]), and the structures that are derived from them.
 #[derive(Clone, Debug)]
 pub struct GridVolume {
     values: Arc<Values>,
     filter: Filter,
 }
 
-/// The values of a grid and what is derived from them: made when first asked for, then kept.
+/// The values of a grid and the structures that are derived from them: made when first asked for, then kept.
 #[derive(Debug)]
 struct Values {
     grid: AnyGrid,
-    /// Only where samples are missing.
+    /// The values with the missing ones filled in, and the cells that are vacuum; `None` where no voxel is missing.
     filled: OnceLock<Option<(UniformGrid<f32>, VacuumCells)>>,
     coefficients: OnceLock<Vec<f32>>,
     derived: Derived,
@@ -68,35 +68,35 @@ impl GridVolume {
         Arc::ptr_eq(&self.values, &other.values) && self.filter == other.filter
     }
 
-    /// Samples along x, y and z.
+    /// Voxels along x, y and z.
     pub fn dims(&self) -> [usize; 3] {
         with_grid!(&self.values.grid, g => g.dims())
     }
 
-    /// Type of the samples.
+    /// Type of the voxels.
     pub fn voxel_type(&self) -> VoxelType {
-        fn of<T: Voxel>(_: &UniformGrid<T>) -> VoxelType {
+        fn type_of<T: Voxel>(_: &UniformGrid<T>) -> VoxelType {
             T::TYPE
         }
-        with_grid!(&self.values.grid, g => of(g))
+        with_grid!(&self.values.grid, g => type_of(g))
     }
 
-    /// Where the grid lies in the world.
+    /// Placement of the grid in the world.
     pub fn placement(&self) -> &Placement {
         with_grid!(&self.values.grid, g => g.placement())
     }
 
-    /// What the stored numbers mean.
+    /// Map from stored numbers to values.
     pub fn calibration(&self) -> Calibration {
         with_grid!(&self.values.grid, g => g.calibration())
     }
 
-    /// Range and missing samples, in stored units.
-    pub fn census(&self) -> &Census {
-        with_grid!(&self.values.grid, g => g.census())
+    /// Range of the stored numbers, and counts of the missing ones.
+    pub fn value_stats(&self) -> &ValueStats {
+        with_grid!(&self.values.grid, g => g.value_stats())
     }
 
-    /// Bytes of the samples.
+    /// Memory of the voxels in bytes.
     pub fn sample_bytes(&self) -> usize {
         self.dims().iter().product::<usize>() * self.voxel_type().bytes()
     }
@@ -104,7 +104,7 @@ impl GridVolume {
     /// Smallest and largest finite calibrated value.
     pub fn value_range(&self) -> Option<(f64, f64)> {
         let calibration = self.calibration();
-        self.census().range.map(|(a, b)| {
+        self.value_stats().range.map(|(a, b)| {
             let (a, b) = (calibration.value(a.into()), calibration.value(b.into()));
             (a.min(b), a.max(b))
         })
@@ -128,15 +128,17 @@ impl GridVolume {
         )
     }
 
-    /// The cells that are vacuum because a corner is missing; `None` where no sample is.
+    /// The cells that are vacuum because a corner is missing; `None` where no voxel is.
     pub fn vacuum_cells(&self) -> Option<&VacuumCells> {
         self.filled().map(|(_, vacuum)| vacuum)
     }
 
-    /// The samples with missing ones replaced by the nearest finite value; `None` where none is missing.
+    /// The voxels with missing ones replaced by the nearest finite value; `None` where none is missing.
     fn filled(&self) -> Option<&(UniformGrid<f32>, VacuumCells)> {
         let make = || match &self.values.grid {
-            AnyGrid::F32(g) if g.census().nan + g.census().infinite > 0 => Some((fill_missing(g), VacuumCells::new(g))),
+            AnyGrid::F32(g) if g.value_stats().nan + g.value_stats().infinite > 0 => {
+                Some((fill_missing(g), VacuumCells::new(g)))
+            }
             _ => None,
         };
         self.values.filled.get_or_init(make).as_ref()
@@ -150,7 +152,7 @@ impl GridVolume {
         })
     }
 
-    /// Makes what the filter needs beyond the values, so that the first frame does not pay for it.
+    /// Makes the structures that the filter needs beyond the values, so that the first frame does not pay for them.
     pub fn prepare_derived(&self) {
         self.filled();
         if self.filter == Filter::BSpline {
@@ -171,7 +173,7 @@ impl GridVolume {
         }
     }
 
-    /// Hands over the samples themselves (missing ones replaced), to take central differences from.
+    /// Hands over the voxels themselves (missing ones replaced), to take central differences from.
     pub fn with_lattice<V: LatticeVisitor>(&self, visitor: V) -> V::Output {
         match self.filled() {
             Some((g, _)) => visitor.visit(lattice(g)),
@@ -198,7 +200,7 @@ fn visit<T: Voxel, V: SamplerVisitor>(
     match filter {
         Filter::Nearest => visitor.visit(Sampler::<T, Nearest>::new(lattice, vacuum)),
         Filter::Trilinear => visitor.visit(Sampler::<T, Trilinear>::new(lattice, vacuum)),
-        // Over coefficients, which are f32 whatever the samples are: no instance of it for each voxel type.
+        // Over coefficients, which are f32 whatever the voxels are: no instance of it for each voxel type.
         Filter::BSpline => unreachable!("handed its coefficients instead of the samples by the caller"),
         Filter::CatmullRom => visitor.visit(Sampler::<T, CatmullRom>::new(lattice, vacuum)),
         Filter::Gaussian => visitor.visit(Sampler::<T, Gaussian>::new(lattice, vacuum)),
@@ -207,16 +209,16 @@ fn visit<T: Voxel, V: SamplerVisitor>(
 
 /// Code that is generic over voxel type and filter; see [`GridVolume::with_sampler`].
 pub trait SamplerVisitor {
-    /// What it returns.
+    /// Result of the visit.
     type Output;
-    /// Called once, with the sampler.
+    /// Does its work with the sampler; called once.
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Self::Output;
 }
 
 /// Code that is generic over the voxel type; see [`GridVolume::with_lattice`].
 pub trait LatticeVisitor {
-    /// What it returns.
+    /// Result of the visit.
     type Output;
-    /// Called once, with the samples.
+    /// Does its work with the voxels; called once.
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output;
 }

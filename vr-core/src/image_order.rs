@@ -1,4 +1,4 @@
-//! One ray after another, tile by tile on all threads: what a ray caster and the reference share.
+//! Loops over the rays of a view, tile by tile on all threads: for the ray caster and the reference.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -10,7 +10,7 @@ use crate::ray::{Ray, Rays};
 use crate::stats::Counts;
 use crate::view::View;
 
-/// What a ray becomes. A pixel is the mean over its rays.
+/// Result of a ray. A pixel is the mean over its rays.
 pub trait PixelValue: Copy + Send {
     /// The mean of at least one value.
     fn mean(values: &[Self]) -> Self;
@@ -19,14 +19,14 @@ pub trait PixelValue: Copy + Send {
 /// Pixels along the edge of a tile: small enough to balance, large enough that a tile's rays share the cache.
 const TILE: u32 = 16;
 
-/// Where a ray goes through the image.
+/// Point of the image that a ray goes through.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
+pub struct ImageSample {
     /// Its pixel, counted row by row from the top.
     pub pixel: usize,
-    /// In pixels from the left edge.
+    /// Distance from the left edge in pixels.
     pub x: f64,
-    /// In pixels from the top edge.
+    /// Distance from the top edge in pixels.
     pub y: f64,
 }
 
@@ -35,12 +35,12 @@ pub struct Spot {
 /// The result does not depend on the number of threads: tiles are fixed, and so is the order within each.
 ///
 /// # Errors
-/// A view that makes no sense, or [`RenderError::Cancelled`].
+/// As [`View::validate`], or [`RenderError::Cancelled`].
 pub fn trace_view<P: PixelValue, S>(
     view: &View,
     control: &Control,
     scratch: impl Fn() -> S + Sync,
-    trace: impl Fn(&mut S, &Ray, Spot, &mut Counts) -> P + Sync,
+    trace: impl Fn(&mut S, &Ray, ImageSample, &mut Counts) -> P + Sync,
 ) -> Result<(Vec<P>, Counts), RenderError> {
     let [w, h] = view.size;
     let across = w.div_ceil(TILE);
@@ -68,7 +68,7 @@ pub fn trace_pixels<P: PixelValue, S>(
     pixels: &[[u32; 2]],
     control: &Control,
     scratch: impl Fn() -> S + Sync,
-    trace: impl Fn(&mut S, &Ray, Spot, &mut Counts) -> P + Sync,
+    trace: impl Fn(&mut S, &Ray, ImageSample, &mut Counts) -> P + Sync,
 ) -> Result<(Vec<P>, Counts), RenderError> {
     const GROUP: usize = 64;
     let groups = pixels.len().div_ceil(GROUP) as u32;
@@ -86,7 +86,7 @@ fn trace_groups<P: PixelValue, S, I: Iterator<Item = (u32, u32)>>(
     groups: u32,
     pixels_of: impl Fn(u32) -> I + Sync,
     scratch: impl Fn() -> S + Sync,
-    trace: impl Fn(&mut S, &Ray, Spot, &mut Counts) -> P + Sync,
+    trace: impl Fn(&mut S, &Ray, ImageSample, &mut Counts) -> P + Sync,
 ) -> Result<(Vec<Vec<P>>, Counts), RenderError> {
     let rays = Rays::new(view)?;
     let n = view.supersampling;
@@ -100,7 +100,8 @@ fn trace_groups<P: PixelValue, S, I: Iterator<Item = (u32, u32)>>(
                 sub.clear();
                 let pixel = (py * view.size[0] + px) as usize;
                 for k in 0..n * n {
-                    let spot = Spot { pixel, x: f64::from(px) + centre(k % n), y: f64::from(py) + centre(k / n) };
+                    let spot =
+                        ImageSample { pixel, x: f64::from(px) + centre(k % n), y: f64::from(py) + centre(k / n) };
                     sub.push(trace(&mut scratch, &rays.at(spot.x, spot.y), spot, &mut counts));
                 }
                 if n == 1 { sub[0] } else { P::mean(&sub) }
@@ -116,9 +117,9 @@ fn trace_groups<P: PixelValue, S, I: Iterator<Item = (u32, u32)>>(
     Ok((values.collect(), counts))
 }
 
-/// Does pieces of work `0 .. count`, one a task, on the control's threads; returns what each made, in order.
+/// Does pieces of work `0 .. count`, one a task, on the control's threads; returns their results in order.
 ///
-/// Pieces are taken in order, so that neighbours run at the same time, and idle threads steal. Progress is told after each.
+/// Pieces are taken in order, so that neighbours run at the same time, and idle threads steal. Progress is reported after each.
 ///
 /// # Errors
 /// [`RenderError::Cancelled`].

@@ -1,11 +1,11 @@
-//! What every volume renderer here shares: volumes and the filters that make fields of them, transfer functions and their
-//! optics, cameras and rays, and the seam behind which renderers stand.
+//! Types that all volume renderers here share: volumes and the filters that make fields of them, transfer functions and their
+//! optics, cameras and rays, and the interface of renderers.
 //!
 //! A scene is drawn in four steps: a [`Volume`] and a [`TransferFunction`] make a [`Scene`]; a [`Renderer`] prepares it; the
-//! [`Prepared`] scene renders a [`View`]; out comes a [`Frame`]. What the correct pixel is, is defined once:
+//! [`Prepared`] scene renders a [`View`]; out comes a [`Frame`]. The correct pixel is defined once:
 //!
-//! * a [`UniformGrid`] has its samples at lattice points and fills the box from the first to the last one; outside is vacuum;
-//! * the field is what its [`Filter`] reconstructs from the samples, in calibrated values;
+//! * a [`UniformGrid`] has its voxels at lattice points and fills the box from the first to the last one; outside is vacuum;
+//! * the field is what its [`Filter`] reconstructs from the voxels, in calibrated values;
 //! * the transfer function turns a value into extinction κ and emission q, and a pixel is ∫ q e^(−τ) ds with α = 1 − e^(−τ)
 //!   along the ray through its centre, in premultiplied linear light and without the background.
 //!
@@ -96,7 +96,7 @@ pub use error::{GridError, MeshError, OptionError, ParameterError, PointError, R
 pub use field::Field;
 pub use filter::Filter;
 pub use frame::Frame;
-pub use grid::{Calibration, Census, UniformGrid, sample_count};
+pub use grid::{Calibration, UniformGrid, ValueStats, sample_count};
 pub use grid_volume::{GridVolume, LatticeVisitor, SamplerVisitor};
 pub use missing::VacuumCells;
 pub use model::{ContinuousModel, DiscreteModel, Medium, MediumBounds, Model, SegmentTerm};

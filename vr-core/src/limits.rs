@@ -1,7 +1,7 @@
 //! Ranges of the numbers of a scene: what f32 kernels and f64 set-up can keep.
 //!
-//! Kernels work in f32, whose normal numbers lie between 1.2·10⁻³⁸ and 3.4·10³⁸, and take lengths in steps or voxels. Within these limits what
-//! they form stays there:
+//! Kernels work in f32, whose normal numbers lie between 1.2·10⁻³⁸ and 3.4·10³⁸, and take lengths in steps or voxels. Within these limits
+//! their results stay there:
 //! * κ = −ln(1 − α) / unit distance is below 37 / [`MIN_LENGTH`] = 3.7·10²⁵ in front of a wall; along a step of a volume that is larger by far,
 //!   it is a wall, and tables cut it at 10³⁰;
 //! * the light of a sample is at most [`MAX_COLOR`]·[`MAX_FACTOR`]·[`MAX_LIGHT`] a lamp: 10²¹, which f32 adds up along any ray;
@@ -37,7 +37,7 @@ pub(crate) const MIN_FOV: f64 = 1e-6;
 /// Lengths of vectors of which only the direction counts: their squares are normal f64.
 pub(crate) const DIRECTION_LENGTHS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
-/// True if a spacing or a unit distance is one that arithmetic can keep; false for NaN.
+/// True if a spacing or a unit distance is within [`MIN_LENGTH`] and [`MAX_LENGTH`]; false for NaN.
 pub(crate) fn is_length(x: f64) -> bool {
     (MIN_LENGTH..=MAX_LENGTH).contains(&x)
 }

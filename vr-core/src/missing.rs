@@ -1,4 +1,4 @@
-//! Samples that are NaN: which cells they make vacuum, and what the wider filters take in their place.
+//! Voxels that are NaN: the cells that they make vacuum, and the values that the wider filters take in their place.
 
 use crate::grid::UniformGrid;
 use crate::real::Real;
@@ -12,14 +12,14 @@ pub struct VacuumCells {
 }
 
 impl VacuumCells {
-    /// Looks at every corner of every cell.
+    /// Finds the vacuum cells of a grid.
     pub fn new(grid: &UniformGrid<f32>) -> Self {
         let dims = grid.dims();
         let cells = dims.map(|n| n - 1);
         let mut bits = vec![0u64; cells.iter().product::<usize>().div_ceil(64)];
         for (i, _) in grid.samples().iter().enumerate().filter(|(_, s)| s.is_nan()) {
             let p = [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])];
-            // The up to eight cells around the sample.
+            // The up to eight cells around the voxel.
             let around = |a: usize| p[a].saturating_sub(1)..=p[a].min(cells[a] - 1);
             for z in around(2) {
                 for y in around(1) {
@@ -33,14 +33,14 @@ impl VacuumCells {
         Self { cells, bits }
     }
 
-    /// Whether a cell is vacuum.
+    /// True if a cell is vacuum.
     #[inline]
     pub fn is_vacuum(&self, cell: [usize; 3]) -> bool {
         let c = (cell[2] * self.cells[1] + cell[1]) * self.cells[0] + cell[0];
         self.bits[c / 64] >> (c % 64) & 1 == 1
     }
 
-    /// Whether a position lies in a closed vacuum cell: on a face, the cells on both sides count.
+    /// True if a position lies in a closed vacuum cell: on a face, the cells on both sides count.
     #[inline]
     pub fn contains<R: Real>(&self, p: [R; 3]) -> bool {
         let range: [(usize, usize); 3] = std::array::from_fn(|a| {
@@ -53,12 +53,12 @@ impl VacuumCells {
     }
 }
 
-/// A copy in which missing samples take the value of the nearest finite one (in steps along the axes; among equals the one
-/// first in memory). All zeros if no sample is finite: everything is vacuum then.
+/// A copy in which missing voxels take the value of the nearest finite one (in steps along the axes; among equals the one
+/// first in memory). All zeros if no voxel is finite: everything is vacuum then.
 pub fn fill_missing(grid: &UniformGrid<f32>) -> UniformGrid<f32> {
     let dims = grid.dims();
     let mut samples = grid.samples().to_vec();
-    // Breadth-first from all finite samples at once.
+    // Breadth-first from all finite voxels at once.
     let mut front: Vec<usize> = (0..samples.len()).filter(|&i| !samples[i].is_nan()).collect();
     if front.is_empty() {
         samples.fill(0.0);

@@ -1,11 +1,11 @@
-//! What a renderer integrates, told in a form that `vr-physics` can do exactly.
+//! Models of what a renderer integrates, in a form that the reference in `vr-physics` can solve.
 
 use std::sync::Arc;
 
 use crate::filter::Filter;
 use crate::ray::Ray;
 
-/// What a renderer integrates.
+/// Model of what a renderer integrates.
 #[derive(Clone)]
 #[non_exhaustive]
 pub enum Model {
@@ -32,7 +32,7 @@ impl std::fmt::Debug for Model {
 
 /// Extinction and emission along a ray: smooth between breakpoints.
 pub trait ContinuousModel: Send + Sync {
-    /// World distances along the ray, sorted, between which the medium is smooth. The first and the last enclose all of it.
+    /// World distances along the ray, ascending, between which the medium is smooth. The first and the last enclose all of it.
     fn breakpoints(&self, ray: &Ray) -> Vec<f64>;
 
     /// Extinction per world unit (may be +∞) and emission per world unit at a distance along the ray.
@@ -51,7 +51,7 @@ pub struct Medium {
     pub emission: [f64; 3],
 }
 
-/// What is known of a medium over an interval.
+/// Bounds of a medium over an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MediumBounds {
     /// Upper bound of |dκ/ds|.

@@ -48,7 +48,7 @@ pub fn source_weight<R: Real>(tau: R) -> R {
     if tau == R::ZERO { R::ONE } else { opacity_of_depth(tau) / tau }
 }
 
-/// Adds the light and opacity of a homogeneous step behind what a ray has gathered, up to an opacity `level`; returns true if that is reached.
+/// Adds the light and opacity of a homogeneous step behind those of a ray so far, up to an opacity `level`; returns true if that is reached.
 ///
 /// Only the step's part before the level counts then, with light in proportion to its opacity. Nothing must be added behind it.
 pub fn add_up_to_level(rgba: &mut [f64; 4], [r, g, b, opacity]: [f64; 4], level: f64) -> bool {
@@ -63,7 +63,7 @@ pub fn add_up_to_level(rgba: &mut [f64; 4], [r, g, b, opacity]: [f64; 4], level:
     reached
 }
 
-/// Fraction of a homogeneous step of opacity α > 0, behind so much that is clear, at which opacity reaches a level: x with
+/// Fraction of a homogeneous step of opacity α > 0, behind transparency `clear`, at which opacity reaches a level: x with
 /// clear·(1 − α)^x = 1 − level. An opaque step is so from its first point on.
 pub fn fraction_to_level(clear: f64, alpha: f64, level: f64) -> f64 {
     (depth_of_opacity(1.0 - (1.0 - level) / clear) / depth_of_opacity(alpha)).clamp(0.0, 1.0)

@@ -3,13 +3,13 @@
 use crate::error::OptionError;
 use crate::options::{NumberRange, OptionKind, OptionSpec, OptionValue, Options};
 
-/// One option of a renderer of type `R`: how it is described, read and set.
+/// One option of a renderer of type `R`: its description, and how to read and set it.
 pub struct DeclaredOption<R> {
     spec: OptionSpec,
     /// Reads its value; `None` where the renderer's other settings leave it none.
     get: Getter<R>,
     set: Setter<R>,
-    /// Gives it a value, of a renderer whose other settings leave it none by default.
+    /// Changes the default renderer such that the option has a value, where its other settings leave it none.
     enable: fn(&mut R),
     refusals: Vec<Refusal<R>>,
 }
@@ -17,7 +17,7 @@ pub struct DeclaredOption<R> {
 type Getter<R> = Box<dyn Fn(&R) -> Option<OptionValue>>;
 type Setter<R> = Box<dyn Fn(&mut R, &OptionValue)>;
 
-/// Settings beside which the value of an option is wrong.
+/// A test for settings beside which the value of an option is wrong.
 struct Refusal<R> {
     reason: &'static str,
     is_wrong: fn(&R) -> bool,
@@ -64,7 +64,7 @@ impl<R: 'static> DeclaredOption<R> {
         Self { spec: OptionSpec { only_with: Some(only_with), ..option.spec }, enable, ..option }
     }
 
-    /// True or false.
+    /// A switch: true or false.
     pub fn switch(key: &'static str, help: &'static str, get: fn(&R) -> bool, set: fn(&mut R, bool)) -> Self {
         let set = move |r: &mut R, value: &OptionValue| {
             if let OptionValue::Switch(on) = value {
@@ -74,11 +74,11 @@ impl<R: 'static> DeclaredOption<R> {
         Self::new((key, help), OptionKind::Switch, move |r| Some(get(r).into()), set)
     }
 
-    /// One of several words, each with its meaning. What is set to the meaning that it has stays as it is: `get` may leave out what a
-    /// word does not say.
+    /// One of several words, each with its meaning. A renderer that is set to the meaning that it has stays as it is: `get` may leave out
+    /// details that a word does not tell.
     ///
     /// # Panics
-    /// Where a meaning that the renderer has is given no word: a bug in the declaration.
+    /// The table panics if the renderer has a meaning without a word: a bug in the declaration.
     pub fn choice<T: Copy + PartialEq + 'static>(
         key: &'static str,
         help: &'static str,
@@ -103,14 +103,14 @@ impl<R: 'static> DeclaredOption<R> {
         Self::new((key, help), kind, get_word, set)
     }
 
-    /// Refuses its value, for a reason, where the renderer's other settings do not go with it.
+    /// Refuses the option's value, for a reason, where the renderer's other settings do not go with it.
     #[must_use]
     pub fn refuse(mut self, reason: &'static str, is_wrong: fn(&R) -> bool) -> Self {
         self.refusals.push(Refusal { reason, is_wrong });
         self
     }
 
-    /// Says that its value is the largest error that the renderer promises.
+    /// Marks the option's value as the largest error that the renderer promises.
     #[must_use]
     pub fn promise(self) -> Self {
         Self { spec: OptionSpec { promises: true, ..self.spec }, ..self }
@@ -157,12 +157,12 @@ impl<R: Clone + Default> OptionTable<R> {
         Self { renderer, options }
     }
 
-    /// What each option is, in order.
+    /// Description of each option, in order.
     pub fn specs(&self) -> Vec<OptionSpec> {
         self.options.iter().map(|option| option.spec.clone()).collect()
     }
 
-    /// All options that say what a renderer is.
+    /// All options, with the values that a renderer has.
     pub fn values(&self, renderer: &R) -> Options {
         let value = |option: &DeclaredOption<R>| Some((option.spec.key.to_owned(), (option.get)(renderer)?));
         Options(self.options.iter().filter_map(value).collect())
@@ -183,6 +183,7 @@ impl<R: Clone + Default> OptionTable<R> {
                 .map(|(_, known)| known);
             return Err(OptionError::Unknown { renderer: self.renderer, key: key.clone(), nearest });
         }
+        // Set the options in the order of the table; refuse one that has no effect, or undoes an earlier one.
         let mut new = renderer.clone();
         let mut done: Vec<(&DeclaredOption<R>, &OptionValue)> = Vec::new();
         for option in &self.options {

@@ -24,7 +24,7 @@ impl OptionSpec {
     /// Checks the type and the range of a value.
     ///
     /// # Errors
-    /// What would be right.
+    /// The values that would be right, as a message ends.
     pub(crate) fn accepts(&self, value: &OptionValue) -> Result<(), String> {
         let fits = match (&self.kind, value) {
             (OptionKind::Number(range), OptionValue::Number(x)) => range.contains(*x),
@@ -86,35 +86,35 @@ impl NumberRange {
         zero: false,
     };
 
-    /// Numbers above one that does not belong to them.
+    /// The range of numbers above `low`, which does not belong to it.
     pub const fn above(low: f64) -> Self {
         Self { low, ..Self::ALL }
     }
 
-    /// A number and those above it.
+    /// The range of numbers from `low` on, which belongs to it.
     pub const fn at_least(low: f64) -> Self {
         Self { low, has_low: true, ..Self::ALL }
     }
 
-    /// Of these, those up to a number that belongs to them.
+    /// Limits the range to numbers up to `high`, which belongs to it.
     #[must_use]
     pub const fn up_to(self, high: f64) -> Self {
         Self { high, has_high: true, ..self }
     }
 
-    /// Of these, those below a number that does not belong to them.
+    /// Limits the range to numbers below `high`, which does not belong to it.
     #[must_use]
     pub const fn below(self, high: f64) -> Self {
         Self { high, has_high: false, ..self }
     }
 
-    /// Of these, the whole ones.
+    /// Limits the range to whole numbers.
     #[must_use]
     pub const fn whole(self) -> Self {
         Self { whole: true, ..self }
     }
 
-    /// These, and 0.
+    /// Adds 0 to the range.
     #[must_use]
     pub const fn or_zero(self) -> Self {
         Self { zero: true, ..self }
@@ -207,12 +207,12 @@ impl From<&str> for OptionValue {
 pub struct Options(pub BTreeMap<String, OptionValue>);
 
 impl Options {
-    /// None set.
+    /// Options of which none is set.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Sets one.
+    /// Sets an option.
     #[must_use]
     pub fn with(mut self, key: &str, value: impl Into<OptionValue>) -> Self {
         self.0.insert(key.to_owned(), value.into());

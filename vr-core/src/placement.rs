@@ -1,4 +1,4 @@
-//! Where a grid lies in the world: an affine map from index to world.
+//! Placement of a grid in the world: an affine map from index to world.
 
 use glam::{DMat3, DVec3};
 
@@ -7,7 +7,7 @@ use crate::limits::{MAX_STEPS_AWAY, is_length};
 
 /// The affine placement of a grid: `world = origin + axes · index`.
 ///
-/// The columns of `axes` are the world vectors from one sample to the next along x, y and z, spacing folded in. Shear is
+/// The columns of `axes` are the world vectors from one voxel to the next along x, y and z, spacing folded in. Shear is
 /// allowed; a singular matrix is not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
@@ -17,12 +17,12 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// A placement from the world position of sample (0, 0, 0) and the three step vectors.
+    /// A placement from the world position of voxel (0, 0, 0) and the three step vectors.
     ///
     /// # Errors
-    /// [`GridError::Origin`] or [`GridError::Direction`] where a number is not finite or the axes are (nearly) linearly dependent;
-    /// [`GridError::Spacing`] where a step is shorter or longer than kernels in f32 can keep, 10⁻¹⁵ to 10¹⁵; [`GridError::Origin`] where the
-    /// origin is more than 10¹² of the shortest steps away.
+    /// [`GridError::Origin`] where the origin is not finite, or more than 10¹² of the shortest steps away; [`GridError::Spacing`] where a step
+    /// is not finite, or shorter or longer than kernels in f32 can keep, 10⁻²⁴ to 10²⁴; [`GridError::Direction`] where the axes are (nearly)
+    /// linearly dependent.
     pub fn new(origin: DVec3, axes: DMat3) -> Result<Self, GridError> {
         let misplaced = GridError::Origin { found: origin.to_array() };
         if !origin.is_finite() {
@@ -55,15 +55,15 @@ impl Placement {
         Ok(Self { origin, axes, inverse })
     }
 
-    /// Axis-parallel, with sample (0, 0, 0) at the world's origin.
+    /// An axis-parallel placement, with voxel (0, 0, 0) at the world's origin.
     ///
     /// # Errors
-    /// [`GridError::Spacing`] where a spacing is not 10⁻¹⁵ to 10¹⁵.
+    /// [`GridError::Spacing`] where a spacing is not 10⁻²⁴ to 10²⁴.
     pub fn from_spacing(spacing: [f64; 3]) -> Result<Self, GridError> {
         Self::oriented(DVec3::ZERO, spacing, DMat3::IDENTITY)
     }
 
-    /// From spacing (world units between samples) and a direction matrix whose columns are the directions of the index axes;
+    /// A placement from spacing (world units between voxels) and a direction matrix whose columns are the directions of the index axes;
     /// they are normalised here.
     ///
     /// # Errors
@@ -82,7 +82,7 @@ impl Placement {
         Self::new(origin, DMat3::from_cols(d[0] * spacing[0], d[1] * spacing[1], d[2] * spacing[2]))
     }
 
-    /// World position of sample (0, 0, 0).
+    /// World position of voxel (0, 0, 0).
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
@@ -112,7 +112,7 @@ impl Placement {
         self.inverse * (world - self.origin)
     }
 
-    /// A gradient per index step, turned into one per world unit (multiplication by the transposed inverse).
+    /// Turns a gradient per index step into one per world unit (multiplication by the transposed inverse).
     pub fn gradient_to_world(&self, per_index: DVec3) -> DVec3 {
         self.inverse.transpose() * per_index
     }

@@ -9,33 +9,32 @@ use crate::ray::Ray;
 
 /// A support that a ray goes through.
 ///
-/// Distances along the ray are world units behind the place that [`PointCrossings::offset`] tells: so they keep their digits, however far
-/// the ray's origin is.
+/// Distances along the ray are world units behind [`PointCrossings::offset`]: so they keep their digits, however far the ray's origin is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointCrossing {
-    /// Which point.
+    /// Number of the point.
     pub point: u32,
     /// Distance along the ray at which it is nearest to the point.
     pub nearest: f64,
-    /// How near it comes; less than the radius.
+    /// Smallest distance of the ray from the point; less than the radius.
     pub distance: f64,
     /// Half the length of the ray inside the support: it enters at `nearest − half` and leaves at `nearest + half`.
     pub half: f64,
-    /// How far `nearest` and `distance` may be off by rounding.
+    /// Largest error of `nearest` and `distance` by rounding.
     pub error: f64,
 }
 
 /// All supports that a ray goes through.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointCrossings {
-    /// World distance along the ray that all others are counted from: where the ray is nearest to the middle of the set.
+    /// World distance along the ray that all others are counted from: that at which the ray is nearest to the middle of the set.
     pub offset: f64,
     /// One for each point, by ascending number of the point.
     pub all: Vec<PointCrossing>,
 }
 
-/// The most places that a range of values is taken from.
-const MOST_PLACES: usize = 1 << 14;
+/// Largest number of places that a range of values is taken from.
+const MAX_PLACES: usize = 1 << 14;
 
 impl PointSet {
     /// The field at a world position; `None` in vacuum, which is where no support reaches. A support ends before its radius.
@@ -96,10 +95,10 @@ impl PointSet {
     }
 
     /// Smallest and largest value of the field at the points' own places (at up to 16 384 of them, evenly chosen by number). Elsewhere it may
-    /// be beyond them: down to 0 at the edge of a support, and a little higher between points. Made once and kept.
+    /// be beyond them: down to 0 at the edge of a support, and a little higher between points. Computed once and kept.
     pub fn value_range(&self) -> (f64, f64) {
         *self.range().get_or_init(|| {
-            let places = self.count().min(MOST_PLACES);
+            let places = self.count().min(MAX_PLACES);
             let at = |i: usize| {
                 let k = (i as u64 * self.count() as u64 / places as u64) as usize;
                 self.field(self.positions()[k]).unwrap_or(0.0)
@@ -111,7 +110,7 @@ impl PointSet {
     }
 }
 
-/// a − b, and what rounding takes from it (Knuth 1969, "The Art of Computer Programming", volume 2, 4.2.2, theorem C).
+/// The difference a − b, and its rounding error (Knuth 1969, "The Art of Computer Programming", volume 2, 4.2.2, theorem C).
 fn difference(a: f64, b: f64) -> (f64, f64) {
     let d = a - b;
     let taken = a - d;

@@ -1,4 +1,4 @@
-//! Where the supports of scattered points are: a tree of boxes.
+//! Index of the supports of scattered points: a tree of boxes.
 
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ pub(crate) struct PointIndex {
     /// Node j of level l is number 2ˡ + j; its children are 2j and 2j + 1 of the next level.
     boxes: Vec<Bounds>,
     levels: u32,
-    /// What positions are relative to: the middle of all.
+    /// Origin of positions: the middle of all.
     middle: DVec3,
     /// Half the extent of all.
     reach: DVec3,
@@ -47,11 +47,11 @@ impl Bounds {
 /// A straight line through the tree: relative to its middle, between two distances.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalLine {
-    /// Where it is at distance 0.
+    /// Position at distance 0.
     pub(crate) origin: DVec3,
     /// Unit vector.
     pub(crate) direction: DVec3,
-    /// Where it begins and ends.
+    /// Distances at which it begins and ends.
     pub(crate) ends: [f64; 2],
 }
 
@@ -69,7 +69,7 @@ struct Support {
 }
 
 impl PointIndex {
-    /// The tree of points that there is one of at least, inside `bounds`.
+    /// The tree of at least one point, all inside `bounds`.
     pub(crate) fn new(positions: &[DVec3], radii: &[f32], (low, high): (DVec3, DVec3)) -> Self {
         let middle = 0.5 * low + 0.5 * high;
         let support = |k: usize| {
@@ -81,6 +81,7 @@ impl PointIndex {
         let levels = count.div_ceil(LEAF).next_power_of_two().trailing_zeros();
         arrange(&mut supports, count, levels, 0, 0);
 
+        // The boxes of the leaves, then those of the nodes above.
         let leaves = 1usize << levels;
         let mut boxes = vec![Bounds::NOTHING; leaves];
         let around = |leaf: usize| {
@@ -99,24 +100,24 @@ impl PointIndex {
         Self { order, boxes, levels, middle, reach: 0.5 * (high - low) }
     }
 
-    /// What positions are relative to.
+    /// Origin of positions: the middle of all.
     pub(crate) fn middle(&self) -> DVec3 {
         self.middle
     }
 
-    /// What a coordinate of about this size may be off by, generously.
+    /// Upper bound, a generous one, of the error of a coordinate of about this size.
     fn slack(&self, at: DVec3) -> f64 {
         16.0 * f64::EPSILON * (self.reach.max_element() + at.abs().max_element())
     }
 
-    /// Every point whose box holds a position, relative to the middle, and a few others.
+    /// Visits every point whose box holds a position, relative to the middle, and a few others.
     pub(crate) fn each_around(&self, at: DVec3, visit: impl FnMut(usize)) {
         let slack = DVec3::splat(self.slack(at));
         let (low, high) = (at - slack, at + slack);
         self.each(|b| b.low.cmple(high).all() && b.high.cmpge(low).all(), visit);
     }
 
-    /// Every point whose box a line meets, and a few others.
+    /// Visits every point whose box a line meets, and a few others.
     pub(crate) fn each_along(&self, line: &LocalLine, visit: impl FnMut(usize)) {
         let slack = DVec3::splat(self.slack(line.origin));
         let rate = line.direction.recip();

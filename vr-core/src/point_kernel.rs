@@ -1,4 +1,4 @@
-//! Kernels of scattered points: how what a point carries is spread around it.
+//! Kernels of scattered points, which spread the value of each around it.
 
 /// A radially symmetric kernel W(t) over t = distance / radius in [0, 1]; 0 beyond. Its integral over the unit ball is 1.
 ///
@@ -20,14 +20,14 @@ pub enum PointKernel {
     Cone,
 }
 
-/// −ln of what a Gaussian has left at its radius.
+/// −ln of a Gaussian at its radius.
 const EDGE: f64 = 4.5;
 
 impl PointKernel {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::CubicSpline, Self::Gaussian, Self::Cone];
 
-    /// As scene files name it.
+    /// Name in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Self::CubicSpline => "cubic-spline",
@@ -80,7 +80,7 @@ impl PointKernel {
         }
     }
 
-    /// One over the integral over the unit ball of what the table above gives.
+    /// One over the integral over the unit ball of the formula in the table above.
     fn factor(self) -> f64 {
         use std::f64::consts::PI;
         match self {

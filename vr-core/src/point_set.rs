@@ -21,16 +21,16 @@ pub struct PointSet {
     values: Vec<f32>,
     kernel: PointKernel,
     bounds: (DVec3, DVec3),
-    /// Made when first asked for, then kept.
+    /// Tree of the supports, made when first asked for, then kept.
     index: OnceLock<PointIndex>,
     range: OnceLock<(f64, f64)>,
 }
 
-/// Coordinates are smaller than this: their squares and cubes must be numbers.
+/// Upper bound of coordinates: their squares and cubes must be numbers.
 const FARTHEST: f64 = 1e30;
 
 impl PointSet {
-    /// Points at world positions: `radii` is how far their kernels reach, in world units; `weights` and `values` are w and v above.
+    /// Points at world positions: `radii` are those of their kernels, in world units; `weights` and `values` are w and v above.
     ///
     /// # Errors
     /// [`PointError`] for no point, lists of different lengths, a position that is not finite or beyond 10³⁰, a radius that is not positive or
@@ -72,7 +72,7 @@ impl PointSet {
         Ok(Self { positions, radii, weights, values, kernel, bounds, index, range })
     }
 
-    /// How many there are; one at least.
+    /// Number of points; at least one.
     pub fn count(&self) -> usize {
         self.positions.len()
     }
@@ -82,7 +82,7 @@ impl PointSet {
         &self.positions
     }
 
-    /// How far the kernel of each reaches, in world units.
+    /// The radius of each point's kernel, in world units.
     pub fn radii(&self) -> &[f32] {
         &self.radii
     }
@@ -97,7 +97,7 @@ impl PointSet {
         &self.values
     }
 
-    /// How each is spread.
+    /// The kernel that spreads each.
     pub fn kernel(&self) -> PointKernel {
         self.kernel
     }
@@ -107,7 +107,7 @@ impl PointSet {
         self.bounds
     }
 
-    /// Where the supports are.
+    /// Index of the supports.
     pub(crate) fn index(&self) -> &PointIndex {
         self.index.get_or_init(|| PointIndex::new(&self.positions, &self.radii, self.bounds))
     }
@@ -117,7 +117,7 @@ impl PointSet {
         &self.range
     }
 
-    /// Makes what queries of the field need beyond the points, so that the first frame does not pay for it.
+    /// Makes the structures that queries of the field need beyond the points, so that the first frame does not pay for them.
     pub fn prepare_derived(&self) {
         self.index();
     }
@@ -127,7 +127,7 @@ impl PointSet {
         0.5 * self.radii.iter().map(|&r| f64::from(r)).sum::<f64>() / self.count() as f64
     }
 
-    /// What point k adds to the field at a world position.
+    /// Contribution of point k to the field at a world position.
     pub fn contribution(&self, k: usize, at: DVec3) -> f64 {
         let radius = f64::from(self.radii[k]);
         self.amplitude(k) * self.kernel.at(at.distance(self.positions[k]) / radius)

@@ -1,23 +1,23 @@
-//! What a renderer did for one pixel, step by step.
+//! Record of a renderer's work on one pixel, step by step.
 
 use crate::optics::add_up_to_level;
 
-/// What a renderer did along the ray through a pixel's centre: the first thing to look at where a pixel is not what it should be.
+/// Record of a renderer's steps along the ray through a pixel's centre: the first thing to look at where a pixel is wrong.
 ///
 /// Every kind of renderer composites steps, each of some light and some transparency: samples of a ray, slices, the voxels of a sheared
 /// slice, footprints of splats. Here they are, front to back, in the numbers that the renderer itself worked with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
-    /// What the ray became: premultiplied linear RGBA, as in a [`Frame`](crate::Frame).
+    /// Result of the ray: premultiplied linear RGBA, as in a [`Frame`](crate::Frame).
     pub rgba: [f32; 4],
     /// World distance along the ray to what is seen; +∞ where there is nothing.
     pub depth: f32,
     /// True where the kernel that drew the ray is the one that draws frames: `rgba` is the frame's pixel then, bit for bit. False where
     /// it is another one (frames may be drawn by vector code) that draws the same to rounding.
     pub own_kernel: bool,
-    /// Whether steps behind the last one were left out, for they could not be seen any more.
+    /// True if steps behind the last one were left out, for they could not be seen any more.
     pub ended_early: bool,
-    /// Front to back. Between two of them there may be a gap, in which the renderer knew that nothing can be seen.
+    /// Steps, front to back. Between two of them there may be a gap, in which the renderer knew that nothing can be seen.
     pub steps: Vec<ProbedStep>,
 }
 
@@ -28,7 +28,7 @@ pub struct ProbedStep {
     pub begin: f64,
     /// World length; 0 for a single point that was looked at.
     pub length: f64,
-    /// Where the field was sampled for it: at one point at least or, by rules that follow the field through the step, at several, front to back.
+    /// Samples of the field for it, front to back: at least one, or several by rules that follow the field through the step.
     pub samples: Vec<ProbedSample>,
     /// Transparency θ, in [0, 1]; 1 where the compositing picks a value and integrates no light.
     pub transparency: f64,
@@ -62,8 +62,8 @@ impl ProbedStep {
 impl Probe {
     /// Premultiplied RGBA behind each step, summed in f64: C ← C + (1 − A)·b, A ← A + (1 − A)·(1 − θ).
     ///
-    /// Where A reaches `level` inside a step, only the step's part before it counts, with light in proportion to it, and nothing behind
-    /// ([`Compositing::Accumulate`](crate::Compositing::Accumulate)); 1 under over. The renderer's own sum differs by its rounding.
+    /// If A reaches `level` inside a step, only the step's part before it counts, with light in proportion to it, and nothing behind
+    /// ([`Compositing::Accumulate`](crate::Compositing::Accumulate)); `level` is 1 under over. The renderer's own sum differs by its rounding.
     pub fn running(&self, level: f64) -> Vec<[f64; 4]> {
         let (mut rgba, mut reached) = ([0.0; 4], false);
         let sums = self.steps.iter().map(|step| {

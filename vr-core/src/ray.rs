@@ -1,4 +1,4 @@
-//! Rays: the one function, in f64, that every renderer and the reference take theirs from.
+//! Rays: the one function, in f64, from which all renderers and the reference take theirs.
 
 use glam::{DMat3, DVec3};
 
@@ -10,7 +10,7 @@ use crate::view::{Clip, View};
 /// A ray in the world: `origin + s · direction`, s ≥ 0 in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it starts.
+    /// Position at which it starts.
     pub origin: DVec3,
     /// Unit vector.
     pub direction: DVec3,
@@ -66,10 +66,10 @@ impl Rays {
     }
 }
 
-/// `N` rays, component by component: what vector code wants.
+/// `N` rays, component by component, for vector code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayPacket<const N: usize> {
-    /// x, y and z of where the rays start.
+    /// x, y and z of the positions at which the rays start.
     pub origin: [[f64; N]; 3],
     /// x, y and z of their unit vectors.
     pub direction: [[f64; N]; 3],
@@ -125,9 +125,9 @@ pub struct IndexRay {
     pub origin: DVec3,
     /// Index steps per world unit of s.
     pub direction: DVec3,
-    /// Where the ray enters.
+    /// Distance at which the ray enters.
     pub start: f64,
-    /// Where it leaves; above `start`.
+    /// Distance at which it leaves; above `start`.
     pub end: f64,
     /// World distance from the ray's own origin to s = 0.
     pub offset: f64,

@@ -1,6 +1,6 @@
 //! The two precisions a kernel can be instantiated in.
 
-/// `f32` (kernels) or `f64` (truth): one generic kernel, two instances.
+/// Precision of a kernel, `f32` (renderers) or `f64` (the reference): one generic kernel, two instances.
 ///
 /// Transcendental functions come from `libm`, because std's call the system's, which pick fused variants at run time:
 /// pictures must not depend on the machine.

@@ -1,4 +1,4 @@
-//! The seam: everything that draws scenes stands behind [`Renderer`].
+//! Interface of renderers: [`Renderer`], and [`Prepared`] for one that has seen its scene.
 
 use crate::control::Control;
 use crate::error::{OptionError, RenderError};
@@ -11,13 +11,13 @@ use crate::view::View;
 
 /// A way to draw scenes.
 pub trait Renderer: Send + Sync {
-    /// Its name, as scene files and command lines use it.
+    /// Name in scene files and on the command line.
     fn name(&self) -> &'static str;
 
-    /// Asks whether it can draw a scene, and a view of it if one is given, as it is configured: cheap, for no voxel is looked at.
+    /// Checks that it can draw a scene, and a view of it if one is given, as it is configured: cheap, for no voxel is looked at.
     ///
     /// # Errors
-    /// [`RenderError::Unsupported`] with the feature that it lacks and the reason; or what makes no sense in the scene or the view.
+    /// [`RenderError::Unsupported`] with the feature that it lacks and the reason; or an error of the scene or the view themselves.
     fn supports(&self, scene: &Scene, view: Option<&View>) -> Result<(), RenderError>;
 
     /// Does all that can be done before the view is known.
@@ -58,16 +58,16 @@ pub trait Prepared: Send {
     /// Draws a view.
     ///
     /// # Errors
-    /// A view that makes no sense, cancellation, or what the renderer cannot do.
+    /// As [`View::validate`], cancellation, or [`RenderError::Unsupported`].
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError>;
 
-    /// Tells what this renderer integrates: it is judged against the canonical pixel, and against this done exactly.
+    /// The model that this renderer integrates: it is judged against the correct pixel, and against the reference of this model.
     ///
     /// # Errors
     /// As [`Self::render`].
     fn model(&self, view: &View) -> Result<Model, RenderError>;
 
-    /// What was done for the ray through the centre of pixel (x, y) of a view; `None` from a renderer that cannot tell.
+    /// Record of the steps along the ray through the centre of pixel (x, y) of a view; `None` from a renderer that keeps none.
     ///
     /// It is about that ray even where the picture's pixel is made otherwise: as a mean of several, or from its neighbours.
     ///
@@ -78,11 +78,11 @@ pub trait Prepared: Send {
     }
 }
 
-/// A frame and what it took.
+/// A frame and the work that it took.
 #[derive(Clone, Debug)]
 pub struct Rendered {
     /// The picture.
     pub frame: Frame,
-    /// What was done for it.
+    /// The work done for it.
     pub stats: RenderStats,
 }

@@ -1,4 +1,4 @@
-//! The field of a volume at a point: samples, filter and vacuum together.
+//! The field of a grid at a point: voxels, filter and vacuum together.
 
 use crate::filter::{Filter, Lattice, Reconstruction};
 use crate::missing::VacuumCells;
@@ -7,7 +7,7 @@ use crate::voxel::Voxel;
 
 /// Evaluates the reconstructed field, in stored units, at index-space positions inside the box.
 ///
-/// Obtained from [`crate::GridVolume::with_sampler`]. The value in vacuum (a cell with a missing corner) is NaN.
+/// [`GridVolume::with_sampler`](crate::GridVolume::with_sampler) makes it. The value in vacuum (a cell with a missing corner) is NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler<'a, T, F> {
     lattice: Lattice<'a, T>,
@@ -16,17 +16,17 @@ pub struct Sampler<'a, T, F> {
 }
 
 impl<'a, T: Voxel, F: Reconstruction> Sampler<'a, T, F> {
-    /// A filter over samples (for the B-spline: over coefficients), none of which is missing.
+    /// A filter over voxels (for the B-spline: over coefficients), none of which is missing.
     pub fn new(lattice: Lattice<'a, T>, vacuum: Option<&'a VacuumCells>) -> Self {
         Self { lattice, vacuum, filter: std::marker::PhantomData }
     }
 
-    /// Which filter it is.
+    /// The filter.
     pub fn filter(&self) -> Filter {
         F::FILTER
     }
 
-    /// The numbers under the filter: samples, or coefficients for the B-spline.
+    /// The numbers under the filter: voxels, or coefficients for the B-spline.
     pub fn lattice(&self) -> &Lattice<'a, T> {
         &self.lattice
     }

@@ -1,4 +1,4 @@
-//! A scene: a volume and how it is to look.
+//! A scene: a volume with its optics, lights and surfaces.
 
 use std::sync::Arc;
 
@@ -13,20 +13,20 @@ use crate::transfer::TransferFunction;
 use crate::view::View;
 use crate::volume::Volume;
 
-/// What is drawn. Cheap to clone: volume, transfer function, shading and surfaces are shared.
+/// A volume with its optics, lights and surfaces. Cheap to clone: volume, transfer function, shading and surfaces are shared.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The volume, and with a grid the filter that makes the canonical field.
+    /// The volume, and with a grid the filter that makes its field.
     pub volume: Volume,
-    /// From value to extinction and emission.
+    /// Map from value to extinction and emission.
     pub transfer: Arc<TransferFunction>,
-    /// How surfaces in the volume reflect light; `None`: unshaded.
+    /// Reflection of light by surfaces in the volume; `None`: unshaded.
     pub shading: Option<Arc<Shading>>,
-    /// What lights the volume, where it is shaded, and the surfaces.
+    /// Lights of the volume, where it is shaded, and of the surfaces.
     pub lights: Vec<Light>,
     /// Opaque things among the volume.
     pub surfaces: Option<Arc<dyn Surfaces>>,
-    /// What becomes of the field along a ray.
+    /// Operator that makes a pixel of the field along a ray.
     pub compositing: Compositing,
     /// Linear radiance that comes in behind everything. Not part of a frame: added when a PNG is written.
     pub background: [f32; 3],
@@ -35,9 +35,9 @@ pub struct Scene {
 /// Largest radiance that can come from behind a point of a ray: where little enough of it gets through, the ray may end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaxRadiance {
-    /// Of a medium of colours, shaded or not, however long it is.
+    /// Radiance of a medium of colours, shaded or not, however long it is.
     Color(f64),
-    /// Of emission given on its own, per world unit.
+    /// Emission given on its own, per world unit.
     Emission(f64),
 }
 
@@ -53,7 +53,7 @@ impl MaxRadiance {
 }
 
 impl Scene {
-    /// An unshaded scene under emission and absorption, before black, with a headlight for what it may be given to light.
+    /// An unshaded scene under emission and absorption, before black, with a headlight for shading and surfaces that the caller may add.
     pub fn new(volume: Volume, transfer: TransferFunction) -> Self {
         Self {
             volume,
@@ -91,7 +91,7 @@ impl Scene {
         modulates && self.compositing.integrates_light()
     }
 
-    /// Checks what the parts do not check when they are made.
+    /// Checks the numbers that the parts do not check when they are made.
     ///
     /// # Errors
     /// A [`ParameterError`] naming the field.
@@ -169,11 +169,11 @@ mod tests {
             assert_eq!(reflects(first), (true, false));
             assert_eq!(reflects(Compositing::Maximum), (false, false));
             scene.compositing = Compositing::Over;
-            let most = scene.max_radiance();
+            let max = scene.max_radiance();
             // Of white under a headlight: 0.2 + 0.7, which is less than the colour itself, and 0.3 of highlight.
-            assert_eq!(most, if emission.is_none() { MaxRadiance::Color(1.3) } else { MaxRadiance::Emission(1.0) });
-            let over = |most: MaxRadiance| [0.5, 2.0].map(|length| most.over(length));
-            assert_eq!(over(most), if emission.is_none() { [1.3; 2] } else { [1.0, 2.0] });
+            assert_eq!(max, if emission.is_none() { MaxRadiance::Color(1.3) } else { MaxRadiance::Emission(1.0) });
+            let over = |max: MaxRadiance| [0.5, 2.0].map(|length| max.over(length));
+            assert_eq!(over(max), if emission.is_none() { [1.3; 2] } else { [1.0, 2.0] });
             assert_eq!(over(MaxRadiance::Color(0.5)), [1.0; 2], "opacity");
         }
     }

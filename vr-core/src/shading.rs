@@ -6,7 +6,7 @@ use crate::error::ParameterError;
 use crate::limits::{DIRECTION_LENGTHS, MAX_FACTOR, MAX_LIGHT, MAX_MAGNITUDE, MAX_POWER};
 use crate::real::Real;
 
-/// How surfaces in the volume reflect light (Blinn 1977), two-sided:
+/// Reflection of light by surfaces in the volume (Blinn 1977), two-sided:
 /// c is replaced by c·(ka + kd Σ L|n·l|) + ks Σ L|n·h|^p, n the normalised world gradient. Where the gradient is zero, c stays.
 ///
 /// Emission that is given on its own is light, not a surface: it is not shaded.
@@ -20,7 +20,7 @@ pub struct Shading {
     pub specular: f64,
     /// p.
     pub power: f64,
-    /// Where n comes from.
+    /// Source of n.
     pub gradient: GradientMethod,
     /// Multiplies κ by a piecewise linear function of the gradient's magnitude: (value per world unit, factor), sorted.
     /// Empty: no modulation.
@@ -75,12 +75,12 @@ impl Light {
     }
 }
 
-/// Where the gradient for shading comes from.
+/// Source of the gradient for shading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum GradientMethod {
-    /// Central differences at the samples (one-sided at the faces of the box), interpolated trilinearly.
+    /// Central differences at the voxels (one-sided at the faces of the box), interpolated trilinearly.
     #[default]
     CentralDifferences,
     /// The reconstruction filter's own gradient.
@@ -130,7 +130,7 @@ impl Shading {
         factors.reduce(f64::max).unwrap_or(1.0)
     }
 
-    /// Largest component of what it makes of colours whose components are at most `color`: c·max(ka + kd Σ L, 1) + ks Σ L.
+    /// Largest component of shaded colours whose own components are at most `color`: c·max(ka + kd Σ L, 1) + ks Σ L.
     pub fn max_radiance(&self, lights: &[Light], color: f64) -> f64 {
         let light = |c: usize| lights.iter().map(|l| l.color[c]).sum::<f64>();
         let light = light(0).max(light(1)).max(light(2));
@@ -161,7 +161,7 @@ impl Shading {
     }
 }
 
-/// A light as one ray sees it.
+/// A light relative to one ray.
 #[derive(Clone, Copy, Debug)]
 pub struct RayLight<R> {
     /// Unit vector towards the light.
@@ -188,7 +188,7 @@ pub struct RayShading<R> {
 }
 
 impl<R: Real> RayShading<R> {
-    /// What reflects at a point with this world gradient: (factor on the colour, light added). Two-sided.
+    /// Reflection at a point with this world gradient: (factor on the colour, light added). Two-sided.
     #[inline]
     pub fn reflect(&self, gradient: [R; 3]) -> ([R; 3], [R; 3]) {
         // Scaled by its largest component, so that the square neither underflows nor overflows.

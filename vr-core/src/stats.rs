@@ -1,4 +1,4 @@
-//! What a render did.
+//! Statistics of a render.
 
 use std::time::{Duration, Instant};
 
@@ -13,7 +13,7 @@ pub struct Counts {
     pub skipped: u64,
     /// Rays that ended early.
     pub terminated: u64,
-    /// Rays whose error no bound within the promise was found for, where one was promised: the truth jumps there, or nearly.
+    /// Rays for whose error no bound within the promise was found, where one was promised: the correct pixel jumps there, or nearly.
     pub unbounded: u64,
     /// Largest bound that was found for one of those, in units of max(1, the picture's largest magnitude); infinite where one has none at
     /// all, 0 where there are no such rays.
@@ -23,8 +23,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Counts a ray whose error is not within the promise, and the bound that was found for it: of one that is not a number, nothing is
-    /// known.
+    /// Counts a ray whose error is not within the promise, and the bound that was found for it; NaN counts as infinite.
     pub fn count_unbounded(&mut self, bound: f64) {
         self.unbounded += 1;
         // Not `max` alone, which takes the other number for NaN.

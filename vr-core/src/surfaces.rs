@@ -9,14 +9,14 @@ use crate::error::RenderError;
 use crate::shading::Light;
 use crate::view::View;
 
-/// Opaque things that stand in a scene: the volume before them is drawn over them, the volume behind them is hidden.
+/// Opaque surfaces in a scene: the volume before them is drawn over them, the volume behind them is hidden.
 ///
-/// Renderers of volumes know nothing of what they are made of: they ask for a [`Layer`] for each view that they draw.
+/// Renderers of volumes do not know their geometry: they ask for a [`Layer`] for each view that they draw.
 pub trait Surfaces: Send + Sync + fmt::Debug {
     /// Draws the surfaces as they are seen in a view, inside its clip.
     ///
     /// # Errors
-    /// A view or a surface that makes no sense, or [`RenderError::Cancelled`].
+    /// As [`View::validate`], an error of the surface's own, or [`RenderError::Cancelled`].
     fn layer(&self, lights: &[Light], view: &View, control: &Control) -> Result<Layer, RenderError>;
 
     /// Lower and upper corner of the world box around them.

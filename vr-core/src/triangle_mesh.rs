@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::error::MeshError;
 
-/// A surface of triangles in the world, open or closed; nothing is asked of it but that its numbers make sense.
+/// A surface of triangles in the world, open or closed; only its numbers are checked, not its topology.
 ///
 /// There is at least one triangle. A triangle may have no area: it is not seen then.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,14 +15,14 @@ pub struct TriangleMesh {
     colors: Option<Vec<[f32; 3]>>,
 }
 
-/// Coordinates are smaller, so that products of three of them are finite.
-const MOST_COORDINATE: f64 = 1e100;
+/// Upper bound of coordinates, so that products of three of them are finite.
+const MAX_COORDINATE: f64 = 1e100;
 
 impl TriangleMesh {
     /// A surface of vertices at world positions, and triangles of three vertices each, counted from 0.
     ///
     /// # Errors
-    /// A position that is not finite, or beyond 10¹⁰⁰; a triangle of a vertex that there is not; no triangle at all, or 2³² of them.
+    /// A position that is not finite, or beyond 10¹⁰⁰; a triangle that names a vertex that there is not; no triangle, or 2³² of them or more.
     pub fn new(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if triangles.is_empty() {
             return Err(MeshError::Empty);
@@ -30,7 +30,7 @@ impl TriangleMesh {
         if u32::try_from(triangles.len()).is_err() {
             return Err(MeshError::TooMany { found: triangles.len() });
         }
-        let wrong = |p: &DVec3| !p.abs().cmplt(DVec3::splat(MOST_COORDINATE)).all();
+        let wrong = |p: &DVec3| !p.abs().cmplt(DVec3::splat(MAX_COORDINATE)).all();
         if let Some(vertex) = positions.iter().position(wrong) {
             return Err(MeshError::Position { vertex, found: positions[vertex].to_array() });
         }
@@ -43,11 +43,11 @@ impl TriangleMesh {
         Ok(Self { positions, triangles, normals: None, colors: None })
     }
 
-    /// The same with a normal at each vertex, of any length, to be interpolated in between. One that is zero or not finite
+    /// The same with a normal at each vertex, of any length, to be interpolated in between. A normal that is zero or not finite
     /// counts as absent.
     ///
     /// # Errors
-    /// More or fewer of them than vertices.
+    /// More or fewer normals than vertices.
     pub fn with_normals(self, normals: Vec<[f32; 3]>) -> Result<Self, MeshError> {
         self.one_each("normals", normals.len())?;
         Ok(Self { normals: Some(normals), ..self })
@@ -56,7 +56,7 @@ impl TriangleMesh {
     /// The same with a colour at each vertex, in linear RGB, to be interpolated in between.
     ///
     /// # Errors
-    /// More or fewer of them than vertices; a component that is negative or not finite.
+    /// More or fewer colours than vertices; a component that is negative or not finite.
     pub fn with_colors(self, colors: Vec<[f32; 3]>) -> Result<Self, MeshError> {
         self.one_each("colours", colors.len())?;
         let wrong = |c: &[f32; 3]| c.iter().any(|&x| !(x >= 0.0 && x.is_finite()));
@@ -94,7 +94,7 @@ impl TriangleMesh {
     /// World positions of a triangle's corners.
     ///
     /// # Panics
-    /// If there is no such triangle.
+    /// Panics if there is no such triangle.
     #[inline]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|v| self.positions[v as usize])

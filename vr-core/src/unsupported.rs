@@ -14,13 +14,13 @@ pub struct Unsupported {
     pub what: String,
 }
 
-/// A feature of a scene or view.
+/// A feature of a scene or view that a renderer may lack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Feature {
     /// Volumes of this kind.
     VolumeKind,
-    /// Volumes as large as this, or as many pixels.
+    /// Size: volumes as large as this, or as many pixels.
     Size,
     /// Missing values in the volume.
     MissingValues,

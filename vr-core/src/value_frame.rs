@@ -14,7 +14,7 @@ pub struct ValueFrame {
     scale: f64,
 }
 
-/// How many times as far from 0 as from each other numbers may lie. At 16, f32 tells 10⁶ of them apart.
+/// Largest distance of numbers from 0, relative to their distance from each other. At 16, f32 tells 10⁶ of them apart.
 const MAX_RATIO: f64 = 16.0;
 /// Largest and smallest magnitude that is left as it is: sums of thousands and products of three stay far from the ends of f32.
 const MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
@@ -56,7 +56,7 @@ impl ValueFrame {
 
 /// The same volume in the frame that suits its range; `None` where it is best left as it is.
 pub(crate) fn framed(grid: &UniformGrid<f32>) -> Option<UniformGrid<f32>> {
-    let (low, high) = grid.census().range?;
+    let (low, high) = grid.value_stats().range?;
     let frame = ValueFrame::of_range(low.into(), high.into())?;
     let calibration = frame.calibration(grid.calibration())?;
     let samples: Vec<f32> = grid.samples().iter().map(|&s| frame.stored(s.into())).collect();
@@ -88,7 +88,7 @@ mod tests {
             let samples = [low, high, middle, f32::NAN, low, high, low, middle];
             let given = grid(samples);
             let carried = framed(&given).unwrap();
-            let (from, to) = carried.census().range.unwrap();
+            let (from, to) = carried.value_stats().range.unwrap();
             let size = from.abs().max(to.abs());
             assert!((1e-12..=1e12).contains(&size) && size <= 16.0 * (to - from), "{low} {high}: {from} {to}");
             for (a, b) in given.samples().iter().zip(carried.samples()) {

@@ -5,14 +5,14 @@ use glam::DVec3;
 use crate::camera::Camera;
 use crate::error::ParameterError;
 
-/// What to draw from where, how large.
+/// Camera, size, supersampling and clipping of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// The camera.
     pub camera: Camera,
     /// Width and height of the picture in pixels.
     pub size: [u32; 2],
-    /// A pixel is the mean over `supersampling`² subpixel centres; 1 is canonical.
+    /// Number of subpixels along the edge of a pixel, whose mean it is; 1 for the correct pixel.
     pub supersampling: u32,
     /// Crop box and clip planes.
     pub clip: Clip,
@@ -30,7 +30,7 @@ impl View {
     /// Checks everything but the camera's own axes.
     ///
     /// # Errors
-    /// A zero-sized or absurdly large picture, no samples, an empty crop box, a plane without a normal.
+    /// A size that is not 1 to 65536, supersampling that is not 1 to 64, an empty crop box, a plane without a normal.
     pub fn validate(&self) -> Result<(), ParameterError> {
         let [w, h] = self.size;
         if w == 0 || h == 0 || w > MAX_PIXELS || h > MAX_PIXELS {
@@ -59,7 +59,7 @@ impl View {
     }
 }
 
-/// What is cut away. Everything is kept by default.
+/// Crop box and planes that cut parts of the volume and the surfaces away. Everything is kept by default.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -71,12 +71,12 @@ pub struct Clip {
     pub planes: Vec<Plane>,
 }
 
-/// Keeps normal·x ≥ offset, in world space.
+/// A half space that is kept: normal·x ≥ offset, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Plane {
-    /// Points into what is kept; any length.
+    /// Vector into the half space; any length.
     pub normal: DVec3,
     /// See above.
     pub offset: f64,

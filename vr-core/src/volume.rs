@@ -19,7 +19,7 @@ pub enum Volume {
     Grid(Arc<GridVolume>),
     /// Scattered points.
     Points(Arc<PointSet>),
-    /// Any other field: a function, or one's own kind of volume.
+    /// Any other field: a function, or a kind of volume of the caller's own.
     Field(Arc<dyn Field>),
 }
 
@@ -49,7 +49,7 @@ impl Volume {
         }
     }
 
-    /// The kind as messages name it: `uniform grid`, `scattered points`, `function`.
+    /// Kind in messages: `uniform grid`, `scattered points`, `function`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Grid(_) => "uniform grid",
@@ -91,7 +91,8 @@ impl Volume {
         }
     }
 
-    /// Mean distance between samples in world units, half the mean radius of points, or a field's own: the default `unit_distance` of a transfer function.
+    /// Mean distance between voxels in world units, half the mean radius of points, or a field's own spacing: the default `unit_distance` of a
+    /// transfer function.
     pub fn mean_spacing(&self) -> f64 {
         match self {
             Self::Grid(grid) => grid.placement().spacing().element_sum() / 3.0,
@@ -100,7 +101,7 @@ impl Volume {
         }
     }
 
-    /// Makes what drawing needs beyond the data, so that the first frame does not pay for it.
+    /// Makes the structures that drawing needs beyond the data, so that the first frame does not pay for them.
     pub fn prepare_derived(&self) {
         match self {
             Self::Grid(grid) => grid.prepare_derived(),
@@ -141,7 +142,7 @@ impl From<FunctionField> for Volume {
     }
 }
 
-/// Trilinear, as grids are unless said otherwise.
+/// A grid under the default filter, trilinear.
 impl From<AnyGrid> for Volume {
     fn from(grid: AnyGrid) -> Self {
         Self::Grid(Arc::new(GridVolume::new(grid, Filter::default())))

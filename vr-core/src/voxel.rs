@@ -1,6 +1,6 @@
-//! The sample types that a grid can hold in memory.
+//! Voxel types that a grid can hold in memory.
 
-/// The type of the samples of a grid.
+/// Type of the voxels of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
@@ -18,7 +18,7 @@ pub enum VoxelType {
 }
 
 impl VoxelType {
-    /// Bytes per sample.
+    /// Bytes per voxel.
     pub fn bytes(self) -> usize {
         match self {
             Self::U8 | Self::I8 => 1,
@@ -32,7 +32,7 @@ impl VoxelType {
         self != Self::F32
     }
 
-    /// `u8`, `i8`, `u16`, `i16` or `f32`.
+    /// Name: `u8`, `i8`, `u16`, `i16` or `f32`.
     pub fn name(self) -> &'static str {
         match self {
             Self::U8 => "u8",
@@ -54,15 +54,15 @@ mod sealed {
     pub trait Sealed {}
 }
 
-/// A sample type. Sealed: kernels are instantiated for exactly these five.
+/// A voxel type. Sealed: kernels are instantiated for exactly these five.
 pub trait Voxel: Copy + PartialOrd + Default + Send + Sync + std::fmt::Debug + sealed::Sealed + 'static {
-    /// Which one it is.
+    /// The type as a value.
     const TYPE: VoxelType;
     /// The stored number; exact.
     fn to_f32(self) -> f32;
-    /// True if the sample is NaN or infinite, which only floats can be.
+    /// True if the voxel is NaN or infinite, which only floats can be.
     fn is_missing(self) -> bool;
-    /// A copy of the samples in which what is infinite is NaN.
+    /// A copy of the voxels in which infinite ones are NaN.
     fn infinite_to_nan(samples: &[Self]) -> Vec<Self> {
         samples.to_vec()
     }

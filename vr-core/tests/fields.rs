@@ -1,4 +1,4 @@
-//! What must always hold of reconstructed fields: of every filter, voxel type and precision.
+//! Properties of reconstructed fields, for every filter, voxel type and precision.
 
 use proptest::prelude::*;
 use vr_core::filter::Reconstruction;
@@ -117,7 +117,7 @@ fn a_cell_with_a_missing_corner_is_vacuum_and_closed() {
     let mut samples = vec![1.0; 4 * 2 * 2];
     samples[0] = f32::INFINITY;
     let v = volume([4, 2, 2], samples);
-    assert_eq!(v.grid().unwrap().census().infinite, 1);
+    assert_eq!(v.grid().unwrap().value_stats().infinite, 1);
     for filter in Filter::ALL {
         let f = sample(&v, filter, &[[0.5, 0.5, 0.5], [1.0, 0.5, 0.5], [1.0 + 1e-9, 0.5, 0.5], [3.0, 1.0, 1.0]]);
         assert!(f[0].0.is_nan() && f[1].0.is_nan(), "{filter}");

@@ -162,13 +162,13 @@ fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Lo
     let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
     let volume = Volume::from(grid);
     if let Some(uniform) = volume.grid() {
-        let census = uniform.census();
+        let stats = uniform.value_stats();
         let count = layout.count();
-        if census.nan > 0 {
-            notes.push(format!("{} of {count} samples are NaN: the cells around them are vacuum", census.nan));
+        if stats.nan > 0 {
+            notes.push(format!("{} of {count} samples are NaN: the cells around them are vacuum", stats.nan));
         }
-        if census.infinite > 0 {
-            notes.push(format!("{} of {count} samples are infinite and count as NaN", census.infinite));
+        if stats.infinite > 0 {
+            notes.push(format!("{} of {count} samples are infinite and count as NaN", stats.infinite));
         }
     }
     let data_files: Vec<PathBuf> = payload.segments.iter().map(|s| s.path.clone()).collect();

@@ -252,7 +252,7 @@ fn files_and_phantoms_of_points() {
     for name in vr_core::phantom::POINT_NAMES {
         let loaded = phantom(&format!("[volume]\nphantom = \"{name}\"\ncount = 50\n")).unwrap();
         assert_eq!(loaded.scene.volume.points().unwrap().count(), 50);
-        let (_, unit_distance) = vr_core::phantom::point_transfer(name).unwrap();
+        let (_, unit_distance) = vr_core::phantom::point_transfer_function(name).unwrap();
         assert_eq!(loaded.scene.transfer.unit_distance(), unit_distance);
     }
 }

@@ -1,9 +1,9 @@
-//! Rows of bits in words of 64: which of many things are meant, and runs of them.
+//! Rows of bits in words of 64: sets of places along a row, and runs of them.
 
-/// Bits of a word.
+/// Number of bits of a word.
 pub const WORD: usize = 64;
 
-/// Runs of ones of a row of bits: the first one, and how many there are.
+/// Runs of ones of a row of bits: index of the first one, and their number.
 pub struct Ones<'a> {
     words: &'a [u64],
     bit: usize,

@@ -1,4 +1,4 @@
-//! What must always hold of the ranges of blocks.
+//! Properties of the ranges of blocks.
 
 use proptest::prelude::*;
 use vr_core::filter::Reconstruction;
@@ -66,7 +66,7 @@ proptest! {
     }
 }
 
-/// Under the linear filter a block's range is that of its samples, but for a few roundings; and exactly that where they are all the same.
+/// A block's range under the linear filter is that of its voxels, but for a few roundings; and exactly that where they are all the same.
 #[test]
 fn range_blocks_are_no_wider_than_they_must_be() {
     let dims = [11, 6, 7];

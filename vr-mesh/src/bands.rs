@@ -14,27 +14,28 @@ pub(crate) struct Bands {
     rows: u32,
     /// Rows of a band; the last one may have fewer.
     height: u32,
-    /// Where each band's triangles begin in `members`, and where the last one's end.
+    /// Index into `members` at which each band's triangles begin, and that at which the last one's end.
     starts: Vec<usize>,
     members: Vec<u32>,
     /// Triangles of so many bands that each looks at all of them.
     tall: Vec<Candidate>,
 }
 
-/// Rows of a band at the least: so many that a band is worth a task of its own.
-const LEAST_ROWS: u32 = 8;
-/// Bands at the most.
-const MOST_BANDS: u32 = 256;
+/// Smallest number of rows of a band: so many that a band is worth a task of its own.
+const MIN_ROWS: u32 = 8;
+/// Largest number of bands.
+const MAX_BANDS: u32 = 256;
 /// Triangles of more bands are kept apart, so that lists stay within a few times the number of triangles.
 const TALL: u32 = 16;
 
 impl Bands {
     /// Sorts the candidates of a picture of so many rows. (A counting sort: each list keeps their order.)
     pub(crate) fn new(rows: u32, candidates: &[Vec<Candidate>]) -> Self {
-        let height = rows.div_ceil(MOST_BANDS).max(LEAST_ROWS);
+        let height = rows.div_ceil(MAX_BANDS).max(MIN_ROWS);
         let bands = |c: &Candidate| (c.rows[0] / height) as usize..c.rows[1].div_ceil(height) as usize;
         let is_tall = |c: &&Candidate| bands(c).len() > TALL as usize;
         let all = || candidates.iter().flatten();
+        // Count the triangles of each band, and sum up to where its list begins.
         let mut starts = vec![0; rows.div_ceil(height) as usize + 1];
         for candidate in all().filter(|c| !is_tall(c)) {
             bands(candidate).for_each(|band| starts[band + 1] += 1);
@@ -42,6 +43,7 @@ impl Bands {
         for band in 1..starts.len() {
             starts[band] += starts[band - 1];
         }
+        // Put each triangle into the list of every band that it reaches into.
         let mut members = vec![0; starts[starts.len() - 1]];
         let mut next = starts.clone();
         for candidate in all().filter(|c| !is_tall(c)) {
@@ -53,7 +55,7 @@ impl Bands {
         Self { rows, height, starts, members, tall: all().filter(is_tall).copied().collect() }
     }
 
-    /// How many bands there are.
+    /// Number of bands.
     pub(crate) fn count(&self) -> u32 {
         self.rows.div_ceil(self.height)
     }

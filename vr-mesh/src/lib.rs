@@ -24,11 +24,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # How
+//! # Method
 //! 1. **Outlines**: each triangle, projected in f64, may cover some rows and columns of pixels. Outlines are wider than rounding
 //!    can be, and most triangles of a fine mesh lie between the centres of pixels: they are dropped here.
 //! 2. **Bands**: those that are left are sorted by the bands of rows that they reach into. Bands are what runs in parallel.
-//! 3. **Rays**: where an outline covers a pixel, the pixel's ray, the one that [`vr_core::Rays`] gives every renderer, is cut with
+//! 3. **Rays**: where an outline covers a pixel, the pixel's ray, the one that [`vr_core::Rays`] gives every renderer, is intersected with
 //!    the triangle (Woop, Benthin & Wald, *Watertight Ray/Triangle Intersection*, JCGT 2013), in f64. Nothing shines through the edge
 //!    between two triangles. The nearest one inside the clip is kept.
 //! 4. **Light**: Blinn-Phong, two-sided, with normals of the mesh interpolated or the triangle's own, by the code that shades volumes.
@@ -36,7 +36,7 @@
 //! So pixels are those of a ray tracer, at the price of a rasteriser: a tree of boxes over a million triangles would take longer to build
 //! than the picture takes to draw.
 //!
-//! # What it does not do
+//! # Limits
 //! Edges are not smoothed: a layer has one distance a pixel, whatever [`vr_core::View::supersampling`] says. Surfaces are opaque. Cuts by the
 //! clip are not closed.
 

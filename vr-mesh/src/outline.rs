@@ -1,11 +1,11 @@
-//! Which pixels a triangle may cover: more than it does, never fewer.
+//! Outlines of triangles in the picture: the pixels that each may cover, more than it does and never fewer.
 
 use glam::{DMat3, DVec2, DVec3};
 use vr_core::{ParameterError, Projection, View};
 
-/// The picture, as the camera sees the world.
+/// Projection of the world onto the picture, in pixels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Screen {
+pub(crate) struct ScreenProjection {
     eye: DVec3,
     frame: DMat3,
     perspective: bool,
@@ -16,25 +16,27 @@ pub(crate) struct Screen {
     largest: f64,
 }
 
-/// By how many roundings of the largest coordinate positions may be off: subtraction of the eye and three products make fewer than ten.
+/// Largest error of a position, relative to the largest coordinate: subtraction of the eye and three products make fewer than ten roundings.
 const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
-/// Of a pixel, what outlines are widened by on top of that.
+/// Part of a pixel by which outlines are widened on top of that.
 const MARGIN: f64 = 1e-3;
 /// Points nearer to the eye's plane than this many slacks have no place in the picture that means anything.
 const NEAR: f64 = 1e3;
 
-/// What is known of the place of a triangle in the picture.
+/// Place of a triangle in the picture, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outline {
-    /// It is not in the picture.
+    /// Outside of the picture.
     Nowhere,
-    /// It reaches behind the eye.
+    /// Perhaps anywhere: it reaches behind the eye, or its place is not known well enough.
     Anywhere,
     /// Its corners in pixels from the top left, and how far its edges may be from the lines between them.
     Corners([DVec2; 3], f64),
 }
 
-impl Screen {
+impl ScreenProjection {
+    /// The projection of a view.
+    ///
     /// # Errors
     /// As [`vr_core::Camera::frame`].
     pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
@@ -56,13 +58,13 @@ impl Screen {
         self.size
     }
 
-    /// Where a triangle is.
+    /// The outline of a triangle.
     #[inline]
     pub(crate) fn outline(&self, corners: [DVec3; 3]) -> Outline {
-        // More than rounding moves a corner, or a ray, in world units.
+        // An upper bound of how far rounding moves a corner, or a ray, in world units.
         let largest = corners.iter().fold(self.largest, |largest, p| largest.max(p.abs().max_element()));
         let slack = ROUNDINGS * largest;
-        // Right, up and ahead of the eye.
+        // The corners seen from the eye: to the right, up and ahead.
         let seen = corners.map(|p| self.frame.transpose() * (p - self.eye));
         let behind = |p: &DVec3| p.z < -slack;
         if seen.iter().all(behind) {
@@ -76,6 +78,7 @@ impl Screen {
                 return if self.is_aside(&seen, slack) { Outline::Nowhere } else { Outline::Anywhere };
             }
         }
+        // Project the corners, in pixels, and widen the outline by what their rounding can move them.
         let mut reach: f64 = 0.0;
         let points = seen.map(|p| {
             let scale = if self.perspective { 1.0 / (p.z * self.pixel) } else { 1.0 / self.pixel };
@@ -87,7 +90,7 @@ impl Screen {
         if margin < 0.5 * f64::from(u32::MAX) { Outline::Corners(points, margin) } else { Outline::Anywhere }
     }
 
-    /// Whether one side of the picture has all corners outside of it; in perspective, where they may be behind the eye.
+    /// True if one side of the picture has all corners outside of it. For perspective; they may be behind the eye.
     fn is_aside(&self, seen: &[DVec3; 3], slack: f64) -> bool {
         let [x, y] = self.size.map(|n| 0.5 * f64::from(n) * self.pixel);
         let beyond =
@@ -162,7 +165,7 @@ mod tests {
     fn across_the_eyes_plane_it_may_be_anywhere_or_aside() {
         let projection = Projection::Perspective { fov: 90.0 };
         let camera = vr_core::Camera { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, projection };
-        let screen = Screen::new(&View::new(camera, [10, 10])).unwrap();
+        let screen = ScreenProjection::new(&View::new(camera, [10, 10])).unwrap();
         let outline = |x: f64, z: [f64; 3]| {
             screen.outline([DVec3::new(x, -1.0, z[0]), DVec3::new(x, 1.0, z[1]), DVec3::new(x + 0.1, 0.0, z[2])])
         };

@@ -1,15 +1,15 @@
-//! From a mesh and a view to a layer.
+//! Rasterization of a mesh, as a view sees it, into a layer.
 
 use glam::DVec3;
 use vr_core::image_order::in_parallel;
 use vr_core::{Control, Layer, Light, Ray, RayShading, Rays, RenderError, TriangleMesh, View};
 
 use crate::bands::{Bands, Candidate};
-use crate::outline::Screen;
+use crate::outline::ScreenProjection;
 use crate::sheared_ray::ShearedRay;
 use crate::surface::Surface;
 
-/// Triangles whose outlines are one piece of work.
+/// Number of triangles whose outlines are one piece of work.
 const PIECE: usize = 1 << 14;
 
 /// Draws the nearest triangle along the ray through each pixel's centre, at its world distance.
@@ -31,7 +31,7 @@ pub(crate) fn rasterize(
 ) -> Result<Layer, RenderError> {
     surface.validate()?;
     let mesh = &*surface.mesh;
-    let picture = Picture { mesh, surface, lights, view, rays: Rays::new(view)?, screen: Screen::new(view)? };
+    let picture = Picture { mesh, surface, lights, view, rays: Rays::new(view)?, screen: ScreenProjection::new(view)? };
     let pieces = mesh.triangles().len().div_ceil(PIECE) as u32;
     let candidates = in_parallel(control, pieces, |piece| picture.candidates(piece as usize * PIECE))?;
     let bands = Bands::new(view.size[1], &candidates);
@@ -46,13 +46,13 @@ struct Picture<'a> {
     lights: &'a [Light],
     view: &'a View,
     rays: Rays,
-    screen: Screen,
+    screen: ScreenProjection,
 }
 
-/// Where there is nothing.
+/// Entry of a pixel in which no surface is seen.
 const NOTHING: ([f32; 3], f32) = ([0.0; 3], f32::INFINITY);
 
-/// A pixel's ray, and what it has met.
+/// A pixel's ray, and the nearest hit so far.
 struct Sight {
     ray: Ray,
     sheared: ShearedRay,
@@ -64,9 +64,9 @@ struct Sight {
 
 impl Sight {
     fn look(&mut self, mesh: &TriangleMesh, triangle: u32) {
-        let Some(meeting) = self.sheared.meets(mesh.corners(triangle as usize)) else { return };
-        let found = (meeting.distance, triangle);
-        // Pairs in order: of equal distances, the first triangle, whoever comes first.
+        let Some(hit) = self.sheared.intersect(mesh.corners(triangle as usize)) else { return };
+        let found = (hit.distance, triangle);
+        // Pairs are compared in order: of equal distances the triangle of the lowest number counts, whichever is looked at first.
         let is_nearer = self.nearest.is_none_or(|nearest| found < nearest);
         if is_nearer && self.seen[0] <= found.0 && found.0 <= self.seen[1] {
             self.nearest = Some(found);
@@ -75,7 +75,7 @@ impl Sight {
 }
 
 impl Picture<'_> {
-    /// Of a piece of the triangles, those that may be seen.
+    /// The triangles of the piece that begins at `start` that may be seen.
     fn candidates(&self, start: usize) -> Vec<Candidate> {
         let end = (start + PIECE).min(self.mesh.triangles().len());
         let candidate = |triangle: usize| {
@@ -94,6 +94,7 @@ impl Picture<'_> {
         if triangles.peek().is_none() {
             return vec![NOTHING; pixels];
         }
+        // Find the nearest triangle along the ray of each pixel, among those whose outline covers it.
         let mut sights: Vec<Option<Sight>> =
             (first..end).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| self.sight(x, y)).collect();
         for triangle in triangles {
@@ -107,6 +108,7 @@ impl Picture<'_> {
                 }
             }
         }
+        // Shade what was found.
         let mut shading = None;
         sights.iter().map(|sight| sight.as_ref().map_or(NOTHING, |sight| self.pixel(sight, &mut shading))).collect()
     }
@@ -118,16 +120,16 @@ impl Picture<'_> {
         Some(Sight { ray, sheared: ShearedRay::new(&ray), seen, nearest: None })
     }
 
-    /// The light and the distance of what was met; `shading` is that of the last ray, and serves all that are parallel to it.
+    /// The light and the distance of what was hit; `shading` is that of the last ray, and serves all that are parallel to it.
     fn pixel(&self, sight: &Sight, shading: &mut Option<(DVec3, RayShading<f64>)>) -> ([f32; 3], f32) {
         let Some((distance, triangle)) = sight.nearest else { return NOTHING };
         let triangle = triangle as usize;
-        let Some(meeting) = sight.sheared.meets(self.mesh.corners(triangle)) else { return NOTHING };
+        let Some(hit) = sight.sheared.intersect(self.mesh.corners(triangle)) else { return NOTHING };
         let direction = sight.ray.direction;
         if !matches!(shading, Some((of, _)) if *of == direction) {
             *shading = None;
         }
         let (_, along) = shading.get_or_insert_with(|| (direction, self.surface.shading.along(self.lights, direction)));
-        (self.surface.light(triangle, &meeting, along), distance as f32)
+        (self.surface.light(triangle, &hit, along), distance as f32)
     }
 }

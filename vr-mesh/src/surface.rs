@@ -1,4 +1,4 @@
-//! A mesh and what it looks like where a ray meets it.
+//! A mesh, and its colour and light where a ray hits it.
 
 use std::sync::Arc;
 
@@ -6,9 +6,9 @@ use glam::DVec3;
 use vr_core::{Control, Layer, Light, ParameterError, RayShading, RenderError, Shading, Surfaces, TriangleMesh, View};
 
 use crate::rasterize::rasterize;
-use crate::sheared_ray::Meeting;
+use crate::sheared_ray::Hit;
 
-/// A surface of triangles, and what it looks like.
+/// A surface of triangles, with its colour and shading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// The triangles.
@@ -41,19 +41,19 @@ impl Surface {
     }
 
     /// Linear RGB of the light that a point of a triangle sends back along a ray, `shading` being this surface's along it.
-    pub(crate) fn light(&self, triangle: usize, meeting: &Meeting, shading: &RayShading<f64>) -> [f32; 3] {
+    pub(crate) fn light(&self, triangle: usize, hit: &Hit, shading: &RayShading<f64>) -> [f32; 3] {
         let mesh = &*self.mesh;
         let corners = mesh.triangles()[triangle];
         let between = |values: &[[f32; 3]]| {
             let value = |i: usize| DVec3::from(values[corners[i] as usize].map(f64::from));
-            (0..3).map(|i| value(i) * meeting.weights[i]).sum::<DVec3>()
+            (0..3).map(|i| value(i) * hit.weights[i]).sum::<DVec3>()
         };
         let color = match (self.color, mesh.colors()) {
             (Some(color), _) => DVec3::from(color),
             (None, Some(colors)) => between(colors),
             (None, None) => DVec3::from(Self::COLOR),
         };
-        let normal = smooth_normal(mesh, triangle, meeting).unwrap_or_else(|| flat_normal(mesh, triangle));
+        let normal = smooth_normal(mesh, triangle, hit).unwrap_or_else(|| flat_normal(mesh, triangle));
         let (factor, added) = shading.reflect(normal.to_array());
         std::array::from_fn(|c| (color[c] * factor[c] + added[c]) as f32)
     }
@@ -75,11 +75,11 @@ fn flat_normal(mesh: &TriangleMesh, triangle: usize) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Between the normals at the corners; `None` where one is absent, or they cancel.
-fn smooth_normal(mesh: &TriangleMesh, triangle: usize, meeting: &Meeting) -> Option<DVec3> {
+/// Interpolates the normals at the corners; `None` where one is absent, or they cancel.
+fn smooth_normal(mesh: &TriangleMesh, triangle: usize, hit: &Hit) -> Option<DVec3> {
     let normals = mesh.normals()?;
     let mut sum = DVec3::ZERO;
-    for (&vertex, weight) in mesh.triangles()[triangle].iter().zip(meeting.weights) {
+    for (&vertex, weight) in mesh.triangles()[triangle].iter().zip(hit.weights) {
         sum += DVec3::from(normals[vertex as usize].map(f64::from)).try_normalize()? * weight;
     }
     sum.try_normalize()
@@ -96,7 +96,7 @@ mod tests {
     /// The light of the point with these weights, seen along −z.
     fn light(surface: &Surface, weights: [f64; 3]) -> [f32; 3] {
         let along = surface.shading.along(&[Light::default()], DVec3::NEG_Z);
-        surface.light(0, &Meeting { distance: 1.0, weights }, &along)
+        surface.light(0, &Hit { distance: 1.0, weights }, &along)
     }
 
     #[test]

@@ -20,7 +20,7 @@ fn point(reach: f64) -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-reach..reach).prop_map(DVec3::from)
 }
 
-/// From all sides, near and far, and from within.
+/// Cameras on all sides, near and far, and within.
 fn camera() -> impl Strategy<Value = Camera> {
     let projection = prop_oneof![
         (0.5..4.0).prop_map(|height| Projection::Orthographic { height }),
@@ -44,10 +44,10 @@ fn clip() -> impl Strategy<Value = Clip> {
     (crop, prop::collection::vec(plane, 0..2)).prop_map(|(crop, planes)| Clip { crop, planes })
 }
 
-/// Every triangle against every ray, by Cramer's rule (Möller & Trumbore, JGT 1997): distances, and how far inside the triangle.
-fn meetings(mesh: &TriangleMesh, view: &View, [x, y]: [u32; 2]) -> Vec<(f64, f64)> {
+/// Intersections of every triangle with a pixel's ray, by Cramer's rule (Möller & Trumbore, JGT 1997): distance, and how far inside of it.
+fn hits(mesh: &TriangleMesh, view: &View, [x, y]: [u32; 2]) -> Vec<(f64, f64)> {
     let ray = Rays::new(view).unwrap().at(f64::from(x) + 0.5, f64::from(y) + 0.5);
-    let meeting = |triangle| {
+    let hit = |triangle| {
         let [a, b, c] = mesh.corners(triangle);
         let (ab, ac, p) = (b - a, c - a, ray.direction.cross(c - a));
         let (from, recip) = (ray.origin - a, 1.0 / ab.dot(p));
@@ -56,7 +56,7 @@ fn meetings(mesh: &TriangleMesh, view: &View, [x, y]: [u32; 2]) -> Vec<(f64, f64
         (ac.dot(q) * recip, u.min(v).min(1.0 - u - v))
     };
     // Two corners in one place: nothing to meet.
-    (0..mesh.triangles().len()).map(meeting).filter(|(s, depth)| s.is_finite() && depth.is_finite()).collect()
+    (0..mesh.triangles().len()).map(hit).filter(|(s, depth)| s.is_finite() && depth.is_finite()).collect()
 }
 
 /// Distances are those of a naive ray tracer, wherever it is sure of itself: rays that pass an edge or the clip's end by less than
@@ -71,7 +71,7 @@ fn the_nearest_triangle_is_seen() {
         for y in 0..17 {
             for x in 0..23 {
                 let inside = rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5).inside(&view.clip);
-                let all = meetings(&mesh, &view, [x, y]);
+                let all = hits(&mesh, &view, [x, y]);
                 let [start, end] = inside.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
                 let near = |at: f64, of: f64| (at - of).abs() < 1e-9;
                 if all.iter().any(|&(s, depth)| depth.abs() < 1e-9 || near(s, start) || near(s, end)) {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vr_core::image_order::{Spot, trace_pixels};
+use vr_core::image_order::{ImageSample, trace_pixels};
 use vr_core::phantom::Phantom;
 use vr_core::{Control, Counts, Feature, IndexRay, Ray, RenderError, Scene, Unsupported, View};
 
@@ -46,7 +46,7 @@ impl Reference {
         let field = FunctionField::of_phantom(Arc::clone(phantom));
         let layer = scene.layer(view, control)?;
         let optics = Optics::new(&scene.transfer, None);
-        let trace = |(): &mut (), ray: &Ray, spot: Spot, counts: &mut Counts| {
+        let trace = |(): &mut (), ray: &Ray, spot: ImageSample, counts: &mut Counts| {
             let layer = layer.as_ref();
             let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
             let part = IndexRay::new(ray, volume.placement(), volume.dims(), &view.clip, far);

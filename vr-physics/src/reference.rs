@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vr_core::image_order::{PixelValue, Spot, trace_pixels, trace_view};
+use vr_core::image_order::{ImageSample, PixelValue, trace_pixels, trace_view};
 use vr_core::{
     Configurable, Control, Counts, DeclaredOption, Documented, DocumentedError, Frame, HardCaseErrors, MIN_MAX_ERROR,
     Model, NamedSetting, NumberRange, OptionError, OptionTable, Prepared, Ray, RenderError, RenderStats, Rendered,
@@ -145,7 +145,7 @@ impl Reference {
         control: &Control,
     ) -> Result<Solution, RenderError> {
         let solver = Solver::new(self.tolerance, scene, view, model)?.with_surfaces(control)?;
-        let trace = |(): &mut (), ray: &Ray, spot: Spot, counts: &mut Counts| solver.pixel(ray, spot, counts);
+        let trace = |(): &mut (), ray: &Ray, spot: ImageSample, counts: &mut Counts| solver.pixel(ray, spot, counts);
         let (pixels, counts) = trace_pixels(view, pixels, control, || (), trace)?;
         Ok(Solution { pixels, counts })
     }

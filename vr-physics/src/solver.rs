@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use vr_core::filter::{Lattice, Reconstruction};
-use vr_core::image_order::Spot;
+use vr_core::image_order::ImageSample;
 use vr_core::{
     Compositing, Control, Counts, Feature, Field, GradientMethod, GridVolume, IndexRay, LatticeVisitor, Layer, Model,
     Ray, RenderError, Sampler, SamplerVisitor, Scene, Unsupported, View, Volume, Voxel, gradient_at_sample,
@@ -126,7 +126,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    pub(crate) fn pixel(&self, ray: &Ray, spot: Spot, counts: &mut Counts) -> Pixel {
+    pub(crate) fn pixel(&self, ray: &Ray, spot: ImageSample, counts: &mut Counts) -> Pixel {
         let far = self.layer.as_ref().map_or(f64::INFINITY, |l| l.depth(spot.pixel));
         let mut pixel = self.volume_pixel(ray, spot, far, counts);
         if let Some(layer) = &self.layer {
@@ -136,7 +136,7 @@ impl<'a> Solver<'a> {
         pixel
     }
 
-    fn volume_pixel(&self, ray: &Ray, spot: Spot, far: f64, counts: &mut Counts) -> Pixel {
+    fn volume_pixel(&self, ray: &Ray, spot: ImageSample, far: f64, counts: &mut Counts) -> Pixel {
         match self.model {
             Model::Discrete(m) => return Pixel::emitted(&sum_segments(&m.segments(spot.x, spot.y)), 0.0),
             Model::Continuous(m) => return Pixel::emitted(&integrate_continuous(&**m, ray), 0.0),

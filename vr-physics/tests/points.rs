@@ -6,7 +6,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use vr_core::field::{Cut, FieldLine, PointLine};
-use vr_core::phantom::{POINT_NAMES, point_transfer, points_by_name};
+use vr_core::phantom::{POINT_NAMES, point_transfer_function, points_by_name};
 use vr_core::{
     Camera, Clip, Compositing, Control, ControlPoint, Filter, Model, OpacityRule, Plane, PointKernel, PointSet,
     Projection, Ray, RenderError, Scene, Shading, TransferFunction, View,
@@ -301,7 +301,7 @@ fn accounts_of_rays_begin_anew_after_vacuum_and_end_as_pixels_do() {
 #[test]
 fn pictures_do_not_depend_on_threads() {
     let points = points_by_name("plummer", 300).unwrap();
-    let (control_points, unit) = point_transfer("plummer").unwrap();
+    let (control_points, unit) = point_transfer_function("plummer").unwrap();
     let scene = Scene::new(points.into(), TransferFunction::new(control_points, OpacityRule::Power, unit).unwrap());
     let view = View::new(Camera::framing((DVec3::NEG_ONE, DVec3::ONE), 20.0, 10.0, Some(30.0)), [24, 24]);
     let solved = [1, 3].map(|threads| {
@@ -406,7 +406,7 @@ proptest! {
 #[test]
 fn phantoms_are_solved_to_the_tolerance() {
     for name in POINT_NAMES {
-        let (control_points, unit) = point_transfer(name).unwrap();
+        let (control_points, unit) = point_transfer_function(name).unwrap();
         let transfer = TransferFunction::new(control_points, OpacityRule::Power, unit).unwrap();
         let scene = Scene::new(points_by_name(name, 2000).unwrap().into(), transfer);
         let view = View::new(Camera::framing((DVec3::NEG_ONE, DVec3::ONE), 20.0, 10.0, None), [16, 16]);

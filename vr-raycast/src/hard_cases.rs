@@ -71,13 +71,13 @@ mod tests {
 
     #[test]
     fn bounds_belong_to_settings() {
-        let bound = |caster: RayCaster| caster.documented_errors().of("far-origin").map(DocumentedError::value);
+        let bound = |caster: RayCaster| caster.documented_errors().for_case("far-origin").map(DocumentedError::value);
         assert_eq!(bound(RayCaster::default()), Some(1.2e-3));
         assert_eq!(bound(RayCaster::uniform(0.2)), Some(6e-4));
         assert_eq!(bound(RayCaster::exact(0.1)), Some(6e-4));
         assert_eq!(bound(RayCaster::uniform(0.5)), None);
         assert_eq!(bound(RayCaster { step: Step::Tolerance(1e-3), ..RayCaster::default() }), Some(1e-3));
         assert_eq!(bound(RayCaster { filter: Some(Filter::Nearest), ..RayCaster::default() }), None);
-        assert_eq!(RayCaster::default().documented_errors().of("easy"), None);
+        assert_eq!(RayCaster::default().documented_errors().for_case("easy"), None);
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use vr_core::{Calibration, GridVolume, Placement, Real, Scene, Shading};
 use vr_kernels::ranges::LevelRanges;
-use vr_kernels::tables::{BakedTransfer, PreIntegrated, outwards};
+use vr_kernels::tables::{BakedTransfer, PreIntegrated, round_outward};
 
 use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
 use crate::classify::Classifier;
@@ -105,7 +105,7 @@ fn shape(caster: &RayCaster) -> Option<Shape> {
 /// A table for steps of all lengths, if one tells apart all that the transfer function does: a small one where the transfer function's
 /// points fit into it, else a large one.
 fn preintegrated<R: Real>(scene: &Scene, volume: &GridVolume) -> Option<Arc<PreIntegrated<R>>> {
-    let range = outwards(field_range(volume).unwrap_or((0.0, 0.0)));
+    let range = round_outward(field_range(volume).unwrap_or((0.0, 0.0)));
     let table = |entries| PreIntegrated::new(&scene.transfer, volume.calibration(), range, entries);
     let small = table(PreIntegrated::<R>::ENTRIES);
     let table = if small.is_aligned() { small } else { table(4 * PreIntegrated::<R>::ENTRIES) };

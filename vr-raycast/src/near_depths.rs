@@ -1,7 +1,7 @@
 //! How near the first thing that a view may show is, tile by tile.
 
 use rayon::prelude::*;
-use vr_core::image_order::Spot;
+use vr_core::image_order::ImageSample;
 
 use crate::projection::{Footprint, TILE};
 
@@ -26,7 +26,7 @@ impl NearDepths {
     }
 
     /// The same where a ray goes. Beyond the view's pixels anything is possible: nobody has looked there.
-    pub(crate) fn at_spot(&self, spot: &Spot) -> f64 {
+    pub(crate) fn at_spot(&self, spot: &ImageSample) -> f64 {
         let within = |x: f64, size: u32| x >= 0.0 && x < f64::from(size);
         if within(spot.x, self.size[0]) && within(spot.y, self.size[1]) {
             self.at([spot.x as u32, spot.y as u32])

@@ -1,7 +1,7 @@
 //! The plain engine: one ray after another through the passes.
 
 use glam::DVec3;
-use vr_core::image_order::Spot;
+use vr_core::image_order::ImageSample;
 use vr_core::{Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
 
 use crate::caster::Order;
@@ -43,7 +43,7 @@ struct Scratch<'o, R> {
 }
 
 impl<R: Real> Tracer for Pipeline<'_, R> {
-    fn trace(&self, spots: &[Spot], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
         let mut operator = self.operator();
         let mut scratch = Scratch { operator: operator.as_mut(), run: Run::new(), lights: None };
         values.extend(spots.iter().enumerate().map(|(i, spot)| {

@@ -79,7 +79,7 @@ fn outermost(visible: &VisibleBlocks) -> Vec<[u16; 3]> {
 mod tests {
     use super::*;
     use glam::DMat3;
-    use vr_core::image_order::Spot;
+    use vr_core::image_order::ImageSample;
     use vr_core::{Camera, Rays};
 
     /// Every point of every visible block is behind the nearest depth of its pixel.
@@ -106,11 +106,11 @@ mod tests {
             let view = View::new(camera, [90, 71]);
             let near = hull.near_depths(&view, &placement).unwrap();
             // What lies beyond the picture is not told of, though its tile may be.
-            assert_eq!(near.at_spot(&Spot { pixel: 0, x: 90.5, y: 3.5 }), 0.0);
+            assert_eq!(near.at_spot(&ImageSample { pixel: 0, x: 90.5, y: 3.5 }), 0.0);
             let rays = Rays::new(&view).unwrap();
             let (mut empty, mut late) = (0, 0);
             for pixel in 0..90 * 71 {
-                let spot = Spot { pixel, x: (pixel % 90) as f64 + 0.5, y: (pixel / 90) as f64 + 0.5 };
+                let spot = ImageSample { pixel, x: (pixel % 90) as f64 + 0.5, y: (pixel / 90) as f64 + 0.5 };
                 let ray = rays.at(spot.x, spot.y);
                 let nearest = near.at_spot(&spot);
                 empty += usize::from(nearest == f64::INFINITY);

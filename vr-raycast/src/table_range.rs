@@ -6,7 +6,7 @@ use vr_kernels::tables::{self, BakedTransfer};
 
 /// The range of a volume's field in stored units, overshoot included; `None` if all of it is vacuum.
 pub(crate) fn field_range(volume: &GridVolume) -> Option<(f64, f64)> {
-    let (low, high) = volume.census().range.map(|(l, h)| (f64::from(l), f64::from(h)))?;
+    let (low, high) = volume.value_stats().range.map(|(l, h)| (f64::from(l), f64::from(h)))?;
     Some(match volume.filter() {
         // Weights that are not negative and sum to 1 do not leave the range of the samples.
         Filter::Nearest | Filter::Trilinear | Filter::Gaussian => (low, high),

@@ -1,6 +1,6 @@
 //! The seam between what decides which rays to trace and what traces them.
 
-use vr_core::image_order::Spot;
+use vr_core::image_order::ImageSample;
 use vr_core::{Counts, Layer};
 
 use crate::ray_value::RayValue;
@@ -10,7 +10,7 @@ pub(crate) trait Tracer: Sync {
     /// Traces the rays through `spots`, in any number and order (neighbours in blocks of 4×4 run fastest), and appends one value for each.
     ///
     /// `starts`, where given, has for each ray a step of its lattice before which nothing is visible.
-    fn trace(&self, spots: &[Spot], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts);
+    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts);
 }
 
 /// What a ray became.

@@ -9,7 +9,8 @@ use vr_raycast::{Order, RayCaster};
 #[test]
 fn survives_hard_cases() {
     for caster in [RayCaster::default(), RayCaster::uniform(0.2)] {
-        let bound = |case: &Case| caster.hard_case_errors().of(case.name).expect("every case has a documented error");
+        let bound =
+            |case: &Case| caster.hard_case_errors().for_case(case.name).expect("every case has a documented error");
         let table = check::survives_hard_cases(&caster, bound, &Reference::new(1e-7));
         println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
     }

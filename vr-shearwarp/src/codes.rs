@@ -18,7 +18,7 @@ pub(crate) struct Codes {
 
 impl Codes {
     pub(crate) fn of(volume: &GridVolume) -> Self {
-        let (low, high) = volume.census().range.unwrap_or_default();
+        let (low, high) = volume.value_stats().range.unwrap_or_default();
         let range = [f64::from(low), f64::from(high)];
         let (origin, spacing, bytes) = match volume.voxel_type() {
             VoxelType::U8 => (0.0, 1.0, true),

@@ -36,8 +36,8 @@ mod tests {
 
     #[test]
     fn bounds_belong_to_the_default() {
-        assert!(ShearWarp::default().hard_case_errors().of("opaque-wall").is_some());
-        assert_eq!(ShearWarp::classic().hard_case_errors().of("opaque-wall"), None);
-        assert_eq!(ShearWarp::default().hard_case_errors().of("easy"), None);
+        assert!(ShearWarp::default().hard_case_errors().for_case("opaque-wall").is_some());
+        assert_eq!(ShearWarp::classic().hard_case_errors().for_case("opaque-wall"), None);
+        assert_eq!(ShearWarp::default().hard_case_errors().for_case("easy"), None);
     }
 }

@@ -68,7 +68,7 @@ impl Classified {
         let values = VisibleValues::above(transfer, opacity);
         let visible =
             |from: f64, to: f64| values.shows(calibration.value(from - around), calibration.value(to + around));
-        let (low, high) = volume.census().range.unwrap_or_default();
+        let (low, high) = volume.value_stats().range.unwrap_or_default();
         let visibility = VisibleLevels::new((low.into(), high.into()), volume.voxel_type().is_integer(), visible);
         let optics = match renderer.classification {
             Classification::Values => Optics::of_values(transfer, calibration, codes),

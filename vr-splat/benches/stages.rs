@@ -16,7 +16,7 @@ fn grid(name: &str) -> Scene {
 }
 
 fn cloud(name: &str, count: usize) -> Scene {
-    let (points, unit) = phantom::point_transfer(name).expect("a known phantom");
+    let (points, unit) = phantom::point_transfer_function(name).expect("a known phantom");
     let transfer = TransferFunction::new(points, OpacityRule::Power, unit).expect("valid points");
     Scene::new(phantom::points_by_name(name, count).expect("a known phantom").into(), transfer)
 }

@@ -96,7 +96,7 @@ fn points(control: &Control) -> Result<(), Box<dyn std::error::Error>> {
     for name in phantom::POINT_NAMES {
         for count in [100_000, 1_000_000, 10_000_000] {
             let points = phantom::points_by_name(name, count).ok_or("a known phantom")?;
-            let (control_points, unit) = phantom::point_transfer(name).ok_or("a known phantom")?;
+            let (control_points, unit) = phantom::point_transfer_function(name).ok_or("a known phantom")?;
             let scene = Scene::new(points.into(), TransferFunction::new(control_points, OpacityRule::Power, unit)?);
             let view = View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, None), [512; 2]);
             let start = Instant::now();

@@ -34,7 +34,7 @@ impl Classified {
         let (offset, calibration) = offset(input);
         let (integer, field, carried) = match input {
             SplatInput::Grid(grid) => {
-                let (low, high) = grid.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
+                let (low, high) = grid.value_stats().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
                 let beyond = overshoot(renderer) * (high - low);
                 let field = (-beyond, high - low + beyond);
                 (grid.voxel_type().is_integer(), field, field)

@@ -37,8 +37,11 @@ mod tests {
 
     #[test]
     fn bounds_belong_to_the_default() {
-        assert!(Splatting::default().hard_case_errors().of("opaque-wall").is_some());
-        assert_eq!(Splatting { low_pass: 1.0, ..Splatting::default() }.hard_case_errors().of("opaque-wall"), None);
-        assert_eq!(Splatting::default().hard_case_errors().of("easy"), None);
+        assert!(Splatting::default().hard_case_errors().for_case("opaque-wall").is_some());
+        assert_eq!(
+            Splatting { low_pass: 1.0, ..Splatting::default() }.hard_case_errors().for_case("opaque-wall"),
+            None
+        );
+        assert_eq!(Splatting::default().hard_case_errors().for_case("easy"), None);
     }
 }

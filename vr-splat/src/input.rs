@@ -41,7 +41,7 @@ pub(crate) fn kernel_space(renderer: &Splatting, grid: &GridVolume) -> DMat3 {
 /// stays one.
 pub(crate) fn offset(input: &SplatInput) -> (f32, Calibration) {
     let SplatInput::Grid(grid) = input else { return (0.0, Calibration::default()) };
-    let low = grid.census().range.map_or(0.0, |(low, _)| low);
+    let low = grid.value_stats().range.map_or(0.0, |(low, _)| low);
     let calibration = grid.calibration();
     (low, Calibration { intercept: calibration.value(low.into()), ..calibration })
 }

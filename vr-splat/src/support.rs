@@ -89,7 +89,7 @@ fn check_shading(renderer: &Splatting, scene: &Scene, input: &SplatInput) -> Res
             "analytic gradients: those at the samples are interpolated",
         ));
     }
-    if grid.census().nan + grid.census().infinite > 0 {
+    if grid.value_stats().nan + grid.value_stats().infinite > 0 {
         return Err(unsupported(Feature::MissingValues, "shading of a volume with missing samples"));
     }
     if grid.dims().iter().product::<usize>() > i32::MAX as usize {

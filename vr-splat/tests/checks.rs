@@ -20,7 +20,8 @@ fn voxels(buffers: Buffers, shape: Shape) -> Splatting {
 #[test]
 fn survives_hard_cases() {
     let renderer = Splatting::default();
-    let bound = |case: &Case| renderer.hard_case_errors().of(case.name).expect("every case has a documented error");
+    let bound =
+        |case: &Case| renderer.hard_case_errors().for_case(case.name).expect("every case has a documented error");
     let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
     let table = table.unwrap_or_else(|e| panic!("{e}"));
     println!("{table}");

@@ -4,12 +4,12 @@ mod common;
 
 use common::*;
 use glam::DVec3;
-use vr_core::phantom::{point_transfer, points_by_name};
+use vr_core::phantom::{point_transfer_function, points_by_name};
 use vr_core::*;
 use vr_splat::{Buffers, Classification, Splatting};
 
 fn cloud(name: &str, count: usize) -> Scene {
-    let (points, unit) = point_transfer(name).expect("a known phantom");
+    let (points, unit) = point_transfer_function(name).expect("a known phantom");
     let transfer = TransferFunction::new(points, OpacityRule::Power, unit).expect("valid points");
     Scene::new(points_by_name(name, count).expect("a known phantom").into(), transfer)
 }

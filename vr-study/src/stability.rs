@@ -108,7 +108,7 @@ fn judge(
     cache: &ReferenceCache,
     control: &Control,
 ) -> Result<CaseResult, RenderError> {
-    let bound = renderer.hard_case_errors().of(case.name);
+    let bound = renderer.hard_case_errors().for_case(case.name);
     let mut result = CaseResult {
         case: case.name.to_owned(),
         summary: case.summary.to_owned(),

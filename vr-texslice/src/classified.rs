@@ -125,7 +125,7 @@ pub(crate) struct Codes {
 
 impl Codes {
     pub(crate) fn of(volume: &GridVolume) -> Self {
-        let (low, high) = volume.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
+        let (low, high) = volume.value_stats().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
         if volume.voxel_type().is_integer() && high - low <= 255.0 {
             return Self { low, step: 1.0, last: 255.0 };
         }
@@ -139,7 +139,7 @@ impl Codes {
 
     /// Light and opacity of every index.
     fn palette(&self, scene: &Scene, volume: &GridVolume, made: &Made) -> Box<[[f32; 4]; 256]> {
-        let holes = volume.census().nan + volume.census().infinite > 0;
+        let holes = volume.value_stats().nan + volume.value_stats().infinite > 0;
         let entry = |i: usize| {
             let missing = holes && i == usize::from(MISSING);
             let stored = if missing { f64::NAN } else { self.low + i as f64 * self.step };

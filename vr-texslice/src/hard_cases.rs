@@ -37,8 +37,8 @@ mod tests {
 
     #[test]
     fn bounds_belong_to_the_default() {
-        assert!(TexSlice::default().hard_case_errors().of("opaque-wall").is_some());
-        assert_eq!(TexSlice::brute_force().hard_case_errors().of("opaque-wall"), None);
-        assert_eq!(TexSlice::default().hard_case_errors().of("easy"), None);
+        assert!(TexSlice::default().hard_case_errors().for_case("opaque-wall").is_some());
+        assert_eq!(TexSlice::brute_force().hard_case_errors().for_case("opaque-wall"), None);
+        assert_eq!(TexSlice::default().hard_case_errors().for_case("easy"), None);
     }
 }

@@ -153,7 +153,7 @@ impl Prepared for PreparedTexSlice {
             }
             None if self.renderer.holds_light() => Classifier::Done { even },
             None if !tables.baked.resolves() => Classifier::Exact(&exact),
-            None => Classifier::Table { rows: Rows::of(&tables.baked), optics: &tables.optics, even },
+            None => Classifier::Table { rows: Rows::new(&tables.baked), optics: &tables.optics, even },
         };
         let setup = Setup {
             rays: &rays,

@@ -97,7 +97,7 @@ fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
             "shading of pre-integrated segments, of palettes and of compressed textures",
         ));
     }
-    if volume.census().nan + volume.census().infinite > 0 {
+    if volume.value_stats().nan + volume.value_stats().infinite > 0 {
         return Err(unsupported(Feature::MissingValues, "shading of a volume with missing samples"));
     }
     Ok(())
@@ -114,7 +114,7 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
             return Err(unsupported(Feature::Color, "lights of a colour on textures of luminance and alpha"));
         }
     }
-    if renderer.format == Format::Compressed && volume.census().nan + volume.census().infinite > 0 {
+    if renderer.format == Format::Compressed && volume.value_stats().nan + volume.value_stats().infinite > 0 {
         return Err(unsupported(Feature::MissingValues, "compression of a volume with missing samples"));
     }
     let plain_stack = matches!(renderer.format, Format::Scalar | Format::PreIntegrated);

@@ -27,7 +27,7 @@ pub(crate) struct LengthTables {
 impl Tables {
     pub(crate) fn new(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Self {
         let segments = (renderer.format == Format::PreIntegrated).then(|| Arc::new(segments(scene, volume)));
-        let (low, high) = volume.census().range.unwrap_or((0.0, 0.0));
+        let (low, high) = volume.value_stats().range.unwrap_or((0.0, 0.0));
         let field = (f64::from(low), f64::from(high));
         let range = table_range(field, volume.voxel_type().is_integer(), volume.calibration(), &scene.transfer);
         Self { range, segments, lengths: None }
@@ -62,7 +62,7 @@ const INTERVALS: [usize; 3] = [1024, 8192, 65536];
 
 /// The table of segments, in any precision.
 pub(crate) fn segments<R: vr_core::Real>(scene: &Scene, volume: &GridVolume) -> PreIntegrated<R> {
-    let range = volume.census().range.unwrap_or((0.0, 0.0));
+    let range = volume.value_stats().range.unwrap_or((0.0, 0.0));
     let table = |intervals| PreIntegrated::new(&scene.transfer, volume.calibration(), range, intervals);
     let aligned = INTERVALS.into_iter().map(table).find(PreIntegrated::is_aligned);
     aligned.unwrap_or_else(|| table(INTERVALS[2]))

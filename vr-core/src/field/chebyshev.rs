@@ -1,4 +1,4 @@
-//! From values at Chebyshev points to a polynomial, by way of Chebyshev coefficients.
+//! Interpolation of values at Chebyshev points by a polynomial, by way of Chebyshev coefficients.
 //!
 //! Straight to powers of t, rounding grows as (1 + √2)ⁿ. Chebyshev coefficients are found without any growth, and those of a smooth
 //! function fall so fast that their powers do no harm.
@@ -7,12 +7,12 @@ use std::sync::OnceLock;
 
 use super::poly::{MAX_DEGREE, Poly, chebyshev_point};
 
-/// What values of one degree need.
+/// Interpolation of one degree: its nodes, and the matrix from values to coefficients.
 #[derive(Debug)]
 pub struct Interpolation {
     /// The Chebyshev points cos(π j/n).
     pub nodes: Vec<f64>,
-    /// Row k: what each value adds to the coefficient of T_k.
+    /// Row k: weights of the values in the coefficient of T_k.
     rows: Vec<Vec<f64>>,
 }
 
@@ -37,9 +37,10 @@ pub fn interpolation(degree: usize) -> &'static Interpolation {
 }
 
 impl Interpolation {
-    /// The polynomial through values at the nodes, less its last coefficients as long as they are no more than `noise`; and how much
-    /// those, dropped, may add up to.
+    /// The polynomial through values at the nodes, less its last coefficients as long as they are no more than `noise`; and an upper bound
+    /// of the sum of those that were dropped.
     pub fn through(&self, values: &[f64], noise: f64) -> (Poly, f64) {
+        // Chebyshev coefficients, less the last ones that are noise.
         let mut c = [0.0; MAX_DEGREE + 1];
         for (c, row) in c.iter_mut().zip(&self.rows) {
             *c = row.iter().zip(values).map(|(w, v)| w * v).sum();
@@ -49,6 +50,7 @@ impl Interpolation {
             dropped += c[degree].abs();
             degree -= 1;
         }
+        // Powers of t.
         let mut powers = [0.0; MAX_DEGREE + 1];
         for (c, t) in c[..=degree].iter().zip(polynomials()) {
             for (sum, a) in powers.iter_mut().zip(t.coefficients()) {
@@ -59,7 +61,7 @@ impl Interpolation {
     }
 }
 
-/// T₀, T₁, …
+/// The Chebyshev polynomials T₀, T₁, …
 fn polynomials() -> &'static [Poly] {
     static MADE: OnceLock<Vec<Poly>> = OnceLock::new();
     MADE.get_or_init(|| {

@@ -40,15 +40,16 @@ pub struct FunctionField {
     breakpoints: Option<Arc<Breakpoints>>,
 }
 
-/// Parts that the mean edge of the box has by default.
+/// Number of parts that the mean edge of the box has by default.
 const PARTS: f64 = 64.0;
-/// Places along each edge at which values are looked up for the range.
+/// Number of places along each edge at which the function is evaluated for the range.
 const PLACES: usize = 24;
 
 impl FunctionField {
     /// A field in a world box, given by its value at a position; NaN is vacuum.
     ///
-    /// Steps are counted in a 64th of the box's mean edge, and the range of values is what 24³ places in the box have, unless said otherwise.
+    /// Steps are counted in a 64th of the box's mean edge, and the range of values is that at 24³ places in the box, unless the caller says
+    /// otherwise.
     ///
     /// # Errors
     /// A box without extent, or beyond 10³⁰.
@@ -74,7 +75,7 @@ impl FunctionField {
         })
     }
 
-    /// A phantom as the function that it is, without samples.
+    /// A phantom as the function that it is, without a grid.
     pub fn of_phantom(phantom: Arc<dyn Phantom>) -> Self {
         let [value, gradient, breakpoints] = [0; 3].map(|_| Arc::clone(&phantom));
         Self {

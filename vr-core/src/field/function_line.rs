@@ -24,9 +24,9 @@ pub struct FunctionLine<'a> {
 
 /// Degree of the interpolating polynomial.
 const DEGREE: usize = 12;
-/// How far inside its ends a stretch is evaluated, as a part of its half length: above the rounding of the breakpoints.
+/// Distance from its ends within which a stretch is not evaluated, as a part of its half length: above the rounding of the breakpoints.
 const INSIDE: f64 = 1e-9;
-/// Parts that a stretch without breakpoints is cut into: waves must not hide between the nodes.
+/// Number of parts that the line is cut into: waves must not hide between the nodes.
 const PARTS: usize = 32;
 
 impl<'a> FunctionLine<'a> {
@@ -59,7 +59,7 @@ impl FieldLine for FunctionLine<'_> {
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-        // A hair inside: at a breakpoint itself the field may belong to the other side.
+        // Evaluate the function at the nodes, a hair inside: at a breakpoint itself the field may belong to the other side.
         let place = |t: f64| self.ray.origin + self.ray.direction * (middle + half * t * (1.0 - INSIDE));
         let node = |j: usize| chebyshev_point(DEGREE, j);
         let values: [f64; DEGREE + 1] = std::array::from_fn(|j| self.field.raw(place(node(j))));
@@ -72,7 +72,7 @@ impl FieldLine for FunctionLine<'_> {
         let filled = |j: usize| values[known[known.partition_point(|&k| k < j).min(known.len() - 1)]];
         let values: [f64; DEGREE + 1] = std::array::from_fn(|j| if values[j].is_nan() { filled(j) } else { values[j] });
         let field = Poly::through_chebyshev_points(&values);
-        // Half the largest gap between nodes, times how fast truth and interpolant can part.
+        // Half the largest gap between nodes, times how fast function and interpolant can part.
         let gap = largest((0..DEGREE).map(|j| 0.5 * (node(j) - node(j + 1))));
         let slope = field.derivative();
         let parting = self.field.lipschitz().unwrap_or(f64::INFINITY) * half + slope.at(0.0).abs() + slope.spread(1.0);

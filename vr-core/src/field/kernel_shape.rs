@@ -24,7 +24,7 @@ pub enum Shape {
     Cone,
 }
 
-/// A part of a line as one support sees it, in radii.
+/// A part of a line relative to one support, in radii.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch {
     /// Square of the distance of the line.
@@ -44,7 +44,7 @@ impl Stretch {
     }
 }
 
-/// What Chebyshev points on a part of a line miss: at most `size · ρ⁻ⁿ`, and at most `crude`.
+/// Error of interpolation at Chebyshev points on a part of a line: at most `size · ρ⁻ⁿ`, and at most `crude`.
 #[derive(Clone, Copy, Debug)]
 pub struct Remainder {
     /// See above.
@@ -66,12 +66,12 @@ impl Remainder {
     }
 }
 
-/// Degrees that there are remainders for.
+/// Degrees of interpolation for which there are remainders.
 pub const DEGREES: [usize; 6] = [4, 6, 8, 12, 16, 20];
-/// On parts that are so many half lengths away from the point, bounds are a little larger, and take half the time.
+/// Distance from the point, in half lengths of a part, beyond which bounds are a little larger, and take half the time.
 const FAR: f64 = 3.0;
 
-/// How far into the complex plane a Gaussian's ellipse reaches, in radii: farther it grows, nearer ρ shrinks.
+/// Reach of a Gaussian's ellipse into the complex plane, in radii: farther, the Gaussian grows; nearer, ρ shrinks.
 const GAUSSIAN_REACH: f64 = 1.2;
 
 /// e^(−4.5).
@@ -109,9 +109,9 @@ impl Shape {
         }
     }
 
-    /// Bounds |slope| from the distance `least` outwards.
-    pub fn steepest(self, least: f64) -> f64 {
-        let u = (1.0 - least).clamp(0.0, 1.0);
+    /// Bounds |slope| from the distance `min` outward.
+    pub fn steepest(self, min: f64) -> f64 {
+        let u = (1.0 - min).clamp(0.0, 1.0);
         match self {
             Self::Core => 2.0,
             Self::Rim => (6.0 * u * u).min(1.5),
@@ -130,7 +130,7 @@ impl Shape {
         }
     }
 
-    /// What interpolation on a part of a line misses.
+    /// Bounds the error of interpolation on a part of a line.
     pub fn remainder(self, stretch: &Stretch) -> Remainder {
         let Stretch { square, middle, half, distance } = *stretch;
         if self == Self::Gaussian {

@@ -1,4 +1,4 @@
-//! A scalar field along one ray, as an integrator wants it.
+//! A scalar field along one ray, in the form that an integrator needs.
 
 use super::poly::Poly;
 use crate::bound::{Bound, largest};
@@ -15,16 +15,16 @@ pub trait FieldLine {
 
     /// The field between two distances that no breakpoint separates; `None` in vacuum.
     ///
-    /// Asked again for parts of an interval where the error was too large: the bound should shrink then.
+    /// Integrators ask again for parts of an interval where the error was too large: the bound should shrink then.
     fn between(&self, from: f64, to: f64) -> Option<LineModel>;
 
-    /// Upper bound of how far the breakpoint at a distance may be from its true place: an end of the line, or where the field jumps.
-    /// 0 where the field is continuous, for nothing depends on it there.
+    /// Largest distance of a breakpoint (an end of the line, or a jump of the field) from its true place. 0 where the field is continuous,
+    /// for nothing depends on it there.
     fn misplaced(&self, _at: f64) -> f64 {
         0.0
     }
 
-    /// Appends where an account of the ray begins anew, and why, in any order: where it enters, at the least.
+    /// Appends the distances at which an account of the ray begins anew, each with its reason, in any order: at least that of its entry.
     fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
         out.push((self.chord().start, Cut::Entry));
     }
@@ -37,7 +37,7 @@ pub struct Chord {
     pub start: f64,
     /// Distance at which it ends; above `start`.
     pub end: f64,
-    /// World distance from the ray's own origin to where these are counted from: so they keep their digits, however far the origin is.
+    /// World distance from the ray's own origin to the place from which these are counted: so they keep their digits, however far it is.
     pub offset: f64,
 }
 
@@ -51,21 +51,21 @@ impl Chord {
 /// A reason to cut a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cut {
-    /// The ray enters the volume, or what the clip leaves of it; among scattered points, wherever it comes out of vacuum.
+    /// Entry into the volume, or into what the clip leaves of it; among scattered points, at every end of a vacuum.
     Entry,
-    /// A face across an index axis, beyond which the field is another polynomial: of a cell or, with the nearest filter, between two samples.
+    /// A face across an index axis, beyond which the field is another polynomial: of a cell or, with the nearest filter, between two voxels.
     Face {
         /// 0, 1 or 2.
         axis: usize,
         /// Its index coordinate on that axis.
         at: f64,
     },
-    /// The value crosses, or touches, a knot of the transfer function.
+    /// A place at which the value crosses, or touches, a knot of the transfer function.
     Knot {
         /// The knot's calibrated value.
         value: f64,
     },
-    /// A distance that was asked for.
+    /// A distance that the caller asked for.
     Asked,
 }
 
@@ -74,11 +74,11 @@ pub enum Cut {
 pub struct LineModel {
     /// The calibrated value.
     pub field: Poly,
-    /// Upper bound of |field − truth| on the interval.
+    /// Upper bound on the interval of the distance of `field` from the true field.
     pub field_error: f64,
-    /// The world gradient, if it was asked for, each component with an error of at most `gradient_error`.
+    /// The world gradient, if the caller asked for it, each component with an error of at most `gradient_error`.
     pub gradient: Option<[Poly; 3]>,
-    /// See there.
+    /// Upper bound of the error of each component of `gradient`.
     pub gradient_error: f64,
     /// Open interval that holds every value of the field inside the stretch; its ends are reached at the stretch's ends at most. `None` if
     /// unknown.

@@ -1,8 +1,8 @@
-//! Scalar fields: what looks a volume up.
+//! Scalar fields: look-up of a volume at a point and along a ray.
 //!
 //! A kind of volume is described once, as a [`Field`]: its value and gradient at a point, and its course along a ray ([`FieldLine`]),
-//! smooth between breakpoints and known there as a polynomial with a bound on its error. Whoever draws fields draws every kind that there
-//! is, and those that are to come; the reference and the plain engine of the ray caster do. Grids have faster ways besides
+//! smooth between breakpoints and known there as a polynomial with a bound on its error. A renderer of fields draws every kind of volume,
+//! also one of the caller's own; the reference and the plain engine of the ray caster are such. Grids have faster ways besides
 //! ([`GridVolume::with_sampler`](crate::GridVolume::with_sampler)).
 //!
 //! [`FunctionField`] makes a field of any function; scattered points are one ([`PointSet`](crate::PointSet)).
@@ -32,7 +32,7 @@ use crate::view::Clip;
 
 /// A scalar field in the world, vacuum where it has no value.
 pub trait Field: Send + Sync + fmt::Debug {
-    /// The kind of volume, as messages name it: `function`.
+    /// Kind of volume in messages: `function`.
     fn kind(&self) -> &'static str;
 
     /// Lower and upper corner of a world box, outside of which is vacuum.
@@ -58,10 +58,10 @@ pub trait Field: Send + Sync + fmt::Debug {
         None
     }
 
-    /// The field along a ray, within the clip and up to the world distance `far`, with gradients if they are asked for; `None` where it
-    /// meets none of it.
+    /// The field along a ray, within the clip and up to the world distance `far`, with gradients if they are asked for; `None` where the ray
+    /// does not meet the field there.
     fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Box<dyn FieldLine + 'a>>;
 
-    /// Makes what queries need beyond the data, so that the first frame does not pay for it.
+    /// Makes the structures that queries need beyond the data, so that the first frame does not pay for them.
     fn prepare_derived(&self) {}
 }

@@ -33,19 +33,19 @@ pub struct PointLine {
 struct Support {
     nearest: f64,
     half: f64,
-    /// Half of what lies in the kernel's core; 0 where there is none.
+    /// Half the length inside the kernel's core; 0 where there is none.
     core: f64,
     /// Square of the distance, in radii.
     square: f64,
     per_radius: f64,
-    /// Of the shape.
+    /// Factor of the shape.
     amplitude: f64,
-    /// How far rounding may have displaced it, in radii.
+    /// Largest displacement by rounding, in radii.
     displaced: f64,
     kernel: PointKernel,
 }
 
-/// What interpolation may miss, as a part of the field: no more than rounding.
+/// Largest error of interpolation, as a part of the field: no more than rounding.
 const FINE: f64 = 1.0 / (1u64 << 46) as f64;
 
 impl PointLine {
@@ -92,15 +92,16 @@ impl PointLine {
         Some(Self { supports, cuts, first, inside, offset: crossings.offset })
     }
 
-    /// World distance from the ray's own origin to where distances here are counted from.
+    /// World distance from the ray's own origin to the place from which distances here are counted.
     pub fn offset(&self) -> f64 {
         self.offset
     }
 }
 
-/// Every breakpoint, ascending.
+/// Returns every breakpoint, ascending.
 fn cuts(supports: &[Support], ends: [f64; 2]) -> Vec<f64> {
     let within = |s: &f64| *s > ends[0] && *s < ends[1];
+    // Where the ray crosses spheres on which the sum is not smooth.
     let mut needed = Vec::with_capacity(4 * supports.len() + 2);
     needed.extend(ends);
     for s in supports {
@@ -111,6 +112,7 @@ fn cuts(supports: &[Support], ends: [f64; 2]) -> Vec<f64> {
     }
     needed.sort_unstable_by(f64::total_cmp);
     needed.dedup();
+    // Those besides that make interpolation converge fast, where no other is close.
     let mut all = needed.clone();
     for s in supports {
         s.wishes(|at, length| {
@@ -161,10 +163,10 @@ impl Support {
         }
     }
 
-    /// Breakpoints that are wished for where pieces are longer than the given length.
+    /// Calls `wish` with places of breakpoints, each with the length of pieces above which it is wanted.
     fn wishes(&self, mut wish: impl FnMut(f64, f64)) {
         let radius = 1.0 / self.per_radius;
-        // Nearer to the point than this, all that is not polynomial is below what anybody asks for: r³ here, r there.
+        // Nearer to the point than this, all that is not polynomial is below every error that a caller asks for: r³ here, r there.
         let floor = match self.kernel {
             PointKernel::CubicSpline => 1e-5,
             PointKernel::Cone => 1e-12,
@@ -194,7 +196,7 @@ impl FieldLine for PointLine {
         Chord { start: self.cuts[0], end: self.cuts[self.cuts.len() - 1], offset: self.offset }
     }
 
-    /// Where the ray comes out of vacuum: spheres are far too many to name.
+    /// Appends the places at which the ray comes out of vacuum: spheres are far too many to name.
     fn cuts(&self, out: &mut Vec<(f64, Cut)>) {
         let empty = |i: usize| self.first[i] == self.first[i + 1];
         let entries = (0..self.cuts.len() - 1).filter(|&i| !empty(i) && (i == 0 || empty(i - 1)));
@@ -213,6 +215,7 @@ impl FieldLine for PointLine {
             return None;
         }
         let parts: Vec<Part> = inside.iter().map(|&k| Part::new(&self.supports[k as usize], middle, half)).collect();
+        // Bound the error of interpolation by each degree, and that of rounding.
         let mut missed = [0.0; DEGREES.len()];
         // Of the field, of what rounding of r does to it, and of what moves points.
         let (mut size, mut evaluation, mut displaced) = (0.0, 0.0, 0.0);
@@ -227,6 +230,7 @@ impl FieldLine for PointLine {
             evaluation += steepest * (stretch.distance + stretch.half);
             displaced += steepest * support.displaced;
         }
+        // Interpolate by the lowest degree that is as good as rounding.
         let chosen = missed.iter().position(|&m| m <= FINE * size).unwrap_or(DEGREES.len() - 1);
         let degree = DEGREES[chosen];
 
@@ -236,7 +240,7 @@ impl FieldLine for PointLine {
             part.shape.add(part.amplitude, &part.stretch, &rule.nodes, &mut values);
         }
         let (field, dropped) = rule.through(&values[..=degree], f64::EPSILON * size);
-        // One rounding for each term of the sum, a few of its value; what moves a point moves the truth with it.
+        // One rounding for each term of the sum, and a few of its value; a displaced point moves the field itself.
         let rounding = f64::EPSILON * ((parts.len() + degree + 16) as f64 * size + 4.0 * evaluation);
         let field_error = missed[chosen] + dropped + LEBESGUE * rounding + displaced;
         Some(LineModel { field, field_error, gradient: None, gradient_error: 0.0, limits: None, certain: true })

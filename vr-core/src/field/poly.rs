@@ -1,4 +1,4 @@
-//! Polynomials on [−1, 1]: the form in which a field along a ray comes to the integrator.
+//! Polynomials on [−1, 1]: the form in which an integrator gets a field along a ray.
 
 use std::sync::OnceLock;
 
@@ -37,7 +37,7 @@ fn cardinals(n: usize) -> &'static [Poly] {
     })
 }
 
-/// Σ cₖ tᵏ for t in [−1, 1].
+/// Polynomial Σ cₖ tᵏ for t in [−1, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Poly {
     coefficients: [f64; MAX_DEGREE + 1],
@@ -50,10 +50,10 @@ impl Poly {
         Self::new(&[c])
     }
 
-    /// From coefficients, the constant first.
+    /// The polynomial of given coefficients, the constant first.
     ///
     /// # Panics
-    /// For none, or more than 25 (degree 24).
+    /// Panics if there are none, or more than 25 (degree 24).
     pub fn new(coefficients: &[f64]) -> Self {
         let mut c = [0.0; MAX_DEGREE + 1];
         c[..coefficients.len()].copy_from_slice(coefficients);
@@ -63,7 +63,7 @@ impl Poly {
     /// The polynomial of degree n = `values.len() − 1` through values at the Chebyshev points cos(π j/n).
     ///
     /// # Panics
-    /// For no value, or more than 25.
+    /// Panics if there is no value, or more than 25.
     pub fn through_chebyshev_points(values: &[f64]) -> Self {
         let mut p = Self::constant(0.0);
         p.degree = values.len() - 1;
@@ -130,7 +130,7 @@ impl Poly {
         self.coefficients()[1..].iter().rev().fold(0.0, |sum, c| (sum + c.abs()) * radius)
     }
 
-    /// Whether it is constant to the last bit.
+    /// True if it is constant to the last bit.
     pub fn is_constant(&self) -> bool {
         self.coefficients()[1..].iter().all(|&c| c == 0.0)
     }
@@ -226,7 +226,7 @@ impl Bernstein {
         self.coefficients().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &c| (l.min(c), h.max(c)))
     }
 
-    /// Whether the coefficients rise or fall throughout: the polynomial does, too, then.
+    /// True if the coefficients rise or fall throughout: then the polynomial does, too.
     pub fn is_monotone(&self) -> bool {
         let c = self.coefficients();
         c.windows(2).all(|w| w[0] <= w[1]) || c.windows(2).all(|w| w[0] >= w[1])

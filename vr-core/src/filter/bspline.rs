@@ -9,7 +9,7 @@ use crate::voxel::Voxel;
 #[derive(Clone, Copy, Debug)]
 pub struct BSplineTaps;
 
-/// Cubic B-spline along each axis, over [`interpolation_coefficients`] rather than over the samples themselves.
+/// Cubic B-spline along each axis, over [`interpolation_coefficients`] rather than over the voxels themselves.
 pub type BSpline = Separable<BSplineTaps>;
 
 impl Taps4 for BSplineTaps {
@@ -40,17 +40,17 @@ impl Taps4 for BSplineTaps {
 /// The pole of the inverse filter: √3 − 2.
 const POLE: f64 = -0.267_949_192_431_122_7;
 
-/// The coefficients c with Σ c β³ = samples at the lattice points (Unser, *Splines: a perfect fit for signal and image
+/// The coefficients c with Σ c β³ = values at the lattice points (Unser, *Splines: a perfect fit for signal and image
 /// processing*, 1999, box 2), mirrored at the faces of the box.
 ///
-/// Every line is filtered in f64; the coefficients are kept as f32, and *that* is the field which everyone reconstructs.
+/// Every line is filtered in f64; the coefficients are kept as f32, and the field of *these* is what the reference and all renderers take.
 pub fn interpolation_coefficients<T: Voxel>(lattice: &Lattice<'_, T>) -> Vec<f32> {
     let mut c: Vec<f32> = lattice.samples.iter().map(|s| s.to_f32()).collect();
     invert(&mut c, lattice.dims);
     c
 }
 
-/// Makes coefficients of samples.
+/// Turns values into coefficients, in place.
 fn invert(c: &mut [f32], [nx, ny, nz]: [usize; 3]) {
     // x and y within a slice, slices in parallel; then z, in parallel over rows of x.
     each_part(c.chunks_mut(nx * ny), |_, slice| {

@@ -3,9 +3,9 @@
 use super::{Filter, Separable, Taps4};
 use crate::real::Real;
 
-/// Standard deviation in samples: wide enough that the weights' sum is nearly constant, narrow enough for four taps.
+/// Standard deviation in voxels: wide enough that the weights' sum is nearly constant, narrow enough for four taps.
 pub const GAUSSIAN_SIGMA: f64 = 0.7;
-/// Support radius in samples.
+/// Radius of the support in voxels.
 pub const GAUSSIAN_RADIUS: f64 = 2.0;
 
 /// The one-dimensional kernel: g(x) = e^(−x²/2σ²) − e^(−r²/2σ²) for |x| < r, divided by the sum of the four taps.

@@ -1,6 +1,6 @@
-//! Reconstruction filters: from samples to a field that has a value, and an analytic gradient, everywhere in the box.
+//! Reconstruction filters: from voxels to a field that has a value, and an analytic gradient, everywhere in the box.
 //!
-//! | filter | support | field | at the samples |
+//! | filter | support | field | at the voxels |
 //! |---|---|---|---|
 //! | nearest | 1 | piecewise constant | interpolates |
 //! | trilinear | 2³ | continuous, kinks at cell faces | interpolates |
@@ -8,7 +8,7 @@
 //! | Catmull-Rom | 4³ | once differentiable | interpolates |
 //! | Gaussian | 4³ | continuous, kinks at cell faces | smooths |
 //!
-//! Samples beyond the box are the mirrored ones for the B-spline (its prefilter assumes so) and the nearest ones for the others.
+//! Voxels beyond the box are the mirrored ones for the B-spline (its prefilter assumes so) and the nearest ones for the others.
 
 mod bspline;
 mod catmull_rom;
@@ -27,14 +27,14 @@ pub use trilinear::Trilinear;
 use crate::real::Real;
 use crate::voxel::Voxel;
 
-/// Which reconstruction filter makes the field.
+/// Reconstruction filter that makes the field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Filter {
-    /// The nearest sample.
+    /// The nearest voxel.
     Nearest,
-    /// Linear along each axis; the canonical one.
+    /// Linear along each axis; the default.
     #[default]
     Trilinear,
     /// Cubic B-spline, prefiltered so that it interpolates (Unser 1999).
@@ -50,7 +50,7 @@ impl Filter {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Nearest, Self::Trilinear, Self::BSpline, Self::CatmullRom, Self::Gaussian];
 
-    /// As scene files and options name it.
+    /// Name in scene files and options.
     pub fn name(self) -> &'static str {
         match self {
             Self::Nearest => "nearest",
@@ -71,7 +71,7 @@ impl Filter {
         self != Self::Nearest
     }
 
-    /// Samples to the left and right of a cell (beyond its own two per axis) that the field in it depends on.
+    /// Number of voxels to the left and right of a cell (beyond its own two per axis) that the field in it depends on.
     pub fn reach(self) -> usize {
         match self {
             Self::Nearest | Self::Trilinear => 0,
@@ -79,7 +79,7 @@ impl Filter {
         }
     }
 
-    /// The four lattice indices around a cell of an axis of `n` samples, with those beyond the box replaced: mirrored for the
+    /// The four lattice indices around a cell of an axis of `n` voxels, with those beyond the box replaced: mirrored for the
     /// B-spline, the nearest one inside for the others.
     #[inline(always)]
     pub fn taps(self, cell: usize, n: usize) -> [usize; 4] {
@@ -96,12 +96,12 @@ impl std::fmt::Display for Filter {
     }
 }
 
-/// Samples on a lattice, as a kernel sees them: in stored units, in index space.
+/// Voxels on a lattice in index space, in stored units: the input of a kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct Lattice<'a, T> {
-    /// The samples, x fastest.
+    /// The voxels, x fastest.
     pub samples: &'a [T],
-    /// Samples along x, y, z.
+    /// Voxels along x, y, z.
     pub dims: [usize; 3],
 }
 
@@ -128,7 +128,7 @@ impl<T: Voxel> Lattice<'_, T> {
 
 /// A filter as code: instantiated per voxel type and precision, so that nothing is dispatched per sample.
 pub trait Reconstruction: Copy + Send + Sync + 'static {
-    /// Which one it is.
+    /// The filter that it implements.
     const FILTER: Filter;
 
     /// The field at an index-space position inside the box, in stored units.

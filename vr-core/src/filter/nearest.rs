@@ -1,10 +1,10 @@
-//! The nearest sample.
+//! The nearest voxel.
 
 use super::{Filter, Lattice, Reconstruction};
 use crate::real::Real;
 use crate::voxel::Voxel;
 
-/// The nearest sample; at the middle between two, the one of higher index.
+/// The nearest voxel; at the middle between two, the one of higher index.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest;
 
@@ -18,7 +18,7 @@ impl Reconstruction for Nearest {
         lattice.at(i(0), i(1), i(2))
     }
 
-    /// The gradient is zero where it exists.
+    /// The value, and a gradient of zero, which it is where it exists.
     #[inline(always)]
     fn value_and_gradient<T: Voxel, R: Real>(lattice: &Lattice<'_, T>, p: [R; 3]) -> (R, [R; 3]) {
         (Self::value(lattice, p), [R::ZERO; 3])

@@ -1,12 +1,12 @@
-//! What the three filters of four taps per axis share.
+//! Separable filters of four taps per axis.
 
 use super::{Filter, Lattice, Reconstruction};
 use crate::real::Real;
 use crate::voxel::Voxel;
 
-/// A kernel of four taps along one axis: samples i − 1, i, i + 1, i + 2 around the cell [i, i + 1].
+/// A kernel of four taps along one axis: voxels i − 1, i, i + 1, i + 2 around the cell [i, i + 1].
 pub trait Taps4: Copy + Send + Sync + 'static {
-    /// Which filter it makes.
+    /// The filter that it makes.
     const FILTER: Filter;
     /// The weights at fraction `t` in [0, 1]; they sum to 1.
     fn weights<R: Real>(t: R) -> [R; 4];

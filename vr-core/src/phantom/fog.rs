@@ -9,7 +9,7 @@ use super::split_mix::SplitMix64;
 use crate::transfer::ControlPoint;
 
 const WAVES: usize = 12;
-/// Of each wave. Large enough that the fog has thick and thin places, small enough that nothing saturates.
+/// Amplitude of each wave: large enough that the fog has thick and thin places, small enough that nothing saturates.
 const AMPLITUDE: f64 = 0.5;
 
 /// Random plane waves, squeezed into (0, 1): there is nothing to skip, and nothing to terminate early.

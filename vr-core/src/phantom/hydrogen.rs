@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Phantom;
 use crate::transfer::{ControlPoint, inferno};
 
-/// Where the electron of a hydrogen atom in the 3d(z²) state (n, l, m = 3, 2, 0) is likely to be, with 1 for the likeliest place.
+/// Probability density of the electron of a hydrogen atom in the 3d(z²) state (n, l, m = 3, 2, 0), scaled so that its maximum is 1.
 ///
 /// |ψ|² ∝ (e^(−ρ/3)·(3ζ² − ρ²))², ρ and ζ being |x| and z in Bohr radii, 24 of which are one world unit. See Griffiths &
 /// Schroeter, *Introduction to Quantum Mechanics*, 3rd edition 2018, section 4.2.

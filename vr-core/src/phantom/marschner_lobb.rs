@@ -51,8 +51,8 @@ impl Phantom for MarschnerLobb {
         let phase = 2.0 * PI * self.frequency * libm::cos(FRAC_PI_2 * r);
         let slope = libm::sin(phase) * PI * PI * self.frequency * libm::sin(FRAC_PI_2 * r);
         // On the axis itself the slope is zero, and the direction does not matter.
-        let outwards = radial.normalize_or_zero() * (self.alpha * slope);
-        DVec3::new(outwards.x, outwards.y, -FRAC_PI_2 * libm::cos(FRAC_PI_2 * p.z)) * self.normalisation()
+        let outward = radial.normalize_or_zero() * (self.alpha * slope);
+        DVec3::new(outward.x, outward.y, -FRAC_PI_2 * libm::cos(FRAC_PI_2 * p.z)) * self.normalisation()
     }
 
     fn value_range(&self) -> (f64, f64) {

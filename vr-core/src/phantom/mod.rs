@@ -1,6 +1,6 @@
-//! Phantoms: fields given by a formula, with everything known about them, that can be sampled onto a grid of any size.
+//! Phantoms: fields given by a formula, with bounds of their values and slopes, that can be sampled onto a grid of any size.
 //!
-//! | name | what it is for |
+//! | name | use |
 //! |---|---|
 //! | `marschner-lobb` | a reconstruction filter's smoothing and aliasing |
 //! | `shepp-logan` | line integrals in closed form; jumps |
@@ -27,7 +27,7 @@ pub use blobs::Blobs;
 pub use fog::Fog;
 pub use hydrogen::Hydrogen;
 pub use marschner_lobb::MarschnerLobb;
-pub use points::{POINT_NAMES, point_transfer, points_by_name};
+pub use points::{POINT_NAMES, point_transfer_function, points_by_name};
 pub use sample::{Quantize, sample, sampled_scene};
 pub use shells::Shells;
 pub use shepp_logan::SheppLogan;
@@ -38,7 +38,7 @@ use crate::error::GridError;
 use crate::scene::Scene;
 use crate::transfer::ControlPoint;
 
-/// The `unit_distance`, in world units, that [`Phantom::transfer_points`] have in mind: the spacing of a grid of 65³ samples
+/// The `unit_distance`, in world units, that [`Phantom::transfer_points`] are for: the spacing of a grid of 65³ voxels
 /// over [−1, 1]³. Given explicitly, it keeps the picture the same at every grid size.
 pub const TRANSFER_UNIT_DISTANCE: f64 = 2.0 / 64.0;
 
@@ -46,7 +46,7 @@ pub const TRANSFER_UNIT_DISTANCE: f64 = 2.0 / 64.0;
 ///
 /// Values depend on the position alone, bit for bit, on every machine: transcendental functions come from `libm`.
 pub trait Phantom: Send + Sync {
-    /// As scene files and the command line name it.
+    /// Name in scene files and on the command line.
     fn name(&self) -> &'static str;
 
     /// The field at a world position.
@@ -66,7 +66,7 @@ pub trait Phantom: Send + Sync {
     /// A bound of the gradient's length over all of space, per world unit; +∞ where the field jumps.
     fn lipschitz(&self) -> f64;
 
-    /// The same along a line, between two neighbouring [`breakpoints`](Self::breakpoints).
+    /// A bound of the gradient's length along a line, between two neighbouring [`breakpoints`](Self::breakpoints).
     fn lipschitz_between_breakpoints(&self) -> f64 {
         self.lipschitz()
     }
@@ -75,7 +75,7 @@ pub trait Phantom: Send + Sync {
     /// `origin + s·direction`; in world units where `direction` is a unit vector.
     fn breakpoints(&self, _origin: DVec3, _direction: DVec3, _out: &mut Vec<f64>) {}
 
-    /// Control points of a transfer function that shows what the phantom is about, by ascending value, for a
+    /// Control points of a transfer function that shows the phantom's features, by ascending value, for a
     /// `unit_distance` of [`TRANSFER_UNIT_DISTANCE`].
     fn transfer_points(&self) -> Vec<ControlPoint>;
 
@@ -147,15 +147,15 @@ mod tests {
         for phantom in all() {
             let (low, high) = phantom.value_range();
             let mut random = SplitMix64::new(2);
-            let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+            let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
             for _ in 0..200_000 {
                 let value = phantom.value(point_in(&*phantom, &mut random));
-                least = least.min(value);
-                most = most.max(value);
+                min = min.min(value);
+                max = max.max(value);
             }
             let name = phantom.name();
-            assert!(least >= low - 1e-12 && most <= high + 1e-12, "{name}: {least} to {most} outside {low} to {high}");
-            assert!(most - least > 0.85 * (high - low), "{name}: {least} to {most}, far inside {low} to {high}");
+            assert!(min >= low - 1e-12 && max <= high + 1e-12, "{name}: {min} to {max} outside {low} to {high}");
+            assert!(max - min > 0.85 * (high - low), "{name}: {min} to {max}, far inside {low} to {high}");
         }
     }
 

@@ -11,13 +11,13 @@ use crate::transfer::{ControlPoint, inferno};
 
 /// The radius a of the core.
 const CORE: f64 = 0.08;
-/// How much of the cluster's mass, which is 1, is drawn: all within seven core radii. The rest would reach to infinity.
+/// Part of the cluster's mass, which is 1, that is drawn: all within seven core radii. The rest would reach to infinity.
 const DRAWN: f64 = 0.97;
 /// Radius of a support in distances (m/ρ)^(1/3) between neighbours: some 58 of them, as the cubic spline of smoothed particle
 /// hydrodynamics wants (Price 2012, "Smoothed particle hydrodynamics and magnetohydrodynamics").
 const REACH: f64 = 2.4;
-/// The largest radius: only where points are so few that there is no field to speak of.
-const LARGEST_REACH: f64 = 0.5;
+/// Largest radius: reached only where points are so few that there is no field to speak of.
+const MAX_REACH: f64 = 0.5;
 
 /// Density of the model of Plummer 1911, "On the problem of distribution in globular star clusters":
 /// ρ(r) = 3/(4π a³) · (1 + r²/a²)^(−5/2).
@@ -39,7 +39,7 @@ pub(super) fn points(count: usize) -> Option<PointSet> {
         let (z, azimuth) = (random.between(-1.0, 1.0), random.between(0.0, TAU));
         let ring = (1.0 - z * z).sqrt();
         positions.push(DVec3::new(ring * libm::cos(azimuth), ring * libm::sin(azimuth), z) * r);
-        radii.push((REACH * libm::cbrt(mass / density(r))).min(LARGEST_REACH) as f32);
+        radii.push((REACH * libm::cbrt(mass / density(r))).min(MAX_REACH) as f32);
     }
     PointSet::new(positions, radii, vec![mass as f32; count], vec![1.0; count], PointKernel::CubicSpline).ok()
 }

@@ -1,6 +1,6 @@
 //! Phantoms of scattered points, by name.
 //!
-//! | name | what it is for |
+//! | name | use |
 //! |---|---|
 //! | `plummer` | a star cluster: radii and densities over several orders of magnitude |
 //! | `turbulence` | gas: points evenly spread, each of the same radius, with values that follow a smooth function |
@@ -12,7 +12,7 @@ use crate::transfer::ControlPoint;
 /// The names that [`points_by_name`] knows.
 pub const POINT_NAMES: &[&str] = &["plummer", "turbulence"];
 
-/// As many points of the phantom of a name; the same ones on every machine. `None` for another name, or for no point.
+/// `count` points of the phantom of a name; the same ones on every machine. `None` for another name, or for no point.
 ///
 /// All lie in the ball of radius 1 around the origin. More points show finer detail; the field that they approach stays the same.
 pub fn points_by_name(name: &str, count: usize) -> Option<PointSet> {
@@ -23,9 +23,9 @@ pub fn points_by_name(name: &str, count: usize) -> Option<PointSet> {
     }
 }
 
-/// Control points of a transfer function that shows what the phantom of a name is about, by ascending value, and the
+/// Control points of a transfer function that shows the features of the phantom of a name, by ascending value, and the
 /// `unit_distance` in world units that they are for. Right for any number of points; `None` for another name.
-pub fn point_transfer(name: &str) -> Option<(Vec<ControlPoint>, f64)> {
+pub fn point_transfer_function(name: &str) -> Option<(Vec<ControlPoint>, f64)> {
     match name {
         "plummer" => Some(plummer::transfer()),
         "turbulence" => Some(turbulence::transfer()),
@@ -47,10 +47,10 @@ mod tests {
                 assert!(points.positions().iter().all(|p| p.length() <= 1.0), "{name}");
             }
             assert!(points_by_name(name, 0).is_none(), "{name}");
-            let (control, unit_distance) = point_transfer(name).unwrap();
+            let (control, unit_distance) = point_transfer_function(name).unwrap();
             assert!(control.is_sorted_by(|a, b| a.value < b.value), "{name}");
             assert!(TransferFunction::new(control, OpacityRule::Power, unit_distance).is_ok(), "{name}");
         }
-        assert!(points_by_name("teapot", 1).is_none() && point_transfer("teapot").is_none());
+        assert!(points_by_name("teapot", 1).is_none() && point_transfer_function("teapot").is_none());
     }
 }

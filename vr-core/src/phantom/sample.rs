@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use crate::transfer::{OpacityRule, TransferFunction};
 use crate::voxel::Voxel;
 
-/// A sample type that a number can be rounded to.
+/// A voxel type that a number can be rounded to.
 pub trait Quantize: Voxel {
     /// The stored numbers that stand for a range of values: the whole range of an integer type; `None` for floats, which
     /// hold values as they are.
@@ -41,14 +41,14 @@ impl Quantize for f32 {
     }
 }
 
-/// Samples a phantom; the first and the last sample of each axis lie on the faces of its domain.
+/// Samples a phantom onto a grid; the first and the last voxel of each axis lie on the faces of its domain.
 ///
 /// Integer types use their whole range for the phantom's [`value_range`](Phantom::value_range), and the calibration turns it
-/// back: calibrated samples are off by half a quantisation step at most. Floats hold the values as they are. In parallel over
+/// back: calibrated values are off by half a quantisation step at most. Floats hold the values as they are. In parallel over
 /// slices; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`GridError::Dims`] for an axis with fewer than two samples, or a product that overflows.
+/// [`GridError::Dims`] for an axis with fewer than two voxels, or a product that overflows.
 pub fn sample<T: Quantize>(phantom: &(impl Phantom + ?Sized), dims: [usize; 3]) -> Result<UniformGrid<T>, GridError> {
     let count = sample_count(dims)?;
     let (low, high) = phantom.domain();

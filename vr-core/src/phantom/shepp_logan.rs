@@ -108,12 +108,12 @@ impl Phantom for SheppLogan {
         DVec3::ZERO
     }
 
-    /// Exact: the skull is 1, and no two of the negative ellipsoids inside the brain (0.2) meet.
+    /// The exact range: the skull is 1, and no two of the negative ellipsoids inside the brain (0.2) meet.
     fn value_range(&self) -> (f64, f64) {
         (0.0, 1.0)
     }
 
-    /// Constant there.
+    /// Zero: the field is constant there.
     fn lipschitz_between_breakpoints(&self) -> f64 {
         0.0
     }

@@ -74,7 +74,7 @@ fn halton(mut i: u64, base: u64) -> f64 {
     x
 }
 
-/// Clear where it is thin; filaments and clumps.
+/// A transfer function that is clear where the gas is thin, and shows filaments and clumps.
 pub(super) fn transfer() -> (Vec<ControlPoint>, f64) {
     let points = vec![
         ControlPoint::new(0.8, viridis(0.1), 0.0),
@@ -99,15 +99,15 @@ mod tests {
     fn the_field_follows_the_function() {
         let points = points(100_000).unwrap();
         let density = Density::new();
-        let (mut off, mut least, mut most) = (0.0f64, f64::INFINITY, 0.0f64);
+        let (mut off, mut min, mut max) = (0.0f64, f64::INFINITY, 0.0f64);
         for i in 0..20 {
             let at = points.positions()[i] * 0.8;
             let field: f64 = (0..points.count()).map(|k| points.contribution(k, at)).sum();
             off = off.max((field / density.at(at) - 1.0).abs());
-            (least, most) = (least.min(field), most.max(field));
+            (min, max) = (min.min(field), max.max(field));
         }
         // Smoothing over a support of radius 0.083 takes a tenth or two from waves 0.4 long; without it this would be noise.
         assert!(off < 0.25, "{off}");
-        assert!(most / least > 5.0, "{least} to {most}");
+        assert!(max / min > 5.0, "{min} to {max}");
     }
 }

@@ -1,4 +1,4 @@
-//! Colour maps: from a fraction t in [0, 1] to linear-light RGB. Fractions outside take the end's colour.
+//! Colour maps from a fraction t in [0, 1] to linear-light RGB. Fractions outside take the end's colour.
 
 use colorous::Gradient;
 

@@ -1,6 +1,6 @@
 //! CIELAB, in which equal distances look about equally large.
 
-/// Linear sRGB to CIE XYZ, as IEC 61966-2-1 rounds it (and as VTK uses it).
+/// Matrix from linear sRGB to CIE XYZ, as IEC 61966-2-1 rounds it (and as VTK uses it).
 const XYZ_OF_RGB: [[f64; 3]; 3] = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
 /// The exact inverse of the matrix above.
 const RGB_OF_XYZ: [[f64; 3]; 3] = [
@@ -48,7 +48,7 @@ fn product(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-/// Where the cube root gives way to its tangent, which has a finite slope at black: δ = 6/29 in CIE 15:2004.
+/// Cube root at which CIE's f changes to its tangent, which has a finite slope at black: δ = 6/29 in CIE 15:2004.
 const DELTA: f64 = 6.0 / 29.0;
 
 /// CIE's f: the cube root, with a linear toe.

@@ -38,7 +38,7 @@ impl ControlPoint {
     }
 }
 
-/// What the opacity of a control point means.
+/// Rule by which the opacity of a control point becomes extinction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -64,7 +64,7 @@ pub struct Optical {
 
 impl Optical {
     /// The properties at a point.
-    pub fn of(p: &ControlPoint) -> Self {
+    pub fn at_point(p: &ControlPoint) -> Self {
         Self { opacity: p.opacity, color: p.color, emission: p.emission.unwrap_or_default() }
     }
 
@@ -108,12 +108,12 @@ impl Segment {
         Optical::lerp((value - self.from) / (self.to - self.from), &self.start, &self.end)
     }
 
-    /// Whether nothing absorbs and nothing shines here.
+    /// True if nothing absorbs and nothing shines here.
     pub fn is_clear(&self) -> bool {
         [self.start, self.end].iter().all(|o| o.opacity == 0.0 && o.emission == [0.0; 3])
     }
 
-    /// Whether opacity is 1 throughout.
+    /// True if opacity is 1 throughout.
     pub fn is_opaque(&self) -> bool {
         self.start.opacity == 1.0 && self.end.opacity == 1.0
     }
@@ -135,11 +135,11 @@ impl TransferFunction {
     ///
     /// # Errors
     /// A [`ParameterError`] naming the point for: no point, values not sorted, α outside [0, 1], negative or non-finite numbers,
-    /// emission on some points only, a unit distance that is not 10⁻¹⁵ to 10¹⁵, colours above 10⁶ or emission above 10⁹, which sums in f32
-    /// might not keep.
+    /// emission on some points only, a unit distance that is not 10⁻²⁴ to 10²⁴, colours above 10¹², or emission above 10¹² in a unit
+    /// distance, which sums in f32 might not keep.
     pub fn new(points: Vec<ControlPoint>, rule: OpacityRule, unit_distance: f64) -> Result<Self, ParameterError> {
         if points.is_empty() {
-            return Err(ParameterError::new("transfer.points", "none", "at least one point is needed"));
+            return Err(ParameterError::new("transfer.points", "none", "must have at least one point"));
         }
         if !is_length(unit_distance) {
             let field = "transfer.unit_distance";
@@ -157,7 +157,7 @@ impl TransferFunction {
             if !(0.0..=1.0).contains(&p.opacity) {
                 return Err(ParameterError::new(field("opacity"), p.opacity, "must be in [0, 1]"));
             }
-            let light = |c: [f64; 3], most: f64| c.iter().all(|x| (0.0..=most).contains(x));
+            let light = |c: [f64; 3], max: f64| c.iter().all(|x| (0.0..=max).contains(x));
             if !light(p.color, MAX_COLOR) {
                 return Err(ParameterError::new(
                     field("color"),
@@ -189,7 +189,7 @@ impl TransferFunction {
         &self.segments
     }
 
-    /// What the opacities mean.
+    /// Rule by which the opacities become extinction.
     pub fn rule(&self) -> OpacityRule {
         self.rule
     }
@@ -199,7 +199,7 @@ impl TransferFunction {
         self.unit_distance
     }
 
-    /// Whether emission is given on its own, rather than as κ·color.
+    /// True if emission is given on its own, rather than as κ·color.
     pub fn has_emission(&self) -> bool {
         self.has_emission
     }
@@ -222,8 +222,8 @@ impl TransferFunction {
         if value == segment.to { segment.end } else { segment.at(value) }
     }
 
-    /// Values at which light or extinction jumps, ascending: where two different points have one value, and at the ends of
-    /// ranges that are opaque, where extinction goes to infinity and stays there.
+    /// Values at which light or extinction jumps, ascending: those at which there are two different points, and the ends of opaque
+    /// ranges, at which extinction goes to infinity and stays there.
     pub fn breaks(&self) -> impl Iterator<Item = f64> + '_ {
         let opaque = |s: &Segment| s.is_opaque() && self.rule == OpacityRule::Power;
         let breaks = self.segments.windows(2).filter(move |w| w[0].end != w[1].start || opaque(&w[0]) != opaque(&w[1]));
@@ -284,22 +284,23 @@ impl TransferFunction {
         self.points.iter().flat_map(|p| p.emission.unwrap_or_default()).fold(0.0, f64::max)
     }
 
-    /// Whether it jumps, by two different points at one value.
+    /// True if it jumps, by two different points at one value.
     pub fn has_jumps(&self) -> bool {
         self.segments.windows(2).any(|w| w[0].end != w[1].start)
     }
 }
 
 fn segments(points: &[ControlPoint]) -> Vec<Segment> {
-    let constant = |from, to, p: &ControlPoint| Segment { from, to, start: Optical::of(p), end: Optical::of(p) };
+    let constant =
+        |from, to, p: &ControlPoint| Segment { from, to, start: Optical::at_point(p), end: Optical::at_point(p) };
     let (first, last) = (&points[0], &points[points.len() - 1]);
     let mut segments = vec![constant(f64::NEG_INFINITY, first.value, first)];
     for pair in points.windows(2).filter(|pair| pair[0].value < pair[1].value) {
         segments.push(Segment {
             from: pair[0].value,
             to: pair[1].value,
-            start: Optical::of(&pair[0]),
-            end: Optical::of(&pair[1]),
+            start: Optical::at_point(&pair[0]),
+            end: Optical::at_point(&pair[1]),
         });
     }
     segments.push(constant(last.value, f64::INFINITY, last));

@@ -1,14 +1,14 @@
 //! Ready-made transfer functions.
 //!
-//! Opacities are meant for the default `unit_distance`, the mean voxel spacing, and for volumes of some 100 to 500 samples
+//! Opacities are meant for the default `unit_distance`, the mean voxel spacing, and for volumes of some 100 to 500 voxels
 //! across: haze is 0.002 to 0.05, a surface 0.2 to 0.9.
 
 use super::{ControlPoint, cool_warm, inferno, srgb_to_linear, viridis};
 
-/// Points of a colour map: the straight lines between them are within 3 of 255 steps of the map itself (17 points: within 9).
+/// Number of points of a colour map: the straight lines between them are within 3 of 255 steps of the map itself (17 points: within 9).
 const MAP_POINTS: usize = 33;
 
-/// The scale of a 12-bit CT scanner: what a CT preset takes the range of values for where they are not in Hounsfield units.
+/// The scale of a 12-bit CT scanner, for which a CT preset takes a range of values that is not in Hounsfield units.
 const SCANNER: (f64, f64) = (-1024.0, 3071.0);
 
 /// A ready-made transfer function.
@@ -51,7 +51,7 @@ impl Preset {
     pub const NAMES: [&'static str; 8] =
         ["grey", "x-ray", "ct-bone", "ct-soft-tissue", "mr-default", "viridis", "inferno", "cool-warm"];
 
-    /// As scene files and the command line name it.
+    /// Name in scene files and on the command line.
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize]
     }
@@ -104,7 +104,7 @@ impl std::fmt::Display for Preset {
     }
 }
 
-/// Whether values in a range look like Hounsfield units (air −1000, water 0): they begin below −500, which MR and 8-bit data
+/// True if values in a range look like Hounsfield units (air −1000, water 0): they begin below −500, which MR and 8-bit data
 /// do not, and fit into the 16 bits that scanners store.
 pub fn is_hounsfield((low, high): (f64, f64)) -> bool {
     (-32768.0..-500.0).contains(&low) && (0.0..32768.0).contains(&high)

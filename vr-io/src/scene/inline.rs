@@ -156,7 +156,7 @@ mod tests {
     fn nonsense_is_refused() {
         let error = |rows: &[Row]| points(rows, PointKernel::default()).unwrap_err().to_string();
         let message = error(&[[0.0, 0.0, 0.0, -1.0, 1.0, 1.0]]);
-        assert!(message.contains("point 0 has the radius -1"), "{message}");
+        assert!(message.contains("point 0: found the radius -1"), "{message}");
         let message = error(&[[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]; 4097]);
         assert!(message.contains("4097"), "{message}");
         assert!(error(&[]).contains("no point"));

@@ -44,7 +44,7 @@ pub fn load_volume(section: &VolumeSection, path: &Path) -> Result<LoadedVolume,
         }
         Some(VolumeSource::PhantomPoints { name, count }) => {
             let volume = phantom_of_points(name, count.unwrap_or(PHANTOM_POINTS)).map_err(in_file)?;
-            made(volume, phantom::point_transfer(name))
+            made(volume, phantom::point_transfer_function(name))
         }
         Some(VolumeSource::Grid { data, grid }) => made(inline::grid(data, grid).map_err(in_file)?, None),
         Some(VolumeSource::Points { points, kernel }) => {

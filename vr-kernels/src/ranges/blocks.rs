@@ -1,4 +1,4 @@
-//! Ranges of the reconstructed field, block by block: for all who leap, cull or skip.
+//! Ranges of the reconstructed field, block by block: for renderers that leap over, cull or skip empty space.
 
 use std::sync::{Arc, Mutex};
 
@@ -9,7 +9,7 @@ use vr_core::{GridVolume, Sampler, SamplerVisitor, VacuumCells, Voxel};
 /// Smallest and largest value of the field in each block of `edge`³ cells, in stored units.
 ///
 /// The ranges hold for the *reconstructed* field: the support is widened for the wider filters, and the overshoot of
-/// Catmull-Rom is bounded. Blocks are closed: neighbours share the samples on their common face.
+/// Catmull-Rom is bounded. Blocks are closed: neighbours share the voxels on their common face.
 #[derive(Clone, Debug)]
 pub struct RangeBlocks {
     edge: usize,
@@ -17,19 +17,19 @@ pub struct RangeBlocks {
     ranges: Vec<BlockRange>,
 }
 
-/// What is known of the field in one block.
+/// Bounds of the field in one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockRange {
     /// Lower bound of the field; above `high` if all of the block is vacuum.
     pub low: f32,
     /// Upper bound of the field.
     pub high: f32,
-    /// Whether a part of the block is vacuum.
+    /// True if a part of the block is vacuum.
     pub vacuum: bool,
 }
 
 impl BlockRange {
-    /// Whether the field exists nowhere in the block.
+    /// True if the field exists nowhere in the block.
     pub fn is_empty(&self) -> bool {
         self.low > self.high
     }
@@ -125,8 +125,8 @@ impl Builder<'_> {
         (first, (first + self.edge).min(self.cells[axis]))
     }
 
-    /// The ranges of a row of blocks without vacuum: first over y and z, sample by sample along x, which is vector code in the samples'
-    /// own type; then over the x of each block.
+    /// Computes the ranges of a row of blocks without vacuum: first over y and z, voxel by voxel along x, which is vector code in the
+    /// voxels' own type; then over the x of each block.
     fn row<T: Voxel, F: Reconstruction>(
         &self,
         sampler: &Sampler<'_, T, F>,
@@ -139,6 +139,7 @@ impl Builder<'_> {
             let (first, end) = self.cells_of(axis, block);
             support::<F>(first, end, lattice.dims[axis])
         };
+        // Smallest and largest voxel over y and z, at each x.
         let (mut low, mut high): (Vec<T>, Vec<T>) = (Vec::new(), Vec::new());
         for z in span(2, z) {
             for y in span(1, y) {
@@ -155,11 +156,12 @@ impl Builder<'_> {
                 }
             }
         }
+        // Smallest and largest over the x of each block.
         for (x, range) in out.iter_mut().enumerate() {
             let span = span(0, x);
-            let least = low[span.clone()].iter().fold(f32::INFINITY, |a, s| a.min(s.to_f32()));
-            let most = high[span].iter().fold(f32::NEG_INFINITY, |a, s| a.max(s.to_f32()));
-            let (low, high) = bounds::<F>(least, most);
+            let min = low[span.clone()].iter().fold(f32::INFINITY, |a, s| a.min(s.to_f32()));
+            let max = high[span].iter().fold(f32::NEG_INFINITY, |a, s| a.max(s.to_f32()));
+            let (low, high) = bounds::<F>(min, max);
             *range = BlockRange { low, high, vacuum: false };
         }
     }
@@ -193,9 +195,9 @@ impl Builder<'_> {
     }
 }
 
-/// The samples of an axis that the field in the cells `first .. end` depends on.
+/// The voxels of an axis that the field in the cells `first .. end` depends on.
 ///
-/// Mirrored and repeated samples beyond the box are among them, too: one step mirrors into the box.
+/// Mirrored and repeated voxels beyond the box are among them, too: one step mirrors into the box.
 fn support<F: Reconstruction>(first: usize, end: usize, samples: usize) -> std::ops::Range<usize> {
     let reach = F::FILTER.reach();
     first.saturating_sub(reach)..(end + reach + 1).min(samples)
@@ -217,9 +219,9 @@ fn bounds_of_cell<T: Voxel, F: Reconstruction>(sampler: &Sampler<'_, T, F>, cell
     bounds::<F>(low, high)
 }
 
-/// Bounds of a field whose support has the least and the largest sample given.
+/// Bounds of a field whose support has the smallest and the largest voxel given.
 pub(crate) fn bounds<F: Reconstruction>(low: f32, high: f32) -> (f32, f32) {
-    // Kernels in f32 round: a few units in the last place of the largest sample, 64 products deep.
+    // Kernels in f32 round: a few units in the last place of the largest voxel, 64 products deep.
     let slack = 16.0 * f32::EPSILON * low.abs().max(high.abs());
     match F::FILTER {
         // What is the same everywhere stays what it is: a + t·(b − a) rounds nothing where a = b. So air that is one stored number is clear

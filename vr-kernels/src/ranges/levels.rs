@@ -19,7 +19,7 @@ pub struct LevelRanges {
     origin: f64,
     spacing: f64,
     ranges: Vec<[u8; 2]>,
-    /// True for blocks of which a part is vacuum; empty where no sample is missing.
+    /// True for blocks of which a part is vacuum; empty where no voxel is missing.
     holes: Vec<bool>,
 }
 
@@ -38,8 +38,8 @@ impl LevelRanges {
 
     fn of_field(volume: &GridVolume) -> Self {
         let last = f64::from(Self::LAST);
-        // Filters may overshoot the samples: levels end where these do, and what lies beyond belongs to the last one.
-        let (low, high) = volume.census().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
+        // Filters may overshoot the voxels: levels end where these do, and what lies beyond belongs to the last one.
+        let (low, high) = volume.value_stats().range.map_or((0.0, 0.0), |(l, h)| (f64::from(l), f64::from(h)));
         let span = high - low;
         let spacing = if Self::are_exact(volume) || span == 0.0 { 1.0 } else { span / last };
         let level = |stored: f32| (f64::from(stored) - low) / spacing;
@@ -57,10 +57,10 @@ impl LevelRanges {
     /// The range of a block that is vacuum throughout: its ends are the wrong way round.
     pub const NOTHING: [u8; 2] = [u8::MAX, 0];
 
-    /// Whether levels are a volume's own numbers, integers that span no more than 255: a trilinear field's range in a block is then exactly
-    /// what is said of it.
+    /// True if levels are a volume's own numbers, integers that span no more than 255: the range of a trilinear field in a block is exact
+    /// then.
     pub fn are_exact(volume: &GridVolume) -> bool {
-        let span = volume.census().range.map_or(0.0, |(low, high)| f64::from(high) - f64::from(low));
+        let span = volume.value_stats().range.map_or(0.0, |(low, high)| f64::from(high) - f64::from(low));
         span <= f64::from(Self::LAST) && volume.voxel_type().is_integer()
     }
 
@@ -74,7 +74,7 @@ impl LevelRanges {
         &self.ranges
     }
 
-    /// True if a part of a block is vacuum, of which its range says nothing: cells with a missing corner.
+    /// True if a part of a block is vacuum (cells with a missing corner), of which its range says nothing.
     pub fn has_hole(&self, block: usize) -> bool {
         self.holes.get(block).is_some_and(|&hole| hole)
     }
@@ -96,7 +96,7 @@ impl LevelRanges {
     }
 }
 
-/// Blocks of which a part is vacuum; none where no sample is missing.
+/// True for blocks of which a part is vacuum; empty where no voxel is missing.
 fn holes(volume: &GridVolume, blocks: [usize; 3]) -> Vec<bool> {
     let Some(vacuum) = volume.vacuum_cells() else { return Vec::new() };
     let mut holes = vec![false; blocks.iter().product()];

@@ -11,7 +11,7 @@ use vr_core::{Calibration, Real, TransferFunction};
 #[derive(Clone, Debug)]
 pub struct VisibleValues(Vec<OpenRange>);
 
-/// Values between two ends, the upper one not among them, nor the lower one where `open`.
+/// Range of values without its upper end, and without its lower one where `open`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct OpenRange {
     from: f64,
@@ -37,7 +37,7 @@ impl VisibleValues {
         Self(ranges)
     }
 
-    /// True if any value between two, ends included and in any order, is visible.
+    /// True if any value from `a` to `b`, ends included and in either order, is visible.
     pub fn shows(&self, a: f64, b: f64) -> bool {
         let (low, high) = (a.min(b), a.max(b));
         // Ranges are disjoint and sorted: the first one that does not end below `low` is the only candidate.
@@ -65,7 +65,7 @@ fn part_above(segment: &Segment, opacity: f64) -> Option<OpenRange> {
     Some(if starts { OpenRange { to: cut, ..whole } } else { OpenRange { from: cut, ..whole } })
 }
 
-/// Says of a range of stored numbers whether anything in it is visible to a kernel.
+/// Tells whether anything in a range of stored numbers is visible to a kernel.
 ///
 /// Made from the transfer function and its tables; asked per block, in a time that does not depend on the width of the range. `R` is the
 /// precision of the kernel: each answer repeats what the kernel does, operation by operation. All of those grow with the stored number, rounding
@@ -73,9 +73,9 @@ fn part_above(segment: &Segment, opacity: f64) -> Option<OpenRange> {
 /// a ramp that begins at 0.
 #[derive(Clone, Debug)]
 pub enum Visibility<R> {
-    /// Where light is integrated: visible is what absorbs or shines.
+    /// Compositing that integrates light: visible is what absorbs or shines.
     Light(LightVisibility<R>),
-    /// Where a first crossing is looked for: visible is what reaches the threshold.
+    /// Compositing that looks for a first crossing: visible is what reaches the threshold.
     Reaches {
         /// −1 where larger values have smaller stored numbers.
         sign: R,
@@ -84,18 +84,18 @@ pub enum Visibility<R> {
     },
 }
 
-/// Where a transfer function, or a table that was made of it, is not clear.
+/// Stored numbers at which a transfer function, or a table that was made of it, is not clear.
 #[derive(Clone, Debug)]
 pub struct LightVisibility<R> {
     calibration: Calibration,
-    /// Of the transfer function itself: not every step is looked up.
+    /// Visible values of the transfer function itself: not every step is looked up.
     values: VisibleValues,
     table: Option<Arc<BakedTransfer<R>>>,
     segments: Option<Arc<PreIntegrated<R>>>,
 }
 
 impl<R: Real> Visibility<R> {
-    /// Of a transfer function, and of the tables that steps and segments are looked up in, if there are any.
+    /// Visibility under a transfer function, and under the tables that steps and segments are looked up in, if there are any.
     pub fn of_light(
         transfer: &TransferFunction,
         calibration: Calibration,
@@ -106,7 +106,7 @@ impl<R: Real> Visibility<R> {
         Self::Light(LightVisibility { calibration, values, table: table.cloned(), segments: segments.cloned() })
     }
 
-    /// Of a threshold in calibrated values.
+    /// Visibility under a threshold in calibrated values.
     pub fn of_threshold(threshold: f64, calibration: Calibration) -> Self {
         let sign = calibration.slope.signum();
         Self::Reaches { sign: R::from_f64(sign), threshold: R::from_f64(sign * calibration.stored(threshold)) }
@@ -120,8 +120,8 @@ impl<R: Real> Visibility<R> {
         match self {
             Self::Light(light) => light.shows(low, high),
             Self::Reaches { sign, threshold } => {
-                let most = if *sign > R::ZERO { high } else { low };
-                *sign * R::from_f32(most) >= *threshold
+                let end = if *sign > R::ZERO { high } else { low };
+                *sign * R::from_f32(end) >= *threshold
             }
         }
     }
@@ -224,7 +224,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
-        /// What a kernel finds visible, looked up or evaluated, lies in no range that is called clear.
+        /// Nothing that a kernel finds visible, looked up or evaluated, lies in a range that is called clear.
         #[test]
         fn nothing_visible_is_called_clear(
             points in prop::collection::vec((0u8..20, prop_oneof![2 => Just(0.0), 1 => 0.0f64..1.0]), 1..7),

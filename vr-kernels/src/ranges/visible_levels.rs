@@ -5,24 +5,24 @@ use vr_core::Voxel;
 /// Ranges of stored numbers that may be visible, for many questions: one look-up each.
 ///
 /// Lacroute & Levoy (1994, fast classification) ask a summed-area table of opacity over both ends of the range. Opacity over one number
-/// needs sums over one axis only, and since no more is asked than whether a sum is zero, we keep for each lower end the least upper end
-/// that makes it positive: one look-up instead of two.
+/// needs sums over one axis only, and since no more is asked than whether a sum is zero, we keep for each lower end the smallest upper
+/// end that makes it positive: one look-up instead of two.
 ///
 /// Integers are levels of their own, and what lies strictly between two neighbours counts as well: interpolated values get there though no
-/// sample does. Other numbers fall into [`Self::INTERVALS`] equal intervals, their ends rounded outward; but the least and the greatest
+/// voxel does. Other numbers fall into [`Self::INTERVALS`] equal intervals, their ends rounded outward; but the smallest and the largest
 /// number are levels of their own, so that air that is one number stays clear under a ramp that begins there.
 #[derive(Clone, Debug)]
 pub struct VisibleLevels {
     scale: Scale,
-    /// For each level the least one, it or above, so that something in between is visible; [`NEVER`] if there is none.
+    /// For each level the lowest one, it or above, so that something in between is visible; [`NEVER`] if there is none.
     reach: Vec<u32>,
-    /// For each level the least one, it or above, that is not visible itself; one behind the last if there is none.
+    /// For each level the lowest one, it or above, that is not visible itself; one behind the last if there is none.
     solid: Vec<u32>,
 }
 
 const NEVER: u32 = u32::MAX;
 
-/// How stored numbers become levels.
+/// Map from stored numbers to levels.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
     integer: bool,
@@ -54,9 +54,9 @@ impl Scale {
     }
 }
 
-/// Samples that know their level: for integers that is a subtraction.
+/// Voxels that know their level: for integers that is a subtraction.
 pub trait Leveled: Voxel {
-    /// The level of a sample.
+    /// The level of a voxel.
     fn level(self, scale: &Scale) -> u32;
 }
 
@@ -83,8 +83,8 @@ impl VisibleLevels {
     /// Intervals of numbers that are not integers.
     pub const INTERVALS: u32 = 4096;
 
-    /// For numbers in `range`, the least and the greatest; `integer` where their type is. Numbers beyond count as the ends. `visible(from, to)`
-    /// says whether a stored number may be visible anywhere from `from` to `to`, ends included.
+    /// Levels of numbers from `low` to `high`, the smallest and the largest; `integer` where their type is. Numbers beyond count as the ends.
+    /// `visible(from, to)` is true if a stored number may be visible anywhere from `from` to `to`, ends included.
     pub fn new((low, high): (f64, f64), integer: bool, visible: impl Fn(f64, f64) -> bool) -> Self {
         let span = high - low;
         debug_assert!(!integer || span <= 65535.0, "integers have at most 16 bits");
@@ -111,7 +111,7 @@ impl VisibleLevels {
         Self::of_levels(Scale { integer, low, high, density, last }, seen, |_| false)
     }
 
-    /// Of what is visible at each level, and what between each and the next.
+    /// Levels of a scale, from what is visible at each, and what between each and the next.
     fn of_levels(scale: Scale, at: impl Fn(u32) -> bool, above: impl Fn(u32) -> bool) -> Self {
         let levels = scale.last as usize + 1;
         let (mut reach, mut solid) = (vec![NEVER; levels], vec![scale.last + 1; levels]);
@@ -136,13 +136,13 @@ impl VisibleLevels {
         Self { scale, reach, solid }
     }
 
-    /// True if anything between two samples may be visible.
+    /// True if anything between two voxels may be visible.
     #[inline(always)]
     pub fn between<T: Leveled>(&self, low: T, high: T) -> bool {
         self.reach[low.level(&self.scale).min(self.scale.last) as usize] <= high.level(&self.scale)
     }
 
-    /// True if the number of a sample is visible itself.
+    /// True if the number of a voxel is visible itself.
     #[inline(always)]
     pub fn at<T: Leveled>(&self, sample: T) -> bool {
         let level = sample.level(&self.scale).min(self.scale.last);
@@ -168,7 +168,7 @@ impl VisibleLevels {
         self.reach[low as usize] <= high
     }
 
-    /// True if every sample between two numbers is visible itself.
+    /// True if every voxel between two numbers is visible itself.
     pub fn all(&self, low: f64, high: f64) -> bool {
         let (low, high) = self.levels(low, high);
         self.solid[low as usize] > high
@@ -185,7 +185,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Whether one of the closed ranges in `seen` meets another one.
+    /// True if one of the closed ranges in `seen` meets another one.
     fn meets(seen: &[(f64, f64)], from: f64, to: f64) -> bool {
         seen.iter().any(|&(a, b)| from <= b && a <= to)
     }

@@ -20,7 +20,7 @@ pub struct BakedTransfer<R> {
     rows: Vec<[[R; 4]; 2]>,
     /// Isolated values of opacity 1: the stored number of each, and its row.
     walls: Vec<(R, [R; 4])>,
-    /// Entry i: how many of the first i intervals are not clear.
+    /// Entry i: number of the first i intervals that are not clear.
     visible: Vec<u32>,
     origin: R,
     per_unit: R,
@@ -29,7 +29,7 @@ pub struct BakedTransfer<R> {
     resolves: bool,
 }
 
-/// How far a table can be from the transfer function, at any stored number, apart from the rounding of its rows.
+/// Largest deviation of a table from the transfer function, at any stored number, apart from the rounding of its rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TableError {
     /// Largest deviation of a step's opacity.
@@ -59,6 +59,7 @@ impl<R: Real> BakedTransfer<R> {
         let rounded = |row: [f64; 4]| row.map(R::from_f64);
         let rows: Vec<[[R; 4]; 2]> = exact.iter().map(|ends| ends.map(rounded)).collect();
         let walls = lone_walls(transfer, calibration).into_iter().map(|(at, wall)| (at, rounded(row(&wall)))).collect();
+        // Count the intervals that are not clear, so that a range of them is judged by one difference.
         let mut visible = vec![0];
         for row in &rows {
             visible.push(visible[visible.len() - 1] + u32::from(*row != [[R::ZERO; 4]; 2]));
@@ -69,7 +70,7 @@ impl<R: Real> BakedTransfer<R> {
         Self { grid, rows, walls, visible, origin, per_unit, last: R::from_f64(intervals as f64), error, resolves }
     }
 
-    /// What the table adds to the error.
+    /// Error that the table adds.
     pub fn error(&self) -> TableError {
         self.error
     }
@@ -177,7 +178,7 @@ fn per_unit<R: Real>(grid: &TableGrid, calibration: Calibration, origin: R) -> R
 ///
 /// Between knots, α of a step is concave or convex in the value (all three laws are), and so its greatest distance from a chord is at
 /// most twice that at the middle. Light is the product of α with a linear colour: the product of two chords leaves |Δα Δc|/4.
-/// Where emission is given on its own, w(τ) is monotone and the chord is off by no more than the difference of the ends.
+/// If emission is given on its own, w(τ) is monotone and the chord is off by no more than the difference of the ends.
 fn table_error(
     transfer: &TransferFunction,
     calibration: Calibration,
@@ -189,6 +190,7 @@ fn table_error(
     let knots: Vec<f64> = transfer.segments()[1..].iter().map(|s| calibration.stored(s.from)).collect();
     for (i, ends) in exact.iter().enumerate() {
         let (a, b) = (grid.place(i), grid.place(i + 1));
+        // Cut the interval at the knots inside it: on each part, colour and opacity are linear in the value.
         let inside = |k: &f64| (*k - a) * (*k - b) < 0.0;
         let mut cuts: Vec<f64> = knots.iter().copied().filter(inside).chain([a, b]).collect();
         cuts.sort_by(|x, y| ((x - a) / (b - a)).total_cmp(&((y - a) / (b - a))));

@@ -1,13 +1,13 @@
-//! Places of a table's entries: evenly spaced over stored numbers, with the breaks of the transfer function on entries.
+//! Places of a table's entries: evenly spaced over stored numbers, with the breaks of the transfer function on entries where possible.
 
 use vr_core::Calibration;
 use vr_core::Real;
 use vr_core::transfer::{OpacityRule, Optical, Segment, TransferFunction};
 
-/// Intervals of a table, unless its values are few integers or its breaks ask for more.
+/// Number of intervals of a table, unless its values are few integers or its breaks ask for more.
 const INTERVALS: usize = 4096;
-/// Most intervals of a table. Integer values get one entry each (or several) up to this many, so that labels are exact; and so
-/// many may be taken to bring breaks onto entries.
+/// Largest number of intervals of a table. Integer values get one entry each (or several) up to this many, so that labels are exact;
+/// and so many may be taken to bring breaks onto entries.
 const MAX_INTERVALS: usize = 16384;
 /// Part of an interval by which a break on an entry may miss it: the rounding of f64, with room to spare.
 const ALIGNED: f64 = 1e-6;
@@ -20,7 +20,7 @@ const ALIGNED: f64 = 1e-6;
 pub(crate) struct TableGrid {
     /// Stored number of the first place.
     origin: f64,
-    /// From one place to the next; negative where larger stored numbers have smaller values.
+    /// Stored units from one place to the next; negative where larger stored numbers have smaller values.
     spacing: f64,
     intervals: usize,
     /// Value of each break, and the entry that stands for it; ascending.
@@ -131,13 +131,13 @@ pub(crate) fn lone_walls<R: Real>(transfer: &TransferFunction, calibration: Cali
     tops.filter_map(exact).collect()
 }
 
-/// Distance and number of the intervals over `span` stored units with breaks so far from its begin.
+/// Spacing and number of the intervals over `span` stored units, given the distance of each break from its begin.
 fn spacing(span: f64, integer: bool, breaks: &[f64]) -> (f64, usize) {
     if span == 0.0 {
         return (1.0, 1);
     }
     let worst = |spacing: f64| breaks.iter().map(|&d| miss(d, spacing)).fold(0.0, f64::max);
-    // Of some spacings, the first that has all breaks on entries; else the one that misses them least, in stored units.
+    // Of some spacings, the first that has all breaks on entries; else the one whose largest miss, in stored units, is smallest.
     let best = |spacings: &mut dyn Iterator<Item = f64>| {
         let mut best = (f64::INFINITY, 0.0);
         for spacing in spacings {
@@ -152,17 +152,17 @@ fn spacing(span: f64, integer: bool, breaks: &[f64]) -> (f64, usize) {
         best.1
     };
     if integer && span as usize <= MAX_INTERVALS {
-        let fewest = (INTERVALS / span as usize).max(1);
-        let most = (MAX_INTERVALS / span as usize).max(fewest);
-        let per_unit = 1.0 / best(&mut (fewest..=most).map(|k| 1.0 / k as f64));
+        let min = (INTERVALS / span as usize).max(1);
+        let max = (MAX_INTERVALS / span as usize).max(min);
+        let per_unit = 1.0 / best(&mut (min..=max).map(|k| 1.0 / k as f64));
         return (1.0 / per_unit, (span * per_unit).round() as usize);
     }
     let usual = span / INTERVALS as f64;
     let Some(&last) = breaks.last().filter(|_| worst(usual) > ALIGNED) else { return (usual, INTERVALS) };
     // The last break lies on an entry by choice of the spacing, the others by luck.
-    let fewest = (last / usual).ceil();
-    let most = (last / span * MAX_INTERVALS as f64).floor().max(fewest);
-    let spacing = best(&mut (fewest as usize..=most as usize).map(|m| last / m as f64));
+    let min = (last / usual).ceil();
+    let max = (last / span * MAX_INTERVALS as f64).floor().max(min);
+    let spacing = best(&mut (min as usize..=max as usize).map(|m| last / m as f64));
     (spacing, (span / spacing).ceil() as usize)
 }
 

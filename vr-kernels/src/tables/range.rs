@@ -1,11 +1,11 @@
-//! The stored numbers that a table must cover, and whether its entries, and single precision, tell apart all that a transfer function does.
+//! Stored numbers that a table must cover, and tests whether its entries, and single precision, tell apart all that a transfer function does.
 
 use vr_core::Calibration;
 use vr_core::GridVolume;
 use vr_core::TransferFunction;
 
-/// Of a table's range, what lies beyond the first and the last control point and yet belongs into it: more than the distance of two
-/// entries, so that a jump at an end point has its other side in the table.
+/// Part of a table's range by which it goes beyond the first and the last control point: more than the distance of two entries, so that
+/// a jump at an end point has its other side in the table.
 const MARGIN: f64 = 1.0 / 1024.0;
 
 /// The part of a field's range, in stored numbers (of integers, if `integer`), in which a transfer function is not constant: a table over it can be
@@ -24,12 +24,12 @@ pub fn table_range(
     let margin = (extent * MARGIN).max(if integer { 1.0 } else { 0.0 });
     // Both stay inside the field's range, in which a table of no extent is one constant, too.
     let (low, high) = ((first - margin).clamp(low, high), (last + margin).clamp(low, high));
-    outwards(if integer { (low.floor(), high.ceil()) } else { (low, high) })
+    round_outward(if integer { (low.floor(), high.ceil()) } else { (low, high) })
 }
 
-/// The least range with f32 ends that holds another one. To the nearest, ends would fall onto the knot between them, or cut a ramp,
-/// where the field is only a few f32 numbers wide.
-pub fn outwards((low, high): (f64, f64)) -> (f32, f32) {
+/// Rounds a range outward, to the smallest one with f32 ends that holds it. Rounded to the nearest, ends would fall onto the knot between
+/// them, or cut a ramp, where the field is only a few f32 numbers wide.
+pub fn round_outward((low, high): (f64, f64)) -> (f32, f32) {
     let (below, above) = (low as f32, high as f32);
     (
         if f64::from(below) > low { below.next_down() } else { below },
@@ -37,8 +37,8 @@ pub fn outwards((low, high): (f64, f64)) -> (f32, f32) {
     )
 }
 
-/// Entries that the narrowest ramp of a transfer function must span. A ramp to α = 1 has most of its extinction at its end, and a
-/// table's chord there is wrong over one entry: an eighth of the ramp is what that may be.
+/// Smallest number of entries that the narrowest ramp of a transfer function must span. A ramp to α = 1 has most of its extinction at its
+/// end, and a table's chord there is wrong over one entry, which may be an eighth of the ramp.
 const ENTRIES_PER_RAMP: f64 = 8.0;
 
 /// True if entries so many stored units apart tell apart all that a transfer function does.
@@ -46,18 +46,18 @@ pub(super) fn resolves_ramps(spacing: f64, calibration: Calibration, transfer: &
     let slope = calibration.slope.abs();
     let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
     // Spacings of 1/16 and the like come back rounded from f32.
-    let least = ENTRIES_PER_RAMP * spacing * (1.0 - 1e-6);
-    ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= least)
+    let min = ENTRIES_PER_RAMP * spacing * (1.0 - 1e-6);
+    ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= min)
 }
 
-/// Part of the narrowest ramp by which a stored number may be off for being rounded to f32; of the field's range, where something
-/// jumps in it.
+/// Error of a stored number that is rounded to f32, relative to the narrowest ramp, or to the field's range if that is narrower and
+/// something jumps in it.
 ///
-/// A constant is exact under filters that take samples as they are, and of no rounding; the coefficients and weights of wider ones
-/// are rounded there, too, and their fields may leave the range of the samples. Ramps that no number of the field comes near do not
+/// A constant is exact under filters that take voxels as they are, and of no rounding; the coefficients and weights of wider ones
+/// are rounded there, too, and their fields may leave the range of the voxels. Ramps that no number of the field comes near do not
 /// count, nor does how narrow a jump is: no precision has room for it.
 pub fn rounding_in_f32(volume: &GridVolume, transfer: &TransferFunction) -> f64 {
-    let Some((low, high)) = volume.census().range.map(|(low, high)| (f64::from(low), f64::from(high))) else {
+    let Some((low, high)) = volume.value_stats().range.map(|(low, high)| (f64::from(low), f64::from(high))) else {
         return 0.0;
     };
     let wide = volume.filter().reach() > 0;
@@ -139,12 +139,12 @@ mod tests {
     }
 
     #[test]
-    fn ends_are_rounded_outwards() {
-        assert_eq!(outwards((1000.0, 1000.0)), (1000.0, 1000.0));
+    fn ends_are_rounded_outward() {
+        assert_eq!(round_outward((1000.0, 1000.0)), (1000.0, 1000.0));
         let jump = 1_000.000_123;
-        let (low, high) = outwards((jump - 1e-9, jump + 1e-9));
+        let (low, high) = round_outward((jump - 1e-9, jump + 1e-9));
         assert!(f64::from(low) < jump && jump < f64::from(high));
         assert_eq!(low.next_up(), high);
-        assert_eq!(outwards((-f64::from(f32::MAX), f64::from(f32::MAX))), (-f32::MAX, f32::MAX));
+        assert_eq!(round_outward((-f64::from(f32::MAX), f64::from(f32::MAX))), (-f32::MAX, f32::MAX));
     }
 }

@@ -16,9 +16,9 @@ pub struct Chords {
     pub origin: [[f64; LANES]; 3],
     /// Index steps per world unit of s.
     pub direction: [[f64; LANES]; 3],
-    /// Where the rays enter.
+    /// Distance at which each ray enters.
     pub start: [f64; LANES],
-    /// Where they leave.
+    /// Distance at which it leaves.
     pub end: [f64; LANES],
     /// World distance from the rays' own origins to s = 0.
     pub offset: [f64; LANES],
@@ -27,7 +27,7 @@ pub struct Chords {
 }
 
 impl Chords {
-    /// Of the rays through points of the image (x and y, in pixels), cut by the box of a grid, the clip, and at world distances `far`.
+    /// Chords of the rays through points of the image (x and y, in pixels), cut by the box of a grid, the clip, and at world distances `far`.
     #[inline(always)]
     pub fn new(
         rays: &Rays,
@@ -54,9 +54,11 @@ impl Chords {
                 base[a][i] = (from[a][i] - corner[a]) + along[a][i] * offset[i];
             }
         }
+        // Rays in index space.
         let inverse = placement.inverse_axes();
         let (origin, direction) = (times(&inverse, &base), times(&inverse, &along));
 
+        // Cut them by the far distance, the box and the clip.
         let (mut start, mut end) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
             (start[i], end[i]) = (-offset[i], far[i] - offset[i]);
@@ -65,14 +67,14 @@ impl Chords {
             keep_between(&mut start, &mut end, &origin[a], &direction[a], 0.0, extent[a]);
         }
         if clip.crop.is_some() || !clip.planes.is_empty() {
-            cut(clip, &mut start, &mut end, &from, &along, &offset);
+            clip_chords(clip, &mut start, &mut end, &from, &along, &offset);
         }
         Self { origin, direction, start, end, offset, along }
     }
 }
 
 /// Cuts rays by a crop box and planes.
-fn cut(
+fn clip_chords(
     clip: &Clip,
     start: &mut [f64; LANES],
     end: &mut [f64; LANES],

@@ -73,8 +73,8 @@ pub fn opacity_of_depth<S: Simd>(simd: S, tau: f32x16<S>) -> f32x16<S> {
     (splat(simd, 1.0) - scale) - scale * grown
 }
 
-/// The source weight (1 − e^(−τ))/τ of optical depths τ ≥ 0 whose opacities are known: of what shines in a homogeneous step, the part that gets
-/// out; 1 where nothing absorbs.
+/// The source weight (1 − e^(−τ))/τ of optical depths τ ≥ 0 whose opacities are known: the part of the light of a homogeneous step that
+/// leaves it; 1 where nothing absorbs.
 #[inline(always)]
 pub fn source_weight<S: Simd>(simd: S, tau: f32x16<S>, alpha: f32x16<S>) -> f32x16<S> {
     let one = splat(simd, 1.0);
@@ -82,7 +82,7 @@ pub fn source_weight<S: Simd>(simd: S, tau: f32x16<S>, alpha: f32x16<S>) -> f32x
     pick(clear, one, alpha / pick(clear, one, tau))
 }
 
-/// Up to this optical depth, six terms of a series are good to the last bits: the next is τ⁶/5040.
+/// Largest optical depth at which six terms of a series are good to the last bits: the next is τ⁶/5040.
 const THIN: f32 = 0.25;
 
 /// The source weight and the opacity of optical depths τ ≥ 0, without an exponential where all of them are thin.

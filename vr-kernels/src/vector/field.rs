@@ -6,12 +6,12 @@ use fearless_simd::{Simd, f32x16, i8x64, i16x32, i32x16, u8x64, u16x32, u32x16};
 use vr_core::Voxel;
 use vr_core::filter::Lattice;
 
-/// The samples, seen from the four corners of a cell's face x = 0: one offset serves all four.
+/// The voxels, seen from the four corners of a cell's face x = 0: one offset serves all four.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a, T> {
     /// Rows (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1): all equally long.
     rows: [&'a [T]; 4],
-    /// Samples from one y and one z to the next.
+    /// Number of voxels from one y and one z to the next.
     stride: [u32; 2],
     /// The last cell of each axis.
     pub last_cell: [i32; 3],
@@ -33,7 +33,7 @@ impl<T: Voxel> Default for Stage<T> {
 
 /// A voxel type whose pairs can be taken apart.
 pub trait Pairs: Voxel {
-    /// The left and the right samples of two staged rows, as floats.
+    /// The left and the right voxels of two staged rows, as floats.
     fn split<S: Simd>(simd: S, rows: &TwoRows<Self>) -> [[f32x16<S>; 2]; 2];
 }
 
@@ -86,7 +86,7 @@ impl Pairs for f32 {
     }
 }
 
-/// Numbers below 2³¹: signed conversion is what every machine has.
+/// Converts numbers below 2³¹: signed conversion is what every machine has.
 #[inline(always)]
 fn small<S: Simd>(x: u32x16<S>) -> f32x16<S> {
     x.bitcast::<i32x16<S>>().to_float()
@@ -101,7 +101,7 @@ pub struct Cells<S: Simd> {
 }
 
 impl<'a, T: Voxel> Field<'a, T> {
-    /// Of fewer than 2³¹ samples.
+    /// The field of a lattice of fewer than 2³¹ voxels.
     pub fn new(lattice: &Lattice<'a, T>) -> Self {
         let [nx, ny, _] = lattice.dims;
         let samples = lattice.samples;
@@ -132,7 +132,7 @@ pub fn cells<S: Simd>(simd: S, position: [f32x16<S>; 3], last_cell: [i32; 3]) ->
 }
 
 impl<T: Pairs> Field<'_, T> {
-    /// Loads the samples around sixteen places into a stage.
+    /// Loads the voxels around sixteen places into a stage.
     #[inline(always)]
     pub fn fetch<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &mut Stage<T>) {
         let row = i32x16::splat(simd, self.stride[0] as i32);
@@ -153,7 +153,7 @@ impl<T: Pairs> Field<'_, T> {
         }
     }
 
-    /// The field at places whose samples have been staged: f = Σ w f over the corners of their cells.
+    /// The field at places whose voxels have been staged: f = Σ w f over the corners of their cells.
     #[inline(always)]
     pub fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> f32x16<S> {
         let [tx, ty, tz] = at.fraction;
@@ -168,7 +168,7 @@ impl<T: Pairs> Field<'_, T> {
 }
 
 impl<T: Pairs> Field<'_, T> {
-    /// Staged samples, with weights of one's own.
+    /// Sum of the staged voxels with the caller's weights.
     #[inline(always)]
     pub fn weighted<S: Simd>(&self, simd: S, weights: &[[f32x16<S>; 2]; 3], stage: &Stage<T>) -> f32x16<S> {
         let [[x0, x1], [y0, y1], [z0, z1]] = *weights;
@@ -180,8 +180,8 @@ impl<T: Pairs> Field<'_, T> {
     }
 }
 
-/// Clamps positions into the box: rounding may carry them past a face.
+/// Clamps positions into the box, 0 to `max`: rounding may carry them past a face.
 #[inline(always)]
-pub fn inside<S: Simd>(simd: S, position: f32x16<S>, most: f32) -> f32x16<S> {
-    position.max(splat(simd, 0.0)).min(splat(simd, most))
+pub fn inside<S: Simd>(simd: S, position: f32x16<S>, max: f32) -> f32x16<S> {
+    position.max(splat(simd, 0.0)).min(splat(simd, max))
 }

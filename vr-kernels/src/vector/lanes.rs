@@ -1,4 +1,4 @@
-//! What sixteen places hold, one number each.
+//! Sixteen numbers in memory, one a lane.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
@@ -17,15 +17,15 @@ impl Lanes {
     /// Zeros.
     pub const ZERO: Self = Self([0.0; LANES]);
 
-    /// As a vector.
+    /// Loads the vector.
     #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S) -> f32x16<S> {
         f32x16::load_array_ref(simd, &self.0)
     }
 
-    /// From a vector.
+    /// The lanes of a vector.
     #[inline(always)]
-    pub fn of<S: Simd>(vector: f32x16<S>) -> Self {
+    pub fn new<S: Simd>(vector: f32x16<S>) -> Self {
         Self(vector.to_array())
     }
 }

@@ -1,12 +1,12 @@
-//! Which instructions kernels are made for.
+//! Levels of vector instructions that kernels are made for.
 
 use fearless_simd::{Level, Simd};
 
 /// Work that is generic over the vectors of a machine.
 pub trait Vectorized {
-    /// What it returns.
+    /// Result of the work.
     type Output;
-    /// Called once, with the vectors of the level; must be `#[inline(always)]`, and so must all that it calls.
+    /// Does the work with the vectors of the level; called once. Must be `#[inline(always)]`, and so must all that it calls.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 

@@ -25,12 +25,12 @@ pub use operator::Operator;
 pub use rows::{packed, transpose, transpose_packed};
 pub use shade::{PacketLights, PacketShading, Shade};
 pub use sums::{Sums, share_to_level};
-pub use table::{OpticsTable, Rows, light_of};
+pub use table::{OpticsTable, Rows, step_light};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
-/// As many as the widest vector has lanes.
+/// Number of lanes: those of the widest vector.
 pub const LANES: usize = 16;
 
 /// The same number in all lanes.

@@ -1,4 +1,4 @@
-//! Compositing operators, as kernels on sixteen lanes tell them apart.
+//! Compositing operators, as kernels on sixteen lanes distinguish them.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
@@ -27,7 +27,7 @@ pub enum Operator {
     First {
         /// −1 where larger values have smaller stored numbers.
         sign: f32,
-        /// In stored units.
+        /// Threshold in stored units.
         threshold: f32,
     },
 }

@@ -1,4 +1,4 @@
-//! Shading of sixteen samples: gradients by central differences, and what they reflect.
+//! Shading of sixteen samples: gradients by central differences, and the light that they reflect.
 
 use std::sync::Arc;
 
@@ -17,12 +17,12 @@ pub struct PacketShading {
     pub shading: Arc<Shading>,
     /// The lights.
     pub lights: Vec<Light>,
-    /// From gradients per index step to world gradients, but for their length.
+    /// Matrix from gradients per index step to world gradients, but for their length.
     pub to_world: [[f32; 3]; 3],
 }
 
 impl PacketShading {
-    /// For gradients of a grid whose axes are taken in this order.
+    /// Shading for gradients of a grid whose axes are taken in this order.
     pub fn new(shading: Arc<Shading>, lights: &[Light], placement: &Placement, axes: [usize; 3]) -> Self {
         let (matrix, _) = placement.scaled_gradient_matrix(1.0);
         let to_world = std::array::from_fn(|row| axes.map(|a| matrix.col(a)[row] as f32));
@@ -34,7 +34,7 @@ impl PacketShading {
 #[derive(Clone, Debug, Default)]
 pub struct PacketLights {
     lights: Vec<PacketLight>,
-    /// What they were made for.
+    /// Directions of the rays that they were made for.
     directions: Option<[[f64; LANES]; 3]>,
 }
 
@@ -75,12 +75,12 @@ impl PacketLights {
     }
 }
 
-/// What shades the samples of a packet.
+/// Shading and lights for the samples of a packet.
 #[derive(Clone, Copy)]
 pub struct Shade<'a> {
-    /// Of all rays.
+    /// Shading, the same for all rays.
     pub shading: &'a PacketShading,
-    /// Of these rays.
+    /// Lights as the rays of this packet see them.
     pub lights: &'a PacketLights,
 }
 
@@ -111,6 +111,7 @@ impl Shade<'_> {
         light: &mut [Lanes; 4],
         stage: &mut Stage<T>,
     ) {
+        // World gradients, normalised.
         let g = gradient(simd, field, at, stage);
         let m = &self.shading.to_world;
         let world = |row: [f32; 3]| g[0] * row[0] + g[1] * row[1] + g[2] * row[2];
@@ -124,6 +125,7 @@ impl Shade<'_> {
         let n = [w[0] * scale, w[1] * scale, w[2] * scale];
         let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
         let norm = one / pick(flat, one, square).sqrt();
+        // The factor on the colour and the light that is added, summed over the lights.
         let shading = &self.shading.shading;
         let (ambient, diffuse) = (shading.ambient as f32, shading.diffuse as f32);
         let (specular, power) = (shading.specular as f32, shading.power as f32);
@@ -146,18 +148,18 @@ impl Shade<'_> {
         let alpha = light[3].load(simd);
         for c in 0..3 {
             let old = light[c].load(simd);
-            light[c] = Lanes::of(pick(flat, old, old * factor[c] + added[c] * alpha));
+            light[c] = Lanes::new(pick(flat, old, old * factor[c] + added[c] * alpha));
         }
     }
 }
 
-/// Gradients per index step: central differences at the samples, one-sided at the faces of the box, interpolated trilinearly. `at`:
-/// numbers of the cells (whole numbers), and fractions in them.
+/// Gradients per index step: central differences at the voxels, one-sided at the faces of the box, interpolated trilinearly. Positions
+/// are the numbers of the cells (whole numbers), and fractions in them.
 ///
-/// Interpolation commutes with shifts by whole samples. So a component is the difference of two interpolations, a sample on and a sample
-/// back, with weights (1 − t)/w₀ and t/w₁ along the axis, w the samples that each difference spans; beyond a face lies the last sample
-/// again. Planes of samples are interpolated across the axis first, and subtracted then: where the field is constant, the gradient is zero to the
-/// last bit, and nothing is shaded by what rounding leaves.
+/// Interpolation commutes with shifts by whole voxels. So a component is the difference of two interpolations, a voxel on and a voxel
+/// back, with weights (1 − t)/w₀ and t/w₁ along the axis, w the voxels that each difference spans; beyond a face lies the last voxel
+/// again. Planes of voxels are interpolated across the axis first, and subtracted then: where the field is constant, the gradient is
+/// zero to the last bit, and nothing is shaded by what rounding leaves.
 #[inline(always)]
 fn gradient<S: Simd, T: Pairs>(
     simd: S,
@@ -174,7 +176,7 @@ fn gradient<S: Simd, T: Pairs>(
         let (first, at_last) = (cell[a].simd_le(zero), cell[a].simd_ge(last));
         let half = splat(simd, 0.5);
         let (back, on) = ((one - t[a]) * pick(first, one, half), t[a] * pick(at_last, one, half));
-        // The planes at either end of the cell a sample on, and a sample back.
+        // The planes at either end of the cell a voxel on, and a voxel back.
         let mut planes = [[zero; 2]; 2];
         for (planes, shift) in planes.iter_mut().zip([1.0, -1.0]) {
             let mut shifted = cell;

@@ -1,11 +1,11 @@
-//! What sixteen rays have gathered.
+//! Sums of light and opacity along sixteen rays.
 
 use super::{LANES, Lanes, depth_of_opacity, pick, splat};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
-/// The part of homogeneous steps, behind so much that is clear, at which opacity reaches a level, and where it does: light goes with opacity, and what
-/// is behind the level, or shines in what is clear there, has no part.
+/// The share of homogeneous steps up to which opacity reaches a level, behind transparency `clear`; 1 where it does not. And a mask of the
+/// rays on which it does. Light goes with opacity: what is behind the level, or shines in what is clear there, has no share.
 #[inline(always)]
 pub fn share_to_level<S: Simd, V: SimdFloat<S, Element = f32>>(
     simd: S,
@@ -29,38 +29,38 @@ pub fn share_to_level<S: Simd, V: SimdFloat<S, Element = f32>>(
 pub struct Sums<S: Simd> {
     /// r, g, b and opacity.
     sum: [f32x16<S>; 4],
-    /// What was added too much.
+    /// Excess of each sum over what was added, by its roundings.
     lost: [f32x16<S>; 4],
     /// The step in which opacity reaches a half: where it begins, +∞ for none yet; its length; the opacity before it, and its own.
     half: [f32x16<S>; 4],
 }
 
 impl<S: Simd> Sums<S> {
-    /// Nothing yet.
+    /// Sums of nothing yet.
     #[inline(always)]
     pub fn new(simd: S) -> Self {
         let (zero, never) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
         Self { sum: [zero; 4], lost: [zero; 4], half: [never, zero, zero, zero] }
     }
 
-    /// As [`Self::store`] left them.
+    /// Loads the sums that [`Self::store`] left.
     #[inline(always)]
     pub fn load(simd: S, [sum, lost, half]: &[[Lanes; 4]; 3]) -> Self {
         let all = |four: &[Lanes; 4]| [four[0].load(simd), four[1].load(simd), four[2].load(simd), four[3].load(simd)];
         Self { sum: all(sum), lost: all(lost), half: all(half) }
     }
 
-    /// To memory, where nothing is lost of them.
+    /// Stores the sums to memory, without loss.
     #[inline(always)]
     pub fn store(&self, [sum, lost, half]: &mut [[Lanes; 4]; 3]) {
         for c in 0..4 {
-            sum[c] = Lanes::of(self.sum[c]);
-            lost[c] = Lanes::of(self.lost[c]);
-            half[c] = Lanes::of(self.half[c]);
+            sum[c] = Lanes::new(self.sum[c]);
+            lost[c] = Lanes::new(self.lost[c]);
+            half[c] = Lanes::new(self.half[c]);
         }
     }
 
-    /// What is still seen through.
+    /// Transparency so far: the part that is still seen through.
     #[inline(always)]
     pub fn clear(&self, simd: S) -> f32x16<S> {
         splat(simd, 1.0) - self.opacity()
@@ -101,7 +101,7 @@ impl<S: Simd> Sums<S> {
         [r - lost[0], g - lost[1], b - lost[2], a - lost[3]]
     }
 
-    /// Where opacity reaches a half, the medium homogeneous within the step in which it does; +∞ where it does not.
+    /// Distance at which opacity reaches a half, the medium homogeneous within the step in which it does; +∞ where it does not.
     ///
     /// (1 − A)(1 − α)^x = ½ at the fraction x of the step.
     #[inline(always)]
@@ -111,8 +111,8 @@ impl<S: Simd> Sums<S> {
             return Lanes([f32::INFINITY; LANES]);
         }
         let mut share = Lanes::ZERO;
-        share_of_half(simd, &Lanes::of(before), &Lanes::of(alpha), &mut share);
-        Lanes::of(begin + length * share.load(simd))
+        share_of_half(simd, &Lanes::new(before), &Lanes::new(alpha), &mut share);
+        Lanes::new(begin + length * share.load(simd))
     }
 }
 
@@ -128,7 +128,7 @@ fn share_of_half<S: Simd>(simd: S, before: &Lanes, alpha: &Lanes, share: &mut La
             let whole = depth_of_opacity(simd, alpha).max(splat(simd, f32::MIN_POSITIVE));
             let part = (depth_of_opacity(simd, wanted) / whole).min(one);
             // An opaque step is so from its first point on.
-            *share = Lanes::of(pick(alpha.simd_ge(one), splat(simd, 0.0), part));
+            *share = Lanes::new(pick(alpha.simd_ge(one), splat(simd, 0.0), part));
         },
     );
 }

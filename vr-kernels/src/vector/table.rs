@@ -7,8 +7,7 @@ use fearless_simd::{Simd, f32x4, f32x16, i32x16};
 use vr_core::Calibration;
 use vr_core::transfer::{Optical, TransferFunction};
 
-/// Colour and extinction over the field's stored numbers, at the same places as a [`BakedTransfer`]: what a step of any length is made
-/// of.
+/// Colour and extinction over the field's stored numbers, at the same places as a [`BakedTransfer`]: for steps of any length.
 ///
 /// Colours are linear between control points, and so exact; extinction is off by its curvature over one interval. Each interval has
 /// a row of its own for both of its ends: at a jump, neither colour nor extinction of one side shows on the other. Where emission
@@ -21,7 +20,7 @@ pub struct OpticsTable {
     walls: Vec<(f32, [f32; 4])>,
     origin: f32,
     per_unit: f32,
-    /// Whether the rows hold emission, per step of length 1, and not colour.
+    /// True if the rows hold emission, per step of length 1, and not colour.
     pub emits: bool,
 }
 
@@ -29,7 +28,7 @@ pub struct OpticsTable {
 const OPAQUE: f64 = 1e30;
 
 impl OpticsTable {
-    /// At the places of `table`, for lengths in units of `step` world units.
+    /// A table at the places of `table`, for lengths in units of `step` world units.
     pub fn new(table: &BakedTransfer<f32>, transfer: &TransferFunction, calibration: Calibration, step: f64) -> Self {
         let (grid, emits) = (table.grid(), transfer.has_emission());
         let light = |at: &Optical| if emits { at.emission.map(|q| q * step) } else { at.color };
@@ -53,7 +52,7 @@ impl OpticsTable {
 ///
 /// α = 1 − e^(−κh); light is c·α, or q·h·α/τ where the rows hold emission.
 #[inline(always)]
-pub fn light_of<S: Simd>(simd: S, optics: [f32x16<S>; 4], length: f32x16<S>, emits: bool) -> [f32x16<S>; 4] {
+pub fn step_light<S: Simd>(simd: S, optics: [f32x16<S>; 4], length: f32x16<S>, emits: bool) -> [f32x16<S>; 4] {
     let [r, g, b, kappa] = optics;
     let tau = kappa * length;
     let alpha = opacity_of_depth(simd, tau);
@@ -74,8 +73,8 @@ pub struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// Those of a baked table: light and opacity of whole steps.
-    pub fn of(table: &'a BakedTransfer<f32>) -> Self {
+    /// The rows of a baked table: light and opacity of whole steps.
+    pub fn new(table: &'a BakedTransfer<f32>) -> Self {
         let rows = table.rows();
         let last = (rows.len() - 1) as f32;
         Self { rows, walls: table.walls(), origin: table.origin(), per_unit: table.per_unit(), last }
@@ -138,7 +137,7 @@ mod tests {
         let mut values = [0.5; LANES];
         (values[3], values[7], values[11]) = (2.0, 2.0f32.next_up(), 2.0f32.next_down());
         let at = |rows: Rows<'_>| dispatch!(Level::new(), simd => rows.at(simd, f32x16::load_array_ref(simd, &values)).map(|c| c.to_array()));
-        let (steps, kappas) = (at(Rows::of(&baked)), at(optics.rows()));
+        let (steps, kappas) = (at(Rows::new(&baked)), at(optics.rows()));
         assert_eq!([0, 1, 2, 3].map(|c| steps[c][3]), [0.25, 0.5, 1.0, 1.0]);
         assert_eq!([0, 1, 2, 3].map(|c| kappas[c][3]), [0.25, 0.5, 1.0, OPAQUE as f32]);
         for (i, value) in values.iter().enumerate() {

@@ -52,11 +52,11 @@ mod tests {
             let back = read_back(&printed);
             assert_eq!(*back.scene.transfer, *case.scene.transfer, "{}", case.name);
             assert_eq!(back.view, case.view, "{}", case.name);
-            let census = |s: &Scene| {
-                let c = *s.volume.grid().unwrap().census();
+            let stats = |s: &Scene| {
+                let c = *s.volume.grid().unwrap().value_stats();
                 (c.range, c.nan + c.infinite)
             };
-            assert_eq!(census(&back.scene), census(&case.scene), "{}", case.name);
+            assert_eq!(stats(&back.scene), stats(&case.scene), "{}", case.name);
         }
     }
 

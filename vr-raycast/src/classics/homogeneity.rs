@@ -206,7 +206,7 @@ struct Medium {
 
 impl Verdicts {
     fn new(volume: &GridVolume, levels: &LevelRanges, transfer: &TransferFunction, error: f64) -> Self {
-        let (low, high) = volume.census().range.unwrap_or_default();
+        let (low, high) = volume.value_stats().range.unwrap_or_default();
         let optics = Optics::new(transfer, volume.calibration(), f64::from(low.abs().max(high.abs())));
         let corners = volume.corners();
         let across = (0..4).map(|i| corners[i].distance(corners[7 - i])).fold(0.0, f64::max);

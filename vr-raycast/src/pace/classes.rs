@@ -82,11 +82,11 @@ impl Classes {
                 let (a, b) = (value(level), value(level + 1));
                 let (a, b) = (a.min(b), a.max(b));
                 let points = transfer.points().iter().filter(|p| p.value >= a && p.value <= b);
-                let points = points.map(|p| optics(transfer, &Optical::of(p)));
+                let points = points.map(|p| optics(transfer, &Optical::at_point(p)));
                 Variation::of(std::iter::once(at(a.next_down())).chain(points).chain([at(b)]))
             })
             .collect();
-        let points = transfer.points().iter().map(|p| (p.value, optics(transfer, &Optical::of(p))));
+        let points = transfer.points().iter().map(|p| (p.value, optics(transfer, &Optical::at_point(p))));
         let features = Features::new(&points.collect::<Vec<_>>());
         let class = |variation: &Variation, low: usize, high: usize| {
             if variation.greatest == [0.0; 4] {

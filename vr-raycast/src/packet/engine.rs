@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fearless_simd::{Level, Simd};
 use glam::DVec3;
 use vr_core::filter::Lattice;
-use vr_core::image_order::Spot;
+use vr_core::image_order::ImageSample;
 use vr_core::{
     Compositing, Counts, Filter, GradientMethod, GridVolume, Layer, MaxRadiance, ParameterError, Rays, Scene, View,
     with_grid,
@@ -110,7 +110,7 @@ impl PacketEngine {
         let extent = corners.iter().map(|c| c.distance(corners[0])).fold(0.0, f64::max);
         let counted = 2.0 * extent / step < MOST_STEPS;
         let offsets_fit = volume.dims().iter().product::<usize>() <= i32::MAX as usize;
-        let missing = volume.vacuum_cells().is_some() || volume.census().range.is_none();
+        let missing = volume.vacuum_cells().is_some() || volume.value_stats().range.is_none();
         if !common || !counted || !offsets_fit || missing {
             return None;
         }
@@ -206,7 +206,7 @@ impl<'a> PacketFrame<'a> {
 }
 
 impl Tracer for PacketFrame<'_> {
-    fn trace(&self, spots: &[Spot], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
         with_grid!(self.volume.values(), grid => {
             let lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
             let medium = self.medium(&lattice);
@@ -219,7 +219,7 @@ impl Tracer for PacketFrame<'_> {
 struct Trace<'a, 'f, T> {
     frame: &'a PacketFrame<'f>,
     medium: &'a Medium<'a, T>,
-    spots: &'a [Spot],
+    spots: &'a [ImageSample],
     starts: Option<&'a [u32]>,
     values: &'a mut Vec<Traced>,
     counts: &'a mut Counts,
@@ -283,7 +283,7 @@ impl PacketFrame<'_> {
             dims: lattice.dims,
             pace: match &engine.steps {
                 PacketSteps::Lattice { table, distances } => {
-                    Pace::Lattice(LatticePace { rows: Rows::of(table), distances: distances.as_ref() })
+                    Pace::Lattice(LatticePace { rows: Rows::new(table), distances: distances.as_ref() })
                 }
                 PacketSteps::Local { map, by_byte } => Pace::Local(LocalPace::new(map, by_byte)),
             },

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{Cells, LANES, Lanes, PacketLights, Pairs, Stage, Sums, light_of, pick, splat};
+use vr_kernels::vector::{Cells, LANES, Lanes, PacketLights, Pairs, Stage, Sums, pick, splat, step_light};
 
 use super::leap::{Leaper, block_index};
 use super::march::{Marched, Medium, Path, finish, shaded};
@@ -112,9 +112,9 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         medium.field.fetch(simd, &cells_then, next);
         let optics = rows.at(simd, medium.field.value(simd, &cells, now));
         let optics_then = rows.at(simd, medium.field.value(simd, &cells_then, next));
-        let light = light_of(simd, optics, length, medium.optics.emits);
+        let light = step_light(simd, optics, length, medium.optics.emits);
         let light = shaded(simd, medium, lights, live, &cells, light, now);
-        let light_then = light_of(simd, optics_then, length_then, medium.optics.emits);
+        let light_then = step_light(simd, optics_then, length_then, medium.optics.emits);
         let light_then = shaded(simd, medium, lights, live, &cells_then, light_then, next);
         sums.add(simd, live, [at, length], light);
         stop = pick((sums.clear(simd) * most).simd_le(negligible), never, stop);

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{
     Cells, Field, Lanes, OpticsTable, PacketLights, PacketShading, Pairs, Rows, Shade, Stage, Sums, cells, inside,
-    light_of, pick, splat,
+    pick, splat, step_light,
 };
 
 use super::leap::{Distances, Leaper};
@@ -155,7 +155,7 @@ fn lattice<S: Simd, T: Pairs>(
         if ending {
             let value = medium.field.value(simd, &cells, now);
             let ratio = packet.ratio.load(simd);
-            let light = light_of(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
+            let light = step_light(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
             let light = shaded(simd, medium, lights, live, &cells, light, now);
             sums.add(simd, live, [end, ratio], light);
             break;
@@ -185,7 +185,7 @@ fn lattice<S: Simd, T: Pairs>(
 pub(crate) fn finish<S: Simd>(simd: S, sums: &Sums<S>, packet: &Packet, ended: mask32x16<S>, samples: u32) -> Marched {
     let [r, g, b, a] = sums.rgba();
     Marched {
-        rgba: [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)],
+        rgba: [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)],
         half: sums.half(simd),
         samples,
         terminated: packet.hits & ended.to_bitmask() as u32,
@@ -209,10 +209,10 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
         return light;
     }
     let [x, y, z] = at.cell;
-    let cell = [Lanes::of(x.to_float()), Lanes::of(y.to_float()), Lanes::of(z.to_float())];
+    let cell = [Lanes::new(x.to_float()), Lanes::new(y.to_float()), Lanes::new(z.to_float())];
     let [x, y, z] = at.fraction;
-    let fraction = [Lanes::of(x), Lanes::of(y), Lanes::of(z)];
-    let mut lanes = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(alpha)];
+    let fraction = [Lanes::new(x), Lanes::new(y), Lanes::new(z)];
+    let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
     Shade { shading, lights }.apply(simd, &medium.field, &[cell, fraction], &mut lanes, stage);
     [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
 }

@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 use glam::DVec3;
-use vr_core::image_order::Spot;
+use vr_core::image_order::ImageSample;
 use vr_core::{Clip, Layer, Placement, Rays};
 use vr_kernels::vector::{Chords, LANES, Lanes};
 
@@ -61,7 +61,7 @@ impl FrameSetup<'_> {
     /// Sets up to sixteen rays up; missing ones meet nothing. Their first steps are the last that begin before the depth along the view at
     /// which they may meet something first; +∞: they meet nothing. Its own function: the same for all kernels of a level.
     #[inline(never)]
-    pub(crate) fn packet<S: Simd>(&self, simd: S, spots: &[Spot], nearest: &[f64; LANES], packet: &mut Packet) {
+    pub(crate) fn packet<S: Simd>(&self, simd: S, spots: &[ImageSample], nearest: &[f64; LANES], packet: &mut Packet) {
         simd.vectorize(
             #[inline(always)]
             || self.fill(spots, nearest, packet),
@@ -69,7 +69,7 @@ impl FrameSetup<'_> {
     }
 
     #[inline(always)]
-    fn fill(&self, spots: &[Spot], nearest: &[f64; LANES], packet: &mut Packet) {
+    fn fill(&self, spots: &[ImageSample], nearest: &[f64; LANES], packet: &mut Packet) {
         let (mut x, mut y, mut far) = ([0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
         for i in 0..LANES {
             let spot = &spots[i.min(spots.len() - 1)];

@@ -1,7 +1,7 @@
 //! Every ray of every pixel.
 
 use rayon::prelude::*;
-use vr_core::image_order::{Spot, in_parallel};
+use vr_core::image_order::{ImageSample, in_parallel};
 use vr_core::{Control, Counts, Frame, RenderError, RenderStats, Rendered, View};
 
 use super::blocks::in_blocks;
@@ -68,7 +68,7 @@ fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
 /// Traces pixels; returns a value for each.
 pub(crate) fn traced(tracer: &dyn Tracer, view: &View, pixels: &[[u32; 2]]) -> (Vec<Traced>, Counts) {
     let rays = (view.supersampling * view.supersampling) as usize;
-    let mut spots: Vec<Spot> = Vec::with_capacity(pixels.len() * rays);
+    let mut spots: Vec<ImageSample> = Vec::with_capacity(pixels.len() * rays);
     pixels.iter().for_each(|&pixel| push_spots(view, pixel, &mut spots));
     let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
     tracer.trace(&spots, None, &mut values, &mut counts);
@@ -80,20 +80,20 @@ pub(crate) fn traced(tracer: &dyn Tracer, view: &View, pixels: &[[u32; 2]]) -> (
 
 /// Appends the rays of a pixel. (For one ray, the division that finds its place in the pixel costs more than all else.)
 #[inline]
-fn push_spots(view: &View, pixel @ [x, y]: [u32; 2], spots: &mut Vec<Spot>) {
+fn push_spots(view: &View, pixel @ [x, y]: [u32; 2], spots: &mut Vec<ImageSample>) {
     if view.supersampling == 1 {
-        spots.push(Spot { pixel: number_of(view, pixel), x: f64::from(x) + 0.5, y: f64::from(y) + 0.5 });
+        spots.push(ImageSample { pixel: number_of(view, pixel), x: f64::from(x) + 0.5, y: f64::from(y) + 0.5 });
     } else {
         spots.extend(spots_of_pixel(view, pixel));
     }
 }
 
 /// The n² rays of a pixel.
-pub(crate) fn spots_of_pixel(view: &View, pixel @ [x, y]: [u32; 2]) -> impl Iterator<Item = Spot> {
+pub(crate) fn spots_of_pixel(view: &View, pixel @ [x, y]: [u32; 2]) -> impl Iterator<Item = ImageSample> {
     let n = view.supersampling;
     let pixel = number_of(view, pixel);
     let centre = move |k: u32| (f64::from(k) + 0.5) / f64::from(n);
-    (0..n * n).map(move |k| Spot { pixel, x: f64::from(x) + centre(k % n), y: f64::from(y) + centre(k / n) })
+    (0..n * n).map(move |k| ImageSample { pixel, x: f64::from(x) + centre(k % n), y: f64::from(y) + centre(k / n) })
 }
 
 /// The number of a pixel, row by row. Beyond the view's, where a screen may look as well, it is that of the nearest: layers know no other.

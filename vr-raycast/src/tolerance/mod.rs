@@ -11,7 +11,7 @@ mod walk;
 use std::sync::Arc;
 
 use vr_core::filter::Lattice;
-use vr_core::image_order::Spot;
+use vr_core::image_order::ImageSample;
 use vr_core::{
     Compositing, Counts, Feature, Filter, GridVolume, IndexRay, LatticeVisitor, Layer, Rays, Real, RenderError, Scene,
     VacuumCells, View, Voxel,
@@ -68,7 +68,7 @@ impl Promise {
     /// As [`Self::check`].
     pub(crate) fn new(error: f64, scene: &Scene, volume: &Arc<GridVolume>) -> Result<Self, RenderError> {
         let level = Self::check(scene, volume)?;
-        let (low, high) = volume.census().range.unwrap_or_default();
+        let (low, high) = volume.value_stats().range.unwrap_or_default();
         let largest = f64::from(low.abs().max(high.abs()));
         let optics = Optics::new(&scene.transfer, volume.calibration(), largest);
         let blocks = Blocks::new(volume, &optics);
@@ -100,7 +100,7 @@ pub(crate) struct Promised<'a> {
 }
 
 impl Tracer for Promised<'_> {
-    fn trace(&self, spots: &[Spot], _: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+    fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
         let mut stages = Stages::default();
         for spot in spots {
             values.push(self.ray(spot, &mut stages, counts));
@@ -123,7 +123,7 @@ impl Stages {
 }
 
 impl Promised<'_> {
-    fn ray(&self, spot: &Spot, stages: &mut Stages, counts: &mut Counts) -> Traced {
+    fn ray(&self, spot: &ImageSample, stages: &mut Stages, counts: &mut Counts) -> Traced {
         let layer = self.layer;
         let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
         let ray = self.rays.at(spot.x, spot.y);

@@ -15,7 +15,7 @@ where
 
 /// Visible is what meets one of the closed ranges.
 fn visibility(volume: &GridVolume, seen: &[(f64, f64)]) -> VisibleLevels {
-    let range = volume.census().range.unwrap_or((0.0, 0.0));
+    let range = volume.value_stats().range.unwrap_or((0.0, 0.0));
     VisibleLevels::new((range.0.into(), range.1.into()), volume.voxel_type().is_integer(), |from, to| {
         seen.iter().any(|&(a, b)| from <= b && a <= to)
     })

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use vr_kernels::vector::{LANES, Lanes, Operator, light_of, opacity_of_depth, pick, source_weight, splat};
+use vr_kernels::vector::{LANES, Lanes, Operator, opacity_of_depth, pick, source_weight, splat, step_light};
 
 use crate::visible::CellBits;
 
@@ -55,7 +55,7 @@ impl Tile<'_> {
                 let light = match classifier {
                     Classifier::Table(optics) => {
                         let unit = 1.0 / painter.view.unit as f32;
-                        light_of(simd, optics.rows().at(simd, value), length * unit, optics.emits)
+                        step_light(simd, optics.rows().at(simd, value), length * unit, optics.emits)
                     }
                     Classifier::Exact(step) => {
                         let (value, length) = (value.to_array(), length.to_array());
@@ -71,7 +71,7 @@ impl Tile<'_> {
                 };
                 match shader {
                     Some(shader) if light[3].simd_gt(zero).any_true() => {
-                        let mut lanes = light.map(Lanes::of);
+                        let mut lanes = light.map(Lanes::new);
                         let place = self.place(simd, number, depth);
                         shader.shade(simd, &self.lights[number], place, &mut lanes);
                         [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
@@ -134,7 +134,7 @@ impl Tile<'_> {
         let [from, step] = &self.blocks[number].index;
         let mut place = [Lanes::ZERO; 3];
         for a in 0..3 {
-            place[a] = Lanes::of(from[a].load(simd) + step[a].load(simd) * depth);
+            place[a] = Lanes::new(from[a].load(simd) + step[a].load(simd) * depth);
         }
         place
     }

@@ -163,22 +163,22 @@ fn cover<S: Simd>(
     let zero = splat(simd, 0.0);
     let (front, back) = (enter.max(start), leave.min(end));
     let covered = front.simd_lt(back);
-    *to_back = Lanes::of(to_back.load(simd).max(pick(covered, end - front, zero)));
-    *to_front = Lanes::of(to_front.load(simd).max(pick(covered, back - start, zero)));
+    *to_back = Lanes::new(to_back.load(simd).max(pick(covered, end - front, zero)));
+    *to_front = Lanes::new(to_front.load(simd).max(pick(covered, back - start, zero)));
 }
 
 /// Adds a section of a kernel to a sheet: a value, and its weight where that is divided out, or emission and optical depth.
 #[inline(always)]
 pub(super) fn add<S: Simd>(simd: S, sheet: &mut [Lanes], section: f32x16<S>, value: f32, optics: [f32; 4]) {
     if let [sum, weight] = sheet {
-        *sum = Lanes::of(sum.load(simd) + section * value);
-        *weight = Lanes::of(weight.load(simd) + section);
+        *sum = Lanes::new(sum.load(simd) + section * value);
+        *weight = Lanes::new(weight.load(simd) + section);
     } else if let [sum, _, _] = sheet {
-        *sum = Lanes::of(sum.load(simd) + section * value);
+        *sum = Lanes::new(sum.load(simd) + section * value);
     } else if let [r, g, b, tau] = sheet {
-        *r = Lanes::of(r.load(simd) + section * optics[0]);
-        *g = Lanes::of(g.load(simd) + section * optics[1]);
-        *b = Lanes::of(b.load(simd) + section * optics[2]);
-        *tau = Lanes::of(tau.load(simd) + section * optics[3]);
+        *r = Lanes::new(r.load(simd) + section * optics[0]);
+        *g = Lanes::new(g.load(simd) + section * optics[1]);
+        *b = Lanes::new(b.load(simd) + section * optics[2]);
+        *tau = Lanes::new(tau.load(simd) + section * optics[3]);
     }
 }

@@ -34,16 +34,16 @@ impl State {
                     after = pick(reached, splat(simd, 1.0 - level).min(clear), after);
                 }
                 for c in 0..3 {
-                    self.light[c] = Lanes::of(self.light[c].load(simd) + share * light[c]);
+                    self.light[c] = Lanes::new(self.light[c].load(simd) + share * light[c]);
                 }
-                self.clear = Lanes::of(after);
+                self.clear = Lanes::new(after);
             }
             _ => {
                 let rest = splat(simd, 1.0) - alpha;
                 for c in 0..3 {
-                    self.light[c] = Lanes::of(self.light[c].load(simd) * rest + light[c]);
+                    self.light[c] = Lanes::new(self.light[c].load(simd) * rest + light[c]);
                 }
-                self.clear = Lanes::of(clear * rest);
+                self.clear = Lanes::new(clear * rest);
             }
         }
     }
@@ -68,13 +68,13 @@ impl State {
                 // Whatever comes before reaches less: what is found lies between two sheets, at the threshold, or it is the first of all or the
                 // first behind vacuum.
                 let at = pick(fresh, value, splat(simd, threshold));
-                self.value = Lanes::of(pick(found, before, pick(reaches, at, value)));
-                self.clear = Lanes::of(pick(reaches, zero, self.clear.load(simd)));
-                self.length = Lanes::of(pick(vacuum & !found, zero, sum + pick(there, length, zero)));
+                self.value = Lanes::new(pick(found, before, pick(reaches, at, value)));
+                self.clear = Lanes::new(pick(reaches, zero, self.clear.load(simd)));
+                self.length = Lanes::new(pick(vacuum & !found, zero, sum + pick(there, length, zero)));
             }
             _ => {
                 let [value, length] = operator.choose(simd, [before, sum], [value, length], there);
-                (self.value, self.length) = (Lanes::of(value), Lanes::of(length));
+                (self.value, self.length) = (Lanes::new(value), Lanes::new(length));
             }
         }
     }

@@ -44,8 +44,8 @@ impl Tile<'_> {
                     let Some(weight) = self.weight(simd, number, at) else { continue };
                     if sums {
                         let state = &mut self.states[number];
-                        state.value = Lanes::of(state.value.load(simd) + weight * at.value);
-                        state.length = Lanes::of(state.length.load(simd) + weight);
+                        state.value = Lanes::new(state.value.load(simd) + weight * at.value);
+                        state.length = Lanes::new(state.length.load(simd) + weight);
                     } else if in_sheets {
                         let place = number * channels;
                         add(simd, &mut self.sheets[place..place + channels], weight, at.value, optics);

@@ -83,7 +83,7 @@ pub(crate) fn blend<S: Simd>(
                         }
                     }
                     let [r, g, b, a] = sum;
-                    state.sums[0] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
+                    state.sums[0] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
                 }
                 Operator::Extreme { sign } => {
                     let mut best = state.value.load(simd);
@@ -94,7 +94,7 @@ pub(crate) fn blend<S: Simd>(
                         // False for NaN.
                         best = pick(live & value.simd_gt(best), value, best);
                     }
-                    state.value = Lanes::of(best);
+                    state.value = Lanes::new(best);
                 }
                 Operator::Average => drawn += average(simd, how, which, rays, chunk, state),
                 Operator::First { sign, threshold } => {
@@ -104,8 +104,8 @@ pub(crate) fn blend<S: Simd>(
                         let value = chunk.value[j].load(simd);
                         let passed = live & (value * sign).simd_ge(splat(simd, threshold * sign));
                         if passed.any_true() {
-                            state.value = Lanes::of(pick(passed, begin + length, state.value.load(simd)));
-                            state.other = Lanes::of(pick(passed, begin, state.other.load(simd)));
+                            state.value = Lanes::new(pick(passed, begin + length, state.value.load(simd)));
+                            state.other = Lanes::new(pick(passed, begin, state.other.load(simd)));
                             stop(rays, passed.to_bitmask() as u32);
                         }
                     }
@@ -184,7 +184,7 @@ fn average<S: Simd>(
         sum = next;
         length += pick(live, ratio, zero);
     }
-    (state.value, state.other, state.lost) = (Lanes::of(sum), Lanes::of(length), Lanes::of(lost));
+    (state.value, state.other, state.lost) = (Lanes::new(sum), Lanes::new(length), Lanes::new(lost));
     drawn
 }
 

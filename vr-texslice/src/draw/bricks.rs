@@ -8,7 +8,7 @@ use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{
-    Cells as Places, Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, light_of, pick, run, splat,
+    Cells as Places, Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run, splat, step_light,
 };
 
 use super::classify::Classifier;
@@ -228,7 +228,7 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
                 break;
             }
         }
-        *next = Lanes::of(number);
+        *next = Lanes::new(number);
         sums.store(&mut state.sums);
     }
 }
@@ -267,7 +267,7 @@ fn classified<S: Simd>(
             if even && outer.all_false() {
                 return rows.at(simd, value);
             }
-            let own = light_of(simd, optics.rows().at(simd, value), ratio, optics.emits);
+            let own = step_light(simd, optics.rows().at(simd, value), ratio, optics.emits);
             if !even || outer.all_true() {
                 return own;
             }
@@ -280,7 +280,7 @@ fn classified<S: Simd>(
             ]
         }
         Classifier::Exact(light) => {
-            let (value, ratio) = (Lanes::of(value), Lanes::of(ratio));
+            let (value, ratio) = (Lanes::new(value), Lanes::new(ratio));
             let mut found = [Lanes::ZERO; 4];
             for i in 0..LANES {
                 let one = light(value.0[i], ratio.0[i]);

@@ -92,9 +92,9 @@ impl<S: Simd, X: Texture> Fetch<S> for Fetcher<'_, X> {
                     }
                     let [r, g, b, a] = self.texture.read(simd, &at, now);
                     if X::LIGHT {
-                        chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
+                        chunk.light[j] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
                     } else {
-                        chunk.value[j] = Lanes::of(r);
+                        chunk.value[j] = Lanes::new(r);
                     }
                     (at, now, next) = (ahead, next, now);
                 }

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use vr_kernels::tables::{PreIntegrated, TablePlace};
 use vr_kernels::vector::{
-    LANES, Lanes, OpticsTable, Rows, light_of, opacity_of_depth, pick, source_weight, splat, step_of_thickness,
+    LANES, Lanes, OpticsTable, Rows, opacity_of_depth, pick, source_weight, splat, step_light, step_of_thickness,
 };
 
 use super::chunk::{CHUNK, Chunk};
@@ -36,7 +36,7 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
                     let value = chunk.value[j].load(simd);
                     let [r, g, b, a] = rows.at(simd, value);
                     let a = where_defined(simd, value, a);
-                    chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
+                    chunk.light[j] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
                 }
             }
             Classifier::Table { optics, .. } => {
@@ -44,9 +44,9 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
                 for j in 0..chunk.len {
                     let value = chunk.value[j].load(simd);
                     let found = optics.rows().at(simd, value);
-                    let [r, g, b, a] = light_of(simd, found, ratio, optics.emits);
+                    let [r, g, b, a] = step_light(simd, found, ratio, optics.emits);
                     let a = where_defined(simd, value, a);
-                    chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
+                    chunk.light[j] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
                 }
             }
             Classifier::Exact(light) => {
@@ -64,7 +64,7 @@ pub(crate) fn classify<S: Simd>(simd: S, with: &Classifier<'_>, ratio: &Lanes, o
                     let light = [r.load(simd), g.load(simd), b.load(simd), a.load(simd)];
                     let [r, g, b, corrected] = step_of_thickness(simd, light, ratio);
                     let a = where_defined(simd, light[3], corrected);
-                    chunk.light[j] = [Lanes::of(r), Lanes::of(g), Lanes::of(b), Lanes::of(a)];
+                    chunk.light[j] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
                 }
             }
             Classifier::Done { .. } | Classifier::Segments { .. } | Classifier::Values => {}
@@ -131,9 +131,9 @@ pub(crate) fn integrate<S: Simd>(
                     if let Some(most) = brightest {
                         light = light.min(alpha * most[c]);
                     }
-                    chunk.light[j][c] = Lanes::of(light);
+                    chunk.light[j][c] = Lanes::new(light);
                 }
-                chunk.light[j][3] = Lanes::of(alpha);
+                chunk.light[j][3] = Lanes::new(alpha);
             }
         },
     );

@@ -60,9 +60,9 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
     #[inline(always)]
     fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Stage<T>) {
         let [x, y, z] = at.cell;
-        let cell = [Lanes::of(x.to_float()), Lanes::of(y.to_float()), Lanes::of(z.to_float())];
+        let cell = [Lanes::new(x.to_float()), Lanes::new(y.to_float()), Lanes::new(z.to_float())];
         let [x, y, z] = at.fraction;
-        let fraction = [Lanes::of(x), Lanes::of(y), Lanes::of(z)];
+        let fraction = [Lanes::new(x), Lanes::new(y), Lanes::new(z)];
         Shade { shading: with.shading, lights: with.lights }.apply(simd, &self.field, &[cell, fraction], light, stage);
     }
 }

@@ -13,7 +13,7 @@ pub(super) struct Cell {
 }
 
 impl Cell {
-    /// What holds at an end of the table and beyond; `beyond` tells the side.
+    /// The properties at an end of the table and beyond, constant; the sign of `beyond` tells the side.
     pub(super) fn beside(transfer: &TransferFunction, calibration: Calibration, stored: f64, beyond: f64) -> Self {
         let outside = calibration.value(stored + beyond);
         let segment = transfer.segment_at(outside);
@@ -21,7 +21,7 @@ impl Cell {
         Self::constant(if at_end[3].is_finite() { at_end } else { properties(transfer, segment, outside) })
     }
 
-    /// What holds at a single value: that of a constant field, on which α = 1 is opaque, whatever it is beside.
+    /// The properties at a single value: that of a constant field, on which α = 1 is opaque, whatever it is beside.
     pub(super) fn at(transfer: &TransferFunction, calibration: Calibration, stored: f64) -> Self {
         let value = calibration.value(stored);
         let at = properties(transfer, transfer.segment_at(value), value);
@@ -42,6 +42,7 @@ impl Cell {
         from: f64,
         to: f64,
     ) -> Self {
+        // The mean, part by part between the knots inside; and the properties at both ends.
         let slack = ALIGNED * (to - from);
         let first = knots.partition_point(|&k| k <= from + slack);
         let end = knots.partition_point(|&k| k < to - slack).max(first);
@@ -63,6 +64,7 @@ impl Cell {
                 ends[1] = properties(transfer, segment, b);
             }
         }
+        // The straight line: the exact mean, and the rise between the ends where it keeps the line above zero.
         let (mut start, mut rise) = ([0.0; 4], [0.0; 4]);
         for c in 0..4 {
             let (a, b) = (ends[0][c], ends[1][c]);

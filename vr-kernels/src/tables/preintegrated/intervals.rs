@@ -1,8 +1,8 @@
-//! Into how many intervals a table is cut.
+//! Number of intervals of a table, so that knots of the transfer function fall onto their ends.
 
-/// How many intervals to make: the number between half of `most` and `most` for which most knots are ends of intervals. And whether all
-/// are.
-pub(super) fn find_intervals(knots: &[f64], low: f64, high: f64, most: usize) -> (usize, bool) {
+/// Number of intervals to make: the one between half of `max` and `max` for which the fewest knots lie inside of intervals. And whether
+/// none does.
+pub(super) fn find_intervals(knots: &[f64], low: f64, high: f64, max: usize) -> (usize, bool) {
     if high <= low {
         return (1, true);
     }
@@ -11,12 +11,12 @@ pub(super) fn find_intervals(knots: &[f64], low: f64, high: f64, most: usize) ->
         let off = |&&x: &&f64| (x * n as f64 - libm::round(x * n as f64)).abs() > ALIGNED;
         inner.iter().filter(off).count()
     };
-    let best = (most / 2..=most).rev().map(|n| (missed(n), n)).min_by_key(|&(m, _)| m);
-    best.map_or((most, false), |(m, n)| (n, m == 0))
+    let best = (max / 2..=max).rev().map(|n| (missed(n), n)).min_by_key(|&(m, _)| m);
+    best.map_or((max, false), |(m, n)| (n, m == 0))
 }
 
-/// How far, in intervals, a knot may be from the end of one and still counts as there: the places of f32 values are known to 10⁻³.
+/// Largest distance, in intervals, of a knot from the end of one that still counts as there: the places of f32 values are known to 10⁻³.
 pub(super) const ALIGNED: f64 = 1e-6;
 
-/// A table may be so many times longer than the field needs, if its intervals then fit the knots.
-pub(super) const MOST_EXCESS: f64 = 4.0;
+/// Largest factor by which a table may be longer than the field needs, if its intervals then fit the knots.
+pub(super) const MAX_EXCESS: f64 = 4.0;

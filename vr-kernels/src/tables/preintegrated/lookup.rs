@@ -1,9 +1,9 @@
-//! What the table holds at a value, and in the mean between two.
+//! Look-up in the table: at a value, and the mean between two.
 
 use super::PreIntegrated;
 use vr_core::Real;
 
-/// Where a value lies in the table.
+/// Place of a value in the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TablePlace<R> {
     /// The row.
@@ -30,7 +30,7 @@ impl<R: Real> PreIntegrated<R> {
         self.visible[past.max(a.row)] > self.visible[a.row]
     }
 
-    /// Where a stored number lies. NaN lies in the first row, at a fraction that is NaN.
+    /// Place of a stored number. NaN lies in the first row, at a fraction that is NaN.
     #[inline(always)]
     pub fn place(&self, stored: R) -> TablePlace<R> {
         let x = (stored - self.origin) * self.per_unit;

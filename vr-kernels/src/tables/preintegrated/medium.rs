@@ -16,7 +16,7 @@ pub(super) fn properties(transfer: &TransferFunction, segment: &Segment, value: 
     [r, g, b, kappa]
 }
 
-/// Whether α is 1 throughout a segment, and κ infinite.
+/// True if α is 1 throughout a segment, and κ infinite.
 pub(super) fn is_wall(transfer: &TransferFunction, segment: &Segment) -> bool {
     transfer.rule() == OpacityRule::Power && segment.is_opaque()
 }

@@ -16,7 +16,7 @@ pub use medium::WALL_DEPTH;
 use super::grid::lone_walls;
 use super::range::resolves_ramps;
 use cell::Cell;
-use intervals::{MOST_EXCESS, find_intervals};
+use intervals::{MAX_EXCESS, find_intervals};
 use vr_core::Calibration;
 use vr_core::Real;
 use vr_core::transfer::{OpacityRule, TransferFunction};
@@ -39,20 +39,20 @@ use wall::{Wall, walls};
 /// differences are exact: what is left is their rounding, 2⁻³¹ of the integral over the whole table. Two values in one interval or in
 /// neighbouring ones do not need them at all.
 ///
-/// # What a table adds to the error
+/// # Error of a table
 /// In each interval κ and q are linear, with the exact mean. Knots of the transfer function (kinks and jumps) fall onto interval ends
 /// where any number of intervals between half of `entries` and `entries` allows that ([`PreIntegrated::is_aligned`]); a knot inside an
 /// interval is known to that interval only. So an aligned table is off by the square of the interval in κ (10⁻⁶ of it with 1024
 /// intervals over a smooth ramp), and one that is not by the share that an interval has in v₁ − v₀.
 ///
 /// # Opaque walls
-/// Where α is 1 over a range of values and κ is infinite (the power rule), [`PreIntegrated::segment`] ends at the wall exactly. The
+/// If α is 1 over a range of values and κ is infinite (the power rule), [`PreIntegrated::segment`] ends at the wall exactly. The
 /// rows themselves stay finite: κ is [`WALL_DEPTH`] per unit distance there. Where α only touches 1, κ has an integrable logarithm
 /// and its mean is finite; a stretch on which the value stays there is a wall.
 #[derive(Clone, Debug)]
 pub struct PreIntegrated<R> {
     rows: Vec<PreIntegratedRow<R>>,
-    /// Entry i: how many of the first i rows are not clear.
+    /// Entry i: number of the first i rows that are not clear.
     visible: Vec<u32>,
     origin: R,
     per_unit: R,
@@ -62,7 +62,7 @@ pub struct PreIntegrated<R> {
     walls: Vec<Wall<R>>,
     /// Isolated values with α = 1: the place of each, in entries, and its colour.
     lone_walls: Vec<(R, [R; 3])>,
-    /// Entries by which a wall must be entered: what is less is rounding, and only touches it.
+    /// Number of entries by which a wall must be entered: what is less is rounding, and only touches it.
     touch: R,
     /// The largest colour, channel by channel: no stretch shines brighter. Absent where emission is given on its own.
     brightest: Option<[R; 3]>,
@@ -87,12 +87,13 @@ pub struct PreIntegratedRow<R> {
 }
 
 impl<R: Real> PreIntegrated<R> {
-    /// Intervals that serve where the table is aligned: 1024, which is 48 KiB in f32. 4096 gain nothing then.
+    /// Number of intervals that is enough where the table is aligned: 1024, which is 48 KiB in f32. 4096 gain nothing then.
     pub const ENTRIES: usize = 1024;
 
     /// Tabulates over the stored numbers that lie in `range` and between the outermost points of the transfer function (beyond
     /// which it is constant), in at most `entries` intervals (at least 2 are made).
     pub fn new(transfer: &TransferFunction, calibration: Calibration, range: (f32, f32), entries: usize) -> Self {
+        // The range and the number of intervals, such that knots fall onto their ends if they can.
         let mut knots: Vec<f64> = transfer.segments()[1..].iter().map(|s| calibration.stored(s.from)).collect();
         knots.sort_by(f64::total_cmp);
         let field = (f64::from(range.0), f64::from(range.1));
@@ -101,7 +102,7 @@ impl<R: Real> PreIntegrated<R> {
         let inside = |x: f64| x.max(field.0).min(field.1);
         let (mut low, mut high, entries) = (inside(ends.0), inside(ends.1), entries.max(2));
         let (mut intervals, mut aligned) = find_intervals(&knots, low, high, entries);
-        if !aligned && ends.1 - ends.0 <= MOST_EXCESS * (high - low) {
+        if !aligned && ends.1 - ends.0 <= MAX_EXCESS * (high - low) {
             // From the first point to the last, though the field does not go so far, they may fit.
             let (whole, fits) = find_intervals(&knots, ends.0, ends.1, entries);
             if fits {
@@ -139,6 +140,7 @@ impl<R: Real> PreIntegrated<R> {
         }
         cells.push(beside(end(intervals), beyond));
 
+        // The antiderivative below each row, in fixed point.
         let inner = &cells[1..=intervals];
         let total: [f64; 4] = std::array::from_fn(|c| inner.iter().map(|e| e.mean[c]).sum());
         let quantum = total.map(|t| t / f64::from(i32::MAX));
@@ -153,6 +155,7 @@ impl<R: Real> PreIntegrated<R> {
             PreIntegratedRow { sum, start: cell.start.map(R::from_f64), rise: cell.rise.map(R::from_f64) }
         });
         let rows = rows.collect::<Vec<_>>();
+        // Count the rows that are not clear, so that a range of them is judged by one difference.
         let mut visible = vec![0];
         for row in &rows {
             let shows = row.start != [R::ZERO; 4] || row.rise != [R::ZERO; 4];
@@ -194,7 +197,7 @@ impl<R: Real> PreIntegrated<R> {
         &self.rows
     }
 
-    /// What one unit of a row's `sum` stands for: κ (or q) times intervals.
+    /// Value of one unit of a row's `sum`: κ (or q) times intervals.
     pub fn quantum(&self) -> [R; 4] {
         self.quantum
     }
@@ -205,12 +208,12 @@ impl<R: Real> PreIntegrated<R> {
         (self.origin, self.per_unit)
     }
 
-    /// Stored units in an interval.
+    /// Length of an interval in stored units.
     pub fn spacing(&self) -> f64 {
         1.0 / self.per_unit.to_f64()
     }
 
-    /// Whether every knot of the transfer function inside the table is the end of an interval.
+    /// True if every knot of the transfer function inside the table is the end of an interval.
     pub fn is_aligned(&self) -> bool {
         self.aligned
     }

@@ -9,8 +9,8 @@ impl<R: Real> PreIntegrated<R> {
     /// units. Nothing if either is NaN.
     ///
     /// α = 1 − e^(−τ) with τ = κ̄·length is exact. The light, ∫ q e^(−τ) ds, is q̄·length·w(τ), exact where the colour is constant, and
-    /// corrected by what it changes with depth: the part of the light that lies further in front is dimmed less. To the third order in
-    /// the length that is
+    /// corrected by its change with depth: the part of the light that lies further in front is dimmed less. To the third order in
+    /// the length the correction is
     ///
     /// e^(−τ/2) (q₀κ₁ − q₁κ₀) length²/12, q₀ and κ₀ being those in front and q₁ and κ₁ those at the back: −Δc·τ²/12·e^(−τ/2) for a colour
     /// that changes by Δc.
@@ -77,13 +77,13 @@ impl<R: Real> PreIntegrated<R> {
         let light = |c: usize| {
             let l = mean[c] * length * weight + moment * (a[c] * length * tau_b - b[c] * length * tau_a);
             let l = l.max(R::ZERO);
-            self.brightest.map_or(l, |most| l.min(most[c] * alpha))
+            self.brightest.map_or(l, |max| l.min(max[c] * alpha))
         };
         [light(0), light(1), light(2), alpha]
     }
 }
 
-/// What two consecutive steps send out together: the second one dimmed by the first.
+/// Light and opacity of two consecutive steps together: the second one is dimmed by the first.
 #[inline(always)]
 pub(super) fn behind<R: Real>(front: [R; 4], back: [R; 4]) -> [R; 4] {
     let clear = R::ONE - front[3];

@@ -15,7 +15,7 @@ fn transfer(points: &[(f64, f64)], rule: OpacityRule, emits: bool) -> TransferFu
     TransferFunction::new(points.iter().map(point).collect(), rule, 0.7).unwrap()
 }
 
-/// Ramps, a jump, a place where α touches 1.
+/// A transfer function of ramps, a jump, and a place where α touches 1.
 fn wild(rule: OpacityRule, emits: bool) -> TransferFunction {
     transfer(&[(10.0, 0.0), (35.0, 0.9), (35.0, 0.1), (60.0, 1.0), (70.0, 0.02), (93.0, 0.5)], rule, emits)
 }

@@ -1,4 +1,4 @@
-//! Opaque walls: where α is 1 over a range of values, and a stretch ends.
+//! Opaque walls: ranges of values over which α is 1, at which a stretch ends.
 
 use super::intervals::ALIGNED;
 use super::medium::is_wall;
@@ -13,17 +13,17 @@ use vr_core::transfer::{Optical, TransferFunction};
 pub(super) struct Wall<R> {
     pub(super) from: R,
     pub(super) to: R,
-    /// At the lower and at the upper end.
+    /// Colour at the lower and at the upper end.
     pub(super) color: [[R; 3]; 2],
 }
 
 impl<R: Real> PreIntegrated<R> {
-    /// Whether values from `low` to `high`, in entries, get into a wall.
+    /// True if values from `low` to `high`, in entries, get into a wall.
     fn enters(&self, wall: &Wall<R>, low: R, high: R) -> bool {
         high > wall.from + self.touch && low < wall.to - self.touch
     }
 
-    /// Whether the two chords of a parabola get into a wall that its samples do not touch.
+    /// True if the two chords of a parabola get into a wall that its samples do not touch.
     #[cold]
     pub(super) fn overshoots(&self, samples: [R; 3], raise: R) -> bool {
         let places = samples.map(|stored| self.place(stored).x());
@@ -33,7 +33,7 @@ impl<R: Real> PreIntegrated<R> {
         self.walls.iter().any(|w| self.enters(w, lowest, highest) && !self.enters(w, low, high))
     }
 
-    /// A stretch that meets a wall: what lies before it, and the wall's own colour. `None` if it meets none.
+    /// Light and opacity of a stretch that meets a wall: of what lies before it, and the wall's own colour. `None` if it meets none.
     #[cold]
     pub(super) fn segment_to_wall(&self, front: TablePlace<R>, back: TablePlace<R>, length: R) -> Option<[R; 4]> {
         let (from, to) = (front.x(), back.x());
@@ -43,6 +43,7 @@ impl<R: Real> PreIntegrated<R> {
             let [r, g, b] = wall(*color);
             return Some([r, g, b, R::ONE]);
         }
+        // The first wall on the way, its entry, and its colour there.
         let rising = from <= to;
         let is_met = |w: &&Wall<R>| {
             // A constant value is in or out, the upper end being out; a value that changes must get inside.
@@ -55,6 +56,7 @@ impl<R: Real> PreIntegrated<R> {
         let share = share.max(R::ZERO).min(R::ONE);
         let [low, high] = met.color;
         let color = |c: usize| if low[c] == high[c] { low[c] } else { low[c] + share * (high[c] - low[c]) };
+        // The part before the wall, and the wall behind it.
         let mut step = [R::ZERO; 4];
         if entry != from {
             let row = entry.min(self.last).to_index();

@@ -163,7 +163,7 @@ fn trace(
     engine: &PacketEngine,
     scene: &Scene,
     view: &View,
-    spots: &[Spot],
+    spots: &[ImageSample],
     starts: Option<&[u32]>,
 ) -> (Vec<Traced>, Counts) {
     let layer = scene.layer(view, &Control::default()).unwrap();
@@ -173,9 +173,9 @@ fn trace(
     (values, counts)
 }
 
-fn row_by_row(view: &View) -> Vec<Spot> {
+fn row_by_row(view: &View) -> Vec<ImageSample> {
     let [w, h] = view.size;
-    let spot = |i: u32| Spot { pixel: i as usize, x: f64::from(i % w) + 0.5, y: f64::from(i / w) + 0.5 };
+    let spot = |i: u32| ImageSample { pixel: i as usize, x: f64::from(i % w) + 0.5, y: f64::from(i / w) + 0.5 };
     (0..w * h).map(spot).collect()
 }
 
@@ -246,7 +246,7 @@ proptest! {
             other.level = level;
             prop_assert_eq!(&bits(&trace(&other, &scene, &view, &row_by_row(&view), None).0), &want, "{:?}", level);
         }
-        let one = |s: &Spot| bits(&trace(&engine, &scene, &view, &[*s], None).0)[0];
+        let one = |s: &ImageSample| bits(&trace(&engine, &scene, &view, &[*s], None).0)[0];
         prop_assert_eq!(&row_by_row(&view).iter().map(one).collect::<Vec<_>>(), &want);
     }
 
