@@ -10,7 +10,7 @@ use vr_core::{Control, Renderer};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
-use vr_splat::Splatting;
+use vr_splat::Splatter;
 use vr_study::subject::{Subject, phantom_subjects};
 use vr_texslice::TexSlice;
 
@@ -20,7 +20,7 @@ fn frames(c: &mut Criterion) {
         (Box::new(RayCaster::default()), 128),
         (Box::new(ShearWarp::default()), 128),
         (Box::new(TexSlice::default()), 128),
-        (Box::new(Splatting::default()), 128),
+        (Box::new(Splatter::default()), 128),
         (Box::new(Reference::default()), 32),
     ];
     for (renderer, pixels) in renderers {

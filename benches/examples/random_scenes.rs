@@ -17,7 +17,7 @@ use vr_physics::check::strategies::Kind;
 use vr_physics::check::{Fall, Falling, KindFall, Ladder, TestScene, survey_kind};
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
-use vr_splat::Splatting;
+use vr_splat::Splatter;
 use vr_texslice::TexSlice;
 
 const USAGE: &str =
@@ -79,7 +79,7 @@ fn subject(name: &str, slack: Option<f64>) -> Option<(&'static str, Result<Ladde
             ladder(&TexSlice::default(), Falling { options, ..step("slice-distance", 1.0) }, slack)
         }
         // Sheets are no closer than 0.02.
-        "splat" => ladder(&Splatting::default(), Falling { ratio: 6.0, ..step("slice-distance", 1.0) }, slack),
+        "splat" => ladder(&Splatter::default(), Falling { ratio: 6.0, ..step("slice-distance", 1.0) }, slack),
         // Slices are as far apart as texels are wide, or half of that: one option refines both.
         "shearwarp" => ladder(&ShearWarp::default(), Falling { ratio: 5.0, ..step("texel", 1.0) }, slack),
         _ => return None,

@@ -12,7 +12,7 @@ use vr_mesh::Surface;
 use vr_physics::metrics::subgrid;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
-use vr_splat::Splatting;
+use vr_splat::Splatter;
 use vr_study::exact::Exact;
 use vr_texslice::TexSlice;
 
@@ -100,7 +100,7 @@ fn every_scene_is_drawn_right_or_refused() {
             (&RayCaster::default(), "step"),
             (&TexSlice::default(), "slice-distance"),
             (&ShearWarp::default(), "slice-distance"),
-            (&Splatting::default(), "slice-distance"),
+            (&Splatter::default(), "slice-distance"),
         ];
         for (renderer, key) in stepped {
             let [coarse, fine] = [1.0, 0.125].map(|step| errors(&*with_step(renderer, key, step), drawn, &exact));

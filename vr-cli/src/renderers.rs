@@ -6,7 +6,7 @@ use vr_core::{OptionSpec, OptionValue, Options, StudiedRenderer, Volume};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
-use vr_splat::Splatting;
+use vr_splat::Splatter;
 use vr_texslice::TexSlice;
 
 use crate::failure::Failure;
@@ -17,7 +17,7 @@ pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
         Box::new(RayCaster::default()),
         Box::new(ShearWarp::default()),
         Box::new(TexSlice::default()),
-        Box::new(Splatting::default()),
+        Box::new(Splatter::default()),
         Box::new(Reference::default()),
     ]
 }
