@@ -14,7 +14,7 @@ use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_splat::Splatter;
 use vr_study::exact::Exact;
-use vr_texslice::TexSlice;
+use vr_texslice::TextureSlicer;
 
 /// Pixels along each side of a picture that are compared.
 const PIXELS: u32 = 32;
@@ -98,7 +98,7 @@ fn every_scene_is_drawn_right_or_refused() {
         // The others get better as their steps shrink, down to what tables and rounding leave.
         let stepped: [(&dyn StudiedRenderer, &str); 4] = [
             (&RayCaster::default(), "step"),
-            (&TexSlice::default(), "slice-distance"),
+            (&TextureSlicer::default(), "slice-distance"),
             (&ShearWarp::default(), "slice-distance"),
             (&Splatter::default(), "slice-distance"),
         ];

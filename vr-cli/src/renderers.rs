@@ -7,7 +7,7 @@ use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
 use vr_splat::Splatter;
-use vr_texslice::TexSlice;
+use vr_texslice::TextureSlicer;
 
 use crate::failure::Failure;
 
@@ -16,7 +16,7 @@ pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
     vec![
         Box::new(RayCaster::default()),
         Box::new(ShearWarp::default()),
-        Box::new(TexSlice::default()),
+        Box::new(TextureSlicer::default()),
         Box::new(Splatter::default()),
         Box::new(Reference::default()),
     ]
