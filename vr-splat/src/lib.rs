@@ -21,8 +21,8 @@
 //! | axis | the volume's layers along the axis that the view goes most along | pops when that axis changes |
 //! | samples | every splat on its own, nearest first | overlapping kernels hide each other, as if they lay one behind the other |
 //!
-//! By [`Classification`](vr_core::Classification) values are splatted and each sheet's values are classified (with bilinear weights, the canonical field: the picture converges to
-//! the canonical pixel with the square of the distance of sheets), or voxels are classified and light is splatted, which blurs it by the kernel.
+//! By [`Classification`](vr_core::Classification) values are splatted and each sheet's values are classified (with bilinear weights, the canonical
+//! field: the picture converges to the canonical pixel with the square of the distance of sheets), or voxels are classified and light is splatted, which blurs it by the kernel.
 //!
 //! # Example
 //! ```

@@ -121,7 +121,7 @@ fn each<X: Send + Copy + Default>(volume: &GridVolume, texel: impl Fn(f64, [usiz
     all
 }
 
-/// How stored numbers become indices: bytes as they are; anything else by the nearest of 255 levels over its range, one index standing for missing voxels.
+/// Indices of stored numbers: bytes as they are; anything else by the nearest of 255 levels over its range, one index standing for missing voxels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Codes {
     low: f64,
