@@ -10,17 +10,17 @@ use vr_core::{Control, Renderer};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
-use vr_splat::Splatting;
+use vr_splat::Splatter;
 use vr_study::subject::{Subject, phantom_subjects};
-use vr_texslice::TexSlice;
+use vr_texslice::TextureSlicer;
 
 fn frames(c: &mut Criterion) {
     let control = Control::default();
     let renderers: [(Box<dyn Renderer>, u32); 5] = [
         (Box::new(RayCaster::default()), 128),
         (Box::new(ShearWarp::default()), 128),
-        (Box::new(TexSlice::default()), 128),
-        (Box::new(Splatting::default()), 128),
+        (Box::new(TextureSlicer::default()), 128),
+        (Box::new(Splatter::default()), 128),
         (Box::new(Reference::default()), 32),
     ];
     for (renderer, pixels) in renderers {

@@ -17,8 +17,8 @@ use vr_physics::check::strategies::Kind;
 use vr_physics::check::{Fall, Falling, KindFall, Ladder, TestScene, survey_kind};
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
-use vr_splat::Splatting;
-use vr_texslice::TexSlice;
+use vr_splat::Splatter;
+use vr_texslice::TextureSlicer;
 
 const USAGE: &str =
     "usage: random_scenes [--kind KIND] [--seed FIRST] [--slack FACTOR] [--all] [--out FOLDER] RENDERER COUNT
@@ -73,13 +73,13 @@ fn subject(name: &str, slack: Option<f64>) -> Option<(&'static str, Result<Ladde
         }
         "raycast-steps" => ladder(&RayCaster::uniform(1.0), step("step", 1.0), slack),
         "raycast-exact" => ladder(&RayCaster::exact(1.0), Falling::new("step"), slack),
-        "texslice" => ladder(&TexSlice::default(), step("slice-distance", 1.0), slack),
+        "texslice" => ladder(&TextureSlicer::default(), step("slice-distance", 1.0), slack),
         "pre-integrated" => {
             let options = Options::new().with("format", "pre-integrated");
-            ladder(&TexSlice::default(), Falling { options, ..step("slice-distance", 1.0) }, slack)
+            ladder(&TextureSlicer::default(), Falling { options, ..step("slice-distance", 1.0) }, slack)
         }
         // Sheets are no closer than 0.02.
-        "splat" => ladder(&Splatting::default(), Falling { ratio: 6.0, ..step("slice-distance", 1.0) }, slack),
+        "splat" => ladder(&Splatter::default(), Falling { ratio: 6.0, ..step("slice-distance", 1.0) }, slack),
         // Slices are as far apart as texels are wide, or half of that: one option refines both.
         "shearwarp" => ladder(&ShearWarp::default(), Falling { ratio: 5.0, ..step("texel", 1.0) }, slack),
         _ => return None,

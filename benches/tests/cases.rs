@@ -12,9 +12,9 @@ use vr_mesh::Surface;
 use vr_physics::metrics::subgrid;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
-use vr_splat::Splatting;
+use vr_splat::Splatter;
 use vr_study::reference::ReferencePixels;
-use vr_texslice::TexSlice;
+use vr_texslice::TextureSlicer;
 
 /// Pixels along each side of a picture that are compared.
 const PIXELS: u32 = 32;
@@ -99,9 +99,9 @@ fn every_scene_is_drawn_right_or_refused() {
         // The others get better as their steps shrink, down to what tables and rounding leave.
         let stepped: [(&dyn StudiedRenderer, &str); 4] = [
             (&RayCaster::default(), "step"),
-            (&TexSlice::default(), "slice-distance"),
+            (&TextureSlicer::default(), "slice-distance"),
             (&ShearWarp::default(), "slice-distance"),
-            (&Splatting::default(), "slice-distance"),
+            (&Splatter::default(), "slice-distance"),
         ];
         for (renderer, key) in stepped {
             let [coarse, fine] = [1.0, 0.125].map(|step| errors(&*with_step(renderer, key, step), drawn, &exact));

@@ -6,9 +6,9 @@ use vr_core::{OptionSpec, OptionValue, Options, StudiedRenderer, Volume};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
-use vr_splat::Splatting;
+use vr_splat::Splatter;
 use vr_study::features::FeatureMatrix;
-use vr_texslice::TexSlice;
+use vr_texslice::TextureSlicer;
 
 use crate::failure::Failure;
 
@@ -17,8 +17,8 @@ pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
     vec![
         Box::new(RayCaster::default()),
         Box::new(ShearWarp::default()),
-        Box::new(TexSlice::default()),
-        Box::new(Splatting::default()),
+        Box::new(TextureSlicer::default()),
+        Box::new(Splatter::default()),
         Box::new(Reference::default()),
     ]
 }

@@ -1,6 +1,6 @@
-//! What each stage takes: classification, encoding of an axis, compositing and the warp, one thread.
+//! Time of each stage: classification, encoding of an axis, compositing and the warp, one thread.
 //!
-//! `cargo bench -p vr-shearwarp --bench stages` measures volumes of 128³, 256³ and 512³ samples; `VR_BENCH_SIZE=128` one size alone.
+//! `cargo bench -p vr-shearwarp --bench stages` measures volumes of 128³, 256³ and 512³ voxels; `VR_BENCH_SIZE=128` one size alone.
 //! Volumes of 512³ take minutes to make and a few gigabytes.
 
 use std::time::{Duration, Instant};
@@ -10,11 +10,11 @@ use vr_core::phantom::{self, Phantom, TRANSFER_UNIT_DISTANCE};
 use vr_core::{
     Camera, Control, ControlPoint, OpacityRule, Prepared, Projection, Renderer, Scene, TransferFunction, View,
 };
-use vr_shearwarp::{Encoding, ShearWarp};
+use vr_shearwarp::{EmptySpace, ShearWarp};
 
 const PHANTOMS: [(&str, &str); 2] = [("dense", "fog"), ("sparse", "blobs")];
 const SIZES: [usize; 3] = [128, 256, 512];
-const ENCODINGS: [(&str, Encoding); 2] = [("runs", Encoding::Runs), ("octree", Encoding::Octree)];
+const ENCODINGS: [(&str, EmptySpace); 2] = [("runs", EmptySpace::Runs), ("octree", EmptySpace::Octree)];
 /// Pixels of the picture, each way.
 const PICTURE: u32 = 512;
 
@@ -43,8 +43,8 @@ fn keyhole(scene: &Scene) -> View {
     View::new(Camera { projection: Projection::Orthographic { height: 1e-3 }, ..whole }, [1; 2])
 }
 
-fn prepared(encoding: Encoding, scene: &Scene, control: &Control) -> Box<dyn Prepared> {
-    let renderer = ShearWarp { encoding, ..ShearWarp::default() };
+fn prepared(empty_space: EmptySpace, scene: &Scene, control: &Control) -> Box<dyn Prepared> {
+    let renderer = ShearWarp { empty_space, ..ShearWarp::default() };
     renderer.prepare(scene, control).expect("a scene that it can draw")
 }
 
@@ -82,7 +82,7 @@ fn classification(c: &mut Criterion, label: &str, n: usize, scenes: &[Scene; 2],
                 time
             });
         });
-        // All that somebody waits for who changes the transfer function, but drawing.
+        // All that a user waits for after a change of the transfer function, but drawing.
         group.bench_function(id("update and encode"), |b| {
             b.iter_custom(|iterations| {
                 let mut time = Duration::ZERO;

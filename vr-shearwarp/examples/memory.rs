@@ -1,11 +1,11 @@
-//! What an encoded volume takes in memory: `cargo run --release -p vr-shearwarp --example memory -- [SIZE ...]`.
+//! Memory of an encoded volume: `cargo run --release -p vr-shearwarp --example memory -- [SIZE ...]`.
 //!
 //! Phantoms of SIZE³ bytes (default 256), each encoding, in a Markdown table: stored voxels as a part of all, bytes to each with its
 //! runs, MB for one axis and for three. The samples themselves are not counted.
 
 use vr_core::Control;
 use vr_core::phantom::{self};
-use vr_shearwarp::{Encoding, ShearWarp};
+use vr_shearwarp::{EmptySpace, ShearWarp};
 
 fn main() {
     let mut sizes: Vec<usize> = std::env::args().skip(1).map(|n| n.parse().expect("SIZE: a number")).collect();
@@ -16,7 +16,7 @@ fn main() {
     let encodings = [
         ("classic", ShearWarp::classic()),
         ("default", ShearWarp::default()),
-        ("octree", ShearWarp { encoding: Encoding::Octree, ..ShearWarp::default() }),
+        ("octree", ShearWarp { empty_space: EmptySpace::Octree, ..ShearWarp::default() }),
     ];
     println!("| scene | encoding | stored | bytes | one axis | three |\n|---|---|--:|--:|--:|--:|");
     for size in sizes {

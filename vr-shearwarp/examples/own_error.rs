@@ -1,4 +1,4 @@
-//! How far pictures are from the renderer's own model done exactly, and from the canonical reference.
+//! Errors of pictures against the renderer's own model done exactly, and against the canonical reference.
 //!
 //! `cargo run --release -p vr-shearwarp --example own_error -- [KEY=VALUE ...]`; the keys and their defaults:
 //!

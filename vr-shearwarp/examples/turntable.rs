@@ -1,4 +1,4 @@
-//! How pictures change as a volume turns: brightness and jumps, in parallel projection.
+//! Changes of pictures as a volume turns: brightness and jumps, in parallel projection.
 //!
 //! `cargo run --release -p vr-shearwarp --example turntable -- [KEY=VALUE ...]`; the keys and their defaults, which
 //! take one to two minutes:
@@ -27,7 +27,7 @@ use vr_core::phantom::{self, Phantom};
 use vr_core::{Camera, Control, Frame, Model, Prepared, Projection, Renderer, Scene, View};
 use vr_physics::Reference;
 use vr_physics::metrics::subgrid;
-use vr_shearwarp::{Encoding, ShearWarp, WarpFilter};
+use vr_shearwarp::{EmptySpace, ShearWarp, WarpFilter};
 
 /// Largest error of a reference's pixel.
 const TOLERANCE: f64 = 1e-4;
@@ -52,7 +52,7 @@ fn renderer(setting: &str) -> ShearWarp {
         "uncorrected" => ShearWarp { correction: false, ..ShearWarp::default() },
         "classic" => ShearWarp::classic(),
         "classic-uncorrected" => ShearWarp { correction: false, ..ShearWarp::classic() },
-        "octree" => ShearWarp { encoding: Encoding::Octree, ..ShearWarp::default() },
+        "octree" => ShearWarp { empty_space: EmptySpace::Octree, ..ShearWarp::default() },
         "fine" => ShearWarp { slice_distance: 0.25, texel: 0.5, ..ShearWarp::default() },
         "cubic" => ShearWarp { warp: WarpFilter::Cubic, ..ShearWarp::default() },
         _ => panic!("settings: unknown {setting}"),
@@ -112,8 +112,8 @@ fn size(pixels: &Pixels) -> [f64; 2] {
 fn changes(frames: &[Pixels]) -> ([f64; 2], usize) {
     let mut largest = ([0.0; 2], 0);
     for (k, frame) in frames.iter().enumerate() {
-        let [most, rms] = size(&difference(&frames[(k + 1) % frames.len()], frame));
-        largest.0[0] = most.max(largest.0[0]);
+        let [max, rms] = size(&difference(&frames[(k + 1) % frames.len()], frame));
+        largest.0[0] = max.max(largest.0[0]);
         if rms > largest.0[1] {
             (largest.0[1], largest.1) = (rms, k);
         }
@@ -244,10 +244,10 @@ fn main() {
     let columns = "all pixels, max | RMSE | subgrid, max | of the reference | RMSE | of the reference | after | jump, max | RMSE | after";
     println!("| scene | about | setting | {columns} |");
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
-    for Turn { label, frames, changes: [p, q], errors, reference: ([most, rms], _), .. } in &turns {
+    for Turn { label, frames, changes: [p, q], errors, reference: ([max, rms], _), .. } in &turns {
         let (([a, b], k), ([c, d], l)) = (changes(frames), changes(errors));
         let (k, l) = (degrees(k), degrees(l));
-        println!("{label} {p:.4} | {q:.5} | {a:.4} | {most:.4} | {b:.5} | {rms:.5} | {k} | {c:.4} | {d:.5} | {l} |");
+        println!("{label} {p:.4} | {q:.5} | {a:.4} | {max:.4} | {b:.5} | {rms:.5} | {k} | {c:.4} | {d:.5} | {l} |");
     }
 
     if keys.0["every"] == "yes" {

@@ -10,7 +10,7 @@ use vr_core::{AnyGrid, GridVolume, LatticeVisitor, RenderError, UniformGrid, Vox
 use crate::codes::Codes;
 use crate::encode::{Dense, Layout, Leveled, PAD, Rule, Runs, VisibleBlocks, block_runs, packed};
 use crate::reflections::encode;
-use crate::shear_warp::Encoding;
+use crate::shear_warp::EmptySpace;
 
 /// Runs of cells, in layers or between them.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ pub(crate) struct Voxels {
 }
 
 impl Voxels {
-    /// How many voxels there are.
+    /// Number of stored voxels.
     pub(crate) fn stored(&self) -> usize {
         match &self.codes {
             Codewords::Bytes(all) => all.len() - PAD,
@@ -83,22 +83,22 @@ impl WholeVolume {
     }
 }
 
-/// What is encoded, and how.
+/// A volume to encode, and the rules for it.
 pub(crate) struct Encoder<'a> {
     pub(crate) volume: &'a GridVolume,
     pub(crate) codes: &'a Codes,
     pub(crate) blocks: &'a VisibleBlocks,
     pub(crate) rule: Rule<'a>,
-    /// Whether samples lie between layers, too.
+    /// True if samples lie between layers, too.
     pub(crate) between: bool,
-    pub(crate) encoding: Encoding,
+    pub(crate) empty_space: EmptySpace,
     pub(crate) shaded: bool,
 }
 
 impl Encoder<'_> {
     /// The volume for the principal axis `w`.
     pub(crate) fn encode(&self, w: usize, whole: &mut WholeVolume) -> Result<EncodedAxis, RenderError> {
-        if self.encoding == Encoding::Octree {
+        if self.empty_space == EmptySpace::Octree {
             let layout = Layout::new(self.volume.dims(), w);
             let cells = if self.between {
                 block_runs::<4>(layout, self.blocks)?.map(Cells::Between)

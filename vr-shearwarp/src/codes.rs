@@ -1,4 +1,4 @@
-//! What an encoded voxel is: a code of one or two bytes for the stored number.
+//! Codes of encoded voxels: one or two bytes for the stored number.
 
 use vr_core::{GridVolume, VoxelType};
 
@@ -10,7 +10,7 @@ pub(crate) struct Codes {
     pub(crate) origin: f64,
     /// Stored units from code to code.
     pub(crate) spacing: f64,
-    /// Whether one byte holds them.
+    /// True if one byte holds a code.
     pub(crate) bytes: bool,
     /// Smallest and largest stored number of the volume.
     pub(crate) range: [f64; 2],
@@ -51,7 +51,7 @@ impl Codes {
     }
 }
 
-/// Where tables of codes begin: code c has its row at (c − first) >> shift. Bytes have a row each.
+/// First entry of tables of codes: code c has its row at (c − first) >> shift. Bytes have a row each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Begin {
     pub(crate) first: usize,
@@ -65,7 +65,7 @@ pub(crate) trait Code: Copy + Default + Send + Sync + 'static {
     fn to_f32(self) -> f32;
     #[cfg(test)]
     fn of(code: u16) -> Self;
-    /// Where a code stands in a table of codes.
+    /// Row of a code in a table of codes.
     fn place(self, begin: Begin) -> usize;
     /// A table, and nothing in the rest of it.
     fn table(rows: impl Iterator<Item = [f32; 4]>) -> Box<Self::Table>;

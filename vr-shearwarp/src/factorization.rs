@@ -8,7 +8,7 @@ use vr_core::{ParameterError, Placement, Projection, View};
 pub(crate) struct IndexView {
     /// The eye.
     pub(crate) eye: DVec3,
-    /// What one pixel to the right, one pixel down and straight ahead are. In perspective right and down are on the plane one world
+    /// Vectors of one pixel to the right, one pixel down, and straight ahead. In perspective right and down are on the plane one world
     /// unit ahead.
     right: DVec3,
     down: DVec3,
@@ -104,7 +104,7 @@ pub(crate) struct Factorization {
     pub(crate) axes: [usize; 3],
     /// +1 where slices lie front to back by growing w, −1 otherwise.
     pub(crate) sign: f64,
-    /// Where on the principal axis the intermediate image lies: at the volume's back, where perspective shows the most voxels.
+    /// Position of the intermediate image on the principal axis: at the volume's back, where perspective shows the most voxels.
     pub(crate) plane: f64,
     /// (u, v) of texel (0, 0).
     pub(crate) origin: DVec2,
@@ -120,7 +120,7 @@ pub(crate) struct Factorization {
     to_plane: DMat3,
 }
 
-/// How a slice lies under the intermediate image: u = `offset.x` + `scale`·x, v = `offset.y` + `scale`·y.
+/// Placement of a slice under the intermediate image: u = `offset.x` + `scale`·x, v = `offset.y` + `scale`·y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SliceMap {
     pub(crate) offset: DVec2,
@@ -187,7 +187,7 @@ impl Factorization {
         self.eye
     }
 
-    /// How the slice at w lies under the image: the shear, with a scale in perspective.
+    /// Placement of the slice at w under the image: the shear, with a scale in perspective.
     pub(crate) fn slice(&self, w: f64) -> SliceMap {
         match self.eye {
             None => SliceMap { offset: self.origin + self.slope * (w - self.plane), scale: self.spacing },
@@ -221,7 +221,7 @@ impl Factorization {
     }
 }
 
-/// The factors as matrices, for those who want to see them multiplied: screen ← image ← sheared ← permuted ← index, homogeneous.
+/// The factors as matrices, whose product is the view: screen ← image ← sheared ← permuted ← index, homogeneous.
 #[cfg(test)]
 pub(crate) mod matrices {
     use glam::{DMat4, DVec4};

@@ -13,15 +13,15 @@ pub(crate) struct IntermediateImage {
     lines: Vec<Line>,
 }
 
-/// Most rows of a band: what they hold stays in the cache while all slices pass.
-const MOST_ROWS: usize = 8;
+/// Largest number of rows of a band: what they hold stays in the cache while all slices pass.
+const MAX_ROWS: usize = 8;
 /// Bands a thread, so that no thread waits long for the last one.
 const BANDS: usize = 6;
-/// What a row costs besides its samples, in samples.
+/// Cost of a row besides its samples, in samples.
 const ROW: u64 = 64;
 
 impl IntermediateImage {
-    /// Gives the image a size. What is in it then is of no meaning: each band is emptied by who draws it.
+    /// Gives the image a size. Its content then has no meaning: compositing empties each band before it draws.
     pub(crate) fn resize(&mut self, size: [usize; 2]) {
         let [width, height] = size;
         self.size = size;
@@ -60,7 +60,7 @@ impl IntermediateImage {
         let mut first = 0;
         while first < height {
             let (mut rows, mut sum) = (0, 0);
-            while first + rows < height && rows < MOST_ROWS && sum < share {
+            while first + rows < height && rows < MAX_ROWS && sum < share {
                 sum += cost(first + rows);
                 rows += 1;
             }

@@ -25,7 +25,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What all kernels are given.
+/// Inputs of all kernels.
 pub(crate) struct Job<'a> {
     pub(crate) cells: &'a Cells,
     pub(crate) slices: &'a Slices,
@@ -64,7 +64,7 @@ impl Job<'_> {
     }
 }
 
-/// What compositing is given besides.
+/// Further inputs of compositing.
 pub(crate) struct OverJob<'a> {
     pub(crate) normals: &'a [u16],
     pub(crate) reflections: &'a [Reflection],
@@ -97,11 +97,11 @@ impl OverJob<'_> {
         }
     }
 
-    fn kernel<'b, P: Code, const BEFORE: bool, const SHADED: bool>(
+    fn kernel<'b, P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool>(
         &'b self,
         voxels: &'b [P],
         lengths: &'b Lengths<P>,
-    ) -> Over<'b, P, BEFORE, SHADED> {
+    ) -> Over<'b, P, PRE_CLASSIFIED, SHADED> {
         Over {
             voxels,
             normals: self.normals,

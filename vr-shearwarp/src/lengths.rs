@@ -22,10 +22,10 @@ pub(crate) struct Lengths<P: Code> {
 
 /// Ratio of each texel's distance between slices to that of the table.
 ///
-/// Its square is a quadratic of x in each row: `bend·(x − middle)² + least`, in which nothing cancels.
+/// Its square is a quadratic of x in each row: `bend·(x − middle)² + min`, in which nothing cancels.
 pub(crate) struct Ratios {
     bend: f32,
-    /// Middle and least of each row.
+    /// Middle and minimum of each row.
     rows: Vec<[f32; 2]>,
 }
 
@@ -67,17 +67,17 @@ impl Ratios {
 
     /// Those of sixteen texels from (x, y) on.
     #[inline(always)]
-    pub(crate) fn sixteen<S: Simd>(&self, simd: S, x: usize, y: usize) -> f32x16<S> {
-        let [middle, least] = self.rows[y];
+    pub(crate) fn lanes<S: Simd>(&self, simd: S, x: usize, y: usize) -> f32x16<S> {
+        let [middle, min] = self.rows[y];
         let off = f32x16::load_array_ref(simd, &STEPS_F32) + splat(simd, x as f32) - middle;
-        (off * off * self.bend + least).sqrt()
+        (off * off * self.bend + min).sqrt()
     }
 
     /// That of one texel.
     #[cfg(test)]
     pub(crate) fn at(&self, x: usize, y: usize) -> f64 {
-        let [middle, least] = self.rows[y].map(f64::from);
-        ((x as f64 - middle).powi(2) * f64::from(self.bend) + least).sqrt()
+        let [middle, min] = self.rows[y].map(f64::from);
+        ((x as f64 - middle).powi(2) * f64::from(self.bend) + min).sqrt()
     }
 }
 

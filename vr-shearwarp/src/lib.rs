@@ -2,11 +2,11 @@
 //! parallel to one axis, composited scan line by scan line, and the picture of that is warped onto the screen (Lacroute & Levoy 1994, *Fast
 //! volume rendering using a shear-warp factorization of the viewing transformation*; Lacroute 1995, thesis of the same name).
 //!
-//! What is done for each view:
+//! Steps for each view:
 //!
 //! 1. **Factor** the view into a permutation of axes, a shear (in perspective with a scale for each slice), and a two-dimensional warp.
 //! 2. **Encode**, once for each principal axis that a view needs: runs of cells in which something can be visible, and the voxels that
-//!    they touch, packed ([`Encoding`]). Blocks in which nothing is visible are found by a min/max octree and a table of the ranges of values
+//!    they touch, packed ([`EmptySpace`]). Blocks in which nothing is visible are found by a min/max octree and a table of the ranges of values
 //!    that can be seen, which a new transfer function needs no look at voxels for.
 //! 3. **Composite** slices front to back onto the intermediate image, which lies on the volume's far face: where runs of cells
 //!    meet runs of texels that are not opaque yet, sixteen at a time. Opaque texels are leaped over by links.
@@ -14,7 +14,7 @@
 //!
 //! The classic ([`ShearWarp::classic`]) classifies voxels and interpolates their colours. The default interpolates values, classifies them
 //! then, and takes a slice between every two layers: at about the same speed a sample it has a fraction of the error
-//! ([`Classification`]).
+//! ([`Classification`](vr_core::Classification)).
 //!
 //! # Example
 //! A homogeneous slab, two units thick, of opacity ½ a unit: the pixel is known.
@@ -71,6 +71,7 @@
 //! `maximum`, `minimum` and `average` are of the samples in slices.
 
 mod axis;
+mod capabilities;
 mod codes;
 mod composite;
 mod encode;
@@ -94,9 +95,8 @@ mod renderer;
 mod shear_warp;
 mod slices;
 mod study;
-mod support;
 mod warp;
 
 pub use memory::EncodedSize;
-pub use shear_warp::{Classification, Encoding, ShearWarp};
+pub use shear_warp::{EmptySpace, ShearWarp};
 pub use warp::WarpFilter;

@@ -1,4 +1,4 @@
-//! Which texels of a scan line are opaque already: links over them, from each to the next that is not (Lacroute & Levoy 1994).
+//! Links over the texels of a scan line that are opaque already, from each to the next that is not (Lacroute & Levoy 1994).
 
 /// The links of one scan line. An opaque texel holds the distance to a texel behind it, all between being opaque, too; the others hold 0.
 /// Behind the last texel stands one that is never opaque.

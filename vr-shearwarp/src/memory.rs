@@ -1,4 +1,4 @@
-//! What the encoded volume takes.
+//! Memory of the encoded volume.
 
 use vr_core::{Control, RenderError, Scene};
 
@@ -49,7 +49,7 @@ mod tests {
     use vr_core::{Calibration, ControlPoint, OpacityRule, Placement, TransferFunction, UniformGrid};
 
     use super::*;
-    use crate::shear_warp::Encoding;
+    use crate::shear_warp::EmptySpace;
 
     #[test]
     fn only_what_can_be_seen_is_stored() {
@@ -74,7 +74,7 @@ mod tests {
         assert_eq!(three.stored, 3 * one.stored);
         assert!(one.per_voxel() > 1.0 && one.total() < three.total());
         // The volume as it lies serves two axes; the third has rows along y.
-        let octree = ShearWarp { encoding: Encoding::Octree, ..classic };
+        let octree = ShearWarp { empty_space: EmptySpace::Octree, ..classic };
         assert_eq!((size(&octree, &[1, 2]).stored, size(&octree, &[0, 1, 2]).stored), (n, 2 * n));
         assert_eq!(size(&octree, &[]), EncodedSize { octree: size(&octree, &[]).octree, ..EncodedSize::default() });
     }

@@ -1,4 +1,4 @@
-//! What the renderer integrates, told for any ray: samples in slices, each for its share of the ray; without intermediate image, warp, codes
+//! The renderer's model for any ray: samples in slices, each for its share of the ray; without intermediate image, warp, codes
 //! and tables, in f64.
 
 use std::sync::Arc;
@@ -7,16 +7,17 @@ use glam::{DVec2, DVec3};
 use vr_core::filter::Lattice;
 use vr_core::optics::step_of_thickness;
 use vr_core::{
-    DiscreteModel, GridVolume, LatticeVisitor, RenderError, Scene, SegmentTerm, View, Voxel, gradient_at_sample,
+    Classification, DiscreteModel, GridVolume, LatticeVisitor, RenderError, Scene, SegmentTerm, View, Voxel,
+    gradient_at_sample,
 };
 
+use crate::capabilities::{check_view, last_sample};
 use crate::factorization::IndexView;
 use crate::lengths::length;
 use crate::passes::{Pass, passes};
 use crate::region::Region;
-use crate::shear_warp::{Classification, ShearWarp};
+use crate::shear_warp::ShearWarp;
 use crate::slices::{Slice, Slices};
-use crate::support::{check_view, last_sample};
 
 /// The sum over slices.
 pub(crate) struct SlicedModel {
@@ -104,6 +105,7 @@ impl SlicedModel {
         [interpolated, length]: [f64; 2],
     ) -> [f64; 4] {
         let dims = volume.dims();
+        // The cell along u and v, and the position in it.
         let cell: [(usize, f64); 2] = std::array::from_fn(|a| {
             // `as` saturates.
             let i = (uv[a] as usize).min(dims[axes[a]] - 2);
@@ -136,14 +138,16 @@ impl SlicedModel {
             return [0.0; 4];
         }
         let shaded = self.scene.reflection().is_some();
+        // Shading of a sample, and the reflection at a corner.
         let lit = |sample: [f64; 4], (factor, added): ([f64; 3], [f64; 3])| -> [f64; 4] {
             std::array::from_fn(|c| if c < 3 { sample[c] * factor[c] + sample[3] * added[c] } else { sample[3] })
         };
         let reflection = |index| {
             if shaded { self.reflection(volume, index) } else { ([1.0; 3], [0.0; 3]) }
         };
+        // Classified voxels are interpolated, or the interpolated value is classified.
         match self.renderer.classification {
-            Classification::Voxels => {
+            Classification::Pre => {
                 let mut sum = [0.0; 4];
                 for &(index, weight) in &corners {
                     let sample = lit(transfer.step(calibration.value(stored(index)), interpolated), reflection(index));
@@ -151,7 +155,7 @@ impl SlicedModel {
                 }
                 step_of_thickness(sum, length / interpolated)
             }
-            Classification::Values => {
+            Classification::Post => {
                 let value: f64 = corners.iter().map(|&(index, weight)| weight * stored(index)).sum();
                 let (mut factor, mut added) = ([0.0; 3], [0.0; 3]);
                 for &(index, weight) in &corners {
@@ -163,7 +167,7 @@ impl SlicedModel {
         }
     }
 
-    /// What the normal at a sample reflects.
+    /// Reflection of the normal at a sample: factor and summand of light.
     fn reflection(&self, volume: &GridVolume, index: [usize; 3]) -> ([f64; 3], [f64; 3]) {
         struct At([usize; 3]);
         impl LatticeVisitor for At {

@@ -2,10 +2,11 @@
 
 use proptest::prelude::*;
 use vr_core::{
-    Calibration, Camera, Compositing, Control, ControlPoint, LatticeVisitor, OpacityRule, Placement, Plane, Projection,
-    Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel, gradient_at_sample,
+    Calibration, Camera, Classification, Compositing, Control, ControlPoint, LatticeVisitor, OpacityRule, Placement,
+    Plane, Projection, Renderer, Scene, Shading, TransferFunction, UniformGrid, View, Voxel, gradient_at_sample,
 };
 
+use crate::capabilities::last_sample;
 use crate::codes::{Code, Codes};
 use crate::factorization::IndexView;
 use crate::lengths::Lengths;
@@ -14,9 +15,8 @@ use crate::passes::passes;
 use crate::prepared::PreparedShearWarp;
 use crate::reflections::{Reflection, encode, table};
 use crate::region::Region;
-use crate::shear_warp::{Classification, Encoding, ShearWarp};
+use crate::shear_warp::{EmptySpace, ShearWarp};
 use crate::slices::Slices;
-use crate::support::last_sample;
 use crate::warp::WarpFilter;
 
 /// One scene of random voxels and a view of it.
@@ -48,10 +48,10 @@ fn cases() -> impl Strategy<Value = Case> {
         prop_oneof![Just(0.95), Just(1.0)],
     )
         .prop_map(|(voxels, slice_distance, texel, octree, termination)| ShearWarp {
-            classification: if voxels { Classification::Voxels } else { Classification::Values },
+            classification: if voxels { Classification::Pre } else { Classification::Post },
             slice_distance: slice_distance / texel,
             texel,
-            encoding: if octree { Encoding::Octree } else { Encoding::Runs },
+            empty_space: if octree { EmptySpace::Octree } else { EmptySpace::Runs },
             termination,
             ..ShearWarp::default()
         });
@@ -122,7 +122,7 @@ impl Case {
     }
 }
 
-/// What one texel holds in the end.
+/// Final content of one texel.
 fn texel<P: Code>(
     case: &Case,
     scene: &Scene,
@@ -174,7 +174,7 @@ fn texel<P: Code>(
                 classified[c] += weight * (row[c] * f + row[3] * a);
             }
         }
-        let mut sample = if case.renderer.classification == Classification::Voxels {
+        let mut sample = if case.renderer.classification == Classification::Pre {
             classified
         } else {
             let place = (value as f32 * optics.scale + optics.bias) as usize;
@@ -183,7 +183,7 @@ fn texel<P: Code>(
         };
         let share = slices.share(slice.depth, chord);
         let ratio = lengths.ratios.as_ref().map_or(1.0, |ratios| ratios.at(x, y)) * share;
-        if lengths.ratios.is_some() && case.renderer.classification == Classification::Values {
+        if lengths.ratios.is_some() && case.renderer.classification == Classification::Post {
             let alpha = -(-sample[3] * ratio).exp_m1();
             let shines = if sample[3] > 0.0 { alpha / sample[3] } else { ratio };
             sample = [sample[0] * shines, sample[1] * shines, sample[2] * shines, alpha];
@@ -214,14 +214,14 @@ fn normal(scene: &Scene, index: [usize; 3]) -> u16 {
     encode(std::array::from_fn(|a| gradient[a] / spacing[a] as f32))
 }
 
-/// How the composited texels of all passes differ from the plain ones.
+/// Differences of the composited texels of all passes from the plain ones.
 #[derive(Debug, Default)]
 struct Differences {
     /// Texels compared.
     all: usize,
-    /// Of those that are further off than rounding explains, though both or neither are opaque: by how much. There should be none.
+    /// Differences larger than rounding explains, where both or neither are opaque. There should be none.
     unexplained: Vec<f64>,
-    /// Of those that only just are opaque, or only just not, and end one slice earlier the one way than the other.
+    /// Differences of texels that only just are opaque, or only just not, and end one slice earlier the one way than the other.
     at_the_end: Vec<f64>,
 }
 
@@ -236,12 +236,12 @@ fn compare<P: Code>(case: &Case) -> Differences {
     let codes = Codes::of(volume);
     let calibration = volume.calibration();
     let optics = match case.renderer.classification {
-        Classification::Values => Optics::of_values(&scene.transfer, calibration, &codes),
-        Classification::Voxels => Optics::of_voxels(&scene.transfer, calibration, &codes),
+        Classification::Post => Optics::of_values(&scene.transfer, calibration, &codes),
+        Classification::Pre => Optics::of_voxels(&scene.transfer, calibration, &codes),
     };
     let entry = match case.renderer.classification {
-        Classification::Values => Entry::Depth,
-        Classification::Voxels => Entry::Sample,
+        Classification::Post => Entry::Depth,
+        Classification::Pre => Entry::Sample,
     };
     let index_view = IndexView::new(&view, volume.placement()).unwrap();
     let last = last_sample(case.dims);

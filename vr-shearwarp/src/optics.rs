@@ -12,7 +12,7 @@ pub(crate) struct Optics {
     /// A value between codes lies at `code·scale + bias` among the rows, the rounding to the nearest included.
     pub(crate) scale: f32,
     pub(crate) bias: f32,
-    /// Where a code itself lies, in tables of codes.
+    /// First entry of tables of codes.
     begin: Begin,
     emits: bool,
 }
@@ -25,12 +25,12 @@ struct Row {
     extinction: f64,
 }
 
-/// What a table holds.
+/// Entry of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Entry {
     /// Premultiplied light, and opacity.
     Sample,
-    /// What would shine if nothing absorbed, and optical depth: both grow in proportion with the length.
+    /// Light without absorption, and optical depth: both grow in proportion with the length.
     Depth,
 }
 
@@ -48,7 +48,7 @@ const ENTRIES_PER_BYTE: f64 = 8.0;
 /// Entries for wider ranges, unless their codes are few.
 const ENTRIES: f64 = 4096.0;
 /// Wider ranges have at most this many entries: a little less than a [`Table`](crate::codes::Code::Table) holds.
-const MOST_ENTRIES: f64 = 16000.0;
+const MAX_ENTRIES: f64 = 16000.0;
 
 impl Optics {
     /// For values between codes: classified after interpolation.
@@ -57,7 +57,7 @@ impl Optics {
         let per_code = match high - low {
             s if s < 255.5 => ENTRIES_PER_BYTE,
             s if s <= ENTRIES => (ENTRIES / s).floor(),
-            s if s <= MOST_ENTRIES => 1.0,
+            s if s <= MAX_ENTRIES => 1.0,
             s => ENTRIES / s,
         };
         let intervals = ((high - low) * per_code).ceil() as usize;
@@ -82,7 +82,7 @@ impl Optics {
         let (first, shift) = if codes.bytes {
             (0, 0)
         } else {
-            (low as usize, (0..).find(|&s| (high - low) / f64::from(1 << s) <= MOST_ENTRIES).unwrap_or(0))
+            (low as usize, (0..).find(|&s| (high - low) / f64::from(1 << s) <= MAX_ENTRIES).unwrap_or(0))
         };
         let row = |i: usize| {
             // The middle of those that share the entry.
@@ -93,7 +93,7 @@ impl Optics {
         Self { rows, scale: 1.0, bias: 0.0, begin: Begin { first, shift }, emits: transfer.has_emission() }
     }
 
-    /// Where tables of codes begin.
+    /// First entry of tables of codes.
     #[inline(always)]
     pub(crate) fn codes_begin(&self) -> Begin {
         self.begin

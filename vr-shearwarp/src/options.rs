@@ -1,8 +1,8 @@
 //! The settings as named options.
 
-use vr_core::{Configurable, DeclaredOption, NumberRange, OptionTable};
+use vr_core::{Classification, Configurable, DeclaredOption, NumberRange, OptionTable};
 
-use crate::shear_warp::{Classification, Encoding, ShearWarp};
+use crate::shear_warp::{EmptySpace, ShearWarp};
 use crate::warp::WarpFilter;
 
 /// The option that is refined.
@@ -16,7 +16,7 @@ impl Configurable for ShearWarp {
                 DeclaredOption::choice(
                     "classification",
                     "classify interpolated values, or voxels, whose colours are then interpolated (the classic way)",
-                    [("values", Classification::Values), ("voxels", Classification::Voxels)],
+                    [("values", Classification::Post), ("voxels", Classification::Pre)],
                     |r: &Self| r.classification,
                     |r, classification| r.classification = classification,
                 ),
@@ -47,9 +47,9 @@ impl Configurable for ShearWarp {
                 DeclaredOption::choice(
                     "encoding",
                     "how visible parts are found: run-length encoded voxels, or blocks of an octree, which a new transfer function needs no time for",
-                    [("runs", Encoding::Runs), ("octree", Encoding::Octree)],
-                    |r: &Self| r.encoding,
-                    |r, encoding| r.encoding = encoding,
+                    [("runs", EmptySpace::Runs), ("octree", EmptySpace::Octree)],
+                    |r: &Self| r.empty_space,
+                    |r, empty_space| r.empty_space = empty_space,
                 ),
                 DeclaredOption::number(
                     "termination",
@@ -88,7 +88,7 @@ mod tests {
             ShearWarp::default(),
             ShearWarp::classic(),
             ShearWarp { slice_distance: 0.3, texel: 0.4, warp: WarpFilter::Cubic, ..ShearWarp::default() },
-            ShearWarp { encoding: Encoding::Octree, opacity_threshold: 0.05, ..ShearWarp::default() },
+            ShearWarp { empty_space: EmptySpace::Octree, opacity_threshold: 0.05, ..ShearWarp::default() },
             ShearWarp { correction: false, termination: 1.0, slice_distance: 1.0 / 64.0, ..ShearWarp::default() },
         ];
         for from in &all {

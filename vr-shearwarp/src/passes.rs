@@ -1,11 +1,11 @@
-//! Which principal axes a view needs, and what part of the picture each of them draws.
+//! Principal axes that a view needs, and the part of the picture that each of them draws.
 //!
-//! Parallel rays have one principal axis: the one of which their direction has most, in index space, so that no slice is sheared by more
+//! Parallel rays have one principal axis: the one along which their direction goes most, in index space, so that no slice is sheared by more
 //! than a voxel. In perspective every ray has its own. The picture is split by it: each axis, and each way along it, draws the
 //! rays that are its own, onto an image at the volume's far face; from inside the volume, too. So no slice is ever sheared by more than a
 //! voxel, however wide the view. Where two parts meet, each is as far from the truth as slices are there; nothing is blended.
 //!
-//! Voxels are as large as texels in the middle of the volume, or further back where else the far face had more than [`MOST_PITCH`] of them to
+//! Voxels are as large as texels in the middle of the volume, or further back where else the far face had more than [`MAX_PITCH`] of them to
 //! a texel: so every slice is interpolated, none is sampled so coarsely that a voxel could be missed.
 
 use glam::{DVec2, DVec3};
@@ -24,12 +24,12 @@ pub(crate) struct Pass {
 /// Texels beyond what is seen, for the warp's filter.
 const MARGIN: f64 = 2.0;
 /// Most voxels to a texel, along either side, of any slice seen in perspective, in texels of a voxel: linear interpolation still meets each.
-const MOST_PITCH: f64 = 1.25;
+const MAX_PITCH: f64 = 1.25;
 /// The largest intermediate image, in texels.
-const MOST_TEXELS: u64 = 1 << 28;
+const MAX_TEXELS: u64 = 1 << 28;
 /// A volume of fewer voxels across than this is still given as many texels, and so is what is seen, from the middle to 45°, from just before
 /// the last slice.
-const LEAST_TEXELS: f64 = 8.0;
+const MIN_TEXELS: f64 = 8.0;
 
 /// The passes of a view of the index box from `low` to `high`, of a volume whose last sample is `last`, seen with `texel` voxels to a texel.
 pub(crate) fn passes(
@@ -54,8 +54,8 @@ pub(crate) fn passes(
     for pass in &passes {
         let [width, height] = pass.factorization.size.map(|n| n as u64);
         let texels = width.saturating_mul(height);
-        if texels > MOST_TEXELS {
-            let limit = MOST_TEXELS * 16;
+        if texels > MAX_TEXELS {
+            let limit = MAX_TEXELS * 16;
             return Err(RenderError::TooLarge { what: "intermediate image", bytes: texels.saturating_mul(16), limit });
         }
     }
@@ -94,7 +94,7 @@ fn parallel_pass(view: &IndexView, [low, high]: [DVec3; 2], last: DVec3, texel: 
     }
     let mut seen = Rectangle::NOTHING;
     corners(view).into_iter().for_each(|c| seen.add((factorization.plane_of_screen() * c).truncate()));
-    let spacing = (across(last, axis) / LEAST_TEXELS).min(1.0) * texel;
+    let spacing = (across(last, axis) / MIN_TEXELS).min(1.0) * texel;
     framed(factorization, shadow.and(seen), last, spacing).map(|factorization| Pass { factorization, within: None })
 }
 
@@ -143,8 +143,8 @@ fn perspective_pass(
         shadow.add(eye_uv + (high.truncate() - eye_uv) / near);
     }
     let near = ((if sign > 0.0 { low.z } else { high.z } - eye.z) * sign).max(0.0);
-    let pitch = (2.0 * depth / (near + depth)).min(MOST_PITCH);
-    let spacing = (depth.min(across(last, axis)) / LEAST_TEXELS).min(pitch) * texel;
+    let pitch = (2.0 * depth / (near + depth)).min(MAX_PITCH);
+    let spacing = (depth.min(across(last, axis)) / MIN_TEXELS).min(pitch) * texel;
     let factorization = framed(factorization, shadow.and(seen).and(mine), last, spacing)?;
     let texel = |p: DVec2| (p - factorization.origin) / spacing;
     let (first, last) = (texel(mine.low), texel(mine.high));

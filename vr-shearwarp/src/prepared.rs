@@ -6,13 +6,14 @@ use fearless_simd::Level;
 use glam::DVec3;
 use vr_core::optics::{depth_of_opacity, opacity_of_depth};
 use vr_core::{
-    Calibration, Compositing, Control, Frame, GridVolume, Light, Model, OpacityRule, Prepared, RenderError,
-    RenderStats, Rendered, Scene, Shading, View,
+    Calibration, Classification, Compositing, Control, Frame, GridVolume, Light, Model, OpacityRule, Prepared,
+    RenderError, RenderStats, Rendered, Scene, Shading, View,
 };
 use vr_kernels::ranges::VisibleValues;
 use vr_kernels::vector::Operator;
 
 use crate::axis::{Codewords, EncodedAxis, Encoder, WholeVolume};
+use crate::capabilities::{check, check_view, last_sample};
 use crate::codes::Codes;
 use crate::composite::Scratch;
 use crate::composite::pick::Pick;
@@ -26,9 +27,8 @@ use crate::optics::Optics;
 use crate::passes::{Pass, passes};
 use crate::reflections::{Reflection, table};
 use crate::region::Region;
-use crate::shear_warp::{Classification, ShearWarp};
+use crate::shear_warp::ShearWarp;
 use crate::slices::Slices;
-use crate::support::{check, check_view, last_sample};
 use crate::warp::{Texture, Warp};
 
 /// The scene, the volume as it is encoded for it, and what is kept from picture to picture.
@@ -49,7 +49,7 @@ pub(crate) struct PreparedShearWarp {
     reflections: Option<(Arc<Shading>, Vec<Light>, DVec3, Vec<Reflection>)>,
 }
 
-/// What follows from the transfer function.
+/// Tables that follow from the transfer function.
 struct Classified {
     visibility: VisibleLevels,
     optics: Optics,
@@ -71,8 +71,8 @@ impl Classified {
         let (low, high) = volume.value_stats().range.unwrap_or_default();
         let visibility = VisibleLevels::new((low.into(), high.into()), volume.voxel_type().is_integer(), visible);
         let optics = match renderer.classification {
-            Classification::Values => Optics::of_values(transfer, calibration, codes),
-            Classification::Voxels => Optics::of_voxels(transfer, calibration, codes),
+            Classification::Post => Optics::of_values(transfer, calibration, codes),
+            Classification::Pre => Optics::of_voxels(transfer, calibration, codes),
         };
         Self { visibility, optics }
     }
@@ -111,8 +111,8 @@ impl PreparedShearWarp {
         control.check()?;
         let rule = match self.renderer.classification {
             _ if !self.scene.compositing.integrates_light() => Rule::Everything,
-            Classification::Values => Rule::Interpolated(&self.classified.visibility),
-            Classification::Voxels => Rule::Classified(&self.classified.visibility),
+            Classification::Post => Rule::Interpolated(&self.classified.visibility),
+            Classification::Pre => Rule::Classified(&self.classified.visibility),
         };
         let whole = &mut self.whole;
         let encoded = control.run(|| {
@@ -122,7 +122,7 @@ impl PreparedShearWarp {
                 blocks: &self.pyramid.visible(rule),
                 rule,
                 between: self.renderer.slice_spacing() < 1.0,
-                encoding: self.renderer.encoding,
+                empty_space: self.renderer.empty_space,
                 shaded: self.scene.reflection().is_some(),
             };
             encoder.encode(axis, whole)
@@ -133,7 +133,7 @@ impl PreparedShearWarp {
 }
 
 impl PreparedShearWarp {
-    /// What is encoded so far.
+    /// Size of the axes encoded so far.
     pub(crate) fn encoded_size(&self) -> EncodedSize {
         let axes = self.axes.iter().flatten();
         let runs = axes.clone().map(|axis| axis.cells.bytes()).sum();
@@ -239,6 +239,7 @@ impl PreparedShearWarp {
         };
         let operator = Operator::new(self.scene.compositing, self.calibration(), false);
         let image = &mut self.image;
+        // Values are picked, and classified afterwards.
         if operator.picks() {
             return match &axis.voxels.codes {
                 Codewords::Bytes(voxels) => job.draw(&Pick { voxels, operator }, image),
@@ -246,6 +247,7 @@ impl PreparedShearWarp {
             }
             .map(|()| self.classify_picks(operator));
         }
+        // Light is composited, up to the level of accumulate.
         let optics = &self.classified.optics;
         let level = match self.scene.compositing {
             Compositing::Accumulate { level } => level,
@@ -261,7 +263,7 @@ impl PreparedShearWarp {
             correction,
             termination: self.renderer.termination.min(level) as f32,
             level: level as f32,
-            before: self.renderer.classification == Classification::Voxels,
+            before: self.renderer.classification == Classification::Pre,
             shaded,
         };
         match &axis.voxels.codes {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use vr_core::{Light, Shading};
 
-/// What reflects at a normal: shaded light is `light·factor + opacity·added`, component by component.
+/// Reflection at a normal: shaded light is `light·factor + opacity·added`, component by component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reflection {
     /// The last component is 1: opacity is not shaded.
@@ -15,12 +15,12 @@ pub(crate) struct Reflection {
 /// Steps along an edge of the octahedron's unfolded half.
 const EDGE: usize = 127;
 
-/// How many codes there are: two-sided shading knows no difference between a normal and its opposite, so that half the sphere is enough;
+/// Number of codes: two-sided shading knows no difference between a normal and its opposite, so that half the sphere is enough;
 /// code 0 is no normal at all.
 pub(crate) const CODES: usize = 1 + EDGE * EDGE;
 
 /// The code of a normal of any length: the octahedron's upper half, unfolded onto a square (Meyer et al. 2010, *On floating-point normal
-/// vectors*), 0.5° off on average, 1.1° at the most.
+/// vectors*), 0.5° off on average, at most 1.1°.
 pub(crate) fn encode(gradient: [f32; 3]) -> u16 {
     // Scaled, so that no sum overflows.
     let largest = gradient.iter().fold(0.0f32, |m, c| m.max(c.abs()));
@@ -45,7 +45,7 @@ pub(crate) fn decode(code: u16) -> Option<DVec3> {
     Some(DVec3::new(x, y, 1.0 - x.abs() - y.abs()).normalize())
 }
 
-/// What every code reflects to an eye that looks along `direction`, in the world; normals are in the world, too.
+/// Reflection of every code to an eye that looks along `direction`, in the world; normals are in the world, too.
 pub(crate) fn table(shading: &Shading, lights: &[Light], direction: DVec3) -> Vec<Reflection> {
     let along = shading.along::<f64>(lights, direction);
     let reflection = |code: usize| {

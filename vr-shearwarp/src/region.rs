@@ -3,25 +3,25 @@
 use glam::DVec3;
 use vr_core::{Placement, Projection, RenderError, View};
 
-use crate::support::last_sample;
+use crate::capabilities::last_sample;
 
-/// Half space of index space: all p with `normal`·p ≥ `least`.
+/// Half space of index space: all p with `normal`·p ≥ `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HalfSpace {
     pub(crate) normal: DVec3,
-    pub(crate) least: f64,
+    pub(crate) offset: f64,
 }
 
 impl HalfSpace {
     /// Converts the half space `normal`·x ≥ `offset` of the world.
     fn of_world(placement: &Placement, normal: DVec3, offset: f64) -> Self {
-        Self { normal: placement.axes().transpose() * normal, least: offset - normal.dot(placement.origin()) }
+        Self { normal: placement.axes().transpose() * normal, offset: offset - normal.dot(placement.origin()) }
     }
 
-    /// Minimum and maximum of `normal`·p − `least` over a box.
+    /// Minimum and maximum of `normal`·p − `offset` over a box.
     fn range(&self, [low, high]: [DVec3; 2]) -> [f64; 2] {
         let (a, b) = (self.normal * low, self.normal * high);
-        [a.min(b).element_sum() - self.least, a.max(b).element_sum() - self.least]
+        [a.min(b).element_sum() - self.offset, a.max(b).element_sum() - self.offset]
     }
 }
 
@@ -63,11 +63,11 @@ impl Region {
             planes.push(HalfSpace::of_world(placement, ahead, ahead.dot(view.camera.eye)));
         }
         for plane in planes {
-            let [least, most] = plane.range([region.low, region.high]);
-            if most < 0.0 {
+            let [min, max] = plane.range([region.low, region.high]);
+            if max < 0.0 {
                 return Ok(None);
             }
-            if least < 0.0 {
+            if min < 0.0 {
                 region.planes.push(plane);
             }
         }
@@ -104,7 +104,7 @@ mod tests {
         parallel.camera.eye.z = 4.0;
         let seen = of(&parallel).unwrap();
         assert_eq!(seen.corners(), [DVec3::ZERO, DVec3::new(8.0, 4.0, 6.0)]);
-        assert_eq!(seen.planes, [HalfSpace { normal: DVec3::Z, least: 2.0 }]);
+        assert_eq!(seen.planes, [HalfSpace { normal: DVec3::Z, offset: 2.0 }]);
         let mut perspective = view(Projection::Perspective { fov: 40.0 });
         perspective.camera.eye.z = 4.0;
         assert!(of(&perspective).unwrap().planes.is_empty());
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(Region::of(&view, &turned, [9, 9, 9]).unwrap().unwrap().planes.len(), 5);
         view.clip.planes.push(Plane { normal: DVec3::new(-2.0, 0.0, 0.0), offset: -4.0 });
         let region = Region::of(&view, &straight, [9, 9, 9]).unwrap().unwrap();
-        assert_eq!(region.planes, [HalfSpace { normal: DVec3::new(-2.0, 0.0, 0.0), least: -4.0 }]);
+        assert_eq!(region.planes, [HalfSpace { normal: DVec3::new(-2.0, 0.0, 0.0), offset: -4.0 }]);
         view.clip.planes.push(Plane { normal: DVec3::X, offset: 4.5 });
         assert!(Region::of(&view, &straight, [9, 9, 9]).unwrap().is_none());
     }

@@ -2,9 +2,9 @@
 
 use vr_core::{Control, Prepared, RenderError, Renderer, Scene, View};
 
+use crate::capabilities::{check, check_view};
 use crate::prepared::PreparedShearWarp;
 use crate::shear_warp::ShearWarp;
-use crate::support::{check, check_view};
 
 impl Renderer for ShearWarp {
     fn name(&self) -> &'static str {

@@ -1,44 +1,34 @@
 //! The renderer's settings.
 
-use vr_core::{Configurable, OptionError};
+use vr_core::{Classification, Configurable, OptionError};
 
 use crate::warp::WarpFilter;
 
 /// A shear-warp renderer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShearWarp {
-    /// What is classified.
+    /// Order of interpolation and classification.
     pub classification: Classification,
     /// Texels from slice to slice of samples along the principal axis; [`Self::slice_spacing`] must be 0.01 to 1.
     pub slice_distance: f64,
     /// Voxels to a texel of the intermediate image, along either side: 0.03 to 1. In perspective, in the volume's middle.
     pub texel: f64,
-    /// How the intermediate image is resampled onto the screen.
+    /// Filter that resamples the intermediate image onto the screen.
     pub warp: WarpFilter,
-    /// How runs of what can be seen are found.
-    pub encoding: Encoding,
+    /// Search for the runs of cells that can be seen.
+    pub empty_space: EmptySpace,
     /// Opacity from which on a texel is opaque, in (0, 1]; changes no texel by more than 1 − termination.
     pub termination: f64,
     /// Opacity of one voxel's thickness up to which values are left out, where nothing around is more opaque; in [0, 1).
     pub opacity_threshold: f64,
-    /// Whether opacities are corrected for how far apart slices are along a ray. Off, pictures are darker or brighter with the angle: to
+    /// True if opacities are corrected for the distance between slices along a ray. Off, pictures are darker or brighter with the angle: to
     /// show why it is on.
     pub correction: bool,
 }
 
-/// What is classified: values between voxels, or voxels.
+/// Search for the runs of cells that can be seen, and the place of their voxels in memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Classification {
-    /// Values are interpolated, then classified.
-    #[default]
-    Values,
-    /// Voxels are classified, then their colours and opacities are interpolated, as in VolPack.
-    Voxels,
-}
-
-/// How runs of what can be seen are found, and where their voxels lie.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
+pub enum EmptySpace {
     /// Run-length encoded: runs end where nothing can be visible, and what they touch is packed. Fastest for a fixed transfer function.
     #[default]
     Runs,
@@ -54,7 +44,7 @@ impl Default for ShearWarp {
             slice_distance: 0.5,
             texel: 1.0,
             warp: WarpFilter::default(),
-            encoding: Encoding::default(),
+            empty_space: EmptySpace::default(),
             termination: 0.998,
             opacity_threshold: 0.0,
             correction: true,
@@ -68,7 +58,7 @@ impl ShearWarp {
 
     /// The classic: voxels classified and shaded, then interpolated in each layer, and texels opaque at 0.99 (Lacroute & Levoy 1994).
     pub fn classic() -> Self {
-        Self { classification: Classification::Voxels, slice_distance: 1.0, termination: 0.99, ..Self::default() }
+        Self { classification: Classification::Pre, slice_distance: 1.0, termination: 0.99, ..Self::default() }
     }
 
     /// Voxels from slice to slice: 1 samples the layers of voxels alone.

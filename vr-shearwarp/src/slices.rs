@@ -1,4 +1,4 @@
-//! Where along the principal axis the volume is sampled, and which texels each slice of samples covers.
+//! Positions of the slices of samples along the principal axis, and the texels that each covers.
 
 use glam::{DVec2, DVec3};
 
@@ -11,16 +11,16 @@ use crate::region::{HalfSpace, Region};
 pub(crate) struct Slice {
     /// The layer; of those between two layers, the one at the lower index.
     pub(crate) layer: usize,
-    /// How far between that layer and the next, in [0, 1].
+    /// Fraction of the way from that layer to the next, in [0, 1].
     pub(crate) fraction: f32,
-    /// Where it lies on the principal axis.
+    /// Position on the principal axis.
     w: f64,
     /// The same, growing from front to back.
     pub(crate) depth: f64,
     pub(crate) map: SliceMap,
     /// Texels to a cell.
     per_cell: f64,
-    /// Where texels are as wide as cells: texel x lies in cell x + shift, each at the same place of it.
+    /// Shift from texels to cells, if they are equally wide: texel x lies in cell x + shift, each at the same place of it.
     pub(crate) shift: Option<isize>,
     /// That place.
     place: f32,
@@ -42,7 +42,7 @@ impl Slice {
         }
     }
 
-    /// Where the texels from x on lie in the run that begins at cell `start`, and whose last cell is the `last` from there.
+    /// Columns of the texels from x on in the run that begins at cell `start`, and whose last cell is number `last` from there.
     #[inline(always)]
     pub(crate) fn columns(&self, x: usize, start: u32, last: usize) -> Columns {
         if let Some(shift) = self.shift {
@@ -62,10 +62,10 @@ impl Slice {
     /// Cuts the texels `first..end` of row `y` to those whose point in this slice lies in a half space.
     fn above(&self, plane: &HalfSpace, y: usize, [first, end]: [usize; 2]) -> [usize; 2] {
         let SliceMap { offset, scale } = self.map;
-        // normal·(u, v, w) − least, as a function of x. What is as near to the plane as NEAR along a ray, none of which shears more than a
+        // normal·(u, v, w) − offset, as a function of x. What is as near to the plane as NEAR along a ray, none of which shears more than a
         // voxel a slice, is on it: `Slices::share` counts on that.
         let rate = plane.normal.x * scale;
-        let at_zero = plane.normal.dot(DVec3::new(offset.x, offset.y + scale * y as f64, self.w)) - plane.least;
+        let at_zero = plane.normal.dot(DVec3::new(offset.x, offset.y + scale * y as f64, self.w)) - plane.offset;
         let at_zero = at_zero + NEAR * plane.normal.abs().element_sum();
         let meets = -at_zero / rate;
         // `as` saturates.
@@ -126,7 +126,7 @@ pub(crate) struct Row {
     pub(crate) whole: [usize; 2],
 }
 
-/// What is this near to a face is on it.
+/// Distance from a face up to which a point is on it.
 const NEAR: f64 = 1e-9;
 /// A slice this near the eye is not seen.
 const NEAREST: f64 = 1e-6;
@@ -182,7 +182,7 @@ impl Slices {
         Self { slices, spacing, per_voxel: 1.0 / spacing, depths: [front, back], factorization, low, high, planes }
     }
 
-    /// Which axes of the volume are u, v and w.
+    /// Axes of the volume that are u, v and w.
     #[cfg(test)]
     pub(crate) fn axes(&self) -> [usize; 3] {
         self.factorization.axes
@@ -194,13 +194,13 @@ impl Slices {
         let (slope, at) = (f.slope(x, y), f.origin + f.spacing * DVec2::new(x, y));
         let [[a, b], [c, d]] = [0, 1].map(|a| self.between_faces(a, at[a], slope[a]));
         let chord = [self.depths[0].max(a).max(c), self.depths[1].min(b).min(d)];
-        self.planes.iter().fold(chord, |chord, plane| self.cut(chord, plane, at, slope))
+        self.planes.iter().fold(chord, |chord, plane| self.clipped(chord, plane, at, slope))
     }
 
     /// Cuts a chord to a half space. The ray is given by where it meets the plane of the image, and its slope.
-    fn cut(&self, [front, back]: [f64; 2], plane: &HalfSpace, at: DVec2, slope: DVec2) -> [f64; 2] {
+    fn clipped(&self, [front, back]: [f64; 2], plane: &HalfSpace, at: DVec2, slope: DVec2) -> [f64; 2] {
         let f = &self.factorization;
-        let above = plane.normal.dot(at.extend(f.plane)) - plane.least;
+        let above = plane.normal.dot(at.extend(f.plane)) - plane.offset;
         let rate = plane.normal.dot(slope.extend(1.0)) * f.sign;
         let meets = f.plane * f.sign - above / rate;
         if rate > 0.0 {
@@ -236,7 +236,7 @@ impl Slices {
         Row { valid, whole }
     }
 
-    /// Where a ray is between the two faces across u (0) or v (1), given where it meets the plane of the image, and its slope.
+    /// Interval of a ray between the two faces across u (0) or v (1), given the point at which it meets the plane of the image, and its slope.
     #[inline(always)]
     fn between_faces(&self, a: usize, at: f64, slope: f64) -> [f64; 2] {
         let f = &self.factorization;
@@ -279,7 +279,7 @@ impl Slices {
             for (x, (front, back)) in front.iter_mut().zip(&mut *back).enumerate() {
                 let x = x as f64;
                 let (at, slope) = (at + DVec2::new(f.spacing * x, 0.0), slope + DVec2::new(bend * x, 0.0));
-                [*front, *back] = self.cut([*front, *back], plane, at, slope);
+                [*front, *back] = self.clipped([*front, *back], plane, at, slope);
             }
         }
     }
@@ -306,11 +306,11 @@ mod tests {
 
     const BOX: [DVec3; 2] = [DVec3::ZERO, DVec3::new(9.0, 12.0, 7.0)];
 
-    /// Of many views of a box, some of them cut by half spaces.
+    /// Slices of many views of a box, some of them cut by half spaces.
     fn all_slices(spacing: f64) -> Vec<Slices> {
         let mut all = Vec::new();
         let middle = DVec3::new(4.5, 6.0, 3.5);
-        let half_space = |normal: DVec3, off: f64| HalfSpace { normal, least: normal.dot(middle) + off };
+        let half_space = |normal: DVec3, off: f64| HalfSpace { normal, offset: normal.dot(middle) + off };
         let oblique = half_space(DVec3::new(0.3, -0.7, 0.5), -0.4);
         let parallel = half_space(DVec3::new(0.0, 0.0, -2.0), 0.3);
         let cuts = [vec![], vec![oblique], vec![oblique, half_space(-oblique.normal, -2.1)], vec![parallel]];

@@ -1,10 +1,10 @@
-//! What the renderer documents for a study of speed against error.
+//! Documentation of the renderer for a study of speed against error.
 
 use vr_core::{ConvergenceClaim, ConvergenceOrders, Documented, HardCaseErrors, NamedSetting};
 
 use crate::hard_cases::ERRORS;
 use crate::options::TEXEL;
-use crate::shear_warp::{Encoding, ShearWarp};
+use crate::shear_warp::{EmptySpace, ShearWarp};
 use crate::warp::WarpFilter;
 
 /// Tables take the nearest of their entries, and floats are rounded to 65536 levels.
@@ -19,7 +19,7 @@ impl Documented for ShearWarp {
         let values =
             |spacing: f64, texel, warp| Self { slice_distance: spacing / texel, texel, warp, ..Self::default() };
         let (bilinear, cubic) = (WarpFilter::Bilinear, WarpFilter::Cubic);
-        let octree = Self { encoding: Encoding::Octree, ..values(1.0, 1.0, bilinear) };
+        let octree = Self { empty_space: EmptySpace::Octree, ..values(1.0, 1.0, bilinear) };
         vec![
             named("voxels 1", &Self::classic()),
             named("values 1", &values(1.0, 1.0, bilinear)),

@@ -1,6 +1,7 @@
 //! The checks that every renderer is put through.
 
 use proptest::strategy::Strategy;
+use vr_core::Classification;
 use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::cases::Case;
@@ -11,7 +12,7 @@ use vr_physics::check::invariants::{
 };
 use vr_physics::check::strategies::tame_scene;
 use vr_physics::check::{self, CaseOutcome, Effort, TestScene};
-use vr_shearwarp::{Classification, ShearWarp, WarpFilter};
+use vr_shearwarp::{ShearWarp, WarpFilter};
 
 #[test]
 fn survives_hard_cases() {
@@ -108,7 +109,7 @@ fn what_is_set_and_changes_nothing_is_refused() {
         ShearWarp { termination: 0.5, ..plain() },
         ShearWarp { opacity_threshold: 0.1, ..plain() },
         ShearWarp { correction: false, ..plain() },
-        ShearWarp { classification: Classification::Voxels, ..plain() },
+        ShearWarp { classification: Classification::Pre, ..plain() },
     ];
     for renderer in idle {
         let error = renderer.prepare(&scene, &control).err().map(|e| e.to_string());

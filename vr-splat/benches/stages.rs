@@ -1,11 +1,12 @@
-//! Where the time of a splatted frame goes: what can be seen, footprints, and the picture, by buffers, kernels, zoom and kind of volume.
+//! Time of the stages of a splatted frame: visible voxels, footprints, and the picture, by buffers, kernels, zoom and kind of volume.
 
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use vr_core::Classification;
 use vr_core::phantom::{self};
 use vr_core::*;
-use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
+use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
 /// Samples along each axis.
 const SIDE: usize = 64;
@@ -29,15 +30,15 @@ fn view(scene: &Scene, zoom: f64) -> View {
     View::new(camera, [256; 2])
 }
 
-fn renderers() -> Vec<(&'static str, Splatting)> {
-    let gaussian = Splatting { kernel: SplatKernel::new(Shape::Gaussian), ..Splatting::default() };
-    let voxels = Splatting { classification: Classification::Voxels, ..gaussian.clone() };
+fn renderers() -> Vec<(&'static str, Splatter)> {
+    let gaussian = Splatter { kernel: SplatKernel::new(Shape::Gaussian), ..Splatter::default() };
+    let voxels = Splatter { classification: Classification::Pre, ..gaussian.clone() };
     vec![
-        ("image bilinear", Splatting::default()),
+        ("image bilinear", Splatter::default()),
         ("image gaussian", gaussian),
         ("image voxels", voxels.clone()),
-        ("axis voxels", Splatting { buffers: Buffers::Axis, ..voxels.clone() }),
-        ("samples", Splatting { buffers: Buffers::Samples, ..voxels }),
+        ("axis voxels", Splatter { buffers: Buffers::Axis, ..voxels.clone() }),
+        ("samples", Splatter { buffers: Buffers::Samples, ..voxels }),
     ]
 }
 
@@ -61,7 +62,7 @@ fn frames(c: &mut Criterion) {
         for count in [10_000, 100_000] {
             let scene = cloud(name, count);
             let view = view(&scene, 1.0);
-            let mut prepared = Splatting::default().prepare(&scene, &control).expect("a scene that it can draw");
+            let mut prepared = Splatter::default().prepare(&scene, &control).expect("a scene that it can draw");
             group.bench_with_input(BenchmarkId::new(*name, count), &view, |b, view| {
                 b.iter(|| prepared.render(view, &control).expect("a frame"));
             });

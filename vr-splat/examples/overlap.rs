@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use vr_core::Classification;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
 use vr_physics::{Metrics, Reference};
-use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
+use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     kernels();
@@ -23,7 +24,7 @@ fn scene(name: &str, n: usize, opacity: f64) -> Result<Scene, Box<dyn std::error
 }
 
 fn kernels() {
-    println!("Σ w − 1, at the most:\n\n| kernel | radius | error |\n|---|---|---|");
+    println!("Σ w − 1, at most:\n\n| kernel | radius | error |\n|---|---|---|");
     for shape in Shape::ALL {
         let radii = if shape == Shape::Gaussian { vec![1.5, 2.0, 2.5, 3.0] } else { vec![shape.own_radius()] };
         for radius in radii {
@@ -80,7 +81,7 @@ impl ContinuousModel for SumOfKernels {
     }
 }
 
-fn draw(renderer: &Splatting, scene: &Scene, view: &View) -> Result<Frame, RenderError> {
+fn draw(renderer: &Splatter, scene: &Scene, view: &View) -> Result<Frame, RenderError> {
     let control = Control::default();
     Ok(renderer.prepare(scene, &control)?.render(view, &control)?.frame)
 }
@@ -97,11 +98,10 @@ fn overlap() -> Result<(), Box<dyn std::error::Error>> {
         let model = Model::Continuous(Arc::new(SumOfKernels { scene: scene.clone(), kernel }));
         let truth = Reference::new(1e-6).solve(&scene, &view, &model, &Control::default())?;
         let truth: Vec<[f64; 4]> = truth.pixels.iter().map(|p| p.rgba).collect();
-        let base =
-            Splatting { kernel, classification: Classification::Voxels, termination: 1.0, ..Splatting::default() };
+        let base = Splatter { kernel, classification: Classification::Pre, termination: 1.0, ..Splatter::default() };
         let mut row = format!("| {name} |");
-        let one = |buffers| Splatting { buffers, ..base.clone() };
-        let sheets = [4.0, 2.0, 1.0, 0.5, 0.25].map(|slice_distance| Splatting { slice_distance, ..base.clone() });
+        let one = |buffers| Splatter { buffers, ..base.clone() };
+        let sheets = [4.0, 2.0, 1.0, 0.5, 0.25].map(|slice_spacing| Splatter { slice_spacing, ..base.clone() });
         for renderer in [one(Buffers::Samples), one(Buffers::Axis)].into_iter().chain(sheets) {
             let m = Metrics::of(&truth, draw(&renderer, &scene, &view)?.pixels());
             row += &format!(" {:.1e} ({:+.1e}) |", m.rmse, m.bias);
@@ -119,11 +119,11 @@ fn popping() -> Result<(), Box<dyn std::error::Error>> {
     );
     let scene = scene("hydrogen", 48, 1.0)?;
     for buffers in [Buffers::Samples, Buffers::Axis, Buffers::Image] {
-        let renderer = Splatting {
+        let renderer = Splatter {
             buffers,
-            classification: Classification::Voxels,
+            classification: Classification::Pre,
             kernel: SplatKernel::new(Shape::Gaussian),
-            ..Splatting::default()
+            ..Splatter::default()
         };
         let frame = |degrees: f64| {
             // Never at 45° itself: the switch lies between two pictures.

@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
+use vr_core::Classification;
 use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
-use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
+use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let control = Control::default().with_threads(1);
@@ -17,32 +18,32 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// Milliseconds of the fastest of some frames, and what one did.
 fn time(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<(f64, RenderStats), RenderError> {
-    let (mut least, mut stats) = (f64::INFINITY, RenderStats::default());
+    let (mut min_ms, mut stats) = (f64::INFINITY, RenderStats::default());
     for _ in 0..3 {
         let start = Instant::now();
         let rendered = prepared.render(view, control)?;
-        least = least.min(start.elapsed().as_secs_f64() * 1e3);
+        min_ms = min_ms.min(start.elapsed().as_secs_f64() * 1e3);
         stats = rendered.stats;
     }
-    Ok((least, stats))
+    Ok((min_ms, stats))
 }
 
-/// Of a phantom's bytes, with the voxels that can be seen above a threshold alone.
+/// Scene of a phantom's bytes, with the voxels that can be seen above a threshold alone.
 fn scene(name: &str, n: usize) -> Result<Scene, Box<dyn std::error::Error>> {
     let phantom = phantom::by_name(name).ok_or("a known phantom")?;
     let transfer = TransferFunction::new(phantom.transfer_points(), OpacityRule::Power, TRANSFER_UNIT_DISTANCE)?;
     Ok(Scene::new(phantom::sample::<u8>(&*phantom, [n; 3])?.into(), transfer))
 }
 
-fn renderers() -> Vec<(&'static str, Splatting)> {
-    let gaussian = Splatting { kernel: SplatKernel::new(Shape::Gaussian), ..Splatting::default() };
-    let voxels = Splatting { classification: Classification::Voxels, ..gaussian.clone() };
+fn renderers() -> Vec<(&'static str, Splatter)> {
+    let gaussian = Splatter { kernel: SplatKernel::new(Shape::Gaussian), ..Splatter::default() };
+    let voxels = Splatter { classification: Classification::Pre, ..gaussian.clone() };
     vec![
-        ("image", Splatting::default()),
+        ("image", Splatter::default()),
         ("image gaussian", gaussian.clone()),
         ("image voxels", voxels.clone()),
-        ("axis voxels", Splatting { buffers: Buffers::Axis, ..voxels.clone() }),
-        ("samples", Splatting { buffers: Buffers::Samples, ..voxels }),
+        ("axis voxels", Splatter { buffers: Buffers::Axis, ..voxels.clone() }),
+        ("samples", Splatter { buffers: Buffers::Samples, ..voxels }),
     ]
 }
 
@@ -100,7 +101,7 @@ fn points(control: &Control) -> Result<(), Box<dyn std::error::Error>> {
             let scene = Scene::new(points.into(), TransferFunction::new(control_points, OpacityRule::Power, unit)?);
             let view = View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, None), [512; 2]);
             let start = Instant::now();
-            let mut prepared = Splatting::default().prepare(&scene, control)?;
+            let mut prepared = Splatter::default().prepare(&scene, control)?;
             let prepare = start.elapsed().as_secs_f64() * 1e3;
             let (ms, stats) = time(&mut *prepared, &view, control)?;
             let bin: f64 = stats.stages.iter().filter(|s| s.0 == "bin").map(|s| s.1.as_secs_f64() * 1e3).sum();

@@ -16,7 +16,7 @@ pub(crate) struct Keyed {
     pub(crate) splat: Splat,
 }
 
-/// How splats are keyed.
+/// Keys of splats.
 #[derive(Clone, Copy)]
 pub(crate) enum Keys {
     /// The first of the sheets, so far apart, that a kernel has a part of; there are so many sheets.
@@ -49,7 +49,7 @@ impl Keys {
 /// The splats of a chunk, tile by tile.
 struct Chunk {
     splats: Vec<Keyed>,
-    /// Where each tile's begin, and where the last one's end.
+    /// First splat of each tile, and the end of the last one's.
     starts: Vec<u32>,
 }
 
@@ -124,11 +124,11 @@ pub(crate) fn radix_sort(all: &mut Vec<Keyed>) {
         all.sort_by_key(|k| k.key);
         return;
     }
-    let (least, most) = all.iter().fold((u32::MAX, 0), |(l, m), k| (l.min(k.key), m.max(k.key)));
+    let (min, max) = all.iter().fold((u32::MAX, 0), |(l, m), k| (l.min(k.key), m.max(k.key)));
     let mut other = all.clone();
     let mut shift = 0;
-    while shift < 32 && (most - least) >> shift > 0 {
-        let digit = |k: &Keyed| ((k.key - least) >> shift) as usize & ((1 << DIGIT) - 1);
+    while shift < 32 && (max - min) >> shift > 0 {
+        let digit = |k: &Keyed| ((k.key - min) >> shift) as usize & ((1 << DIGIT) - 1);
         let mut starts = vec![0u32; (1 << DIGIT) + 1];
         all.iter().for_each(|k| starts[digit(k) + 1] += 1);
         for i in 0..1 << DIGIT {

@@ -1,4 +1,4 @@
-//! Which voxels or cells of a layer are meant, a bit each, row by row.
+//! Sets of voxels or cells of a layer, a bit each, row by row.
 
 use vr_kernels::bits::{WORD, ones};
 

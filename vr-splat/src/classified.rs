@@ -1,4 +1,4 @@
-//! What follows from the transfer function: tables, and which voxels or points are splatted.
+//! Tables that follow from the transfer function, and the voxels or points that are splatted under it.
 
 use vr_core::filter::Lattice;
 use vr_core::{GridVolume, LatticeVisitor, Scene, Voxel};
@@ -8,28 +8,28 @@ use vr_kernels::vector::OpticsTable;
 
 use crate::input::{SplatInput, offset, unit};
 use crate::kernel::Shape;
-use crate::splatting::{Buffers, Splatting};
+use crate::splatter::{Buffers, Splatter};
 use crate::visible::{VisibleVoxels, missing, visible_levels};
 use crate::voxel_optics::VoxelOptics;
 
-/// What follows from the transfer function.
+/// Tables that follow from the transfer function, and the visible voxels or points.
 pub(crate) struct Classified {
     pub(crate) visible: Visible,
     pub(crate) light: VoxelOptics,
     /// For lengths in view units.
     pub(crate) values: OpticsTable,
-    /// Whether that table tells apart all that the transfer function does.
+    /// True if that table tells apart all that the transfer function does.
     pub(crate) resolved: bool,
 }
 
-/// Which voxels or points are splatted.
+/// Voxels or points that are splatted.
 pub(crate) enum Visible {
     Voxels(VisibleVoxels),
     Points(Vec<u32>),
 }
 
 impl Classified {
-    pub(crate) fn new(renderer: &Splatting, scene: &Scene, input: &SplatInput) -> Self {
+    pub(crate) fn new(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> Self {
         let transfer = &scene.transfer;
         let (offset, calibration) = offset(input);
         let (integer, field, carried) = match input {
@@ -78,14 +78,14 @@ impl Classified {
     }
 }
 
-/// How far a field may lie beyond its samples, by their range: kernels with negative weights overshoot.
-fn overshoot(renderer: &Splatting) -> f64 {
+/// Distance that a field may lie beyond the values of its voxels, by their range: kernels with negative weights overshoot.
+fn overshoot(renderer: &Splatter) -> f64 {
     if renderer.kernel.shape == Shape::Sinc { 0.5 } else { 0.0 }
 }
 
 /// Finds the voxels that matter.
 struct FindVisible<'a> {
-    renderer: &'a Splatting,
+    renderer: &'a Splatter,
     grid: &'a GridVolume,
     seen: &'a VisibleLevels,
 }
@@ -101,7 +101,7 @@ impl LatticeVisitor for FindVisible<'_> {
         // What a sheet is classified by is a mean over its thickness, but for products, which are taken in its middle.
         let beyond = match (self.renderer.buffers, self.renderer.kernel.shape.is_separable()) {
             (Buffers::Image, true) => 0.0,
-            (Buffers::Image, false) => 0.5 * self.renderer.slice_distance,
+            (Buffers::Image, false) => 0.5 * self.renderer.slice_spacing,
             _ => reach.into_iter().fold(0.0, f64::max),
         };
         let overshoot = overshoot(self.renderer) as f32;

@@ -33,15 +33,12 @@ pub(crate) const ERRORS: [(&str, DocumentedError); 15] = [
 mod tests {
     use vr_core::Documented;
 
-    use crate::splatting::Splatting;
+    use crate::splatter::Splatter;
 
     #[test]
     fn bounds_belong_to_the_default() {
-        assert!(Splatting::default().hard_case_errors().for_case("opaque-wall").is_some());
-        assert_eq!(
-            Splatting { low_pass: 1.0, ..Splatting::default() }.hard_case_errors().for_case("opaque-wall"),
-            None
-        );
-        assert_eq!(Splatting::default().hard_case_errors().for_case("easy"), None);
+        assert!(Splatter::default().hard_case_errors().for_case("opaque-wall").is_some());
+        assert_eq!(Splatter { low_pass: 1.0, ..Splatter::default() }.hard_case_errors().for_case("opaque-wall"), None);
+        assert_eq!(Splatter::default().hard_case_errors().for_case("easy"), None);
     }
 }

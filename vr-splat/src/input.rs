@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use vr_core::{Calibration, GridVolume, PointSet};
 
 use crate::kernel::{Profile, point_profile};
-use crate::splatting::Splatting;
+use crate::splatter::Splatter;
 
 /// The data that are splatted.
 #[derive(Clone)]
@@ -24,7 +24,7 @@ pub(crate) fn unit(input: &SplatInput) -> f64 {
 }
 
 /// The kernel that the data are spread by.
-pub(crate) fn profile(renderer: &Splatting, input: &SplatInput) -> Profile {
+pub(crate) fn profile(renderer: &Splatter, input: &SplatInput) -> Profile {
     match input {
         SplatInput::Grid(_) => renderer.kernel.profile(),
         SplatInput::Points(points) => point_profile(points.kernel()),
@@ -32,12 +32,12 @@ pub(crate) fn profile(renderer: &Splatting, input: &SplatInput) -> Profile {
 }
 
 /// From world vectors to kernel space, of a grid.
-pub(crate) fn kernel_space(renderer: &Splatting, grid: &GridVolume) -> DMat3 {
+pub(crate) fn kernel_space(renderer: &Splatter, grid: &GridVolume) -> DMat3 {
     let reach = renderer.kernel.reach();
     DMat3::from_diagonal(DVec3::from_array(reach.map(|r| 1.0 / r))) * grid.placement().inverse_axes()
 }
 
-/// What is subtracted from a grid's stored numbers before they are splatted, and what the rest means: sums of small numbers round less, and a constant
+/// Offset subtracted from a grid's stored numbers before they are splatted, and calibration of the rest: sums of small numbers round less, and a constant
 /// stays one.
 pub(crate) fn offset(input: &SplatInput) -> (f32, Calibration) {
     let SplatInput::Grid(grid) = input else { return (0.0, Calibration::default()) };

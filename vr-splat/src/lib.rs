@@ -1,9 +1,9 @@
 //! Object-order volume rendering by splatting: every voxel, or every point of a cloud, throws its kernel's footprint onto the picture.
 //!
-//! What a ray takes from Σ fₖ w(x − xₖ) is Σ fₖ ∫ w(x − xₖ) ds: sum and integral may change places (Westover 1990, "Footprint evaluation for volume
-//! rendering"; 1991, "Splatting: a parallel, feed-forward volume rendering algorithm"). So a volume is drawn splat by splat, and where it has no grid,
+//! The integral of Σ fₖ w(x − xₖ) along a ray is Σ fₖ ∫ w(x − xₖ) ds: sum and integral may change places (Westover 1990, "Footprint evaluation for volume
+//! rendering"; 1991, "Splatter: a parallel, feed-forward volume rendering algorithm"). So a volume is drawn splat by splat, and where it has no grid,
 //! that is the natural way. What the classic got wrong came later, and is here: sheets parallel to the image (Mueller & Crawfis 1998, "Eliminating popping
-//! artifacts in sheet buffer-based splatting"), classification after splatting (Mueller, Möller & Crawfis 1999, "Splatting without the blur"),
+//! artifacts in sheet buffer-based splatting"), classification after splatting (Mueller, Möller & Crawfis 1999, "Splatter without the blur"),
 //! elliptical footprints (Zwicker, Pfister, van Baar & Gross 2001, "EWA volume splatting"), and an early end behind what is opaque.
 //!
 //! # How
@@ -21,13 +21,13 @@
 //! | axis | the volume's layers along the axis that the view goes most along | pops when that axis changes |
 //! | samples | every splat on its own, nearest first | overlapping kernels hide each other, as if they lay one behind the other |
 //!
-//! By [`Classification`] values are splatted and each sheet's values are classified (with bilinear weights, the canonical field: the picture converges to
-//! the canonical pixel with the square of the distance of sheets), or voxels are classified and light is splatted, which blurs it by the kernel.
+//! By [`Classification`](vr_core::Classification) values are splatted and each sheet's values are classified (with bilinear weights, the canonical
+//! field: the picture converges to the canonical pixel with the square of the distance of sheets), or voxels are classified and light is splatted, which blurs it by the kernel.
 //!
 //! # Example
 //! ```
 //! use vr_core::*;
-//! use vr_splat::Splatting;
+//! use vr_splat::Splatter;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! // Two points of gas, and a radius for each.
@@ -38,7 +38,7 @@
 //!
 //! let view = View::new(Camera::framing(scene.volume.bounds(), 20.0, 10.0, None), [64, 64]);
 //! let control = Control::default();
-//! let frame = Splatting::default().prepare(&scene, &control)?.render(&view, &control)?.frame;
+//! let frame = Splatter::default().prepare(&scene, &control)?.render(&view, &control)?.frame;
 //! assert!(frame.pixels()[32 * 64 + 32][3] > 0.1);
 //! # Ok(())
 //! # }
@@ -46,7 +46,7 @@
 //!
 //! # Scattered points
 //! A [`vr_core::PointSet`] brings kernels and radii of its own. Values are summed and classified sheet by sheet, or, with
-//! [`Classification::Voxels`], each point is classified by its value and what it emits and absorbs is spread: κ(x) = Σ wₖ κ(vₖ) Wₖ(x).
+//! [`Classification::Pre`](vr_core::Classification::Pre), each point is classified by its value and what it emits and absorbs is spread: κ(x) = Σ wₖ κ(vₖ) Wₖ(x).
 //!
 //! # What it integrates
 //! [`vr_core::Prepared::model`] gives θ and b of every sheet or splat along a ray, computed in f64: `Discrete` under `over`. Under every other operator it is
@@ -66,6 +66,7 @@
 
 mod bins;
 mod bit_rows;
+mod capabilities;
 mod classified;
 mod finish;
 mod hard_cases;
@@ -81,12 +82,11 @@ mod shading;
 mod sheets;
 mod source;
 mod splat;
-mod splatting;
+mod splatter;
 mod study;
-mod support;
 mod tile;
 mod visible;
 mod voxel_optics;
 
 pub use kernel::{Shape, SplatKernel};
-pub use splatting::{Buffers, Classification, SheetOrder, Splatting};
+pub use splatter::{Buffers, CompositingOrder, Splatter};

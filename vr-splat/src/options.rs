@@ -1,14 +1,14 @@
 //! The settings as named options.
 
-use vr_core::{Configurable, DeclaredOption, NumberRange, OptionTable};
+use vr_core::{Classification, Configurable, DeclaredOption, NumberRange, OptionTable};
 
 use crate::kernel::{Shape, SplatKernel};
-use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
+use crate::splatter::{Buffers, CompositingOrder, Splatter};
 
 /// The option that is refined.
 pub(crate) const SLICE_DISTANCE: &str = "slice-distance";
 
-impl Configurable for Splatting {
+impl Configurable for Splatter {
     fn options() -> OptionTable<Self> {
         let width = NumberRange::at_least(0.25).up_to(4.0);
         OptionTable::new(
@@ -24,7 +24,7 @@ impl Configurable for Splatting {
                 DeclaredOption::choice(
                     "classification",
                     "classify a sheet's values, or voxels and points before they are splatted (always, with buffers=samples)",
-                    [("values", Classification::Values), ("voxels", Classification::Voxels)],
+                    [("values", Classification::Post), ("voxels", Classification::Pre)],
                     |r: &Self| r.classification,
                     |r, classification| r.classification = classification,
                 ),
@@ -83,11 +83,11 @@ impl Configurable for Splatting {
                     SLICE_DISTANCE,
                     "distance of sheets parallel to the image, in smallest voxel edges, or in half mean radii of points; means over grids need sheets only where voxels are missing",
                     NumberRange::at_least(0.02).up_to(64.0),
-                    |r| r.slice_distance,
-                    |r, x| r.slice_distance = x,
+                    |r| r.slice_spacing,
+                    |r, x| r.slice_spacing = x,
                 )
                 .refuse("only sheets parallel to the image have a distance of their own: must be absent", |r| {
-                    r.slice_distance != Self::default().slice_distance && r.buffers != Buffers::Image
+                    r.slice_spacing != Self::default().slice_spacing && r.buffers != Buffers::Image
                 }),
                 DeclaredOption::number(
                     "low-pass",
@@ -99,7 +99,7 @@ impl Configurable for Splatting {
                 DeclaredOption::choice(
                     "order",
                     "order in which sheets are composited; back-to-front is for the volume's own sheets",
-                    [("front-to-back", SheetOrder::FrontToBack), ("back-to-front", SheetOrder::BackToFront)],
+                    [("front-to-back", CompositingOrder::FrontToBack), ("back-to-front", CompositingOrder::BackToFront)],
                     |r: &Self| r.order,
                     |r, order| r.order = order,
                 ),
@@ -111,7 +111,7 @@ impl Configurable for Splatting {
                     |r, x| r.termination = x,
                 )
                 .refuse("back to front, no pixel can end early: must be absent", |r| {
-                    r.order == SheetOrder::BackToFront && r.sets_termination()
+                    r.order == CompositingOrder::BackToFront && r.sets_termination()
                 }),
             ],
         )
@@ -129,11 +129,11 @@ mod tests {
         let kernel =
             SplatKernel { radius: 2.5, sigma: 0.9, width: [1.0, 2.0, 0.5], ..SplatKernel::new(Shape::Gaussian) };
         let all = [
-            Splatting::default(),
-            Splatting { buffers: Buffers::Axis, order: SheetOrder::BackToFront, ..Splatting::default() },
-            Splatting { buffers: Buffers::Samples, classification: Classification::Voxels, ..Splatting::default() },
-            Splatting { kernel, slice_distance: 0.3, low_pass: 1.0, termination: 1.0, ..Splatting::default() },
-            Splatting { kernel: SplatKernel::new(Shape::Sinc), ..Splatting::default() },
+            Splatter::default(),
+            Splatter { buffers: Buffers::Axis, order: CompositingOrder::BackToFront, ..Splatter::default() },
+            Splatter { buffers: Buffers::Samples, classification: Classification::Pre, ..Splatter::default() },
+            Splatter { kernel, slice_spacing: 0.3, low_pass: 1.0, termination: 1.0, ..Splatter::default() },
+            Splatter { kernel: SplatKernel::new(Shape::Sinc), ..Splatter::default() },
         ];
         for from in &all {
             for to in &all {
@@ -148,7 +148,7 @@ mod tests {
         for (key, value) in
             [("radius", 0.1), ("slice-distance", 0.001), ("width-y", 0.01), ("sigma", 0.0), ("termination", 0.0)]
         {
-            let error = Splatting::default().configure(&Options::new().with(key, value)).unwrap_err();
+            let error = Splatter::default().configure(&Options::new().with(key, value)).unwrap_err();
             assert!(error.to_string().contains(key), "{error}");
         }
     }
@@ -164,7 +164,7 @@ mod tests {
             (new().with("buffers", "samples").with("slice-distance", 0.5), "slice-distance"),
             (axis().with("order", "back-to-front").with("termination", 0.9), "termination"),
         ] {
-            let error = Splatting::default().configure(&idle).unwrap_err().to_string();
+            let error = Splatter::default().configure(&idle).unwrap_err().to_string();
             assert!(error.contains(key) && error.contains("absent"), "{error}");
         }
         let backwards = || axis().with("order", "back-to-front");
@@ -175,7 +175,7 @@ mod tests {
             backwards().with("termination", 0.9999),
             backwards().with("termination", 1.0),
         ] {
-            assert!(Splatting::default().configure(&fine).is_ok(), "{fine:?}");
+            assert!(Splatter::default().configure(&fine).is_ok(), "{fine:?}");
         }
     }
 }

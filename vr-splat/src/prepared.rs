@@ -12,6 +12,7 @@ use vr_core::{
 use vr_kernels::vector::Operator;
 
 use crate::bins::{Bins, Keys, TILE};
+use crate::capabilities::{check, check_view};
 use crate::classified::{Classified, Visible};
 use crate::finish::Picture;
 use crate::input::{SplatInput, offset, profile};
@@ -20,35 +21,34 @@ use crate::projection::SplatView;
 use crate::shading::Shader;
 use crate::sheets::{ImageSheets, OwnSheets};
 use crate::source::{GridSplats, PointSplats, Source, Spread};
-use crate::splatting::{Buffers, SheetOrder, Splatting};
-use crate::support::{check, check_view};
-use crate::tile::{Bounds, Classifier, Content, Met, Painter};
+use crate::splatter::{Buffers, CompositingOrder, Splatter};
+use crate::tile::{Bounds, Classifier, Content, FootprintKernel, Painter};
 use crate::visible::{CellBits, VisibleVoxels};
 
 /// The scene, what can be seen of it, and tables.
-pub(crate) struct PreparedSplatting {
-    renderer: Splatting,
+pub(crate) struct PreparedSplatter {
+    renderer: Splatter,
     scene: Scene,
     input: SplatInput,
     level: Level,
-    kernel: Met,
+    kernel: FootprintKernel,
     classified: Classified,
-    /// What was made since the last picture, and how long it took.
+    /// Stages since the last picture, and their times.
     stats: RenderStats,
 }
 
-impl PreparedSplatting {
-    pub(crate) fn new(renderer: Splatting, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+impl PreparedSplatter {
+    pub(crate) fn new(renderer: Splatter, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
         let input = check(&renderer, scene)?;
         control.check()?;
         let mut stats = RenderStats::default();
-        let kernel = stats.time("kernel", || Met::new(&profile(&renderer, &input)));
+        let kernel = stats.time("kernel", || FootprintKernel::new(&profile(&renderer, &input)));
         let classified = stats.time("classify", || control.run(|| Classified::new(&renderer, scene, &input)));
         Ok(Self { renderer, scene: scene.clone(), input, level: Level::new(), kernel, classified, stats })
     }
 }
 
-impl Prepared for PreparedSplatting {
+impl Prepared for PreparedSplatter {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
         let input = check(&self.renderer, scene)?;
         control.check()?;
@@ -92,19 +92,19 @@ impl Prepared for PreparedSplatting {
     }
 }
 
-/// What is drawn in a view, and where.
+/// A picture to draw: splats, and their view.
 struct Drawing<'a> {
     source: &'a dyn Source,
     splat_view: &'a SplatView,
     /// The axis of the volume's own sheets, and the layer of each.
     layers: Option<(usize, &'a [u32])>,
-    /// Where something can be seen at all, and the size of the grid.
+    /// Cells in which something can be seen at all, and the size of the grid.
     cells: Option<(&'a CellBits, [usize; 3])>,
 }
 
 /// Draws a grid, whatever its samples are.
 struct DrawGrid<'a> {
-    prepared: &'a PreparedSplatting,
+    prepared: &'a PreparedSplatter,
     grid: &'a GridVolume,
     voxels: &'a VisibleVoxels,
     view: &'a View,
@@ -131,7 +131,7 @@ impl LatticeVisitor for DrawGrid<'_> {
     }
 }
 
-impl PreparedSplatting {
+impl PreparedSplatter {
     fn draw_points(
         &self,
         points: &PointSet,
@@ -166,7 +166,7 @@ impl PreparedSplatting {
             SplatInput::Grid(grid) => Some(grid),
             SplatInput::Points(_) => None,
         };
-        let operator = Operator::new(scene.compositing, calibration, renderer.order == SheetOrder::BackToFront);
+        let operator = Operator::new(scene.compositing, calibration, renderer.order == CompositingOrder::BackToFront);
         // Where nothing is missing, a mean needs no sheets.
         let sums = operator == Operator::Average && grid.is_some_and(|grid| grid.vacuum_cells().is_none());
         let sheets = ImageSheets::new(renderer, &scene.volume, input, splat_view)?;
@@ -177,6 +177,7 @@ impl PreparedSplatting {
             scene.transfer.step(calibration.value(f64::from(stored)), f64::from(length)).map(|x| x as f32)
         };
         let shader = grid.and_then(|grid| Shader::new(scene, grid));
+        // Everything that tiles share.
         let painter = Painter {
             view: splat_view,
             bounds: Bounds {
@@ -217,12 +218,14 @@ impl PreparedSplatting {
             },
             level: self.level,
         };
+        // Order of the splats of a tile.
         let keys = match renderer.buffers {
             _ if sums => Keys::Own,
             Buffers::Image => Keys::Image { distance: sheets.distance, count: sheets.count },
             Buffers::Axis => Keys::Own,
             Buffers::Samples => Keys::Depth,
         };
+        // Tiles, in groups of rows whose splats fit into the memory allowed.
         let mut picture = Picture::new(scene, view, calibration);
         let [across, down] = splat_view.size.map(|n| n.div_ceil(TILE));
         let rows = rows_at_once(source.count(), down);
@@ -248,12 +251,12 @@ impl PreparedSplatting {
 }
 
 /// Bytes of splats that are held at once.
-const MOST_BYTES: u64 = 1 << 29;
+const MAX_BYTES: u64 = 1 << 29;
 /// Bytes of a splat, in its tiles and as it is sorted.
 const BYTES: u64 = 48;
 
-/// How many rows of tiles are drawn at once.
+/// Number of rows of tiles that are drawn at once.
 fn rows_at_once(splats: u64, rows: u32) -> u32 {
-    let parts = (splats * BYTES).div_ceil(MOST_BYTES).clamp(1, u64::from(rows));
+    let parts = (splats * BYTES).div_ceil(MAX_BYTES).clamp(1, u64::from(rows));
     rows.div_ceil(parts as u32)
 }

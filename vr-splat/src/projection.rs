@@ -24,7 +24,7 @@ pub(crate) struct SplatView {
     pub(crate) kernel: KernelSpace,
 }
 
-/// How kernel space, in which a kernel of scale 1 reaches to 1, lies to the view.
+/// Kernel space, in which a kernel of scale 1 reaches to 1, relative to the view.
 pub(crate) struct KernelSpace {
     /// Its image of the view's axes.
     pub(crate) axes: DMat3,
@@ -46,8 +46,8 @@ impl KernelSpace {
 const EVERYWHERE: f64 = 1e9;
 
 impl SplatView {
-    /// Of a view with its subpixels as pixels. `of_world` takes world vectors to kernel space; `bounds` hold all that is drawn, but for
-    /// what a low-pass of so many pixels adds.
+    /// Projection of a view with its subpixels as pixels. `of_world` takes world vectors to kernel space; `bounds` hold all that is drawn, but
+    /// for the margin that a low-pass of so many pixels adds.
     pub(crate) fn new(
         view: &View,
         unit: f64,
@@ -123,7 +123,7 @@ impl SplatView {
         self.pixel * self.samples * self.lever(z).abs()
     }
 
-    /// First and last pixel, column and row, whose centres a kernel may reach; `None` if no one's.
+    /// First and last pixel, column and row, whose centres a kernel may reach; `None` if there is none.
     #[inline]
     pub(crate) fn rectangle(&self, place: [f32; 3], scale: f32) -> Option<[u32; 4]> {
         let [x, y, z] = place.map(f64::from);
@@ -137,9 +137,9 @@ impl SplatView {
                 [-EVERYWHERE, EVERYWHERE, -EVERYWHERE, EVERYWHERE]
             } else {
                 let (a, b) = (1.0 / near, 1.0 / far);
-                let least = |v: f64| if v < 0.0 { v * a } else { v * b };
-                let most = |v: f64| if v > 0.0 { v * a } else { v * b };
-                [least(x - half.x), most(x + half.x), least(y - half.y), most(y + half.y)]
+                let min = |v: f64| if v < 0.0 { v * a } else { v * b };
+                let max = |v: f64| if v > 0.0 { v * a } else { v * b };
+                [min(x - half.x), max(x + half.x), min(y - half.y), max(y + half.y)]
             }
         } else {
             [x - half.x, x + half.x, y - half.y, y + half.y]

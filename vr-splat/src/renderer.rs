@@ -2,11 +2,11 @@
 
 use vr_core::{Control, Prepared, RenderError, Renderer, Scene, View};
 
-use crate::prepared::PreparedSplatting;
-use crate::splatting::Splatting;
-use crate::support::{check, check_view};
+use crate::capabilities::{check, check_view};
+use crate::prepared::PreparedSplatter;
+use crate::splatter::Splatter;
 
-impl Renderer for Splatting {
+impl Renderer for Splatter {
     fn name(&self) -> &'static str {
         Self::NAME
     }
@@ -17,6 +17,6 @@ impl Renderer for Splatting {
     }
 
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
-        Ok(Box::new(PreparedSplatting::new(self.clone(), scene, control)?))
+        Ok(Box::new(PreparedSplatter::new(self.clone(), scene, control)?))
     }
 }

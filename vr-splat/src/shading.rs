@@ -23,7 +23,7 @@ enum AnyField<'a> {
 }
 
 impl<'a> Shader<'a> {
-    /// Of a scene whose light is shaded.
+    /// Shader of a scene whose light is shaded.
     pub(crate) fn new(scene: &Scene, volume: &'a GridVolume) -> Option<Self> {
         let shading = Arc::clone(scene.reflection()?);
         fn field<T: Voxel>(grid: &UniformGrid<T>) -> Field<'_, T> {

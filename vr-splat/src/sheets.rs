@@ -1,25 +1,25 @@
-//! Where sheets lie: parallel to the image, or the volume's own.
+//! Positions of sheets: parallel to the image, or the volume's own.
 
 use glam::DVec3;
 use vr_core::{GridVolume, ParameterError, Projection, Scene, View, Volume};
 
 use crate::input::{SplatInput, kernel_space, unit};
 use crate::projection::SplatView;
-use crate::splatting::{Buffers, SheetOrder, Splatting};
+use crate::splatter::{Buffers, CompositingOrder, Splatter};
 
-/// The most sheets, and the most that one kernel may be in: they are held at once.
-const MOST_SHEETS: f64 = 1e6;
-const MOST_AT_ONCE: f64 = 2048.0;
+/// Largest number of sheets, and of those that one kernel may be in: they are held at once.
+const MAX_SHEETS: f64 = 1e6;
+const MAX_AT_ONCE: f64 = 2048.0;
 
 /// True if a grid's box cuts rays. Where values are classified in sheets parallel to the image, or averaged, it does, as in the canonical pixel; else
 /// kernels are integrated over all of space.
-pub(crate) fn is_boxed(renderer: &Splatting, input: &SplatInput) -> bool {
+pub(crate) fn is_boxed(renderer: &Splatter, input: &SplatInput) -> bool {
     matches!(input, SplatInput::Grid(_)) && renderer.buffers == Buffers::Image && !renderer.splats_light()
 }
 
 /// The view of all that may be drawn.
 pub(crate) fn splat_view(
-    renderer: &Splatting,
+    renderer: &Splatter,
     scene: &Scene,
     input: &SplatInput,
     view: &View,
@@ -46,18 +46,18 @@ pub(crate) struct ImageSheets {
     /// From one to the next, in the view's units.
     pub(crate) distance: f64,
     pub(crate) count: u32,
-    /// A power of two, no less than the most that one kernel is in.
+    /// A power of two, no less than the largest number that one kernel is in.
     pub(crate) ring: u32,
 }
 
 impl ImageSheets {
     pub(crate) fn new(
-        renderer: &Splatting,
+        renderer: &Splatter,
         volume: &Volume,
         input: &SplatInput,
         view: &SplatView,
     ) -> Result<Self, ParameterError> {
-        let distance = renderer.slice_distance;
+        let distance = renderer.slice_spacing;
         let (low, high) = volume.bounds();
         let corner = |i: usize| {
             let pick = |a: usize| if i >> a & 1 == 0 { low[a] } else { high[a] };
@@ -72,17 +72,17 @@ impl ImageSheets {
                 view.half_depth() * 1f64.hypot(low_pass * size)
             }
             SplatInput::Points(points) => {
-                let most = points.radii().iter().fold(0.0f32, |m, &r| m.max(r));
-                (f64::from(most) / view.unit).hypot(low_pass)
+                let max_radius = points.radii().iter().fold(0.0f32, |m, &r| m.max(r));
+                (f64::from(max_radius) / view.unit).hypot(low_pass)
             }
         };
         let (count, ring) = (((deepest + half) / distance).ceil() + 1.0, (2.0 * half / distance).ceil() + 2.0);
-        if renderer.buffers == Buffers::Image && (count > MOST_SHEETS || ring > MOST_AT_ONCE) {
+        if renderer.buffers == Buffers::Image && (count > MAX_SHEETS || ring > MAX_AT_ONCE) {
             let allowed = "must leave at most a million sheets, and every kernel in at most 2048 of them";
             return Err(ParameterError::new("render.slice-distance", distance, allowed));
         }
-        let count = count.min(MOST_SHEETS) as u32;
-        Ok(Self { distance, count, ring: (ring.min(MOST_AT_ONCE) as u32).min(count).next_power_of_two() })
+        let count = count.min(MAX_SHEETS) as u32;
+        Ok(Self { distance, count, ring: (ring.min(MAX_AT_ONCE) as u32).min(count).next_power_of_two() })
     }
 }
 
@@ -90,15 +90,15 @@ impl ImageSheets {
 pub(crate) struct OwnSheets {
     /// The axis that they are layers of.
     pub(crate) axis: usize,
-    /// Of each layer, when its turn comes.
+    /// Place of each layer in the order of compositing.
     pub(crate) order: Vec<u32>,
-    /// The layers in the order of their turns.
+    /// The layers in the order of compositing.
     pub(crate) layers: Vec<u32>,
 }
 
 impl OwnSheets {
     /// For the axis that the view goes most along, in voxels.
-    pub(crate) fn new(renderer: &Splatting, grid: &GridVolume, view: &View) -> Result<Self, ParameterError> {
+    pub(crate) fn new(renderer: &Splatter, grid: &GridVolume, view: &View) -> Result<Self, ParameterError> {
         let frame = view.camera.frame()?;
         let inverse = grid.placement().inverse_axes();
         let along = inverse * frame.z_axis;
@@ -111,7 +111,7 @@ impl OwnSheets {
         let mut layers: Vec<u32> = (0..grid.dims()[axis] as u32).collect();
         // Away from the eye, every ray goes one way: of two layers as near, none meets both.
         layers.sort_by(|&a, &b| (f64::from(a) - eye).abs().total_cmp(&(f64::from(b) - eye).abs()));
-        if renderer.order == SheetOrder::BackToFront {
+        if renderer.order == CompositingOrder::BackToFront {
             layers.reverse();
         }
         let mut order = vec![0; layers.len()];

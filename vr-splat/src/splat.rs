@@ -7,8 +7,8 @@ pub(crate) struct Splat {
     pub(crate) place: [f32; 3],
     /// Kernel space by view units, relative to the view's kernel: 1 over the radius, for points.
     pub(crate) scale: f32,
-    /// What the kernel of unit integral in kernel space is multiplied by.
+    /// Factor of the kernel of unit integral in kernel space.
     pub(crate) weight: f32,
-    /// A stored number, less the volume's smallest: sums of such round less.
+    /// Stored number, less the volume's smallest: sums of such numbers round less.
     pub(crate) value: f32,
 }

@@ -1,11 +1,11 @@
-//! What the renderer documents for a study of speed against error.
+//! Documentation of the renderer for a study of speed against error.
 
-use vr_core::{ConvergenceClaim, ConvergenceOrders, Documented, HardCaseErrors, NamedSetting};
+use vr_core::{Classification, ConvergenceClaim, ConvergenceOrders, Documented, HardCaseErrors, NamedSetting};
 
 use crate::hard_cases::ERRORS;
 use crate::kernel::{Shape, SplatKernel};
 use crate::options::SLICE_DISTANCE;
-use crate::splatting::{Buffers, Classification, Splatting};
+use crate::splatter::{Buffers, Splatter};
 
 /// Rounding of f32 kernels, tables and early termination together, on smooth scenes.
 const FLOOR: f64 = 3e-4;
@@ -14,14 +14,14 @@ const FLOOR_OF_ORDERS: f64 = 3e-7;
 /// Order in the distance of sheets parallel to the image, where nothing jumps: each takes the value in its middle.
 const ORDER: f64 = 2.0;
 
-impl Documented for Splatting {
+impl Documented for Splatter {
     /// Every way to gather splats, from coarse to fine.
     fn settings(&self) -> Vec<NamedSetting> {
         let named = |name: String, renderer: &Self, order| NamedSetting::new(name, renderer, order, FLOOR);
-        let image = |slice_distance: f64| Self { slice_distance, ..Self::default() };
+        let image = |slice_spacing: f64| Self { slice_spacing, ..Self::default() };
         let voxels = |buffers, shape| Self {
             buffers,
-            classification: Classification::Voxels,
+            classification: Classification::Pre,
             kernel: SplatKernel::new(shape),
             ..Self::default()
         };
@@ -63,19 +63,19 @@ mod tests {
 
     #[test]
     fn settings_are_distinct_and_can_be_set() {
-        let all = Splatting::default().settings();
+        let all = Splatter::default().settings();
         for (i, a) in all.iter().enumerate() {
-            assert!(Splatting::default().configure(&a.options).is_ok(), "{}", a.name);
+            assert!(Splatter::default().configure(&a.options).is_ok(), "{}", a.name);
             assert!(all[..i].iter().all(|b| b.name != a.name && b.options != a.options), "{}", a.name);
         }
     }
 
     #[test]
     fn what_is_claimed_can_be_refined() {
-        for claim in Splatting::default().convergence() {
+        for claim in Splatter::default().convergence() {
             for halvings in 0..5 {
                 let at = claim.coarsest / f64::from(1 << halvings);
-                assert!(Splatting::default().configure(&claim.options.clone().with(claim.key, at)).is_ok());
+                assert!(Splatter::default().configure(&claim.options.clone().with(claim.key, at)).is_ok());
             }
             assert!(!claim.options.0.contains_key(claim.key));
         }

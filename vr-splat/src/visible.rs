@@ -1,4 +1,4 @@
-//! Which voxels of a grid have to be splatted: air is never touched.
+//! Voxels of a grid that have to be splatted: air is never touched.
 
 use vr_core::filter::Lattice;
 use vr_core::parallel::collect;
@@ -9,14 +9,14 @@ use crate::bit_rows::{BitRows, Run};
 
 /// The voxels that matter, row by row, and the cells in which something can be seen.
 pub(crate) struct VisibleVoxels {
-    /// Of each layer z.
+    /// Runs of each layer z.
     pub(crate) layers: Vec<Vec<Run>>,
     /// `None`: every cell may show something.
     pub(crate) cells: Option<CellBits>,
 }
 
 impl VisibleVoxels {
-    /// How many voxels there are.
+    /// Number of voxels.
     pub(crate) fn count(&self) -> u64 {
         self.layers.iter().flatten().map(|run| u64::from(run.length)).sum()
     }
@@ -88,7 +88,7 @@ pub(crate) fn visible_levels(
     VisibleLevels::new(range, false, |from, to| values.shows(calibration.value(from), calibration.value(to)))
 }
 
-/// Whether a sample is missing, by its place among the samples.
+/// Test that is true if a voxel is missing, by its index among the voxels.
 pub(crate) fn missing(volume: &GridVolume) -> impl Fn(usize) -> bool + Sync + '_ {
     let floats = match volume.values() {
         AnyGrid::F32(grid) if volume.vacuum_cells().is_some() => Some(grid.samples()),
@@ -144,18 +144,18 @@ impl CellBits {
                     }
                 }
                 // Where all of a row is out of sight, no cell of it is looked at.
-                let least = row_low.iter().copied().fold(f32::INFINITY, f32::min);
-                let most = row_high.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-                let more = overshoot * (most - least);
-                if !levels.any(f64::from(least - more), f64::from(most + more)) {
+                let min = row_low.iter().copied().fold(f32::INFINITY, f32::min);
+                let max = row_high.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                let more = overshoot * (max - min);
+                if !levels.any(f64::from(min - more), f64::from(max + more)) {
                     continue;
                 }
                 for x in 0..nx - 1 {
                     let around = x.saturating_sub(other[0])..(x + 2 + other[0]).min(nx);
-                    let least = row_low[around.clone()].iter().copied().fold(f32::INFINITY, f32::min);
-                    let most = row_high[around].iter().copied().fold(f32::NEG_INFINITY, f32::max);
-                    let more = overshoot * (most - least);
-                    if levels.any(f64::from(least - more), f64::from(most + more))
+                    let min = row_low[around.clone()].iter().copied().fold(f32::INFINITY, f32::min);
+                    let max = row_high[around].iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                    let more = overshoot * (max - min);
+                    if levels.any(f64::from(min - more), f64::from(max + more))
                         && !vacuum.is_some_and(|v| v.is_vacuum([x, y, z]))
                     {
                         bits.set(x, y);
@@ -167,7 +167,7 @@ impl CellBits {
         Self { layers: collect(nz - 1, layer) }
     }
 
-    /// Whether anything can be seen in a cell that there is.
+    /// True if anything can be seen in a cell that there is.
     #[inline(always)]
     pub(crate) fn is_visible(&self, x: usize, y: usize, z: usize) -> bool {
         self.layers[z].is_set(x, y)

@@ -1,4 +1,4 @@
-//! What a voxel or point emits and absorbs, by its stored number.
+//! Emission and absorption of a voxel or point, by its stored number.
 
 use vr_core::{Calibration, TransferFunction};
 
@@ -13,7 +13,7 @@ pub(crate) struct VoxelOptics {
 /// Intervals over numbers that are no integers.
 const INTERVALS: usize = 8192;
 /// Integers that have a row each.
-const MOST_ROWS: f64 = 65536.0;
+const MAX_ROWS: f64 = 65536.0;
 /// Extinction times unit distance of what is opaque: nothing is seen through a thousandth of a kernel. More would make something of what rounding
 /// leaves at a kernel's edge.
 pub(crate) const OPAQUE: f64 = 1e4;
@@ -21,7 +21,7 @@ pub(crate) const OPAQUE: f64 = 1e4;
 impl VoxelOptics {
     pub(crate) fn new(transfer: &TransferFunction, calibration: Calibration, range: (f32, f32), integer: bool) -> Self {
         let (low, high) = (f64::from(range.0), f64::from(range.1));
-        let intervals = if integer && high - low < MOST_ROWS { (high - low).max(1.0) as usize } else { INTERVALS };
+        let intervals = if integer && high - low < MAX_ROWS { (high - low).max(1.0) as usize } else { INTERVALS };
         let spacing = if high > low { (high - low) / intervals as f64 } else { 1.0 };
         let row = |i: usize| optics_of(transfer, calibration.value(low + i as f64 * spacing)).map(|x| x as f32);
         Self {

@@ -1,7 +1,7 @@
 //! The checks that every renderer is put through.
 
 use proptest::strategy::Strategy;
-use vr_core::{Compositing, Documented, DocumentedError, Scene, View};
+use vr_core::{Classification, Compositing, Documented, DocumentedError, Scene, View};
 use vr_physics::cases::Case;
 use vr_physics::check::invariants::{
     forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
@@ -10,16 +10,16 @@ use vr_physics::check::invariants::{
 use vr_physics::check::strategies::tame_scene;
 use vr_physics::check::{self, CaseOutcome, CaseResult, Effort, HardCases, Refinement, TestScene, converges};
 use vr_physics::{Metrics, Reference};
-use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
+use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
-fn voxels(buffers: Buffers, shape: Shape) -> Splatting {
+fn voxels(buffers: Buffers, shape: Shape) -> Splatter {
     let kernel = SplatKernel::new(shape);
-    Splatting { buffers, classification: Classification::Voxels, kernel, ..Splatting::default() }
+    Splatter { buffers, classification: Classification::Pre, kernel, ..Splatter::default() }
 }
 
 #[test]
 fn survives_hard_cases() {
-    let renderer = Splatting::default();
+    let renderer = Splatter::default();
     let bound =
         |case: &Case| renderer.hard_case_errors().for_case(case.name).expect("every case has a documented error");
     let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
@@ -80,10 +80,10 @@ fn every_kernel_and_buffer_survives_hard_cases() {
         (Buffers::Axis, Shape::Sinc),
         (Buffers::Image, Shape::BSpline),
     ] {
-        for classification in [Classification::Values, Classification::Voxels] {
-            let renderer = Splatting { classification, ..voxels(buffers, shape) };
+        for classification in [Classification::Post, Classification::Pre] {
+            let renderer = Splatter { classification, ..voxels(buffers, shape) };
             let how = format!("{buffers:?} {shape:?} {classification:?}");
-            let image_values = buffers == Buffers::Image && classification == Classification::Values;
+            let image_values = buffers == Buffers::Image && classification == Classification::Post;
             // The largest error of what smooths may be anything: the RMSE says more.
             let bound = |case: &Case| DocumentedError::Rmse(rmse_bound(case.name, image_values));
             let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-5));
@@ -98,9 +98,9 @@ fn every_kernel_and_buffer_survives_hard_cases() {
 fn obeys_invariants() {
     let effort = Effort::cases(24);
     for renderer in [
-        Splatting::default(),
+        Splatter::default(),
         voxels(Buffers::Image, Shape::Gaussian),
-        Splatting { buffers: Buffers::Axis, kernel: SplatKernel::new(Shape::BSpline), ..Splatting::default() },
+        Splatter { buffers: Buffers::Axis, kernel: SplatKernel::new(Shape::BSpline), ..Splatter::default() },
         voxels(Buffers::Samples, Shape::Gaussian),
     ] {
         let mut reports = vec![
@@ -110,7 +110,7 @@ fn obeys_invariants() {
             ignores_threads(&renderer, &effort),
             forgets_earlier_frames(&renderer, &effort),
         ];
-        if renderer == Splatting::default() {
+        if renderer == Splatter::default() {
             reports.push(turns_with_its_data(&renderer, 1e-3, &effort));
         }
         for report in reports {
@@ -122,21 +122,20 @@ fn obeys_invariants() {
 
 #[test]
 fn converges_at_its_documented_order() {
-    for claim in Splatting::default().convergence() {
+    for claim in Splatter::default().convergence() {
         let refinement = Refinement {
             options: claim.options,
             floor: claim.floor,
             ..Refinement::new(claim.key, claim.orders.smooth)
         };
-        let found = converges(&Splatting::default(), &refinement, &Effort::cases(24));
+        let found = converges(&Splatter::default(), &refinement, &Effort::cases(24));
         println!("{}: {}", claim.name, found.unwrap_or_else(|e| panic!("{}: {e}", claim.name)));
     }
 }
 
 #[test]
 fn agrees_with_its_model_on_random_scenes() {
-    for renderer in [Splatting::default(), voxels(Buffers::Image, Shape::Gaussian), voxels(Buffers::Axis, Shape::Cone)]
-    {
+    for renderer in [Splatter::default(), voxels(Buffers::Image, Shape::Gaussian), voxels(Buffers::Axis, Shape::Cone)] {
         // Random transfer functions bend within a table's entry, and early termination leaves 10⁻⁴. What the others may be off by: see below.
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
@@ -161,12 +160,8 @@ fn other_operators_come_near_the_canonical_pixel() {
         (Compositing::Minimum, 0.24),
         (Compositing::Accumulate { level: 0.4 }, 0.2),
     ] {
-        let report = check::agrees_with_reference_on(
-            &Splatting::default(),
-            under(compositing),
-            |_, _| bound,
-            &Effort::cases(48),
-        );
+        let report =
+            check::agrees_with_reference_on(&Splatter::default(), under(compositing), |_, _| bound, &Effort::cases(48));
         let report = report.unwrap_or_else(|e| panic!("{compositing:?}: {e}"));
         println!(
             "{}: held {}, refused {}, worst {:.1e}",

@@ -5,8 +5,9 @@ mod common;
 use common::*;
 use glam::DVec3;
 use proptest::prelude::*;
+use vr_core::Classification;
 use vr_core::*;
-use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
+use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
 /// Emission that is the stored number, and nothing that absorbs.
 fn glowing(dims: [usize; 3], samples: Vec<f32>, spacing: [f64; 3]) -> Scene {
@@ -69,21 +70,21 @@ fn integral(scene: &Scene, kernel: &SplatKernel, ray: &Ray) -> f64 {
 }
 
 /// The largest difference between a picture and integrals at some of its pixels, by the largest integral.
-fn off(scene: &Scene, renderer: &Splatting, view: &View) -> f64 {
+fn off(scene: &Scene, renderer: &Splatter, view: &View) -> f64 {
     let frame = draw(renderer, scene, view).frame;
     let rays = Rays::new(view).unwrap();
-    let (mut worst, mut most) = (0.0f64, 0.0f64);
+    let (mut worst, mut max) = (0.0f64, 0.0f64);
     for pixel in (0..view.size[0] * view.size[1]).step_by(41) {
         let (x, y) = (pixel % view.size[0], pixel / view.size[0]);
         let want = integral(scene, &renderer.kernel, &rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5));
         let got = frame.pixels()[pixel as usize];
         worst = worst.max((f64::from(got[0]) - want).abs()).max((f64::from(got[1]) - 0.5 * want).abs());
-        most = most.max(want);
+        max = max.max(want);
     }
-    worst / most
+    worst / max
 }
 
-fn renderers() -> Vec<Splatting> {
+fn renderers() -> Vec<Splatter> {
     let mut all = Vec::new();
     for shape in Shape::ALL {
         for buffers in [Buffers::Image, Buffers::Axis, Buffers::Samples] {
@@ -92,15 +93,15 @@ fn renderers() -> Vec<Splatting> {
                 continue;
             }
             let kernel = SplatKernel::new(shape);
-            all.push(Splatting { buffers, classification: Classification::Voxels, kernel, ..Splatting::default() });
+            all.push(Splatter { buffers, classification: Classification::Pre, kernel, ..Splatter::default() });
         }
     }
     let elliptic = SplatKernel { width: [1.0, 1.4, 0.8], radius: 2.2, ..SplatKernel::new(Shape::Gaussian) };
-    all.push(Splatting {
+    all.push(Splatter {
         buffers: Buffers::Axis,
-        classification: Classification::Voxels,
+        classification: Classification::Pre,
         kernel: elliptic,
-        ..Splatting::default()
+        ..Splatter::default()
     });
     all
 }
@@ -142,7 +143,7 @@ proptest! {
         let total: f64 = samples.iter().map(|&s| f64::from(s)).sum::<f64>() * 0.8 * 1.5;
         let scene = glowing(dims, samples, [1.0, 0.8, 1.5]);
         let kernel = SplatKernel::new(shape);
-        let renderer = Splatting { buffers, classification: Classification::Voxels, kernel, ..Splatting::default() };
+        let renderer = Splatter { buffers, classification: Classification::Pre, kernel, ..Splatter::default() };
         // Wide enough for all kernels, and pixels of a fifth of a voxel.
         let (low, high) = scene.volume.bounds();
         let wide = (low - DVec3::splat(5.0), high + DVec3::splat(5.0));

@@ -3,8 +3,8 @@
 mod common;
 
 use common::*;
-use vr_core::{Control, Renderer, Scene, Shading};
-use vr_splat::{Buffers, Classification, Shape, SheetOrder, SplatKernel, Splatting};
+use vr_core::{Classification, Control, Renderer, Scene, Shading};
+use vr_splat::{Buffers, CompositingOrder, Shape, SplatKernel, Splatter};
 
 fn scenes() -> Vec<(&'static str, Scene)> {
     vec![
@@ -16,21 +16,21 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-fn renderers() -> Vec<(String, Splatting)> {
+fn renderers() -> Vec<(String, Splatter)> {
     let mut all = Vec::new();
     for shape in Shape::ALL {
-        for classification in [Classification::Values, Classification::Voxels] {
+        for classification in [Classification::Post, Classification::Pre] {
             for buffers in [Buffers::Image, Buffers::Axis, Buffers::Samples] {
                 let kernel = SplatKernel::new(shape);
-                let one = Splatting { buffers, classification, kernel, termination: 1.0, ..Splatting::default() };
+                let one = Splatter { buffers, classification, kernel, termination: 1.0, ..Splatter::default() };
                 all.push((format!("{shape:?} {classification:?} {buffers:?}"), one));
             }
         }
     }
-    let axis = Splatting { buffers: Buffers::Axis, termination: 1.0, ..Splatting::default() };
-    all.push(("back to front".to_owned(), Splatting { order: SheetOrder::BackToFront, ..axis.clone() }));
+    let axis = Splatter { buffers: Buffers::Axis, termination: 1.0, ..Splatter::default() };
+    all.push(("back to front".to_owned(), Splatter { order: CompositingOrder::BackToFront, ..axis.clone() }));
     all.push(("axis of values".to_owned(), axis));
-    all.push(("thin".to_owned(), Splatting { slice_distance: 0.3, termination: 1.0, ..Splatting::default() }));
+    all.push(("thin".to_owned(), Splatter { slice_spacing: 0.3, termination: 1.0, ..Splatter::default() }));
     all
 }
 
@@ -45,8 +45,7 @@ fn pictures_are_what_the_model_sums() {
                 }
                 if renderer.prepare(&scene, &Control::default()).is_err() {
                     assert!(
-                        name == "shaded" && renderer.classification == Classification::Voxels
-                            || how.contains("Samples")
+                        name == "shaded" && renderer.classification == Classification::Pre || how.contains("Samples")
                     );
                     continue;
                 }

@@ -5,10 +5,11 @@ mod common;
 use std::sync::Arc;
 
 use common::*;
+use vr_core::Classification;
 use vr_core::*;
 use vr_physics::Metrics;
 use vr_physics::check::FixedLayer;
-use vr_splat::{Buffers, Classification, Shape, SheetOrder, SplatKernel, Splatting};
+use vr_splat::{Buffers, CompositingOrder, Shape, SplatKernel, Splatter};
 
 const VIEWS: [(f64, f64, Option<f64>); 4] =
     [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(35.0)), (140.0, -30.0, Some(80.0))];
@@ -23,8 +24,8 @@ fn values_in_image_sheets_come_to_the_canonical_pixel() {
     for scene in [phantom_scene::<u8>("fog", 32, 1.0), phantom_scene::<f32>("hydrogen", 32, 1.0)] {
         for (azimuth, elevation, fov) in VIEWS {
             let view = view(&scene, azimuth, elevation, fov, 24);
-            let of = |slice_distance| {
-                to_truth(&Splatting { slice_distance, termination: 1.0, ..Splatting::default() }, &scene, &view).rmse
+            let of = |slice_spacing| {
+                to_truth(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
             };
             let (coarse, fine) = (of(1.0), of(0.25));
             println!("{azimuth} {fov:?}: {coarse:.1e} {fine:.1e}");
@@ -45,15 +46,16 @@ fn what_is_left_out_cannot_be_seen() {
     for shape in Shape::ALL {
         for buffers in [Buffers::Image, Buffers::Axis] {
             let kernel = SplatKernel::new(shape);
-            let renderer = Splatting { buffers, kernel, termination: 1.0, ..Splatting::default() };
+            let renderer = Splatter { buffers, kernel, termination: 1.0, ..Splatter::default() };
             let view = view(&scene, 33.0, 21.0, None, 64);
             let (some, all) = (draw(&renderer, &scene, &view), draw(&renderer, &everything, &view));
             let off = largest_difference(&some.frame, &all.frame);
             println!("{shape:?} {buffers:?}: {} of {}, {off:e}", some.stats.counts.samples, all.stats.counts.samples);
             assert!(off < 1e-5, "{shape:?} {buffers:?}: {off:e}");
             // The wider kernels are, the more voxels have a part in what can be seen.
-            let most = if shape == Shape::Bilinear { all.stats.counts.samples / 2 } else { all.stats.counts.samples };
-            assert!(some.stats.counts.samples < most);
+            let max_samples =
+                if shape == Shape::Bilinear { all.stats.counts.samples / 2 } else { all.stats.counts.samples };
+            assert!(some.stats.counts.samples < max_samples);
         }
     }
 }
@@ -61,9 +63,9 @@ fn what_is_left_out_cannot_be_seen() {
 #[test]
 fn back_to_front_is_front_to_back() {
     let scene = phantom_scene::<u16>("fog", 32, 1.0);
-    for classification in [Classification::Values, Classification::Voxels] {
-        let front = Splatting { buffers: Buffers::Axis, classification, termination: 1.0, ..Splatting::default() };
-        let back = Splatting { order: SheetOrder::BackToFront, ..front.clone() };
+    for classification in [Classification::Post, Classification::Pre] {
+        let front = Splatter { buffers: Buffers::Axis, classification, termination: 1.0, ..Splatter::default() };
+        let back = Splatter { order: CompositingOrder::BackToFront, ..front.clone() };
         for (azimuth, elevation, fov) in VIEWS {
             let view = view(&scene, azimuth, elevation, fov, 48);
             let off = largest_difference(&draw(&front, &scene, &view).frame, &draw(&back, &scene, &view).frame);
@@ -79,8 +81,8 @@ fn light_ends_behind_what_is_opaque() {
     let dense = TransferFunction::new(fog.transfer.points().to_vec(), OpacityRule::Power, 5e-4).unwrap();
     let scene = Scene { transfer: dense.into(), ..fog };
     for buffers in [Buffers::Image, Buffers::Axis, Buffers::Samples] {
-        let all = Splatting { buffers, termination: 1.0, ..Splatting::default() };
-        let early = Splatting { buffers, ..Splatting::default() };
+        let all = Splatter { buffers, termination: 1.0, ..Splatter::default() };
+        let early = Splatter { buffers, ..Splatter::default() };
         let view = view(&scene, 33.0, 21.0, None, 64);
         let (all, early) = (draw(&all, &scene, &view), draw(&early, &scene, &view));
         assert!(early.stats.counts.samples < all.stats.counts.samples / 2, "{buffers:?}");
@@ -94,8 +96,8 @@ fn light_ends_behind_what_is_opaque() {
 fn threads_and_samples_and_layers() {
     let scene = phantom_scene::<u8>("fog", 32, 1.0);
     for renderer in [
-        Splatting::default(),
-        Splatting { buffers: Buffers::Axis, kernel: SplatKernel::new(Shape::Gaussian), ..Splatting::default() },
+        Splatter::default(),
+        Splatter { buffers: Buffers::Axis, kernel: SplatKernel::new(Shape::Gaussian), ..Splatter::default() },
     ] {
         let plain = view(&scene, 33.0, 21.0, Some(30.0), 40);
         let on = |threads: usize, view: &View| {
@@ -121,7 +123,7 @@ fn threads_and_samples_and_layers() {
     let cut = Plane { normal: glam::DVec3::Z, offset: flat.camera.target.z };
     let clipped = View { clip: Clip { crop: None, planes: vec![cut] }, ..flat.clone() };
     let (behind, half) =
-        (draw(&Splatting::default(), &walled, &flat).frame, draw(&Splatting::default(), &scene, &clipped).frame);
+        (draw(&Splatter::default(), &walled, &flat).frame, draw(&Splatter::default(), &scene, &clipped).frame);
     for (a, b) in behind.pixels().iter().zip(half.pixels()) {
         assert!((0..3).all(|c| (a[c] - b[c]).abs() < 1e-6) && a[3] == 1.0);
     }
@@ -138,7 +140,7 @@ fn values_are_picked_as_by_the_reference() {
     ];
     for compositing in picks {
         let scene = Scene { compositing, ..scene.clone() };
-        let renderer = Splatting { slice_distance: 0.1, termination: 1.0, ..Splatting::default() };
+        let renderer = Splatter { slice_spacing: 0.1, termination: 1.0, ..Splatter::default() };
         for (azimuth, elevation, fov) in VIEWS {
             let view = view(&scene, azimuth, elevation, fov, 16);
             let truth = solve(&scene, &view, &Model::Canonical, 1e-7);
@@ -156,12 +158,12 @@ fn a_low_pass_keeps_the_light() {
     let scene = phantom_scene::<u8>("blobs", 48, 0.02);
     let camera = Camera::framing(scene.volume.bounds(), 33.0, 21.0, None);
     let total = |low_pass: f64, side: u32| {
-        let renderer = Splatting {
+        let renderer = Splatter {
             buffers: Buffers::Axis,
-            classification: Classification::Voxels,
+            classification: Classification::Pre,
             kernel: SplatKernel::new(Shape::Gaussian),
             low_pass,
-            ..Splatting::default()
+            ..Splatter::default()
         };
         let frame = draw(&renderer, &scene, &View::new(camera, [side; 2])).frame;
         frame.pixels().iter().map(|p| f64::from(p[3])).sum::<f64>() / f64::from(side * side)
@@ -175,47 +177,47 @@ fn a_low_pass_keeps_the_light() {
 fn what_cannot_be_drawn_is_said() {
     let scene = phantom_scene::<u8>("fog", 8, 1.0);
     let control = Control::default();
-    let refused = |renderer: Splatting, scene: &Scene| match renderer.prepare(scene, &control) {
+    let refused = |renderer: Splatter, scene: &Scene| match renderer.prepare(scene, &control) {
         Err(RenderError::Unsupported(Unsupported { renderer: "splat", what: feature, .. })) => feature,
         other => panic!("{:?}", other.map(|_| "prepared")),
     };
     let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
-    let voxels = Splatting { classification: Classification::Voxels, ..Splatting::default() };
+    let voxels = Splatter { classification: Classification::Pre, ..Splatter::default() };
     assert!(refused(voxels, &shaded).contains("shading"));
     let smooth = scene.with_filter(Filter::BSpline);
-    assert!(refused(Splatting::default(), &smooth).contains("kernel"));
+    assert!(refused(Splatter::default(), &smooth).contains("kernel"));
     let brightest = Scene { compositing: Compositing::Maximum, ..scene.clone() };
-    let axis = Splatting { buffers: Buffers::Axis, ..Splatting::default() };
+    let axis = Splatter { buffers: Buffers::Axis, ..Splatter::default() };
     assert!(refused(axis, &brightest).contains("maximum"));
-    assert!(refused(Splatting { termination: 0.5, ..Splatting::default() }, &brightest).contains("termination"));
-    assert!(refused(Splatting { order: SheetOrder::BackToFront, ..Splatting::default() }, &scene).contains("back"));
+    assert!(refused(Splatter { termination: 0.5, ..Splatter::default() }, &brightest).contains("termination"));
+    assert!(refused(Splatter { order: CompositingOrder::BackToFront, ..Splatter::default() }, &scene).contains("back"));
     let points = PointSet::new(vec![glam::DVec3::ZERO], vec![1.0], vec![1.0], vec![1.0], PointKernel::Cone).unwrap();
     let cloud = Scene { volume: points.into(), ..scene.clone() };
-    assert!(refused(Splatting { buffers: Buffers::Axis, ..Splatting::default() }, &cloud).contains("layers"));
+    assert!(refused(Splatter { buffers: Buffers::Axis, ..Splatter::default() }, &cloud).contains("layers"));
     let shape = |shape| SplatKernel::new(shape);
     for kernel in [
         shape(Shape::Gaussian),
         SplatKernel { radius: 2.0, ..SplatKernel::default() },
         SplatKernel { width: [1.0, 1.0, 2.0], ..SplatKernel::default() },
     ] {
-        let feature = refused(Splatting { kernel, ..Splatting::default() }, &cloud);
+        let feature = refused(Splatter { kernel, ..Splatter::default() }, &cloud);
         assert!(feature.contains("kernels of their own"), "{feature}");
     }
     let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
     let analytic = Scene { shading: Some(Arc::new(analytic)), ..scene.clone() };
-    assert!(refused(Splatting::default(), &analytic).contains("analytic"));
+    assert!(refused(Splatter::default(), &analytic).contains("analytic"));
     let surface = Scene { compositing: Compositing::First { threshold: 0.4 }, ..shaded.clone() };
-    assert!(refused(Splatting::default(), &surface).contains("first"));
+    assert!(refused(Splatter::default(), &surface).contains("first"));
     let placement = Placement::from_spacing([1.0; 3]).unwrap();
     let holed = UniformGrid::new([2; 3], vec![f32::NAN; 8], placement, Calibration::default()).unwrap();
     let holed = Scene { volume: holed.into(), ..shaded };
-    assert!(refused(Splatting::default(), &holed).contains("missing"));
+    assert!(refused(Splatter::default(), &holed).contains("missing"));
     // What follows the gradient thins what absorbs, whether or not what shines is given on its own.
     let modulated = Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::default() };
     let modulated = Scene { shading: Some(Arc::new(modulated)), ..scene.clone() };
-    assert!(refused(Splatting::default(), &modulated).contains("gradient"));
+    assert!(refused(Splatter::default(), &modulated).contains("gradient"));
     let glow = ControlPoint { emission: Some([1.0; 3]), ..ControlPoint::new(0.0, [1.0; 3], 0.5) };
     let transfer = TransferFunction::new(vec![glow], OpacityRule::Power, 1.0).unwrap();
     let glowing = Scene { transfer: Arc::new(transfer), ..modulated };
-    assert!(refused(Splatting::default(), &glowing).contains("gradient"));
+    assert!(refused(Splatter::default(), &glowing).contains("gradient"));
 }

@@ -4,9 +4,10 @@ mod common;
 
 use common::*;
 use glam::DVec3;
+use vr_core::Classification;
 use vr_core::phantom::{point_transfer_function, points_by_name};
 use vr_core::*;
-use vr_splat::{Buffers, Classification, Splatting};
+use vr_splat::{Buffers, Splatter};
 
 fn cloud(name: &str, count: usize) -> Scene {
     let (points, unit) = point_transfer_function(name).expect("a known phantom");
@@ -22,19 +23,19 @@ fn some(points: &[([f64; 3], f32, f32)], kernel: PointKernel) -> Volume {
 }
 
 /// Extinction and emission that are the field.
-fn linear(volume: Volume, most: f64, unit: f64) -> Scene {
-    let points = [0.0, most].map(|v| ControlPoint::new(v, [0.9, 0.6, 0.3], v / most)).to_vec();
+fn linear(volume: Volume, max: f64, unit: f64) -> Scene {
+    let points = [0.0, max].map(|v| ControlPoint::new(v, [0.9, 0.6, 0.3], v / max)).to_vec();
     Scene::new(volume, TransferFunction::new(points, OpacityRule::Extinction, unit).unwrap())
 }
 
-fn renderers() -> Vec<Splatting> {
-    let base = Splatting { termination: 1.0, ..Splatting::default() };
+fn renderers() -> Vec<Splatter> {
+    let base = Splatter { termination: 1.0, ..Splatter::default() };
     vec![
         base.clone(),
-        Splatting { slice_distance: 0.3, ..base.clone() },
-        Splatting { classification: Classification::Voxels, ..base.clone() },
-        Splatting { buffers: Buffers::Samples, ..base.clone() },
-        Splatting { low_pass: 1.0, ..base },
+        Splatter { slice_spacing: 0.3, ..base.clone() },
+        Splatter { classification: Classification::Pre, ..base.clone() },
+        Splatter { buffers: Buffers::Samples, ..base.clone() },
+        Splatter { low_pass: 1.0, ..base },
     ]
 }
 
@@ -64,8 +65,8 @@ fn thin_sheets_of_values_come_to_the_reference() {
     for scene in [cloud("plummer", 300), cloud("turbulence", 300)] {
         for (azimuth, elevation, fov) in [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0))] {
             let view = view(&scene, azimuth, elevation, fov, 16);
-            let of = |slice_distance| {
-                to_truth(&Splatting { slice_distance, termination: 1.0, ..Splatting::default() }, &scene, &view).rmse
+            let of = |slice_spacing| {
+                to_truth(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
             };
             let errors = [1.0, 0.5, 0.25, 0.125].map(of);
             println!("{azimuth}: {errors:.1?}");
@@ -83,7 +84,7 @@ fn one_point_and_many_at_one_place() {
         let split = [([1.0, 2.0, 3.0], 0.7, 2.0); 4];
         let four = linear(some(&split, kernel), 10.0, 1.0);
         let view = view(&one, 10.0, 20.0, None, 33);
-        let renderer = Splatting { slice_distance: 0.05, termination: 1.0, ..Splatting::default() };
+        let renderer = Splatter { slice_spacing: 0.05, termination: 1.0, ..Splatter::default() };
         let [a, b] = [&one, &four].map(|scene| draw(&renderer, scene, &view).frame);
         for (a, b) in a.pixels().iter().zip(b.pixels()) {
             assert!((0..4).all(|c| (a[c] - b[c]).abs() < 1e-6), "{kernel}");
@@ -100,8 +101,7 @@ fn one_point_and_many_at_one_place() {
     }
     // A point that carries nothing shows nothing.
     let none = linear(some(&[([0.0; 3], 1.0, 0.0)], PointKernel::Cone), 1.0, 1.0);
-    let blank =
-        Splatting::default().prepare(&none, &control).unwrap().render(&view(&none, 0.0, 0.0, None, 8), &control);
+    let blank = Splatter::default().prepare(&none, &control).unwrap().render(&view(&none, 0.0, 0.0, None, 8), &control);
     assert!(blank.unwrap().frame.pixels().iter().all(|p| *p == [0.0; 4]));
 }
 
@@ -115,7 +115,7 @@ fn an_eye_among_points_sees_what_is_ahead() {
         projection: Projection::Perspective { fov: 80.0 },
     };
     let view = View::new(camera, [16, 16]);
-    let renderer = Splatting { slice_distance: 0.1, termination: 1.0, ..Splatting::default() };
+    let renderer = Splatter { slice_spacing: 0.1, termination: 1.0, ..Splatter::default() };
     let m = to_truth(&renderer, &scene, &view);
     println!("{m}");
     assert!(m.rmse < 2e-3, "{m}");
@@ -128,7 +128,7 @@ fn values_are_picked_as_by_the_reference() {
     let scene = cloud("turbulence", 300);
     for compositing in [Compositing::Maximum, Compositing::Average, Compositing::Accumulate { level: 0.2 }] {
         let scene = Scene { compositing, ..scene.clone() };
-        let renderer = Splatting { slice_distance: 0.05, termination: 1.0, ..Splatting::default() };
+        let renderer = Splatter { slice_spacing: 0.05, termination: 1.0, ..Splatter::default() };
         let view = view(&scene, 33.0, 21.0, None, 16);
         let m = to_truth(&renderer, &scene, &view);
         println!("{}: {m}", compositing.name());
@@ -142,7 +142,7 @@ fn threads_make_no_difference() {
     let view = view(&scene, 33.0, 21.0, Some(40.0), 70);
     let on = |threads: usize| {
         let control = Control::default().with_threads(threads);
-        Splatting::default().prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame
+        Splatter::default().prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame
     };
     assert_eq!(on(1), on(3));
 }
@@ -153,13 +153,13 @@ fn total_emission_is_what_points_carry() {
     let points = points_by_name("plummer", 500).unwrap();
     let total: f64 = points.weights().iter().zip(points.values()).map(|(&w, &v)| f64::from(w) * f64::from(v)).sum();
     let glow = |v: f64| ControlPoint { emission: Some([v, 0.0, 0.0]), ..ControlPoint::new(v, [0.0; 3], 0.0) };
-    let most = 10.0 * points.count() as f64;
-    let transfer = TransferFunction::new(vec![glow(0.0), glow(most)], OpacityRule::Extinction, 1.0).unwrap();
+    let max = 10.0 * points.count() as f64;
+    let transfer = TransferFunction::new(vec![glow(0.0), glow(max)], OpacityRule::Extinction, 1.0).unwrap();
     let scene = Scene::new(points.into(), transfer);
     for (azimuth, elevation) in [(0.0, 0.0), (33.0, 21.0), (-100.0, 70.0)] {
         let view = view(&scene, azimuth, elevation, None, 300);
         let Projection::Orthographic { height } = view.camera.projection else { unreachable!("no fov") };
-        let renderer = Splatting { low_pass: 3.0, termination: 1.0, ..Splatting::default() };
+        let renderer = Splatter { low_pass: 3.0, termination: 1.0, ..Splatter::default() };
         let frame = draw(&renderer, &scene, &view).frame;
         let seen = frame.pixels().iter().map(|p| f64::from(p[0])).sum::<f64>() * (height / 300.0) * (height / 300.0);
         println!("{azimuth}: {seen} for {total}");
@@ -173,9 +173,9 @@ fn random_clouds_are_what_the_model_sums() {
     use vr_physics::check::strategies::tame_point_scene;
     use vr_physics::check::{Effort, agrees_with_its_model};
     for renderer in [
-        Splatting::default(),
-        Splatting { classification: Classification::Voxels, ..Splatting::default() },
-        Splatting { buffers: Buffers::Samples, ..Splatting::default() },
+        Splatter::default(),
+        Splatter { classification: Classification::Pre, ..Splatter::default() },
+        Splatter { buffers: Buffers::Samples, ..Splatter::default() },
     ] {
         // Early termination leaves 10⁻⁴, and a table of the transfer function what bends within an entry. Of values that are picked there is no model.
         let bound = |scene: &Scene, _: &View| {
@@ -197,7 +197,7 @@ fn a_low_pass_loses_nothing_of_the_nearest_point() {
     let projection = Projection::Orthographic { height: 24.0 };
     let camera =
         Camera { eye: DVec3::new(0.3, 0.2, 50.0), target: DVec3::new(0.3, 0.2, 0.0), up: DVec3::Y, projection };
-    let renderer = Splatting { low_pass: 4.0, termination: 1.0, ..Splatting::default() };
+    let renderer = Splatter { low_pass: 4.0, termination: 1.0, ..Splatter::default() };
     let frame = draw(&renderer, &scene, &View::new(camera, [24, 24])).frame;
     let seen: f64 = frame.pixels().iter().map(|p| f64::from(p[0])).sum();
     // Four pixels to the edge: what their centres miss is a few thousandths.

@@ -1,15 +1,15 @@
 //! Random scenes of every kind: errors fall with the step, models and updates hold.
 
-use vr_core::{Compositing, Scene, View};
+use vr_core::{Classification, Compositing, Scene, View};
 use vr_physics::Reference;
 use vr_physics::check::invariants::update_is_prepare;
 use vr_physics::check::strategies::{Kind, scene_of};
 use vr_physics::check::{Effort, Falling, agrees_with_its_model, errors_fall};
-use vr_splat::{Buffers, Classification, Shape, SplatKernel, Splatting};
+use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
-fn voxels(buffers: Buffers, shape: Shape) -> Splatting {
+fn voxels(buffers: Buffers, shape: Shape) -> Splatter {
     let kernel = SplatKernel::new(shape);
-    Splatting { buffers, classification: Classification::Voxels, kernel, ..Splatting::default() }
+    Splatter { buffers, classification: Classification::Pre, kernel, ..Splatter::default() }
 }
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
@@ -20,7 +20,7 @@ fn few(kinds: &[Kind]) -> Effort {
 fn errors_of(kinds: &[Kind]) {
     // Sheets are no closer than 0.02. Tables of some thousand entries, and rounding.
     let falling = Falling { ratio: 6.0, floor: 3e-4, ..Falling::new("slice-distance") };
-    for table in errors_fall(&Splatting::default(), &falling, &few(kinds)).unwrap_or_else(|e| panic!("{e}")) {
+    for table in errors_fall(&Splatter::default(), &falling, &few(kinds)).unwrap_or_else(|e| panic!("{e}")) {
         println!("{table}");
     }
 }
@@ -36,7 +36,7 @@ fn errors_fall_with_the_step_whatever_is_hard() {
 }
 
 fn agrees_with_its_model_on(kinds: &[Kind]) {
-    for renderer in [Splatting::default(), voxels(Buffers::Image, Shape::Gaussian)] {
+    for renderer in [Splatter::default(), voxels(Buffers::Image, Shape::Gaussian)] {
         // Under the other operators the model is the scene itself, which errors fall towards.
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 3e-4 } else { f64::INFINITY }
@@ -54,7 +54,7 @@ fn agrees_with_its_model_whatever_is_hard() {
 
 #[test]
 fn an_update_is_a_new_preparation() {
-    for renderer in [Splatting::default(), voxels(Buffers::Axis, Shape::BSpline)] {
+    for renderer in [Splatter::default(), voxels(Buffers::Axis, Shape::BSpline)] {
         for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
             println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
         }

@@ -169,8 +169,8 @@ mod tests {
         let renderers: Vec<Box<dyn StudiedRenderer>> = vec![
             Box::new(vr_raycast::RayCaster::default()),
             Box::new(vr_shearwarp::ShearWarp::default()),
-            Box::new(vr_texslice::TexSlice::default()),
-            Box::new(vr_splat::Splatting::default()),
+            Box::new(vr_texslice::TextureSlicer::default()),
+            Box::new(vr_splat::Splatter::default()),
             Box::new(vr_physics::Reference::default()),
         ];
         let control = Control::default();

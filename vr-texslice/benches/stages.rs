@@ -1,33 +1,33 @@
-//! What pictures take, by texture, slices and order, one thread: `cargo bench -p vr-texslice --bench stages`.
+//! Time of pictures, by texture, slices and order, one thread: `cargo bench -p vr-texslice --bench stages`.
 //!
-//! Volumes of 128³ samples; `VR_BENCH_SIZE=256` another size.
+//! Volumes of 128³ voxels; `VR_BENCH_SIZE=256` another size.
 
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode};
 use vr_core::phantom::{self};
 use vr_core::{Camera, Control, Renderer, Scene, View};
-use vr_texslice::{Format, Order, Proxy, TexSlice};
+use vr_texslice::{DrawOrder, Format, Proxy, TextureSlicer};
 
 fn scene(name: &str, n: usize) -> Scene {
     let phantom = phantom::by_name(name).expect("a known phantom");
     phantom::sampled_scene::<u8>(&*phantom, n, 1.0).expect("a valid size")
 }
 
-fn settings() -> Vec<(&'static str, TexSlice)> {
-    let brute = TexSlice { slice_distance: 1.0, ..TexSlice::brute_force() };
-    let of = |format| TexSlice { format, ..brute.clone() };
+fn settings() -> Vec<(&'static str, TextureSlicer)> {
+    let brute = TextureSlicer { slice_spacing: 1.0, ..TextureSlicer::brute_force() };
+    let of = |format| TextureSlicer { format, ..brute.clone() };
     vec![
         ("planes", brute.clone()),
-        ("planes, skipping and ending", TexSlice { slice_distance: 1.0, ..TexSlice::default() }),
-        ("shells", TexSlice { proxy: Proxy::Shells, ..brute.clone() }),
-        ("stacks", TexSlice { proxy: Proxy::Stacks, ..brute.clone() }),
+        ("planes, skipping and ending", TextureSlicer { slice_spacing: 1.0, ..TextureSlicer::default() }),
+        ("shells", TextureSlicer { proxy: Proxy::Shells, ..brute.clone() }),
+        ("stacks", TextureSlicer { proxy: Proxy::Stacks, ..brute.clone() }),
         ("pre-integrated", of(Format::PreIntegrated)),
         ("compressed", of(Format::Compressed)),
         ("rgba", of(Format::Rgba)),
         ("paletted", of(Format::Paletted)),
-        ("bricks of 32", TexSlice { brick: Some(32), ..brute.clone() }),
-        ("slice by slice", TexSlice { order: Order::Slices, ..brute }),
+        ("bricks of 32", TextureSlicer { brick: Some(32), ..brute.clone() }),
+        ("slice by slice", TextureSlicer { order: DrawOrder::Slices, ..brute }),
     ]
 }
 

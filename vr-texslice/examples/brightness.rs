@@ -1,4 +1,4 @@
-//! How brightness changes as a volume turns, in parallel projection and in perspective.
+//! Changes of brightness as a volume turns, in parallel projection and in perspective.
 //!
 //! `cargo run --release -p vr-texslice --example brightness -- [KEY=VALUE ...]`; the keys and their defaults:
 //!
@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use vr_core::phantom::{self};
 use vr_core::{Camera, Control, Model, Renderer, Scene, View};
 use vr_physics::Reference;
-use vr_texslice::{Format, Proxy, TexSlice};
+use vr_texslice::{Format, Proxy, TextureSlicer};
 
 fn scene(name: &str, n: usize, opacity: f64) -> Scene {
     let phantom = phantom::by_name(name).expect("a known phantom");
@@ -40,14 +40,14 @@ fn main() {
     let number = |key: &str| -> f64 { keys[key].parse().unwrap_or_else(|_| panic!("{key}: no number")) };
     let control = Control::default();
     let angles = number("angles") as u32;
-    let plain = TexSlice { slice_distance: number("distance"), ..TexSlice::default() };
+    let plain = TextureSlicer { slice_spacing: number("distance"), ..TextureSlicer::default() };
     let settings = [
         ("planes", plain.clone()),
-        ("planes, uncorrected", TexSlice { correction: false, ..plain.clone() }),
-        ("shells", TexSlice { proxy: Proxy::Shells, ..plain.clone() }),
-        ("pre-integrated", TexSlice { format: Format::PreIntegrated, ..plain.clone() }),
-        ("stacks", TexSlice { proxy: Proxy::Stacks, ..plain.clone() }),
-        ("stacks, uncorrected", TexSlice { proxy: Proxy::Stacks, correction: false, ..plain }),
+        ("planes, uncorrected", TextureSlicer { correction: false, ..plain.clone() }),
+        ("shells", TextureSlicer { proxy: Proxy::Shells, ..plain.clone() }),
+        ("pre-integrated", TextureSlicer { format: Format::PreIntegrated, ..plain.clone() }),
+        ("stacks", TextureSlicer { proxy: Proxy::Stacks, ..plain.clone() }),
+        ("stacks, uncorrected", TextureSlicer { proxy: Proxy::Stacks, correction: false, ..plain }),
     ];
     println!("| scene | setting | bias farthest from 0 | at | largest step |\n|---|---|--:|--:|--:|");
     for name in keys["scenes"].split(',') {

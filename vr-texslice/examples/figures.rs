@@ -5,7 +5,7 @@
 use vr_core::phantom::{self};
 use vr_core::*;
 use vr_physics::{Metrics, Reference, fit_order};
-use vr_texslice::{Format, Proxy, TexSlice};
+use vr_texslice::{Format, Proxy, TextureSlicer};
 
 fn phantom_scene(name: &str, n: usize) -> Scene {
     let phantom = phantom::by_name(name).expect("a known phantom");
@@ -38,15 +38,15 @@ fn truth(scene: &Scene, view: &View) -> Vec<[f64; 4]> {
     solution.expect("a view that it can solve").pixels.iter().map(|p| p.rgba).collect()
 }
 
-fn error(renderer: &TexSlice, scene: &Scene, view: &View, truth: &[[f64; 4]]) -> (Metrics, Counts) {
+fn error(renderer: &TextureSlicer, scene: &Scene, view: &View, truth: &[[f64; 4]]) -> (Metrics, Counts) {
     let control = Control::default();
     let drawn = renderer.prepare(scene, &control).and_then(|mut p| p.render(view, &control)).expect("can be drawn");
     (Metrics::of(truth, drawn.frame.pixels()), drawn.stats.counts)
 }
 
 fn main() {
-    let brute = TexSlice::brute_force();
-    let with = |format, proxy, slice_distance| TexSlice { format, proxy, slice_distance, ..brute.clone() };
+    let brute = TextureSlicer::brute_force();
+    let with = |format, proxy, slice_spacing| TextureSlicer { format, proxy, slice_spacing, ..brute.clone() };
 
     println!("Orders of convergence: RMSE at slices 1, ½, ¼, ⅛, 1/16 of a voxel apart, and the order fitted to it.\n");
     println!("| scene | setting | RMSE | order |\n|---|---|---|--:|");
@@ -96,14 +96,14 @@ fn main() {
     for name in ["fog", "hydrogen", "blobs", "shells"] {
         let scene = phantom_scene(name, 64);
         let view = view(&scene, None, 256);
-        let drawn = |renderer: &TexSlice| {
+        let drawn = |renderer: &TextureSlicer| {
             let control = Control::default();
             let picture = renderer.prepare(&scene, &control).and_then(|mut p| p.render(&view, &control));
             picture.expect("can be drawn").stats.counts.samples as f64
         };
         let all = drawn(&brute);
-        let skipping = drawn(&TexSlice { skip: true, ..brute.clone() }) / all;
-        let ending = drawn(&TexSlice::default()) / all;
+        let skipping = drawn(&TextureSlicer { skip_empty_space: true, ..brute.clone() }) / all;
+        let ending = drawn(&TextureSlicer::default()) / all;
         println!("| {name} | {:.0} % | {:.0} % |", 100.0 * skipping, 100.0 * ending);
     }
 }

@@ -69,7 +69,7 @@ pub(crate) struct Pool<T> {
     resident: VecDeque<([usize; 3], Vec<T>)>,
     bytes: u64,
     limit: u64,
-    /// The most bytes there ever were, and how many textures were filled.
+    /// Largest number of bytes held so far, and number of textures filled.
     pub(crate) peak: u64,
     pub(crate) uploads: u64,
 }

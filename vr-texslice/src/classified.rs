@@ -5,7 +5,7 @@ use vr_core::parallel::each_part;
 use vr_core::{GridVolume, ParameterError, Scene, View, Voxel, gradient_at_sample, with_grid};
 
 use crate::slices::Slices;
-use crate::tex_slice::Format;
+use crate::texture_slicer::Format;
 
 /// A texture of light, or of what a palette turns into light.
 pub(crate) enum Classified {
@@ -14,17 +14,17 @@ pub(crate) enum Classified {
     Indices { texels: Vec<u8>, palette: Box<[[f32; 4]; 256]> },
 }
 
-/// Of 256 indices the one that stands for a missing sample.
+/// Index, of 256, that stands for a missing voxel.
 const MISSING: u8 = 255;
 
-/// What classification depends on: the length of a slab, and the direction of a view where something is shaded.
+/// Key of a texture of light: the length of a slab, and the direction of a view where something is shaded.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Made {
+pub(crate) struct TextureKey {
     pub(crate) length: f64,
     pub(crate) forward: Option<[f64; 3]>,
 }
 
-impl Made {
+impl TextureKey {
     /// For a view.
     ///
     /// # Errors
@@ -48,8 +48,8 @@ impl Classified {
     }
 
     /// Classifies every voxel for slabs of a length, or makes its index and a palette.
-    pub(crate) fn new(format: Format, scene: &Scene, volume: &GridVolume, made: &Made) -> Self {
-        let light = |stored: f64, index: [usize; 3]| light_of(scene, volume, made, stored, index);
+    pub(crate) fn new(format: Format, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Self {
+        let light = |stored: f64, index: [usize; 3]| texel_light(scene, volume, made, stored, index);
         match format {
             Format::Rgba => Self::Rgba(each(volume, light)),
             Format::LuminanceAlpha => Self::Luminance(each(volume, |stored, index| {
@@ -65,7 +65,7 @@ impl Classified {
     }
 
     /// Takes a new transfer function or length over, where that needs no look at voxels.
-    pub(crate) fn recolor(&mut self, scene: &Scene, volume: &GridVolume, made: &Made) {
+    pub(crate) fn recolor(&mut self, scene: &Scene, volume: &GridVolume, made: &TextureKey) {
         if let Self::Indices { palette, .. } = self {
             *palette = Codes::of(volume).palette(scene, volume, made);
         }
@@ -73,7 +73,13 @@ impl Classified {
 }
 
 /// Light and opacity of a voxel, NaN where it is missing.
-pub(crate) fn light_of(scene: &Scene, volume: &GridVolume, made: &Made, stored: f64, index: [usize; 3]) -> [f32; 4] {
+pub(crate) fn texel_light(
+    scene: &Scene,
+    volume: &GridVolume,
+    made: &TextureKey,
+    stored: f64,
+    index: [usize; 3],
+) -> [f32; 4] {
     if stored.is_nan() {
         return [f32::NAN; 4];
     }
@@ -91,7 +97,7 @@ pub(crate) fn light_of(scene: &Scene, volume: &GridVolume, made: &Made, stored: 
     shading.along(&scene.lights, forward.into()).shade(light, world.to_array()).map(|x| x as f32)
 }
 
-/// Whether voxels are shaded, which a view's direction is needed for.
+/// True if voxels are shaded, which a view's direction is needed for.
 pub(crate) fn is_shaded(format: Format, scene: &Scene) -> bool {
     matches!(format, Format::Rgba | Format::LuminanceAlpha) && scene.reflection().is_some()
 }
@@ -115,7 +121,7 @@ fn each<X: Send + Copy + Default>(volume: &GridVolume, texel: impl Fn(f64, [usiz
     all
 }
 
-/// How stored numbers become indices: bytes as they are; anything else by the nearest of 255 levels over its range, one index standing for missing samples.
+/// Indices of stored numbers: bytes as they are; anything else by the nearest of 255 levels over its range, one index standing for missing voxels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Codes {
     low: f64,
@@ -138,19 +144,19 @@ impl Codes {
     }
 
     /// Light and opacity of every index.
-    fn palette(&self, scene: &Scene, volume: &GridVolume, made: &Made) -> Box<[[f32; 4]; 256]> {
+    fn palette(&self, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Box<[[f32; 4]; 256]> {
         let holes = volume.value_stats().nan + volume.value_stats().infinite > 0;
         let entry = |i: usize| {
             let missing = holes && i == usize::from(MISSING);
             let stored = if missing { f64::NAN } else { self.low + i as f64 * self.step };
-            light_of(scene, volume, &Made { forward: None, ..*made }, stored, [0; 3])
+            texel_light(scene, volume, &TextureKey { forward: None, ..*made }, stored, [0; 3])
         };
         Box::new(std::array::from_fn(entry))
     }
 
     /// The light that a palette has for a stored number.
-    pub(crate) fn light(&self, scene: &Scene, volume: &GridVolume, made: &Made, stored: f64) -> [f32; 4] {
+    pub(crate) fn light(&self, scene: &Scene, volume: &GridVolume, made: &TextureKey, stored: f64) -> [f32; 4] {
         let level = if stored.is_nan() { stored } else { self.low + f64::from(self.index(stored)) * self.step };
-        light_of(scene, volume, &Made { forward: None, ..*made }, level, [0; 3])
+        texel_light(scene, volume, &TextureKey { forward: None, ..*made }, level, [0; 3])
     }
 }

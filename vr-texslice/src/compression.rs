@@ -9,7 +9,7 @@ const EDGE: usize = 4;
 /// Texels of a block.
 const TEXELS: usize = EDGE * EDGE * EDGE;
 
-/// A volume in blocks of 4³ texels: the least and the largest value of each, and for every texel one of 8 levels between them (of bytes; of 16 for wider
+/// A volume in blocks of 4³ texels: the smallest and the largest value of each, and for every texel one of 8 levels between them (of bytes; of 16 for wider
 /// types). So do the formats BC4 and 3Dc of graphics cards over squares of 4².
 ///
 /// Stored as a card would, end points in the type of the samples: 26 bytes for 64 of bytes, 36 for 128 of 16-bit integers, 40 for 256 of floats. An error is at
@@ -22,7 +22,7 @@ pub(crate) struct Compressed {
     bits: u32,
     /// Bytes of an end point where it is stored.
     end_bytes: usize,
-    /// The least value of each block, and from one level to the next.
+    /// The smallest value of each block, and from one level to the next.
     ends: Vec<[f32; 2]>,
     /// One number a texel, block by block: 8 bytes for 16 texels of 4 bits, 24 for 64 of 3.
     levels: Vec<u64>,
@@ -61,7 +61,7 @@ impl Compressed {
         corners
     }
 
-    /// Of 3 bits, 21 levels share a word but for the last of the block's three, which holds 22: levels run on across words.
+    /// Level of a texel. Of 3 bits, 21 levels share a word but for the last of the block's three, which holds 22: levels run on across words.
     #[inline(always)]
     fn level(&self, block: usize, texel: usize) -> u64 {
         let words = self.bits as usize;

@@ -8,7 +8,7 @@ use crate::draw::{Pixel, State};
 use crate::fragments::Fragments;
 use crate::model::{Gradient, Stored};
 
-/// What that takes.
+/// Inputs of that.
 pub(crate) struct Finish<'a> {
     pub(crate) operator: Operator,
     pub(crate) scene: &'a Scene,
@@ -19,7 +19,7 @@ pub(crate) struct Finish<'a> {
 const HALVINGS: u32 = 30;
 
 impl Finish<'_> {
-    /// Whether pixels have a depth.
+    /// True if pixels have a depth.
     pub(crate) fn has_depth(&self) -> bool {
         matches!(self.operator, Operator::Under { .. } | Operator::First { .. })
     }

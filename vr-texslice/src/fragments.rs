@@ -6,7 +6,7 @@ use vr_kernels::vector::{Chords, LANES, Lanes};
 
 use crate::slices::{Slabs, Slices};
 
-/// What the pixels of a view share.
+/// Inputs that the pixels of a view share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Setup<'a> {
     pub(crate) rays: &'a Rays,
@@ -16,7 +16,7 @@ pub(crate) struct Setup<'a> {
     pub(crate) slices: &'a Slices,
     /// Texture coordinate c is the index along axis `axes[c]`.
     pub(crate) axes: [usize; 3],
-    /// Whether samples are wanted where slabs end, and not in the middle of what a ray has of them.
+    /// True if samples are at the ends of slabs, and not in the middle of a ray's part of them.
     pub(crate) on_faces: bool,
 }
 
@@ -148,6 +148,7 @@ impl Setup<'_> {
                 (out.has[0].0[i], out.has[1].0[i]) = (0.0, 0.0);
                 continue;
             }
+            // The ray in texture coordinates, and its slabs.
             let origin: [f64; 3] = std::array::from_fn(|a| chords.origin[self.axes[a]][i]);
             let direction: [f64; 3] = std::array::from_fn(|a| chords.direction[self.axes[a]][i]);
             let coordinate = self.slices.coordinate(
@@ -159,10 +160,12 @@ impl Setup<'_> {
             let several = slabs.last > slabs.first;
             let middle = (0.5 * (slabs.first + slabs.last)).floor();
             let (first_end, last_begin) = (slabs.first_end(), slabs.last_begin());
+            // Lengths of the samples' slabs, in table lengths.
             let ratio = |length: f64| self.slices.ratio(length, slabs.slope) as f32;
             out.outer_ratio[0].0[i] = ratio(first_end - start);
             out.outer_ratio[1].0[i] = ratio(end - last_begin);
             out.ratio.0[i] = if self.slices.are_even() { 1.0 } else { ratio(1.0 / slabs.slope) };
+            // Distances of the first and the last sample, and the slab coordinate of the one numbered 0.
             let (outer, number) = if self.on_faces {
                 ([start, end], middle + 0.5)
             } else {
@@ -175,6 +178,7 @@ impl Setup<'_> {
             out.has[1].0[i] = f32::from(u8::from(several || self.on_faces));
             // A ray along its only slab: that is number 0 to 1.
             let (base, step) = if several { (slabs.distance_of(number), 1.0 / slabs.slope) } else { (start, 0.0) };
+            // From numbers to distances, and to texture coordinates.
             let scale = if several { step } else { end - start };
             out.distance[0][i] = chords.offset[i] + base;
             out.distance[1][i] = scale;

@@ -33,12 +33,12 @@ pub(crate) const ERRORS: [(&str, DocumentedError); 15] = [
 mod tests {
     use vr_core::Documented;
 
-    use crate::tex_slice::TexSlice;
+    use crate::texture_slicer::TextureSlicer;
 
     #[test]
     fn bounds_belong_to_the_default() {
-        assert!(TexSlice::default().hard_case_errors().for_case("opaque-wall").is_some());
-        assert_eq!(TexSlice::brute_force().hard_case_errors().for_case("opaque-wall"), None);
-        assert_eq!(TexSlice::default().hard_case_errors().for_case("easy"), None);
+        assert!(TextureSlicer::default().hard_case_errors().for_case("opaque-wall").is_some());
+        assert_eq!(TextureSlicer::brute_force().hard_case_errors().for_case("opaque-wall"), None);
+        assert_eq!(TextureSlicer::default().hard_case_errors().for_case("easy"), None);
     }
 }

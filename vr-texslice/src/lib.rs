@@ -5,19 +5,19 @@
 //! 1. **Set-up**, in f64: where slices are ([`Proxy`]), and what of each pixel's ray lies between the middles of two neighbours: a slab. Slabs are cut by the
 //!    box, the clip and an opaque layer, so the first and the last of a ray are as short as they are, and nothing of the ray is left out.
 //! 2. **Proxy geometry** ([`geometry`]): the polygons in which slices cut a box, the footprints of slabs, and their pixels, by the top-left rule. They decide
-//!    what is drawn where the picture is made slice by slice ([`Order::Slices`]); tile by tile, each pixel's own chord says the same.
+//!    what is drawn where the picture is made slice by slice ([`DrawOrder::Slices`]); tile by tile, each pixel's own chord says the same.
 //! 3. **Fetch**: sixteen pixels at a time, from a texture of values, of light, of palette indices, or of compressed blocks ([`Format`]).
 //! 4. **Classification**, by tables that are off by less than rounding or not used at all; **shading**; and **blending** ([`Blend`], or the scene's own
 //!    compositing) of each pixel's fragments in their order.
 //!
-//! What counts for the picture is the order of fragments on each pixel. So the default takes all slices of sixteen pixels, then the next sixteen: the
+//! The picture depends on the order of fragments on each pixel alone. So the default takes all slices of sixteen pixels, then the next sixteen: the
 //! same bits as slice after slice across the picture, without the picture going through the caches once a slice.
 //!
 //! # Example
 //! A homogeneous slab, two units thick, of opacity ½ a unit: the pixel is known.
 //! ```
 //! use vr_core::*;
-//! use vr_texslice::TexSlice;
+//! use vr_texslice::TextureSlicer;
 //!
 //! let grid = UniformGrid::new([3; 3], vec![100u8; 27], Placement::from_spacing([1.0; 3])?, Calibration::default())?;
 //! let half_red = ControlPoint::new(0.0, [1.0, 0.0, 0.0], 0.5);
@@ -25,7 +25,7 @@
 //! let scene = Scene::new(grid.into(), transfer);
 //!
 //! let control = Control::default();
-//! let mut prepared = TexSlice { slice_distance: 0.7, ..TexSlice::default() }.prepare(&scene, &control)?;
+//! let mut prepared = TextureSlicer { slice_spacing: 0.7, ..TextureSlicer::default() }.prepare(&scene, &control)?;
 //! let camera = Camera::framing(scene.volume.bounds(), 0.0, 0.0, None);
 //! let picture = prepared.render(&View::new(camera, [5, 5]), &control)?;
 //!
@@ -48,7 +48,7 @@
 //! | shells | between spheres about the eye | always |
 //! | stacks | between the volume's own layers (or parts of one), along the axis that the view crosses most of | in parallel projection |
 //!
-//! Where they are not, opacity is corrected fragment by fragment; [`TexSlice::correction`] turns that off, to show what then becomes of brightness.
+//! If they are not, opacity is corrected fragment by fragment; [`TextureSlicer::correction`] turns that off, to show what then becomes of brightness.
 //!
 //! # What a change forces
 //! | format | bytes a voxel | a new transfer function | a new view |
@@ -61,7 +61,7 @@
 //! | paletted | 1 | 256 entries | nothing |
 //!
 //! [`RenderStats::stages`](vr_core::RenderStats::stages) of the next picture tells what had to be made, and how long it took: `table`, `palette`, `classify`,
-//! `compress`, `stack`; what was there already is not listed. Textures, tables apart, stay within [`TexSlice::budget`], or there is a typed error; [bricks](TexSlice::brick) come and go within it.
+//! `compress`, `stack`; what was there already is not listed. Textures, tables apart, stay within [`TextureSlicer::budget`], or there is a typed error; [bricks](TextureSlicer::brick) come and go within it.
 //!
 //! # Accuracy
 //! Against the canonical pixel, errors fall with the distance of slices by the order 2 where field and transfer function are continuous, of planes, shells and
@@ -71,12 +71,13 @@
 //!
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; filters other than the trilinear one; analytic gradients, and opacity that
-//! follows the gradient; shading of volumes with missing samples, of segments, palettes and compressed textures, and in perspective of voxels that are classified
+//! follows the gradient; shading of volumes with missing voxels, of segments, palettes and compressed textures, and in perspective of voxels that are classified
 //! beforehand, or of luminance alone by lights of a colour; values picked from textures of light, or back to front; `first` but through 3D textures that are not compressed; stacks but of values; bricks and
 //! whole slices but of unshaded values in 3D textures, under `over`, front to back; whole slices that are shells. Depths are told of `over` and `accumulate`, front to
 //! back, and of `first`. `maximum` and `minimum` are of samples.
 
 mod bricks;
+mod capabilities;
 mod classified;
 mod compression;
 mod draw;
@@ -92,10 +93,9 @@ mod projection;
 mod renderer;
 mod slices;
 mod study;
-mod support;
 mod tables;
-mod tex_slice;
 mod texture;
+mod texture_slicer;
 mod textures;
 
-pub use tex_slice::{Blend, Format, Order, Proxy, TexSlice};
+pub use texture_slicer::{Blend, DrawOrder, Format, Proxy, TextureSlicer};

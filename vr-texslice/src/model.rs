@@ -1,4 +1,4 @@
-//! What the renderer sums, told for any ray, in f64: a sample for each slab, without tables.
+//! The renderer's model for any ray, in f64: a sample for each slab, without tables.
 
 use std::sync::Arc;
 
@@ -10,15 +10,15 @@ use vr_core::{
 };
 use vr_kernels::tables::PreIntegrated;
 
-use crate::classified::{Codes, Made, light_of};
+use crate::classified::{Codes, TextureKey, texel_light};
 use crate::compression::Compressed;
 use crate::slices::{Slabs, Slices};
 use crate::tables::segments;
-use crate::tex_slice::{Format, TexSlice};
+use crate::texture_slicer::{Format, TextureSlicer};
 
 /// The sum over slabs.
 pub(crate) struct SliceModel {
-    renderer: TexSlice,
+    renderer: TextureSlicer,
     scene: Scene,
     view: View,
     layer: Option<Layer>,
@@ -27,20 +27,21 @@ pub(crate) struct SliceModel {
     slices: Slices,
     segments: Option<PreIntegrated<f64>>,
     compressed: Option<Arc<Compressed>>,
-    /// What texels of light are made for.
-    made: Option<Made>,
+    /// Key of the texels of light.
+    made: Option<TextureKey>,
 }
 
 impl SliceModel {
     pub(crate) fn new(
-        renderer: &TexSlice,
+        renderer: &TextureSlicer,
         (scene, volume): (&Scene, &Arc<GridVolume>),
         view: &View,
         compressed: Option<Arc<Compressed>>,
     ) -> Result<Self, RenderError> {
         let on_faces = renderer.is_pre_integrated();
         let slices = Slices::new(renderer, view, volume.placement(), volume.dims(), on_faces)?;
-        let made = if renderer.holds_light() { Some(Made::new(renderer.format, scene, view, &slices)?) } else { None };
+        let made =
+            if renderer.holds_light() { Some(TextureKey::new(renderer.format, scene, view, &slices)?) } else { None };
         Ok(Self {
             renderer: renderer.clone(),
             scene: scene.clone(),
@@ -90,7 +91,7 @@ struct Along<'a> {
 }
 
 impl Along<'_> {
-    /// Where the texture is read for a distance.
+    /// Index at which the texture is read for a distance.
     fn index(&self, s: f64) -> [f64; 3] {
         let dims = self.volume.dims();
         let mut at = self.part.at(s).to_array();
@@ -127,7 +128,7 @@ impl Along<'_> {
     }
 
     /// Light and opacity of a slab, from texels that hold those of one as long as tables are made for.
-    fn light(&self, s: f64, made: &Made, length: f64) -> [f64; 4] {
+    fn light(&self, s: f64, made: &TextureKey, length: f64) -> [f64; 4] {
         let (scene, volume) = (&self.model.scene, self.volume);
         let dims = volume.dims();
         let codes = (self.model.renderer.format == Format::Paletted).then(|| Codes::of(volume));
@@ -139,7 +140,7 @@ impl Along<'_> {
             let stored = vr_core::with_grid!(volume.values(), g => number(g.samples(), at));
             match codes {
                 Some(codes) => codes.light(scene, volume, made, stored),
-                None => light_of(scene, volume, made, stored, index),
+                None => texel_light(scene, volume, made, stored, index),
             }
             .map(f64::from)
         };

@@ -15,7 +15,7 @@ impl Occupancy {
     /// voxels.
     pub(crate) const EDGE: usize = 8;
 
-    /// Of a volume's ranges, by what is visible between two stored numbers; texture coordinate c is the index along axis `axes[c]`. `None` where
+    /// Occupancy of a volume's ranges, by what is visible between two stored numbers; texture coordinate c is the index along axis `axes[c]`. `None` where
     /// something is visible in every block.
     pub(crate) fn new(ranges: &RangeBlocks, axes: [usize; 3], visible: impl Fn(f32, f32) -> bool) -> Option<Self> {
         let blocks = axes.map(|a| ranges.blocks()[a]);
@@ -33,7 +33,7 @@ impl Occupancy {
         (!all.iter().all(|&v| v)).then_some(Self { blocks, visible: all })
     }
 
-    /// Whether nothing is visible in a box of cells, given by its first and last cell along each axis.
+    /// True if nothing is visible in a box of cells, given by its first and last cell along each axis.
     pub(crate) fn is_empty(&self, cells: [[usize; 2]; 3]) -> bool {
         let [x, y, z] = cells.map(|[low, high]| low / Self::EDGE..high / Self::EDGE + 1);
         z.into_iter().all(|z| {

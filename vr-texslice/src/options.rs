@@ -2,12 +2,12 @@
 
 use vr_core::{Configurable, DeclaredOption, NumberRange, OptionTable};
 
-use crate::tex_slice::{Blend, Format, Order, Proxy, TexSlice};
+use crate::texture_slicer::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
 /// The option that is refined.
 pub(crate) const SLICE_DISTANCE: &str = "slice-distance";
 
-impl Configurable for TexSlice {
+impl Configurable for TextureSlicer {
     fn options() -> OptionTable<Self> {
         OptionTable::new(
             Self::NAME,
@@ -23,8 +23,8 @@ impl Configurable for TexSlice {
                     SLICE_DISTANCE,
                     "distance of slices in smallest voxel edges; of stacks in layers: one, or a whole part of one",
                     NumberRange::at_least(0.01).up_to(64.0),
-                    |r| r.slice_distance,
-                    |r, x| r.slice_distance = x,
+                    |r| r.slice_spacing,
+                    |r, x| r.slice_spacing = x,
                 ),
                 DeclaredOption::choice(
                     "format",
@@ -50,15 +50,15 @@ impl Configurable for TexSlice {
                 DeclaredOption::choice(
                     "order",
                     "drawing order: all slices of a few pixels after the other, or a whole slice after the other, as graphics cards do",
-                    [("tiles", Order::Tiles), ("slices", Order::Slices)],
+                    [("tiles", DrawOrder::Tiles), ("slices", DrawOrder::Slices)],
                     |r: &Self| r.order,
                     |r, order| r.order = order,
                 ),
                 DeclaredOption::switch(
                     "skip",
                     "leave out blocks in which nothing can be visible",
-                    |r| r.skip,
-                    |r, on| r.skip = on,
+                    |r| r.skip_empty_space,
+                    |r, on| r.skip_empty_space = on,
                 ),
                 DeclaredOption::<Self>::number(
                     "termination",
@@ -104,12 +104,17 @@ mod tests {
     #[test]
     fn every_renderer_survives_the_way_through_options() {
         let all = [
-            TexSlice::default(),
-            TexSlice::brute_force(),
-            TexSlice { proxy: Proxy::Shells, slice_distance: 0.3, ..TexSlice::default() },
-            TexSlice { proxy: Proxy::Stacks, format: Format::PreIntegrated, correction: false, ..TexSlice::default() },
-            TexSlice { blend: Blend::BackToFront, order: Order::Slices, ..TexSlice::default() },
-            TexSlice { brick: Some(32), budget: 4.0, format: Format::Paletted, ..TexSlice::default() },
+            TextureSlicer::default(),
+            TextureSlicer::brute_force(),
+            TextureSlicer { proxy: Proxy::Shells, slice_spacing: 0.3, ..TextureSlicer::default() },
+            TextureSlicer {
+                proxy: Proxy::Stacks,
+                format: Format::PreIntegrated,
+                correction: false,
+                ..TextureSlicer::default()
+            },
+            TextureSlicer { blend: Blend::BackToFront, order: DrawOrder::Slices, ..TextureSlicer::default() },
+            TextureSlicer { brick: Some(32), budget: 4.0, format: Format::Paletted, ..TextureSlicer::default() },
         ];
         for from in &all {
             for to in &all {
@@ -125,7 +130,7 @@ mod tests {
         for (key, value) in
             [("slice-distance", 0.005), ("termination", 0.0), ("budget", 0.0), ("brick", 7.0), ("brick", 9.5)]
         {
-            let error = TexSlice::default().configure(&Options::new().with(key, value)).unwrap_err();
+            let error = TextureSlicer::default().configure(&Options::new().with(key, value)).unwrap_err();
             assert!(error.to_string().contains(key), "{error}");
         }
     }
@@ -133,11 +138,15 @@ mod tests {
     #[test]
     fn an_early_end_back_to_front_is_refused_where_it_is_set() {
         let ending = |at: f64| Options::new().with("blend", "back-to-front").with("termination", at);
-        let error = TexSlice::default().configure(&ending(0.9)).unwrap_err().to_string();
+        let error = TextureSlicer::default().configure(&ending(0.9)).unwrap_err().to_string();
         assert!(error.contains("termination") && error.contains("back to front"), "{error}");
-        assert!(TexSlice { blend: Blend::BackToFront, termination: 0.9, ..TexSlice::default() }.validate().is_err());
+        assert!(
+            TextureSlicer { blend: Blend::BackToFront, termination: 0.9, ..TextureSlicer::default() }
+                .validate()
+                .is_err()
+        );
         for fine in [0.9999, 1.0] {
-            assert!(TexSlice::default().configure(&ending(fine)).is_ok());
+            assert!(TextureSlicer::default().configure(&ending(fine)).is_ok());
         }
     }
 }

@@ -14,39 +14,39 @@ use vr_kernels::ranges::{RangeBlocks, Visibility};
 use vr_kernels::vector::{Operator, PacketShading, Pairs, Rows};
 
 use crate::bricks::{BrickLattice, Pool};
-use crate::classified::{Classified, Made};
+use crate::capabilities::{check, check_view};
+use crate::classified::{Classified, TextureKey};
 use crate::compression::Compressed;
-use crate::draw::{Bricked, Classifier, Pass, Pixel, Scene16, draw_slices, draw_tiles};
+use crate::draw::{Bricked, Classifier, PacketScene, Pass, Pixel, draw_slices, draw_tiles};
 use crate::finish::Finish;
 use crate::fragments::Setup;
 use crate::model::SliceModel;
 use crate::occupancy::Occupancy;
 use crate::slices::Slices;
-use crate::support::{check, check_view};
 use crate::tables::Tables;
-use crate::tex_slice::{Blend, Format, Order, TexSlice};
 use crate::texture::{Blocks, Indices, Light, Luminance, Rgba, Texture, Voxels};
+use crate::texture_slicer::{Blend, DrawOrder, Format, TextureSlicer};
 use crate::textures::{Stacks, axes_of_stack, hold};
 
 /// The scene, its textures, and what is kept from picture to picture.
-pub(crate) struct PreparedTexSlice {
-    renderer: TexSlice,
+pub(crate) struct PreparedTextureSlicer {
+    renderer: TextureSlicer,
     scene: Scene,
     volume: Arc<GridVolume>,
     level: Level,
     tables: Tables,
     stacks: Stacks,
     /// A texture of light, and what it was made for; `None`: for a scene that has changed since.
-    classified: Option<(Option<Made>, Classified)>,
+    classified: Option<(Option<TextureKey>, Classified)>,
     compressed: Option<Arc<Compressed>>,
-    /// Of the volume's sample type.
+    /// Pool of bricks of the volume's sample type.
     pool: Option<Box<dyn Any + Send>>,
-    /// What was made since the last picture, and how long it took.
+    /// Stages since the last picture, and their times.
     stats: RenderStats,
 }
 
-impl PreparedTexSlice {
-    pub(crate) fn new(renderer: TexSlice, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+impl PreparedTextureSlicer {
+    pub(crate) fn new(renderer: TextureSlicer, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
         let volume = check(&renderer, scene)?;
         control.check()?;
         let mut stats = RenderStats::default();
@@ -72,7 +72,7 @@ impl PreparedTexSlice {
 
     /// Blocks in which something can be visible; `None` where all of them are drawn.
     fn occupancy(&self, volume: &GridVolume, operator: Operator, axes: [usize; 3]) -> Option<Occupancy> {
-        if !self.renderer.skip || operator.picks() {
+        if !self.renderer.skip_empty_space || operator.picks() {
             return None;
         }
         let ranges = RangeBlocks::of_volume(volume, Occupancy::EDGE);
@@ -85,7 +85,7 @@ impl PreparedTexSlice {
     }
 }
 
-impl Prepared for PreparedTexSlice {
+impl Prepared for PreparedTextureSlicer {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
         let volume = check(&self.renderer, scene)?;
         control.check()?;
@@ -120,8 +120,10 @@ impl Prepared for PreparedTexSlice {
         // Extremes and crossings are wanted where rays enter and leave, too.
         let finds = matches!(operator, Operator::Extreme { .. } | Operator::First { .. });
         let on_faces = finds || (self.renderer.is_pre_integrated() && !operator.picks());
+        // Slices of the view, and tables for their slabs.
         let slices = Slices::new(&self.renderer, view, volume.placement(), volume.dims(), on_faces)?;
         time_if_made(&mut stats, "table", || Ok(self.tables.tabulate(&scene, volume, slices.table_length())))?;
+        // The texture that these slices need.
         let axes = slices.axis().map_or([0, 1, 2], axes_of_stack);
         match slices.axis() {
             Some(axis) => {
@@ -131,6 +133,7 @@ impl Prepared for PreparedTexSlice {
             None if self.compressed.is_some() || self.renderer.brick.is_some() => {}
             None => hold("the volume's texture", volume.sample_bytes() as u64, self.renderer.bytes())?,
         }
+        // Blocks to leave out, and shading and classification of fragments.
         let occupancy = stats.time("cull", || self.occupancy(volume, operator, axes));
         let shading =
             scene.reflection().filter(|_| scene.compositing.integrates_light() && !self.renderer.holds_light());
@@ -147,14 +150,15 @@ impl Prepared for PreparedTexSlice {
         let classifier = match &self.tables.segments {
             _ if operator.picks() => Classifier::Values,
             Some(table) => {
-                let most = || scene.transfer.brightest_color_by_channel().map(|c| c as f32);
-                let brightest = (!scene.transfer.has_emission()).then(most);
+                let max = || scene.transfer.brightest_color_by_channel().map(|c| c as f32);
+                let brightest = (!scene.transfer.has_emission()).then(max);
                 Classifier::Segments { table, brightest }
             }
             None if self.renderer.holds_light() => Classifier::Done { even },
             None if !tables.baked.resolves() => Classifier::Exact(&exact),
             None => Classifier::Table { rows: Rows::new(&tables.baked), optics: &tables.optics, even },
         };
+        // Everything that pixels share.
         let setup = Setup {
             rays: &rays,
             placement: volume.placement(),
@@ -166,7 +170,7 @@ impl Prepared for PreparedTexSlice {
         };
         let finish = Finish { operator, scene: &scene, volume };
         let job = Job {
-            scene: Scene16 {
+            scene: PacketScene {
                 view,
                 layer: layer.as_ref(),
                 setup,
@@ -190,12 +194,13 @@ impl Prepared for PreparedTexSlice {
             },
             control,
         };
+        // The picture, brick by brick or through one texture.
         let (pixels, counts) = match self.renderer.brick {
             Some(edge) => {
                 let pool = &mut self.pool;
                 stats.time("draw", || {
                     draw_bricks(&job, volume, edge as usize, self.renderer.bytes(), pool, |low, high| {
-                        !self.renderer.skip || tables.visibility.shows(low, high)
+                        !self.renderer.skip_empty_space || tables.visibility.shows(low, high)
                     })
                 })?
             }
@@ -233,7 +238,7 @@ fn time_if_made(
 
 /// A picture to draw.
 struct Job<'a> {
-    scene: Scene16<'a>,
+    scene: PacketScene<'a>,
     control: &'a Control,
 }
 
@@ -277,7 +282,7 @@ impl Job<'_> {
     }
 }
 
-impl PreparedTexSlice {
+impl PreparedTextureSlicer {
     /// Makes the texture of light for a view, unless there is one that serves.
     fn classify(
         &mut self,
@@ -290,7 +295,7 @@ impl PreparedTexSlice {
     ) -> Result<(), RenderError> {
         let format = self.renderer.format;
         hold("the texture of light", Classified::bytes(format, volume), self.renderer.bytes())?;
-        let made = Made::new(format, scene, view, slices)?;
+        let made = TextureKey::new(format, scene, view, slices)?;
         match &mut self.classified {
             Some((of, _)) if *of == Some(made) => {}
             Some((of, texture @ Classified::Indices { .. })) => {
@@ -325,7 +330,7 @@ impl PreparedTexSlice {
             Some((_, Classified::Indices { texels, palette })) => {
                 job.through(&Light { texels: Indices { texels, palette }, dims })
             }
-            None if self.renderer.order == Order::Slices => with_grid!(volume.values(), g => {
+            None if self.renderer.order == DrawOrder::Slices => with_grid!(volume.values(), g => {
                 draw_slices(&job.scene, &Lattice { samples: g.samples(), dims: g.dims() }, job.control)
             }),
             None => with_grid!(volume.values(), g => {

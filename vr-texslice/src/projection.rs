@@ -3,9 +3,9 @@
 use glam::{DMat3, DVec2, DVec3};
 use vr_core::{ParameterError, Projection, View};
 
-/// Where points of the world are on a view's screen, in pixels from its top left corner.
+/// Projection of points of the world onto a view's screen, in pixels from its top left corner.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Screen {
+pub(crate) struct ScreenProjection {
     eye: DVec3,
     frame: DMat3,
     size: [f64; 2],
@@ -14,7 +14,7 @@ pub(crate) struct Screen {
     perspective: bool,
 }
 
-impl Screen {
+impl ScreenProjection {
     /// # Errors
     /// A camera that makes no sense.
     pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
@@ -31,7 +31,7 @@ impl Screen {
         self.frame.z_axis.dot(point - self.eye)
     }
 
-    /// Where a point is seen; in perspective it must lie before the eye.
+    /// Position of a point on the screen; in perspective it must lie before the eye.
     pub(crate) fn at(&self, point: DVec3) -> DVec2 {
         let arm = point - self.eye;
         let depth = if self.perspective { self.frame.z_axis.dot(arm) } else { 1.0 };
@@ -63,7 +63,7 @@ impl Screen {
     pub(crate) fn slabs(&self, corners: &[DVec3; 8], distance: f64) -> impl Iterator<Item = [f64; 2]> {
         let middle = self.frame.z_axis.dot(0.5 * (corners[0] + corners[7]));
         let along = corners.map(|c| self.frame.z_axis.dot(c) - middle);
-        let reach = along.into_iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+        let reach = along.into_iter().fold(0.0, |max: f64, d| max.max(d.abs()));
         let last = (reach / distance + 0.5).floor() as i64;
         let eye = self.frame.z_axis.dot(self.eye);
         // In perspective, what is in the plane through the eye is nowhere on the screen.

@@ -2,11 +2,11 @@
 
 use vr_core::{Control, Prepared, RenderError, Renderer, Scene, View};
 
-use crate::prepared::PreparedTexSlice;
-use crate::support::{check, check_view};
-use crate::tex_slice::TexSlice;
+use crate::capabilities::{check, check_view};
+use crate::prepared::PreparedTextureSlicer;
+use crate::texture_slicer::TextureSlicer;
 
-impl Renderer for TexSlice {
+impl Renderer for TextureSlicer {
     fn name(&self) -> &'static str {
         Self::NAME
     }
@@ -20,6 +20,6 @@ impl Renderer for TexSlice {
     }
 
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
-        Ok(Box::new(PreparedTexSlice::new(self.clone(), scene, control)?))
+        Ok(Box::new(PreparedTextureSlicer::new(self.clone(), scene, control)?))
     }
 }

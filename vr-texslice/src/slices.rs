@@ -1,9 +1,9 @@
-//! Where the slices of a view are, and how they cut a ray into slabs.
+//! Positions of a view's slices, and the slabs into which they cut a ray.
 
 use glam::DVec3;
 use vr_core::{ParameterError, Placement, Projection, View};
 
-use crate::tex_slice::{Proxy, TexSlice};
+use crate::texture_slicer::{Proxy, TextureSlicer};
 
 /// The slices of a view, numbered by a coordinate u that grows along rays: slice k is where u = k, and its slab is where |u − k| ≤ ½.
 ///
@@ -14,7 +14,7 @@ pub(crate) struct Slices {
     kind: Kind,
     /// World distance of two neighbours, at a right angle to them.
     pub(crate) distance: f64,
-    /// Whether that is corrected for the angle between a ray and the slices.
+    /// True if that is corrected for the angle between a ray and the slices.
     correction: bool,
     /// World length of a whole slab; `None`: it differs from ray to ray.
     length: Option<f64>,
@@ -40,7 +40,7 @@ impl Slices {
     /// # Errors
     /// A camera that makes no sense.
     pub(crate) fn new(
-        renderer: &TexSlice,
+        renderer: &TextureSlicer,
         view: &View,
         placement: &Placement,
         dims: [usize; 3],
@@ -48,7 +48,7 @@ impl Slices {
     ) -> Result<Self, ParameterError> {
         let forward = view.camera.frame()?.z_axis;
         let perspective = matches!(view.camera.projection, Projection::Perspective { .. });
-        let distance = renderer.slice_distance * placement.spacing().min_element();
+        let distance = renderer.slice_spacing * placement.spacing().min_element();
         let middle = 0.5 * DVec3::from_array(dims.map(|n| (n - 1) as f64));
         let gradient = placement.axes().transpose() * forward;
         let (kind, distance) = match renderer.proxy {
@@ -86,7 +86,7 @@ impl Slices {
         self.length.unwrap_or(self.distance)
     }
 
-    /// Whether whole slabs are equally long along all rays, as far as opacity goes.
+    /// True if whole slabs are equally long along all rays, as far as opacity goes.
     pub(crate) fn are_even(&self) -> bool {
         self.length.is_some()
     }
@@ -107,7 +107,7 @@ impl Slices {
         [sign * at - self.shift, sign * slope]
     }
 
-    /// How much of a fragment's opacity a length of its ray makes, in table lengths. `slope`: of u along the ray.
+    /// Length that counts for a fragment's opacity, of a length of its ray, in table lengths. `slope`: of u along the ray.
     #[inline(always)]
     pub(crate) fn ratio(&self, length: f64, slope: f64) -> f64 {
         let counted = if self.correction { length } else { length * slope * self.distance };
@@ -134,7 +134,7 @@ pub(crate) struct Slabs {
 }
 
 impl Slabs {
-    /// Of a ray with the given coordinate ([`Slices::coordinate`]), from distance `start` to `end`.
+    /// Slabs of a ray with the given coordinate ([`Slices::coordinate`]), from distance `start` to `end`.
     #[inline(always)]
     pub(crate) fn new([at, slope]: [f64; 2], start: f64, end: f64) -> Self {
         let first = (at + slope * start + 0.5).floor();
@@ -151,13 +151,13 @@ impl Slabs {
         if s < self.end { s } else { self.end }
     }
 
-    /// Where the first slab ends.
+    /// Distance at which the first slab ends.
     #[inline(always)]
     pub(crate) fn first_end(&self) -> f64 {
         if self.first == self.last { self.end } else { self.distance_of(self.first + 0.5) }
     }
 
-    /// Where the last slab begins.
+    /// Distance at which the last slab begins.
     #[inline(always)]
     pub(crate) fn last_begin(&self) -> f64 {
         if self.first == self.last { self.start } else { self.distance_of(self.last - 0.5) }
@@ -170,7 +170,7 @@ impl Slabs {
         [begin, end]
     }
 
-    /// How many slabs there are.
+    /// Number of slabs.
     pub(crate) fn count(&self) -> u64 {
         (self.last - self.first) as u64 + 1
     }

@@ -1,23 +1,23 @@
-//! What the renderer documents for a study of speed against error.
+//! Documentation of the renderer for a study of speed against error.
 
 use vr_core::{ConvergenceClaim, ConvergenceOrders, Documented, HardCaseErrors, NamedSetting};
 
 use crate::hard_cases::ERRORS;
 use crate::options::SLICE_DISTANCE;
-use crate::tex_slice::{Format, Proxy, TexSlice};
+use crate::texture_slicer::{Format, Proxy, TextureSlicer};
 
 /// Rounding of f32 kernels, tables and early termination together, on smooth scenes.
 const FLOOR: f64 = 3e-4;
 /// Rounding in f32: of smooth transfer functions tables leave less.
 const FLOOR_OF_ORDERS: f64 = 3e-7;
-/// Order in the distance of slices, of values classified after interpolation and of pre-integrated segments, where nothing jumps.
+/// DrawOrder in the distance of slices, of values classified after interpolation and of pre-integrated segments, where nothing jumps.
 const ORDER: f64 = 2.0;
 
-impl Documented for TexSlice {
+impl Documented for TextureSlicer {
     /// Every kind of slice and texture, from coarse to fine.
     fn settings(&self) -> Vec<NamedSetting> {
         let named = |name: String, renderer: &Self, order| NamedSetting::new(name, renderer, order, FLOOR);
-        let plain = |slice_distance: f64| Self { slice_distance, ..Self::default() };
+        let plain = |slice_spacing: f64| Self { slice_spacing, ..Self::default() };
         let mut all: Vec<NamedSetting> =
             [2.0, 1.0, 0.5, 0.2].map(|d| named(format!("planes {d}"), &plain(d), Some(ORDER))).into();
         all.extend([2.0, 1.0, 0.5].map(|d| {
@@ -32,7 +32,7 @@ impl Documented for TexSlice {
         {
             all.push(named(format!("{name} 1"), &Self { format, ..plain(1.0) }, None));
         }
-        let brute_force = Self { slice_distance: 1.0, ..Self::brute_force() };
+        let brute_force = Self { slice_spacing: 1.0, ..Self::brute_force() };
         all.push(named("brute force 1".to_owned(), &brute_force, Some(ORDER)));
         all
     }
@@ -67,9 +67,9 @@ mod tests {
 
     #[test]
     fn settings_are_distinct_and_can_be_set() {
-        let all = TexSlice::default().settings();
+        let all = TextureSlicer::default().settings();
         for (i, a) in all.iter().enumerate() {
-            let renderer = TexSlice::default().configure(&a.options).unwrap();
+            let renderer = TextureSlicer::default().configure(&a.options).unwrap();
             assert!(renderer.validate().is_ok(), "{}", a.name);
             assert!(all[..i].iter().all(|b| b.name != a.name && b.options != a.options), "{}", a.name);
         }
@@ -77,11 +77,11 @@ mod tests {
 
     #[test]
     fn what_is_claimed_can_be_refined() {
-        for claim in TexSlice::default().convergence() {
+        for claim in TextureSlicer::default().convergence() {
             for halvings in 0..6 {
                 let at = claim.coarsest / f64::from(1 << halvings);
                 let set = claim.options.clone().with(claim.key, at);
-                assert!(TexSlice::default().configure(&set).unwrap().validate().is_ok(), "{}", claim.name);
+                assert!(TextureSlicer::default().configure(&set).unwrap().validate().is_ok(), "{}", claim.name);
             }
             assert!(!claim.options.0.contains_key(claim.key));
         }

@@ -6,26 +6,26 @@ use vr_kernels::ranges::Visibility;
 use vr_kernels::tables::{BakedTransfer, PreIntegrated, table_range};
 use vr_kernels::vector::OpticsTable;
 
-use crate::tex_slice::{Format, TexSlice};
+use crate::texture_slicer::{Format, TextureSlicer};
 
-/// What follows from the transfer function alone.
+/// Tables that follow from the transfer function alone.
 pub(crate) struct Tables {
     range: (f32, f32),
     pub(crate) segments: Option<Arc<PreIntegrated<f32>>>,
     lengths: Option<LengthTables>,
 }
 
-/// What follows from the transfer function and the length of a slab.
+/// Tables that follow from the transfer function and the length of a slab.
 pub(crate) struct LengthTables {
     pub(crate) length: f64,
     pub(crate) baked: Arc<BakedTransfer<f32>>,
     pub(crate) optics: OpticsTable,
-    /// Of fragments of values, as they are classified.
+    /// Visibility of fragments of values, as they are classified.
     pub(crate) visibility: Visibility<f32>,
 }
 
 impl Tables {
-    pub(crate) fn new(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Self {
+    pub(crate) fn new(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -> Self {
         let segments = (renderer.format == Format::PreIntegrated).then(|| Arc::new(segments(scene, volume)));
         let (low, high) = volume.value_stats().range.unwrap_or((0.0, 0.0));
         let field = (f64::from(low), f64::from(high));
@@ -33,7 +33,7 @@ impl Tables {
         Self { range, segments, lengths: None }
     }
 
-    /// Makes the tables for slabs of a length, unless they are for it already; whether they had to be made.
+    /// Makes the tables for slabs of a length, unless they are for it already; returns true if they had to be made.
     pub(crate) fn tabulate(&mut self, scene: &Scene, volume: &GridVolume, length: f64) -> bool {
         if self.lengths.as_ref().is_some_and(|l| l.length == length) {
             return false;

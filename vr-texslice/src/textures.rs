@@ -3,7 +3,7 @@
 use vr_core::filter::Lattice;
 use vr_core::{AnyGrid, GridVolume, RenderError, UniformGrid, Voxel, with_grid};
 
-use crate::tex_slice::TexSlice;
+use crate::texture_slicer::TextureSlicer;
 
 /// The order of a texture's axes for slices along an axis of the volume: that one last, so that a slice is contiguous.
 pub(crate) fn axes_of_stack(axis: usize) -> [usize; 3] {
@@ -17,11 +17,16 @@ pub(crate) struct Stacks {
 }
 
 impl Stacks {
-    /// Makes the stack of an axis, unless there is one; whether it had to be made. Those of other axes go where the budget would not hold them.
+    /// Makes the stack of an axis, unless there is one; returns true if it had to be made. Those of other axes go where the budget would not hold them.
     ///
     /// # Errors
     /// [`RenderError::TooLarge`] for a stack that is larger than the budget by itself.
-    pub(crate) fn make(&mut self, renderer: &TexSlice, volume: &GridVolume, axis: usize) -> Result<bool, RenderError> {
+    pub(crate) fn make(
+        &mut self,
+        renderer: &TextureSlicer,
+        volume: &GridVolume,
+        axis: usize,
+    ) -> Result<bool, RenderError> {
         let bytes = volume.sample_bytes() as u64;
         hold("a stack of slices", bytes, renderer.bytes())?;
         if axis == 2 || self.turned[axis].is_some() {

@@ -6,34 +6,34 @@ use std::sync::Arc;
 
 use common::*;
 use vr_core::*;
-use vr_texslice::{Blend, Format, Order, Proxy, TexSlice};
+use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
 #[test]
 fn what_it_cannot_draw_it_refuses() {
     let scene = phantom_scene::<u8>("fog", 8, 1.0);
     let view = view(&scene, 30.0, 20.0, None, 8);
     let control = Control::default();
-    let refused = |renderer: TexSlice, scene: &Scene, view: &View| {
+    let refused = |renderer: TextureSlicer, scene: &Scene, view: &View| {
         let drawn = renderer.prepare(scene, &control).and_then(|mut p| p.render(view, &control));
         matches!(drawn, Err(RenderError::Unsupported(Unsupported { renderer: "texslice", .. })))
     };
-    let plain = TexSlice::default;
+    let plain = TextureSlicer::default;
     assert!(!refused(plain(), &scene, &view));
     assert!(refused(plain(), &scene.with_filter(Filter::BSpline), &view));
-    assert!(refused(TexSlice { format: Format::LuminanceAlpha, ..plain() }, &scene, &view), "colours");
+    assert!(refused(TextureSlicer { format: Format::LuminanceAlpha, ..plain() }, &scene, &view), "colours");
     let maximum = Scene { compositing: Compositing::Maximum, ..scene.clone() };
-    assert!(refused(TexSlice { format: Format::Rgba, ..plain() }, &maximum, &view));
-    assert!(refused(TexSlice { brick: Some(16), ..plain() }, &maximum, &view));
-    assert!(refused(TexSlice { termination: 0.5, ..plain() }, &maximum, &view), "no opacity is gathered");
-    assert!(refused(TexSlice { order: Order::Slices, proxy: Proxy::Stacks, ..plain() }, &scene, &view));
+    assert!(refused(TextureSlicer { format: Format::Rgba, ..plain() }, &maximum, &view));
+    assert!(refused(TextureSlicer { brick: Some(16), ..plain() }, &maximum, &view));
+    assert!(refused(TextureSlicer { termination: 0.5, ..plain() }, &maximum, &view), "no opacity is gathered");
+    assert!(refused(TextureSlicer { order: DrawOrder::Slices, proxy: Proxy::Stacks, ..plain() }, &scene, &view));
     let level = Scene { compositing: Compositing::Accumulate { level: 0.5 }, ..scene.clone() };
-    assert!(refused(TexSlice { blend: Blend::BackToFront, ..plain() }, &level, &view));
+    assert!(refused(TextureSlicer { blend: Blend::BackToFront, ..plain() }, &level, &view));
     let shaded = Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
     assert!(!refused(plain(), &shaded, &view));
-    assert!(refused(TexSlice { format: Format::PreIntegrated, ..plain() }, &shaded, &view));
+    assert!(refused(TextureSlicer { format: Format::PreIntegrated, ..plain() }, &shaded, &view));
     for compositing in [Compositing::Maximum, Compositing::Average, Compositing::First { threshold: 0.4 }] {
         let picked = Scene { compositing, ..scene.clone() };
-        assert!(refused(TexSlice { blend: Blend::BackToFront, ..plain() }, &picked, &view), "nothing is blended");
+        assert!(refused(TextureSlicer { blend: Blend::BackToFront, ..plain() }, &picked, &view), "nothing is blended");
     }
     let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
     assert!(refused(plain(), &Scene { shading: Some(analytic.into()), ..scene.clone() }, &view));
@@ -52,11 +52,15 @@ fn what_it_cannot_draw_it_refuses() {
         let lights = vec![Light { color, ..Light::default() }];
         Scene { shading: Some(Shading::default().into()), lights, transfer: Arc::new(grey.clone()), ..scene.clone() }
     };
-    let luminance = || TexSlice { format: Format::LuminanceAlpha, ..plain() };
+    let luminance = || TextureSlicer { format: Format::LuminanceAlpha, ..plain() };
     assert!(refused(luminance(), &lit([1.0, 0.2, 0.1]), &view) && !refused(luminance(), &lit([0.7; 3]), &view));
     let unlit = Scene { shading: None, ..lit([1.0, 0.2, 0.1]) };
     assert!(!refused(luminance(), &unlit, &view));
-    assert!(refused(TexSlice { order: Order::Slices, ..plain() }, &scene, &View { supersampling: 2, ..view.clone() }));
+    assert!(refused(
+        TextureSlicer { order: DrawOrder::Slices, ..plain() },
+        &scene,
+        &View { supersampling: 2, ..view.clone() }
+    ));
 }
 
 #[test]
@@ -65,11 +69,11 @@ fn stages_tell_what_had_to_be_made() {
     let other = Scene { transfer: phantom_scene::<u8>("fog", 8, 0.3).transfer, ..scene.clone() };
     let control = Control::default();
     for (renderer, made_once) in [
-        (TexSlice::default(), "table"),
-        (TexSlice { proxy: Proxy::Stacks, ..TexSlice::default() }, "stack"),
-        (TexSlice { format: Format::Rgba, ..TexSlice::default() }, "classify"),
-        (TexSlice { format: Format::Paletted, ..TexSlice::default() }, "classify"),
-        (TexSlice { format: Format::Compressed, ..TexSlice::default() }, "compress"),
+        (TextureSlicer::default(), "table"),
+        (TextureSlicer { proxy: Proxy::Stacks, ..TextureSlicer::default() }, "stack"),
+        (TextureSlicer { format: Format::Rgba, ..TextureSlicer::default() }, "classify"),
+        (TextureSlicer { format: Format::Paletted, ..TextureSlicer::default() }, "classify"),
+        (TextureSlicer { format: Format::Compressed, ..TextureSlicer::default() }, "compress"),
     ] {
         let mut prepared = renderer.prepare(&scene, &control).unwrap();
         // Along x, whose stack has to be turned.
@@ -99,7 +103,7 @@ fn grey_light_is_the_same_in_two_channels_and_in_four() {
     let shaded = Scene { shading: Some(Shading::default().into()), ..plain.clone() };
     for (scene, fov) in [(&plain, None), (&plain, Some(40.0)), (&shaded, None)] {
         let view = view(scene, 33.0, 21.0, fov, 24);
-        let of = |format| draw(&TexSlice { format, ..TexSlice::default() }, scene, &view).frame;
+        let of = |format| draw(&TextureSlicer { format, ..TextureSlicer::default() }, scene, &view).frame;
         assert_eq!(of(Format::LuminanceAlpha), of(Format::Rgba));
     }
 }
@@ -108,7 +112,9 @@ fn grey_light_is_the_same_in_two_channels_and_in_four() {
 fn whole_slices_leave_out_what_cannot_be_seen() {
     let scene = phantom_scene::<u8>("blobs", 48, 1.0);
     let view = view(&scene, 33.0, 21.0, None, 32);
-    let of = |skip| draw(&TexSlice { order: Order::Slices, skip, ..TexSlice::default() }, &scene, &view);
+    let of = |skip_empty_space| {
+        draw(&TextureSlicer { order: DrawOrder::Slices, skip_empty_space, ..TextureSlicer::default() }, &scene, &view)
+    };
     let (some, all) = (of(true), of(false));
     assert_eq!(some.frame, all.frame);
     let (some, all) = (some.stats.counts, all.stats.counts);
@@ -131,7 +137,7 @@ fn a_surface_is_shaded_though_emission_is_given() {
     let compositing = Compositing::First { threshold: 3.0 };
     let scene = Scene { compositing, ..glowing(Shading { diffuse: 0.9, ambient: 0.1, ..Shading::default() }) };
     for (azimuth, elevation, fov) in [(33.0, 21.0, None), (-120.0, 40.0, Some(30.0))] {
-        let m = to_truth(&TexSlice::default(), &scene, &view(&scene, azimuth, elevation, fov, 24));
+        let m = to_truth(&TextureSlicer::default(), &scene, &view(&scene, azimuth, elevation, fov, 24));
         // A plane that every ray crosses: nothing but f32 is left.
         assert!(m.max < 1e-5, "{azimuth}: {m}");
     }
@@ -143,7 +149,7 @@ fn opacity_by_the_gradient_is_refused_whatever_shines() {
     let scene = glowing(modulated);
     let control = Control::default();
     for format in [Format::Scalar, Format::PreIntegrated, Format::Rgba, Format::Paletted, Format::Compressed] {
-        match (TexSlice { format, ..TexSlice::default() }).prepare(&scene, &control) {
+        match (TextureSlicer { format, ..TextureSlicer::default() }).prepare(&scene, &control) {
             Err(RenderError::Unsupported(Unsupported { what: feature, .. })) => {
                 assert!(feature.contains("gradient"), "{feature}")
             }
@@ -153,7 +159,7 @@ fn opacity_by_the_gradient_is_refused_whatever_shines() {
     // What picks a value has no opacity to modulate.
     for compositing in [Compositing::Maximum, Compositing::First { threshold: 3.0 }] {
         let picked = Scene { compositing, ..scene.clone() };
-        let m = to_truth(&TexSlice::default(), &picked, &view(&scene, 33.0, 21.0, None, 16));
+        let m = to_truth(&TextureSlicer::default(), &picked, &view(&scene, 33.0, 21.0, None, 16));
         assert!(m.max < 1e-5, "{compositing:?}: {m}");
     }
 }
@@ -167,7 +173,7 @@ fn a_negative_slope_turns_the_order_of_values_round() {
     let scene = Scene::new(grid.into(), TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap());
     for compositing in [Compositing::Maximum, Compositing::Minimum, Compositing::Average] {
         let scene = Scene { compositing, ..scene.clone() };
-        let renderer = TexSlice { slice_distance: 0.02, ..TexSlice::default() };
+        let renderer = TextureSlicer { slice_spacing: 0.02, ..TextureSlicer::default() };
         let m = to_truth(&renderer, &scene, &view(&scene, 33.0, 21.0, None, 16));
         // Noise from voxel to voxel: an extreme between two samples is missed by less than a hundredth of that.
         assert!(m.max < 1e-2, "{compositing:?}: {m}");

@@ -10,11 +10,11 @@ use vr_physics::check::invariants::{
 use vr_physics::check::strategies::tame_scene;
 use vr_physics::check::{self, CaseOutcome, CaseResult, Effort, HardCases, Refinement, TestScene, converges};
 use vr_physics::{Metrics, Reference};
-use vr_texslice::{Format, Proxy, TexSlice};
+use vr_texslice::{Format, Proxy, TextureSlicer};
 
 #[test]
 fn survives_hard_cases() {
-    let renderer = TexSlice::default();
+    let renderer = TextureSlicer::default();
     let bound =
         |case: &Case| renderer.hard_case_errors().for_case(case.name).expect("every case has a documented error");
     let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
@@ -70,7 +70,7 @@ fn every_texture_survives_hard_cases() {
     // All of these are of colours, which luminance and alpha alone cannot hold: those are the same as RGBA where all is grey (capabilities.rs).
     for format in [Format::PreIntegrated, Format::Compressed, Format::Rgba, Format::Paletted, Format::Scalar] {
         for proxy in [Proxy::Planes, Proxy::Shells, Proxy::Stacks] {
-            let renderer = TexSlice { format, proxy, ..TexSlice::default() };
+            let renderer = TextureSlicer { format, proxy, ..TextureSlicer::default() };
             let how = format!("{format:?} {proxy:?}");
             let values = matches!(format, Format::Scalar | Format::PreIntegrated | Format::Compressed);
             let stackable = matches!(format, Format::Scalar | Format::PreIntegrated) || proxy != Proxy::Stacks;
@@ -92,8 +92,11 @@ fn every_texture_survives_hard_cases() {
 #[test]
 fn obeys_invariants() {
     let effort = Effort::cases(24);
-    let pre_integrated = TexSlice { format: Format::PreIntegrated, slice_distance: 1.0, ..TexSlice::default() };
-    for renderer in [TexSlice::default(), TexSlice { proxy: Proxy::Shells, ..TexSlice::default() }, pre_integrated] {
+    let pre_integrated =
+        TextureSlicer { format: Format::PreIntegrated, slice_spacing: 1.0, ..TextureSlicer::default() };
+    for renderer in
+        [TextureSlicer::default(), TextureSlicer { proxy: Proxy::Shells, ..TextureSlicer::default() }, pre_integrated]
+    {
         let reports = [
             stays_in_range(&renderer, 1e-5, &effort),
             is_linear_in_emission(&renderer, 1e-4, &effort),
@@ -111,14 +114,14 @@ fn obeys_invariants() {
 
 #[test]
 fn converges_at_its_documented_order() {
-    for claim in TexSlice::default().convergence() {
+    for claim in TextureSlicer::default().convergence() {
         // Below that tables and f32 decide.
         let refinement = Refinement {
             options: claim.options,
             floor: claim.floor,
             ..Refinement::new(claim.key, claim.orders.smooth)
         };
-        let found = converges(&TexSlice::default(), &refinement, &Effort::cases(24));
+        let found = converges(&TextureSlicer::default(), &refinement, &Effort::cases(24));
         println!("{}: {}", claim.name, found.unwrap_or_else(|e| panic!("{}: {e}", claim.name)));
     }
 }
@@ -126,9 +129,9 @@ fn converges_at_its_documented_order() {
 #[test]
 fn agrees_with_its_model_on_random_scenes() {
     for renderer in [
-        TexSlice::default(),
-        TexSlice { proxy: Proxy::Shells, ..TexSlice::default() },
-        TexSlice { proxy: Proxy::Stacks, ..TexSlice::default() },
+        TextureSlicer::default(),
+        TextureSlicer { proxy: Proxy::Shells, ..TextureSlicer::default() },
+        TextureSlicer { proxy: Proxy::Stacks, ..TextureSlicer::default() },
     ] {
         // Random transfer functions bend within a table's entry, and early termination leaves 10⁻⁴. What the others may be off by: see below.
         let bound = |scene: &Scene, _: &View| {
@@ -159,8 +162,12 @@ fn other_operators_come_near_the_canonical_pixel() {
         (Compositing::Minimum, 0.17),
         (Compositing::Accumulate { level: 0.4 }, 0.052),
     ] {
-        let report =
-            check::agrees_with_reference_on(&TexSlice::default(), under(compositing), |_, _| bound, &Effort::cases(48));
+        let report = check::agrees_with_reference_on(
+            &TextureSlicer::default(),
+            under(compositing),
+            |_, _| bound,
+            &Effort::cases(48),
+        );
         let report = report.unwrap_or_else(|e| panic!("{compositing:?}: {e}"));
         println!(
             "{}: held {}, refused {}, worst {:.1e}",

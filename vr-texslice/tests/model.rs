@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use vr_core::Scene;
-use vr_texslice::{Blend, Format, Proxy, TexSlice};
+use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
 fn scenes() -> Vec<(&'static str, Scene)> {
     vec![
@@ -17,26 +17,31 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-fn renderers() -> Vec<(&'static str, TexSlice)> {
-    let brute = TexSlice { slice_distance: 0.5, ..TexSlice::brute_force() };
-    let stacks = TexSlice { proxy: Proxy::Stacks, ..brute.clone() };
+fn renderers() -> Vec<(&'static str, TextureSlicer)> {
+    let brute = TextureSlicer { slice_spacing: 0.5, ..TextureSlicer::brute_force() };
+    let stacks = TextureSlicer { proxy: Proxy::Stacks, ..brute.clone() };
     vec![
         ("planes", brute.clone()),
-        ("planes back to front", TexSlice { blend: Blend::BackToFront, ..brute.clone() }),
-        ("planes uncorrected", TexSlice { correction: false, ..brute.clone() }),
-        ("shells", TexSlice { proxy: Proxy::Shells, ..brute.clone() }),
-        ("pre-integrated", TexSlice { format: Format::PreIntegrated, ..brute.clone() }),
+        ("planes back to front", TextureSlicer { blend: Blend::BackToFront, ..brute.clone() }),
+        ("planes uncorrected", TextureSlicer { correction: false, ..brute.clone() }),
+        ("shells", TextureSlicer { proxy: Proxy::Shells, ..brute.clone() }),
+        ("pre-integrated", TextureSlicer { format: Format::PreIntegrated, ..brute.clone() }),
         (
             "pre-integrated back to front",
-            TexSlice { format: Format::PreIntegrated, blend: Blend::BackToFront, slice_distance: 2.0, ..brute.clone() },
+            TextureSlicer {
+                format: Format::PreIntegrated,
+                blend: Blend::BackToFront,
+                slice_spacing: 2.0,
+                ..brute.clone()
+            },
         ),
-        ("compressed", TexSlice { format: Format::Compressed, ..brute.clone() }),
-        ("rgba", TexSlice { format: Format::Rgba, ..brute.clone() }),
-        ("paletted", TexSlice { format: Format::Paletted, ..brute.clone() }),
+        ("compressed", TextureSlicer { format: Format::Compressed, ..brute.clone() }),
+        ("rgba", TextureSlicer { format: Format::Rgba, ..brute.clone() }),
+        ("paletted", TextureSlicer { format: Format::Paletted, ..brute.clone() }),
         ("stacks", stacks.clone()),
-        ("stacks 1", TexSlice { slice_distance: 1.0, ..stacks.clone() }),
-        ("stacks uncorrected", TexSlice { correction: false, ..stacks.clone() }),
-        ("stacks pre-integrated", TexSlice { format: Format::PreIntegrated, ..stacks.clone() }),
+        ("stacks 1", TextureSlicer { slice_spacing: 1.0, ..stacks.clone() }),
+        ("stacks uncorrected", TextureSlicer { correction: false, ..stacks.clone() }),
+        ("stacks pre-integrated", TextureSlicer { format: Format::PreIntegrated, ..stacks.clone() }),
     ]
 }
 

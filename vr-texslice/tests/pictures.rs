@@ -9,7 +9,7 @@ use vr_core::phantom::TRANSFER_UNIT_DISTANCE;
 use vr_core::*;
 use vr_physics::check::FixedLayer;
 use vr_physics::{Metrics, Reference};
-use vr_texslice::{Blend, Format, Order, Proxy, TexSlice};
+use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
 const VIEWS: [(f64, f64, Option<f64>); 4] =
     [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(35.0)), (140.0, -30.0, Some(80.0))];
@@ -23,9 +23,9 @@ fn largest_difference(a: &Frame, b: &Frame) -> f32 {
 fn bricks_leave_no_seams() {
     for scene in [phantom_scene::<u8>("fog", 40, 1.0), phantom_scene::<i16>("blobs", 41, 1.0)] {
         for proxy in [Proxy::Planes, Proxy::Shells] {
-            let whole = TexSlice { proxy, ..TexSlice::default() };
+            let whole = TextureSlicer { proxy, ..TextureSlicer::default() };
             // Room for eight of the 27 bricks of bytes, four of those of words.
-            let bricked = TexSlice { brick: Some(16), budget: 0.04, ..whole.clone() };
+            let bricked = TextureSlicer { brick: Some(16), budget: 0.04, ..whole.clone() };
             for (azimuth, elevation, fov) in VIEWS {
                 let view = view(&scene, azimuth, elevation, fov, 40);
                 let (a, b) = (draw(&whole, &scene, &view), draw(&bricked, &scene, &view));
@@ -43,11 +43,11 @@ fn a_budget_too_small_is_refused() {
     let view = view(&scene, 20.0, 10.0, None, 8);
     let control = Control::default();
     for renderer in [
-        TexSlice { budget: 0.1, ..TexSlice::default() },
-        TexSlice { budget: 0.005, brick: Some(16), ..TexSlice::default() },
-        TexSlice { budget: 0.1, proxy: Proxy::Stacks, ..TexSlice::default() },
-        TexSlice { budget: 0.9, format: Format::Rgba, ..TexSlice::default() },
-        TexSlice { budget: 0.03, format: Format::Compressed, ..TexSlice::default() },
+        TextureSlicer { budget: 0.1, ..TextureSlicer::default() },
+        TextureSlicer { budget: 0.005, brick: Some(16), ..TextureSlicer::default() },
+        TextureSlicer { budget: 0.1, proxy: Proxy::Stacks, ..TextureSlicer::default() },
+        TextureSlicer { budget: 0.9, format: Format::Rgba, ..TextureSlicer::default() },
+        TextureSlicer { budget: 0.03, format: Format::Compressed, ..TextureSlicer::default() },
     ] {
         let drawn = renderer.prepare(&scene, &control).and_then(|mut p| p.render(&view, &control));
         assert!(matches!(drawn, Err(RenderError::TooLarge { .. })), "{renderer:?}");
@@ -59,8 +59,8 @@ fn slices_one_by_one_are_the_same_picture() {
     let scene = phantom_scene::<u8>("fog", 32, 1.0);
     for (azimuth, elevation, fov) in VIEWS {
         let view = view(&scene, azimuth, elevation, fov, 40);
-        let tiles = draw(&TexSlice::brute_force(), &scene, &view);
-        let slices = draw(&TexSlice { order: Order::Slices, ..TexSlice::brute_force() }, &scene, &view);
+        let tiles = draw(&TextureSlicer::brute_force(), &scene, &view);
+        let slices = draw(&TextureSlicer { order: DrawOrder::Slices, ..TextureSlicer::brute_force() }, &scene, &view);
         // No pixel centre lies exactly on an outline here: every fragment is rasterised once, and in the same order.
         assert_eq!(tiles.stats.counts.samples, slices.stats.counts.samples, "{azimuth}");
         assert_eq!(tiles.frame, slices.frame, "{azimuth}");
@@ -68,10 +68,10 @@ fn slices_one_by_one_are_the_same_picture() {
     let cut = Plane { normal: glam::DVec3::new(1.0, 0.3, -0.2), offset: 0.1 };
     let crop = Some((glam::DVec3::splat(-0.7), glam::DVec3::new(0.8, 0.5, 0.9)));
     let clipped = View { clip: Clip { crop, planes: vec![cut] }, ..view(&scene, 33.0, 21.0, Some(40.0), 40) };
-    let tiles = draw(&TexSlice::brute_force(), &scene, &clipped);
+    let tiles = draw(&TextureSlicer::brute_force(), &scene, &clipped);
     assert_eq!(
         tiles.frame,
-        draw(&TexSlice { order: Order::Slices, ..TexSlice::brute_force() }, &scene, &clipped).frame
+        draw(&TextureSlicer { order: DrawOrder::Slices, ..TextureSlicer::brute_force() }, &scene, &clipped).frame
     );
     assert!(tiles.stats.counts.samples > 1000);
 }
@@ -81,15 +81,16 @@ fn what_is_skipped_cannot_be_seen() {
     for format in [Format::Scalar, Format::PreIntegrated, Format::Rgba, Format::Paletted] {
         let scene = phantom_scene::<u8>("blobs", 64, 1.0);
         let view = view(&scene, 33.0, 21.0, None, 128);
-        let brute = draw(&TexSlice { format, ..TexSlice::brute_force() }, &scene, &view);
-        let skipping = draw(&TexSlice { format, skip: true, ..TexSlice::brute_force() }, &scene, &view);
+        let brute = draw(&TextureSlicer { format, ..TextureSlicer::brute_force() }, &scene, &view);
+        let skipping =
+            draw(&TextureSlicer { format, skip_empty_space: true, ..TextureSlicer::brute_force() }, &scene, &view);
         assert_eq!(brute.frame, skipping.frame, "{format:?}");
         let [all, drawn, skipped] =
             [brute.stats.counts.samples, skipping.stats.counts.samples, skipping.stats.counts.skipped];
         println!("{format:?}: {skipped} skipped of {all}");
         assert!(skipped > all / 10, "{format:?}: {skipped} of {all}");
         assert_eq!(drawn + skipped, all, "{format:?}");
-        let ending = draw(&TexSlice { format, ..TexSlice::default() }, &scene, &view);
+        let ending = draw(&TextureSlicer { format, ..TextureSlicer::default() }, &scene, &view);
         assert!(largest_difference(&ending.frame, &brute.frame) <= 1e-4, "{format:?}");
         assert!(ending.stats.counts.samples <= drawn, "{format:?}");
     }
@@ -102,7 +103,7 @@ fn pixels_that_are_opaque_take_no_more() {
     let transfer = TransferFunction::new(vec![dense], OpacityRule::Power, TRANSFER_UNIT_DISTANCE).unwrap();
     scene.transfer = Arc::new(transfer);
     let view = view(&scene, 33.0, 21.0, None, 32);
-    let [all, few] = [TexSlice::brute_force(), TexSlice::default()].map(|r| draw(&r, &scene, &view));
+    let [all, few] = [TextureSlicer::brute_force(), TextureSlicer::default()].map(|r| draw(&r, &scene, &view));
     assert!(largest_difference(&all.frame, &few.frame) <= 1e-4);
     assert!(few.stats.counts.samples < all.stats.counts.samples / 4);
 }
@@ -111,8 +112,8 @@ fn pixels_that_are_opaque_take_no_more() {
 fn both_ways_of_blending_agree() {
     let scene = phantom_scene::<f32>("fog", 32, 1.0);
     let view = view(&scene, 33.0, 21.0, Some(30.0), 24);
-    let front = draw(&TexSlice::brute_force(), &scene, &view).frame;
-    let back = draw(&TexSlice { blend: Blend::BackToFront, ..TexSlice::brute_force() }, &scene, &view).frame;
+    let front = draw(&TextureSlicer::brute_force(), &scene, &view).frame;
+    let back = draw(&TextureSlicer { blend: Blend::BackToFront, ..TextureSlicer::brute_force() }, &scene, &view).frame;
     // Some hundred roundings.
     assert!(largest_difference(&front, &back) < 1e-6);
 }
@@ -137,11 +138,11 @@ fn cut_at(scene: &Scene, plain: &View, depth: f64) -> (FixedLayer, View) {
 #[test]
 fn a_layer_cuts_rays_where_it_is() {
     let scene = phantom_scene::<f32>("fog", 32, 1.0);
-    let stacks = TexSlice { proxy: Proxy::Stacks, ..TexSlice::default() };
-    let pre_integrated = TexSlice { format: Format::PreIntegrated, ..TexSlice::default() };
-    let bricks = TexSlice { brick: Some(16), ..TexSlice::default() };
-    let back = TexSlice { blend: Blend::BackToFront, ..TexSlice::default() };
-    for renderer in [TexSlice::default(), stacks, pre_integrated, bricks, back] {
+    let stacks = TextureSlicer { proxy: Proxy::Stacks, ..TextureSlicer::default() };
+    let pre_integrated = TextureSlicer { format: Format::PreIntegrated, ..TextureSlicer::default() };
+    let bricks = TextureSlicer { brick: Some(16), ..TextureSlicer::default() };
+    let back = TextureSlicer { blend: Blend::BackToFront, ..TextureSlicer::default() };
+    for renderer in [TextureSlicer::default(), stacks, pre_integrated, bricks, back] {
         for fov in [None, Some(40.0)] {
             let plain = view(&scene, 33.0, 21.0, fov, 24);
             // 0.37 of a slab behind a slice, and elsewhere.
@@ -184,8 +185,8 @@ fn thin_shell() -> Scene {
 fn pre_integration_finds_thin_shells() {
     let scene = thin_shell();
     let view = view(&scene, 35.0, 25.0, None, 64);
-    let rmse = |format, slice_distance| {
-        let renderer = TexSlice { format, slice_distance, ..TexSlice::brute_force() };
+    let rmse = |format, slice_spacing| {
+        let renderer = TextureSlicer { format, slice_spacing, ..TextureSlicer::brute_force() };
         to_truth(&renderer, &scene, &view).rmse
     };
     for d in [0.25, 0.5, 1.0] {
@@ -203,7 +204,7 @@ fn a_value_is_picked() {
         for (azimuth, elevation, fov) in VIEWS {
             let scene = Scene { compositing, ..phantom_scene::<f32>("fog", 32, 1.0) };
             let view = view(&scene, azimuth, elevation, fov, 24);
-            let m = to_truth(&TexSlice { slice_distance: 0.2, ..TexSlice::default() }, &scene, &view);
+            let m = to_truth(&TextureSlicer { slice_spacing: 0.2, ..TextureSlicer::default() }, &scene, &view);
             println!("{compositing:?} {azimuth}: {m}");
             // Extremes and means of a smooth field, a fifth of a voxel apart; a first point may be missed where the field only just reaches it.
             let allowed = if matches!(compositing, Compositing::First { .. }) { 5e-2 } else { 1e-3 };
@@ -218,7 +219,7 @@ fn light_ends_at_a_level() {
     for level in [0.05, 0.3, 0.9] {
         let cut = Scene { compositing: Compositing::Accumulate { level }, ..scene.clone() };
         let view = view(&cut, 33.0, 21.0, None, 24);
-        let m = to_truth(&TexSlice::default(), &cut, &view);
+        let m = to_truth(&TextureSlicer::default(), &cut, &view);
         assert!(m.max < 1e-3, "{level}: {m}");
     }
 }
@@ -229,7 +230,7 @@ fn samples_are_the_mean_over_the_pixel() {
     let view = View { supersampling: 3, ..view(&scene, 33.0, 21.0, Some(30.0), 9) };
     let fine = View { supersampling: 1, size: [27; 2], ..view.clone() };
     for brick in [None, Some(16)] {
-        let renderer = TexSlice { brick, ..TexSlice::default() };
+        let renderer = TextureSlicer { brick, ..TextureSlicer::default() };
         let (coarse, fine) = (draw(&renderer, &scene, &view).frame, draw(&renderer, &scene, &fine).frame);
         for y in 0..9 {
             for x in 0..9 {
@@ -248,7 +249,7 @@ fn depths_are_where_half_is_hidden() {
     let scene = phantom_scene::<f32>("fog", 32, 3.0);
     let view = view(&scene, 33.0, 21.0, Some(30.0), 16);
     let solution = Reference::new(1e-7).solve(&scene, &view, &Model::Canonical, &Control::default()).unwrap();
-    let frame = draw(&TexSlice { slice_distance: 0.2, ..TexSlice::default() }, &scene, &view).frame;
+    let frame = draw(&TextureSlicer { slice_spacing: 0.2, ..TextureSlicer::default() }, &scene, &view).frame;
     let mut seen = 0;
     for (got, pixel) in frame.depth().unwrap().iter().zip(&solution.pixels) {
         if pixel.depth.is_finite() && got.is_finite() {
@@ -267,7 +268,7 @@ fn palettes_change_without_a_look_at_voxels() {
     let view = view(&scene, 33.0, 21.0, None, 16);
     let control = Control::default();
     let stages = |format| {
-        let renderer = TexSlice { format, ..TexSlice::default() };
+        let renderer = TextureSlicer { format, ..TextureSlicer::default() };
         let mut prepared = renderer.prepare(&scene, &control).unwrap();
         prepared.render(&view, &control).unwrap();
         prepared.update(&other, &control).unwrap();
@@ -284,13 +285,13 @@ fn palettes_change_without_a_look_at_voxels() {
 fn shaded_pictures_are_what_the_model_sums() {
     let shading = Some(Arc::new(Shading::default()));
     let scene = Scene { shading, ..phantom_scene::<u8>("hydrogen", 32, 0.5) };
-    let brute = TexSlice::brute_force();
+    let brute = TextureSlicer::brute_force();
     for (renderer, fov) in [
         (brute.clone(), None),
         (brute.clone(), Some(40.0)),
-        (TexSlice { proxy: Proxy::Stacks, slice_distance: 1.0, ..brute.clone() }, Some(40.0)),
-        (TexSlice { proxy: Proxy::Stacks, ..brute.clone() }, None),
-        (TexSlice { format: Format::Rgba, ..brute.clone() }, None),
+        (TextureSlicer { proxy: Proxy::Stacks, slice_spacing: 1.0, ..brute.clone() }, Some(40.0)),
+        (TextureSlicer { proxy: Proxy::Stacks, ..brute.clone() }, None),
+        (TextureSlicer { format: Format::Rgba, ..brute.clone() }, None),
     ] {
         for (azimuth, elevation) in [(33.0, 21.0), (120.0, -70.0)] {
             let m = to_model(&renderer, &scene, &view(&scene, azimuth, elevation, fov, 24));
@@ -300,7 +301,7 @@ fn shaded_pictures_are_what_the_model_sums() {
         }
     }
     let perspective = view(&scene, 33.0, 21.0, Some(40.0), 8);
-    let rgba = TexSlice { format: Format::Rgba, ..brute };
+    let rgba = TextureSlicer { format: Format::Rgba, ..brute };
     let control = Control::default();
     let refused = rgba.prepare(&scene, &control).and_then(|mut p| p.render(&perspective, &control));
     assert!(matches!(refused, Err(RenderError::Unsupported(Unsupported { renderer: "texslice", .. }))));
@@ -310,7 +311,9 @@ fn shaded_pictures_are_what_the_model_sums() {
 fn threads_change_nothing() {
     let scene = phantom_scene::<u8>("blobs", 32, 1.0);
     let view = view(&scene, 33.0, 21.0, Some(30.0), 70);
-    for renderer in [TexSlice::default(), TexSlice { brick: Some(16), budget: 0.02, ..TexSlice::default() }] {
+    for renderer in
+        [TextureSlicer::default(), TextureSlicer { brick: Some(16), budget: 0.02, ..TextureSlicer::default() }]
+    {
         let with = |threads| {
             let control = Control::default().with_threads(threads);
             renderer.prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame

@@ -5,7 +5,7 @@ use vr_physics::Reference;
 use vr_physics::check::invariants::update_is_prepare;
 use vr_physics::check::strategies::{Kind, scene_of};
 use vr_physics::check::{Effort, Falling, agrees_with_its_model, errors_fall};
-use vr_texslice::{Format, Proxy, TexSlice};
+use vr_texslice::{Format, Proxy, TextureSlicer};
 
 /// Scenes of some kinds, with a truth that is as good as f32 can show.
 fn few(kinds: &[Kind]) -> Effort {
@@ -13,9 +13,9 @@ fn few(kinds: &[Kind]) -> Effort {
 }
 
 fn errors_of(kinds: &[Kind]) {
-    let planes = TexSlice::default();
-    let shells = TexSlice { proxy: Proxy::Shells, ..TexSlice::default() };
-    let pre_integrated = TexSlice { format: Format::PreIntegrated, ..TexSlice::default() };
+    let planes = TextureSlicer::default();
+    let shells = TextureSlicer { proxy: Proxy::Shells, ..TextureSlicer::default() };
+    let pre_integrated = TextureSlicer { format: Format::PreIntegrated, ..TextureSlicer::default() };
     for renderer in [planes, shells, pre_integrated] {
         // Tables of some thousand entries, and rounding.
         let falling = Falling { floor: 3e-4, ..Falling::new("slice-distance") };
@@ -36,7 +36,7 @@ fn errors_fall_with_the_step_whatever_is_hard() {
 }
 
 fn agrees_with_its_model_on(kinds: &[Kind]) {
-    for renderer in [TexSlice::default(), TexSlice { proxy: Proxy::Shells, ..TexSlice::default() }] {
+    for renderer in [TextureSlicer::default(), TextureSlicer { proxy: Proxy::Shells, ..TextureSlicer::default() }] {
         // Under the other operators the model is the scene itself, which errors fall towards.
         let bound = |scene: &Scene, _: &View| {
             if scene.compositing == Compositing::Over { 2e-4 } else { f64::INFINITY }
@@ -54,7 +54,7 @@ fn agrees_with_its_model_whatever_is_hard() {
 
 #[test]
 fn an_update_is_a_new_preparation() {
-    for renderer in [TexSlice::default(), TexSlice { format: Format::Rgba, ..TexSlice::default() }] {
+    for renderer in [TextureSlicer::default(), TextureSlicer { format: Format::Rgba, ..TextureSlicer::default() }] {
         for effort in [Effort::cases(32), Effort::cases(48).of_kinds(&Kind::ALL)] {
             println!("{}", update_is_prepare(&renderer, &effort).unwrap_or_else(|e| panic!("{renderer:?}: {e}")));
         }

@@ -4,10 +4,10 @@ mod common;
 
 use common::*;
 use vr_core::{Control, Model, Renderer, Scene};
-use vr_texslice::{Proxy, TexSlice};
+use vr_texslice::{Proxy, TextureSlicer};
 
 /// The error of brightness farthest from 0 in a turn, as a part of the brightness.
-fn bias(renderer: &TexSlice, scene: &Scene, fov: Option<f64>) -> f64 {
+fn bias(renderer: &TextureSlicer, scene: &Scene, fov: Option<f64>) -> f64 {
     let control = Control::default();
     let mut prepared = renderer.prepare(scene, &control).unwrap();
     let light = |p: &[f64; 4]| p[0] + p[1] + p[2];
@@ -25,7 +25,7 @@ fn corrected_slices_keep_their_brightness() {
     for scene in [phantom_scene::<u8>("fog", 32, 0.05), phantom_scene::<u8>("hydrogen", 48, 0.05)] {
         for proxy in [Proxy::Planes, Proxy::Shells, Proxy::Stacks] {
             for fov in [None, Some(30.0)] {
-                let renderer = TexSlice { proxy, ..TexSlice::default() };
+                let renderer = TextureSlicer { proxy, ..TextureSlicer::default() };
                 let worst = bias(&renderer, &scene, fov);
                 println!("{proxy:?} {fov:?}: {:+.3} %", 100.0 * worst);
                 assert!(worst.abs() < 5e-3, "{proxy:?} {fov:?}: {worst}");
@@ -37,9 +37,9 @@ fn corrected_slices_keep_their_brightness() {
 #[test]
 fn uncorrected_ones_do_not() {
     let scene = phantom_scene::<u8>("fog", 32, 0.05);
-    let plain = TexSlice { correction: false, slice_distance: 1.0, ..TexSlice::default() };
+    let plain = TextureSlicer { correction: false, slice_spacing: 1.0, ..TextureSlicer::default() };
     // At 45° layers are √2 times as far apart along a ray as they are taken to be: 1 − 1/√2 of thin light is missing there.
-    let stacks = bias(&TexSlice { proxy: Proxy::Stacks, ..plain.clone() }, &scene, None);
+    let stacks = bias(&TextureSlicer { proxy: Proxy::Stacks, ..plain.clone() }, &scene, None);
     assert!((-0.3..-0.2).contains(&stacks), "{stacks}");
     // Planes are farther apart along rays that are not perpendicular to them: those towards the picture's edge.
     let planes = bias(&plain, &scene, Some(60.0));

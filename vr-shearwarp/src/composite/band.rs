@@ -23,12 +23,12 @@ pub(crate) struct Band<'a> {
     pub(crate) lines: &'a mut [Line],
 }
 
-/// What a band's rows need while they are worked on. Kept from band to band.
+/// Working memory of a band's rows. Kept from band to band.
 #[derive(Default)]
 pub(crate) struct Scratch {
     width: usize,
     planes: Vec<f32>,
-    /// Of each row: where rays enter the volume, and where they leave it; empty until somebody asks.
+    /// Positions at which each row's rays enter the volume, and leave it; empty until a row's are needed.
     chords: Vec<[Vec<f64>; 2]>,
 }
 
@@ -52,14 +52,14 @@ impl Scratch {
     }
 }
 
-/// What is known of a row of texels.
+/// Summary of a row of texels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
     /// The first texel that was drawn on, and the one behind the last.
     pub(crate) drawn: [u32; 2],
-    /// How many samples it took.
+    /// Number of samples that it took.
     pub(crate) samples: u32,
-    /// How many texels are opaque.
+    /// Number of opaque texels.
     pub(crate) opaque: u32,
 }
 
@@ -83,11 +83,13 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
     fn run<S: Simd>(self, simd: S) {
         let Self { kernel, slices, runs, band, scratch } = self;
         let (rows, width) = (band.lines.len(), band.width);
+        // Nothing is drawn yet, and every row takes samples.
         band.links.fill(0);
         band.lines.fill(Line::EMPTY);
         scratch.resize(rows, width);
         let mut open = vec![true; rows];
         let mut left = rows;
+        // All slices, front to back, until every row is opaque.
         for (i, slice) in slices.slices.iter().enumerate() {
             if runs.layer_is_empty(slice.layer) {
                 continue;
@@ -128,6 +130,7 @@ impl<K: Kernel, const N: usize> Vectorized for Work<'_, '_, K, N> {
                 break;
             }
         }
+        // Planes become texels; a row without samples is empty.
         for (row, texels) in band.texels.chunks_exact_mut(width).enumerate() {
             let line = band.lines[row];
             if line.samples == 0 {
@@ -243,7 +246,7 @@ impl<K: Kernel, const N: usize> Crossing<'_, '_, K, N> {
         }
     }
 
-    /// What the samples of sixteen texels stand for, in distances between slices.
+    /// Shares that the samples of sixteen texels stand for, in distances between slices.
     #[inline(always)]
     fn shares(&mut self, x: usize, shares: &mut [f32; LANES]) {
         let [front, back] = &mut *self.chords;

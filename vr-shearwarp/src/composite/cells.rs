@@ -9,7 +9,7 @@ use crate::codes::Code;
 /// A run of cells of one row: the edges along it, and how much each counts for this row of texels.
 #[derive(Clone, Copy)]
 pub(crate) struct Edges<const N: usize> {
-    /// Where each edge begins among the voxels. What lies behind its end can be read, but is not its own.
+    /// First voxel of each edge. What lies behind its end can be read, but is not its own.
     pub(crate) at: [usize; N],
     /// The last cell, counted from the first.
     pub(crate) last: usize,
@@ -17,7 +17,7 @@ pub(crate) struct Edges<const N: usize> {
     pub(crate) weights: [f32; N],
 }
 
-/// Where texels lie on a run: texel i at `first + begin + i·scale` cells from its begin, `scale` ≤ 1¼.
+/// Positions of texels on a run: texel i at `first + begin + i·scale` cells from its begin, `scale` ≤ 1¼.
 #[derive(Clone, Copy)]
 pub(crate) struct Columns {
     pub(crate) first: usize,

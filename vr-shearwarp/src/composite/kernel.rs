@@ -1,13 +1,13 @@
-//! What is done with samples: composited, or the largest picked, say.
+//! Operations on samples: compositing, or picking the largest, say.
 
 use fearless_simd::Simd;
 use vr_kernels::vector::LANES;
 
 use super::cells::{Columns, Edges};
 
-/// What becomes of the samples under texels of one row, in one run of cells.
+/// Operation on the samples under texels of one row, in one run of cells.
 pub(crate) trait Kernel: Sync {
-    /// Whether texels can become opaque.
+    /// True if texels can become opaque.
     const CLOSES: bool;
 
     /// Texels at once: at most [`LANES`].
@@ -26,10 +26,10 @@ pub(crate) trait Kernel: Sync {
     ) -> Added;
 }
 
-/// What has come of adding samples to texels.
+/// Result of adding samples to texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Added {
-    /// How many texels took one.
+    /// Number of texels that took one.
     pub(crate) samples: u32,
     /// A bit for each that became opaque by it.
     pub(crate) closed: u32,
@@ -61,7 +61,7 @@ impl<'a> Row<'a> {
         Self([r, g, b, a])
     }
 
-    /// How many texels there are.
+    /// Number of texels.
     pub(crate) fn width(&self) -> usize {
         self.0[0].len() - LANES
     }
@@ -74,7 +74,7 @@ impl<'a> Row<'a> {
 
     /// One component of sixteen texels, from x on.
     #[inline(always)]
-    pub(crate) fn sixteen(&mut self, component: usize, x: usize) -> &mut [f32; LANES] {
+    pub(crate) fn lanes(&mut self, component: usize, x: usize) -> &mut [f32; LANES] {
         self.several(component, x)
     }
 

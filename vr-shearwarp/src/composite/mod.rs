@@ -7,9 +7,9 @@
 
 mod band;
 pub(crate) mod cells;
-mod few;
 pub(crate) mod kernel;
 pub(crate) mod over;
 pub(crate) mod pick;
+mod short_run;
 
 pub(crate) use band::{Band, Line, Scratch, Work};

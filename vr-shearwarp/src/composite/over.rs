@@ -8,15 +8,15 @@ use vr_kernels::vector::{
 };
 
 use super::cells::{Columns, Edges, Places, SPAN, STEPS_F32, values};
-use super::few::FEW;
 use super::kernel::{Added, Chunk, Kernel, Row};
+use super::short_run::MAX_SHORT;
 use crate::codes::Code;
 use crate::lengths::Lengths;
 use crate::optics::Optics;
 use crate::reflections::Reflection;
 
-/// Over, and accumulate. `BEFORE`: voxels are classified, and then interpolated.
-pub(crate) struct Over<'a, P: Code, const BEFORE: bool, const SHADED: bool> {
+/// Over, and accumulate. `PRE_CLASSIFIED`: voxels are classified, and then interpolated.
+pub(crate) struct Over<'a, P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> {
     pub(crate) voxels: &'a [P],
     /// Normals in the order of the voxels, and what reflects at each; empty where nothing is shaded.
     pub(crate) normals: &'a [u16],
@@ -29,10 +29,10 @@ pub(crate) struct Over<'a, P: Code, const BEFORE: bool, const SHADED: bool> {
     pub(crate) level: f32,
 }
 
-impl<P: Code, const BEFORE: bool, const SHADED: bool> Kernel for Over<'_, P, BEFORE, SHADED> {
+impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Kernel for Over<'_, P, PRE_CLASSIFIED, SHADED> {
     const CLOSES: bool = true;
     // Of sixteen columns of classified voxels.
-    const AT_ONCE: usize = if BEFORE { LANES - 1 } else { LANES };
+    const AT_ONCE: usize = if PRE_CLASSIFIED { LANES - 1 } else { LANES };
 
     #[inline(always)]
     fn add<S: Simd, const N: usize, const UNIT: bool>(
@@ -44,23 +44,24 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Kernel for Over<'_, P, BEF
         shares: Option<&[f32; LANES]>,
         row: &mut Row<'_>,
     ) -> Added {
-        if UNIT && at.n <= FEW && shares.is_none() && self.lengths.ratios.is_none() {
-            return self.few(simd, edges, columns, &at, row);
+        if UNIT && at.n <= MAX_SHORT && shares.is_none() && self.lengths.ratios.is_none() {
+            return self.short_run(simd, edges, columns, &at, row);
         }
         let table = &self.lengths.table;
         let places = columns.places::<S, UNIT>(simd, edges.last);
-        let mut samples = if BEFORE {
+        let mut samples = if PRE_CLASSIFIED {
             self.of_voxels::<S, N, UNIT>(simd, table, edges, &places, at.n)
         } else {
             self.of_values::<S, N, UNIT>(simd, table, edges, &places, at.n)
         };
         let shares = shares.map(|shares| f32x16::load_array_ref(simd, shares));
         if let Some(ratios) = &self.lengths.ratios {
-            let mut ratio = ratios.sixteen(simd, at.x, at.y);
+            let mut ratio = ratios.lanes(simd, at.x, at.y);
             if let Some(shares) = shares {
                 ratio *= shares;
             }
-            samples = if BEFORE { step_of_thickness(simd, samples, ratio) } else { of_depth(simd, samples, ratio) };
+            samples =
+                if PRE_CLASSIFIED { step_of_thickness(simd, samples, ratio) } else { of_depth(simd, samples, ratio) };
         } else if let Some(shares) = shares {
             samples = step_of_thickness(simd, samples, shares);
         }
@@ -77,7 +78,7 @@ fn of_depth<S: Simd>(simd: S, [r, g, b, tau]: [f32x16<S>; 4], ratio: f32x16<S>) 
     [r * shines, g * shines, b * shines, alpha]
 }
 
-impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED> {
+impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Over<'_, P, PRE_CLASSIFIED, SHADED> {
     /// Sixteen samples, of which `n` count; the others are nothing.
     #[inline(always)]
     fn of_values<S: Simd, const N: usize, const UNIT: bool>(
@@ -191,7 +192,7 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
     #[inline(always)]
     fn composite<S: Simd>(&self, simd: S, [r, g, b, alpha]: [f32x16<S>; 4], at: &Chunk, row: &mut Row<'_>) -> Added {
         let (mine, termination) = ((1 << at.n) - 1, splat(simd, self.termination));
-        let opacity = row.sixteen(3, at.x);
+        let opacity = row.lanes(3, at.x);
         let before = f32x16::load_array_ref(simd, opacity);
         let open = before.simd_lt(termination);
         let clear = pick(open, splat(simd, 1.0) - before, splat(simd, 0.0));
@@ -205,7 +206,7 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
             *opacity = after.to_array();
         }
         for (component, light) in [r, g, b].into_iter().enumerate() {
-            let sum = row.sixteen(component, at.x);
+            let sum = row.lanes(component, at.x);
             *sum = (f32x16::load_array_ref(simd, sum) + light * share).to_array();
         }
         Added { samples: (open.to_bitmask() as u32 & mine).count_ones(), closed }

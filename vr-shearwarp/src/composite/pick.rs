@@ -16,7 +16,7 @@ pub(crate) struct Pick<'a, P> {
 }
 
 /// A ray that only touches the volume still meets a value.
-const LEAST_SHARE: f32 = 1e-6;
+const MIN_SHARE: f32 = 1e-6;
 
 impl<P: Code> Kernel for Pick<'_, P> {
     const CLOSES: bool = false;
@@ -35,15 +35,15 @@ impl<P: Code> Kernel for Pick<'_, P> {
         let places = columns.places::<S, UNIT>(simd, edges.last);
         let value: f32x16<S> = values::<S, P, N, UNIT>(simd, self.voxels, edges, &places);
         let so_far =
-            [f32x16::load_array_ref(simd, row.sixteen(0, at.x)), f32x16::load_array_ref(simd, row.sixteen(1, at.x))];
+            [f32x16::load_array_ref(simd, row.lanes(0, at.x)), f32x16::load_array_ref(simd, row.lanes(1, at.x))];
         let counts = f32x16::load_array_ref(simd, &STEPS_F32).simd_lt(splat(simd, at.n as f32));
         let share = match shares {
-            Some(shares) => f32x16::load_array_ref(simd, shares).max(splat(simd, LEAST_SHARE)),
+            Some(shares) => f32x16::load_array_ref(simd, shares).max(splat(simd, MIN_SHARE)),
             None => splat(simd, 1.0),
         };
         let [chosen, weight] = self.operator.choose(simd, so_far, [value, share], counts);
-        *row.sixteen(0, at.x) = chosen.to_array();
-        *row.sixteen(1, at.x) = weight.to_array();
+        *row.lanes(0, at.x) = chosen.to_array();
+        *row.lanes(1, at.x) = weight.to_array();
         Added { samples: at.n as u32, closed: 0 }
     }
 }

@@ -1,5 +1,5 @@
-//! Runs of whole blocks, that point into the array of all voxels. No voxel is looked at: this is what a new transfer function costs
-//! least by (Lacroute & Levoy 1994, fast classification).
+//! Runs of whole blocks, that point into the array of all voxels. No voxel is looked at: so a new transfer function is
+//! cheapest (Lacroute & Levoy 1994, fast classification).
 
 use vr_core::RenderError;
 use vr_core::parallel::{collect, each_part};

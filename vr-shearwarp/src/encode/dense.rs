@@ -10,7 +10,7 @@ use super::pyramid::{EDGE, VisibleBlocks};
 /// The axes (u, v, w) of a principal axis w, and where a voxel (u, v, k) lies in the dense array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Layout {
-    /// Which of x, y, z are u, v and w.
+    /// Axes among x, y, z that are u, v and w.
     pub axes: [usize; 3],
     /// Samples along u, v and w.
     pub size: [usize; 3],
@@ -19,7 +19,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Of a volume seen along the principal axis `w`.
+    /// Layout of a volume seen along the principal axis `w`.
     pub fn new(dims: [usize; 3], w: usize) -> Self {
         let [x, y, z] = dims;
         let (axes, strides) = match w {
@@ -60,14 +60,14 @@ impl Layout {
 /// All voxels of a volume with rows along u.
 #[derive(Clone, Debug)]
 pub(crate) struct Dense<'a, T: Clone> {
-    /// Where each voxel is.
+    /// Layout of the voxels.
     pub layout: Layout,
     /// The voxels; a transposed copy has [`PAD`] more behind them.
     pub samples: Cow<'a, [T]>,
 }
 
 impl<'a, T: Copy + Default + Send + Sync> Dense<'a, T> {
-    /// Of a volume seen along the principal axis `w`: copies only where w = 0.
+    /// Voxels of a volume seen along the principal axis `w`: copies only where w = 0.
     pub fn new(samples: &'a [T], dims: [usize; 3], w: usize) -> Self {
         let samples = if w == 0 { Cow::Owned(transposed(samples, dims)) } else { Cow::Borrowed(samples) };
         Self { layout: Layout::new(dims, w), samples }

@@ -1,4 +1,4 @@
-//! Which cells may be visible, a bit each.
+//! Cells that may be visible, a bit each.
 
 use vr_core::parallel::each_part;
 use vr_kernels::bits::WORD;
@@ -16,7 +16,7 @@ pub(crate) struct CellMasks {
 }
 
 impl CellMasks {
-    /// Of the cells with `N` edges. Looks at those of blocks that may be visible and are not visible throughout.
+    /// Mask of the cells with `N` edges. Looks at those of blocks that may be visible and are not visible throughout.
     pub fn new<const N: usize, T: Leveled>(dense: &Dense<'_, T>, blocks: &VisibleBlocks, rule: Rule<'_>) -> Self {
         let layout = &dense.layout;
         let words = (layout.size[0] - 1).div_ceil(WORD);
@@ -72,7 +72,7 @@ fn visible_cells<const N: usize, T: Leveled>(
     if missing { seen & !vacuum(edges) } else { seen }
 }
 
-/// The cells among those asked for with anything visible between their least and their greatest corner.
+/// The cells among those asked for with anything visible between their smallest and their largest corner.
 fn interpolated<const N: usize, T: Leveled>(edges: [&[T]; N], visibility: &VisibleLevels, ask: u64) -> u64 {
     let voxels = edges[0].len();
     let mut low = [edges[0][0]; WORD + 1];

@@ -35,7 +35,7 @@ pub(crate) const PAD: usize = 32;
 /// Cells that may be visible. Whatever the rule, one with a missing corner is not: it is vacuum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Rule<'a> {
-    /// Samples are interpolated, then classified: a cell with anything visible between its least and its greatest corner.
+    /// Samples are interpolated, then classified: a cell with anything visible between its smallest and its largest corner.
     Interpolated(&'a VisibleLevels),
     /// Voxels are classified, then interpolated: a cell with a corner that is visible itself.
     Classified(&'a VisibleLevels),

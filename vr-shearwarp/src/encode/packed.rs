@@ -11,7 +11,7 @@ use super::pyramid::VisibleBlocks;
 use super::runs::{Run, Runs, edges, running_sums, split_by_rows};
 use super::{Leveled, Rule};
 
-/// Which voxels are stored, in the order layer, row, column: those that visible cells touch. Several arrays can be packed alike.
+/// Set of stored voxels, in the order layer, row, column: those that visible cells touch. Several arrays can be packed alike.
 #[derive(Clone, Debug)]
 pub(crate) struct Packing {
     layout: Layout,
@@ -19,7 +19,7 @@ pub(crate) struct Packing {
     words: usize,
     /// A bit for each voxel.
     masks: Vec<u64>,
-    /// Where each row of voxels begins, and the end of the last.
+    /// Begin of each row of voxels, and the end of the last.
     starts: Vec<u32>,
 }
 
@@ -103,7 +103,7 @@ impl Packing {
         Ranks { mask: self.mask(k, v), word: 0, before: self.starts[k * self.layout.size[1] + v] }
     }
 
-    /// How many voxels are stored.
+    /// Number of stored voxels.
     pub fn stored(&self) -> usize {
         self.starts[self.starts.len() - 1] as usize
     }
@@ -150,7 +150,7 @@ struct Ranks<'a> {
 }
 
 impl Ranks<'_> {
-    /// Where column `u` is stored; columns must be asked for in their order.
+    /// Index of the stored column `u`; columns must be asked for in their order.
     #[inline]
     fn at(&mut self, u: usize) -> u32 {
         while self.word < u / WORD {

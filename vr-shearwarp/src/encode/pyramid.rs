@@ -17,13 +17,13 @@ pub(crate) const EDGE: usize = LevelRanges::EDGE;
 #[derive(Clone, Debug)]
 pub(crate) struct Pyramid {
     levels: Arc<LevelRanges>,
-    /// Ranges of the blocks in place of those in `levels`: for floats, where an upper level of 0 says that nothing is above the least sample.
+    /// Ranges of the blocks in place of those in `levels`: for floats, where an upper level of 0 says that nothing is above the smallest value.
     own: Option<Vec<[u8; 2]>>,
-    /// Whether samples are missing.
+    /// True if voxels are missing.
     missing: bool,
     /// From the second finest to the one node of all.
     coarser: Vec<Nodes>,
-    /// Whether levels are the stored integers themselves.
+    /// True if levels are the stored integers themselves.
     exact: bool,
 }
 
@@ -34,7 +34,7 @@ struct Nodes {
 }
 
 impl Pyramid {
-    /// Of a volume, whose ranges of blocks are kept with it.
+    /// Pyramid of a volume, whose ranges of blocks are kept with it.
     pub fn new(volume: &GridVolume) -> Self {
         let levels = LevelRanges::of_volume(volume);
         let missing = volume.vacuum_cells().is_some();
@@ -119,7 +119,7 @@ fn halved(size: [usize; 3], ranges: &[[u8; 2]]) -> Nodes {
     Nodes { size: half, ranges: nodes }
 }
 
-/// Ranges of blocks of floats, over the samples that are not missing; an upper level is 0 only where no sample is above the least of all.
+/// Ranges of blocks of floats, over the values that are not missing; an upper level is 0 only where none is above the smallest of all.
 ///
 /// Those of [`LevelRanges`] will not do where much is air of one number and a ramp begins at it: with their slack, air would be visible. Nor
 /// where samples are missing: they leave out cells that are vacuum in space, of which a square in a layer may be whole.
@@ -161,9 +161,9 @@ const PARTLY: u8 = 1;
 /// Every cell is, unless a corner is missing.
 const WHOLE: u8 = 2;
 
-/// What there is to say of each range of levels: bounds that grow with the lower level, looked up.
+/// Visibility of each range of levels: bounds that grow with the lower level, looked up.
 struct Decision {
-    /// For each lower level the least upper one so that something may be visible; 256 if there is none.
+    /// For each lower level the smallest upper one so that something may be visible; 256 if there is none.
     reach: [u16; 256],
     /// For each lower level the end of the upper ones so that everything is.
     solid: [u16; 256],
@@ -178,7 +178,7 @@ impl Decision {
                     let (low, high) = pyramid.stored([low, high], visibility.is_integer());
                     ask(visibility, low, high)
                 };
-                let least = |hold: &dyn Fn(u8) -> bool| {
+                let min_level = |hold: &dyn Fn(u8) -> bool| {
                     // Levels below `low` are no upper ones.
                     let (mut from, mut to) = (u16::from(low), 256);
                     while from < to {
@@ -187,8 +187,8 @@ impl Decision {
                     }
                     from
                 };
-                reach[usize::from(low)] = least(&|high| holds(high, VisibleLevels::any));
-                solid[usize::from(low)] = least(&|high| !holds(high, VisibleLevels::all));
+                reach[usize::from(low)] = min_level(&|high| holds(high, VisibleLevels::any));
+                solid[usize::from(low)] = min_level(&|high| !holds(high, VisibleLevels::all));
             }
         }
         Self { reach, solid }
@@ -215,23 +215,23 @@ pub(crate) struct VisibleBlocks {
 }
 
 impl VisibleBlocks {
-    /// Whether anything in a block may be visible.
+    /// True if anything in a block may be visible.
     #[cfg(test)]
     pub fn may(&self, [x, y, z]: [usize; 3]) -> bool {
         self.states[(z * self.size[1] + y) * self.size[0] + x] != HIDDEN
     }
 
-    /// How many blocks may be visible.
+    /// Number of blocks that may be visible.
     pub fn count(&self) -> usize {
         self.states.iter().filter(|&&s| s != HIDDEN).count()
     }
 
-    /// How many blocks there are.
+    /// Number of blocks.
     pub fn total(&self) -> usize {
         self.states.len()
     }
 
-    /// Whether a block that may be visible has any of the samples from the first to the one before the last along x, y and z.
+    /// True if a block that may be visible has any of the voxels from the first to the one before the last along x, y and z.
     pub fn touch(&self, samples: [[usize; 2]; 3]) -> bool {
         // A sample between two blocks belongs to both.
         let [xs, ys, zs] = std::array::from_fn(|a| {
@@ -246,7 +246,7 @@ impl VisibleBlocks {
         })
     }
 
-    /// Whether samples of the volume are missing.
+    /// True if voxels of the volume are missing.
     pub fn missing(&self) -> bool {
         self.missing
     }

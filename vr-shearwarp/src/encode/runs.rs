@@ -9,9 +9,9 @@ use super::dense::Layout;
 pub(crate) struct Run<const N: usize> {
     /// The first cell.
     pub start: u32,
-    /// How many cells.
+    /// Number of cells.
     pub len: u32,
-    /// Where the voxels of the cells' `N` edges along u begin: rows v and v + 1 of layer k; for `N = 4`, then those of layer k + 1. Each
+    /// First voxels of the cells' `N` edges along u: rows v and v + 1 of layer k; for `N = 4`, then those of layer k + 1. Each
     /// edge has `len + 1` voxels, one after another.
     pub at: [u32; N],
 }
@@ -20,7 +20,7 @@ pub(crate) struct Run<const N: usize> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Runs<const N: usize> {
     layout: Layout,
-    /// Where the runs of each row begin, and the end of the last.
+    /// Begin of each row's runs, and the end of the last.
     starts: Vec<u32>,
     runs: Vec<Run<N>>,
 }
@@ -30,7 +30,7 @@ pub(crate) fn edges<const N: usize>() -> [[usize; 2]; N] {
     std::array::from_fn(|e| [e % 2, e / 2])
 }
 
-/// What u32 cannot count.
+/// Error for more than u32 counts.
 pub(crate) fn too_large(what: &'static str, count: usize) -> RenderError {
     RenderError::TooLarge { what, bytes: count as u64, limit: u32::MAX.into() }
 }
@@ -74,13 +74,13 @@ impl<const N: usize> Runs<N> {
         &self.runs[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
 
-    /// Whether a layer has no run.
+    /// True if a layer has no run.
     #[inline]
     pub fn layer_is_empty(&self, layer: usize) -> bool {
         self.starts[layer * self.rows()] == self.starts[(layer + 1) * self.rows()]
     }
 
-    /// Whether there is no run at all.
+    /// True if there is no run at all.
     #[cfg(test)]
     pub fn is_empty(&self) -> bool {
         self.runs.is_empty()
@@ -104,7 +104,7 @@ impl<const N: usize> Runs<N> {
         &self.layout
     }
 
-    /// How many cells they cover.
+    /// Number of cells that they cover.
     #[cfg(test)]
     pub fn cells(&self) -> usize {
         self.runs.iter().map(|run| run.len as usize).sum()

@@ -46,7 +46,7 @@ fn is_visible<T: Leveled>(corners: &[T], rule: Rule<'_>) -> bool {
     }
 }
 
-/// Whether the voxels of a run are those of its cells.
+/// Asserts that the voxels of a run are those of its cells.
 fn holds_the_voxels<const N: usize, T: Leveled>(run: &Run<N>, [v, k]: [usize; 2], stored: &[T], dense: &Dense<'_, T>) {
     for ([dv, dk], at) in runs::edges::<N>().into_iter().zip(run.at) {
         let (at, len) = (at as usize, run.len as usize + 1);

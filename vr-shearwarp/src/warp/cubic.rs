@@ -43,7 +43,7 @@ impl Kernel<4> for Cubic {
             + (c * x[2].as_array()[lane] + d * x[3].as_array()[lane]);
         // Not `max`: it leaves open which of two zeros it returns.
         let zero = f32x4::splat(simd, 0.0);
-        let most = f32x4::load_array(simd, [f32::MAX, f32::MAX, f32::MAX, 1.0]);
-        sum.simd_gt(zero).select(sum.min(most), zero)
+        let max = f32x4::load_array(simd, [f32::MAX, f32::MAX, f32::MAX, 1.0]);
+        sum.simd_gt(zero).select(sum.min(max), zero)
     }
 }

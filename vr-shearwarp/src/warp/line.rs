@@ -22,7 +22,7 @@ impl Bounds {
         !(x0 < x1 && y0 < y1)
     }
 
-    /// What lies in both.
+    /// Intersection of the two.
     #[inline(always)]
     pub(super) fn and(&self, other: &Self) -> Self {
         let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);

@@ -31,7 +31,7 @@ pub(crate) struct Texture<'a> {
     pub filled: [usize; 4],
 }
 
-/// How the warp interpolates between texels.
+/// Interpolation of the warp between texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WarpFilter {
     /// Linear along each axis, over 2 × 2 texels.
@@ -45,7 +45,7 @@ pub enum WarpFilter {
 /// A texture on its way to the screen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Warp<'a> {
-    /// What is drawn. Outside it, all is transparent black.
+    /// The texture to draw. Outside it, all is transparent black.
     pub texture: Texture<'a>,
     /// From (x, y, 1), in pixels of the screen from its top left corner, where pixel (i, j) has its centre at (i + ½, j + ½), to
     /// homogeneous positions in the texture, whose texel (i, j) lies at (i, j).
@@ -54,7 +54,7 @@ pub(crate) struct Warp<'a> {
     pub to_texture: DMat3,
     /// Texture positions x0 ≤ x < x1, y0 ≤ y < y1, as [x0, y0, x1, y1], that may be drawn; `None`: all.
     pub within: Option<[f64; 4]>,
-    /// How to interpolate.
+    /// Interpolation between texels.
     pub filter: WarpFilter,
     /// A pixel is the mean over `samples`² subpixel centres, as in [`vr_core::View`].
     pub samples: u32,
@@ -122,7 +122,7 @@ impl Warp<'_> {
         Line::new(&self.to_texture, f64::from(y) + self.subpixel(sample))
     }
 
-    /// Where the centre of a sample lies in its pixel, along either axis.
+    /// Position of a subpixel's centre in its pixel, along either axis.
     #[inline(always)]
     fn subpixel(&self, sample: u32) -> f64 {
         (f64::from(sample) + 0.5) / f64::from(self.samples)

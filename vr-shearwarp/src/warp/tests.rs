@@ -79,7 +79,7 @@ fn hat(s: f64) -> f64 {
     (1.0 - s.abs()).max(0.0)
 }
 
-/// What a pixel is, by the formula; `None` where no sample sees a texel of the filled rectangle.
+/// A pixel by the formula; `None` where no sample sees a texel of the filled rectangle.
 fn reference(warp: &Warp<'_>, x: usize, y: usize) -> Option<[f64; 4]> {
     let Texture { pixels, size, filled } = warp.texture;
     let (reach, weight): (i64, fn(f64) -> f64) = match warp.filter {

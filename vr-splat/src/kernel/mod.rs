@@ -48,7 +48,7 @@ impl Shape {
         }
     }
 
-    /// Whether it is a product along the axes.
+    /// True if it is a product along the axes.
     pub fn is_separable(self) -> bool {
         matches!(self, Self::Bilinear | Self::BSpline | Self::Sinc)
     }
@@ -59,7 +59,7 @@ impl Shape {
 pub struct SplatKernel {
     /// Its shape.
     pub shape: Shape,
-    /// How far it reaches, in voxels; 0: its shape's own.
+    /// Reach in voxels; 0: its shape's own.
     pub radius: f64,
     /// Standard deviation of a Gaussian, in voxels.
     pub sigma: f64,
@@ -79,7 +79,7 @@ impl SplatKernel {
         Self { shape, ..Self::default() }
     }
 
-    /// How far it reaches along each axis, in voxels.
+    /// Reach along each axis, in voxels.
     pub fn reach(&self) -> [f64; 3] {
         let radius = if self.radius > 0.0 { self.radius } else { self.shape.own_radius() };
         self.width.map(|w| w * radius)

@@ -1,4 +1,4 @@
-//! How far a kernel's weights are from summing to 1.
+//! Deviation of the sum of a kernel's weights from 1.
 
 use super::SplatKernel;
 
@@ -43,7 +43,7 @@ mod tests {
     #[test]
     fn products_sum_to_one_and_the_others_nearly() {
         // The documentation's numbers.
-        for (shape, least, most) in [
+        for (shape, min, max) in [
             (Shape::Bilinear, 0.0, 1e-12),
             (Shape::BSpline, 0.0, 1e-12),
             (Shape::Gaussian, 0.005, 0.01),
@@ -52,7 +52,7 @@ mod tests {
         ] {
             let error = SplatKernel::new(shape).partition_error();
             println!("{shape:?}: {error:.2e}");
-            assert!((least..=most).contains(&error), "{shape:?}: {error}");
+            assert!((min..=max).contains(&error), "{shape:?}: {error}");
         }
         let wide = SplatKernel { radius: 4.0, sigma: 1.2, ..SplatKernel::new(Shape::Gaussian) };
         assert!(wide.partition_error() < 1e-3, "{}", wide.partition_error());

@@ -42,7 +42,7 @@ enum Form {
     /// With so many standard deviations to the radius.
     Gaussian(f64),
     Cone,
-    /// Of scattered points; normalised already.
+    /// Kernel of scattered points; normalised already.
     Point(PointKernel),
 }
 

@@ -8,7 +8,7 @@ use crate::input::SplatInput;
 use crate::kernel::Profile;
 use crate::projection::SplatView;
 use crate::sheets::OwnSheets;
-use crate::splatting::Splatting;
+use crate::splatter::Splatter;
 use crate::visible::missing;
 
 /// A ray, as splats are met by it.
@@ -58,25 +58,25 @@ impl Line {
         line
     }
 
-    /// Where the ray is in the view, at a depth behind the base.
+    /// Position of the ray in the view, at a depth behind the base.
     fn at(&self, depth: f64) -> DVec3 {
         let lever = if self.perspective { depth + self.base } else { 1.0 };
         DVec3::new(self.lateral[0] * lever, self.lateral[1] * lever, depth)
     }
 
-    /// Where the ray is in a grid at a depth, or the nearest place that is in it.
+    /// Position of the ray in a grid at a depth, or the nearest one that is in it.
     pub(crate) fn index_at(&self, grid: &GridVolume, depth: f64) -> DVec3 {
         let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
         (self.index[0] + self.index[1] * depth).clamp(DVec3::ZERO, last)
     }
 
-    /// Where the ray crosses a layer of a grid.
+    /// Depth at which the ray crosses a layer of a grid.
     pub(crate) fn depth_at(&self, axis: usize, layer: u32) -> f64 {
         let step = self.index[1][axis];
         if step.abs() < 1e-12 { 0.0 } else { (f64::from(layer) - self.index[0][axis]) / step }
     }
 
-    /// Whether a grid's cell at a depth is vacuum.
+    /// True if a grid's cell at a depth is vacuum.
     pub(crate) fn in_vacuum(&self, input: &SplatInput, depth: f64) -> bool {
         let SplatInput::Grid(grid) = input else { return false };
         grid.vacuum_cells().is_some_and(|cells| cells.contains(self.index_at(grid, depth).to_array()))
@@ -94,7 +94,7 @@ pub(crate) struct ExactSplat {
 }
 
 impl ExactSplat {
-    /// Where a ray is in the splat's kernel space at the splat's depth, and how it goes on.
+    /// Position of a ray in the splat's kernel space at the splat's depth, and its change per unit of depth.
     fn meet(&self, line: &Line) -> [DVec3; 2] {
         let beside = line.at(self.place.z) - self.place;
         [line.axes * beside * self.scale, line.along * self.scale]
@@ -126,7 +126,7 @@ impl ExactSplat {
 
 /// All splats that a ray may meet, in the order in which they lie in memory.
 pub(crate) fn gather(
-    renderer: &Splatting,
+    renderer: &Splatter,
     input: &SplatInput,
     view: &SplatView,
     line: &Line,

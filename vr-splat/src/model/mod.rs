@@ -1,4 +1,4 @@
-//! What is composited along a ray, in f64: sheet by sheet, or splat by splat.
+//! The renderer's model along a ray, in f64: sheet by sheet, or splat by splat.
 
 mod gather;
 
@@ -15,14 +15,14 @@ use crate::input::{SplatInput, profile};
 use crate::kernel::Profile;
 use crate::projection::SplatView;
 use crate::sheets::{ImageSheets, OwnSheets, is_boxed, splat_view};
-use crate::splatting::{Buffers, Splatting};
+use crate::splatter::{Buffers, Splatter};
 use crate::voxel_optics::optics_of;
 
 use gather::{ExactSplat, Line, gather};
 
 /// The terms of every ray: θ and b of each sheet or splat.
 pub(crate) struct SplatModel {
-    renderer: Splatting,
+    renderer: Splatter,
     scene: Scene,
     view: View,
     rays: Rays,
@@ -33,7 +33,7 @@ pub(crate) struct SplatModel {
 
 impl SplatModel {
     pub(crate) fn new(
-        renderer: &Splatting,
+        renderer: &Splatter,
         scene: &Scene,
         input: &SplatInput,
         view: &View,
@@ -132,7 +132,7 @@ impl DiscreteModel for SplatModel {
             }
             Buffers::Image => self.image_sheets(input, seen, &line, &profile, &splats, ends),
         };
-        if own.is_some() && self.renderer.order == crate::splatting::SheetOrder::BackToFront {
+        if own.is_some() && self.renderer.order == crate::splatter::CompositingOrder::BackToFront {
             terms.reverse();
         }
         terms
@@ -165,6 +165,7 @@ impl SplatModel {
     ) -> Vec<SegmentTerm> {
         let Ok(sheets) = ImageSheets::new(&self.renderer, &self.scene.volume, input, seen) else { return Vec::new() };
         let half = seen.half_depth();
+        // The splats that each sheet has a section of.
         let mut parts: BTreeMap<u32, Vec<&ExactSplat>> = BTreeMap::new();
         for s in splats {
             let at = |depth: f64| (depth / sheets.distance).floor().clamp(0.0, f64::from(sheets.count - 1)) as u32;
@@ -172,6 +173,7 @@ impl SplatModel {
                 parts.entry(sheet).or_default().push(s);
             }
         }
+        // One term a sheet, front to back.
         let mut terms = Vec::new();
         for (sheet, parts) in parts {
             let [from, to] = [sheet, sheet + 1].map(|k| (f64::from(k) * sheets.distance).max(near).min(far));

@@ -9,9 +9,9 @@ use crate::source::Source;
 use crate::splat::Splat;
 use crate::visible::VisibleVoxels;
 
-/// How voxels are spread.
+/// Spread of voxels.
 pub(crate) struct Spread {
-    /// How far kernels reach along the grid's axes, in voxels.
+    /// Reach of kernels along the grid's axes, in voxels.
     pub(crate) reach: [f64; 3],
     /// In pixels.
     pub(crate) low_pass: f64,

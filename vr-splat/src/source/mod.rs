@@ -1,4 +1,4 @@
-//! Where splats come from: the voxels of a grid, or points.
+//! Sources of splats: the voxels of a grid, or points.
 
 mod grid;
 mod points;
@@ -10,10 +10,10 @@ use crate::splat::Splat;
 
 /// Splats, in chunks that can be made independently.
 pub(crate) trait Source: Sync {
-    /// How many chunks there are.
+    /// Number of chunks.
     fn chunks(&self) -> usize;
 
-    /// At most how many splats there are altogether.
+    /// Largest possible number of splats altogether.
     fn count(&self) -> u64;
 
     /// Makes the splats of a chunk, in an order that is always the same. A splat comes with the sheet that it belongs to, for a source that has sheets of

@@ -9,7 +9,7 @@ use crate::projection::SplatView;
 /// Pixels along the edge of a block.
 pub(crate) const EDGE: u32 = 4;
 
-/// What sixteen rays have that splats are met with.
+/// Sixteen rays, as splats meet them.
 #[derive(Clone, Copy)]
 pub(crate) struct Block {
     /// X and Y.
@@ -27,11 +27,11 @@ pub(crate) struct Block {
     /// Depths behind the view's base between which there may be something; the wrong way round where there is nothing.
     pub(crate) near: Lanes,
     pub(crate) far: Lanes,
-    /// Where a grid is: index-space place at depth 0, and its change per unit of depth.
+    /// Index-space position in a grid at depth 0, and its change per unit of depth.
     pub(crate) index: [[Lanes; 3]; 2],
 }
 
-/// What cuts rays.
+/// Bounds that cut rays.
 pub(crate) struct Bounds<'a> {
     pub(crate) clip: &'a Clip,
     pub(crate) layer: Option<&'a Layer>,
@@ -39,7 +39,7 @@ pub(crate) struct Bounds<'a> {
     pub(crate) samples: u32,
     /// A grid in which positions are looked up.
     pub(crate) grid: Option<(&'a Placement, [usize; 3])>,
-    /// Whether its box cuts the rays, too.
+    /// True if its box cuts the rays, too.
     pub(crate) boxed: bool,
 }
 
@@ -125,7 +125,7 @@ impl Block {
         }
     }
 
-    /// Whether there is anything along any of the rays.
+    /// Number of the rays along which there may be something.
     pub(crate) fn rays(&self) -> u32 {
         (0..LANES).filter(|&i| self.near.0[i] < self.far.0[i]).count() as u32
     }

@@ -1,4 +1,4 @@
-//! What a sheet holds becomes light, and joins what is before it.
+//! Compositing of a sheet: its content becomes light, and joins what is before it.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
@@ -25,6 +25,7 @@ impl Tile<'_> {
         let operator = painter.operator;
         let light = match &painter.content {
             Content::Values { classifier, normalised, cells, shader } => {
+                // The value: a sum divided by weights, or by the length that supports cover.
                 let (sum, weight) = (self.sheets[at].load(simd), self.sheets[at + 1].load(simd));
                 let (length, divisor) = if *normalised {
                     (length, weight)
@@ -40,6 +41,7 @@ impl Tile<'_> {
                 }
                 let value = sum / pick(there, divisor, one);
                 let inside = there;
+                // Nothing is taken from cells in which nothing can be seen.
                 if let Some((cells, dims)) = cells {
                     let visible = self.in_visible_cells(simd, number, depth, cells, *dims);
                     there &= Lanes(visible).load(simd).simd_gt(zero);
@@ -51,6 +53,7 @@ impl Tile<'_> {
                 if !there.any_true() {
                     return;
                 }
+                // Light of the value over the length, then its shading.
                 let length = pick(there, length, zero);
                 let light = match classifier {
                     Classifier::Table(optics) => {
@@ -93,14 +96,14 @@ impl Tile<'_> {
         self.retire(simd, number);
     }
 
-    /// Of a block that is opaque: takes no more.
+    /// Ends a block that is opaque: it takes no more.
     #[inline(always)]
     pub(super) fn retire<S: Simd>(&mut self, simd: S, number: usize) {
         if let Operator::Under { level } = self.painter.operator {
             let block = &self.blocks[number];
             let clear = self.states[number].clear.load(simd);
-            let least = splat(simd, self.painter.negligible.max(1.0 - level));
-            let open = clear.simd_gt(least) & block.near.load(simd).simd_lt(block.far.load(simd));
+            let min_clear = splat(simd, self.painter.negligible.max(1.0 - level));
+            let open = clear.simd_gt(min_clear) & block.near.load(simd).simd_lt(block.far.load(simd));
             if !open.any_true() {
                 self.done |= 1 << number;
                 self.work.opaque += 1;
@@ -128,7 +131,7 @@ impl Tile<'_> {
         visible
     }
 
-    /// Where a block's rays are in a grid at some depths.
+    /// Positions of a block's rays in a grid at some depths.
     #[inline(always)]
     pub(super) fn place<S: Simd>(&self, simd: S, number: usize, depth: f32x16<S>) -> [Lanes; 3] {
         let [from, step] = &self.blocks[number].index;

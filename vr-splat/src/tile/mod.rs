@@ -2,7 +2,7 @@
 
 mod block;
 mod composite;
-mod meeting;
+mod footprint;
 mod painter;
 mod sheets;
 mod state;
@@ -13,13 +13,13 @@ use vr_kernels::vector::{Lanes, PacketLights, Vectorized};
 
 use crate::bins::{Keyed, TILE};
 use crate::splat::Splat;
-use crate::splatting::Buffers;
+use crate::splatter::Buffers;
 
 use block::{Block, EDGE};
-use meeting::Axes;
+use footprint::Axes;
 
 pub(crate) use block::Bounds;
-pub(crate) use meeting::Met;
+pub(crate) use footprint::FootprintKernel;
 pub(crate) use painter::{Classifier, Content, Drawn, Painter};
 pub(crate) use state::State;
 

@@ -1,4 +1,4 @@
-//! What the tiles of a picture share, and what becomes of each.
+//! Inputs that the tiles of a picture share, and the work on each.
 
 use fearless_simd::Level;
 use vr_kernels::vector::{LANES, Operator, OpticsTable};
@@ -6,47 +6,47 @@ use vr_kernels::vector::{LANES, Operator, OpticsTable};
 use crate::bins::Keyed;
 use crate::projection::SplatView;
 use crate::shading::Shader;
-use crate::splatting::Buffers;
+use crate::splatter::Buffers;
 use crate::visible::CellBits;
 use crate::voxel_optics::VoxelOptics;
 
 use super::block::{Bounds, EDGE};
-use super::meeting::Met;
+use super::footprint::FootprintKernel;
 use super::state::State;
 use super::{ACROSS, TileJob};
 
-/// All that tiles share.
+/// Inputs that all tiles share.
 pub(crate) struct Painter<'a> {
     pub(crate) view: &'a SplatView,
     pub(crate) bounds: Bounds<'a>,
-    pub(crate) kernel: &'a Met,
+    pub(crate) kernel: &'a FootprintKernel,
     pub(crate) operator: Operator,
     pub(crate) buffers: Buffers,
-    /// Between sheets that are parallel to the image, in the view's units.
+    /// Distance between sheets that are parallel to the image, in the view's units.
     pub(crate) distance: f32,
-    /// How many of these there are.
+    /// Number of these sheets.
     pub(crate) sheets: u32,
-    /// How many of them are held at once: a power of two, and at least as many as one splat is in.
+    /// Number of them that are held at once: a power of two, and at least as many as one splat is in.
     pub(crate) ring: u32,
     /// Sheets of the volume's own: their axis, and the layer of each.
     pub(crate) layers: Option<(usize, &'a [u32])>,
     pub(crate) content: Content<'a>,
-    /// What may still come through pixels that are left as they are.
+    /// Transmittance up to which pixels are left as they are.
     pub(crate) negligible: f32,
     pub(crate) level: Level,
 }
 
-/// What is added to sheets.
+/// Content of sheets.
 pub(crate) enum Content<'a> {
-    /// Values, and what they are divided by; classified sheet by sheet.
+    /// Values, and their divisors; classified sheet by sheet.
     Values {
         classifier: Classifier<'a>,
-        /// Whether weights are divided out (of a grid), or the length that supports cover (of points): from the first one's front to the last one's
+        /// True if weights are divided out (of a grid), or the length that supports cover (of points): from the first one's front to the last one's
         /// back, in each sheet.
         normalised: bool,
-        /// Where something can be seen at all.
+        /// Cells in which something can be seen at all, and the size of the grid.
         cells: Option<(&'a CellBits, [usize; 3])>,
-        /// What shades light.
+        /// Shading of light.
         shader: Option<&'a Shader<'a>>,
     },
     /// Emission and optical depth of what is classified already.
@@ -55,7 +55,7 @@ pub(crate) enum Content<'a> {
     Sums,
 }
 
-/// How a sheet's values become light.
+/// Classification of a sheet's values.
 pub(crate) enum Classifier<'a> {
     /// By a table, over lengths in the view's units.
     Table(&'a OpticsTable),

@@ -6,9 +6,9 @@ use vr_kernels::vector::{Lanes, pick, splat};
 
 use crate::bins::Keyed;
 use crate::splat::Splat;
-use crate::splatting::Buffers;
+use crate::splatter::Buffers;
 
-use super::meeting::{Crossing, Met, Passing};
+use super::footprint::{Crossing, FootprintKernel, Passing};
 use super::painter::Content;
 use super::{BLOCKS, Tile};
 
@@ -61,7 +61,8 @@ impl Tile<'_> {
         let channels = painter.channels();
         let bit = 1u64 << number;
         match painter.kernel {
-            Met::Radial(table) => {
+            // Differences of partial integrals from one sheet's face to the next.
+            FootprintKernel::Radial(table) => {
                 let Some(passing) = Passing::new(simd, &self.axes, block, splat_) else { return };
                 let factor = block.stretch.load(simd) * splat_.weight / passing.speed;
                 let [enter, leave] = passing.chord(simd);
@@ -84,6 +85,7 @@ impl Tile<'_> {
                     self.touched[slot] |= bit;
                 }
             }
+            // Products along the axes, in the middle of each sheet.
             kernel => {
                 let crossing = Crossing::new(simd, &self.axes, block, splat_);
                 let factor = block.stretch.load(simd) * splat_.weight;
@@ -92,8 +94,8 @@ impl Tile<'_> {
                     let end = splat(simd, (sheet + 1) as f32 * painter.distance).max(near).min(far);
                     let middle = (start + end) * 0.5;
                     let weight = match kernel {
-                        Met::Bilinear => crossing.bilinear(simd, middle),
-                        Met::Sinc(table) => crossing.sinc(simd, table, middle),
+                        FootprintKernel::Bilinear => crossing.bilinear(simd, middle),
+                        FootprintKernel::Sinc(table) => crossing.sinc(simd, table, middle),
                         _ => crossing.b_spline(simd, middle),
                     };
                     // Values are divided by weights: lengths, which may be 0, must not be in both.

@@ -1,4 +1,4 @@
-//! What sixteen pixels have gathered, and how a sheet's light or values join it.
+//! State of sixteen pixels, and the light or values of sheets that join it.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
@@ -8,7 +8,7 @@ use vr_kernels::vector::{LANES, Lanes, Operator, pick, share_to_level, splat};
 #[derive(Clone, Copy)]
 pub(crate) struct State {
     pub(crate) light: [Lanes; 3],
-    /// What still comes through.
+    /// Transmittance.
     pub(crate) clear: Lanes,
     /// A value picked, or a sum of values times lengths; of which there is none where `length` is 0.
     pub(crate) value: Lanes,

@@ -6,10 +6,10 @@ use vr_kernels::vector::{Lanes, opacity_of_depth, pick, source_weight, splat};
 
 use crate::bins::Keyed;
 use crate::splat::Splat;
-use crate::splatting::Buffers;
+use crate::splatter::Buffers;
 
 use super::Tile;
-use super::meeting::whole;
+use super::footprint::whole;
 use super::painter::Content;
 use super::sheets::add;
 

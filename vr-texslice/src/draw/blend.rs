@@ -4,20 +4,20 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 use vr_kernels::vector::{LANES, Lanes, Operator, Sums, pick, share_to_level, splat};
 
-use super::chunk::{Chunk, Which};
+use super::chunk::{Chunk, SampleSet};
 use super::state::State;
 use crate::fragments::Fragments;
 
-/// What a blend is told besides fragments.
+/// Inputs of a blend besides fragments.
 #[derive(Clone, Copy)]
 pub(crate) struct Blending<'a> {
     pub(crate) operator: Operator,
-    /// Whether samples are on the faces of slabs.
+    /// True if samples are on the faces of slabs.
     pub(crate) on_faces: bool,
     /// A pixel is done when no more than this could be added to any component; below 0: never.
     pub(crate) negligible: f32,
     /// The largest light, or opacity, that can come from behind, by what is left clear.
-    pub(crate) most: &'a Lanes,
+    pub(crate) max_behind: &'a Lanes,
 }
 
 /// Blends the samples of a chunk onto pixels; returns how many there were. Rays whose pixels are done stop.
@@ -25,7 +25,7 @@ pub(crate) struct Blending<'a> {
 pub(crate) fn blend<S: Simd>(
     simd: S,
     how: &Blending<'_>,
-    which: Which<'_>,
+    which: SampleSet<'_>,
     rays: &mut Fragments,
     chunk: &Chunk,
     state: &mut State,
@@ -35,11 +35,12 @@ pub(crate) fn blend<S: Simd>(
         || {
             let mut drawn = 0;
             match how.operator {
+                // Light behind what is there, up to the level; opaque pixels stop.
                 Operator::Under { level } => {
                     let mut sums = Sums::load(simd, &state.sums);
                     for j in 0..chunk.len {
                         let Sample { mut live, begin, length } = sample(simd, how, which, rays, j);
-                        let mut light = light_of(simd, chunk, j);
+                        let mut light = fragment_light(simd, chunk, j);
                         // Vacuum is NaN, and nothing times that is NaN, too.
                         let defined = light[3].simd_eq(light[3]);
                         if !defined.all_true() {
@@ -64,17 +65,19 @@ pub(crate) fn blend<S: Simd>(
                             stop(rays, reached.to_bitmask() as u32);
                         }
                         if how.negligible >= 0.0 {
-                            let done = (sums.clear(simd) * how.most.load(simd)).simd_le(splat(simd, how.negligible));
+                            let done =
+                                (sums.clear(simd) * how.max_behind.load(simd)).simd_le(splat(simd, how.negligible));
                             stop(rays, done.to_bitmask() as u32);
                         }
                     }
                     sums.store(&mut state.sums);
                 }
+                // Light over what is there.
                 Operator::Over => {
                     let [r, g, b, a] = &state.sums[0];
                     let mut sum = [r.load(simd), g.load(simd), b.load(simd), a.load(simd)];
                     for j in 0..chunk.len {
-                        let light = light_of(simd, chunk, j);
+                        let light = fragment_light(simd, chunk, j);
                         let live = sample(simd, how, which, rays, j).live & light[3].simd_eq(light[3]);
                         drawn += live.to_bitmask().count_ones();
                         let clear = splat(simd, 1.0) - light[3];
@@ -85,6 +88,7 @@ pub(crate) fn blend<S: Simd>(
                     let [r, g, b, a] = sum;
                     state.sums[0] = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)];
                 }
+                // The largest of values, or of negated values for a minimum.
                 Operator::Extreme { sign } => {
                     let mut best = state.value.load(simd);
                     for j in 0..chunk.len {
@@ -97,6 +101,7 @@ pub(crate) fn blend<S: Simd>(
                     state.value = Lanes::new(best);
                 }
                 Operator::Average => drawn += average(simd, how, which, rays, chunk, state),
+                // The slab in which the threshold is passed; its ray stops.
                 Operator::First { sign, threshold } => {
                     for j in 0..chunk.len {
                         let Sample { live, begin, length } = sample(simd, how, which, rays, j);
@@ -124,10 +129,10 @@ struct Sample<S: Simd> {
 }
 
 #[inline(always)]
-fn sample<S: Simd>(simd: S, how: &Blending<'_>, which: Which<'_>, rays: &Fragments, j: usize) -> Sample<S> {
+fn sample<S: Simd>(simd: S, how: &Blending<'_>, which: SampleSet<'_>, rays: &Fragments, j: usize) -> Sample<S> {
     let zero = splat(simd, 0.0);
     match which {
-        Which::Outer(end) => {
+        SampleSet::Outer(end) => {
             let live = rays.has[end].load(simd).simd_gt(zero);
             let [begin, length] = &rays.outer_span[end];
             let (begin, length) = (begin.load(simd), length.load(simd));
@@ -135,7 +140,7 @@ fn sample<S: Simd>(simd: S, how: &Blending<'_>, which: Which<'_>, rays: &Fragmen
             let length = if how.on_faces && end == 0 { zero } else { length };
             Sample { live, begin, length }
         }
-        Which::From(number) => {
+        SampleSet::From(number) => {
             let n = number.load(simd) + j as f32;
             let live = n.simd_lt(rays.end.load(simd));
             if how.on_faces {
@@ -152,7 +157,7 @@ fn sample<S: Simd>(simd: S, how: &Blending<'_>, which: Which<'_>, rays: &Fragmen
 }
 
 #[inline(always)]
-fn light_of<S: Simd>(simd: S, chunk: &Chunk, j: usize) -> [f32x16<S>; 4] {
+fn fragment_light<S: Simd>(simd: S, chunk: &Chunk, j: usize) -> [f32x16<S>; 4] {
     let [r, g, b, a] = &chunk.light[j];
     [r.load(simd), g.load(simd), b.load(simd), a.load(simd)]
 }
@@ -162,7 +167,7 @@ fn light_of<S: Simd>(simd: S, chunk: &Chunk, j: usize) -> [f32x16<S>; 4] {
 fn average<S: Simd>(
     simd: S,
     how: &Blending<'_>,
-    which: Which<'_>,
+    which: SampleSet<'_>,
     rays: &Fragments,
     chunk: &Chunk,
     state: &mut State,
@@ -170,8 +175,8 @@ fn average<S: Simd>(
     let (mut sum, mut length, mut lost) = (state.value.load(simd), state.other.load(simd), state.lost.load(simd));
     let zero = splat(simd, 0.0);
     let ratio = match which {
-        Which::Outer(end) => rays.outer_ratio[end].load(simd),
-        Which::From(_) => rays.ratio.load(simd),
+        SampleSet::Outer(end) => rays.outer_ratio[end].load(simd),
+        SampleSet::From(_) => rays.ratio.load(simd),
     };
     let mut drawn = 0;
     for j in 0..chunk.len {

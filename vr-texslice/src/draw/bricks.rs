@@ -13,25 +13,25 @@ use vr_kernels::vector::{
 
 use super::classify::Classifier;
 use super::state::State;
-use super::tiles::{Pixel, Scene16, Sixteen, sixteens};
+use super::tiles::{Packet, PacketScene, Pixel, sixteens};
 use crate::bricks::{BrickLattice, Cells, Pool};
 use crate::fragments::Fragments;
-use crate::projection::Screen;
+use crate::projection::ScreenProjection;
 
-/// What is drawn, brick by brick.
+/// A picture drawn brick by brick.
 pub(crate) struct Bricked<'a, T> {
-    pub(crate) scene: &'a Scene16<'a>,
+    pub(crate) scene: &'a PacketScene<'a>,
     pub(crate) volume: Lattice<'a, T>,
     pub(crate) lattice: BrickLattice,
     /// Front to back.
     pub(crate) order: &'a [[usize; 3]],
-    /// Whether something can be visible in a brick.
+    /// True if something can be visible in a brick.
     pub(crate) shows: &'a (dyn Fn([usize; 3]) -> bool + Sync),
 }
 
 /// Sixteen rays, between bricks.
 pub(crate) struct Waiting {
-    pub(crate) at: Sixteen,
+    pub(crate) at: Packet,
     pub(crate) rays: Fragments,
     pub(crate) state: State,
     /// The next sample of each ray: the first is numbered one less than the whole ones, the last one more. +∞: no more.
@@ -50,7 +50,7 @@ impl<T: Pairs> Bricked<'_, T> {
         for k in 0..n * n {
             let places = sixteens(view.size);
             let rays = set_up(scene, &places, k, control)?;
-            let screen = Screen::new(view)?;
+            let screen = ScreenProjection::new(view)?;
             for &brick in self.order {
                 let cells = self.lattice.cells_of(brick);
                 // The footprint of a brick, as a box of pixels.
@@ -69,7 +69,7 @@ impl<T: Pairs> Bricked<'_, T> {
                     let from = g as usize * GROUP;
                     for waiting in &touched[from..(from + GROUP).min(touched.len())] {
                         let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
-                        let through = Through {
+                        let through = BrickRays {
                             scene,
                             dims: self.volume.dims,
                             cells: &cells,
@@ -99,8 +99,8 @@ impl<T: Pairs> Bricked<'_, T> {
 
 /// The rays of sample `k` of every pixel, before the first brick.
 pub(crate) fn set_up(
-    scene: &Scene16<'_>,
-    places: &[Sixteen],
+    scene: &PacketScene<'_>,
+    places: &[Packet],
     k: u32,
     control: &Control,
 ) -> Result<Vec<Mutex<Waiting>>, RenderError> {
@@ -118,8 +118,8 @@ pub(crate) fn set_up(
 pub(crate) const GROUP: usize = 64;
 
 struct SetUp<'a> {
-    scene: &'a Scene16<'a>,
-    at: Sixteen,
+    scene: &'a PacketScene<'a>,
+    at: Packet,
     sample: u32,
     rays: &'a mut Fragments,
 }
@@ -134,8 +134,8 @@ impl Vectorized for SetUp<'_> {
 }
 
 /// Sixteen rays through one brick, or through the next slab.
-pub(crate) struct Through<'a, T> {
-    pub(crate) scene: &'a Scene16<'a>,
+pub(crate) struct BrickRays<'a, T> {
+    pub(crate) scene: &'a PacketScene<'a>,
     pub(crate) dims: [usize; 3],
     pub(crate) cells: &'a Cells,
     /// `None`: nothing is visible in it.
@@ -145,7 +145,7 @@ pub(crate) struct Through<'a, T> {
     pub(crate) waiting: &'a mut Waiting,
 }
 
-impl<T: Pairs> Vectorized for Through<'_, T> {
+impl<T: Pairs> Vectorized for BrickRays<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -156,10 +156,11 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
         let mut sums = Sums::load(simd, &state.sums);
         let mut number = next.load(simd);
         let (zero, one, never) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::INFINITY));
-        let most = self.dims.map(|n| (n - 1) as f32);
+        let max = self.dims.map(|n| (n - 1) as f32);
         let behind = rays.max_behind(self.scene.max_radiance);
         let chosen = self.only.map(|bits| Lanes(std::array::from_fn(|i| (bits >> i & 1) as f32)));
         loop {
+            // The next sample of each ray: its first, a whole one, or its last.
             let (begin, end) = (rays.begin.load(simd), rays.end.load(simd));
             let first = number.simd_lt(begin);
             let whole = !first & number.simd_lt(end);
@@ -172,8 +173,9 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
                 let outer = pick(first, rays.outer[0][a].load(simd), rays.outer[1][a].load(simd));
                 let p = pick(first | last, outer, along);
                 // What has no sample may be anywhere, and NaN times 0 is.
-                at[a] = inside(simd, pick(live, p, zero), most[a]);
+                at[a] = inside(simd, pick(live, p, zero), max[a]);
             }
+            // Only samples that lie in this brick count, of the rays asked for.
             let mut places = cells(simd, at, self.dims.map(|n| n as i32 - 2));
             let mut here = live;
             if let Some(chosen) = &chosen {
@@ -193,6 +195,7 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
             // A slab of the whole volume: its samples may lie in blocks in which nothing can be visible.
             let hidden = chosen.is_some()
                 && self.scene.pass.occupancy.is_some_and(|o| o.is_empty(touched(here.to_bitmask() as u32, &places)));
+            // Fetches, classifies and composites them.
             if let Some(field) = field.as_ref().filter(|_| !hidden) {
                 *drawn += count;
                 field.fetch(simd, &places, &mut stage);
@@ -219,6 +222,7 @@ impl<T: Pairs> Vectorized for Through<'_, T> {
             } else {
                 *skipped += count;
             }
+            // On to the next samples; pixels that are done stop.
             number = pick(here, number + one, number);
             if self.scene.pass.negligible >= 0.0 {
                 let done = (sums.clear(simd) * behind.load(simd)).simd_le(splat(simd, self.scene.pass.negligible));
@@ -246,7 +250,7 @@ fn touched<S: Simd>(which: u32, places: &Places<S>) -> [[usize; 2]; 3] {
     all
 }
 
-/// Whether low ≤ cell < high.
+/// True for lanes with low ≤ cell < high.
 #[inline(always)]
 fn within<S: Simd>(simd: S, cell: i32x16<S>, low: i32, high: i32) -> mask32x16<S> {
     cell.simd_ge(i32x16::splat(simd, low)) & cell.simd_lt(i32x16::splat(simd, high))

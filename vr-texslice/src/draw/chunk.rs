@@ -13,7 +13,7 @@ pub(crate) const CHUNK: usize = 8;
 
 /// Values, or light and opacity, of up to [`CHUNK`] samples.
 pub(crate) struct Chunk {
-    /// How many there are.
+    /// Number of samples.
     pub(crate) len: usize,
     pub(crate) value: [Lanes; CHUNK],
     pub(crate) light: [[Lanes; 4]; CHUNK],
@@ -23,25 +23,25 @@ impl Chunk {
     pub(crate) const EMPTY: Self = Self { len: 0, value: [Lanes::ZERO; CHUNK], light: [[Lanes::ZERO; 4]; CHUNK] };
 }
 
-/// Which samples of rays are meant.
+/// Set of samples of rays.
 #[derive(Clone, Copy)]
-pub(crate) enum Which<'a> {
+pub(crate) enum SampleSet<'a> {
     /// The first ones (0), or the last (1).
     Outer(usize),
     /// Whole ones from these numbers on.
     From(&'a Lanes),
 }
 
-impl Which<'_> {
-    /// Places of the sample `j` behind the ones meant.
+impl SampleSet<'_> {
+    /// Places of the samples `j` behind these.
     #[inline(always)]
     fn place<S: Simd, X: Texture>(self, simd: S, texture: &X, rays: &Fragments, j: usize) -> Cells<S> {
         match self {
-            Which::Outer(end) => {
+            SampleSet::Outer(end) => {
                 let at = &rays.outer[end];
                 texture.place(simd, [at[0].load(simd), at[1].load(simd), at[2].load(simd)])
             }
-            Which::From(number) => {
+            SampleSet::From(number) => {
                 let n = number.load(simd) + j as f32;
                 let at = [
                     rays.base[0].load(simd) + n * rays.delta[0].load(simd),
@@ -57,10 +57,10 @@ impl Which<'_> {
 /// A texture, a chunk of samples to a call: so what calls it is compiled once, not anew for each texture.
 pub(crate) trait Fetch<S: Simd> {
     /// Fetches samples of rays into a chunk: its `len` first ones.
-    fn fetch(&mut self, simd: S, rays: &Fragments, which: Which<'_>, chunk: &mut Chunk);
+    fn fetch(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, chunk: &mut Chunk);
 
     /// Shades the light of a chunk's samples, where there is any.
-    fn shade(&mut self, simd: S, rays: &Fragments, which: Which<'_>, lit: &Lit<'_>, chunk: &mut Chunk);
+    fn shade(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, lit: &Lit<'_>, chunk: &mut Chunk);
 }
 
 /// A texture, and where what is fetched from it waits.
@@ -76,7 +76,7 @@ impl<'a, X: Texture> Fetcher<'a, X> {
 }
 
 impl<S: Simd, X: Texture> Fetch<S> for Fetcher<'_, X> {
-    fn fetch(&mut self, simd: S, rays: &Fragments, which: Which<'_>, chunk: &mut Chunk) {
+    fn fetch(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, chunk: &mut Chunk) {
         simd.vectorize(
             #[inline(always)]
             || {
@@ -102,7 +102,7 @@ impl<S: Simd, X: Texture> Fetch<S> for Fetcher<'_, X> {
         );
     }
 
-    fn shade(&mut self, simd: S, rays: &Fragments, which: Which<'_>, lit: &Lit<'_>, chunk: &mut Chunk) {
+    fn shade(&mut self, simd: S, rays: &Fragments, which: SampleSet<'_>, lit: &Lit<'_>, chunk: &mut Chunk) {
         simd.vectorize(
             #[inline(always)]
             || {
@@ -117,7 +117,7 @@ impl<S: Simd, X: Texture> Fetch<S> for Fetcher<'_, X> {
     }
 }
 
-/// What the next samples of rays touch: a box of cells, from the first to the last along each axis; and how many samples they are.
+/// Box of cells that the next samples of rays touch, from the first to the last along each axis; and the number of these samples.
 pub(crate) struct Reach {
     pub(crate) cells: [[usize; 2]; 3],
     pub(crate) samples: u64,
@@ -140,13 +140,13 @@ pub(crate) fn reach<S: Simd>(simd: S, rays: &Fragments, number: &Lanes, len: usi
                 let (p, q) = (base + from * delta, base + to * delta);
                 let low = pick(live, p.min(q), always).to_array();
                 let high = pick(live, p.max(q), never).to_array();
-                let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+                let (mut min, mut max) = (f32::INFINITY, f32::NEG_INFINITY);
                 for i in 0..LANES {
-                    least = least.min(low[i]);
-                    most = most.max(high[i]);
+                    min = min.min(low[i]);
+                    max = max.max(high[i]);
                 }
                 // Into the box, as texels are. `as` saturates.
-                cells[a] = [(least as usize).min(dims[a] - 2), (most as usize).min(dims[a] - 2)];
+                cells[a] = [(min as usize).min(dims[a] - 2), (max as usize).min(dims[a] - 2)];
             }
             let mut samples = 0.0;
             for n in count.to_array() {

@@ -9,7 +9,7 @@ use vr_kernels::vector::{
 
 use super::chunk::{CHUNK, Chunk};
 
-/// How fragments are classified.
+/// Classification of fragments.
 #[derive(Clone, Copy)]
 pub(crate) enum Classifier<'a> {
     /// By a look-up in a table of whole slabs, where all are equally long; other lengths by their optical depth.
@@ -128,8 +128,8 @@ pub(crate) fn integrate<S: Simd>(
                 for c in 0..3 {
                     let turned = front[c].load(simd) * h * tau_b - back[c].load(simd) * h * tau_a;
                     let mut light = (mean[c].load(simd) * h * weight + moment * turned).max(zero);
-                    if let Some(most) = brightest {
-                        light = light.min(alpha * most[c]);
+                    if let Some(max) = brightest {
+                        light = light.min(alpha * max[c]);
                     }
                     chunk.light[j][c] = Lanes::new(light);
                 }

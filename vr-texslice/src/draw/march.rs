@@ -4,21 +4,21 @@ use fearless_simd::Simd;
 use vr_kernels::vector::{LANES, Lanes, Operator};
 
 use super::blend::{Blending, blend};
-use super::chunk::{CHUNK, Chunk, Fetch, Which, reach};
+use super::chunk::{CHUNK, Chunk, Fetch, SampleSet, reach};
 use super::classify::{Classifier, classify, integrate};
 use super::state::State;
 use crate::fragments::Fragments;
 use crate::occupancy::Occupancy;
 use crate::texture::Lit;
 
-/// What is the same for all fragments of a picture.
+/// Inputs that all fragments of a picture share.
 #[derive(Clone, Copy)]
 pub(crate) struct Pass<'a> {
     pub(crate) classifier: Classifier<'a>,
     pub(crate) operator: Operator,
     /// Texels along each axis.
     pub(crate) dims: [usize; 3],
-    /// Whether samples are on the faces of slabs.
+    /// True if samples are on the faces of slabs.
     pub(crate) on_faces: bool,
     /// World length of a table's slab.
     pub(crate) length: f32,
@@ -27,12 +27,12 @@ pub(crate) struct Pass<'a> {
     pub(crate) occupancy: Option<&'a Occupancy>,
 }
 
-/// The most samples of a ray that are looked at together.
+/// Largest number of samples of a ray that are looked at together.
 const FARTHEST: usize = 64;
 
-/// What a march did.
+/// Counts of a march.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Done {
+pub(crate) struct PacketResult {
     pub(crate) drawn: u64,
     pub(crate) skipped: u64,
 }
@@ -43,13 +43,14 @@ pub(crate) struct March<'a, S> {
     pub(crate) pass: &'a Pass<'a>,
     /// `None`: nothing is shaded.
     pub(crate) lit: Option<Lit<'a>>,
-    pub(crate) most: &'a Lanes,
+    /// Largest light, or opacity, that can come from behind, by what is left clear.
+    pub(crate) max_behind: &'a Lanes,
     pub(crate) chunk: &'a mut Chunk,
     pub(crate) rays: &'a mut Fragments,
     pub(crate) state: &'a mut State,
     /// Values at the last faces: where segments begin.
     pub(crate) before: Lanes,
-    pub(crate) done: Done,
+    pub(crate) done: PacketResult,
 }
 
 impl<S: Simd> March<'_, S> {
@@ -69,7 +70,7 @@ impl<S: Simd> March<'_, S> {
             return;
         }
         self.chunk.len = 1;
-        let which = Which::Outer(end);
+        let which = SampleSet::Outer(end);
         self.texture.fetch(simd, self.rays, which, self.chunk);
         if self.pass.on_faces && matches!(self.pass.classifier, Classifier::Segments { .. }) && end == 0 {
             // Nothing but where the first segment begins.
@@ -86,11 +87,11 @@ impl<S: Simd> March<'_, S> {
         // So many samples are looked at together for whether anything can be visible in their blocks: more after each look that found nothing.
         let mut stride = CHUNK;
         loop {
-            let most = (0..LANES).map(|i| self.rays.end.0[i] - number.0[i]).fold(f32::NEG_INFINITY, f32::max);
-            if most <= 0.0 {
+            let max = (0..LANES).map(|i| self.rays.end.0[i] - number.0[i]).fold(f32::NEG_INFINITY, f32::max);
+            if max <= 0.0 {
                 break;
             }
-            let len = (most as usize).min(stride);
+            let len = (max as usize).min(stride);
             if let Some(samples) = self.invisible(simd, &number, len) {
                 self.done.skipped += samples;
                 stride = (2 * stride).min(FARTHEST);
@@ -102,7 +103,7 @@ impl<S: Simd> March<'_, S> {
                 continue;
             } else {
                 self.chunk.len = len;
-                let which = Which::From(&number);
+                let which = SampleSet::From(&number);
                 self.texture.fetch(simd, self.rays, which, self.chunk);
                 let ratio = self.rays.ratio;
                 self.draw(simd, which, &ratio);
@@ -118,7 +119,7 @@ impl<S: Simd> March<'_, S> {
         // Of a ray that ends before, nothing is asked any more.
         let last = Lanes(number.0.map(|n| n + (len - 1) as f32));
         self.chunk.len = 1;
-        self.texture.fetch(simd, self.rays, Which::From(&last), self.chunk);
+        self.texture.fetch(simd, self.rays, SampleSet::From(&last), self.chunk);
         for i in 0..LANES {
             if last.0[i] < self.rays.end.0[i] {
                 self.before.0[i] = self.chunk.value[0].0[i];
@@ -128,7 +129,7 @@ impl<S: Simd> March<'_, S> {
         let ends = Lanes(std::array::from_fn(|i| (self.rays.end.0[i] - 1.0).max(number.0[i])));
         let short = |i: usize| number.0[i] < self.rays.end.0[i] && self.rays.end.0[i] <= last.0[i];
         if (0..LANES).any(short) {
-            self.texture.fetch(simd, self.rays, Which::From(&ends), self.chunk);
+            self.texture.fetch(simd, self.rays, SampleSet::From(&ends), self.chunk);
             for i in (0..LANES).filter(|&i| short(i)) {
                 self.before.0[i] = self.chunk.value[0].0[i];
             }
@@ -136,14 +137,14 @@ impl<S: Simd> March<'_, S> {
     }
 
     /// Classifies, shades and blends what was fetched.
-    fn draw(&mut self, simd: S, which: Which<'_>, ratio: &Lanes) {
+    fn draw(&mut self, simd: S, which: SampleSet<'_>, ratio: &Lanes) {
         let pass = self.pass;
         let chunk = &mut *self.chunk;
         match pass.classifier {
             Classifier::Segments { table, brightest } => {
                 let (rays, world) = (&*self.rays, pass.length);
                 let length = |j: usize, i: usize| match which {
-                    Which::From(number) if number.0[i] + j as f32 <= rays.begin.0[i] => {
+                    SampleSet::From(number) if number.0[i] + j as f32 <= rays.begin.0[i] => {
                         rays.outer_ratio[0].0[i] * world
                     }
                     _ => ratio.0[i] * world,
@@ -152,8 +153,8 @@ impl<S: Simd> March<'_, S> {
                 let backwards = pass.operator == Operator::Over;
                 integrate(simd, (table, brightest), &self.before, &lengths, backwards, chunk);
                 match which {
-                    Which::Outer(_) => {}
-                    Which::From(number) => {
+                    SampleSet::Outer(_) => {}
+                    SampleSet::From(number) => {
                         let number = *number;
                         let last = chunk.len - 1;
                         self.keep(&number, last);
@@ -161,15 +162,19 @@ impl<S: Simd> March<'_, S> {
                 }
             }
             _ => {
-                let outer = matches!(which, Which::Outer(_));
+                let outer = matches!(which, SampleSet::Outer(_));
                 classify(simd, &pass.classifier, ratio, outer, chunk);
                 if let Some(lit) = &self.lit {
                     self.texture.shade(simd, self.rays, which, lit, chunk);
                 }
             }
         }
-        let how =
-            Blending { operator: pass.operator, on_faces: pass.on_faces, negligible: pass.negligible, most: self.most };
+        let how = Blending {
+            operator: pass.operator,
+            on_faces: pass.on_faces,
+            negligible: pass.negligible,
+            max_behind: self.max_behind,
+        };
         let drawn = blend(simd, &how, which, self.rays, self.chunk, self.state);
         self.done.drawn += u64::from(drawn);
     }
@@ -184,7 +189,7 @@ impl<S: Simd> March<'_, S> {
         }
     }
 
-    /// How many the next samples are, if nothing can be visible in the blocks that they touch.
+    /// Number of the next samples, if nothing can be visible in the blocks that they touch.
     fn invisible(&self, simd: S, number: &Lanes, len: usize) -> Option<u64> {
         let occupancy = self.pass.occupancy?;
         let touched = if self.pass.on_faces {

@@ -1,4 +1,4 @@
-//! What becomes of fragments: fetched from a texture, classified, blended.
+//! Stages of fragments: fetched from a texture, classified, blended.
 
 mod blend;
 mod bricks;
@@ -13,5 +13,5 @@ pub(crate) use bricks::Bricked;
 pub(crate) use classify::Classifier;
 pub(crate) use march::Pass;
 pub(crate) use state::State;
-pub(crate) use tiles::{Pixel, Scene16, draw_tiles};
+pub(crate) use tiles::{PacketScene, Pixel, draw_tiles};
 pub(crate) use whole_slices::draw_slices;

@@ -1,4 +1,4 @@
-//! What pixels have gathered so far.
+//! State of pixels between fragments.
 
 use vr_core::optics::fraction_to_level;
 use vr_kernels::vector::{LANES, Lanes, Operator};
@@ -10,9 +10,9 @@ pub(crate) struct State {
     pub(crate) sums: [[Lanes; 4]; 3],
     /// The value picked (of an average the sum of values by length), or the number of the sample that passed a test.
     pub(crate) value: Lanes,
-    /// Of an average, the length; of a test, the number of the sample before.
+    /// Length, of an average; number of the sample before, of a test.
     pub(crate) other: Lanes,
-    /// What the sum of values has lost by rounding.
+    /// Rounding error of the sum of values.
     pub(crate) lost: Lanes,
 }
 

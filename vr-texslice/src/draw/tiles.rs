@@ -7,14 +7,14 @@ use vr_core::{Control, Counts, Layer, MaxRadiance, RenderError, View};
 use vr_kernels::vector::{LANES, Lanes, PacketLights, PacketShading, Vectorized, run};
 
 use super::chunk::{Chunk, Fetch, Fetcher};
-use super::march::{Done, March, Pass};
+use super::march::{March, PacketResult, Pass};
 use super::state::State;
 use crate::fragments::{Fragments, Setup};
 use crate::texture::{Lit, Texture};
 
-/// Everything that pixels need.
+/// Inputs of all pixels.
 #[derive(Clone, Copy)]
-pub(crate) struct Scene16<'a> {
+pub(crate) struct PacketScene<'a> {
     pub(crate) view: &'a View,
     pub(crate) layer: Option<&'a Layer>,
     pub(crate) setup: Setup<'a>,
@@ -57,7 +57,7 @@ const BLOCK: u32 = 4;
 
 /// Draws every pixel of a view, tile by tile on all threads. The picture does not depend on their number.
 pub(crate) fn draw_tiles<X: Texture>(
-    scene: &Scene16<'_>,
+    scene: &PacketScene<'_>,
     texture: &X,
     control: &Control,
 ) -> Result<(Vec<Pixel>, Counts), RenderError> {
@@ -79,7 +79,7 @@ pub(crate) fn draw_tiles<X: Texture>(
 }
 
 struct Tile<'a, X> {
-    scene: &'a Scene16<'a>,
+    scene: &'a PacketScene<'a>,
     texture: &'a X,
     corner: [u32; 2],
 }
@@ -95,7 +95,7 @@ impl<X: Texture> Vectorized for Tile<'_, X> {
 
 fn draw_tile<S: Simd>(
     simd: S,
-    scene: &Scene16<'_>,
+    scene: &PacketScene<'_>,
     corner: [u32; 2],
     texture: &mut dyn Fetch<S>,
 ) -> (Vec<(usize, Pixel)>, Counts) {
@@ -106,7 +106,7 @@ fn draw_tile<S: Simd>(
     let mut block = Block { chunk: Chunk::EMPTY, rays: Fragments::EMPTY, lights: PacketLights::default() };
     for y in (corner[1]..end[1]).step_by(BLOCK as usize) {
         for x in (corner[0]..end[0]).step_by(BLOCK as usize) {
-            block.draw(simd, scene, texture, Sixteen { corner: [x, y], size }, &mut drawn, &mut counts);
+            block.draw(simd, scene, texture, Packet { corner: [x, y], size }, &mut drawn, &mut counts);
         }
     }
     (drawn, counts)
@@ -114,18 +114,18 @@ fn draw_tile<S: Simd>(
 
 /// Sixteen pixels, 4×4, fewer at the picture's edges.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sixteen {
+pub(crate) struct Packet {
     corner: [u32; 2],
     size: [u32; 2],
 }
 
 /// All pixels of a picture.
-pub(crate) fn sixteens(size: [u32; 2]) -> Vec<Sixteen> {
+pub(crate) fn sixteens(size: [u32; 2]) -> Vec<Packet> {
     let rows = (0..size[1]).step_by(BLOCK as usize);
-    rows.flat_map(|y| (0..size[0]).step_by(BLOCK as usize).map(move |x| Sixteen { corner: [x, y], size })).collect()
+    rows.flat_map(|y| (0..size[0]).step_by(BLOCK as usize).map(move |x| Packet { corner: [x, y], size })).collect()
 }
 
-impl Sixteen {
+impl Packet {
     /// Column and row of pixel `i`; beyond the picture's edge as well.
     fn pixel(&self, i: usize) -> [u32; 2] {
         [self.corner[0] + i as u32 % BLOCK, self.corner[1] + i as u32 / BLOCK]
@@ -137,14 +137,14 @@ impl Sixteen {
         (x < self.size[0] && y < self.size[1]).then(|| y as usize * self.size[0] as usize + x as usize)
     }
 
-    /// Whether it and a box of the screen have anything in common.
+    /// True if it and a box of the screen have anything in common.
     pub(crate) fn overlaps(&self, low: DVec2, high: DVec2) -> bool {
         let at = DVec2::new(f64::from(self.corner[0]), f64::from(self.corner[1]));
         (at + f64::from(BLOCK)).cmpge(low).all() && at.cmple(high).all()
     }
 
     /// The rays of sample `k` of each pixel.
-    pub(crate) fn set_up<S: Simd>(&self, simd: S, scene: &Scene16<'_>, k: u32, rays: &mut Fragments) {
+    pub(crate) fn set_up<S: Simd>(&self, simd: S, scene: &PacketScene<'_>, k: u32, rays: &mut Fragments) {
         let n = scene.view.supersampling;
         let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
         let x = std::array::from_fn(|i| f64::from(self.pixel(i)[0]) + centre(k % n));
@@ -161,7 +161,7 @@ impl Sixteen {
     /// Hands over what each pixel has become, by its number.
     pub(crate) fn finish(
         &self,
-        scene: &Scene16<'_>,
+        scene: &PacketScene<'_>,
         rays: &Fragments,
         state: &State,
         mut put: impl FnMut(usize, Pixel),
@@ -175,7 +175,7 @@ impl Sixteen {
     }
 }
 
-/// What sixteen pixels are drawn with.
+/// Working memory of sixteen pixels.
 struct Block {
     chunk: Chunk,
     rays: Fragments,
@@ -186,9 +186,9 @@ impl Block {
     fn draw<S: Simd>(
         &mut self,
         simd: S,
-        scene: &Scene16<'_>,
+        scene: &PacketScene<'_>,
         texture: &mut dyn Fetch<S>,
-        at: Sixteen,
+        at: Packet,
         drawn: &mut Vec<(usize, Pixel)>,
         counts: &mut Counts,
     ) {
@@ -218,21 +218,27 @@ impl Block {
         }
     }
 
-    fn march<S: Simd>(&mut self, simd: S, scene: &Scene16<'_>, texture: &mut dyn Fetch<S>, state: &mut State) -> Done {
+    fn march<S: Simd>(
+        &mut self,
+        simd: S,
+        scene: &PacketScene<'_>,
+        texture: &mut dyn Fetch<S>,
+        state: &mut State,
+    ) -> PacketResult {
         if let Some(shading) = scene.shading {
             self.lights.look_along(&shading.lights, &self.rays.chords.along);
         }
-        let most = self.rays.max_behind(scene.max_radiance);
+        let max_behind = self.rays.max_behind(scene.max_radiance);
         let mut march = March {
             texture,
             pass: &scene.pass,
             lit: scene.shading.map(|shading| Lit { shading, lights: &self.lights }),
-            most: &most,
+            max_behind: &max_behind,
             chunk: &mut self.chunk,
             rays: &mut self.rays,
             state,
             before: Lanes([f32::NAN; LANES]),
-            done: Done::default(),
+            done: PacketResult::default(),
         };
         march.run(simd);
         march.done

@@ -8,14 +8,14 @@ use vr_core::image_order::in_parallel;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{Pairs, run};
 
-use super::bricks::{GROUP, Through, Waiting, set_up};
-use super::tiles::{Pixel, Scene16, sixteens};
+use super::bricks::{BrickRays, GROUP, Waiting, set_up};
+use super::tiles::{PacketScene, Pixel, sixteens};
 use crate::geometry::{Body, box_corners, hull, spans};
-use crate::projection::Screen;
+use crate::projection::ScreenProjection;
 
 /// Draws every slab across the whole picture, front to back. Pixels whose centres lie exactly on a footprint's right or lower edge are not covered.
 pub(crate) fn draw_slices<T: Pairs>(
-    scene: &Scene16<'_>,
+    scene: &PacketScene<'_>,
     volume: &Lattice<'_, T>,
     control: &Control,
 ) -> Result<(Vec<Pixel>, Counts), RenderError> {
@@ -23,7 +23,7 @@ pub(crate) fn draw_slices<T: Pairs>(
     let places = sixteens(size);
     let rays = set_up(scene, &places, 0, control)?;
     let across = size[0].div_ceil(4) as usize;
-    let screen = Screen::new(scene.view)?;
+    let screen = ScreenProjection::new(scene.view)?;
     let dims = volume.dims;
     let corners = box_corners(scene.setup.placement, DVec3::ZERO, DVec3::from_array(dims.map(|n| (n - 1) as f64)));
     let body = Body::new(&corners, &scene.view.clip);
@@ -48,7 +48,7 @@ pub(crate) fn draw_slices<T: Pairs>(
                 let only = Some(masks[i]);
                 run(
                     scene.level,
-                    Through { scene, dims, cells: &cells, texture: Some(volume), only, waiting: &mut waiting },
+                    BrickRays { scene, dims, cells: &cells, texture: Some(volume), only, waiting: &mut waiting },
                 );
             }
         })?;

@@ -1,4 +1,4 @@
-//! What is left of a volume's box under a clip: a convex body, and how slices cut it.
+//! Rest of a volume's box under a clip: a convex body, and the cuts of slices through it.
 
 use glam::{DVec2, DVec3};
 use vr_core::{Clip, Placement};
@@ -62,7 +62,7 @@ fn around(mut points: Vec<DVec3>, normal: DVec3) -> Polygon {
 }
 
 impl Body {
-    /// What a clip leaves of a box.
+    /// Cuts a box by a clip.
     pub fn new(corners: &[DVec3; 8], clip: &Clip) -> Self {
         let mut faces: Vec<Polygon> =
             FACES.iter().map(|f| Polygon { corners: f.iter().map(|&c| corners[c]).collect() }).collect();

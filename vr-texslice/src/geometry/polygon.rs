@@ -12,7 +12,7 @@ pub struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// How far inside a point is, times the normal's length.
+    /// Distance of a point from the boundary, positive inside, times the normal's length.
     fn depth(&self, p: DVec3) -> f64 {
         self.normal.dot(p) - self.offset
     }
@@ -26,9 +26,9 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// What of it lies in a half space (Sutherland & Hodgman 1974, "Reentrant polygon clipping").
+    /// Part of it that lies in a half space (Sutherland & Hodgman 1974, "Reentrant polygon clipping").
     ///
-    /// Where an edge crosses the boundary is computed from the corner inside to that outside, so polygons that share an edge are cut at the
+    /// The crossing of an edge with the boundary is computed from the corner inside to that outside, so polygons that share an edge are cut at the
     /// same point of it only if both walk it from the same side; [`crossing`] is what makes it so: it sorts the ends.
     #[must_use]
     pub fn clipped(&self, half: &HalfSpace) -> Self {
@@ -61,7 +61,7 @@ impl Polygon {
     }
 }
 
-/// Where the edge between two points on either side of a boundary meets it: the same bits, whichever of them is named first.
+/// Intersection of a boundary with the edge between two points on either side of it: the same bits, whichever of them is named first.
 pub fn crossing(boundary: &HalfSpace, a: DVec3, b: DVec3) -> DVec3 {
     let (a, b) = if a.to_array() <= b.to_array() { (a, b) } else { (b, a) };
     let (da, db) = (boundary.depth(a), boundary.depth(b));

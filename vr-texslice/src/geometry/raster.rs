@@ -16,7 +16,7 @@ pub struct Span {
 /// The rows of a convex polygon, given by its corners in either order, within a picture.
 ///
 /// A pixel is covered if its centre, (x + ½, y + ½), lies inside. A centre on an edge belongs to the polygon to its right or below it: the
-/// top-left rule, as on graphics cards. An edge is walked from its upper end to its lower one, whoever asks, so polygons that share it round it
+/// top-left rule, as on graphics cards. Every polygon walks an edge from its upper end to its lower one, so polygons that share it round it
 /// alike: of the pixels along it none is covered twice, and none is left out.
 pub fn spans(corners: &[DVec2], size: [u32; 2]) -> impl Iterator<Item = Span> + '_ {
     let (top, bottom) = corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(t, b), c| (t.min(c.y), b.max(c.y)));

@@ -94,7 +94,7 @@ proptest! {
         prop_assert!((parts - slice.area_vector().length()).abs() < 1e-9);
     }
 
-    /// Of a polygon cut into triangles, and of two that share an edge, every pixel inside is drawn once, whichever way they lie; corners on pixel
+    /// Every pixel inside a polygon cut into triangles, or inside two that share an edge, is drawn once, whichever way they lie; corners on pixel
     /// centres and edges through them are as frequent as others.
     #[test]
     fn every_pixel_is_covered_once(points in prop::collection::vec(prop::array::uniform2(-4..44i32), 3..9), cut in 0..9usize) {

@@ -6,7 +6,7 @@ use vr_kernels::vector::{Cells, LANES, Lanes, transpose};
 
 use super::{Lit, Texture};
 
-/// What a texel's light and opacity is read from.
+/// Store of the light and opacity of texels.
 pub(crate) trait Texels: Sync {
     /// (r, g, b, α) of a texel.
     fn at(&self, texel: usize) -> [f32; 4];

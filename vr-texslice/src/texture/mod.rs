@@ -13,10 +13,10 @@ use vr_kernels::vector::{Cells, Lanes, PacketLights, PacketShading, cells, insid
 
 /// A texture, as fragments see it.
 pub(crate) trait Texture: Sync {
-    /// Where texels wait between their fetch and their use: a wide load from narrow stores takes its time, and that of another fragment's fetch hides
+    /// Buffer of texels between their fetch and their use: a wide load from narrow stores takes its time, and that of another fragment's fetch hides
     /// it.
     type Stage: Default;
-    /// Whether texels are light and opacity; else they are values.
+    /// True if texels are light and opacity; else they are values.
     const LIGHT: bool;
 
     /// Texels along each axis.
@@ -26,9 +26,9 @@ pub(crate) trait Texture: Sync {
     #[inline(always)]
     fn place<S: Simd>(&self, simd: S, position: [f32x16<S>; 3]) -> Cells<S> {
         let dims = self.dims();
-        let most = dims.map(|n| (n - 1) as f32);
+        let max = dims.map(|n| (n - 1) as f32);
         let [x, y, z] = position;
-        let position = [inside(simd, x, most[0]), inside(simd, y, most[1]), inside(simd, z, most[2])];
+        let position = [inside(simd, x, max[0]), inside(simd, y, max[1]), inside(simd, z, max[2])];
         cells(simd, position, dims.map(|n| n as i32 - 2))
     }
 
@@ -42,7 +42,7 @@ pub(crate) trait Texture: Sync {
     fn shade<S: Simd>(&self, simd: S, at: &Cells<S>, with: &Lit<'_>, light: &mut [Lanes; 4], stage: &mut Self::Stage);
 }
 
-/// What fragments are shaded by.
+/// Shading and lights of fragments.
 #[derive(Clone, Copy)]
 pub(crate) struct Lit<'a> {
     pub(crate) shading: &'a PacketShading,

@@ -38,13 +38,13 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
 
     #[inline(always)]
     fn place<S: Simd>(&self, simd: S, [x, y, z]: [f32x16<S>; 3]) -> Cells<S> {
-        let most = self.dims.map(|n| (n - 1) as f32);
-        let mut z = inside(simd, z, most[2]);
+        let max = self.dims.map(|n| (n - 1) as f32);
+        let mut z = inside(simd, z, max[2]);
         if let Some(per_layer) = self.per_layer {
             let slice: i32x16<S> = (z * per_layer + 0.5).to_int();
-            z = inside(simd, slice.to_float::<f32x16<S>>() * (1.0 / per_layer), most[2]);
+            z = inside(simd, slice.to_float::<f32x16<S>>() * (1.0 / per_layer), max[2]);
         }
-        cells(simd, [inside(simd, x, most[0]), inside(simd, y, most[1]), z], self.field.last_cell)
+        cells(simd, [inside(simd, x, max[0]), inside(simd, y, max[1]), z], self.field.last_cell)
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Sixteen rays meet a splat: how much of its kernel each goes through, between which depths.
+//! Footprints: the part of a splat's kernel that each of sixteen rays goes through, and the depths between which it does.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -10,8 +10,8 @@ use crate::section_table::SectionTable;
 use crate::splat::Splat;
 use crate::tile::block::Block;
 
-/// A kernel as kernels are met.
-pub(crate) enum Met {
+/// A kernel, prepared for its footprints.
+pub(crate) enum FootprintKernel {
     Radial(SectionTable),
     Bilinear,
     BSpline,
@@ -24,7 +24,7 @@ pub(crate) struct SincTable(Vec<f32>);
 /// Intervals of that.
 const INTERVALS: usize = 4096;
 
-impl Met {
+impl FootprintKernel {
     pub(crate) fn new(profile: &Profile) -> Self {
         match profile {
             Profile::Radial(radial) => Self::Radial(SectionTable::new(radial)),
@@ -57,7 +57,7 @@ impl SincTable {
     }
 }
 
-/// What meetings need of a view, in the precision of kernels.
+/// Axes of a view, in the precision of kernels.
 #[derive(Clone, Copy)]
 pub(crate) struct Axes {
     perspective: bool,
@@ -80,7 +80,7 @@ impl Axes {
     }
 }
 
-/// How far rays pass to the right of and above a splat, at its depth.
+/// Distances at which rays pass to the right of and above a splat, at its depth.
 #[inline(always)]
 fn beside<S: Simd>(simd: S, axes: &Axes, block: &Block, at: &Splat) -> [f32x16<S>; 2] {
     let (x, y) = (block.lateral[0].load(simd), block.lateral[1].load(simd));
@@ -140,7 +140,7 @@ impl<S: Simd> Passing<S> {
 
 /// Rays through a kernel that is a product along the axes.
 pub(crate) struct Crossing<S: Simd> {
-    /// Where they are in kernel space at the splat's depth.
+    /// Positions in kernel space at the splat's depth.
     at: [f32x16<S>; 3],
     /// Kernel space per unit of depth.
     step: [f32x16<S>; 3],
@@ -233,7 +233,7 @@ fn cubic<S: Simd>(simd: S, t: f32x16<S>) -> f32x16<S> {
 #[inline(always)]
 pub(crate) fn whole<S: Simd>(
     simd: S,
-    kernel: &Met,
+    kernel: &FootprintKernel,
     axes: &Axes,
     block: &Block,
     at: &Splat,
@@ -241,13 +241,13 @@ pub(crate) fn whole<S: Simd>(
 ) -> Option<f32x16<S>> {
     let to = to.max(from);
     match kernel {
-        Met::Radial(table) => {
+        FootprintKernel::Radial(table) => {
             let passing = Passing::new(simd, axes, block, at)?;
             // Nowhere negative; tables and rounding might be.
             let section = passing.up_to(simd, table, to) - passing.up_to(simd, table, from);
             Some(section.max(splat(simd, 0.0)) / passing.speed)
         }
-        Met::Bilinear => {
+        FootprintKernel::Bilinear => {
             let crossing = Crossing::new(simd, axes, block, at);
             let [from, to] = crossing.inside(simd, from, to);
             if !from.simd_lt(to).any_true() {
@@ -267,7 +267,7 @@ pub(crate) fn whole<S: Simd>(
             }
             Some(sum)
         }
-        Met::BSpline => {
+        FootprintKernel::BSpline => {
             let crossing = Crossing::new(simd, axes, block, at);
             let [from, to] = crossing.inside(simd, from, to);
             if !from.simd_lt(to).any_true() {
@@ -284,7 +284,7 @@ pub(crate) fn whole<S: Simd>(
             }
             Some(sum * half)
         }
-        Met::Sinc(table) => {
+        FootprintKernel::Sinc(table) => {
             let crossing = Crossing::new(simd, axes, block, at);
             let [from, to] = crossing.inside(simd, from, to);
             if !from.simd_lt(to).any_true() {

@@ -1,31 +1,31 @@
 //! The renderer's settings.
 
-use vr_core::{Configurable, OptionError};
+use vr_core::{Classification, Configurable, OptionError};
 
 use crate::kernel::SplatKernel;
 
 /// A renderer that splats.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Splatting {
-    /// Where splats are gathered before they are composited.
+pub struct Splatter {
+    /// Buffers in which splats are gathered before they are composited.
     pub buffers: Buffers,
-    /// What is classified.
+    /// Order of splatting and classification.
     pub classification: Classification,
-    /// How a voxel is spread; scattered points have kernels of their own.
+    /// Kernel that spreads a voxel; scattered points have kernels of their own.
     pub kernel: SplatKernel,
-    /// Between sheets parallel to the image: in smallest voxel edges, or in half mean radii of points; 0.02 to 64.
-    pub slice_distance: f64,
+    /// Distance between sheets parallel to the image: in smallest voxel edges, or in half mean radii of points; 0.02 to 64.
+    pub slice_spacing: f64,
     /// In pixels, how far every footprint is widened against aliasing: a radius of R pixels becomes √(R² + low_pass²). 0 takes the ray through
     /// a pixel's centre as it is.
     pub low_pass: f64,
-    /// In which order the volume's own sheets are composited.
-    pub order: SheetOrder,
+    /// Order in which the volume's own sheets are composited.
+    pub order: CompositingOrder,
     /// Opacity in (0, 1] at which pixels take no more; 1: never. What is left out changes no pixel by more than 1 − termination: where light is brighter
     /// than 1, more is drawn accordingly.
     pub termination: f64,
 }
 
-/// Where splats are gathered before they are composited.
+/// Buffers in which splats are gathered before they are composited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Buffers {
     /// Sheets parallel to the image, each with the sections of kernels that lie in it (Mueller & Crawfis 1998).
@@ -37,19 +37,9 @@ pub enum Buffers {
     Samples,
 }
 
-/// What is classified.
+/// Order in which sheets are composited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Classification {
-    /// Values are splatted, and a sheet's values are classified (Mueller, Möller & Crawfis 1999).
-    #[default]
-    Values,
-    /// Voxels or points are classified, then splatted.
-    Voxels,
-}
-
-/// In which order sheets are composited.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SheetOrder {
+pub enum CompositingOrder {
     /// Each under what is there.
     #[default]
     FrontToBack,
@@ -57,21 +47,21 @@ pub enum SheetOrder {
     BackToFront,
 }
 
-impl Default for Splatting {
+impl Default for Splatter {
     fn default() -> Self {
         Self {
             buffers: Buffers::default(),
             classification: Classification::default(),
             kernel: SplatKernel::default(),
-            slice_distance: 1.0,
+            slice_spacing: 1.0,
             low_pass: 0.0,
-            order: SheetOrder::default(),
+            order: CompositingOrder::default(),
             termination: 0.9999,
         }
     }
 }
 
-impl Splatting {
+impl Splatter {
     /// The name in scene files and on command lines.
     pub const NAME: &'static str = "splat";
 

@@ -1,4 +1,4 @@
-//! What the renderer can draw, and what it says of the rest.
+//! Capabilities of the renderer: scenes and views that it can draw, and errors for the rest.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderEr
     Unsupported { renderer: ShearWarp::NAME, feature, what: what.into() }.into()
 }
 
-/// Whether this renderer can draw this scene; its volume, if so.
+/// Returns the volume of a scene that this renderer can draw.
 pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     renderer.validate()?;
     scene.validate()?;
@@ -40,7 +40,7 @@ pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolum
         ));
     }
     if scene.reflection().is_some_and(|shading| shading.gradient == GradientMethod::Analytic) {
-        return Err(unsupported(Feature::AnalyticGradients, "analytic gradients: normals are encoded at the samples"));
+        return Err(unsupported(Feature::AnalyticGradients, "analytic gradients: normals are encoded at the voxels"));
     }
     let volume = scene
         .volume

@@ -1,4 +1,4 @@
-//! Samples of few texels, composited four at a time: where runs are short, most of sixteen lanes would do nothing.
+//! Samples of short runs of texels, composited four at a time: where runs are short, most of sixteen lanes would do nothing.
 //!
 //! Each texel goes through the same operations in the same order as among sixteen, so that it does not matter how many it comes with.
 
@@ -12,8 +12,8 @@ use super::over::Over;
 use crate::codes::Code;
 
 const FOUR: usize = 4;
-/// Up to this many texels are few.
-pub(super) const FEW: usize = 2 * FOUR;
+/// Largest number of texels of a short run.
+pub(super) const MAX_SHORT: usize = 2 * FOUR;
 
 const STEPS: [f32; FOUR] = [0., 1., 2., 3.];
 
@@ -25,10 +25,10 @@ fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; FOUR]) -> [f32x4<S>; FOUR] {
     [low.zip_low(high), low.zip_high(high), later_low.zip_low(later_high), later_low.zip_high(later_high)]
 }
 
-impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED> {
-    /// What [`Kernel::add`](super::kernel::Kernel::add) does, for up to [`FEW`] whole samples, a texel a cell.
+impl<P: Code, const PRE_CLASSIFIED: bool, const SHADED: bool> Over<'_, P, PRE_CLASSIFIED, SHADED> {
+    /// Adds samples as [`Kernel::add`](super::kernel::Kernel::add) does, for up to [`MAX_SHORT`] whole samples, a texel a cell.
     #[inline(always)]
-    pub(super) fn few<S: Simd, const N: usize>(
+    pub(super) fn short_run<S: Simd, const N: usize>(
         &self,
         simd: S,
         edges: &Edges<N>,
@@ -43,7 +43,7 @@ impl<P: Code, const BEFORE: bool, const SHADED: bool> Over<'_, P, BEFORE, SHADED
             }
             let n = (at.n - part).min(FOUR);
             let columns = Columns { first: columns.first + part, ..columns };
-            let samples = if BEFORE {
+            let samples = if PRE_CLASSIFIED {
                 self.four_of_voxels(simd, edges, columns, n)
             } else {
                 self.four_of_values(simd, edges, columns, n)

@@ -4,23 +4,23 @@ use vr_core::{Configurable, OptionError};
 
 /// A renderer that draws slices through textures.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TexSlice {
-    /// What slices are.
+pub struct TextureSlicer {
+    /// Proxy geometry of slices.
     pub proxy: Proxy,
-    /// From slice to slice, in smallest voxel edges; of [`Proxy::Stacks`], in layers of voxels, rounded down to one part of a layer or one layer.
-    pub slice_distance: f64,
-    /// What a texture holds, and when it is classified.
+    /// Distance from slice to slice, in smallest voxel edges; of [`Proxy::Stacks`], in layers of voxels, rounded down to one part of a layer or one layer.
+    pub slice_spacing: f64,
+    /// Content of a texture, and the stage of its classification.
     pub format: Format,
-    /// How fragments are blended under `over`.
+    /// Order in which fragments are blended under `over`.
     pub blend: Blend,
-    /// In which order fragments are drawn.
-    pub order: Order,
-    /// Whether blocks in which nothing can be visible are left out.
-    pub skip: bool,
+    /// Order in which fragments are drawn.
+    pub order: DrawOrder,
+    /// True if blocks in which nothing can be visible are left out.
+    pub skip_empty_space: bool,
     /// Opacity in (0, 1] at which a pixel takes no more fragments, front to back; 1: never, as the textbooks have it. What is left out changes no
     /// pixel by more than 1 − termination where no colour is brighter than 1, and where one is, more is drawn accordingly.
     pub termination: f64,
-    /// Whether opacities are corrected for how far apart slices are along each ray. Off, a picture is darker or brighter with the angle: to show why
+    /// True if opacities are corrected for the distance between slices along each ray. Off, a picture is darker or brighter with the angle: to show why
     /// it is on.
     pub correction: bool,
     /// Cells along the edge of a brick; `None`: the volume is one texture.
@@ -29,7 +29,7 @@ pub struct TexSlice {
     pub budget: f64,
 }
 
-/// What slices are.
+/// Proxy geometry of slices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Proxy {
     /// Planes that are parallel to the image, through a 3D texture (Cabral, Cam & Foran 1994).
@@ -42,7 +42,7 @@ pub enum Proxy {
     Stacks,
 }
 
-/// What a texture holds, and when it is classified.
+/// Content of a texture, and the stage of its classification.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Format {
     /// Values, classified after interpolation, fragment by fragment.
@@ -60,7 +60,7 @@ pub enum Format {
     Paletted,
 }
 
-/// How fragments are blended under `over`.
+/// Order in which fragments are blended under `over`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Blend {
     /// Each behind what is there already: under.
@@ -70,9 +70,9 @@ pub enum Blend {
     BackToFront,
 }
 
-/// In which order fragments are drawn. What is blended onto a pixel, and in which order, is the same.
+/// Order in which fragments are drawn. The fragments blended onto a pixel, and their order, are the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Order {
+pub enum DrawOrder {
     /// All slices of sixteen pixels, then the next sixteen: what a processor's caches like.
     #[default]
     Tiles,
@@ -80,15 +80,15 @@ pub enum Order {
     Slices,
 }
 
-impl Default for TexSlice {
+impl Default for TextureSlicer {
     fn default() -> Self {
         Self {
             proxy: Proxy::default(),
-            slice_distance: 0.5,
+            slice_spacing: 0.5,
             format: Format::default(),
             blend: Blend::default(),
-            order: Order::default(),
-            skip: true,
+            order: DrawOrder::default(),
+            skip_empty_space: true,
             termination: 0.9999,
             correction: true,
             brick: None,
@@ -97,7 +97,7 @@ impl Default for TexSlice {
     }
 }
 
-impl TexSlice {
+impl TextureSlicer {
     /// The name in scene files and on command lines.
     pub const NAME: &'static str = "texslice";
     /// The largest budget, in mebibytes: a tebibyte, which is none at all.
@@ -105,13 +105,13 @@ impl TexSlice {
 
     /// As the textbooks have it: every fragment is drawn, whether it can be seen or not.
     pub fn brute_force() -> Self {
-        Self { skip: false, termination: 1.0, ..Self::default() }
+        Self { skip_empty_space: false, termination: 1.0, ..Self::default() }
     }
 
     /// Slices of a stack to a layer of voxels.
     pub(crate) fn per_layer(&self) -> u32 {
         // A third of a layer times three is one.
-        (1.0 / self.slice_distance - 1e-9).ceil().max(1.0) as u32
+        (1.0 / self.slice_spacing - 1e-9).ceil().max(1.0) as u32
     }
 
     /// The budget in bytes.
@@ -119,12 +119,12 @@ impl TexSlice {
         (self.budget * f64::from(1u32 << 20)) as u64
     }
 
-    /// Whether fragments are segments with a value at either end.
+    /// True if fragments are segments with a value at either end.
     pub(crate) fn is_pre_integrated(&self) -> bool {
         self.format == Format::PreIntegrated
     }
 
-    /// Whether a texture holds light and opacity, not values.
+    /// True if a texture holds light and opacity, not values.
     pub(crate) fn holds_light(&self) -> bool {
         matches!(self.format, Format::Rgba | Format::LuminanceAlpha | Format::Paletted)
     }

@@ -1,4 +1,4 @@
-//! What the renderer can draw, and what it says of the rest.
+//! Capabilities of the renderer: scenes and views that it can draw, and errors for the rest.
 
 use std::sync::Arc;
 
@@ -8,20 +8,21 @@ use vr_core::{
 use vr_kernels::tables::beyond_f32;
 
 use crate::classified::is_shaded;
-use crate::tex_slice::{Blend, Format, Order, Proxy, TexSlice};
+use crate::texture_slicer::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
-    Unsupported { renderer: TexSlice::NAME, feature, what: what.into() }.into()
+    Unsupported { renderer: TextureSlicer::NAME, feature, what: what.into() }.into()
 }
 
-/// Whether this renderer can draw this scene; its volume, if so.
-pub(crate) fn check(renderer: &TexSlice, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
+/// Returns the volume of a scene that this renderer can draw.
+pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     renderer.validate()?;
     scene.validate()?;
     let volume = scene
         .volume
         .grid()
         .ok_or_else(|| unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    // The volume.
     if volume.filter() != Filter::Trilinear {
         return Err(unsupported(
             Feature::Filter,
@@ -29,11 +30,12 @@ pub(crate) fn check(renderer: &TexSlice, scene: &Scene) -> Result<Arc<GridVolume
         ));
     }
     if volume.dims().iter().product::<usize>() > i32::MAX as usize {
-        return Err(unsupported(Feature::Size, "volumes of 2³¹ samples and more"));
+        return Err(unsupported(Feature::Size, "volumes of 2³¹ voxels and more"));
     }
     if let Some(feature) = beyond_f32(volume, &scene.transfer) {
         return Err(unsupported(Feature::Precision, feature));
     }
+    // Compositing.
     let picks = !scene.compositing.integrates_light();
     if picks && renderer.holds_light() {
         return Err(unsupported(
@@ -78,7 +80,7 @@ pub(crate) fn check(renderer: &TexSlice, scene: &Scene) -> Result<Arc<GridVolume
     Ok(Arc::clone(volume))
 }
 
-fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
+fn check_shading(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
     if scene.has_gradient_opacity() {
         return Err(unsupported(Feature::GradientOpacity, "opacity that follows the gradient"));
     }
@@ -86,7 +88,7 @@ fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
     if shading.gradient == GradientMethod::Analytic {
         return Err(unsupported(
             Feature::AnalyticGradients,
-            "analytic gradients: those at the samples are interpolated",
+            "analytic gradients: those at the voxels are interpolated",
         ));
     }
     if matches!(renderer.format, Format::PreIntegrated | Format::Paletted | Format::Compressed)
@@ -98,12 +100,12 @@ fn check_shading(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
         ));
     }
     if volume.value_stats().nan + volume.value_stats().infinite > 0 {
-        return Err(unsupported(Feature::MissingValues, "shading of a volume with missing samples"));
+        return Err(unsupported(Feature::MissingValues, "shading of a volume with missing voxels"));
     }
     Ok(())
 }
 
-fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
+fn check_texture(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -> Result<(), RenderError> {
     if renderer.format == Format::LuminanceAlpha {
         let grey = |c: [f64; 3]| c[0] == c[1] && c[1] == c[2];
         let points = scene.transfer.points();
@@ -115,7 +117,7 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
         }
     }
     if renderer.format == Format::Compressed && volume.value_stats().nan + volume.value_stats().infinite > 0 {
-        return Err(unsupported(Feature::MissingValues, "compression of a volume with missing samples"));
+        return Err(unsupported(Feature::MissingValues, "compression of a volume with missing voxels"));
     }
     let plain_stack = matches!(renderer.format, Format::Scalar | Format::PreIntegrated);
     if renderer.proxy == Proxy::Stacks && !plain_stack {
@@ -130,11 +132,11 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
         ));
     }
     let in_order = renderer.blend == Blend::FrontToBack && scene.compositing == Compositing::Over;
-    if (bricks || renderer.order == Order::Slices) && !in_order {
+    if (bricks || renderer.order == DrawOrder::Slices) && !in_order {
         return Err(unsupported(Feature::Setting, "bricks and whole slices but under 'over', front to back"));
     }
     let planes_of_values = renderer.proxy == Proxy::Planes && renderer.format == Format::Scalar;
-    if renderer.order == Order::Slices && (bricks || scene.reflection().is_some() || !planes_of_values) {
+    if renderer.order == DrawOrder::Slices && (bricks || scene.reflection().is_some() || !planes_of_values) {
         return Err(unsupported(
             Feature::Setting,
             "whole slices but planes through unshaded values, classified after interpolation, in one texture",
@@ -143,8 +145,8 @@ fn check_texture(renderer: &TexSlice, scene: &Scene, volume: &GridVolume) -> Res
     Ok(())
 }
 
-/// Whether this renderer can draw this view, beyond what the scene says.
-pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Result<(), RenderError> {
+/// Checks that this renderer can draw this view, beyond the scene's own demands.
+pub(crate) fn check_view(renderer: &TextureSlicer, scene: &Scene, view: &View) -> Result<(), RenderError> {
     let perspective = matches!(view.camera.projection, Projection::Perspective { .. });
     if perspective && is_shaded(renderer.format, scene) {
         return Err(unsupported(
@@ -152,7 +154,7 @@ pub(crate) fn check_view(renderer: &TexSlice, scene: &Scene, view: &View) -> Res
             "voxels shaded beforehand in perspective: what they reflect changes from ray to ray",
         ));
     }
-    if renderer.order == Order::Slices && view.supersampling > 1 {
+    if renderer.order == DrawOrder::Slices && view.supersampling > 1 {
         return Err(unsupported(Feature::Supersampling, "several samples a pixel in whole slices"));
     }
     Ok(())

@@ -1,20 +1,20 @@
-//! What the renderer can draw, and what it says of the rest.
+//! Capabilities of the renderer: scenes and views that it can draw, and errors for the rest.
 
 use std::sync::Arc;
 
-use vr_core::{Compositing, Feature, Filter, GradientMethod, RenderError, Scene, Unsupported, View};
+use vr_core::{Classification, Compositing, Feature, Filter, GradientMethod, RenderError, Scene, Unsupported, View};
 use vr_kernels::tables::beyond_f32;
 
 use crate::input::SplatInput;
 use crate::kernel::SplatKernel;
-use crate::splatting::{Buffers, Classification, SheetOrder, Splatting};
+use crate::splatter::{Buffers, CompositingOrder, Splatter};
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
-    Unsupported { renderer: Splatting::NAME, feature, what: what.into() }.into()
+    Unsupported { renderer: Splatter::NAME, feature, what: what.into() }.into()
 }
 
-/// Whether this renderer can draw this scene; what is in it, if so.
-pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, RenderError> {
+/// Returns the input that a scene holds, if this renderer can draw it.
+pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, RenderError> {
     renderer.validate()?;
     scene.validate()?;
     let input = match (scene.volume.grid(), scene.volume.points()) {
@@ -22,6 +22,7 @@ pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, R
         (_, Some(points)) => SplatInput::Points(Arc::clone(points)),
         _ => return Err(unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind()))),
     };
+    // A grid's filter, precision and size.
     if let SplatInput::Grid(grid) = &input {
         if grid.filter() != Filter::Trilinear {
             let feature = format!("the filter '{}': the option 'kernel' says how voxels are spread", grid.filter());
@@ -31,9 +32,10 @@ pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, R
             return Err(unsupported(Feature::Precision, feature));
         }
         if grid.dims().iter().any(|&n| n > usize::from(u16::MAX)) {
-            return Err(unsupported(Feature::Size, "grids of more than 65535 samples along an axis"));
+            return Err(unsupported(Feature::Size, "grids of more than 65535 voxels along an axis"));
         }
     }
+    // Settings that scattered points do not have.
     if matches!(input, SplatInput::Points(_)) && renderer.buffers == Buffers::Axis {
         return Err(unsupported(
             Feature::Setting,
@@ -47,7 +49,8 @@ pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, R
         ));
     }
     check_shading(renderer, scene, &input)?;
-    if renderer.order == SheetOrder::BackToFront
+    // Order and compositing.
+    if renderer.order == CompositingOrder::BackToFront
         && (renderer.buffers != Buffers::Axis || scene.compositing != Compositing::Over)
     {
         return Err(unsupported(Feature::Setting, "back to front but the volume's own sheets under 'over'"));
@@ -58,8 +61,7 @@ pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, R
             format!("a termination under '{}': no opacity is gathered", scene.compositing.name()),
         ));
     }
-    let values_in_image_sheets =
-        renderer.buffers == Buffers::Image && renderer.classification == Classification::Values;
+    let values_in_image_sheets = renderer.buffers == Buffers::Image && renderer.classification == Classification::Post;
     match scene.compositing {
         picks if !picks.integrates_light() && !values_in_image_sheets => Err(unsupported(
             Feature::Compositing,
@@ -72,7 +74,7 @@ pub(crate) fn check(renderer: &Splatting, scene: &Scene) -> Result<SplatInput, R
     }
 }
 
-fn check_shading(renderer: &Splatting, scene: &Scene, input: &SplatInput) -> Result<(), RenderError> {
+fn check_shading(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> Result<(), RenderError> {
     if scene.has_gradient_opacity() {
         return Err(unsupported(Feature::GradientOpacity, "opacity that follows the gradient"));
     }
@@ -86,33 +88,33 @@ fn check_shading(renderer: &Splatting, scene: &Scene, input: &SplatInput) -> Res
     if shading.gradient == GradientMethod::Analytic {
         return Err(unsupported(
             Feature::AnalyticGradients,
-            "analytic gradients: those at the samples are interpolated",
+            "analytic gradients: those at the voxels are interpolated",
         ));
     }
     if grid.value_stats().nan + grid.value_stats().infinite > 0 {
-        return Err(unsupported(Feature::MissingValues, "shading of a volume with missing samples"));
+        return Err(unsupported(Feature::MissingValues, "shading of a volume with missing voxels"));
     }
     if grid.dims().iter().product::<usize>() > i32::MAX as usize {
-        return Err(unsupported(Feature::Size, "shading of 2³¹ samples and more"));
+        return Err(unsupported(Feature::Size, "shading of 2³¹ voxels and more"));
     }
     Ok(())
 }
 
-/// The most pixels, subpixels included, along either side of a picture.
-const MOST_SUBPIXELS: u32 = 1 << 16;
+/// Largest number of pixels, subpixels included, along either side of a picture.
+const MAX_SUBPIXELS: u32 = 1 << 16;
 
-/// Whether this renderer can draw this view.
+/// Checks that this renderer can draw this view.
 pub(crate) fn check_view(view: &View) -> Result<(), RenderError> {
     view.validate()?;
-    if view.size.iter().any(|&n| n.saturating_mul(view.supersampling) > MOST_SUBPIXELS) {
+    if view.size.iter().any(|&n| n.saturating_mul(view.supersampling) > MAX_SUBPIXELS) {
         return Err(unsupported(Feature::Size, "pictures of more than 65536 subpixels along a side"));
     }
     Ok(())
 }
 
-impl Splatting {
-    /// Whether what is splatted is classified beforehand.
+impl Splatter {
+    /// True if voxels or points are classified before they are splatted.
     pub(crate) fn splats_light(&self) -> bool {
-        self.classification == Classification::Voxels || self.buffers == Buffers::Samples
+        self.classification == Classification::Pre || self.buffers == Buffers::Samples
     }
 }
