@@ -1,4 +1,4 @@
-//! The largest error that a picture was promised to have, and what became of the promise.
+//! Outcome of an error bound (`--max-error`).
 
 use serde::Serialize;
 use vr_core::Counts;
@@ -6,18 +6,18 @@ use vr_core::Counts;
 use crate::failure::Failure;
 use crate::number;
 
-/// What became of a promise.
+/// The error bound of a picture, and its outcome.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Promise {
-    /// What was promised: the largest error of a pixel, in units of max(1, the picture's largest magnitude).
+pub struct ErrorBound {
+    /// Bound of the error of every pixel, in units of max(1, the picture's largest magnitude).
     max_error: f64,
     /// True if every pixel is proven to be within it.
     kept: bool,
-    /// Rays that are not.
+    /// Rays that are not proven to be within it.
     unbounded: u64,
-    /// The largest bound of any of them; `null` where one has none.
+    /// Largest bound of any of these; `null` where one has none.
     max_bound: Option<f64>,
-    /// Rays of the volume, of those that were looked at.
+    /// Rays that meet the volume.
     #[serde(skip)]
     rays: u64,
     /// True if each pixel is one ray.
@@ -25,21 +25,28 @@ pub struct Promise {
     one_ray: bool,
 }
 
-impl Promise {
-    /// Judges a promise by the counts of the picture, of which each pixel is the mean of `samples` × `samples` rays.
-    pub fn new(max_error: f64, counts: &Counts, samples: u32) -> Self {
+impl ErrorBound {
+    /// Judges a bound by the counts of the picture, of which each pixel is the mean of `supersampling`² rays.
+    pub fn new(max_error: f64, counts: &Counts, supersampling: u32) -> Self {
         let Counts { rays, unbounded, max_unbounded, .. } = *counts;
-        // Options are stricter than what was asked for; storing a pixel as f32 adds to its bound.
+        // Options are stricter than the bound that was asked for; storing a pixel as f32 adds to its bound.
         let kept = unbounded == 0 || max_unbounded + f64::from(f32::EPSILON) <= max_error;
         let max_bound = (unbounded > 0 && max_unbounded.is_finite()).then_some(max_unbounded);
-        Self { max_error, kept, unbounded: if kept { 0 } else { unbounded }, max_bound, rays, one_ray: samples == 1 }
+        Self {
+            max_error,
+            kept,
+            unbounded: if kept { 0 } else { unbounded },
+            max_bound,
+            rays,
+            one_ray: supersampling == 1,
+        }
     }
 
-    /// What is said of it, in one line.
+    /// Returns the outcome in one line.
     pub fn line(&self) -> String {
         let error = number::small(self.max_error);
         if self.kept {
-            return format!("promise kept: every pixel within {error}");
+            return format!("error bound proven: every pixel within {error}");
         }
         let what = if self.one_ray { "pixels" } else { "rays (pixels are means of several)" };
         let by_how_much = match self.max_bound {
@@ -47,18 +54,18 @@ impl Promise {
             None => "no bound at all was found for some of them".to_owned(),
         };
         format!(
-            "promise not kept: {} of {} {what} could not be proven to be within {error}; {by_how_much}",
+            "error bound not proven: {} of {} {what} could not be proven to be within {error}; {by_how_much}",
             number::count(self.unbounded),
             number::count(self.rays)
         )
     }
 
-    /// Ends the command with an exit code of its own where the promise is not kept.
+    /// Ends the command with an exit code of its own where the bound is not proven.
     ///
     /// # Errors
-    /// [`Failure::Promise`].
+    /// [`Failure::Unproven`].
     pub fn outcome(&self) -> Result<(), Failure> {
-        if self.kept { Ok(()) } else { Err(Failure::Promise(self.line())) }
+        if self.kept { Ok(()) } else { Err(Failure::Unproven(self.line())) }
     }
 }
 
@@ -67,17 +74,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_ray_breaks_a_promise() {
+    fn one_ray_breaks_a_bound() {
         let mut counts = Counts { rays: 20, ..Counts::default() };
-        assert!(Promise::new(1e-3, &counts, 1).outcome().is_ok());
-        // Within what was asked for, if not within what the options ask for.
+        assert!(ErrorBound::new(1e-3, &counts, 1).outcome().is_ok());
+        // Within the bound that was asked for, if not within the stricter one of the options.
         counts.count_unbounded(9e-4);
-        assert!(Promise::new(1e-3, &counts, 1).outcome().is_ok());
+        assert!(ErrorBound::new(1e-3, &counts, 1).outcome().is_ok());
         counts.count_unbounded(0.25);
-        let line = Promise::new(1e-3, &counts, 1).outcome().unwrap_err().to_string();
+        let line = ErrorBound::new(1e-3, &counts, 1).outcome().unwrap_err().to_string();
         assert!(line.contains("2 of 20 pixels") && line.contains("2.50e-1"), "{line}");
         counts.count_unbounded(f64::NAN);
-        let line = Promise::new(1e-3, &counts, 2).line();
+        let line = ErrorBound::new(1e-3, &counts, 2).line();
         assert!(line.contains("3 of 20 rays") && line.contains("no bound at all"), "{line}");
     }
 }
