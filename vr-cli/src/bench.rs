@@ -9,26 +9,26 @@ use vr_study::reference::{ReferencePixels, SUBGRID};
 use crate::args::{BenchArgs, TimingArgs};
 use crate::bench_report::Report;
 use crate::console::Console;
+use crate::error_bound::ErrorBound;
 use crate::failure::Failure;
 use crate::process;
 use crate::progress::under_bar;
-use crate::promise::Promise;
 use crate::scene_setup::{Configured, Setup};
 
-/// Prepares once, draws frame after frame, tells what they took.
+/// Prepares once, draws frame after frame, and prints their times and work.
 ///
 /// # Errors
-/// Whatever goes wrong with the command line, the volume, or the scene.
+/// Any fault of the command line, the volume, or the scene.
 pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), Failure> {
     let setup = Setup::new(&args.scene, console)?;
-    let Configured { renderer, options, promised } = setup.renderer(&args.renderer, console)?;
+    let Configured { renderer, options, max_error } = setup.renderer(&args.renderer, console)?;
     let measured =
-        under_bar(console, control, "timing", |told| measure(&*renderer, &setup, args.timing, control, told))
+        under_bar(console, control, "timing", |progress| measure(&*renderer, &setup, args.timing, control, progress))
             .map_err(|e| setup.render_failure(e))?;
     // Before the exact solution, which uses memory of its own.
     let peak_bytes = process::peak_bytes();
     let error = args.timing.error.then(|| judge(&setup, &measured.first, console, control)).transpose()?;
-    let promise = promised.map(|error| Promise::new(error, &measured.counts(), setup.view.supersampling));
+    let error_bound = max_error.map(|bound| ErrorBound::new(bound, &measured.counts(), setup.view.supersampling));
     let report = Report {
         setup: &setup,
         renderer: &*renderer,
@@ -37,14 +37,14 @@ pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), 
         threads: control.threads(),
         measured: &measured,
         peak_bytes,
-        promise,
+        error_bound,
         error: error.as_ref().map(|exact| (exact.judge(&measured.first), exact)),
     };
     console.result(&report.text(), &report.json())?;
-    promise.map_or(Ok(()), |promise| promise.outcome())
+    error_bound.map_or(Ok(()), |bound| bound.outcome())
 }
 
-/// What was measured.
+/// Measurements of a renderer.
 pub struct Measured {
     /// Time of the preparation.
     pub prepare: Duration,
@@ -63,23 +63,24 @@ impl Measured {
     }
 }
 
-/// What one frame took.
+/// Time and work of one frame.
 pub struct Timed {
     /// Wall-clock time.
     pub wall: Duration,
-    /// CPU time of all threads, where the system tells it.
+    /// CPU time of all threads, where the system counts it.
     pub cpu: Option<Duration>,
     /// Work.
     pub counts: Counts,
 }
 
-/// `control` runs what is timed, and tells nobody how far it is: drawing the bar would be timed, too. `told` does, between frames.
+/// Times preparation and frames under `control`, which reports no progress: drawing the bar would be timed, too. `progress` reports it
+/// between frames.
 fn measure(
     renderer: &dyn Renderer,
     setup: &Setup,
     timing: TimingArgs,
     control: &Control,
-    told: &Control,
+    progress: &Control,
 ) -> Result<Measured, RenderError> {
     let start = Instant::now();
     let mut prepared = renderer.prepare(&setup.scene, control)?;
@@ -92,7 +93,7 @@ fn measure(
     let (frame_0, first) = timed(&mut *prepared, &setup.view, control)?;
     let mut frames = vec![frame_0];
     for frame in 1..timing.frames {
-        told.report(f64::from(frame) / f64::from(timing.frames));
+        progress.report(f64::from(frame) / f64::from(timing.frames));
         frames.push(timed(&mut *prepared, &of_turn(frame.into()), control)?.0);
     }
     Ok(Measured { prepare, frames, first })

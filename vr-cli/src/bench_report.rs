@@ -1,4 +1,4 @@
-//! What `vr bench` prints.
+//! Output of `vr bench`.
 
 use std::time::Duration;
 
@@ -10,12 +10,12 @@ use vr_study::reference::ReferencePixels;
 
 use crate::args::TimingArgs;
 use crate::bench::{Measured, Timed};
+use crate::error_bound::ErrorBound;
 use crate::number;
-use crate::promise::Promise;
 use crate::scene_setup::Setup;
 use crate::table::Table;
 
-/// What there is to tell.
+/// Everything that is printed.
 pub struct Report<'a> {
     /// The scene.
     pub setup: &'a Setup,
@@ -23,21 +23,21 @@ pub struct Report<'a> {
     pub renderer: &'a dyn Renderer,
     /// The options that were set.
     pub options: &'a Options,
-    /// What was asked for.
+    /// Frames and turns that were asked for.
     pub timing: TimingArgs,
-    /// On how many threads.
+    /// Number of threads.
     pub threads: usize,
-    /// What was measured.
+    /// The measurements.
     pub measured: &'a Measured,
     /// Largest resident set in bytes.
     pub peak_bytes: Option<u64>,
-    /// What became of the largest error that was promised for every frame, where one was.
-    pub promise: Option<Promise>,
-    /// How far frame 0 is from the exact solution.
+    /// Outcome of the error bound of all frames, where one was asked for.
+    pub error_bound: Option<ErrorBound>,
+    /// Error of frame 0 against the exact solution.
     pub error: Option<(Metrics, &'a ReferencePixels)>,
 }
 
-/// One object, for scripts. What the system does not tell is `null`.
+/// One object, for scripts. Figures that the system does not count are `null`.
 #[derive(Serialize)]
 pub struct Json<'a> {
     renderer: &'static str,
@@ -56,13 +56,14 @@ pub struct Json<'a> {
     samples: u64,
     peak_bytes: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    promise: Option<Promise>,
+    #[serde(rename = "promise")]
+    error_bound: Option<ErrorBound>,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<ErrorFigures>,
 }
 
 impl Report<'_> {
-    /// For scripts.
+    /// Returns the object for scripts.
     pub fn json(&self) -> Json<'_> {
         let frames = &self.measured.frames;
         let [min, median, max] = self.spread();
@@ -78,12 +79,12 @@ impl Report<'_> {
             cpu_ms: self.cpu().map(ms),
             samples: self.samples(),
             peak_bytes: self.peak_bytes,
-            promise: self.promise,
+            error_bound: self.error_bound,
             error: self.error.as_ref().map(|(metrics, exact)| ErrorFigures::new(metrics, exact)),
         }
     }
 
-    /// For people.
+    /// Returns the text for people.
     pub fn text(&self) -> String {
         let [w, h] = self.setup.view.size;
         let TimingArgs { azimuth_step, warm_up, .. } = self.timing;
@@ -104,7 +105,7 @@ impl Report<'_> {
         let mut text = format!("scene    {}, {w}x{h} pixels, {}\n", self.setup.title, self.renderer.name());
         text += &format!("settings {settings}\n\n{table}\n");
         text +=
-            &format!("frame    median {median}, least {min}, most {max} on {}", counted(self.threads as u64, "thread"));
+            &format!("frame    median {median}, min {min}, max {max} on {}", counted(self.threads as u64, "thread"));
         text += &match warm_up {
             0 => " (no warm-up frame was drawn before)\n".to_owned(),
             n => format!(" (after {}, which count nowhere)\n", counted(n.into(), "warm-up frame")),
@@ -121,8 +122,8 @@ impl Report<'_> {
         if let Some(peak) = self.peak_bytes {
             text += &format!("memory   {} at the peak, the volume included\n", number::bytes(peak));
         }
-        if let Some(promise) = &self.promise {
-            text += &format!("{}, in all frames together\n", promise.line());
+        if let Some(bound) = &self.error_bound {
+            text += &format!("{}, in all frames together\n", bound.line());
         }
         if let Some((metrics, exact)) = &self.error {
             text += &format!("error    {metrics}\n");
@@ -136,7 +137,7 @@ impl Report<'_> {
         text
     }
 
-    /// Least, median and greatest time of a frame.
+    /// Minimum, median and maximum time of a frame.
     fn spread(&self) -> [Duration; 3] {
         let mut walls: Vec<Duration> = self.measured.frames.iter().map(|f| f.wall).collect();
         let median = median(&mut walls);
@@ -154,7 +155,7 @@ impl Report<'_> {
     }
 }
 
-/// Sorts, and takes the middle one; the mean of the two in the middle where there are two. There is one at least.
+/// Sorts, and takes the middle one; the mean of the two in the middle where there are two. There is at least one.
 fn median(durations: &mut [Duration]) -> Duration {
     durations.sort_unstable();
     let n = durations.len();

@@ -9,7 +9,7 @@ use crate::args::CameraArgs;
 /// Vertical angle in degrees of a perspective camera that was given none.
 const FOV: f64 = 30.0;
 
-/// What there is to see: bounds of the volume, and what its file says.
+/// Bounds of the volume to be seen, and what its file says.
 pub type Sight<'a> = ((DVec3, DVec3), Option<&'a FileInfo>);
 
 /// The camera that flags make of a scene's own, or of one that sees all of the volume where it has none.

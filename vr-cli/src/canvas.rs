@@ -9,7 +9,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// One colour all over.
+    /// Makes a canvas of one colour.
     pub fn new(size: [u32; 2], color: [f32; 3]) -> Self {
         let [r, g, b] = color;
         Self { size, pixels: vec![[r, g, b, 1.0]; size[0] as usize * size[1] as usize] }

@@ -28,10 +28,10 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Rows and columns of the subgrid of pixels on which a renderer is judged against its own model.
 const SUBGRID: u32 = 16;
 
-/// Renders with every renderer and setting, judges each, draws the sheet, tells.
+/// Renders with every renderer and setting, judges each, draws the sheet, and prints the table.
 ///
 /// # Errors
-/// Whatever goes wrong with the command line, the volume, the scene, or the sheet.
+/// Any fault of the command line, the volume, the scene, or the sheet.
 pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<(), Failure> {
     output_file::check(&args.output, &["png"])?;
     let candidates = candidates(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
@@ -42,12 +42,14 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
         setup.view.size = DEFAULT_SIZE;
     }
     let (scene, view) = (&setup.scene, &setup.view);
+    // Solve every pixel exactly.
     let every_pixel = subgrid(u32::MAX, view.size);
     let exact = under_bar(console, control, "exact solution", |control| {
         ReferencePixels::solve((scene, view), &Model::Canonical, every_pixel, control)
     })
     .map_err(|e| setup.render_failure(e))?;
 
+    // Draw with every renderer and setting that can draw the scene.
     let mut results = Vec::new();
     for candidate in &candidates {
         let name = candidate.name();
@@ -61,6 +63,7 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     if results.is_empty() {
         return Err(Failure::failed("no renderer can draw this scene"));
     }
+    // Draw the sheet, and print the table.
     let entries: Vec<Entry<'_>> =
         results.iter().map(|(_, m)| Entry { frame: &m.rendered.frame, errors: &m.errors }).collect();
     let sheet = contact_sheet::draw(&entries, scene.background);
@@ -68,7 +71,7 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     console.result(&text(&setup, &exact, &results, args), &json(&setup, &exact, &results, args))
 }
 
-/// What one renderer with one setting did.
+/// Measurements of one renderer with one setting.
 struct Measured {
     prepare: Duration,
     /// Median.

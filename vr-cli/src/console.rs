@@ -1,4 +1,4 @@
-//! What a person, or a script, gets to read: results on stdout, everything else on stderr.
+//! Output for people and scripts: results on stdout, everything else on stderr.
 
 use std::io::{self, ErrorKind, Write};
 
@@ -6,25 +6,25 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
-/// Where results and remarks go.
+/// Output of results and remarks.
 #[derive(Clone, Copy, Debug)]
 pub struct Console {
-    /// Nothing but errors.
+    /// True if only errors are printed.
     pub quiet: bool,
-    /// Results for machines.
+    /// True if results are JSON.
     pub json: bool,
 }
 
 impl Console {
-    /// One line about what was assumed or chosen.
+    /// Prints one line about something assumed or chosen.
     pub fn note(self, note: &str) {
         if !self.quiet {
-            // Nobody is left to tell when stderr is closed.
+            // A closed stderr is no failure: there is no place left to report it.
             let _ = writeln!(io::stderr(), "note: {note}");
         }
     }
 
-    /// The result: text for people, or one JSON object.
+    /// Prints the result: text for people, or one JSON object.
     ///
     /// # Errors
     /// A full disk, say. A reader that went away (`vr info | head -1`) is no failure.
@@ -41,7 +41,7 @@ impl Console {
         }
     }
 
-    /// Why nothing came of it, in one line.
+    /// Prints the reason of a failure in one line.
     pub fn error(failure: &Failure) {
         let _ = writeln!(io::stderr(), "error: {failure}");
     }

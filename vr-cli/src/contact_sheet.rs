@@ -16,21 +16,21 @@ pub struct Entry<'a> {
     pub errors: &'a [f64],
 }
 
-/// Entries side by side.
-const MOST_COLUMNS: usize = 4;
+/// Largest number of entries side by side.
+const MAX_COLUMNS: usize = 4;
 
 /// Draws the sheet. All frames have the same size; there is at least one.
 pub fn draw(entries: &[Entry<'_>], background: [f32; 3]) -> Frame {
     let [w, h] = entries[0].frame.size();
-    let columns = entries.len().min(MOST_COLUMNS) as u32;
-    let bands = entries.len().div_ceil(MOST_COLUMNS) as u32;
+    let columns = entries.len().min(MAX_COLUMNS) as u32;
+    let bands = entries.len().div_ceil(MAX_COLUMNS) as u32;
     let band = digits::HEIGHT + 2 * h + 2 * GAP;
     let width = columns * (w + GAP) + GAP;
     let height = GAP + bands * band + error_scale::HEIGHT + GAP;
     let mut canvas = Canvas::new([width, height], PAPER);
     for (k, entry) in entries.iter().enumerate() {
-        let x = GAP + (k % MOST_COLUMNS) as u32 * (w + GAP);
-        let y = GAP + (k / MOST_COLUMNS) as u32 * band;
+        let x = GAP + (k % MAX_COLUMNS) as u32 * (w + GAP);
+        let y = GAP + (k / MAX_COLUMNS) as u32 * band;
         digits::draw(&mut canvas, k as i32 + 1, [x, y], INK);
         let picture = y + digits::HEIGHT + GAP / 2;
         let map = picture + h + GAP / 2;

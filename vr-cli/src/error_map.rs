@@ -16,9 +16,9 @@ use crate::{heat_map, inputs, output_file};
 #[derive(Debug, Serialize)]
 pub struct ErrorMap {
     path: PathBuf,
-    /// At how many pixels the error is known; between them it is interpolated.
+    /// Number of pixels at which the error is known; between them it is interpolated.
     known_pixels: usize,
-    /// Whether there are others.
+    /// True if there are others.
     interpolated: bool,
 }
 
@@ -59,7 +59,7 @@ pub fn write(path: &Path, exact: &ReferencePixels, frame: &Frame) -> Result<Erro
 }
 
 impl ErrorMap {
-    /// One line for people.
+    /// Returns one line for people.
     pub fn text(&self, all: u64) -> String {
         let how = if self.interpolated {
             format!("interpolated between {} of {all} pixels", self.known_pixels)

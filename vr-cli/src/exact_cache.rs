@@ -1,4 +1,4 @@
-//! Where exact solutions are kept.
+//! Folder of the exact solutions that are kept.
 
 use vr_study::reference::ReferenceCache;
 

@@ -1,4 +1,4 @@
-//! Why the program ends without what was asked for, and the exit code that says so.
+//! Failures of the program, and their exit codes.
 
 use std::fmt;
 use std::process::ExitCode;
@@ -6,31 +6,31 @@ use std::process::ExitCode;
 /// The end of a command that did not succeed. Its text is one line.
 #[derive(Debug)]
 pub enum Failure {
-    /// The command line asks for what cannot be: exit code 2.
+    /// The command line asks for something impossible: exit code 2.
     Usage(String),
     /// The command line is fine, and something else is not (a file, the scene in it, the disk): exit code 1.
     Failed(String),
-    /// Everything is done and written, and a promised error is not proven for every pixel: exit code 3.
-    Promise(String),
+    /// Everything is done and written, and an error bound is not proven for every pixel: exit code 3.
+    Unproven(String),
 }
 
 impl Failure {
-    /// The command line is wrong.
+    /// Returns a failure of the command line.
     pub fn usage(message: impl fmt::Display) -> Self {
         Self::Usage(one_line(&message.to_string()))
     }
 
-    /// Something other than the command line is wrong.
+    /// Returns a failure of anything but the command line.
     pub fn failed(message: impl fmt::Display) -> Self {
         Self::Failed(one_line(&message.to_string()))
     }
 
-    /// What the shell is told.
+    /// Exit code for the shell.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Usage(_) => ExitCode::from(2),
             Self::Failed(_) => ExitCode::from(1),
-            Self::Promise(_) => ExitCode::from(3),
+            Self::Unproven(_) => ExitCode::from(3),
         }
     }
 }
@@ -38,7 +38,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(message) | Self::Failed(message) | Self::Promise(message) => f.write_str(message),
+            Self::Usage(message) | Self::Failed(message) | Self::Unproven(message) => f.write_str(message),
         }
     }
 }

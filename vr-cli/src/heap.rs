@@ -1,4 +1,4 @@
-//! How much of the heap is in use.
+//! Meter of the heap in use.
 
 use peak_alloc::PeakAlloc;
 use vr_study::memory::MemoryMeter;
@@ -7,7 +7,7 @@ use vr_study::memory::MemoryMeter;
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// Asks the allocator.
+/// Meter that asks the allocator.
 pub struct Heap;
 
 impl MemoryMeter for Heap {

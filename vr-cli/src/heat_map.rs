@@ -7,12 +7,12 @@ use crate::canvas::Canvas;
 use crate::error_scale::{self, GAP, PAPER};
 
 /// The numbers of the scale need this width.
-const LEAST_WIDTH: u32 = 160;
+const MIN_WIDTH: u32 = 160;
 
 /// Draws an error per pixel, row by row from the top, in logarithmic colours; NaN has the colour of the largest error.
 pub fn draw(size: [u32; 2], errors: impl IntoIterator<Item = f64>) -> Frame {
     let [w, h] = size;
-    let width = w.max(LEAST_WIDTH);
+    let width = w.max(MIN_WIDTH);
     let mut canvas = Canvas::new([width, h + GAP + error_scale::HEIGHT], PAPER);
     let left = (width - w) / 2;
     for (i, error) in (0..).zip(errors) {
@@ -36,8 +36,8 @@ mod tests {
         assert_eq!(map.pixel(GAP, 1 + GAP)[..3], error_colors::at(0.0));
         // A small map stands in the middle of a wider sheet.
         let small = draw([2, 2], [1.0; 4]);
-        assert_eq!(small.size()[0], LEAST_WIDTH);
-        assert_eq!(small.pixel(LEAST_WIDTH / 2, 1)[..3], error_colors::at(1.0));
+        assert_eq!(small.size()[0], MIN_WIDTH);
+        assert_eq!(small.pixel(MIN_WIDTH / 2, 1)[..3], error_colors::at(1.0));
         assert_eq!(small.pixel(0, 0)[..3], PAPER);
     }
 }

@@ -1,4 +1,4 @@
-//! How often each value occurs, and a drawing of it for a terminal.
+//! Histogram of the values, and a drawing of it for a terminal.
 
 use vr_core::{GridVolume, Voxel, with_grid};
 
@@ -31,9 +31,9 @@ impl Histogram {
         /// Heights of an eighth of a row each.
         const BLOCKS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
         let height = |count: u64| (1.0 + count as f64).ln();
-        let most = self.counts.iter().copied().map(height).fold(0.0, f64::max);
+        let max_height = self.counts.iter().copied().map(height).fold(0.0, f64::max);
         let eighths = |count: u64| {
-            let exact = height(count) / most * (8 * rows) as f64;
+            let exact = height(count) / max_height * (8 * rows) as f64;
             // Whatever occurs at all is seen.
             (exact.round() as usize).max(usize::from(count > 0))
         };

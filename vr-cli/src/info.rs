@@ -18,7 +18,7 @@ const DRAWN: (usize, usize) = (72, 8);
 /// Describes a volume: a grid or scattered points; or a mesh.
 ///
 /// # Errors
-/// Whatever is wrong with the command line or the file.
+/// Any fault of the command line or the file.
 pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
     if let Some(path) = mesh_info::named(&args.volume) {
         return mesh_info::run(path, console);
@@ -73,7 +73,7 @@ impl Description<'_> {
         line(
             "size",
             format!(
-                "{} samples of {}, {}",
+                "{} voxels of {}, {}",
                 number::triple(dims, "×"),
                 u.voxel_type(),
                 number::bytes(u.sample_bytes() as u64)
@@ -115,7 +115,7 @@ impl Description<'_> {
         text
     }
 
-    /// Where the world matrix came from, and what its world is.
+    /// Source of the world matrix, and the kind of world.
     fn orientation(&self) -> String {
         let Some(file) = self.file else { return "the phantom's own frame".to_owned() };
         let world = if file.space.is_patient() {

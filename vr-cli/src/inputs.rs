@@ -8,13 +8,13 @@ use crate::failure::Failure;
 /// Files that a command reads, by their identity: a link, a hard link or another spelling of the name is the same file.
 #[derive(Debug)]
 pub struct Inputs {
-    /// How messages call them: `a file that is read`.
+    /// Name of them in messages: `a file that is read`.
     what: &'static str,
     files: Vec<(FileId, PathBuf)>,
 }
 
 impl Inputs {
-    /// All files of a list that exist, and how messages call them: `a file that is read`.
+    /// Takes all files of a list that exist, and their name in messages: `a file that is read`.
     pub fn new(what: &'static str, paths: impl IntoIterator<Item = PathBuf>) -> Self {
         let files = paths.into_iter().filter_map(|path| Some((FileId::of(&path)?, path)));
         Self { what, files: files.collect() }

@@ -20,7 +20,7 @@ pub fn named(args: &VolumeArgs) -> Option<&Path> {
 /// Describes a mesh.
 ///
 /// # Errors
-/// Whatever is wrong with the file.
+/// Any fault of the file.
 pub fn run(path: &Path, console: Console) -> Result<(), Failure> {
     let LoadedMesh { mesh, format, notes } = vr_io::read_mesh(path).map_err(Failure::failed)?;
     for note in &notes {

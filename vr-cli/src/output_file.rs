@@ -1,4 +1,4 @@
-//! Where pictures go.
+//! Checks of the places that pictures are written to.
 
 use std::path::Path;
 

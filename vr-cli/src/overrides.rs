@@ -16,7 +16,7 @@ use crate::failure::Failure;
 #[derive(Debug, Default)]
 pub struct Overrides {
     fields: Vec<&'static str>,
-    /// Whether there is a scene file, whose folder the paths in it are relative to.
+    /// True if there is a scene file, whose folder the paths in it are relative to.
     over_file: bool,
 }
 

@@ -7,7 +7,7 @@ use vr_io::FileInfo;
 
 use crate::number;
 
-/// What there is to say of points.
+/// Description of scattered points.
 #[derive(Serialize)]
 pub struct PointsInfo<'a> {
     volume: &'a str,
@@ -33,14 +33,14 @@ struct File<'a> {
     encoding: &'a str,
     #[serde(rename = "type")]
     scalar: &'static str,
-    /// What may be chosen with `--value` and `--column`.
+    /// Columns that may be chosen with `--value` and `--column`.
     columns: &'a [String],
 }
 
 impl<'a> PointsInfo<'a> {
     pub fn new(title: &'a str, points: &PointSet, info: Option<&'a FileInfo>, notes: &'a [String]) -> Self {
         let (low, high) = points.bounds();
-        let (least, most) = points.value_range();
+        let (min, max) = points.value_range();
         Self {
             volume: title,
             file: info.map(|i| File {
@@ -55,8 +55,8 @@ impl<'a> PointsInfo<'a> {
             radius: ends(points.radii()),
             weight_sum: points.weights().iter().map(|&w| f64::from(w)).sum(),
             values: ends(points.values()),
-            field: [least, most],
-            presets: Preset::suggest((least, most), false).iter().map(|preset| preset.name()).collect(),
+            field: [min, max],
+            presets: Preset::suggest((min, max), false).iter().map(|preset| preset.name()).collect(),
             notes,
         }
     }

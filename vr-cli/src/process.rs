@@ -1,4 +1,4 @@
-//! What the process has used so far. What a system cannot tell (or this program does not know how to ask it) is `None`.
+//! Time and memory that the process has used so far; `None` where a system does not count them (or this program does not know how to ask).
 
 use std::time::Duration;
 

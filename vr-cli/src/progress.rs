@@ -5,7 +5,7 @@ use vr_core::Control;
 
 use crate::console::Console;
 
-/// Steps of a bar; a fraction is all that a renderer tells.
+/// Steps of a bar; renderers report fractions.
 const STEPS: u64 = 1000;
 
 /// Runs work under a bar with a label. The bar is drawn on stderr where that is a terminal, and gone when the work is done.
@@ -15,9 +15,9 @@ pub fn under_bar<T>(console: Console, control: &Control, label: &str, work: impl
     let style = ProgressStyle::with_template("{prefix:<24} {wide_bar} {percent:>3} % {eta:>4}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.set_prefix(label.to_owned());
-    let told = bar.clone();
+    let handle = bar.clone();
     let result = work(&control.clone().with_progress(move |fraction| {
-        told.set_position((fraction * STEPS as f64) as u64);
+        handle.set_position((fraction * STEPS as f64) as u64);
     }));
     bar.finish_and_clear();
     result

@@ -12,19 +12,20 @@ use vr_study::reference::{ReferencePixels, SUBGRID};
 
 use crate::args::{ErrorMeasure, RenderArgs, RendererArgs};
 use crate::console::Console;
+use crate::error_bound::ErrorBound;
 use crate::error_map::ErrorMap;
 use crate::failure::Failure;
 use crate::progress::under_bar;
-use crate::promise::Promise;
 use crate::scene_setup::{Configured, Setup};
 use crate::target::Chosen;
 use crate::{error_map, exact_cache, number, output_file, target};
 
-/// Renders, writes, measures, tells.
+/// Renders, writes, measures the error, and prints all figures.
 ///
 /// # Errors
-/// Whatever goes wrong with the command line, the volume, the scene, or the files to be written.
+/// Any fault of the command line, the volume, the scene, or the files to be written.
 pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    // Check the command line and the files before anything is computed.
     for path in &args.output.outputs {
         output_file::check(path, &["png", "exr"])?;
     }
@@ -33,6 +34,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     let setup = Setup::new(&args.scene, console)?;
     setup.protect(args.output.places())?;
     let (scene, view) = (&setup.scene, &setup.view);
+    // Draw, and write the pictures.
     let cache = exact_cache::open(&args.cache);
     let drawn = match args.target.target_rmse {
         Some(target) => target::draw(target, &args.renderer, &setup, &cache, console, control)?,
@@ -44,7 +46,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         vr_io::write(path, frame, &png).map_err(Failure::failed)?;
     }
 
-    // Nobody would see it.
+    // Measure the error, unless neither output nor a map shows it.
     let unseen = console.quiet && !console.json && args.output.error_map.is_none();
     let wanted = if unseen { ErrorMeasure::None } else { args.output.error };
     let pixels = match wanted {
@@ -62,20 +64,20 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         _ => None,
     };
 
-    let done = Done {
+    let summary = Summary {
         setup: &setup,
         drawn: &drawn,
         error: exact.map(|exact| (exact.judge(frame), exact)),
         map,
         outputs: &args.output.outputs,
     };
-    console.result(&done.text(), &done.json())?;
-    drawn.promise.map_or(Ok(()), |promise| promise.outcome())
+    console.result(&summary.text(), &summary.json())?;
+    drawn.error_bound.map_or(Ok(()), |bound| bound.outcome())
 }
 
-/// A picture, and what it took.
+/// A picture, its time and its work.
 pub struct Drawn {
-    /// Who drew it.
+    /// Name of the renderer.
     pub renderer: String,
     /// The picture.
     pub frame: Frame,
@@ -85,15 +87,15 @@ pub struct Drawn {
     pub prepare: Duration,
     /// Time of the picture.
     pub render: Duration,
-    /// What became of the largest error that was promised, where one was.
-    pub promise: Option<Promise>,
-    /// How the renderer and its setting were chosen, where an error was asked for.
+    /// Outcome of the error bound, where one was asked for.
+    pub error_bound: Option<ErrorBound>,
+    /// Choice of the renderer and its setting, where `--target-rmse` made it.
     pub chosen: Option<Chosen>,
 }
 
 /// Draws with the renderer that flags or the scene file ask for.
 fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control) -> Result<Drawn, Failure> {
-    let Configured { renderer, promised, .. } = setup.renderer(args, console)?;
+    let Configured { renderer, max_error, .. } = setup.renderer(args, console)?;
     let start = Instant::now();
     let mut prepared = under_bar(console, control, "preparing", |control| renderer.prepare(&setup.scene, control))
         .map_err(|e| setup.render_failure(e))?;
@@ -102,12 +104,12 @@ fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control)
     let Rendered { frame, stats } = under_bar(console, control, "rendering", |c| prepared.render(&setup.view, c))
         .map_err(|e| setup.render_failure(e))?;
     let (renderer, render, counts) = (renderer.name().to_owned(), start.elapsed(), stats.counts);
-    let promise = promised.map(|error| Promise::new(error, &counts, setup.view.supersampling));
-    Ok(Drawn { renderer, frame, counts, prepare, render, promise, chosen: None })
+    let error_bound = max_error.map(|bound| ErrorBound::new(bound, &counts, setup.view.supersampling));
+    Ok(Drawn { renderer, frame, counts, prepare, render, error_bound, chosen: None })
 }
 
-/// What there is to tell.
-struct Done<'a> {
+/// Everything that is printed.
+struct Summary<'a> {
     setup: &'a Setup,
     drawn: &'a Drawn,
     error: Option<(Metrics, ReferencePixels)>,
@@ -128,7 +130,8 @@ struct Json<'a> {
     terminated: u64,
     unbounded: u64,
     repeated: u64,
-    promise: Option<&'a Promise>,
+    #[serde(rename = "promise")]
+    error_bound: Option<&'a ErrorBound>,
     chosen: Option<&'a Chosen>,
     error: Option<ErrorFigures>,
     error_map: Option<&'a ErrorMap>,
@@ -136,7 +139,7 @@ struct Json<'a> {
     notes: &'a [String],
 }
 
-impl Done<'_> {
+impl Summary<'_> {
     fn text(&self) -> String {
         let Counts { rays, samples, skipped, terminated, repeated, .. } = self.drawn.counts;
         let [w, h] = self.setup.view.size;
@@ -156,8 +159,8 @@ impl Done<'_> {
         if repeated > 0 {
             text += &format!("         {} rays done again in higher precision\n", number::count(repeated));
         }
-        if let Some(promise) = &self.drawn.promise {
-            text += &promise.line();
+        if let Some(bound) = &self.drawn.error_bound {
+            text += &bound.line();
             text.push('\n');
         }
         if let Some((metrics, exact)) = &self.error {
@@ -191,7 +194,7 @@ impl Done<'_> {
             terminated,
             unbounded,
             repeated,
-            promise: self.drawn.promise.as_ref(),
+            error_bound: self.drawn.error_bound.as_ref(),
             chosen: self.drawn.chosen.as_ref(),
             error: self.error.as_ref().map(|(metrics, exact)| ErrorFigures::new(metrics, exact)),
             error_map: self.map.as_ref(),

@@ -26,7 +26,7 @@ pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
 /// The renderer of a name.
 ///
 /// # Errors
-/// What is wrong with the name, in one line.
+/// The fault of the name, in one line.
 pub fn named(name: &str) -> Result<Box<dyn StudiedRenderer>, String> {
     let known = all();
     let names = known.iter().map(|r| r.name()).collect::<Vec<_>>().join(", ");
@@ -45,7 +45,7 @@ pub fn usual(volume: &Volume) -> &'static str {
     }
 }
 
-/// Those of the names; all where there are none.
+/// Returns the renderers of these names; all renderers if there are no names.
 ///
 /// # Errors
 /// [`Failure::Usage`] for an unknown name.

@@ -24,11 +24,12 @@ use crate::{exact_cache, renderers};
 const QUICK_PIXELS: f64 = 128.0 * 128.0;
 const FULL_PIXELS: f64 = 320.0 * 320.0;
 
-/// Measures a suite, writes its page and its tables, tells what matters.
+/// Measures a suite, writes its page and its tables, and prints a summary.
 ///
 /// # Errors
-/// Whatever goes wrong with the command line, the volume, the scene, or the folder; figures that are worse than a baseline.
+/// Any fault of the command line, the volume, the scene, or the folder; figures that are worse than a baseline.
 pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    // Read the command line, the baseline and the scene.
     let suite = match args.suite {
         SuiteName::Quick => Suite::Quick,
         SuiteName::Full => Suite::Full,
@@ -44,12 +45,14 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
     if setup.is_some() && matches!(suite, Suite::Hard | Suite::Scaling) {
         console.note(&format!("the suite {} has scenes of its own: the one that was named is not used", suite.name()));
     }
+    // Protect every file that is read.
     let journal = args.output.join(format!("journal-{}.jsonl", suite.name()));
     let read = setup.iter().flat_map(|setup| setup.inputs.iter().cloned()).chain(args.baseline.clone());
     let inputs = Inputs::new("a file that is read", read);
     let written = FILES.iter().map(|name| args.output.join(name));
     written.chain([journal.clone()]).try_for_each(|place| inputs.protect("--output", &place))?;
     fs::create_dir_all(&args.output).map_err(|e| cannot_write(&args.output, &e))?;
+    // Measure; a journal keeps what is done.
     let cache = exact_cache::open(&args.cache);
     let run = Run {
         renderers: &chosen,
@@ -60,7 +63,7 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
         journal: Some(&journal),
     };
     let measured =
-        under_bar(console, control, "measuring", |told| run.run(suite, (control, &|share| told.report(share))));
+        under_bar(console, control, "measuring", |progress| run.run(suite, (control, &|share| progress.report(share))));
     let report = measured.map_err(|e| match (e, &setup) {
         (StudyError::Render(RenderError::Cancelled), _) => {
             Failure::failed(format!("cancelled; the same command takes it up again ({})", journal.display()))
@@ -69,6 +72,7 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
         (other, _) => Failure::failed(other),
     })?;
 
+    // Write the page, and compare with the baseline.
     let now = Baseline::of(&report.subjects);
     let files = write(&report, &now, &args.output)?;
     let worse = baseline.map_or_else(Vec::new, |then| then.regressions(&now));

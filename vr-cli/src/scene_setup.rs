@@ -1,4 +1,4 @@
-//! From the command line to a scene that can be drawn.
+//! Conversion of the command line to a scene that can be drawn.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use crate::inputs::Inputs;
 use crate::overrides::Overrides;
 use crate::{camera_flags, number, renderers};
 
-/// What is drawn where nothing is named.
+/// The scene that is drawn where the command line names none.
 const EMBEDDED: &str = include_str!("embedded.toml");
 
 /// A scene and a view, and where they came from.
@@ -24,9 +24,9 @@ pub struct Setup {
     pub scene: Scene,
     /// The view.
     pub view: View,
-    /// What the volume is, in a few words.
+    /// Description of the volume in a few words.
     pub title: String,
-    /// What was assumed.
+    /// Notes on everything assumed.
     pub notes: Vec<String>,
     /// Every file that was read for it.
     pub inputs: Vec<PathBuf>,
@@ -45,16 +45,16 @@ pub struct Configured {
     pub renderer: Box<dyn Renderer>,
     /// The options that were set to make it; all others are at their defaults.
     pub options: Options,
-    /// The largest error that it promises, if it promises any.
-    pub promised: Option<f64>,
+    /// Error bound that was asked for, if any.
+    pub max_error: Option<f64>,
 }
 
 impl Setup {
     /// Reads the scene file (or takes the embedded scene, where no volume is named either) and everything that it names,
-    /// with the flags in place of what they override. Tells what was assumed.
+    /// with the flags in place of what they override. Prints notes on everything assumed.
     ///
     /// # Errors
-    /// Whatever is wrong with the flags, the files, or the scene.
+    /// Any fault of the flags, the files, or the scene.
     pub fn new(args: &SceneArgs, console: Console) -> Result<Self, Failure> {
         let mut file = match &args.scene {
             Some(path) => vr_io::read_scene(path).map_err(Failure::failed)?,
@@ -100,15 +100,16 @@ impl Setup {
         Ok(setup)
     }
 
-    /// The renderer that flags or the scene file ask for, configured. Tells what of the scene file is not for it.
+    /// The renderer that flags or the scene file ask for, configured. Notes options of the scene file that are not for it.
     ///
     /// # Errors
-    /// An unknown renderer, an option that it does not have or take, a promise that it cannot make, or two promises.
+    /// An unknown renderer, an option that it does not have or take, an error bound that it cannot keep, or two error bounds.
     pub fn renderer(&self, args: &RendererArgs, console: Console) -> Result<Configured, Failure> {
         let complaint = |by_flag: bool, message: String| match &self.origin.scene_file {
             Some(path) if !by_flag => Failure::failed(format!("{}: {message}", path.display())),
             _ => Failure::usage(message),
         };
+        // Choose the renderer: a flag's, the scene file's, or the usual one.
         let own_name = self.renderer.as_deref().unwrap_or_else(|| renderers::usual(&self.scene.volume));
         let name = args.renderer.as_deref().unwrap_or(own_name);
         let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
@@ -118,25 +119,26 @@ impl Setup {
         if !is_own && !self.options.0.is_empty() {
             console.note(&format!("options of the scene file have no effect: they are for {own_name}, not {name}"));
         }
+        // Choose the error bound, which one source alone may set.
         let set = |key: &str| args.set.iter().any(|(k, _)| k == key);
-        let promising = renderer.option_specs().into_iter().find(|option| option.promises).map(|option| option.key);
-        let max_error = match (args.max_error, promising) {
+        let bound_key = renderer.option_specs().into_iter().find(|option| option.promises).map(|option| option.key);
+        let max_error = match (args.max_error, bound_key) {
             (Some(_), Some(key)) if set(key) => {
                 let message =
-                    format!("--max-error promises what the option {key} of {name} does: --set {key} must not, too");
+                    format!("--max-error and --set {key} bound the same error of {name}: leave one of them out");
                 return Err(Failure::usage(message));
             }
             (Some(max_error), _) => Some(max_error),
             // A flag overrides the scene file.
             (None, Some(key)) if set(key) => None,
             (None, Some(key)) if self.max_error.is_some() && own.0.contains_key(key) => {
-                let message = format!(
-                    "render.max_error promises what the option {key} of {name} does: render.{key} must not be there, too"
-                );
+                let message =
+                    format!("render.max_error and render.{key} bound the same error of {name}: leave one of them out");
                 return Err(complaint(false, message));
             }
             (None, _) => self.max_error,
         };
+        // Set the options, and the bound.
         let options = renderers::with_flags(own, &args.set);
         let wrong_option = |e: OptionError| {
             let by_flag = match &e {
@@ -149,20 +151,20 @@ impl Setup {
         };
         let configured = renderer.with_options(&options).map_err(wrong_option)?;
         let Some(max_error) = max_error else {
-            // Promised by options, and not by default.
-            let is_asked = renderer.max_error().is_none() || promising.is_some_and(|key| options.0.contains_key(key));
-            let promised = configured.max_error().filter(|_| is_asked);
-            return Ok(Configured { renderer: configured, options, promised });
+            // A bound that options set, and not the default.
+            let is_asked = renderer.max_error().is_none() || bound_key.is_some_and(|key| options.0.contains_key(key));
+            let max_error = configured.max_error().filter(|_| is_asked);
+            return Ok(Configured { renderer: configured, options, max_error });
         };
         let by_flag = args.max_error.is_some() || args.renderer.is_some();
         let renderer = configured
             .with_max_error(max_error)
-            .ok_or_else(|| complaint(by_flag, format!("renderer {name} cannot promise a largest error (max_error)")))?
+            .ok_or_else(|| complaint(by_flag, format!("renderer {name} cannot bound the error (max_error)")))?
             .map_err(|e| complaint(by_flag, e.to_string()))?;
-        Ok(Configured { renderer, options, promised: Some(max_error) })
+        Ok(Configured { renderer, options, max_error: Some(max_error) })
     }
 
-    /// Tells that what the scene file says about a renderer has no effect, where it says anything: for commands that try several.
+    /// Notes that the scene file's choices about a renderer have no effect, where it makes any: for commands that try several.
     pub fn note_unused_renderer(&self, why: &str, console: Console) {
         let options = self.options.0.keys().map(|key| format!("render.{key}"));
         let max_error = self.max_error.map(|_| "render.max_error".to_owned());
@@ -176,13 +178,13 @@ impl Setup {
     /// Refuses places to write where one of the scene's own files is; each comes with its flag.
     ///
     /// # Errors
-    /// As [`Inputs::protect`].
+    /// Errors of [`Inputs::protect`].
     pub fn protect<'a>(&self, places: impl IntoIterator<Item = (&'a str, &'a Path)>) -> Result<(), Failure> {
         let inputs = Inputs::new("a file that is read", self.inputs.iter().cloned());
         places.into_iter().try_for_each(|(flag, place)| inputs.protect(flag, place))
     }
 
-    /// Why there is no picture.
+    /// Failure of a picture that cannot be drawn.
     pub fn render_failure(&self, error: RenderError) -> Failure {
         match error {
             RenderError::Parameter(e) => self.origin.parameter(&e),
@@ -194,7 +196,7 @@ impl Setup {
 /// The scene that flags name; none where they name nothing, for commands that have scenes of their own then.
 ///
 /// # Errors
-/// As [`Setup::new`]; flags about a scene where none is named.
+/// Errors of [`Setup::new`]; flags about a scene where none is named.
 pub fn named_scene(args: &SceneArgs, console: Console) -> Result<Option<Setup>, Failure> {
     if args.volume.path.is_some() || args.volume.phantom.is_some() || args.scene.is_some() {
         return Setup::new(args, console).map(Some);
@@ -232,11 +234,11 @@ pub fn title(section: &VolumeSection, volume: &Volume) -> String {
     }
 }
 
-/// Who said what: it decides how a complaint is worded, and the exit code.
+/// Source of each parameter, scene file or flag: it decides the wording of an error and the exit code.
 #[derive(Default)]
 pub struct Origin {
     scene_file: Option<PathBuf>,
-    /// What flags set.
+    /// Fields that flags set.
     pub overrides: Overrides,
 }
 
@@ -251,7 +253,7 @@ impl Origin {
         }
     }
 
-    /// Why there is no scene.
+    /// Failure of a scene that cannot be made.
     pub fn scene_failure(&self, error: SceneFileError) -> Failure {
         match error {
             SceneFileError::Parameter { source, .. } => self.parameter(&source),

@@ -15,7 +15,7 @@ use crate::render::Drawn;
 use crate::renderers;
 use crate::scene_setup::Setup;
 
-/// How a renderer and its setting were chosen.
+/// Choice of a renderer and its setting.
 #[derive(Debug, Serialize)]
 pub struct Chosen {
     target_rmse: f64,
@@ -25,17 +25,17 @@ pub struct Chosen {
     options: Options,
     /// Settings that were tried on a small picture.
     tried: usize,
-    /// Of them, those whose small picture was within the target.
+    /// Settings, of those tried, whose small picture was within the target.
     within: usize,
-    /// Settings whose whole picture was not, though their small one was, and what its RMSE does not exceed.
+    /// Settings whose whole picture was not, though their small one was, and the bound of its RMSE.
     disappointed: Vec<(String, f64)>,
     /// The RMSE of this picture on the pixels that were compared, weighted so that it stands for all.
     rmse: f64,
-    /// Largest RMSE of all pixels.
+    /// Bound of the RMSE of all pixels.
     rmse_at_most: f64,
-    /// True if that is proven.
+    /// True if the bound is proven.
     proven: bool,
-    /// How often it holds where it is not: one-sided.
+    /// One-sided confidence of a bound that is not proven.
     confidence: f64,
     /// Pixels that were compared.
     sample_pixels: usize,
@@ -45,7 +45,7 @@ pub struct Chosen {
 /// Draws with the cheapest renderer and setting whose RMSE is within the target; of the named renderer alone, if there is one.
 ///
 /// # Errors
-/// A target that no picture of floats can keep or that nobody reaches, an unknown renderer, or whatever is wrong with the scene.
+/// A target that no picture of floats can keep or that no setting reaches, an unknown renderer, or any fault of the scene.
 pub fn draw(
     target: f64,
     args: &RendererArgs,
@@ -54,18 +54,18 @@ pub fn draw(
     console: Console,
     control: &Control,
 ) -> Result<Drawn, Failure> {
-    /// Frames are f32.
-    const LEAST: f64 = 1e-7;
-    if !(target >= LEAST && target.is_finite()) {
+    /// Smallest target: frames are f32.
+    const MIN_TARGET: f64 = 1e-7;
+    if !(target >= MIN_TARGET && target.is_finite()) {
         return Err(Failure::usage(format!("--target-rmse: found {target}; must be at least 1e-7: pictures are f32")));
     }
     setup.note_unused_renderer("--target-rmse chooses", console);
     let only: Vec<String> = args.renderer.iter().cloned().collect();
     let candidates = candidates(&renderers::chosen(&only)?).map_err(Failure::failed)?;
     let bounded = bounded(target);
-    let choice = under_bar(console, control, "trying settings", |told| {
-        let told = |share| told.report(share);
-        draw_within(target, &candidates, &bounded, (&setup.scene, &setup.view), cache, (control, &told))
+    let choice = under_bar(console, control, "trying settings", |progress| {
+        let progress = |share| progress.report(share);
+        draw_within(target, &candidates, &bounded, (&setup.scene, &setup.view), cache, (control, &progress))
     });
     let choice = choice.map_err(|e| match e {
         ChoiceError::Render(e) => setup.render_failure(e),
@@ -89,7 +89,7 @@ pub fn draw(
         pixels: w * h,
     };
     let (renderer, counts) = (winner.renderer.clone(), rendered.stats.counts);
-    Ok(Drawn { renderer, frame: rendered.frame, counts, prepare, render, promise: None, chosen: Some(chosen) })
+    Ok(Drawn { renderer, frame: rendered.frame, counts, prepare, render, error_bound: None, chosen: Some(chosen) })
 }
 
 impl Chosen {
@@ -122,9 +122,9 @@ impl Chosen {
 
 /// Renderers that can prove a picture to be well within a target: by it, others are judged.
 fn bounded(target: f64) -> Vec<BoundedRenderer> {
-    // An eighth is little beside the target, and costs little more than the target itself would; no picture of floats keeps less than the least.
+    // An eighth is little beside the target, and costs little more than the target itself would. Pictures of floats keep no smaller bound.
     let max_error = (target / 8.0).max(MIN_MAX_ERROR);
-    // One that promises by default draws as slowly as exact pixels are solved: it is no help.
+    // A renderer that bounds its error by default draws as slowly as exact pixels are solved: it is no help.
     let quick = renderers::all().into_iter().filter(|renderer| renderer.max_error().is_none());
     let promising = |renderer: Box<dyn StudiedRenderer>| renderer.with_max_error(max_error)?.ok();
     quick.filter_map(promising).map(|renderer| BoundedRenderer { renderer, max_error }).collect()

@@ -16,23 +16,28 @@ use crate::{exact_cache, renderers};
 /// Puts every documented order of convergence to the test.
 ///
 /// # Errors
-/// Whatever goes wrong with the command line, the volume, or the scene; an order that is not as documented.
+/// Any fault of the command line, the volume, or the scene; an order that is not as documented.
 pub fn run(args: &VerifyArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    // Choose the renderers that document an order.
     let chosen = renderers::chosen(&args.renderers)?;
     let chosen: Vec<Box<dyn StudiedRenderer>> = chosen.into_iter().filter(|r| !r.convergence().is_empty()).collect();
     if chosen.is_empty() {
-        return Err(Failure::usage("no renderer that was named documents an order of convergence"));
+        return Err(Failure::usage(format!(
+            "--renderer: found {}; must name one that documents an order of convergence",
+            args.renderers.join(", ")
+        )));
     }
     let setup = named_scene(&args.scene, console)?;
     if let Some(setup) = &setup {
         setup.note_unused_renderer("orders are measured under settings of their own", console);
     }
+    // Verify on scenes made for each renderer, or on the scene that flags name.
     let cache = exact_cache::open(&args.cache);
-    let proven = under_bar(console, control, "verifying", |told| {
+    let proven = under_bar(console, control, "verifying", |progress| {
         let check = OrderCheck { cache: &cache, control };
         let mut results = Vec::new();
         for (i, renderer) in chosen.iter().enumerate() {
-            let share = |s: f64| told.report((i as f64 + s) / chosen.len() as f64);
+            let share = |s: f64| progress.report((i as f64 + s) / chosen.len() as f64);
             match &setup {
                 None => results.extend(check.check_claims(&**renderer, &share)?),
                 Some(setup) => {

@@ -1,4 +1,4 @@
-//! From the command line to a volume, for commands that draw nothing.
+//! Conversion of the command line to a volume, for commands that draw nothing.
 
 use std::path::Path;
 
@@ -9,10 +9,11 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::scene_setup::{Origin, default_scene, title};
 
-/// Reads the volume that flags name, or makes the embedded one; returns what it is in a few words, too. Tells what was assumed.
+/// Reads the volume that flags name, or makes the embedded one; returns a description in a few words, too. Prints notes on everything
+/// assumed.
 ///
 /// # Errors
-/// Whatever is wrong with the flags or the file.
+/// Any fault of the flags or the file.
 pub fn load(args: &VolumeArgs, console: Console) -> Result<(String, LoadedVolume), Failure> {
     let mut section = default_scene(args.path.is_some() || args.phantom.is_some())?.volume;
     let mut origin = Origin::default();

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::error::WriteError;
 
-/// Somewhere to write that can go back.
+/// A seekable place to write to.
 pub(crate) trait Output: Write + Seek {}
 impl<T: Write + Seek> Output for T {}
 

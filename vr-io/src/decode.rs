@@ -1,10 +1,10 @@
-//! From bytes, or words of text, to numbers.
+//! Decoding of bytes, or words of text, to numbers.
 
 use bytemuck::Pod;
 
 use crate::scalar::Endian;
 
-/// A sample type of a file.
+/// A number type of a file.
 pub(crate) trait Scalar: Pod + PartialOrd + Send + Sync + 'static {
     /// Appends the numbers that whole groups of bytes stand for.
     fn append(bytes: &[u8], endian: Endian, out: &mut Vec<Self>);

@@ -1,4 +1,4 @@
-//! Which format a file has: by what it holds first, by what it is called second.
+//! Detection of a file's format: by its content first, by its name second.
 
 use std::io::Read;
 use std::path::Path;
@@ -61,7 +61,7 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     Err(FileError::new(path, FileErrorKind::Unrecognised { supported: VOLUMES }))
 }
 
-/// What to say of a folder: some formats are one.
+/// Error for a folder, naming the format if it is one whose volumes are folders.
 pub(crate) fn unsupported_folder(path: &Path) -> FileError {
     let has = |name: &str| path.join(name).exists();
     let is_dicom = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm"));

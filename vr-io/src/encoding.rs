@@ -1,4 +1,4 @@
-//! How bytes are packed in a file: as they are, compressed, or as hex digits. Text is read by [`crate::payload`].
+//! Packing of bytes in a file: as they are, compressed, or as hex digits. Text is read by [`crate::payload`].
 
 use std::io::{self, BufRead, Read};
 

@@ -1,4 +1,4 @@
-//! What can go wrong between a file and what it should hold, and between a frame and a file.
+//! Errors of reading files and of writing frames.
 
 use std::fmt::Display;
 use std::io;
@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 use vr_core::{GridError, MeshError, PointError};
 
-/// Why a file gives no volume, points, surface or colour map: one line that names the file, the place in it, what was found and what is
-/// allowed.
+/// The reason why a file gives no volume, points, surface or colour map: one line that names the file, the place in it, what was found and
+/// what is allowed.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {kind}", path.display())]
 pub struct FileError {
     /// The file with the fault: the one that was asked for, or one that it names.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The fault.
     pub kind: FileErrorKind,
 }
 
@@ -23,7 +23,7 @@ impl FileError {
     }
 }
 
-/// What is wrong with a file.
+/// A fault of a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileErrorKind {
@@ -132,9 +132,9 @@ impl FieldError {
 
 /// Text from a file, fit for one line of a terminal: control characters escaped, and not too long.
 pub(crate) fn shown(text: &str) -> String {
-    const MOST: usize = 60;
-    let mut s: String = text.chars().take(MOST).flat_map(char::escape_debug).collect();
-    if text.chars().nth(MOST).is_some() {
+    const MAX_CHARS: usize = 60;
+    let mut s: String = text.chars().take(MAX_CHARS).flat_map(char::escape_debug).collect();
+    if text.chars().nth(MAX_CHARS).is_some() {
         s.push('…');
     }
     if s.is_empty() {
@@ -143,24 +143,24 @@ pub(crate) fn shown(text: &str) -> String {
     s
 }
 
-/// Why a file was not written. Nothing is left behind then.
+/// The reason why a file was not written. Nothing is left behind then.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
     /// The place cannot be written to.
     #[error("{}: cannot be written: {source}", path.display())]
     Io {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// The format cannot hold what was to be written.
     #[error("{}: {message}", path.display())]
     Encode {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the encoder says.
+        /// The encoder's message.
         message: String,
     },
 }

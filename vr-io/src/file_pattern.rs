@@ -2,12 +2,12 @@
 
 use crate::error::FieldError;
 
-/// More files than any stack of slices has; a header that claims more is wrong.
-const MOST_FILES: usize = 1 << 20;
+/// Largest number of files, beyond any stack of slices; a header that claims more is wrong.
+const MAX_FILES: usize = 1 << 20;
 
-/// The file names that a printf pattern with first number, last number and step stands for; at most `most` of them.
-pub(crate) fn expand(field: &str, text: &str, most: usize) -> Result<Vec<String>, FieldError> {
-    const ALLOWED: &str = "name with one %d (or %03d), first number, last number, step";
+/// The file names that a printf pattern with first number, last number and step stands for; `max_count` of them at most.
+pub(crate) fn expand(field: &str, text: &str, max_count: usize) -> Result<Vec<String>, FieldError> {
+    const ALLOWED: &str = "must be a name with one %d (or %03d), first number, last number, step";
     let wrong = || FieldError::new(field, text, ALLOWED);
     let words: Vec<&str> = text.split_whitespace().collect();
     // The name itself may hold spaces; the numbers are the last words. NRRD allows a fourth one, which says how many axes
@@ -25,9 +25,9 @@ pub(crate) fn expand(field: &str, text: &str, most: usize) -> Result<Vec<String>
         return Err(wrong());
     }
     let count = (i128::from(last) - i128::from(first)) / i128::from(step) + 1;
-    let most = most.min(MOST_FILES);
-    if count > most as i128 {
-        return Err(FieldError::new(field, format_args!("{count} files"), format!("at most {most}")));
+    let max_count = max_count.min(MAX_FILES);
+    if count > max_count as i128 {
+        return Err(FieldError::new(field, format_args!("{count} files"), format!("must be at most {max_count}")));
     }
     let (before, width, zeros, after) = split_pattern(&pattern).ok_or_else(wrong)?;
     Ok((0..count as i64)
@@ -39,7 +39,7 @@ pub(crate) fn expand(field: &str, text: &str, most: usize) -> Result<Vec<String>
         .collect())
 }
 
-/// What comes before the conversion, its width, whether it pads with zeros, and what comes after.
+/// Splits a pattern into the text before the conversion, its width, true if it pads with zeros, and the text after.
 fn split_pattern(pattern: &str) -> Option<(String, usize, bool, String)> {
     const WIDEST: usize = 64;
     // `%%` is a literal percent sign; the one conversion is what remains.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::error::FileError;
 
-/// Reads a header line by line, as far as whoever understands it asks, and keeps what was read.
+/// Reads a header line by line, as far as the parser of the format asks, and keeps the bytes read.
 pub(crate) struct HeaderText<'p> {
     path: &'p Path,
     file: Take<BufReader<File>>,
@@ -14,7 +14,7 @@ pub(crate) struct HeaderText<'p> {
 }
 
 impl<'p> HeaderText<'p> {
-    /// Far beyond any header that makes sense, a list of a million files included: there it ends, and so does the file for whoever reads.
+    /// Length at which a header ends, as if the file did: far beyond any sensible one, a list of a million files included.
     const LONGEST: u64 = 1 << 26;
 
     pub fn open(path: &'p Path) -> Result<Self, FileError> {

@@ -1,4 +1,4 @@
-//! Which samples of a file make up the volume: one frame and one component of an array of any number of axes.
+//! Selection of a volume from a file: one frame and one component of an array of any number of axes.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use vr_core::{GridError, sample_count};
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::read::ReadOptions;
 
-/// What an axis of a file runs over.
+/// Role of an axis of a file: what its index counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
     Space,
@@ -22,20 +22,20 @@ pub(crate) struct Axis {
     pub role: Role,
 }
 
-/// The chosen samples: `offset + x·strides[0] + y·strides[1] + z·strides[2]` of `total`.
+/// The chosen numbers: `offset + x·strides[0] + y·strides[1] + z·strides[2]` of `total`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Layout {
     pub dims: [usize; 3],
     pub strides: [usize; 3],
     pub offset: usize,
-    /// Samples in the file, all frames and components.
+    /// Numbers in the file, all frames and components.
     pub total: usize,
     pub frames: usize,
     pub components: usize,
 }
 
 impl Layout {
-    /// From the axes of a file, fastest first; exactly three of them run over space.
+    /// Lays out the axes of a file, fastest first; exactly three of them run over space.
     pub fn new(path: &Path, axes: &[Axis], options: &ReadOptions) -> Result<Self, FileError> {
         let space: Vec<usize> = axes.iter().filter(|a| a.role == Role::Space).map(|a| a.size).collect();
         let dims: [usize; 3] = space.as_slice().try_into().map_err(|_| {
@@ -73,17 +73,17 @@ impl Layout {
         Ok(Self { dims, strides, offset, total, frames, components })
     }
 
-    /// Samples of the volume.
+    /// Voxels of the volume.
     pub fn count(&self) -> usize {
         self.dims.iter().product()
     }
 
-    /// Whether the volume is one run of samples, from `offset` on.
+    /// True if the volume is one run of numbers, from `offset` on.
     pub fn is_contiguous(&self) -> bool {
         self.strides == [1, self.dims[0], self.dims[0] * self.dims[1]]
     }
 
-    /// The chosen samples out of all of them.
+    /// Picks the chosen numbers out of all of them.
     pub fn pick<T: Copy>(&self, all: &[T]) -> Vec<T> {
         let [nx, ny, nz] = self.dims;
         let [sx, sy, sz] = self.strides;

@@ -62,7 +62,7 @@
 //!
 //! Integers and floats of 8 to 64 bits, in both byte orders. Memory holds u8, i8, u16, i16 and f32; of the others, integers that
 //! fit one of these exactly become that one, and everything else becomes f32, which is said where it rounds. Uncompressed
-//! samples that memory can hold as they are stay in the file, mapped. One frame of a series and one component of several are
+//! voxels that memory can hold as they are stay in the file, mapped. One frame of a series and one component of several are
 //! picked by [`ReadOptions`].
 //!
 //! # Scattered points that are read
@@ -136,9 +136,9 @@ mod png;
 mod points;
 mod raw;
 mod read;
-mod samples;
 mod scalar;
 mod scene;
+mod voxels;
 mod world;
 
 pub use atomic::write_bytes;
@@ -150,7 +150,7 @@ pub use nifti::Transform;
 pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
 pub use paraview::{ColorMap, parse_color_maps, read_color_maps};
 pub use picture::write;
-pub use picture_read::{MOST_PIXELS, Picture, PictureError, SampleKind, read_picture};
+pub use picture_read::{MAX_PIXELS, Picture, PictureError, SampleKind, read_picture};
 pub use png::{Encode, PngDepth, PngOptions, encode_png, write_png};
 pub use points::{LoadedPoints, PointColumns, PointOptions, read_points};
 pub use raw::RawDescription;

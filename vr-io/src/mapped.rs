@@ -1,4 +1,4 @@
-//! Samples that stay in their file: the pages come in when they are looked at.
+//! Voxels that stay in their file: pages are loaded when they are first read.
 //!
 //! The only unsafe line of the crate is here.
 
@@ -9,17 +9,17 @@ use std::marker::PhantomData;
 use bytemuck::Pod;
 use memmap2::{Mmap, MmapOptions};
 
-/// A run of samples inside a mapped file, in the machine's byte order.
-pub(crate) struct MappedSamples<T> {
+/// A run of voxels inside a mapped file, in the machine's byte order.
+pub(crate) struct MappedVoxels<T> {
     map: Mmap,
     sample: PhantomData<T>,
 }
 
-impl<T: Pod> MappedSamples<T> {
-    /// Maps `count` samples from a byte offset on; `None` where they do not lie on a multiple of the sample's alignment.
+impl<T: Pod> MappedVoxels<T> {
+    /// Maps `count` voxels from a byte offset on; `None` where they do not lie on a multiple of their type's alignment.
     ///
     /// # Errors
-    /// Those of the system, and `UnexpectedEof` where the file is too short.
+    /// Errors of the system, and `UnexpectedEof` where the file is too short.
     #[allow(unsafe_code)]
     pub fn new(file: &File, offset: u64, count: usize) -> io::Result<Option<Self>> {
         let length = count.checked_mul(size_of::<T>()).ok_or(io::ErrorKind::InvalidInput)?;
@@ -37,7 +37,7 @@ impl<T: Pod> MappedSamples<T> {
     }
 }
 
-impl<T: Pod> AsRef<[T]> for MappedSamples<T> {
+impl<T: Pod> AsRef<[T]> for MappedVoxels<T> {
     fn as_ref(&self) -> &[T] {
         bytemuck::cast_slice(&self.map)
     }
@@ -59,7 +59,7 @@ mod tests {
         let bytes: Vec<u8> = (0..4000u32).map(|i| (i * 7 % 251) as u8).collect();
         let file = file_of(&bytes);
         for offset in [0usize, 2, 348, 352] {
-            let mapped = MappedSamples::<u16>::new(&file, offset as u64, 1000).unwrap().unwrap();
+            let mapped = MappedVoxels::<u16>::new(&file, offset as u64, 1000).unwrap().unwrap();
             let copied: Vec<u16> =
                 bytes[offset..offset + 2000].as_chunks().0.iter().map(|c| u16::from_ne_bytes(*c)).collect();
             assert_eq!(mapped.as_ref(), copied);
@@ -69,10 +69,10 @@ mod tests {
     #[test]
     fn declines_what_is_not_aligned_and_refuses_what_is_not_there() {
         let file = file_of(&[0; 100]);
-        assert!(MappedSamples::<f32>::new(&file, 2, 10).unwrap().is_none());
-        assert!(MappedSamples::<u8>::new(&file, 3, 97).unwrap().is_some());
-        assert!(MappedSamples::<u8>::new(&file, 3, 98).is_err());
-        assert!(MappedSamples::<u16>::new(&file, u64::MAX, 1).is_err());
-        assert!(MappedSamples::<f32>::new(&file, 0, usize::MAX).is_err());
+        assert!(MappedVoxels::<f32>::new(&file, 2, 10).unwrap().is_none());
+        assert!(MappedVoxels::<u8>::new(&file, 3, 97).unwrap().is_some());
+        assert!(MappedVoxels::<u8>::new(&file, 3, 98).is_err());
+        assert!(MappedVoxels::<u16>::new(&file, u64::MAX, 1).is_err());
+        assert!(MappedVoxels::<f32>::new(&file, 0, usize::MAX).is_err());
     }
 }

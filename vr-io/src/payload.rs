@@ -1,4 +1,4 @@
-//! From the place where a header says that the voxels are, to samples in memory.
+//! Reading of voxels from the place that a header names.
 //!
 //! Nothing is allocated on a header's word: the size that it claims is held against the length of the file first, or, where
 //! the data are compressed, memory grows with what really comes out, up to that size.
@@ -13,16 +13,16 @@ use crate::decode::with_scalar;
 use crate::encoding::{Encoding, invalid};
 use crate::error::{FieldError, FileError, FileErrorKind, shown};
 use crate::layout::Layout;
-use crate::mapped::MappedSamples;
+use crate::mapped::MappedVoxels;
 use crate::read::ReadOptions;
-use crate::samples::{Remember, Samples, Stored};
 use crate::scalar::{Endian, ScalarType};
+use crate::voxels::{Remember, Stored, Voxels};
 
-/// What lies between the beginning of the (decoded) data and the voxels.
+/// Bytes between the beginning of the (decoded) data and the voxels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Skip {
     Bytes(u64),
-    /// Whatever leaves exactly the voxels: they are the last bytes.
+    /// All bytes but those of the voxels, which are the last.
     AllButVoxels,
 }
 
@@ -30,7 +30,7 @@ pub(crate) enum Skip {
 #[derive(Clone, Debug)]
 pub(crate) struct Segment {
     pub path: PathBuf,
-    /// Where the data begin, in bytes of the file.
+    /// Offset of the data, in bytes of the file.
     pub start: u64,
     /// Lines to skip from there, in the file as it is.
     pub lines: u64,
@@ -45,22 +45,22 @@ pub(crate) struct Payload {
     pub encoding: Encoding,
     pub scalar: ScalarType,
     pub endian: Endian,
-    /// Whether bytes after the voxels are an error, or only said. They are an error where nothing else shows that a
-    /// header describes its data.
+    /// True if bytes after the voxels are an error, rather than a note: nothing else shows then that the header describes
+    /// its data.
     pub excess_is_error: bool,
-    /// What to think of when the length is wrong; empty, or starting with a bracket.
+    /// Likely cause of a wrong length, for the message; empty, or starting with a bracket.
     pub hint: &'static str,
 }
 
 impl Payload {
-    /// Reads the samples that `layout` picks; `header` is the file that errors about the whole belong to.
+    /// Reads the voxels that `layout` picks; `header` is the file that errors about the whole belong to.
     pub fn load(
         &self,
         header: &Path,
         layout: &Layout,
         options: &ReadOptions,
         notes: &mut Vec<String>,
-    ) -> Result<Samples, FileError> {
+    ) -> Result<Voxels, FileError> {
         with_scalar!(self.scalar, S => self.load_as::<S>(header, layout, options, notes))
     }
 
@@ -70,18 +70,19 @@ impl Payload {
         layout: &Layout,
         options: &ReadOptions,
         notes: &mut Vec<String>,
-    ) -> Result<Samples, FileError> {
+    ) -> Result<Voxels, FileError> {
         let files = self.segments.len();
         if files == 0 || !layout.total.is_multiple_of(files) {
-            let allowed = format!("a number that divides the {} samples", layout.total);
+            let allowed = format!("must divide the {} numbers of the header", layout.total);
             return Err(FieldError::new("data file", format_args!("{files} files"), allowed).in_file(header));
         }
-        // Samples and bytes of each file.
+        // Numbers and bytes of each file.
         let samples = layout.total / files;
         let bytes = (samples as u64)
             .checked_mul(size_of::<S>() as u64)
             .ok_or_else(|| FileError::new(header, GridError::Dims { dims: layout.dims }))?;
 
+        // Map the file where its bytes are the voxels as memory holds them.
         let as_stored = S::IS_MEMORY_TYPE && (self.endian == Endian::NATIVE || size_of::<S>() == 1);
         if let [segment] = self.segments.as_slice()
             && options.map
@@ -91,13 +92,13 @@ impl Payload {
         {
             let (file, offset) = self.locate(header, segment, bytes, notes)?;
             let first = offset + (layout.offset * size_of::<S>()) as u64;
-            let mapped = MappedSamples::new(file.get_ref(), first, layout.count());
+            let mapped = MappedVoxels::new(file.get_ref(), first, layout.count());
             if let Some(mapped) = mapped.map_err(|e| FileError::new(&segment.path, e))? {
                 return Ok(S::remember(Stored::Mapped(mapped), notes));
             }
         }
 
-        // One run is taken out of the stream as it goes by; scattered samples are picked out of all at the end.
+        // One run is taken out of the stream as it goes by; scattered voxels are picked out of all at the end.
         let contiguous = layout.is_contiguous();
         let mut kept = if contiguous {
             Kept::<S> { skip: layout.offset, take: layout.count(), out: Vec::new() }
@@ -261,11 +262,11 @@ impl Payload {
     }
 }
 
-/// The part of a stream of samples that is kept.
+/// The part of a stream of numbers that is kept.
 struct Kept<S> {
-    /// Samples yet to be left out.
+    /// Numbers yet to be left out.
     skip: usize,
-    /// Samples yet to be kept.
+    /// Numbers yet to be kept.
     take: usize,
     out: Vec<S>,
 }
@@ -287,7 +288,7 @@ impl<S: Remember> Kept<S> {
         self.out.extend_from_slice(&samples[skip..skip + take]);
     }
 
-    /// How many of the next `n` samples to leave out and how many to keep.
+    /// Counts of the next `n` numbers to leave out and to keep.
     fn advance(&mut self, n: usize) -> (usize, usize) {
         let skip = self.skip.min(n);
         let take = self.take.min(n - skip);

@@ -11,12 +11,12 @@ use vr_core::transfer::linear_to_srgb;
 use crate::atomic::write_whole;
 use crate::error::WriteError;
 
-/// How a frame becomes a PNG.
+/// Options of a PNG.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PngOptions {
     /// Bits per channel.
     pub depth: PngDepth,
-    /// What the numbers in the file mean.
+    /// Encoding of the numbers in the file.
     pub encode: Encode,
     /// Linear radiance behind everything, added as rgb + (1 − α)·background.
     pub background: [f32; 3],
@@ -41,7 +41,7 @@ pub enum PngDepth {
     Sixteen,
 }
 
-/// What the numbers in a PNG mean.
+/// Encoding of the numbers in a PNG.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encode {
     /// The sRGB curve, as screens expect.
@@ -65,7 +65,7 @@ pub fn write_png(path: impl AsRef<Path>, frame: &Frame, options: &PngOptions) ->
 /// A frame as the bytes of a PNG.
 ///
 /// # Panics
-/// If the frame has no pixels: there is no such PNG.
+/// Panics if the frame has no pixels: there is no such PNG.
 pub fn encode_png(frame: &Frame, options: &PngOptions) -> Vec<u8> {
     let mut bytes = Vec::new();
     encode(&mut bytes, frame, options).expect("memory takes every picture that has pixels");
@@ -82,7 +82,7 @@ fn encode(out: impl Write, frame: &Frame, options: &PngOptions) -> Result<(), Im
         }
         PngDepth::Sixteen => {
             let color = if options.alpha { ExtendedColorType::Rgba16 } else { ExtendedColorType::Rgb16 };
-            // `image` takes 16-bit samples in the machine's byte order.
+            // `image` takes 16-bit channels in the machine's byte order.
             (channels.flat_map(|x| ((x * 65535.0).round() as u16).to_ne_bytes()).collect(), color)
         }
     };

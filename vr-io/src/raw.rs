@@ -13,29 +13,29 @@ use crate::read::{Description, ReadOptions};
 use crate::scalar::{Endian, ScalarType};
 use crate::world::Space;
 
-/// What a file without a header holds.
+/// Description of a file without a header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawDescription {
-    /// Samples along x, y, z; x runs fastest.
+    /// Voxels along x, y, z; x runs fastest.
     pub dims: [usize; 3],
-    /// Type of the samples.
+    /// Type of the voxels.
     pub scalar: ScalarType,
-    /// Byte order of the samples.
+    /// Byte order of the voxels.
     pub endian: Endian,
-    /// World units between samples; `None` counts as 1, and that is said.
+    /// World units between voxels; `None` counts as 1, and a note says so.
     pub spacing: Option<[f64; 3]>,
-    /// World position of the first sample.
+    /// World position of the first voxel.
     pub origin: [f64; 3],
     /// World directions of the x, y and z axis, one after the other; they need not be normalised.
     pub direction: [[f64; 3]; 3],
-    /// Bytes before the first sample, after decompression.
+    /// Bytes before the first voxel, after decompression.
     pub skip: u64,
-    /// What the stored numbers mean.
+    /// Calibration from stored numbers to values.
     pub calibration: Calibration,
 }
 
 impl RawDescription {
-    /// Little-endian samples from the first byte on, spacing unknown, at the origin.
+    /// Describes little-endian voxels from the first byte on, spacing unknown, at the origin.
     pub fn new(dims: [usize; 3], scalar: ScalarType) -> Self {
         Self {
             dims,
@@ -49,7 +49,7 @@ impl RawDescription {
         }
     }
 
-    /// What a file name says, as in `foot_256x256x256_uint8.raw.gz`: `None` where it has no `NXxNYxNZ` in it.
+    /// Reads a description from a file name, as in `foot_256x256x256_uint8.raw.gz`: `None` where it has no `NXxNYxNZ` in it.
     ///
     /// # Errors
     /// The name of the field that is missing or wrong.
@@ -59,9 +59,11 @@ impl RawDescription {
         let dims = dims_of(words.next()?)?;
         Some(match words.find_map(ScalarType::from_name) {
             Some(scalar) => Ok(Self::new(dims, scalar)),
-            None => {
-                Err(FieldError::new("type in the file name", name, "dims and type, as in foot_256x256x256_uint8.raw"))
-            }
+            None => Err(FieldError::new(
+                "type in the file name",
+                name,
+                "must be dims and type, as in foot_256x256x256_uint8.raw",
+            )),
         })
     }
 }

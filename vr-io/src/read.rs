@@ -19,21 +19,21 @@ use crate::scalar::{Endian, ScalarType};
 use crate::world::Space;
 use crate::{metaimage, nifti, nrrd, raw};
 
-/// How to read a volume. `ReadOptions::default()` is right for nearly every file.
+/// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
-    /// Which frame of a 4-D file, from 0; not needed where there is one.
+    /// Frame of a 4-D file, from 0; not needed where there is one.
     pub frame: Option<usize>,
-    /// Which component of a file with several values per voxel, from 0; not needed where there is one.
+    /// Component of a file with several values per voxel, from 0; not needed where there is one.
     pub component: Option<usize>,
-    /// Which transform of a NIfTI file places it.
+    /// Transform of a NIfTI file that places the volume.
     pub transform: Transform,
-    /// What a file without a header holds. Where this is given, the file counts as raw, whatever it looks like.
+    /// Description of a file without a header. Where this is given, the file counts as raw, whatever it looks like.
     pub raw: Option<RawDescription>,
-    /// Whether uncompressed samples of a memory type in native byte order may stay in the file, mapped into memory. On by
-    /// default; off, they are copied, and the file may change or vanish afterwards.
+    /// True if uncompressed voxels of a memory type in native byte order may stay in the file, mapped into memory: the
+    /// default. If false, they are copied, and the file may change or vanish afterwards.
     pub map: bool,
-    /// What is wanted of scattered points.
+    /// Options of reading scattered points.
     pub points: PointOptions,
 }
 
@@ -55,14 +55,14 @@ impl Default for ReadOptions {
 pub struct Loaded {
     /// The volume.
     pub volume: Volume,
-    /// What the file said about it.
+    /// Everything that the file says about it.
     pub info: FileInfo,
-    /// What was assumed, chosen or changed on the way, one line each: spacing that the file lacks, the transform used, samples
-    /// that are missing.
+    /// Notes on everything assumed, chosen or changed on the way, one line each: spacing that the file lacks, the transform
+    /// used, voxels that are missing.
     pub notes: Vec<String>,
 }
 
-/// What a file says about itself beyond the volume.
+/// Everything that a file says about itself beyond the volume.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FileInfo {
@@ -70,15 +70,15 @@ pub struct FileInfo {
     pub format: &'static str,
     /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of points also `base64` or `lz4`.
     pub encoding: &'static str,
-    /// Type of the samples, or of the positions of points, in the file; in memory it may be another ([`vr_core::GridVolume::voxel_type`]).
+    /// Type of the voxels, or of the positions of points, in the file; in memory it may be another ([`vr_core::GridVolume::voxel_type`]).
     pub scalar: ScalarType,
-    /// Byte order of them.
+    /// Byte order of these.
     pub endian: Endian,
     /// The space that the file's positions refer to. Unless it is [`Space::Own`], the volume's world is RAS.
     pub space: Space,
-    /// What placed the samples: `space directions`, `spacings`, `sform`, … or `assumed`; of points `positions`.
+    /// Source of the placement: `space directions`, `spacings`, `sform`, … or `assumed`; of points `positions`.
     pub placed_by: &'static str,
-    /// What the positions are measured in, if the file says.
+    /// Unit of the positions, if the file names one.
     pub units: Option<String>,
     /// Frames in the file; one of them is the volume.
     pub frames: usize,
@@ -91,18 +91,18 @@ pub struct FileInfo {
     /// Every file that was read, once each: the header, where it is one of its own, and the data files. None of them may be written over
     /// while the volume is used.
     pub files: Vec<PathBuf>,
-    /// Whether the samples stay in the file, mapped into memory.
+    /// True if the voxels stay in the file, mapped into memory.
     pub mapped: bool,
 }
 
-/// What a header turned out to describe: everything but the voxels.
+/// Everything that a header describes: all but the voxels.
 pub(crate) struct Description {
     pub format: &'static str,
     /// The file that the header was read from; not always the one that was named.
     pub header: PathBuf,
     pub payload: Payload,
     pub layout: Layout,
-    /// In RAS already, where the space is a patient's.
+    /// Placement in the world: in RAS already, where the space is a patient's.
     pub placement: Placement,
     pub placed_by: &'static str,
     pub calibration: Calibration,
@@ -165,10 +165,10 @@ fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Lo
         let stats = uniform.value_stats();
         let count = layout.count();
         if stats.nan > 0 {
-            notes.push(format!("{} of {count} samples are NaN: the cells around them are vacuum", stats.nan));
+            notes.push(format!("{} of {count} voxels are NaN: the cells around them are vacuum", stats.nan));
         }
         if stats.infinite > 0 {
-            notes.push(format!("{} of {count} samples are infinite and count as NaN", stats.infinite));
+            notes.push(format!("{} of {count} voxels are infinite and count as NaN", stats.infinite));
         }
     }
     let data_files: Vec<PathBuf> = payload.segments.iter().map(|s| s.path.clone()).collect();

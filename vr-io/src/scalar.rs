@@ -1,9 +1,9 @@
-//! The sample types that files hold.
+//! The voxel types that files hold.
 
 use serde::{Deserialize, Serialize};
 use vr_core::{ParameterError, VoxelType};
 
-/// The type of the samples in a file. Memory holds five of them (see [`VoxelType`]); the others are converted.
+/// The type of the voxels in a file. Memory holds five of them (see [`VoxelType`]); the others are converted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", rename_all = "lowercase")]
 pub enum ScalarType {
@@ -34,7 +34,7 @@ impl ScalarType {
     pub const ALL: [Self; 10] =
         [Self::U8, Self::I8, Self::U16, Self::I16, Self::U32, Self::I32, Self::U64, Self::I64, Self::F32, Self::F64];
 
-    /// Bytes per sample.
+    /// Bytes per number.
     pub fn bytes(self) -> usize {
         match self {
             Self::U8 | Self::I8 => 1,
@@ -102,7 +102,7 @@ impl std::fmt::Display for ScalarType {
     }
 }
 
-/// Which byte of a number comes first.
+/// Byte order: the byte of a number that comes first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Endian {

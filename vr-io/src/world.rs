@@ -28,12 +28,12 @@ impl Space {
         }
     }
 
-    /// Whether the world is a patient's, so that positions were turned to RAS.
+    /// True if the world is a patient's, so that positions were turned to RAS.
     pub fn is_patient(self) -> bool {
         self != Self::Own
     }
 
-    /// What turns positions in this space to RAS: its own inverse.
+    /// Signs that turn positions in this space to RAS, and back.
     pub(crate) fn to_ras(self) -> DVec3 {
         match self {
             Self::Ras | Self::Own => DVec3::ONE,
@@ -55,7 +55,7 @@ impl std::fmt::Display for Space {
     }
 }
 
-/// Where the index axes of a placement in RAS point, most nearly: `LPI` means towards left, posterior and inferior.
+/// Nearest directions of the index axes of a placement in RAS: `LPI` means towards left, posterior and inferior.
 pub fn orientation(placement: &Placement) -> String {
     let axes = placement.axes();
     [axes.x_axis, axes.y_axis, axes.z_axis]

@@ -23,7 +23,7 @@ enum Damage {
     Cut(prop::sample::Index),
 }
 
-/// What upsets parsers.
+/// Words that upset parsers.
 const WORDS: [&str; 14] = [
     "-1",
     "0",

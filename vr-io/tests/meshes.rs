@@ -99,7 +99,7 @@ fn a_mesh_is_told_from_a_volume() {
     assert!(error.contains("a surface, not a volume"), "{error}");
 }
 
-/// What is wrong is said in one line, with all of these words.
+/// Checks that the error is one line with all of these words.
 #[track_caller]
 fn refused(name: &str, bytes: impl AsRef<[u8]>, words: &[&str]) {
     let error = read(name, bytes).unwrap_err().to_string();
@@ -113,7 +113,7 @@ fn refused(name: &str, bytes: impl AsRef<[u8]>, words: &[&str]) {
 fn broken_files_are_refused_with_reasons() {
     let binary = stl_binary(b"");
     refused("x.stl", &binary[..100], &["length", "100 bytes", "4 triangles", "284"]);
-    refused("x.stl", &binary[..83], &["83 bytes", "84 at least"]);
+    refused("x.stl", &binary[..83], &["83 bytes", "at least 84"]);
     let mut huge = binary.clone();
     huge[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
     refused("x.stl", &huge, &["4294967295 triangles", "214748364834"]);

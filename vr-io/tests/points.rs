@@ -83,7 +83,7 @@ fn the_one_way_in_reads_points() {
     assert!(matches!(read_points("nowhere.csv", &PointOptions::default()).unwrap_err().kind, FileErrorKind::Io(_)));
 }
 
-/// What is wrong is said in one line, with all of these words.
+/// Checks that the error is one line with all of these words.
 #[track_caller]
 fn refused(name: &str, bytes: impl AsRef<[u8]>, words: &[&str]) {
     refused_with(name, bytes, &PointOptions::default(), words);

@@ -198,7 +198,7 @@ fn a_mesh_belongs_to_the_scene() {
     let loaded = resolve_scene(&file, &path).unwrap();
     let (low, high) = loaded.bounds();
     assert_eq!((low.y, high.x, high.y), (-40.0, 50.0, loaded.scene.volume.bounds().1.y));
-    // The camera that nobody gave sees all of it.
+    // The default camera sees all of it.
     assert_eq!(loaded.view.camera.target, 0.5 * (low + high));
     let mesh = loaded.mesh.unwrap();
     assert_eq!((mesh.mesh.triangles().len(), mesh.color), (1, Some([0.5, 0.25, 1.0])));
@@ -242,7 +242,7 @@ fn files_and_phantoms_of_points() {
         "{:?}",
         loaded.notes
     );
-    // The camera that nobody gave sees the supports, too.
+    // The default camera sees the supports, too.
     assert_eq!(loaded.bounds(), (DVec3::new(-1.0, -2.0, -2.0), DVec3::new(11.0, 2.0, 2.0)));
 
     let phantom = |text: &str| {

@@ -37,7 +37,7 @@ fn stored(loaded: &Loaded) -> Vec<f32> {
     with_grid!(uniform(loaded).values(), g => g.samples().iter().map(|s| s.to_f32()).collect())
 }
 
-/// What a good file must turn out to be.
+/// Checks that a good file has these properties.
 fn expect(name: &str, dims: [usize; 3], voxel: VoxelType, spacing: [f64; 3], check: impl FnOnce(&Loaded, &FileInfo)) {
     let Some(loaded) = load(name) else { return };
     let u = uniform(&loaded);
@@ -306,7 +306,7 @@ fn broken_files_are_met() {
     }
     let nan = load("bad/nan_be_f32.nii").unwrap();
     assert_eq!(uniform(&nan).value_stats().nan, 153);
-    assert!(nan.notes.iter().any(|n| n.contains("153 of 1071 samples are NaN")), "{:?}", nan.notes);
+    assert!(nan.notes.iter().any(|n| n.contains("153 of 1071 voxels are NaN")), "{:?}", nan.notes);
     let infinite = load("bad/nan_inf.nrrd").unwrap();
     assert_eq!((uniform(&infinite).value_stats().nan, uniform(&infinite).value_stats().infinite), (1681, 2));
     let slope = load("bad/nifti_slope_zero.nii").unwrap();

@@ -2,18 +2,18 @@
 
 use clap::ValueEnum;
 
-/// Which pixels are compared with the exact solution.
+/// Pixels that are compared with the exact solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ErrorMeasure {
-    /// None of them.
+    /// No pixels.
     None,
-    /// Those of a subgrid of 64×64.
+    /// Pixels of a subgrid of 64×64.
     Subgrid,
-    /// All of them.
+    /// All pixels.
     Full,
 }
 
-/// How a PNG holds light.
+/// Encoding of light in a PNG.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Curve {
     /// The sRGB curve.

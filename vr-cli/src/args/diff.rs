@@ -17,7 +17,7 @@ pub struct DiffArgs {
     /// The picture that is compared with it
     #[arg(value_name = "B")]
     pub picture: PathBuf,
-    /// What integers in a file hold: the sRGB curve, or linear values as they are; floats are linear
+    /// Encoding of integers in a file: the sRGB curve, or linear values as they are; floats are linear
     #[arg(long, value_name = "CURVE", default_value = "srgb", help_heading = "Comparison")]
     pub encode: Curve,
     /// Linear RGB behind a picture with opacity, where the other one has none
@@ -33,16 +33,16 @@ pub struct DiffArgs {
     /// End with exit code 1 if the RMSE is above E
     #[arg(long, value_name = "E", value_parser = value::tolerance, allow_hyphen_values = true, help_heading = "Comparison")]
     pub fail_above: Option<f64>,
-    /// Where the difference goes: .png (heat map) or .exr (B - A per channel, in floats); may be repeated
+    /// Map of the difference to write: .png (heat map) or .exr (B - A per channel, in floats); may be repeated
     #[arg(long = "output", short, value_name = "FILE", help_heading = "Output")]
     pub outputs: Vec<PathBuf>,
 }
 
 const DETAILS: &str = "\
-What is compared:
+Measures:
   error    B - A in premultiplied linear light, R, G, B and A, divided by max(1, largest magnitude in A); R, G and B alone
            unless both pictures have opacity
   SSIM     structural similarity (Wang 2004) of the luma of both pictures as a screen shows them: before the background,
            sRGB-encoded, in [0, 1]; Gaussian windows of 11x11 pixels; 1 for equal pictures
-  FLIP     how visible the difference is when one flips between the pictures (Andersson 2020, as NVIDIA's code computes it
+  FLIP     visibility of the difference when flipping between the pictures (Andersson 2020, as NVIDIA's code computes it
            from 8 bits at 67 pixels per degree); 0 for equal pictures; only in builds with the cargo feature `flip`";

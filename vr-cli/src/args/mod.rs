@@ -32,24 +32,24 @@ pub struct Cli {
     /// Options of every command.
     #[command(flatten)]
     pub global: GlobalArgs,
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// What the shell is told; scripts rely on it.
+/// Exit codes, which scripts rely on.
 const EXIT_CODES: &str = "\
 Exit codes:
-  0  done; a largest error that was promised (--max-error) is proven for every pixel
+  0  done; an error bound that was asked for (--max-error) is proven for every pixel
   1  failed: a file, the scene in it, the disk, a check that did not pass
-  2  wrong usage: the command line asks for what cannot be, or for writing over a file that is read
-  3  done and written, but a promised error could not be proven for every pixel; stderr says for how many, even under --quiet";
+  2  wrong usage: the command line asks for something impossible, or for writing over a file that is read
+  3  done and written, but the error bound could not be proven for every pixel; stderr says for how many, even under --quiet";
 
 /// Options of every command.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Everywhere")]
 pub struct GlobalArgs {
-    /// Say nothing but errors
+    /// Print nothing but errors
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Print the result as one JSON object
@@ -60,7 +60,7 @@ pub struct GlobalArgs {
     pub threads: Option<u16>,
 }
 
-/// What to do.
+/// The command.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a volume, and measure the picture's error
@@ -77,7 +77,7 @@ pub enum Command {
     Diff(Box<DiffArgs>),
     /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try; or a mesh
     Info(Box<InfoArgs>),
-    /// Tell everything about one pixel: what its ray meets, what the renderer made of it, and the exact solution
+    /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the exact solution
     Ray(Box<RayArgs>),
 }
 
@@ -93,7 +93,7 @@ pub struct RenderArgs {
     /// The cheapest picture within an error.
     #[command(flatten)]
     pub target: TargetArgs,
-    /// What becomes of the picture.
+    /// Output of the picture.
     #[command(flatten)]
     pub output: OutputArgs,
     /// Exact solutions that are kept.
@@ -105,13 +105,13 @@ pub struct RenderArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Renderer")]
 pub struct RendererArgs {
-    /// Which renderer; raycast if absent
+    /// Renderer; if absent the scene file's, else raycast (splat for scattered points)
     #[arg(long, value_name = "NAME")]
     pub renderer: Option<String>,
     /// Set an option of the renderer (listed below); may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = value::key_value)]
     pub set: Vec<(String, String)>,
-    /// Have the renderer promise this largest error; those that cannot promise refuse. Exit code 3 where it is not proven for every pixel
+    /// Bound the error of every pixel by E; renderers that cannot do so refuse. Exit code 3 where the bound is not proven for every pixel
     #[arg(long, value_name = "E")]
     pub max_error: Option<f64>,
 }
@@ -120,19 +120,19 @@ pub struct RendererArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Renderer")]
 pub struct TargetArgs {
-    /// Choose the cheapest renderer and setting whose RMSE is at most this, by trying them on the scene
+    /// Choose the cheapest renderer and setting whose RMSE is at most E, by trying them on the scene
     #[arg(long, value_name = "E", conflicts_with_all = ["set", "max_error"])]
     pub target_rmse: Option<f64>,
 }
 
-/// What becomes of the picture.
+/// Output of the picture.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct OutputArgs {
-    /// Where the picture goes: .png or .exr (linear floats, and depth); may be repeated
+    /// Picture to write: .png or .exr (linear floats, and depth); may be repeated
     #[arg(long = "output", short, value_name = "FILE", default_value = "vr.png")]
     pub outputs: Vec<PathBuf>,
-    /// How a PNG holds light: the sRGB curve, or linear values as they are
+    /// Encoding of light in a PNG: the sRGB curve, or linear values as they are
     #[arg(long, value_name = "CURVE", default_value = "srgb")]
     pub encode: Curve,
     /// Bits per channel of a PNG
@@ -141,10 +141,10 @@ pub struct OutputArgs {
     /// Keep opacity in a PNG instead of blending with the background
     #[arg(long)]
     pub alpha: bool,
-    /// Which pixels are compared with the exact solution: every one, those of a 64x64 subgrid, or none
+    /// Pixels that are compared with the exact solution: all, those of a 64x64 subgrid, or none
     #[arg(long, value_name = "PIXELS", default_value = "subgrid")]
     pub error: ErrorMeasure,
-    /// Where a map of the error goes, interpolated between the compared pixels: .png (heat map) or .exr (signed, in floats)
+    /// Map of the error to write, interpolated between the compared pixels: .png (heat map) or .exr (signed, in floats)
     #[arg(long, value_name = "FILE")]
     pub error_map: Option<PathBuf>,
 }
@@ -172,7 +172,7 @@ impl OutputArgs {
         })
     }
 
-    /// How a PNG is written, the background apart.
+    /// Options of the PNG, but for the background.
     pub fn png(&self) -> PngOptions {
         PngOptions {
             depth: match self.bits {
@@ -195,7 +195,7 @@ pub struct CompareArgs {
     /// Compare only this renderer with the exact solution; may be repeated
     #[arg(long = "renderer", value_name = "NAME", help_heading = "Comparison")]
     pub renderers: Vec<String>,
-    /// Where the contact sheet goes
+    /// Contact sheet to write
     #[arg(long, short, value_name = "FILE", default_value = "vr-compare.png", help_heading = "Comparison")]
     pub output: PathBuf,
 }
@@ -209,22 +209,22 @@ pub struct BenchArgs {
     /// The renderer and its options.
     #[command(flatten)]
     pub renderer: RendererArgs,
-    /// What is timed.
+    /// Frames that are timed.
     #[command(flatten)]
     pub timing: TimingArgs,
 }
 
-/// What is timed.
+/// Frames that are timed.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Timing")]
 pub struct TimingArgs {
     /// Time this many frames
     #[arg(long, value_name = "N", default_value = "9", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
-    /// Turn the camera about its target by this from frame to frame; frame 0 is the scene's own view
+    /// Turn the camera about its target by this angle from frame to frame; frame 0 is the scene's own view
     #[arg(long, value_name = "DEGREES", default_value = "10", value_parser = value::angle, allow_hyphen_values = true)]
     pub azimuth_step: f64,
-    /// Draw this many frames first that are not timed: those that lead up to frame 0
+    /// Draw this many frames first that are not timed: the turns that lead up to frame 0
     #[arg(long, value_name = "N", default_value = "2", value_parser = clap::value_parser!(u32).range(0..=1000))]
     pub warm_up: u32,
     /// Compare frame 0 with the exact solution on a 64x64 subgrid of its pixels
@@ -266,7 +266,7 @@ impl Cli {
     }
 }
 
-/// What clap has to say, without its usage lines.
+/// Message of clap without its usage lines.
 fn first_words(message: &str) -> &str {
     let end = message.find("\nUsage:").or_else(|| message.find("\nFor more information")).unwrap_or(message.len());
     message[..end].trim_start_matches("error: ").trim_end()

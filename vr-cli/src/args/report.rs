@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::SceneArgs;
 
-/// Which measurements.
+/// Set of measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SuiteName {
     /// Speed against error in small pictures, and orders of convergence: less than a minute on two cores.
@@ -15,7 +15,7 @@ pub enum SuiteName {
     Full,
     /// Every renderer on every hard case.
     Hard,
-    /// How times grow with threads, volumes and pictures.
+    /// Growth of times with threads, volumes and pictures.
     Scaling,
 }
 
@@ -25,13 +25,13 @@ pub struct ReportArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Which measurements
+    /// Set of measurements
     #[arg(long, value_name = "SUITE", default_value = "quick", help_heading = "Report")]
     pub suite: SuiteName,
     /// Folder of the report: index.html, points.csv, report.json, errors.json, and the headline for a front page
     #[arg(long, short, value_name = "FOLDER", default_value = "vr-report", help_heading = "Report")]
     pub output: PathBuf,
-    /// Only these renderers; may be repeated
+    /// Measure only this renderer; may be repeated
     #[arg(long = "renderer", value_name = "NAME", help_heading = "Report")]
     pub renderers: Vec<String>,
     /// Time nothing: errors and counts alone, which are the same in every run
@@ -49,7 +49,7 @@ pub struct ReportArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Exact solutions")]
 pub struct CacheArgs {
-    /// Where exact solutions are kept; the user's own folder for caches if absent
+    /// Folder in which exact solutions are kept; the user's own folder for caches if absent
     #[arg(long, value_name = "FOLDER")]
     pub cache: Option<PathBuf>,
     /// Keep no exact solutions, and use none that were kept
@@ -63,7 +63,7 @@ pub struct VerifyArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Only these renderers; may be repeated
+    /// Verify only this renderer; may be repeated
     #[arg(long = "renderer", value_name = "NAME", help_heading = "Verification")]
     pub renderers: Vec<String>,
     /// Exact solutions that are kept.

@@ -35,7 +35,7 @@ pub struct SceneArgs {
     /// `[clip]` and `[image]`.
     #[command(flatten)]
     pub image: ImageArgs,
-    /// What becomes of the field along a ray.
+    /// Compositing of the field along a ray.
     #[command(flatten)]
     pub compositing: CompositingArgs,
 }
@@ -54,13 +54,13 @@ pub struct TransferArgs {
     /// Values that a preset or a file is stretched over; those of the volume if absent
     #[arg(long, value_name = "LOW,HIGH", value_parser = value::pair, allow_hyphen_values = true)]
     pub range: Option<[f64; 2]>,
-    /// World length that the opacities belong to; the mean distance of samples if absent
+    /// World length that the opacities belong to; the mean distance of voxels if absent
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub unit_distance: Option<f64>,
-    /// What the opacities mean: power or extinction
+    /// Meaning of the opacities: power or extinction
     #[arg(long, value_name = "RULE", value_parser = value::word::<OpacityRule>)]
     pub opacity_rule: Option<OpacityRule>,
-    /// How the colours of control points are encoded: linear or srgb
+    /// Encoding of the control points' colours: linear or srgb
     #[arg(long, value_name = "ENCODING", value_parser = value::word::<ColorEncoding>)]
     pub colors: Option<ColorEncoding>,
 }
@@ -91,7 +91,7 @@ pub struct ShadingArgs {
     /// World vector towards a white light; may be repeated
     #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
     pub light: Vec<[f64; 3]>,
-    /// Where normals come from: central-differences or analytic
+    /// Source of the normals: central-differences or analytic
     #[arg(long, value_name = "METHOD", value_parser = value::word::<GradientMethod>)]
     pub gradient: Option<GradientMethod>,
     /// Factor on the extinction at a gradient magnitude; repeat it in order of the magnitudes
@@ -124,13 +124,13 @@ pub struct CameraArgs {
     /// Position of the eye
     #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
     pub eye: Option<[f64; 3]>,
-    /// What the middle of the picture shows
+    /// Point that the middle of the picture shows
     #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
     pub target: Option<[f64; 3]>,
-    /// Which way is up
+    /// World vector that points up in the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
     pub up: Option<[f64; 3]>,
-    /// orthographic or perspective; --height and --fov imply it
+    /// Projection, orthographic or perspective; --height and --fov imply it
     #[arg(long, value_name = "KIND", value_parser = value::word::<ProjectionName>)]
     pub projection: Option<ProjectionName>,
     /// Orthographic: world height of the picture
@@ -148,7 +148,7 @@ pub struct ImageArgs {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", value_parser = value::size)]
     pub size: Option<[u32; 2]>,
-    /// A pixel is the mean of N x N rays
+    /// Supersampling: a pixel is the mean of N x N rays
     #[arg(long, value_name = "N")]
     pub samples: Option<u32>,
     /// Linear RGB behind everything
@@ -162,11 +162,11 @@ pub struct ImageArgs {
     pub clip_plane: Vec<([f64; 3], f64)>,
 }
 
-/// What becomes of the field along a ray.
+/// Compositing of the field along a ray.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Compositing")]
 pub struct CompositingArgs {
-    /// over, first, average, maximum, minimum or accumulate
+    /// Operator along a ray: over, first, average, maximum, minimum or accumulate
     #[arg(long, value_name = "NAME", value_parser = value::word::<CompositingName>)]
     pub compositing: Option<CompositingName>,
     /// first: value to reach

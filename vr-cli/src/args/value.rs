@@ -5,7 +5,7 @@ use std::str::FromStr;
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
-/// A word that scene files know, too: its spelling, and what a wrong one is told, come from there.
+/// A word that scene files know, too: its spelling, and the error message for a wrong one, come from there.
 pub fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     let deserializer: StrDeserializer<'_, Error> = text.into_deserializer();
     T::deserialize(deserializer).map_err(|e| e.to_string())
@@ -53,7 +53,7 @@ pub fn point(text: &str) -> Result<[f64; 5], String> {
     list(text, ',').map_err(|_| "expected value, red, green, blue and opacity: five numbers".to_owned())
 }
 
-/// Degrees, not more than a turn either way.
+/// Degrees, at most a turn either way.
 pub fn angle(text: &str) -> Result<f64, String> {
     let degrees = text.trim().parse().map_err(|_| "expected a number of degrees".to_owned())?;
     if (-360.0..=360.0).contains(&degrees) { Ok(degrees) } else { Err("must be from -360 to 360 degrees".to_owned()) }

@@ -1,4 +1,4 @@
-//! Which volume, and what its file does not say.
+//! Flags of the volume, and of all that its file does not say.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use vr_io::{Endian, ScalarType, Transform};
 
 use super::value;
 
-/// Which volume.
+/// The volume.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Volume")]
 pub struct VolumeArgs {
@@ -19,49 +19,49 @@ pub struct VolumeArgs {
     /// A phantom instead of a file
     #[arg(long, value_name = "NAME", conflicts_with = "path")]
     pub phantom: Option<String>,
-    /// Samples along each axis of a phantom
+    /// Voxels along each axis of a phantom
     #[arg(long, value_name = "N", conflicts_with = "path")]
     pub phantom_size: Option<usize>,
-    /// Which frame of a series, from 0
+    /// Frame of a series, from 0
     #[arg(long, value_name = "N")]
     pub frame: Option<usize>,
-    /// Which component of several, from 0
+    /// Component of several, from 0
     #[arg(long, value_name = "N")]
     pub component: Option<usize>,
-    /// NIfTI: what places the volume (auto, sform, qform or spacing)
+    /// NIfTI: transform that places the volume (auto, sform, qform or spacing)
     #[arg(long = "xform", value_name = "WHICH", value_parser = value::word::<Transform>)]
     pub transform: Option<Transform>,
-    /// Raw files: samples along x, y, z
+    /// Raw files: voxels along x, y, z
     #[arg(long, value_name = "NXxNYxNZ", value_parser = value::dims, requires = "voxel_type")]
     pub dims: Option<[usize; 3]>,
-    /// Raw files: type of the samples (u8, i16, f32, ...)
+    /// Raw files: type of the voxels (u8, i16, f32, ...)
     #[arg(long = "type", value_name = "TYPE", value_parser = value::word::<ScalarType>, requires = "dims")]
     pub voxel_type: Option<ScalarType>,
-    /// Raw files: little or big
+    /// Raw files: byte order, little or big
     #[arg(long, value_name = "ORDER", value_parser = value::word::<Endian>, requires = "dims")]
     pub endian: Option<Endian>,
-    /// Raw files: bytes before the samples
+    /// Raw files: bytes before the voxels
     #[arg(long, value_name = "BYTES", requires = "dims")]
     pub skip: Option<u64>,
-    /// Raw files: world units between samples
+    /// Raw files: world units between voxels
     #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true, requires = "dims")]
     pub spacing: Option<[f64; 3]>,
-    /// Raw files: world position of the first sample
+    /// Raw files: world position of the first voxel
     #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true, requires = "dims")]
     pub origin: Option<[f64; 3]>,
-    /// Points of a phantom that is made of them
+    /// Number of points of a phantom that is made of points
     #[arg(long, value_name = "N", conflicts_with = "path")]
     pub points_count: Option<usize>,
-    /// Points: the column or array of the values, of those that vr info lists; 1 for the same everywhere
+    /// Points: the column or array of the values, one that vr info lists; 1 for a value of 1 at every point
     #[arg(long, value_name = "NAME")]
     pub value: Option<String>,
-    /// Points: how each is spread (cubic-spline, gaussian or cone)
+    /// Points: kernel that spreads each (cubic-spline, gaussian or cone)
     #[arg(long, value_name = "NAME", value_parser = value::word::<PointKernel>)]
     pub kernel: Option<PointKernel>,
-    /// Points: how far all of them reach, in world units, whatever the file tells; twice a smoothing length
+    /// Points: radius of all kernels in world units, in place of the file's; twice a smoothing length
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub radius: Option<f64>,
-    /// Points: multiplies every radius
+    /// Points: factor on every radius
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     pub radius_scale: Option<f64>,
     /// Points: the columns of positions (text alone), as X,Y,Z

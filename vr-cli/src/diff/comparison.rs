@@ -1,4 +1,4 @@
-//! What is compared of two pictures, pixel by pixel.
+//! Comparison of two pictures, pixel by pixel.
 
 use vr_io::Picture;
 use vr_physics::metrics::{Channels, Metrics};
@@ -12,7 +12,7 @@ pub struct Comparison {
     pub size: [u32; 2],
     /// Opacity counts where both pictures have it.
     pub channels: Channels,
-    /// Which picture alone had opacity, and so was blended with the background.
+    /// The picture that alone had opacity, and so was blended with the background.
     pub blended: Option<Blended>,
     /// The error.
     pub metrics: Metrics,
@@ -99,7 +99,7 @@ impl Comparison {
         })
     }
 
-    /// How many pixels differ by more than can be hidden in 8 bits.
+    /// Number of pixels that differ by more than can be hidden in 8 bits.
     pub fn visible(&self) -> usize {
         self.errors().filter(|&e| e > VISIBLE).count()
     }

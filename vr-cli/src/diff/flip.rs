@@ -1,4 +1,4 @@
-//! FLIP: how visible a difference is to somebody who flips between two pictures (Andersson et al., "FLIP: A Difference
+//! FLIP: visibility of a difference to an observer who flips between two pictures (Andersson et al., "FLIP: A Difference
 //! Evaluator for Alternating Images", Proceedings of the ACM on Computer Graphics 3(2), 2020). NVIDIA's own code, which needs a C++
 //! compiler: hence behind a feature.
 

@@ -20,12 +20,13 @@ use crate::{heat_map, number, output_file};
 use comparison::Comparison;
 use report::{Report, Side};
 
-/// Reads, compares, draws, tells.
+/// Reads, compares, draws, and prints.
 ///
 /// # Errors
-/// Whatever goes wrong with the command line, the pictures, or the files to be written; pictures of different sizes; and an RMSE
+/// Any fault of the command line, the pictures, or the files to be written; pictures of different sizes; and an RMSE
 /// above the one that is allowed, after everything else is done.
 pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
+    // Check the command line and the files before anything is computed.
     let inputs = Inputs::new("a picture to be compared", [args.reference.clone(), args.picture.clone()]);
     for path in &args.outputs {
         output_file::check(path, &["png", "exr"])?;
@@ -34,6 +35,7 @@ pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
     if !args.background.iter().all(|c| c.is_finite()) {
         return Err(Failure::usage(format!("--background: found {:?}; must be finite", args.background)));
     }
+    // Read both pictures, which must have one size.
     let read = |path: &Path| read_picture(path, args.encode.into()).map_err(Failure::failed);
     let (reference, picture) = (read(&args.reference)?, read(&args.picture)?);
     let [a, b] = [reference.frame.size(), picture.frame.size()];
@@ -48,10 +50,12 @@ pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
             b[1]
         )));
     }
+    // Compare, and write the maps.
     let comparison = Comparison::new(&reference, &picture, args.background);
     for path in &args.outputs {
         vr_io::write(path, &map(path, &comparison), &PngOptions::default()).map_err(Failure::failed)?;
     }
+    // Measure both as a screen shows them, and print.
     let shown = |p: &Picture| screen::shown(&p.frame, args.background);
     let [a, b] = [shown(&reference), shown(&picture)];
     let report = Report {
@@ -67,11 +71,11 @@ pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
     console.result(&report.text(), &report.json())?;
     let rmse = comparison.metrics.rmse;
     match args.fail_above {
-        Some(most) if rmse > most => Err(Failure::failed(format!(
+        Some(max_rmse) if rmse > max_rmse => Err(Failure::failed(format!(
             "{}: RMSE {} is above {}",
             args.picture.display(),
             number::small(rmse),
-            number::small(most)
+            number::small(max_rmse)
         ))),
         _ => Ok(()),
     }

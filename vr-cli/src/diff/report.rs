@@ -1,4 +1,4 @@
-//! What `vr diff` tells, to people and to machines.
+//! Output of `vr diff`, for people and for machines.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use super::comparison::{Blended, Comparison, Worst};
 use crate::args::Curve;
 use crate::number;
 
-/// What there is to tell.
+/// Everything that is printed.
 pub struct Report<'a> {
     pub reference: Side<'a>,
     pub picture: Side<'a>,
@@ -28,7 +28,7 @@ pub struct Side<'a> {
     path: &'a Path,
     format: &'static str,
     samples: &'static str,
-    /// What the integers hold; `null` for floats, which are linear.
+    /// Encoding of the integers; `null` for floats, which are linear.
     encode: Option<&'static str>,
     opacity: bool,
     layer: Option<&'a str>,
@@ -78,7 +78,7 @@ pub struct Json<'a> {
     outputs: &'a [PathBuf],
 }
 
-/// Infinite numbers are `null`: JSON has none.
+/// Errors in JSON, which has no infinite numbers: they are `null`.
 #[derive(Serialize)]
 struct ErrorJson {
     max: f64,
@@ -96,7 +96,7 @@ struct LargestJson {
 }
 
 impl Report<'_> {
-    /// For people.
+    /// Returns the text for people.
     pub fn text(&self) -> String {
         let comparison = self.comparison;
         let [w, h] = comparison.size;
@@ -141,7 +141,7 @@ impl Report<'_> {
         text
     }
 
-    /// For machines.
+    /// Returns the object for machines.
     pub fn json(&self) -> Json<'_> {
         let comparison = self.comparison;
         let Metrics { max, rmse, bias, p99, psnr, .. } = comparison.metrics;

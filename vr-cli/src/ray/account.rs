@@ -1,4 +1,4 @@
-//! What happened along one ray: the renderer's steps beside the exact solution.
+//! Account of one ray: the renderer's steps beside the exact solution.
 
 use vr_core::{Compositing, Probe, Ray, Rays, RenderError, View};
 use vr_physics::{Pixel, RaySegment, Reference};
@@ -14,7 +14,7 @@ pub const CHANNELS: [&str; 4] = ["red", "green", "blue", "opacity"];
 pub struct Account<'a> {
     /// The scene.
     pub setup: &'a Setup,
-    /// Which renderer.
+    /// Name of the renderer.
     pub renderer: &'static str,
     /// The view, one ray a pixel.
     pub view: &'a View,
@@ -22,15 +22,15 @@ pub struct Account<'a> {
     pub pixel: [u32; 2],
     /// The ray through its centre.
     pub ray: Ray,
-    /// What the renderer made of it.
+    /// The renderer's pixel.
     pub rgba: [f64; 4],
-    /// How deep that lies.
+    /// Its depth.
     pub depth: Option<f32>,
-    /// What it integrates, where that is not the scene as it is.
+    /// The model that the renderer integrates, where that is not the scene as it is.
     pub model: Option<String>,
-    /// How it did that, if it can tell.
+    /// The renderer's steps, if it can list them.
     pub probe: Option<Probe>,
-    /// The truth.
+    /// The exact solution.
     pub exact: Pixel,
     /// The exact solution part by part, cut where the renderer's steps begin and end, too.
     pub segments: Vec<RaySegment>,
@@ -42,7 +42,7 @@ impl<'a> Account<'a> {
     /// Solves the ray part by part, and sets the renderer's steps beside the parts.
     ///
     /// # Errors
-    /// What the reference cannot do.
+    /// Errors of the reference, for a scene that it cannot solve.
     pub fn new(
         setup: &'a Setup,
         renderer: &'static str,
@@ -79,12 +79,12 @@ impl<'a> Account<'a> {
         Ok(account)
     }
 
-    /// What the pixel is wrong by, component by component.
+    /// Error of the pixel, component by component.
     pub fn error(&self) -> [f64; 4] {
         std::array::from_fn(|c| self.rgba[c] - self.exact.rgba[c])
     }
 
-    /// The component that is wrong by most.
+    /// The component with the largest error.
     pub fn channel(&self) -> usize {
         let error = self.error().map(f64::abs);
         (0..4).max_by(|&a, &b| error[a].total_cmp(&error[b])).unwrap_or(3)
@@ -95,12 +95,12 @@ impl<'a> Account<'a> {
         Some([self.segments.first()?.from, self.segments.last()?.to])
     }
 
-    /// Whether light is integrated along the ray, rather than one value picked.
+    /// True if light is integrated along the ray, rather than one value picked.
     pub fn has_light(&self) -> bool {
         self.setup.scene.compositing.integrates_light()
     }
 
-    /// What of the final error comes from behind the renderer's last step, which the truth includes.
+    /// Part of the final error from behind the renderer's last step, which the exact solution includes.
     pub fn left_out(&self) -> f64 {
         let Some(Some(end)) = self.segments.last().filter(|_| self.probe.is_some()).map(|end| end.light) else {
             return 0.0;

@@ -1,4 +1,4 @@
-//! Which steps make a pixel wrong, and what happens in them.
+//! Steps that make a pixel wrong, and what happens in them.
 
 use super::account::{Account, CHANNELS};
 use super::figures;
@@ -10,7 +10,7 @@ const NAMED: usize = 3;
 /// Errors below this are an f32's rounding: nothing to explain.
 const ROUNDING: f64 = 1e-6;
 
-/// What makes the pixel wrong, in a few lines; none where nothing does, or where nobody knows.
+/// Causes of the pixel's error, in a few lines; none where there is no error, or where the renderer cannot list its steps.
 pub fn lines(account: &Account<'_>) -> Vec<String> {
     let changes: Vec<(&Row, f64)> =
         account.rows.iter().filter_map(|row| row.light.map(|light| (row, light.change))).collect();
@@ -34,7 +34,7 @@ pub fn lines(account: &Account<'_>) -> Vec<String> {
         ("between knots", share(&|row| !knotted(row) && !row.meets_vacuum)),
     ];
     let mut lines = vec![format!(
-        "error of {}, the component that is wrong by most, as it grows from step to step:",
+        "error of {}, the component with the largest error, as it grows from step to step:",
         CHANNELS[account.channel()]
     )];
     for (what, (count, sum, size)) in kinds {

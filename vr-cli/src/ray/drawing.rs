@@ -1,4 +1,4 @@
-//! The ray drawn in the terminal: what it meets, what it adds up to, and where the renderer leaves the truth.
+//! The ray drawn in the terminal: what it meets, what it adds up to, and where the renderer leaves the exact solution.
 
 use vr_core::RenderError;
 use vr_core::field::Cut;
@@ -12,13 +12,13 @@ use super::rows::{Row, exact_until, rgba};
 /// Characters along the ray, and dots.
 const COLUMNS: usize = 78;
 const DOTS: usize = 2 * COLUMNS;
-/// Behind this opacity nothing more is drawn, unless the renderer still was there.
+/// Opacity behind which nothing more is drawn, unless the renderer still has steps there.
 const HIDDEN: f64 = 0.9999;
 
 /// All curves; nothing for a ray that misses the volume.
 ///
 /// # Errors
-/// What the reference cannot do.
+/// Errors of the reference, for a scene that it cannot solve.
 pub fn text(account: &Account<'_>) -> Result<String, RenderError> {
     let Some(chord) = account.chord() else { return Ok(String::new()) };
     let drawing = Drawing::new(account, extent(account, chord))?;
@@ -66,7 +66,7 @@ impl<'a> Drawing<'a> {
         Ok(Self { account, from, to, segments })
     }
 
-    /// Whether light is integrated, and there is some.
+    /// True if light is integrated, and there is some.
     fn shows_light(&self) -> bool {
         let seen = |s: &RaySegment| s.light.is_some_and(|l| l.transparency < 1.0 || l.light != [0.0; 3]);
         let drawn = |row: &Row| row.light.is_some_and(|light| light.running != [0.0; 4]);
@@ -160,7 +160,7 @@ impl<'a> Drawing<'a> {
         text
     }
 
-    /// How far the renderer's sum is from the exact one: known where steps end, straight from one to the next.
+    /// Curve of the renderer's sum minus the exact one: known where steps end, straight from one to the next.
     fn error(&self) -> String {
         let first = self.account.rows.first().map(|row| (row.step.begin, 0.0));
         let ends = self.account.rows.iter().filter_map(|row| Some((row.step.end(), row.light?.error)));
@@ -175,7 +175,7 @@ impl<'a> Drawing<'a> {
         Plot { name: "error", rows: 4, scale, curve: &curve, bars: false, marks: &[] }.text()
     }
 
-    /// How many steps begin, and how many faces and knots are crossed, under each character.
+    /// Counts of the steps that begin, and of the faces and knots that are crossed, under each character.
     fn marks(&self) -> String {
         let along = |places: &mut dyn Iterator<Item = f64>| {
             let mut n = vec![0; COLUMNS];
@@ -205,7 +205,7 @@ impl<'a> Drawing<'a> {
         format!("{:>width$}└{}\n{:>width$} {from}{to:>gap$}\n", "", "─".repeat(COLUMNS), "s", width = MARGIN - 1)
     }
 
-    /// The colour whose sum is drawn: that which is wrong by most, or the brightest.
+    /// The colour whose sum is drawn: the one with the largest error, or the brightest.
     fn channel(&self) -> usize {
         let exact = self.account.exact.rgba;
         let brightest = (0..3).max_by(|&a, &b| exact[a].total_cmp(&exact[b])).unwrap_or(0);
@@ -218,7 +218,7 @@ impl<'a> Drawing<'a> {
         (0..DOTS).map(|i| at(i).map_or([0.0; 4], |light| rgba(&light))).collect()
     }
 
-    /// What the renderer has summed up at the middle of each character.
+    /// The renderer's sum at the middle of each character.
     fn drawn(&self, of: impl Fn([f64; 4]) -> f64) -> Vec<Option<f64>> {
         let rows = &self.account.rows;
         let running = |k: usize| rows[k].light.map_or([0.0; 4], |light| light.running);
@@ -234,7 +234,7 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// How much of a homogeneous step of transparency θ is seen up to the fraction x of its length: (1 − θˣ) / (1 − θ).
+/// Share of a homogeneous step of transparency θ that is seen up to the fraction x of its length: (1 − θˣ) / (1 − θ).
 fn share(transparency: f64, x: f64) -> f64 {
     match transparency {
         1.0 => x,
@@ -247,7 +247,7 @@ fn border(from: f64, to: f64, parts: usize, i: usize) -> f64 {
     from + (to - from) * i as f64 / parts as f64
 }
 
-/// Between points, straight from one to the next; before and behind all of them, as the nearest.
+/// Interpolates linearly between points; before and behind all of them, takes the nearest.
 fn at(points: &[(f64, f64)], s: f64) -> Option<f64> {
     let next = points.partition_point(|point| point.0 <= s);
     let (after, before) = (points.get(next), next.checked_sub(1).map(|i| points[i]));

@@ -29,7 +29,7 @@ fn digits(x: f64, n: i32) -> String {
     text.to_owned()
 }
 
-/// With its sign, for errors: `+1.24e-3`; exactly none is `0`.
+/// Formats an error with its sign: `+1.24e-3`; exactly none is `0`.
 pub fn signed(x: f64) -> String {
     if x == 0.0 { "0".to_owned() } else { format!("{x:+.2e}") }
 }
@@ -51,9 +51,9 @@ pub fn knots(knots: &[f64]) -> String {
 
 /// A few, and how many more there are.
 fn shortened(items: impl ExactSizeIterator<Item = String>) -> String {
-    const MOST: usize = 3;
-    let more = items.len().saturating_sub(MOST);
-    let mut text = items.take(MOST).collect::<Vec<_>>().join(" ");
+    const MAX_ITEMS: usize = 3;
+    let more = items.len().saturating_sub(MAX_ITEMS);
+    let mut text = items.take(MAX_ITEMS).collect::<Vec<_>>().join(" ");
     if more > 0 {
         text += &format!(" +{more}");
     }

@@ -1,4 +1,4 @@
-//! What comes before the drawing: which ray, what became of it, and what made it wrong.
+//! Header before the drawing: the ray, its pixel, and the causes of its error.
 
 use vr_physics::Certainty;
 
@@ -44,7 +44,7 @@ pub fn text(account: &Account<'_>) -> String {
         None => line(
             "steps",
             format!(
-                "{renderer} cannot tell what it does along a ray with these options; below is the exact solution alone"
+                "{renderer} cannot list its steps along a ray with these options; below is the exact solution alone"
             ),
         ),
         Some(probe) => {
@@ -57,7 +57,7 @@ pub fn text(account: &Account<'_>) -> String {
             if !probe.own_kernel {
                 line(
                     "",
-                    "told by a plain kernel: pictures are drawn by vector code, the same to rounding (about 1e-5)"
+                    "listed by a plain kernel: pictures are drawn by vector code, the same to rounding (about 1e-5)"
                         .to_owned(),
                 );
             }

@@ -24,9 +24,9 @@ pub struct Json<'a> {
     exact: ExactJson,
     /// `rgba` − the exact one.
     error: [f64; 4],
-    /// What the errors of the steps are errors of.
+    /// The component that the errors of the steps are of.
     worst: &'static str,
-    /// `null` from a renderer that cannot tell.
+    /// `null` from a renderer that cannot list its steps.
     own_kernel: Option<bool>,
     ended_early: Option<bool>,
     steps: Option<Vec<StepJson<'a>>>,
@@ -111,7 +111,7 @@ struct SegmentLightJson {
 }
 
 impl<'a> Json<'a> {
-    /// Of an account.
+    /// Returns the object of an account.
     pub fn new(account: &'a Account<'a>) -> Self {
         let probe = account.probe.as_ref();
         let (error, error_is) = match account.exact.certainty {

@@ -22,10 +22,10 @@ use crate::output_file;
 use crate::progress::under_bar;
 use crate::scene_setup::Setup;
 
-/// Has the renderer tell of a pixel's ray, solves it exactly, and shows both.
+/// Has the renderer list the steps of a pixel's ray, solves it exactly, and shows both.
 ///
 /// # Errors
-/// Whatever goes wrong with the command line, the volume, the scene, or the file to be written; a pixel that the picture does not have.
+/// Any fault of the command line, the volume, the scene, or the file to be written; a pixel that the picture does not have.
 pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Failure> {
     if let Some(path) = &args.csv {
         output_file::check(path, &["csv"])?;
@@ -37,8 +37,7 @@ pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Fa
     // The one ray through the pixel's centre, whatever else the picture's pixel is made of.
     if setup.view.supersampling > 1 {
         let n = setup.view.supersampling;
-        console
-            .note(&format!("one ray is told of, the one through the pixel's centre: {n} x {n} samples have no effect"));
+        console.note(&format!("only the ray through the pixel's centre is shown: image.samples = {n} has no effect"));
     }
     let view = View { supersampling: 1, ..setup.view.clone() };
     let failed = |e: RenderError| setup.render_failure(e);
@@ -51,7 +50,7 @@ pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Fa
         csv_file::write(path, &account)?;
     }
     let mut text = header::text(&account);
-    // Only for those who read it.
+    // Drawings and tables are for text output alone.
     if !console.json && !console.quiet {
         text += &drawing::text(&account).map_err(failed)?;
         text += &tables::text(&account, args.all);
@@ -68,23 +67,23 @@ fn pixel(args: &RayArgs, [width, height]: [u32; 2]) -> Result<[u32; 2], Failure>
         let allowed = || format!("{name}: found {found}; must be 0 to {}: the picture is {width}x{height}", size - 1);
         u32::try_from(found).ok().filter(|&n| n < size).ok_or_else(|| Failure::usage(allowed()))
     };
-    // What else is wrong with the size, the renderer says.
+    // Any other fault of the size is an error of the renderer.
     Ok([inside("X", args.x, width.max(1))?, inside("Y", args.y, height.max(1))?])
 }
 
-/// What a renderer made of a pixel.
+/// A renderer's pixel.
 pub struct Seen {
     /// Premultiplied linear RGBA.
     pub rgba: [f32; 4],
-    /// World distance along the ray to what is seen; `None` from a renderer that does not tell it.
+    /// World distance along the ray to what is seen; `None` from a renderer that gives no depth.
     pub depth: Option<f32>,
-    /// How it came about; `None` from a renderer that cannot tell.
+    /// Steps along the ray; `None` from a renderer that cannot list them.
     pub probe: Option<Probe>,
-    /// What it integrates, where that is not the scene as it is.
+    /// The model that it integrates, where that is not the scene as it is.
     pub model: Option<String>,
 }
 
-/// Asks the renderer; one that cannot tell draws the picture instead, of which the pixel is taken.
+/// Asks the renderer for its steps; one that cannot list them draws the picture instead, of which the pixel is taken.
 fn look(
     renderer: &dyn Renderer,
     setup: &Setup,

@@ -11,7 +11,7 @@ pub const MARGIN: usize = 21;
 
 /// Two curves over the same ray: a fine one in dots, and marks wherever the other is elsewhere.
 pub struct Plot<'a> {
-    /// What is drawn.
+    /// Name of the quantity.
     pub name: &'a str,
     /// Characters from top to bottom.
     pub rows: usize,
@@ -19,7 +19,7 @@ pub struct Plot<'a> {
     pub scale: [f64; 2],
     /// Smallest and largest value in each column of dots, two of them a character; `None`: nothing there.
     pub curve: &'a [Option<[f64; 2]>],
-    /// Whether these are bars, of which the top alone tells.
+    /// True if the curve is bars, of which only the top is a value.
     pub bars: bool,
     /// One value a character.
     pub marks: &'a [Option<f64>],

@@ -1,4 +1,4 @@
-//! The renderer's steps, each with what is true of it.
+//! The renderer's steps, each beside the exact solution.
 
 use vr_core::field::Cut;
 use vr_core::{Probe, ProbedStep, Scene};
@@ -9,9 +9,9 @@ use super::account::level;
 /// A step of the renderer.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Its number, from 0 at the front.
+    /// Number of the step, from 0 at the front.
     pub number: usize,
-    /// As the renderer tells it.
+    /// The step as the renderer lists it.
     pub step: ProbedStep,
     /// κ per world unit that the transfer function has for each of its samples; NaN in vacuum.
     pub extinction: Vec<f64>,
@@ -19,9 +19,9 @@ pub struct Row {
     pub faces: Vec<(usize, f64)>,
     /// Knots of the transfer function that the exact value crosses in it, or at its end.
     pub knots: Vec<f64>,
-    /// Whether the exact field is vacuum in a part of it, and not in another.
+    /// True if the exact field is vacuum in a part of it, and not in another.
     pub meets_vacuum: bool,
-    /// Where light is integrated.
+    /// Light of the step, where light is integrated.
     pub light: Option<RowLight>,
 }
 
@@ -38,9 +38,9 @@ pub struct RowLight {
     pub exact: [f64; 4],
     /// Optical depth so far, exactly.
     pub exact_depth: f64,
-    /// `running` − `exact` of the component that is wrong by most in the end.
+    /// `running` − `exact` of the component with the largest final error.
     pub error: f64,
-    /// What that grew by since the step before.
+    /// Change of `error` since the step before.
     pub change: f64,
 }
 
@@ -92,7 +92,7 @@ pub fn exact_until(segments: &[RaySegment], s: f64) -> Option<SegmentLight> {
     segments[..ended].last()?.light
 }
 
-/// By how much a distance may have been rounded.
+/// Bound of the rounding of a distance.
 fn rounding(segments: &[RaySegment], s: f64) -> f64 {
     let length = segments.last().map_or(0.0, |last| last.to - segments[0].from);
     2e-12 * length + 8.0 * f64::EPSILON * s.abs()

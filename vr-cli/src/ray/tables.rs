@@ -14,7 +14,7 @@ const FEW: usize = 60;
 /// Rows of a longer table: those that matter most.
 const CHOSEN: usize = 40;
 
-/// What was sampled, and what it adds up to; or the exact solution alone. A long table is shortened, unless `all` of it is asked for.
+/// Tables of the samples and their sums; or of the exact solution alone. A long table is shortened, unless `all` of it is asked for.
 pub fn text(account: &Account<'_>, all: bool) -> String {
     let count = if account.probe.is_some() { account.rows.len() } else { account.segments.len() };
     if count == 0 {
@@ -36,7 +36,7 @@ pub fn text(account: &Account<'_>, all: bool) -> String {
     text
 }
 
-/// What the numbers of the samples do not say themselves.
+/// Remarks on the table of the samples.
 fn remarks(account: &Account<'_>) -> String {
     let mut text = String::new();
     if account.rows.iter().any(|row| row.step.samples.iter().any(|sample| sample.value.is_nan())) {
@@ -206,7 +206,7 @@ fn parts(account: &Account<'_>, shown: &[usize]) -> Table {
     table
 }
 
-/// What cuts the ray where a part begins.
+/// Cuts of the ray at which a part begins.
 pub fn front(part: &RaySegment) -> String {
     let name = |cut: &Cut| match *cut {
         Cut::Entry => Some("entry".to_owned()),

@@ -1,4 +1,4 @@
-//! Whatever is wrong gets one line, an exit code of 1 or 2, and leaves no file behind.
+//! Bad input gets one line, an exit code of 1 or 2, and leaves no file behind.
 
 use std::time::{Duration, Instant};
 
@@ -60,7 +60,7 @@ fn flags_that_cannot_be() {
         ("--light 0,0,0", &["shading.lights[0]"]),
         ("--max-error 1e-9", &["max-error", "1e-6"]),
         ("--max-error 0.001 --set step=1", &["max-error", "uniform"]),
-        ("--renderer texslice --max-error 0.001", &["texslice", "cannot promise"]),
+        ("--renderer texslice --max-error 0.001", &["texslice", "cannot bound"]),
         ("--renderer shearwarp --set slice-distance=16", &["slice-distance", "16", "0.01 to 1 voxel"]),
         ("--renderer splat --set low-pass=-1", &["low-pass", "a number from 0 to 16"]),
         ("--threads 0", &["--threads", "0"]),

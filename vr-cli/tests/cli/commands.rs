@@ -195,7 +195,7 @@ fn missing_voxels_are_counted() {
     let voxels = [0.0f32, f32::NAN, 1.0, 2.0, f32::INFINITY, 1.0, 0.5, 3.0, 1.0, 1.0, 1.0, 1.0];
     vr.write("holes_3x2x2_float32.raw", voxels.map(f32::to_le_bytes).concat());
     let run = vr.run("render holes_3x2x2_float32.raw --size 8").succeeded();
-    assert!(run.stderr.contains("1 of 12 samples are NaN"), "{}", run.stderr);
+    assert!(run.stderr.contains("1 of 12 voxels are NaN"), "{}", run.stderr);
     let info = vr.run("info holes_3x2x2_float32.raw --json").succeeded().json();
     assert_eq!((info["nan"].as_u64(), info["infinite"].as_u64()), (Some(1), Some(1)));
 }
@@ -222,13 +222,13 @@ fn a_reader_that_goes_away_is_no_failure() {
 }
 
 #[test]
-fn a_promised_error_is_kept_and_told() {
+fn an_error_bound_is_kept_and_printed() {
     let vr = Vr::new();
-    for promise in [1e-2, 1e-4] {
+    for bound in [1e-2, 1e-4] {
         let arguments =
-            format!("render --phantom marschner-lobb --phantom-size 33 --size 48 --max-error {promise} --json");
+            format!("render --phantom marschner-lobb --phantom-size 33 --size 48 --max-error {bound} --json");
         let render = vr.run(&arguments).succeeded().json();
-        assert!(render["error"]["max"].as_f64().unwrap() <= promise, "{render}");
+        assert!(render["error"]["max"].as_f64().unwrap() <= bound, "{render}");
         assert_eq!(render["unbounded"].as_u64(), Some(0), "{render}");
     }
     // A scene file may ask for it, too.

@@ -161,7 +161,7 @@ fn renders_map_their_error() {
     let max = full["error"]["max"].as_f64().unwrap();
     let kept = largest_value(&vr, "map.exr", [170, 80]);
     assert!(max > 1e-4 && kept <= max * 1.001 && kept > 0.2 * max, "{kept} of {max}");
-    // Nobody reads the numbers, and the map is drawn all the same.
+    // No numbers are printed, and the map is drawn all the same.
     let quiet = vr.run(&format!("{scene} --quiet --error-map quiet.exr")).succeeded();
     assert!(quiet.stdout.is_empty() && vr.exists("quiet.exr"));
     assert!(largest_value(&vr, "quiet.exr", [170, 80]) <= max * 1.001);

@@ -10,7 +10,7 @@ pub struct Vr {
     folder: TempDir,
 }
 
-/// What a run left.
+/// Output of a run.
 pub struct Run {
     pub code: i32,
     pub stdout: String,

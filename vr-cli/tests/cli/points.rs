@@ -61,7 +61,7 @@ fn wrong_flags_and_files_get_one_line() {
     let error = vr.run("render p.csv --renderer shearwarp --error none").failed(1);
     assert!(error.contains("shearwarp") && error.contains("scattered points"), "{error}");
     assert_eq!(vr.files(), ["p.csv", "p.toml", "zero.csv"]);
-    // Splatter is what draws points where no renderer is named.
+    // Splatting is what draws points where no renderer is named.
     let json = vr.run("render p.csv --size 8 --error none --json").succeeded().json();
     assert_eq!(json["renderer"], "splat");
 }

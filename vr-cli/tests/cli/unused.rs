@@ -1,4 +1,4 @@
-//! Options that would have no effect are refused, or it is said.
+//! Options that would have no effect are refused, or a note says so.
 
 use crate::harness::Vr;
 
@@ -24,18 +24,18 @@ fn options_without_effect_are_refused() {
 }
 
 #[test]
-fn a_flag_overrides_the_promise_of_a_scene_file() {
+fn a_flag_overrides_the_error_bound_of_a_scene_file() {
     let vr = Vr::new();
     let scene = "[volume]\nphantom = \"fog\"\nsize = 4\n[image]\nsize = [4, 4]\n[render]\nmax_error = 0.01\n";
     vr.write("scene.toml", scene);
-    let promised = |flags: &str| {
+    let bound = |flags: &str| {
         let run = vr.run(&format!("render --scene scene.toml --error none -o p.png --json {flags}")).succeeded();
         run.json()["promise"]["max_error"].as_f64()
     };
-    assert_eq!(promised(""), Some(0.01));
-    assert_eq!(promised("--max-error 0.1"), Some(0.1));
-    assert_eq!(promised("--set max-error=0.2"), Some(0.2));
-    // Two promises in one file.
+    assert_eq!(bound(""), Some(0.01));
+    assert_eq!(bound("--max-error 0.1"), Some(0.1));
+    assert_eq!(bound("--set max-error=0.2"), Some(0.2));
+    // Two bounds in one file.
     vr.write("scene.toml", format!("{scene}max-error = 0.2\n"));
     let error = vr.run("render --scene scene.toml --error none").failed(1);
     assert!(error.contains("render.max_error") && error.contains("render.max-error"), "{error}");

@@ -23,7 +23,7 @@ pub struct LoadedMesh {
     pub mesh: TriangleMesh,
     /// `STL (text)`, `STL (binary)`, `OBJ`, `PLY (text)` or `PLY (binary)`.
     pub format: &'static str,
-    /// What was left out or changed on the way, one line each.
+    /// Notes on everything left out or changed on the way, one line each.
     pub notes: Vec<String>,
 }
 
@@ -48,7 +48,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<LoadedMesh, FileError> {
     read.map_err(|kind| FileError::new(path, kind))
 }
 
-/// Whether a file is a mesh rather than a volume, by its first bytes and its name. One that cannot be read is not.
+/// True if a file is a mesh rather than a volume, by its first bytes and its name; false if it cannot be read.
 pub fn is_mesh(path: impl AsRef<Path>) -> bool {
     let mut head = Vec::new();
     let read = File::open(path.as_ref()).and_then(|file| file.take(16).read_to_end(&mut head));
@@ -85,7 +85,7 @@ fn in_line(line: usize, found: impl Display, allowed: impl Into<String>) -> Fiel
     FieldError::new(format!("line {}", line + 1), found, allowed)
 }
 
-/// What to say of polygons that are no triangles.
+/// Note on the polygons that are no triangles, if there are any.
 fn note_of_fans(polygons: usize) -> Vec<String> {
     let note = || format!("{polygons} polygons are cut into fans of triangles: right where they are flat and convex");
     if polygons > 0 { vec![note()] } else { Vec::new() }

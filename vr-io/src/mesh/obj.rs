@@ -13,7 +13,7 @@ use vr_core::transfer::srgb_to_linear;
 use super::{LoadedMesh, fan, in_line, note_of_fans};
 use crate::error::{FieldError, FileErrorKind};
 
-/// Instead of the index of a normal: there is none.
+/// Stands for the index of a normal where there is none.
 const NONE: u32 = u32::MAX;
 
 #[derive(Default)]

@@ -15,6 +15,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<LoadedMesh, FileErrorKind> {
     let header = vertices.read_header(&mut reader).map_err(|e| damaged(&e, true))?;
     let is_text = header.encoding == Encoding::Ascii;
     let in_data = |e: ParseError| damaged(&e, is_text);
+    // Read vertices and faces; other elements are parsed to find the ones behind them.
     let mut read_vertices = None;
     let mut read_faces = None;
     for (name, element) in &header.elements {
@@ -42,6 +43,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<LoadedMesh, FileErrorKind> {
     let (vertices, with_normals, with_colors) = read_vertices.ok_or_else(|| missing("vertex"))?;
     let faces = read_faces.ok_or_else(|| missing("face"))?;
 
+    // Cut faces into triangles.
     let mut triangles = Vec::with_capacity(faces.len());
     for (i, Face { corners }) in faces.iter().enumerate() {
         if corners.len() < 3 {
@@ -62,16 +64,23 @@ pub(super) fn read(bytes: &[u8]) -> Result<LoadedMesh, FileErrorKind> {
     Ok(LoadedMesh { mesh, format, notes })
 }
 
-/// What the library says, without the lines of the file that it quotes after the first line; its numbers of lines in binary data count
-/// nothing that anyone could look up.
+/// Turns the library's error into one line: its first, since the others quote the file. A line number is given for text alone: in binary
+/// data it counts nothing that the reader of the message could look up.
 fn damaged(error: &ParseError, is_text: bool) -> FieldError {
-    const MOST: usize = 160;
+    const MAX_CHARS: usize = 160;
     let message = error.to_string();
     let line = error.line().map(|n| format!("Line {n}: "));
     let message = line.and_then(|prefix| message.strip_prefix(&prefix)).unwrap_or(&message);
     FieldError {
         field: error.line().filter(|_| is_text).map_or_else(|| "data".to_owned(), |n| format!("line {n}")),
-        found: message.lines().next().unwrap_or_default().chars().take(MOST).flat_map(char::escape_debug).collect(),
+        found: message
+            .lines()
+            .next()
+            .unwrap_or_default()
+            .chars()
+            .take(MAX_CHARS)
+            .flat_map(char::escape_debug)
+            .collect(),
         allowed: "the data must be what the header says".to_owned(),
     }
 }
@@ -79,8 +88,8 @@ fn damaged(error: &ParseError, is_text: bool) -> FieldError {
 /// Refuses more of an element than the rest of the file can hold: entries without properties would take no bytes and never end.
 fn hold_against_length(element: &ElementDef, rest: usize) -> Result<(), FieldError> {
     // A digit, or a byte: nothing is shorter.
-    let least = element.properties.len().max(1);
-    let needed = element.count as u128 * least as u128;
+    let min_bytes = element.properties.len().max(1);
+    let needed = element.count as u128 * min_bytes as u128;
     if needed > rest as u128 || (element.properties.is_empty() && element.count > 0) {
         let found = format!("{} of {} properties each", element.count, element.properties.len());
         let allowed = format!("must fit in the {rest} bytes that follow");
@@ -92,7 +101,7 @@ fn hold_against_length(element: &ElementDef, rest: usize) -> Result<(), FieldErr
 struct Vertex {
     position: DVec3,
     normal: [f32; 3],
-    /// As stored, from 0 to 1.
+    /// Stored colour, from 0 to 1.
     color: [f64; 3],
 }
 

@@ -15,10 +15,10 @@ use crate::error::{FieldError, FileErrorKind};
 const TITLE: usize = 80;
 /// Bytes before the first triangle.
 const HEAD: usize = TITLE + 4;
-/// Bytes of a triangle: a normal, three positions, two bytes that nobody agrees on.
+/// Bytes of a triangle: a normal, three positions, and two bytes that programs use differently.
 const FACET: usize = 50;
 
-/// Whether a file is STL in text. Binary files may begin with the same word; but then their length is what their header says.
+/// True if a file is STL in text. Binary files may begin with the same word; but then their length is what their header says.
 pub(super) fn is_text(bytes: &[u8]) -> bool {
     let is_binary = claimed(bytes).is_some_and(|count| length(count) == bytes.len() as u64);
     // A null byte is in no text.
@@ -40,7 +40,7 @@ fn length(count: u32) -> u64 {
 pub(super) fn read_binary(bytes: &[u8]) -> Result<LoadedMesh, FileErrorKind> {
     let found = format!("{} bytes", bytes.len());
     let wrong = |allowed| FileErrorKind::field("length", &found, allowed);
-    let count = claimed(bytes).ok_or_else(|| wrong(format!("a binary STL file has {HEAD} at least")))?;
+    let count = claimed(bytes).ok_or_else(|| wrong(format!("a binary STL file has at least {HEAD}")))?;
     if length(count) != bytes.len() as u64 {
         return Err(wrong(format!("the header claims {count} triangles, which need {}", length(count))));
     }

@@ -100,7 +100,7 @@ fn axes(header: &Header) -> Result<Vec<Axis>, FieldError> {
     Ok(axes)
 }
 
-/// Where the samples lie, in the file's space.
+/// Placement of the voxels in the file's space.
 struct Frame {
     space: Space,
     origin: DVec3,

@@ -11,7 +11,7 @@ pub(super) struct Header {
     pub endian: Endian,
     /// Bytes of the header itself.
     pub length: u64,
-    /// Whether the voxels are in another file.
+    /// True if the voxels are in another file.
     pub is_pair: bool,
     pub dim: [i64; 8],
     pub datatype: i16,
@@ -123,7 +123,7 @@ impl Header {
         })
     }
 
-    /// Samples along each axis; at least three axes (of one sample, where the file has fewer).
+    /// Numbers along each axis; at least three axes (of one number, where the file has fewer).
     pub fn sizes(&self) -> Result<Vec<usize>, FieldError> {
         let n = self.dim[0];
         if !(1..=7).contains(&n) {
@@ -140,15 +140,15 @@ impl Header {
         Ok(sizes)
     }
 
-    /// Where the voxels begin: at `least` or behind.
-    pub fn vox_offset(&self, least: u64) -> Result<u64, FieldError> {
+    /// Offset of the voxels: `min` or more.
+    pub fn vox_offset(&self, min: u64) -> Result<u64, FieldError> {
         let v = self.vox_offset;
         // 0 in a single file means: right behind the header and its four bytes of extension flags.
-        if v == 0.0 && least > 0 {
-            return Ok(least + 4);
+        if v == 0.0 && min > 0 {
+            return Ok(min + 4);
         }
-        if !(v >= least as f64 && v <= i64::MAX as f64 && v.fract() == 0.0) {
-            return Err(FieldError::new("vox_offset", v, format!("must be a whole number, {least} or more")));
+        if !(v >= min as f64 && v <= i64::MAX as f64 && v.fract() == 0.0) {
+            return Err(FieldError::new("vox_offset", v, format!("must be a whole number, {min} or more")));
         }
         Ok(v as u64)
     }

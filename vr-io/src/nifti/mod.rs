@@ -34,7 +34,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let sizes = header.sizes().map_err(in_file)?;
     axes.extend(sizes.iter().enumerate().map(|(i, &size)| Axis {
         size,
-        // x y z, time, then the values of a vector; beyond that nobody agrees, and there is hardly ever more than one.
+        // x y z, time, then the values of a vector; beyond that writers differ, and there is hardly ever more than one.
         role: match i {
             0..3 => Role::Space,
             3 => Role::Frame,
@@ -132,7 +132,7 @@ fn encoding_of(path: &Path) -> Result<Encoding, FileError> {
     Ok(Encoding::of_file(&magic))
 }
 
-/// For the image file of a pair (`x.img`, `x.img.gz`), its header file; any other path as it is.
+/// Returns the header file of a pair's image file (`x.img`, `x.img.gz`); any other path as it is.
 fn header_of_image(path: &Path) -> PathBuf {
     sibling(path, "img", "hdr").unwrap_or_else(|| path.into())
 }

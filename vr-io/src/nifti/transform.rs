@@ -1,4 +1,4 @@
-//! From voxel to world, by one of the three methods that a header can hold.
+//! Transform from voxel to world, by one of the three methods that a header can hold.
 
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use crate::error::FieldError;
 
 use super::header::Header;
 
-/// Which transform of a NIfTI file places it.
+/// Transform of a NIfTI file that places the volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Transform {

@@ -1,4 +1,4 @@
-//! What each axis of the array runs over: space, components of a voxel, or frames.
+//! Roles of the array's axes: space, components of a voxel, or frames.
 
 use crate::error::FieldError;
 use crate::layout::{Axis, Role};

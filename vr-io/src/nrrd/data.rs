@@ -1,4 +1,4 @@
-//! Where the voxels are: behind the header, or in files that it names.
+//! Location of the voxels: behind the header, or in files that it names.
 
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,7 @@ pub(super) fn payload(path: &Path, header: &Header, layout: &Layout, scalar: Sca
 }
 
 fn parse(path: &Path, header: &Header, layout: &Layout, scalar: ScalarType) -> Result<Payload, FieldError> {
+    // Read the packing of the data.
     let name = header.required("encoding")?;
     let encoding = match name.to_lowercase().as_str() {
         "raw" => Encoding::Raw,
@@ -30,7 +31,7 @@ fn parse(path: &Path, header: &Header, layout: &Layout, scalar: ScalarType) -> R
         Some("big") => Endian::Big,
         None if scalar.bytes() == 1 || encoding == Encoding::Text => Endian::NATIVE,
         other => {
-            let allowed = format!("must be little or big for samples of {} bytes", scalar.bytes());
+            let allowed = format!("must be little or big for numbers of {} bytes", scalar.bytes());
             return Err(FieldError::new("endian", other.unwrap_or("nothing"), allowed));
         }
     };
@@ -50,6 +51,7 @@ fn parse(path: &Path, header: &Header, layout: &Layout, scalar: ScalarType) -> R
         },
     };
 
+    // List the data files.
     let folder = path.parent().unwrap_or(Path::new(""));
     let segment = |path: PathBuf, start: u64| Segment { path, start, lines, skip };
     let segments = match header.get("data file") {

@@ -1,4 +1,4 @@
-//! Where the samples lie: space directions and origin, or spacings, with their units.
+//! Placement of the voxels: space directions and origin, or spacings, with their units.
 
 use std::path::Path;
 
@@ -57,7 +57,7 @@ fn space(header: &Header) -> Result<Space, FieldError> {
     })
 }
 
-/// By space directions: the world vectors from sample to sample.
+/// Places voxels by space directions: the world vectors from voxel to voxel.
 fn oriented(
     path: &Path,
     header: &Header,
@@ -71,6 +71,7 @@ fn oriented(
         [x, y, z] | [x, y, z, _] => Ok(DVec3::new(x, y, z)),
         _ => Err(FieldError::new(field, format_args!("a vector of {} numbers", v.len()), "must have three")),
     };
+    // Take the directions and the origin, which need three numbers each.
     let directions = header.vectors("space directions").map_err(in_file)?.unwrap_or_default();
     let columns = axes
         .iter()
@@ -93,6 +94,7 @@ fn oriented(
             DVec3::ZERO
         }
     };
+    // Bring both to one unit, and the world to RAS.
     let units = header.quoted("space units");
     let (scale, unit) = common_unit("space units", units.as_deref().unwrap_or_default(), notes);
     let scale = DVec3::from_array(scale);
@@ -101,9 +103,10 @@ fn oriented(
     Ok(World { placement, placed_by: "space directions", space, units: unit })
 }
 
-/// By spacings (or axis mins and maxs), along the axes of the file's own frame.
+/// Places voxels by spacings (or axis mins and maxs), along the axes of the file's own frame.
 fn spaced(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) -> Result<World, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
+    // Read the numbers of the three axes of space.
     let n = axes.len();
     let of_space = |list: Vec<f64>| -> [f64; 3] {
         let mut numbers = axes.iter().zip(list).filter(|(a, _)| a.role == Role::Space).map(|(_, x)| x);
@@ -121,6 +124,7 @@ fn spaced(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) 
         .collect();
     let size: Vec<usize> = axes.iter().filter(|a| a.role == Role::Space).map(|a| a.size).collect();
 
+    // Find the spacing and the origin.
     let (mut spacing, placed_by) = match (spacings, mins, maxs) {
         (Some(s), ..) => (s, "spacings"),
         // Cells fill the range from end to end; nodes have one less step than there are of them.
@@ -142,6 +146,7 @@ fn spaced(path: &Path, header: &Header, axes: &[Axis], notes: &mut Vec<String>) 
         _ => 0.0,
     });
 
+    // Bring both to one unit.
     let units = header.quoted("units").unwrap_or_default();
     let units: Vec<&str> = if units.len() == n {
         units.into_iter().zip(axes).filter(|(_, a)| a.role == Role::Space).map(|(u, _)| u).collect()

@@ -125,15 +125,15 @@ impl Header {
         self.fields.keys().map(String::as_str).filter(|f| !known(f)).collect()
     }
 
-    /// Samples along each axis, fastest first.
+    /// Numbers along each axis, fastest first.
     pub fn sizes(&self) -> Result<Vec<usize>, FieldError> {
         // The largest that the format allows.
-        const MOST_AXES: usize = 16;
+        const MAX_AXES: usize = 16;
         let dimension = self.required("dimension")?;
         let axes: usize = dimension
             .parse()
             .ok()
-            .filter(|n| (1..=MOST_AXES).contains(n))
+            .filter(|n| (1..=MAX_AXES).contains(n))
             .ok_or_else(|| FieldError::new("dimension", dimension, "must be 1 to 16; a volume needs 3"))?;
         let text = self.required("sizes")?;
         let sizes: Option<Vec<usize>> = text.split_whitespace().map(|w| w.parse().ok().filter(|&n| n > 0)).collect();
@@ -200,7 +200,7 @@ mod tests {
         .unwrap();
         assert_eq!(h.sizes().unwrap(), [3, 4]);
         assert_eq!(h.get("data file"), Some("a b.raw"));
-        // With `:=` it is a key of somebody's, not the field.
+        // With `:=` it is a key of the writer's own, not the field.
         assert_eq!(h.get("byte skip"), None);
         assert_eq!(h.key_value("byte skip"), Some("-1"));
     }

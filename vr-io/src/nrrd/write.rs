@@ -16,14 +16,14 @@ use crate::world::Space;
 
 use super::{INTERCEPT_KEY, SLOPE_KEY};
 
-/// How a volume becomes an NRRD file.
+/// Options of an NRRD file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NrrdOptions {
-    /// How the samples are packed.
+    /// Packing of the voxels.
     pub encoding: NrrdEncoding,
-    /// Which numbers are written.
+    /// Numbers that are written.
     pub values: NrrdValues,
-    /// What to call the world: [`Space::Ras`] for a volume that was read from a patient space, else [`Space::Own`].
+    /// Name of the world: [`Space::Ras`] for a volume that was read from a patient space, else [`Space::Own`].
     pub space: Space,
 }
 
@@ -34,21 +34,21 @@ impl Default for NrrdOptions {
     }
 }
 
-/// How the samples of an NRRD file are packed.
+/// Packing of the voxels of an NRRD file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NrrdEncoding {
-    /// As they are.
+    /// Bytes as they are.
     Raw,
     /// Compressed.
     #[default]
     Gzip,
 }
 
-/// Which numbers go into an NRRD file, which has no field for a calibration.
+/// Numbers that go into an NRRD file, which has no field for a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NrrdValues {
-    /// Calibrated values: the stored numbers in their type where slope is 1 and intercept 0, else 32-bit floats. What every
-    /// reader understands.
+    /// Calibrated values: the stored numbers in their type where slope is 1 and intercept 0, else 32-bit floats. Every
+    /// reader understands them.
     #[default]
     Calibrated,
     /// The stored numbers in their type; slope and intercept follow as keys, which [`crate::read()`] honours and others do not.
@@ -71,10 +71,10 @@ pub fn write_nrrd(path: impl AsRef<Path>, volume: &Volume, options: &NrrdOptions
     write_whole(path, |mut out| {
         out.write_all(header.as_bytes()).map_err(failed)?;
         match options.encoding {
-            NrrdEncoding::Raw => write_samples(&mut out, uniform, as_floats).map_err(failed),
+            NrrdEncoding::Raw => write_voxels(&mut out, uniform, as_floats).map_err(failed),
             NrrdEncoding::Gzip => {
                 let mut packed = GzEncoder::new(&mut out, Compression::default());
-                write_samples(&mut packed, uniform, as_floats).map_err(failed)?;
+                write_voxels(&mut packed, uniform, as_floats).map_err(failed)?;
                 packed.finish().map_err(failed)?;
                 Ok(())
             }
@@ -129,8 +129,8 @@ fn header(uniform: &GridVolume, options: &NrrdOptions, as_floats: bool) -> Strin
     text
 }
 
-/// The samples in the machine's byte order.
-fn write_samples(out: &mut impl Write, uniform: &GridVolume, as_floats: bool) -> io::Result<()> {
+/// Writes the voxels in the machine's byte order.
+fn write_voxels(out: &mut impl Write, uniform: &GridVolume, as_floats: bool) -> io::Result<()> {
     if as_floats {
         let calibration = uniform.calibration();
         return with_grid!(uniform.values(), g => {

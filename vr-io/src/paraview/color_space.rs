@@ -43,7 +43,7 @@ impl ColorSpace {
     }
 }
 
-/// Whether two linear-light colours differ so much that 8 bits on a screen would show it.
+/// True if two linear-light colours differ so much that 8 bits on a screen would show it.
 pub(super) fn differ(a: [f64; 3], b: [f64; 3]) -> bool {
     (0..3).any(|i| (linear_to_srgb(a[i]) - linear_to_srgb(b[i])).abs() > 1.0 / 255.0)
 }
@@ -61,8 +61,8 @@ fn hsv_between(from: [f64; 3], to: [f64; 3], t: f64) -> [f64; 3] {
 
 /// Smith, "Color gamut transform pairs", SIGGRAPH 1978: the hexcone model. Hue in [0, 1).
 fn hsv_of_rgb([r, g, b]: [f64; 3]) -> [f64; 3] {
-    let (value, least) = (r.max(g).max(b), r.min(g).min(b));
-    let chroma = value - least;
+    let (value, min) = (r.max(g).max(b), r.min(g).min(b));
+    let chroma = value - min;
     if chroma == 0.0 {
         return [0.0, 0.0, value];
     }

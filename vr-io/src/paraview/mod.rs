@@ -18,11 +18,11 @@ use polyline::{Polyline, resample};
 /// A colour map as control points: linear-light colours, with opacity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorMap {
-    /// Its name in the file.
+    /// Name in the file.
     pub name: String,
     /// Control points over the file's own range of values.
     pub points: Vec<ControlPoint>,
-    /// What was assumed, one line each.
+    /// Notes on everything assumed, one line each.
     pub notes: Vec<String>,
 }
 

@@ -4,7 +4,7 @@ use crate::error::FieldError;
 
 use super::polyline::{Polyline, resample};
 
-/// From groups of value, opacity, midpoint and sharpness; the last two shape the interval that follows.
+/// Reads groups of value, opacity, midpoint and sharpness; the last two shape the interval that follows.
 pub(super) fn opacities(numbers: &[f64]) -> Result<Polyline<1>, FieldError> {
     const FIELD: &str = "Points";
     let (points, rest) = numbers.as_chunks::<4>();

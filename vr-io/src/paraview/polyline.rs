@@ -21,7 +21,7 @@ impl<const N: usize> Polyline<N> {
         self.at(x, self.0.partition_point(|p| p.0 <= x))
     }
 
-    /// On the piece that ends with point `i`.
+    /// Value on the piece that ends with point `i`.
     fn at(&self, x: f64, i: usize) -> [f64; N] {
         let Some(&(x1, b)) = self.0.get(i) else { return self.0.last().map_or([0.0; N], |p| p.1) };
         let Some(&(x0, a)) = i.checked_sub(1).and_then(|i| self.0.get(i)) else { return b };

@@ -9,7 +9,7 @@ use vr_core::Frame;
 use vr_core::transfer::srgb_to_linear;
 
 use super::error::PictureError;
-use super::{BYTES_PER_BYTE, MOST_PIXELS, Origin, Picture, SampleKind};
+use super::{BYTES_PER_BYTE, MAX_PIXELS, Origin, Picture, SampleKind};
 use crate::png::Encode;
 
 /// Reads a picture whose first bytes are not those of EXR.
@@ -27,8 +27,8 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>, encode: Encode) ->
         _ => return Err(PictureError::Unrecognised { path: path.into() }),
     };
     let mut limits = Limits::default();
-    // The largest picture there may be, in the largest samples. (The struct cannot be built outside of its crate.)
-    limits.max_alloc = Some(16 * MOST_PIXELS);
+    // The largest picture there may be, in the largest number type. (The struct cannot be built outside of its crate.)
+    limits.max_alloc = Some(16 * MAX_PIXELS);
     reader.limits(limits);
     let refuse = |error: ImageError| match error {
         ImageError::Unsupported(e) => PictureError::unsupported(path, format, e),
@@ -61,7 +61,7 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>, encode: Encode) ->
     })
 }
 
-/// Premultiplied linear RGBA of every pixel; `None` for samples that are not known here.
+/// Premultiplied linear RGBA of every pixel; `None` for number types that are not known here.
 fn linear(image: &DynamicImage, encode: Encode) -> Option<Vec<[f32; 4]>> {
     // Every value that an integer can have is decoded once.
     let light = |values: usize| -> Vec<f64> {
@@ -94,7 +94,7 @@ fn linear(image: &DynamicImage, encode: Encode) -> Option<Vec<[f32; 4]>> {
     })
 }
 
-/// Pixels of N samples: grey, grey and α, RGB, or RGBA; α is the last one and counts to `opaque`.
+/// Pixels of N channels: grey, grey and α, RGB, or RGBA; α is the last one and counts to `opaque`.
 fn pixels<T: Copy + Into<f64>, const N: usize>(samples: &[T], light: impl Fn(T) -> f64, opaque: f64) -> Vec<[f32; 4]> {
     let (pixels, _) = samples.as_chunks::<N>();
     let premultiplied = |pixel: &[T; N]| {

@@ -1,54 +1,54 @@
-//! What can go wrong between a file and a picture.
+//! Errors of reading pictures.
 
 use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a file gives no picture. Every message is one line that names the file.
+/// The reason why a file gives no picture. Every message is one line that names the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PictureError {
     /// The file cannot be opened or read.
     #[error("{}: {source}", path.display())]
     Io {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// A format that is not read.
     #[error("{}: no picture that can be read; supported are EXR, PNG, JPEG, TIFF, BMP and PNM", path.display())]
     Unrecognised {
-        /// Which file.
+        /// The file.
         path: PathBuf,
     },
     /// A sound file that holds what is not read: deep data, say.
     #[error("{}: {format}: not supported: {message}", path.display())]
     Unsupported {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The format found.
         format: &'static str,
-        /// What it is that is not read.
+        /// The feature that is not read.
         message: String,
     },
     /// A file that is damaged or cut off.
     #[error("{}: {format}: damaged: {message}", path.display())]
     Damaged {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The format found.
         format: &'static str,
-        /// What the decoder says.
+        /// The decoder's message.
         message: String,
     },
     /// A size that no picture of this file can have.
     #[error(
         "{}: size: found {}x{} pixels in a file of {length} bytes; at least one, at most {} and no more than such a file holds",
-        path.display(), size[0], size[1], super::MOST_PIXELS
+        path.display(), size[0], size[1], super::MAX_PIXELS
     )]
     Size {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// Width and height that the header claims.
         size: [u64; 2],
@@ -58,7 +58,7 @@ pub enum PictureError {
     /// An EXR file without colours.
     #[error("{}: channels: found {found}; R, G and B or Y are needed", path.display())]
     Channels {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The channels that are there, shortened.
         found: String,
@@ -75,7 +75,7 @@ impl PictureError {
     }
 }
 
-/// What a library says, on one line and without control characters (it may quote the file).
+/// A library's message on one line, without control characters (it may quote the file).
 fn one_line(message: &impl Display) -> String {
     let message = message.to_string();
     let words: Vec<&str> = message.split_whitespace().collect();

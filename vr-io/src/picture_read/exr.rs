@@ -17,11 +17,11 @@ use exr::prelude::f16;
 use vr_core::Frame;
 
 use super::error::PictureError;
-use super::{BYTES_PER_BYTE, MOST_PIXELS, Origin, Picture, SampleKind};
+use super::{BYTES_PER_BYTE, MAX_PIXELS, Origin, Picture, SampleKind};
 
 const FORMAT: &str = "EXR";
 
-/// These codecs transform blocks of 64 samples, of which one may be left, and deflate that.
+/// Largest ratio of these codecs, which transform blocks of 64 values, of which one may be left, and deflate that.
 const DWA_BYTES_PER_BYTE: u64 = 64 * BYTES_PER_BYTE;
 
 /// Reads a file whose first bytes are those of EXR.
@@ -34,6 +34,7 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>) -> Result<Picture,
     };
     let unsupported = |message: &str| PictureError::unsupported(path, FORMAT, message);
 
+    // Choose the layer, and refuse what is not read.
     let reader = exr::block::read(file, false).map_err(refuse)?;
     let layer = Layer::first_with_colors(reader.headers())
         .map_err(|found| PictureError::Channels { path: path.into(), found })?;
@@ -44,6 +45,7 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>) -> Result<Picture,
     if header.channels.list.iter().any(|c| c.sampling != Vec2(1, 1)) {
         return Err(unsupported("channels of a lower resolution"));
     }
+    // Check both sizes before anything is allocated.
     let Vec2(width, height) = header.layer_size;
     let bytes_per_byte = match header.compression {
         Compression::DWAA(_) | Compression::DWAB(_) => DWA_BYTES_PER_BYTE,
@@ -53,11 +55,12 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>) -> Result<Picture,
     let window = header.shared_attributes.display_window;
     let Vec2(shown_width, shown_height) = window.size;
     let pixels = (shown_width as u64).saturating_mul(shown_height as u64);
-    if pixels == 0 || pixels > MOST_PIXELS {
+    if pixels == 0 || pixels > MAX_PIXELS {
         let size = [shown_width as u64, shown_height as u64];
         return Err(PictureError::Size { path: path.into(), size, length: origin.length });
     }
 
+    // Prepare the display window.
     let data_position = header.own_attributes.layer_position;
     let offset = [(data_position.0, window.position.0), (data_position.1, window.position.1)]
         .map(|(data, shown)| i64::from(data) - i64::from(shown));
@@ -71,6 +74,7 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>) -> Result<Picture,
         // What the file has no data for stays empty.
         target.fill_opaque([width, height]);
     }
+    // Decompress the blocks of the layer's largest level into it.
     let largest = |level: Vec2<usize>| level == Vec2(0, 0);
     let mut blocks = reader
         .filter_chunks(false, |_, tile, block| block.layer == layer.header && largest(tile.level_index))
@@ -95,7 +99,7 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>) -> Result<Picture,
     })
 }
 
-/// Which channels are the picture.
+/// The channels that make up the picture.
 struct Layer {
     header: usize,
     name: Option<String>,
@@ -107,7 +111,8 @@ struct Layer {
 impl Layer {
     /// Channels named R, G and B, or Y; else those of the first layer that has them, named `layer.R` as is the custom.
     ///
-    /// What was found instead is the error.
+    /// # Errors
+    /// The channels that are there instead.
     fn first_with_colors(headers: &[Header]) -> Result<Self, String> {
         let names = |header: &Header| -> Vec<String> {
             header.channels.list.iter().map(|c: &ChannelDescription| c.name.to_string()).collect()
@@ -156,7 +161,7 @@ impl Layer {
 /// The picture as it fills up.
 struct Target<'a> {
     size: [usize; 2],
-    /// Where the data begin in the picture; outside of it, maybe.
+    /// Position in the picture at which the data begin; outside of it, maybe.
     offset: [i64; 2],
     pixels: Vec<[f32; 4]>,
     layer: &'a Layer,

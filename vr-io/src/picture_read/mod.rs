@@ -15,7 +15,7 @@ use crate::png::Encode;
 pub use error::PictureError;
 
 /// Pictures with more pixels than this (8192 × 8192) are refused.
-pub const MOST_PIXELS: u64 = 1 << 26;
+pub const MAX_PIXELS: u64 = 1 << 26;
 
 /// Most decoders give at most this many bytes for one byte of the file; a header that claims more lies.
 ///
@@ -29,17 +29,17 @@ pub struct Picture {
     /// Premultiplied linear RGBA, without depth; α is 1 where the file has none. Floats of a file are kept as they are, also
     /// those that are not finite.
     pub frame: Frame,
-    /// Whether the file has an α channel.
+    /// True if the file has an α channel.
     pub alpha: bool,
-    /// What the file holds per channel, and so how finely it can tell colours apart.
+    /// Number type of a channel, which limits how finely colours differ.
     pub samples: SampleKind,
     /// The file's format: `EXR`, `PNG`, `JPEG`, `TIFF`, `BMP` or `PNM`.
     pub format: &'static str,
-    /// Which layer of an EXR file this is, where it has a name.
+    /// Name of the layer of an EXR file, where it has one.
     pub layer: Option<String>,
 }
 
-/// What a file holds per channel.
+/// Number type of a channel in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleKind {
     /// Integers of up to 8 bits.
@@ -63,7 +63,7 @@ pub enum SampleKind {
 ///
 /// # Errors
 /// A [`PictureError`] naming the file: one that cannot be opened, is of another format, damaged or cut off, claims more than it
-/// can hold or more than [`MOST_PIXELS`], or has no colours.
+/// can hold or more than [`MAX_PIXELS`], or has no colours.
 pub fn read_picture(path: impl AsRef<Path>, encode: Encode) -> Result<Picture, PictureError> {
     let path = path.as_ref();
     let io = |source| PictureError::Io { path: path.into(), source };
@@ -76,7 +76,7 @@ pub fn read_picture(path: impl AsRef<Path>, encode: Encode) -> Result<Picture, P
     if head == ::exr::meta::magic_number::BYTES { exr::read(origin, file) } else { coded::read(origin, file, encode) }
 }
 
-/// Which file is being read, and how long it is.
+/// The file that is being read, and its length.
 #[derive(Clone, Copy)]
 struct Origin<'a> {
     path: &'a Path,
@@ -84,11 +84,11 @@ struct Origin<'a> {
 }
 
 impl Origin<'_> {
-    /// Holds a header's claim against what is sensible: called before anything is allocated for it.
+    /// Checks the size that a header claims against the length of the file: called before anything is allocated for it.
     fn check(self, size: [u64; 2], bytes_per_pixel: u64, bytes_per_byte: u64) -> Result<(), PictureError> {
         let pixels = size[0].saturating_mul(size[1]);
-        let most = self.length.saturating_mul(bytes_per_byte);
-        if pixels == 0 || pixels > MOST_PIXELS || pixels.saturating_mul(bytes_per_pixel) > most {
+        let max_bytes = self.length.saturating_mul(bytes_per_byte);
+        if pixels == 0 || pixels > MAX_PIXELS || pixels.saturating_mul(bytes_per_pixel) > max_bytes {
             return Err(PictureError::Size { path: self.path.into(), size, length: self.length });
         }
         Ok(())

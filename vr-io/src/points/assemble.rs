@@ -1,4 +1,4 @@
-//! From columns to points: radii, weights and values from what a file tells, and what is assumed where it does not.
+//! Assembly of points from columns: radii, weights and values that a file holds, and assumptions for those that it lacks.
 
 use glam::DVec3;
 use vr_core::PointSet;
@@ -26,6 +26,7 @@ pub(super) fn assemble(
     notes: &mut Vec<String>,
 ) -> Result<PointSet, FileErrorKind> {
     let Table { positions, columns, numbering } = table;
+    // Refuse positions and numbers out of range.
     let place = |k: usize, what: &str| format!("{}, {what}", numbering.name(k));
     if let Some(k) = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(1e30)).all()) {
         let found = positions[k].to_array();
@@ -62,6 +63,7 @@ pub(super) fn assemble(
         }
     }
 
+    // Choose the radii.
     let volumes: Option<Vec<f64>> = mass
         .as_ref()
         .zip(density.as_ref())
@@ -73,6 +75,7 @@ pub(super) fn assemble(
         return Err(FileErrorKind::field(place(k, "radius"), show(scaled[k]), length.1));
     }
 
+    // Choose weights and values so that the field follows the values, or else a density.
     let own_volumes = || radii.iter().map(|r| (r / (REACH * ETA)).powi(3)).collect();
     let ones = || vec![1.0; positions.len()];
     let numbers = |column: &Column| column.numbers.clone();
@@ -97,6 +100,7 @@ pub(super) fn assemble(
             (weights, ones())
         }
     };
+    // Round to single precision.
     let single = |numbers: Vec<f64>, what: &str| -> Result<Vec<f32>, FileErrorKind> {
         match numbers.iter().position(|&x| !(x as f32).is_finite()) {
             None => Ok(numbers.into_iter().map(|x| x as f32).collect()),
@@ -108,7 +112,7 @@ pub(super) fn assemble(
     Ok(PointSet::new(positions, radii, weights, values, options.kernel.unwrap_or_default())?)
 }
 
-/// With an exponent where there would be many zeros.
+/// Formats a number, with an exponent where there would be many zeros.
 fn show(number: f64) -> String {
     format!("{number:?}")
 }

@@ -9,7 +9,7 @@ use crate::scalar::{Endian, ScalarType};
 use super::roles::{Roles, name_positions, positions};
 use super::{Column, Found, Numbering, PointOptions, Table};
 
-/// What columns are where no line says so.
+/// Names of the columns where no line names them.
 const NAMELESS: [&str; 6] = ["x", "y", "z", "radius", "value", "weight"];
 
 pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileErrorKind> {
@@ -18,6 +18,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileEr
         FileErrorKind::field(format!("line {line}"), "bytes that are no text", "must be UTF-8")
     })?;
     let text = text.trim_start_matches('\u{feff}');
+    // Name the columns: by the header, or by their usual order.
     let Some(first) = text.lines().find(|line| !is_comment(line) && !line.trim().is_empty()) else {
         return Err(vr_core::PointError::Empty.into());
     };
@@ -40,6 +41,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileEr
     let roles = Roles::choose(&names, options)?;
     let wanted = roles.list();
 
+    // Read the wanted columns row by row.
     let mut points = Vec::new();
     let mut columns = vec![Vec::new(); wanted.len()];
     let mut lines = Vec::new();
@@ -97,7 +99,7 @@ fn header(text: &str, first: &str, delimiter: Delimiter) -> Result<Option<(Vec<S
     Ok(named.last().map(|names| (names, 0)))
 }
 
-/// What lies between numbers.
+/// Separator of numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Delimiter {
     /// One of these, and blanks beside it.
@@ -151,7 +153,7 @@ impl Delimiter {
 
 /// A line of numbers.
 struct Row<'a> {
-    /// From 1.
+    /// Line number, from 1.
     line: u64,
     words: StringRecord,
     names: &'a [String],

@@ -28,12 +28,12 @@ use roles::Roles;
 /// The formats that are read, as messages list them.
 const SUPPORTED: &str = "CSV and TSV, VTK PolyData and UnstructuredGrid (.vtp, .vtu, .vtk), NumPy (.npy, N x 3) and, with the feature hdf5, Gadget and Phantom HDF5";
 
-/// How to read points. `PointOptions::default()` is right where columns have the usual names.
+/// Options of reading points. `PointOptions::default()` is right where columns have the usual names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PointOptions {
     /// Spread of each point; the default kernel if absent.
     pub kernel: Option<PointKernel>,
-    /// How far the kernels of all points reach, in world units, whatever the file tells.
+    /// Radius of the kernels of all points, in world units, in place of what the file says.
     pub radius: Option<f64>,
     /// Multiplies every radius: more than 1 smoothes.
     pub radius_scale: Option<f64>,
@@ -89,9 +89,9 @@ impl PointOptions {
 pub struct LoadedPoints {
     /// The points, where the file puts them.
     pub points: PointSet,
-    /// What the file said.
+    /// Everything that the file says.
     pub info: FileInfo,
-    /// What was assumed, chosen or left out on the way, one line each.
+    /// Notes on everything assumed, chosen or left out on the way, one line each.
     pub notes: Vec<String>,
 }
 
@@ -198,7 +198,7 @@ pub(crate) fn read_as(format: PointFormat, path: &Path, options: &PointOptions) 
     Ok(LoadedPoints { points, info, notes })
 }
 
-/// What a file holds, before it is made points.
+/// The columns of a file, before they are made points.
 struct Found {
     table: Table,
     format: &'static str,
@@ -218,12 +218,12 @@ struct Table {
     numbering: Numbering,
 }
 
-/// How messages call a point.
+/// Naming of points in messages.
 enum Numbering {
     FromZero,
-    /// By its line, from 1.
+    /// Lines of the file, from 1.
     Lines(Vec<u64>),
-    /// By its number in the file, where some were left out.
+    /// Numbers in the file, where some points were left out.
     #[cfg_attr(not(feature = "hdf5"), expect(dead_code, reason = "only HDF5 leaves points out"))]
     Points(Vec<usize>),
 }

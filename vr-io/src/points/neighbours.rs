@@ -1,4 +1,4 @@
-//! How far away the k-th nearest neighbour of every point is.
+//! Distance of every point to its k-th nearest neighbour.
 //!
 //! Own code: of the k-d trees at hand, one stops early where points coincide, one takes quadratic time there, and one four times as long.
 
@@ -28,8 +28,8 @@ pub(super) fn distances(positions: &[Position], k: usize) -> Vec<f64> {
             || (Nearest::new(k + 1), [0.0; 3], f64::INFINITY),
             |(nearest, before, distance), &(position, id)| {
                 // A little more, lest rounding cuts off the farthest.
-                let most = (*distance + squared(before, &position).sqrt()) * (1.0 + 1e-9);
-                nearest.clear(most * most);
+                let max_distance = (*distance + squared(before, &position).sqrt()) * (1.0 + 1e-9);
+                nearest.clear(max_distance * max_distance);
                 tree.search(0..positions.len(), &position, [0.0; 3], nearest);
                 (*before, *distance) = (position, nearest.farthest().sqrt());
                 (id, *distance)
@@ -47,7 +47,7 @@ pub(super) fn distances(positions: &[Position], k: usize) -> Vec<f64> {
 /// of the list is split at its middle.
 struct Tree {
     points: Vec<(Position, usize)>,
-    /// At the middle of each part, the axis that it is split across.
+    /// Axis that each part is split across, at the part's middle.
     axes: Vec<u8>,
 }
 
@@ -116,9 +116,9 @@ impl Nearest {
         Self(vec![f64::INFINITY; count])
     }
 
-    /// Forgets all; so many are known to be nearer than `most`.
-    fn clear(&mut self, most: f64) {
-        self.0.fill(most);
+    /// Forgets all; as many as are kept are known to be nearer than the square root of `max_squared`.
+    fn clear(&mut self, max_squared: f64) {
+        self.0.fill(max_squared);
     }
 
     fn farthest(&self) -> f64 {
@@ -144,7 +144,7 @@ mod tests {
 
     use super::*;
 
-    /// By looking at all pairs.
+    /// Compares all pairs.
     fn naive(positions: &[Position], k: usize) -> Vec<f64> {
         let one = |at: &Position| {
             let mut all: Vec<f64> = positions.iter().map(|p| squared(p, at)).collect();

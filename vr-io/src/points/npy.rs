@@ -13,10 +13,15 @@ use crate::error::FileErrorKind;
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 
 pub(super) fn read(bytes: &[u8]) -> Result<Found, FileErrorKind> {
+    // Split the header from the data.
     let cut = || FileErrorKind::field("header", format!("{} bytes", bytes.len()), "the header must be whole");
-    let rest = bytes
-        .strip_prefix(MAGIC)
-        .ok_or_else(|| FileErrorKind::field("begin", "something else", "must be \\x93NUMPY"))?;
+    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
+        FileErrorKind::field(
+            "magic",
+            String::from_utf8_lossy(&bytes[..bytes.len().min(MAGIC.len())]),
+            "must be \\x93NUMPY",
+        )
+    })?;
     let (version, rest) = rest.split_first_chunk::<2>().ok_or_else(cut)?;
     let (length, rest) = match version[0] {
         1 => rest.split_first_chunk().map(|(n, rest)| (usize::from(u16::from_le_bytes(*n)), rest)),
@@ -27,6 +32,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, FileErrorKind> {
     let (header, data) = rest.split_at_checked(length).ok_or_else(cut)?;
     let header = String::from_utf8_lossy(header);
 
+    // Read type and shape, and hold them against the length of the data.
     let (scalar, endian) = element(entry(&header, "descr")?)?;
     let by_column = match entry(&header, "fortran_order")? {
         "True" => true,
@@ -63,7 +69,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, FileErrorKind> {
     })
 }
 
-/// What the dictionary in the header holds: a word, or what stands in quotes or brackets.
+/// Value of a key of the header's dictionary: a word, or the text in quotes or brackets.
 fn entry<'h>(header: &'h str, key: &str) -> Result<&'h str, FileErrorKind> {
     let missing =
         || FileErrorKind::field(key, header.trim(), "the header must hold 'descr', 'fortran_order' and 'shape'");

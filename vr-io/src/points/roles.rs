@@ -1,10 +1,10 @@
-//! Which column of a file is what.
+//! Roles of a file's columns.
 
 use crate::error::FieldError;
 
 use super::PointOptions;
 
-/// What a column may stand for, of each role one at most.
+/// Roles that a column may have, with at most one column each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Roles<T> {
     pub radius: Option<T>,
@@ -93,7 +93,7 @@ pub(super) fn positions(names: &[String], options: &PointOptions) -> Result<[usi
     Ok(found)
 }
 
-/// Whether a header's words name the three coordinates.
+/// True if a header's words name the three coordinates.
 pub(super) fn name_positions(names: &[String]) -> bool {
     (0..3).all(|axis| names.iter().any(|n| is_coordinate(&plain(n), axis)))
 }

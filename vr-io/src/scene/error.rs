@@ -1,4 +1,4 @@
-//! What can be wrong with a scene file.
+//! Errors of scene files.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use vr_core::ParameterError;
 
 use crate::error::{FileError, shown};
 
-/// Why a scene file gives no scene. Every message is one line.
+/// The reason why a scene file gives no scene. Every message is one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneFileError {
@@ -16,7 +16,7 @@ pub enum SceneFileError {
     /// A key that means nothing.
     #[error("{}unknown key '{key}'; {}", place(path, *line), hint(nearest.as_deref(), known))]
     UnknownKey {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The line, from 1, where it is known.
         line: Option<usize>,
@@ -30,17 +30,17 @@ pub enum SceneFileError {
     /// Not TOML, a value of the wrong type, or keys of `[volume]` that do not go together.
     #[error("{}{message}", place(path, *line))]
     Syntax {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The line, from 1, where it is known.
         line: Option<usize>,
-        /// What the parser says.
+        /// The parser's message.
         message: String,
     },
     /// A value that makes no sense.
     #[error("{}{source}", place(path, None))]
     Parameter {
-        /// Which file; empty where the scene is from none.
+        /// The file; empty where the scene is from none.
         path: PathBuf,
         /// The field, what was found and what is allowed.
         source: ParameterError,
@@ -48,7 +48,7 @@ pub enum SceneFileError {
     /// A scene that cannot be put into text.
     #[error("the scene cannot be written as TOML: {message}")]
     Text {
-        /// Why not.
+        /// The reason.
         message: String,
     },
 }

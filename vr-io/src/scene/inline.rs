@@ -9,7 +9,7 @@ use crate::scalar::ScalarType;
 
 use super::volume_section::{GridDescription, VolumeSource};
 
-/// Largest number of samples that a scene file may hold.
+/// Largest number of voxels that a scene file may hold.
 const MAX_SAMPLES: usize = 64 * 64 * 64;
 
 /// Largest number of points that a scene file may hold.
@@ -35,7 +35,7 @@ pub(super) fn inline_volume(volume: &Volume) -> Result<VolumeSource, ParameterEr
 
 fn inline_grid(u: &GridVolume) -> Result<VolumeSource, ParameterError> {
     if u.dims().iter().product::<usize>() > MAX_SAMPLES {
-        let allowed = "only uniform grids of up to 64^3 samples can be written into a scene file";
+        let allowed = "only uniform grids of up to 64^3 voxels can be written into a scene file";
         return Err(ParameterError::new("volume.dims", u.dims(), allowed));
     }
     fn numbers<T: Voxel>(g: &UniformGrid<T>) -> Vec<f64> {
@@ -60,7 +60,7 @@ fn inline_grid(u: &GridVolume) -> Result<VolumeSource, ParameterError> {
 
 fn inline_points(points: &PointSet) -> Result<VolumeSource, ParameterError> {
     if points.count() > MAX_POINTS {
-        let allowed = "at most 4096 points can be written into a scene file";
+        let allowed = "must be at most 4096 to be written into a scene file";
         return Err(ParameterError::new("volume.points", points.count(), allowed));
     }
     let row = |k: usize| -> Row {
@@ -70,13 +70,13 @@ fn inline_points(points: &PointSet) -> Result<VolumeSource, ParameterError> {
     Ok(VolumeSource::Points { points: (0..points.count()).map(row).collect(), kernel: Some(points.kernel()) })
 }
 
-/// Makes a grid of samples.
+/// Makes a grid of inline voxels.
 ///
 /// # Errors
 /// No `dims`, a type that memory does not hold, a number that its type cannot hold, or what [`UniformGrid::new`] refuses.
 pub(super) fn grid(data: &[f64], grid: &GridDescription) -> Result<Volume, ParameterError> {
     if data.len() > MAX_SAMPLES {
-        return Err(ParameterError::new("volume.data", data.len(), "inline data are at most 64^3 numbers"));
+        return Err(ParameterError::new("volume.data", data.len(), "must be at most 64^3 inline numbers"));
     }
     Ok(match grid.scalar.unwrap_or(ScalarType::F32) {
         ScalarType::U8 => AnyGrid::from(typed_grid::<u8>(data, grid, |x| x as u8)?),
@@ -85,7 +85,7 @@ pub(super) fn grid(data: &[f64], grid: &GridDescription) -> Result<Volume, Param
         ScalarType::I16 => AnyGrid::from(typed_grid::<i16>(data, grid, |x| x as i16)?),
         ScalarType::F32 => AnyGrid::from(typed_grid::<f32>(data, grid, |x| x as f32)?),
         wider => {
-            let allowed = "inline data are one of u8, i8, u16, i16, f32";
+            let allowed = "must be, of inline data, one of u8, i8, u16, i16, f32";
             return Err(ParameterError::new("volume.type", wider.name(), allowed));
         }
     }
@@ -124,7 +124,7 @@ fn typed_grid<T: Voxel>(
 /// More points than a scene file may hold, or what [`PointSet::new`] refuses.
 pub(super) fn points(rows: &[Row], kernel: PointKernel) -> Result<Volume, ParameterError> {
     if rows.len() > MAX_POINTS {
-        return Err(ParameterError::new("volume.points", rows.len(), "inline points are at most 4096"));
+        return Err(ParameterError::new("volume.points", rows.len(), "must be at most 4096 inline points"));
     }
     let column = |i: usize| rows.iter().map(|row| row[i] as f32).collect();
     let positions = rows.iter().map(|&[x, y, z, ..]| DVec3::new(x, y, z)).collect();

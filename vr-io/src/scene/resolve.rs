@@ -1,4 +1,4 @@
-//! From a scene file's sections to the scene that they describe: volumes, phantoms, presets and colour maps by name.
+//! Conversion of a scene file's sections to the scene that they describe: volumes, phantoms, presets and colour maps by name.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -20,9 +20,9 @@ use super::volume::load_volume;
 /// A scene, ready to be rendered.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
-    /// What is drawn.
+    /// The scene.
     pub scene: Scene,
-    /// From where, and how large. Its layer is empty: what the mesh looks like from there, a rasteriser finds out.
+    /// The view: camera and size of the picture. Its layer is empty: a rasteriser draws the mesh into it.
     pub view: View,
     /// The opaque surface among the volume, where the file names one.
     pub mesh: Option<SceneMesh>,
@@ -32,12 +32,12 @@ pub struct LoadedScene {
     pub options: Options,
     /// The largest error that the picture may have, where the file promises one.
     pub max_error: Option<f64>,
-    /// What the volume's file said, where there is one.
+    /// Everything that the volume's file says, where there is one.
     pub info: Option<FileInfo>,
     /// Every file that was read for it, once each: the scene file (by [`crate::load_scene`]), headers, data files, the mesh and the colour
     /// map. None of them may be written over.
     pub files: Vec<PathBuf>,
-    /// What was assumed, one line each.
+    /// Notes on everything assumed, one line each.
     pub notes: Vec<String>,
 }
 
@@ -72,6 +72,7 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
     let folder = path.parent().unwrap_or(Path::new(""));
     let in_file = |source| SceneFileError::Parameter { path: path.into(), source };
     let mut notes = Vec::new();
+    // Load the volume, and list every file that is read.
     let found = load_volume(&file.volume, path)?;
     notes.extend(found.notes);
     let volume_files = found.info.as_ref().map_or_else(Vec::new, |info| info.files.clone());
@@ -79,6 +80,7 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
     let named = named.chain(file.transfer.as_ref().and_then(|transfer| transfer.file.as_ref()));
     let files = each_once(volume_files.into_iter().chain(named.map(|name| folder.join(name))));
 
+    // Choose the transfer function: the phantom's own, or that of the section.
     let mut file = file.clone();
     if let Some(section) = &file.transfer {
         check_transfer(section, &mut notes).map_err(in_file)?;
@@ -102,6 +104,7 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
             points
         }
     };
+    // Load the mesh, and set up scene and view.
     let mesh = match &file.mesh {
         Some(section) => {
             let loaded = read_mesh(folder.join(&section.path))?;
@@ -168,7 +171,7 @@ fn points(
             let allowed = "must be two finite numbers, the smaller one first";
             return Err(in_file(ParameterError::new("transfer.range", range, allowed)));
         }
-        // A volume without a single finite sample is vacuum: any range will do.
+        // A volume without a single finite voxel is vacuum: any range will do.
         None => volume.value_range().unwrap_or((0.0, 1.0)),
     };
     match (&section.points, &section.preset, &section.file) {
@@ -207,8 +210,12 @@ fn points(
             Ok(preset.points(range))
         }
         _ => {
-            let allowed = "must have one of points, preset and file";
-            Err(in_file(ParameterError { field: "transfer".into(), found: "several of them".into(), allowed }))
+            let allowed = "must have one of them";
+            Err(in_file(ParameterError {
+                field: "transfer".into(),
+                found: "several of points, preset and file".into(),
+                allowed,
+            }))
         }
     }
 }

@@ -43,7 +43,7 @@ impl SceneFile {
     /// Describes a scene whose volume is small enough to stand in the file; its surfaces, which no file can hold, are left out.
     ///
     /// # Errors
-    /// A volume of more than 64³ samples or 4096 points.
+    /// A volume of more than 64³ voxels or 4096 points.
     pub fn describe(scene: &Scene, view: &View) -> Result<Self, ParameterError> {
         let t = &scene.transfer;
         Ok(Self {

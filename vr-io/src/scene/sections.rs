@@ -197,7 +197,7 @@ pub struct MeshSection {
 pub struct ImageSection {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// A pixel is the mean over samples² subpixel centres.
+    /// Supersampling n: a pixel is the mean over n² subpixel centres.
     pub samples: u32,
     /// Linear RGB behind everything.
     pub background: [f32; 3],
@@ -217,11 +217,11 @@ pub struct RenderSection {
     pub renderer: Option<String>,
     /// over, first, average, maximum, minimum or accumulate.
     pub compositing: CompositingName,
-    /// For `first`.
+    /// Value that `first` looks for.
     pub threshold: Option<f64>,
-    /// For `accumulate`.
+    /// Opacity at which `accumulate` stops.
     pub level: Option<f64>,
-    /// The picture's largest error, promised; renderers that cannot promise refuse.
+    /// Bound of the picture's error; renderers that cannot bound it refuse.
     pub max_error: Option<f64>,
     /// The renderer's own options, by name.
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! From a `[volume]` section to the volume that it describes: a file, a phantom, or what stands in the section itself.
+//! Conversion of a `[volume]` section to the volume that it describes: a file, a phantom, or data in the section itself.
 
 use std::path::Path;
 
@@ -17,11 +17,11 @@ use super::volume_section::{FileSource, GridDescription, NO_SOURCE, VolumeSectio
 pub struct LoadedVolume {
     /// The volume.
     pub volume: Volume,
-    /// What its file said, where there is one.
+    /// Everything that its file says, where there is one.
     pub info: Option<FileInfo>,
     /// A phantom's own transfer function, and the unit distance in world units that it is for.
     pub transfer: Option<(Vec<ControlPoint>, f64)>,
-    /// What was assumed, one line each.
+    /// Notes on everything assumed, one line each.
     pub notes: Vec<String>,
 }
 
@@ -112,7 +112,7 @@ fn phantom_of_points(name: &str, count: usize) -> Result<Volume, ParameterError>
     phantom::points_by_name(name, count).map(Volume::from).ok_or_else(|| unknown_phantom(name))
 }
 
-/// Samples along each axis of a phantom of which no size is given.
+/// Voxels along each axis of a phantom of which no size is given.
 const PHANTOM_SIZE: usize = 64;
 /// The sizes that a phantom may have; the largest takes 32 GiB.
 const PHANTOM_SIZES: std::ops::RangeInclusive<usize> = 2..=2048;

@@ -32,7 +32,7 @@ pub enum VolumeSource {
     Phantom {
         /// One of [`phantom::NAMES`].
         name: String,
-        /// Samples along each axis; 64 if absent.
+        /// Voxels along each axis; 64 if absent.
         size: Option<usize>,
     },
     /// A phantom that is made of points.
@@ -42,9 +42,9 @@ pub enum VolumeSource {
         /// Number of points; 10 000 if absent.
         count: Option<usize>,
     },
-    /// Samples that stand in the scene file.
+    /// Voxels that stand in the scene file.
     Grid {
-        /// The samples, x fastest (`nan` where one is missing), up to 64³.
+        /// The voxels, x fastest (`nan` where one is missing), up to 64³.
         data: Vec<f64>,
         /// The grid that they fill.
         grid: GridDescription,
@@ -71,7 +71,7 @@ pub struct FileSource {
     pub transform: Option<Transform>,
     /// Byte order of a raw file.
     pub endian: Option<Endian>,
-    /// Bytes before the samples of a raw file.
+    /// Bytes before the voxels of a raw file.
     pub skip: Option<u64>,
     /// The grid in a raw file.
     pub grid: GridDescription,
@@ -79,16 +79,16 @@ pub struct FileSource {
     pub points: PointOptions,
 }
 
-/// Description of a grid whose samples have no header: those of a raw file or of a scene file.
+/// Description of a grid whose voxels have no header: those of a raw file or of a scene file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridDescription {
-    /// Samples along x, y, z.
+    /// Voxels along x, y, z.
     pub dims: Option<[usize; 3]>,
-    /// Type of the samples.
+    /// Type of the voxels.
     pub scalar: Option<ScalarType>,
-    /// World units between samples; 1 if absent.
+    /// World units between voxels; 1 if absent.
     pub spacing: Option<[f64; 3]>,
-    /// World position of sample (0, 0, 0); 0 if absent.
+    /// World position of voxel (0, 0, 0); 0 if absent.
     pub origin: Option<[f64; 3]>,
     /// Directions of the x, y and z axis of the grid, one after the other.
     pub direction: Option<[[f64; 3]; 3]>,
@@ -102,7 +102,7 @@ impl GridDescription {
     /// Returns spacing, origin and direction.
     ///
     /// # Errors
-    /// As [`Placement::oriented`].
+    /// Errors of [`Placement::oriented`].
     pub(super) fn placement(&self) -> Result<Placement, GridError> {
         let direction = self.direction.map_or(DMat3::IDENTITY, |d| DMat3::from_cols_array_2d(&d));
         let origin = DVec3::from(self.origin.unwrap_or_default());
@@ -137,7 +137,7 @@ impl VolumeSource {
             Self::Phantom { .. } => "a phantom that is a grid has a size, and no other key",
             Self::PhantomPoints { .. } => "a phantom that is made of points has a count, and a kernel of its own",
             Self::Grid { .. } => {
-                "samples of a grid in a scene file have dims, type, spacing, origin, direction, slope and intercept"
+                "voxels of a grid in a scene file have dims, type, spacing, origin, direction, slope and intercept"
             }
             Self::Points { .. } => "points in a scene file have a kernel; only points from files have other keys",
         };

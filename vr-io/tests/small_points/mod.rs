@@ -71,7 +71,7 @@ pub fn vtk_binary() -> Vec<u8> {
     file
 }
 
-/// How numbers stand in an XML file.
+/// Storage of numbers in an XML file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stored {
     Ascii,

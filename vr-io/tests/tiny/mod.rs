@@ -8,28 +8,28 @@ use flate2::write::{GzEncoder, ZlibEncoder};
 use vr_core::{Voxel, with_grid};
 use vr_io::Loaded;
 
-/// Samples along x, y and z.
+/// Voxels along x, y and z.
 pub const DIMS: [usize; 3] = [4, 3, 2];
-/// Samples in all.
+/// Voxels in all.
 pub const COUNT: usize = 24;
 
-/// A sample that tells its place and fits every type.
+/// A voxel that tells its place and fits every type.
 pub fn sample(i: usize) -> i64 {
     (i * 5 % 127) as i64
 }
 
-/// The samples as 16-bit integers.
+/// The voxels as 16-bit integers.
 pub fn i16_bytes(big: bool) -> Vec<u8> {
     let bytes = |i| if big { (sample(i) as i16).to_be_bytes() } else { (sample(i) as i16).to_le_bytes() };
     (0..COUNT).flat_map(bytes).collect()
 }
 
-/// What any of these files must come to.
+/// Voxels that any of these files must give.
 pub fn expected() -> Vec<f32> {
     (0..COUNT).map(|i| sample(i) as f32).collect()
 }
 
-/// The stored samples of a volume that was read.
+/// The stored voxels of a volume that was read.
 pub fn stored(loaded: &Loaded) -> Vec<f32> {
     with_grid!(loaded.volume.grid().unwrap().values(), g => g.samples().iter().map(|s| s.to_f32()).collect())
 }
@@ -86,7 +86,7 @@ impl Put {
     put!(i16: i16, i32: i32, i64: i64, f32: f32, f64: f64);
 }
 
-/// A NIfTI-1 header and its four flag bytes; 16-bit samples, an sform with spacing 1, 2, 3 at (10, 20, 30).
+/// A NIfTI-1 header and its four flag bytes; 16-bit voxels, an sform with spacing 1, 2, 3 at (10, 20, 30).
 pub fn nifti_1(big: bool, magic: &[u8; 4]) -> Vec<u8> {
     let mut p = Put { bytes: vec![0; 352], big };
     p.i32(0, 348);
@@ -132,7 +132,7 @@ pub fn nifti_2(big: bool) -> Vec<u8> {
     p.bytes
 }
 
-/// One after the other.
+/// Puts one after the other.
 pub fn join(mut a: Vec<u8>, b: &[u8]) -> Vec<u8> {
     a.extend(b);
     a

@@ -75,7 +75,7 @@ struct Snapshot<'s> {
     /// Datasets with one number for each particle, then what is derived.
     names: Vec<String>,
     derived: Vec<Column>,
-    /// Those that count, if not all do.
+    /// Indices of the points that count, if not all do.
     kept: Option<Vec<usize>>,
     notes: Vec<String>,
 }

@@ -13,16 +13,16 @@ pub(super) struct Source {
     file: Hdf5File,
 }
 
-/// Deflate, the densest of the usual filters, packs so many bytes into one at most.
+/// Largest number of bytes that Deflate, the densest of the usual filters, packs into one.
 const DENSEST: u64 = 1032;
 
 impl Source {
     pub fn open(path: &Path) -> Result<Self, FileErrorKind> {
-        let most = std::fs::metadata(path)?.len().saturating_mul(DENSEST);
-        let most = usize::try_from(most).unwrap_or(usize::MAX);
+        let max_bytes = std::fs::metadata(path)?.len().saturating_mul(DENSEST);
+        let max_bytes = usize::try_from(max_bytes).unwrap_or(usize::MAX);
         let options = OpenOptions::default()
-            .with_max_read_bytes(most)
-            .with_max_chunk_bytes(most.min(hdf5_reader::DEFAULT_MAX_CHUNK_BYTES));
+            .with_max_read_bytes(max_bytes)
+            .with_max_chunk_bytes(max_bytes.min(hdf5_reader::DEFAULT_MAX_CHUNK_BYTES));
         let file = Hdf5File::open_with_options(path, options).map_err(|e| damaged("HDF5", e))?;
         Ok(Self { file })
     }

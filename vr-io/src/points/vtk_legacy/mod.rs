@@ -13,13 +13,14 @@ use crate::error::FileErrorKind;
 
 use scan::{Array, Scan};
 
-/// Whether the beginning of a file is that of a legacy VTK file with a kind of data that has points of its own.
+/// True if the beginning of a file is that of a legacy VTK file with a kind of data that has points of its own.
 pub(super) fn holds_points(head: &[u8]) -> bool {
     let kind = |line: &[u8]| matches!(line.trim_ascii(), b"DATASET POLYDATA" | b"DATASET UNSTRUCTURED_GRID");
     head.starts_with(b"# vtk DataFile") && head.split(|&c| c == b'\n').take(12).any(kind)
 }
 
 pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileErrorKind> {
+    // Read the third line: text or binary.
     let mut scan = Scan::new(bytes);
     for _ in 0..2 {
         scan.line();
@@ -30,12 +31,14 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileEr
         Some("BINARY") => true,
         other => return Err(FileErrorKind::field(place, other.unwrap_or_default(), "must be ASCII or BINARY")),
     };
+    // Collect the sections of use.
     let mut content = Content::default();
     while let Some(line) = scan.line() {
         content.section(&line, &mut scan)?;
     }
     let Content { points, arrays, cells, cell_arrays, .. } = content;
-    let points = points.ok_or_else(|| FileErrorKind::field("POINTS", "nothing", "there must be points"))?;
+    let points =
+        points.ok_or_else(|| FileErrorKind::field("POINTS", "nothing", "the file must have a POINTS section"))?;
 
     let mut notes = Vec::new();
     if cells > 0 {
@@ -63,11 +66,11 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileEr
     })
 }
 
-/// What the file holds, as far as it is of use.
+/// The parts of a file that are of use.
 #[derive(Default)]
 struct Content {
     points: Option<Array>,
-    /// Of the points.
+    /// Arrays of the points.
     arrays: Vec<Array>,
     cells: usize,
     cell_arrays: usize,
@@ -83,7 +86,7 @@ impl Content {
         // Names of places are for errors alone: they take a look at all lines before.
         let here = *scan;
         let wrong = |allowed: &str| FileErrorKind::field(here.place(), line, allowed);
-        let word = |i: usize| words.get(i).copied().ok_or_else(|| wrong("this line must say more"));
+        let word = |i: usize| words.get(i).copied().ok_or_else(|| wrong("the line must have more words"));
         let size = |i: usize| word(i)?.parse::<usize>().map_err(|_| wrong("must hold a whole number"));
         let keyword = word(0)?.to_ascii_uppercase();
         match keyword.as_str() {
@@ -190,7 +193,7 @@ impl Content {
             },
             _ => None,
         };
-        let allowed = "an array of a field: its name, components, tuples and type";
+        let allowed = "must be an array of a field: its name, components, tuples and type";
         let (name, scalar, numbers) = parsed.ok_or_else(|| FileErrorKind::field(scan.place(), &line, allowed))?;
         let array = scan.array(name, scalar, numbers)?;
         self.keep(array);

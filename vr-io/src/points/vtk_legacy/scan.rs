@@ -42,7 +42,7 @@ impl<'a> Scan<'a> {
         None
     }
 
-    /// Where that line was: its number in text, the byte after it in binary files.
+    /// Place of that line: its number in text, the byte after it in binary files.
     pub fn place(&self) -> String {
         if self.binary {
             format!("byte {}", self.at)
@@ -95,7 +95,7 @@ impl<'a> Scan<'a> {
         Ok(Array { name: shown(&unescaped(name)), scalar, numbers, at: begin..self.at })
     }
 
-    /// Where so many words end.
+    /// End of the next `count` words.
     fn after_words(&self, count: usize) -> Option<usize> {
         let mut at = self.at;
         for _ in 0..count {
@@ -124,7 +124,7 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// The type of a name; of bits in binary files, which nobody chooses, that of the bytes around them.
+/// The type of a name; of bits, that of the bytes that hold them.
 fn type_of(name: &str) -> Option<ScalarType> {
     Some(match name.to_ascii_lowercase().as_str() {
         "bit" | "unsigned_char" => ScalarType::U8,

@@ -15,7 +15,7 @@ use crate::error::{FileErrorKind, shown};
 use crate::points::numbers;
 use crate::scalar::{Endian, ScalarType};
 
-/// What the root says about all arrays.
+/// Attributes of the root that hold for all arrays.
 pub(super) struct Coding {
     pub endian: Endian,
     /// Bytes of a number in the headers of arrays.
@@ -63,7 +63,7 @@ impl Coding {
     }
 }
 
-/// What follows the arrays' descriptions.
+/// The data that follow the arrays' descriptions.
 pub(super) struct Appended<'a> {
     bytes: &'a [u8],
     base64: bool,
@@ -108,7 +108,7 @@ impl<'d, 't> DataArray<'d, 't> {
         Ok(Self { node, name, scalar })
     }
 
-    /// In a word: `ascii`, `base64`, `raw`, `zlib` or `lz4`.
+    /// The encoding in a word: `ascii`, `base64`, `raw`, `zlib` or `lz4`.
     pub fn encoding(&self, coding: &Coding, appended: &Appended<'_>) -> &'static str {
         match (self.node.attribute("format"), coding.compressor) {
             (Some("ascii"), _) => "ascii",
@@ -160,7 +160,7 @@ impl<'d, 't> DataArray<'d, 't> {
     }
 
     fn plain<'b>(&self, source: Source<'b>, length: u64, coding: &Coding) -> Result<Cow<'b, [u8]>, FileErrorKind> {
-        let cut = || self.wrong("an end", "its bytes must be whole");
+        let cut = || self.wrong("the end of the data", "its bytes must be whole");
         // The number of bytes and the bytes are one run of base64.
         let claimed = coding.word(&source.run(0, coding.header).ok_or_else(cut)?);
         if claimed != length {
@@ -181,7 +181,7 @@ impl<'d, 't> DataArray<'d, 't> {
         coding: &Coding,
         compressor: Compressor,
     ) -> Result<Cow<'b, [u8]>, FileErrorKind> {
-        let cut = || self.wrong("an end", "its blocks must be whole");
+        let cut = || self.wrong("the end of the data", "its blocks must be whole");
         let start = source.run(0, 3 * coding.header).ok_or_else(cut)?;
         let [blocks, size, last] = [0, 1, 2].map(|i| coding.word(&start[i * coding.header..(i + 1) * coding.header]));
         let whole_blocks = if last == 0 { blocks } else { blocks.saturating_sub(1) };
@@ -225,9 +225,9 @@ impl Compressor {
                 ZlibDecoder::new(block).take(size.saturating_add(1)).read_to_end(out).map_err(|e| e.to_string())?;
             }
             Self::Lz4 => {
-                // A byte stands for 255 at most.
-                let most = (block.len() as u64 + 1).saturating_mul(255);
-                if size > most {
+                // A byte stands for at most 255.
+                let max_size = (block.len() as u64 + 1).saturating_mul(255);
+                if size > max_size {
                     return Err(format!("{} bytes for {size}", block.len()));
                 }
                 out.extend(lz4_flex::block::decompress(block, size as usize).map_err(|e| e.to_string())?);
@@ -245,7 +245,7 @@ struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// So many bytes from one on, which in base64 begins a run; `None` where there are fewer.
+    /// Reads `length` bytes from byte `from` on, which in base64 begins a run; `None` where there are fewer.
     fn run(&self, from: usize, length: usize) -> Option<Cow<'a, [u8]>> {
         let mut source = *self;
         source.bytes = source.bytes.get(from..)?;
@@ -266,7 +266,7 @@ impl<'a> Source<'a> {
         (bytes.len() == length).then_some(Cow::Owned(bytes))
     }
 
-    /// What follows a run of so many bytes.
+    /// The data that follow a run of so many bytes.
     fn after(&self, length: usize) -> Option<Self> {
         let taken = if self.base64 { length.div_ceil(3).checked_mul(4)? } else { length };
         Some(Self { bytes: self.bytes.get(taken..)?, base64: self.base64 })

@@ -14,7 +14,7 @@ use super::{Column, Found, Numbering, PointOptions, Table, numbers};
 
 use arrays::{Appended, Coding, DataArray};
 
-/// Whether the beginning of a file is that of a VTK file with a kind of data that has points of its own.
+/// True if the beginning of a file is that of a VTK file with a kind of data that has points of its own.
 pub(super) fn holds_points(head: &[u8]) -> bool {
     let contains = |text: &[u8]| head.windows(text.len()).any(|w| w == text);
     head.trim_ascii_start().starts_with(b"<")
@@ -30,6 +30,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileEr
     if !root.has_tag_name("VTKFile") || !matches!(kind, "PolyData" | "UnstructuredGrid") {
         return Err(FileErrorKind::field("VTKFile type", kind, "must be PolyData or UnstructuredGrid"));
     }
+    // Find the pieces that hold points.
     let coding = Coding::of(root)?;
     let pieces: Vec<Piece<'_, '_>> = root
         .children()
@@ -44,6 +45,7 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileEr
         return Err(vr_core::PointError::Empty.into());
     };
 
+    // Choose columns by the first piece, and append every piece to them.
     let names: Vec<String> = first.scalars().map(name_of).collect();
     let mut positions = Vec::new();
     let mut columns = Roles::choose(&names, options)?
@@ -78,7 +80,7 @@ fn name_of(array: Node<'_, '_>) -> String {
     shown(array.attribute("Name").unwrap_or_default())
 }
 
-/// What to say of cells.
+/// Notes on cells, which are left out.
 fn left_out(pieces: &[Piece<'_, '_>]) -> Vec<String> {
     let cells: u64 = pieces.iter().map(Piece::cells).fold(0, u64::saturating_add);
     let cell_arrays =

@@ -1,8 +1,8 @@
-//! Promised errors: what is said of them, and the exit code.
+//! Error bounds: their lines and the exit code.
 
 use crate::harness::Vr;
 
-/// A wall of a mesh of values that no two rays agree on: along many rays the truth jumps, so that no bound is small.
+/// A wall of a mesh of values that no two rays agree on: along many rays the exact solution jumps, so that no bound is small.
 const JUMPS: &str = r#"
 [volume]
 dims = [3, 3, 3]
@@ -26,32 +26,32 @@ size = [5, 5]
 "#;
 
 #[test]
-fn a_kept_promise_is_said() {
+fn a_proven_bound_is_printed() {
     let vr = Vr::new();
     let render = "render --phantom blobs --phantom-size 12 --size 8 --error none -o p.png";
-    for promise in ["--max-error 0.004", "--set max-error=0.004", "--renderer physics --max-error 0.004"] {
-        let run = vr.run(&format!("{render} {promise}")).succeeded();
-        assert!(run.stdout.contains("promise kept: every pixel within 4.00e-3"), "{promise}: {}", run.stdout);
-        let json = vr.run(&format!("{render} {promise} --json")).succeeded().json();
+    for bound in ["--max-error 0.004", "--set max-error=0.004", "--renderer physics --max-error 0.004"] {
+        let run = vr.run(&format!("{render} {bound}")).succeeded();
+        assert!(run.stdout.contains("error bound proven: every pixel within 4.00e-3"), "{bound}: {}", run.stdout);
+        let json = vr.run(&format!("{render} {bound} --json")).succeeded().json();
         assert_eq!((&json["promise"]["kept"], &json["promise"]["unbounded"]), (&true.into(), &0.into()), "{json}");
         assert_eq!(json["promise"]["max_error"].as_f64(), Some(0.004), "{json}");
-        let quiet = vr.run(&format!("{render} {promise} --quiet")).succeeded();
+        let quiet = vr.run(&format!("{render} {bound} --quiet")).succeeded();
         assert_eq!((quiet.stdout, quiet.stderr), (String::new(), String::new()));
     }
-    // What was not promised is not said to be kept.
+    // Without a bound, no line is printed.
     for other in ["", "--renderer physics", "--set step=1"] {
         let run = vr.run(&format!("{render} {other}")).succeeded();
-        assert!(!run.stdout.contains("promise"), "{other}: {}", run.stdout);
+        assert!(!run.stdout.contains("error bound"), "{other}: {}", run.stdout);
         assert!(vr.run(&format!("{render} {other} --json")).json()["promise"].is_null());
     }
 }
 
 #[test]
-fn a_promise_that_is_not_kept_has_an_exit_code_of_its_own() {
+fn a_bound_that_is_not_proven_has_an_exit_code_of_its_own() {
     let vr = Vr::new();
     vr.write("scene.toml", JUMPS);
     let run = vr.run("render --scene scene.toml --max-error 0.004 --error none -o p.png");
-    assert!(run.stdout.contains("promise not kept: "), "{}", run.stdout);
+    assert!(run.stdout.contains("error bound not proven: "), "{}", run.stdout);
     let error = run.failed(3);
     assert!(error.contains("5 of 25 pixels") && error.contains("largest bound"), "{error}");
     assert!(vr.exists("p.png"), "the picture is there, for those who want it");
@@ -61,15 +61,15 @@ fn a_promise_that_is_not_kept_has_an_exit_code_of_its_own() {
     quiet.failed(3);
 
     let json = vr.run("render --scene scene.toml --max-error 0.004 --error none -o p.png --json");
-    let promise = &json.json()["promise"];
-    assert_eq!((&promise["kept"], &promise["unbounded"]), (&false.into(), &5.into()), "{promise}");
-    assert!(promise["max_bound"].as_f64().is_none_or(|bound| bound > 0.004), "{promise}");
+    let bound = &json.json()["promise"];
+    assert_eq!((&bound["kept"], &bound["unbounded"]), (&false.into(), &5.into()), "{bound}");
+    assert!(bound["max_bound"].as_f64().is_none_or(|bound| bound > 0.004), "{bound}");
     json.failed(3);
 
-    // A promise of the scene file, and one for many frames.
-    vr.write("promise.toml", format!("{JUMPS}\n[render]\nmax_error = 0.004\n"));
-    vr.run("render --scene promise.toml --error none -o p.png").failed(3);
-    vr.run("bench --scene promise.toml --frames 2 --azimuth-step 0").failed(3);
+    // A bound of the scene file, and one for many frames.
+    vr.write("bound.toml", format!("{JUMPS}\n[render]\nmax_error = 0.004\n"));
+    vr.run("render --scene bound.toml --error none -o p.png").failed(3);
+    vr.run("bench --scene bound.toml --frames 2 --azimuth-step 0").failed(3);
     vr.run("bench --scene scene.toml --frames 2 --azimuth-step 0").succeeded();
 }
 

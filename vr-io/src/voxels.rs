@@ -1,14 +1,14 @@
-//! Samples in a memory type, owned or mapped, and how the other types get there.
+//! Voxels in a memory type, owned or mapped, and the conversion of the other types.
 
 use vr_core::{AnyGrid, Calibration, GridError, Placement, UniformGrid, ValueFrame, Voxel};
 
 use crate::decode::Scalar;
-use crate::mapped::MappedSamples;
+use crate::mapped::MappedVoxels;
 
-/// Samples of one type: in memory, or in their file.
+/// Voxels of one type: in memory, or in their file.
 pub(crate) enum Stored<T> {
     Owned(Vec<T>),
-    Mapped(MappedSamples<T>),
+    Mapped(MappedVoxels<T>),
 }
 
 impl<T: Scalar> AsRef<[T]> for Stored<T> {
@@ -20,8 +20,8 @@ impl<T: Scalar> AsRef<[T]> for Stored<T> {
     }
 }
 
-/// Samples of any of the five types that memory holds.
-pub(crate) enum Samples {
+/// Voxels of any of the five types that memory holds.
+pub(crate) enum Voxels {
     U8(Stored<u8>),
     I8(Stored<i8>),
     U16(Stored<u16>),
@@ -31,7 +31,7 @@ pub(crate) enum Samples {
     Framed(Vec<f32>, ValueFrame),
 }
 
-impl Samples {
+impl Voxels {
     pub fn into_grid(
         self,
         dims: [usize; 3],
@@ -75,21 +75,21 @@ impl Samples {
     }
 }
 
-/// Brings samples to a memory type.
+/// Brings voxels to a memory type.
 pub(crate) trait Remember: Scalar {
-    /// Whether memory holds this type as it is.
+    /// True if memory holds this type as it is.
     const IS_MEMORY_TYPE: bool;
-    /// The samples in a memory type. Integers that fit one exactly become that one, everything else floats; what was
-    /// rounded is said.
-    fn remember(samples: Stored<Self>, notes: &mut Vec<String>) -> Samples;
+    /// Converts voxels to a memory type. Integers that fit one exactly become that one, everything else floats; a note says
+    /// how many were rounded.
+    fn remember(samples: Stored<Self>, notes: &mut Vec<String>) -> Voxels;
 }
 
 macro_rules! as_it_is {
     ($($t:ty => $variant:ident),*) => {$(
         impl Remember for $t {
             const IS_MEMORY_TYPE: bool = true;
-            fn remember(samples: Stored<Self>, _: &mut Vec<String>) -> Samples {
-                Samples::$variant(samples)
+            fn remember(samples: Stored<Self>, _: &mut Vec<String>) -> Voxels {
+                Voxels::$variant(samples)
             }
         }
     )*};
@@ -100,7 +100,7 @@ macro_rules! wide_integer {
     ($($t:ty),*) => {$(
         impl Remember for $t {
             const IS_MEMORY_TYPE: bool = false;
-            fn remember(samples: Stored<Self>, notes: &mut Vec<String>) -> Samples {
+            fn remember(samples: Stored<Self>, notes: &mut Vec<String>) -> Voxels {
                 let s = samples.as_ref();
                 let name = stringify!($t);
                 let low = s.iter().copied().min().unwrap_or(0);
@@ -108,8 +108,8 @@ macro_rules! wide_integer {
                 macro_rules! narrow {
                     ($to:ident, $variant:ident) => {
                         if let (Ok(_), Ok(_)) = ($to::try_from(low), $to::try_from(high)) {
-                            notes.push(format!("{name} samples from {low} to {high} are held as {}", stringify!($to)));
-                            return Samples::$variant(Stored::Owned(s.iter().map(|&x| x as $to).collect()));
+                            notes.push(format!("{name} voxels from {low} to {high} are held as {}", stringify!($to)));
+                            return Voxels::$variant(Stored::Owned(s.iter().map(|&x| x as $to).collect()));
                         }
                     };
                 }
@@ -124,10 +124,10 @@ macro_rules! wide_integer {
                     && let Some(frame) = ValueFrame::of_range(low as f64, high as f64).filter(ValueFrame::has_offset)
                 {
                     notes.push(framed_note(name));
-                    return Samples::Framed(s.iter().map(|&x| frame.stored(x as f64)).collect(), frame);
+                    return Voxels::Framed(s.iter().map(|&x| frame.stored(x as f64)).collect(), frame);
                 }
                 notes.push(float_note(name, rounded, s.len()));
-                Samples::F32(Stored::Owned(floats))
+                Voxels::F32(Stored::Owned(floats))
             }
         }
     )*};
@@ -136,7 +136,7 @@ wide_integer!(u32, i32, u64, i64);
 
 impl Remember for f64 {
     const IS_MEMORY_TYPE: bool = false;
-    fn remember(samples: Stored<Self>, notes: &mut Vec<String>) -> Samples {
+    fn remember(samples: Stored<Self>, notes: &mut Vec<String>) -> Voxels {
         let s = samples.as_ref();
         let floats: Vec<f32> = s.iter().map(|&x| x as f32).collect();
         // NaN differs from itself and is not rounded; what overflows f32 becomes infinite, which is.
@@ -148,29 +148,29 @@ impl Remember for f64 {
             && let Some(frame) = ValueFrame::of_range(low, high)
         {
             notes.push(framed_note("f64"));
-            return Samples::Framed(s.iter().map(|&x| frame.stored(x)).collect(), frame);
+            return Voxels::Framed(s.iter().map(|&x| frame.stored(x)).collect(), frame);
         }
         notes.push(float_note("f64", rounded, s.len()));
-        Samples::F32(Stored::Owned(floats))
+        Voxels::F32(Stored::Owned(floats))
     }
 }
 
 fn float_note(name: &str, rounded: usize, of: usize) -> String {
     match rounded {
-        0 => format!("{name} samples are held as f32, all of them exactly"),
-        n => format!("{name} samples are held as f32: {n} of {of} were rounded"),
+        0 => format!("{name} voxels are held as f32, all of them exactly"),
+        n => format!("{name} voxels are held as f32: {n} of {of} were rounded"),
     }
 }
 
 fn framed_note(name: &str) -> String {
-    format!("{name} samples are held as f32 distances from one of them, to seven digits of their range")
+    format!("{name} voxels are held as f32 distances from one of them, to seven digits of their range")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn remember<T: Remember>(v: Vec<T>) -> (Samples, String) {
+    fn remember<T: Remember>(v: Vec<T>) -> (Voxels, String) {
         let mut notes = Vec::new();
         let s = T::remember(Stored::Owned(v), &mut notes);
         (s, notes.join("; "))
@@ -178,11 +178,11 @@ mod tests {
 
     #[test]
     fn integers_take_the_smallest_type_that_holds_them() {
-        assert!(matches!(remember(vec![0i32, 255]).0, Samples::U8(_)));
-        assert!(matches!(remember(vec![-1i32, 127]).0, Samples::I8(_)));
-        assert!(matches!(remember(vec![0u64, 256]).0, Samples::U16(_)));
-        assert!(matches!(remember(vec![-1024i64, 3071]).0, Samples::I16(_)));
-        assert!(matches!(remember(vec![0u32, 65536]).0, Samples::F32(_)));
+        assert!(matches!(remember(vec![0i32, 255]).0, Voxels::U8(_)));
+        assert!(matches!(remember(vec![-1i32, 127]).0, Voxels::I8(_)));
+        assert!(matches!(remember(vec![0u64, 256]).0, Voxels::U16(_)));
+        assert!(matches!(remember(vec![-1024i64, 3071]).0, Voxels::I16(_)));
+        assert!(matches!(remember(vec![0u32, 65536]).0, Voxels::F32(_)));
     }
 
     #[test]
