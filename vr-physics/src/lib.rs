@@ -79,6 +79,9 @@ pub use scattered::spread;
 pub use segments::{RaySegment, SegmentLight};
 pub use ssim::ssim;
 pub use transport::{Certainty, Transport, transport};
+#[cfg(feature = "proptest")]
+#[doc(hidden)]
+pub use vr_core;
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

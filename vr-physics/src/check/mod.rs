@@ -20,6 +20,8 @@
 //! | [`obeys_invariants`] | what must not change a picture does not, what must change it does so by the right amount |
 //! | [`survives_hard_cases`] | every [named case](crate::cases) gives a finite picture within its bound |
 //!
+//! [`renderer_suite!`](crate::renderer_suite) stamps all of them that need no bound of the caller's over a renderer.
+//!
 //! Scenes are drawn from a fixed seed: a run that passed passes again. A scene that fails is shrunk to a small one and stands in
 //! the [`CheckFailure`] as a scene file, which `vr render --scene` draws. Scenes that a renderer refuses with
 //! [`RenderError::Unsupported`](vr_core::RenderError::Unsupported) are counted, not failed; refusing all of them is a failure.
@@ -41,6 +43,7 @@ mod hard_cases;
 pub mod invariants;
 mod outcome;
 pub mod strategies;
+mod suite;
 mod test_scene;
 pub mod transformed;
 mod updates;

@@ -7,12 +7,13 @@ use vr_core::{Compositing, Control, Filter, Light, RenderError, Renderer, Scene,
 
 use super::drawn::draw;
 use super::effort::{Effort, Verdict};
+use super::fixed_layer::FixedLayer;
 use super::invariants::identical;
 use super::outcome::{CheckFailure, Report};
 use super::test_scene::TestScene;
 use super::transformed::{quarter_turned, scaled_world, with_emission_times};
 
-/// After an update to a scene of another transfer function, filter, shading, compositing or volume, the picture is the one that a
+/// After an update to a scene of another transfer function, filter, shading, lights, surfaces, compositing or volume, the picture is the one that a
 /// fresh preparation makes, to the last bit; and what a fresh preparation refuses is refused. The fields change one after the other,
 /// away from the scene and back to it.
 ///
@@ -64,6 +65,8 @@ fn changes(test: &TestScene) -> Vec<(&'static str, Scene)> {
     };
     let composited = |compositing| Scene { compositing, ..scene.clone() };
     let filtered = |filter| scene.with_filter(filter);
+    let middle = (0.5 * (scene.volume.bounds().0 + scene.volume.bounds().1) - test.view.camera.eye).length() as f32;
+    let walled = FixedLayer::new(&test.view, |i| ([0.2, 0.4, 0.6], if i % 3 == 0 { f32::INFINITY } else { middle }));
     let own = || ("after changes, and back", scene.clone());
     vec![
         ("after another transfer function", with_emission_times(test, |i| 0.5 * (i + 1) as f64).scene),
@@ -74,6 +77,7 @@ fn changes(test: &TestScene) -> Vec<(&'static str, Scene)> {
         own(),
         ("after shading by a headlight", shaded(0.3, None)),
         ("after shading by another light", shaded(0.0, Some(DVec3::new(0.3, -0.5, 0.8)))),
+        ("after the same shading by yet another light", shaded(0.0, Some(DVec3::new(-0.8, 0.1, 0.4)))),
         ("after no shading", Scene { shading: None, ..scene.clone() }),
         own(),
         ("after the mean", composited(Compositing::Average)),
@@ -86,6 +90,9 @@ fn changes(test: &TestScene) -> Vec<(&'static str, Scene)> {
         ("after the nearest sample", filtered(Filter::Nearest)),
         ("after the B-spline", filtered(Filter::BSpline)),
         ("after trilinear interpolation", filtered(Filter::Trilinear)),
+        own(),
+        ("after a surface", walled.among(scene)),
+        ("after no surface", Scene { surfaces: None, ..scene.clone() }),
         own(),
         ("after a volume that lies otherwise", quarter_turned(test, 0).scene),
         ("after a volume in another place", Scene { volume: scaled_world(test, 2.0).scene.volume, ..scene.clone() }),
