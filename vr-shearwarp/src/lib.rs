@@ -66,7 +66,7 @@
 //!
 //! # What it does not do
 //! It answers [`vr_core::RenderError::Unsupported`] to: volumes that are no uniform grids; reconstruction filters other than the trilinear one; compositing
-//! `first`, for the place of a surface between slices is not known; opaque layers; shading in perspective, where what a normal reflects
+//! `first`, for the place of a surface between slices is not known; opaque surfaces; shading in perspective, where what a normal reflects
 //! changes from ray to ray and no table serves; gradients other than central differences, and opacity that follows them. It tells no depths.
 //! `maximum`, `minimum` and `average` are of the samples in slices.
 

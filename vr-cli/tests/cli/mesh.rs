@@ -41,7 +41,7 @@ fn every_renderer_draws_it_or_says_that_it_cannot() {
         assert!(json["error"]["max"].as_f64().unwrap() < 1.0 / 255.0, "{renderer}: {json}");
     }
     let error = run("shearwarp").failed(1);
-    assert!(error.contains("shearwarp does not support opaque layers"), "{error}");
+    assert!(error.contains("shearwarp does not support opaque surfaces"), "{error}");
 }
 
 #[test]
