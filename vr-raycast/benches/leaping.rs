@@ -1,4 +1,4 @@
-//! What leaping over empty space gains in the plain engine, and what it costs, as tables: processor time of whole frames, each beside the plain walk in
+//! Gain and cost of leaping over empty space in the plain engine, as tables: processor time of whole frames, each beside the plain walk in
 //! the same run, the best of several interleaved rounds.
 //!
 //! `cargo bench -p vr-raycast --bench leaping`. With VR_TEST_DATA set, also on a real scan (bonsai, 256³). The step is one voxel: with

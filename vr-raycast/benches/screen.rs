@@ -1,4 +1,4 @@
-//! What the choice of rays gains, and how far it changes the picture.
+//! Tables of the time that the choice of rays saves, and of how far it changes the picture.
 //!
 //! `cargo bench -p vr-raycast --bench screen` times single pictures. With `-- --table` it prints the tables of `docs/figures/vr-raycast.md`
 //! instead: pictures of 512×512 at a step of one voxel, against every pixel's rays in the same run.
@@ -66,10 +66,10 @@ fn processor_seconds() -> f64 {
     rest.split_whitespace().nth(11).and_then(|t| t.parse::<f64>().ok()).expect("a number") / 100.0
 }
 
-/// What some pictures took together.
+/// Totals over some pictures.
 struct Taken {
     seconds: f64,
-    /// Of them, for the projection of the coherent screen; wall-clock time.
+    /// Part of `seconds` spent on the projection of the coherent screen; wall-clock time.
     projection: f64,
     samples: u64,
     frames: Vec<Frame>,

@@ -66,7 +66,7 @@ impl Chord<'_> {
         }
     }
 
-    /// Where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and a point where it does.
+    /// Point where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and a point where it does.
     pub(crate) fn crossing(&self, below: f64, reached: Crossing, sign: f64, threshold: f64) -> Crossing {
         let search = Bisection { chord: self, below, reached, sign, threshold };
         match self.source {

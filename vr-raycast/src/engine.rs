@@ -1,4 +1,4 @@
-//! What draws a scene.
+//! Engines that draw a scene.
 
 use vr_core::{RenderError, Scene};
 
@@ -8,7 +8,7 @@ use crate::packet::PacketEngine;
 use crate::source::Source;
 use crate::tolerance::Promise;
 
-/// What draws a scene.
+/// Engine that draws a scene.
 pub(crate) enum Engine {
     /// One ray after another, by any settings.
     Plain(Kernel),
@@ -19,7 +19,7 @@ pub(crate) enum Engine {
 }
 
 impl Engine {
-    /// What the plain engine looks things up in, where it may draw.
+    /// Tables of the plain engine, where it may draw.
     pub(crate) fn kernel(&self) -> Option<&Kernel> {
         match self {
             Self::Plain(kernel) | Self::Packets(_, kernel) => Some(kernel),

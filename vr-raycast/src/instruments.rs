@@ -1,4 +1,4 @@
-//! What the kernels look things up in: made at prepare, kept while the scene does not change.
+//! Tables of the kernels: made at prepare, kept while the scene does not change.
 
 use std::sync::Arc;
 
@@ -24,12 +24,12 @@ pub(crate) enum Kernel {
 pub(crate) struct Instruments<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
-    /// How long steps are, where they follow the data.
+    /// Lengths of steps that follow the data.
     pub(crate) pace: Option<Arc<PaceMap>>,
-    /// Where long steps will do.
+    /// Regions where long steps will do.
     #[cfg(feature = "classics")]
     pub(crate) homogeneity: Option<Arc<crate::classics::Homogeneity>>,
-    /// Where nothing is visible; `None`: everything is sampled. Found by [`Kernel::find_empty_space`].
+    /// Regions where nothing is visible; `None`: everything is sampled. Found by [`Kernel::find_empty_space`].
     pub(crate) empty_space: Option<Arc<dyn Leaper>>,
 }
 
@@ -91,7 +91,7 @@ impl Kernel {
     }
 }
 
-/// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
+/// Course of the value along a step of a caster; `None`: one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
         (Rule::Midpoint | Rule::Left, Traversal::Samples) if caster.step.is_on_lattice() => None,
@@ -112,7 +112,7 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &GridVolume) -> Option<Arc<PreI
     table.resolves().then(|| Arc::new(table))
 }
 
-/// Whether the same can be seen of two scenes' fields.
+/// True if the same can be seen of two scenes' fields.
 fn same_light(a: &Scene, b: &Scene) -> bool {
     a.volume.same(&b.volume) && a.transfer == b.transfer && a.shading.is_some() == b.shading.is_some()
 }

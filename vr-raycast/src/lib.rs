@@ -1,6 +1,6 @@
 //! Image-order volume rendering on the CPU: a ray through every pixel, sampled where it matters.
 //!
-//! What is done for each ray:
+//! For each ray:
 //!
 //! 1. **Cut**: the part of the ray inside the box, the clip and before an opaque layer, in f64, in index space.
 //! 2. **Walk**: that part is cut into steps ([`Step`]): as long as what is in each place allows (the default), all of one length, as
@@ -11,7 +11,7 @@
 //! 5. **Shade**, where the scene is shaded, by the gradient at the sample.
 //! 6. **Composite** with the scene's operator.
 //!
-//! Which rays there are is a choice, too ([`Screen`]): those of every pixel, or fewer.
+//! The rays are a choice, too ([`Screen`]): those of every pixel, or fewer.
 //!
 //! Two engines do this. The *plain* one takes every scene and setting: samples go through the passes in runs of 32, each pass generic
 //! code, instantiated for what it depends on and chosen once a run. The *vector* one ([`Vector`]) takes rays in packets of sixteen with
@@ -66,7 +66,7 @@
 //! ([`vr_kernels::tables::BakedTransfer::error`]) and early termination (10⁻⁴ by default). [`RayCaster::exact`] has none of
 //! them; its floor is that of a frame, which holds f32.
 //!
-//! What is missed between two samples is missed: a shell thinner than a step, a crossing there and back. The largest errors on the hard
+//! A feature between two samples is missed: a shell thinner than a step, a crossing there and back. The largest errors on the hard
 //! cases of `vr-physics`, by default ([`Step::Local`], aimed at an RMSE of [`Step::ERROR`]) and in uniform steps of ⅕:
 //!
 //! | case | default | steps of ⅕ | why |

@@ -6,7 +6,7 @@ use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, 
 #[cfg(feature = "classics")]
 use crate::classics::options as classics;
 
-/// What takes the place of the classics' options where they are left out.
+/// Stand-ins for the classics' options where they are left out.
 #[cfg(not(feature = "classics"))]
 mod classics {
     use super::*;

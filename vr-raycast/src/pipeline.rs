@@ -15,7 +15,7 @@ use crate::source::Source;
 use crate::tracer::{Traced, Tracer};
 use crate::walk::{Walk, Walks};
 
-/// What a frame's rays share.
+/// Data that a frame's rays share.
 ///
 /// A run goes from pass to pass: walked, placed, sampled, classified, shaded, composited. Each pass is instantiated for what *it*
 /// depends on (the sampling for voxel type and filter, all for the precision) and chosen once per run, so that there is a sum of
@@ -34,7 +34,7 @@ pub(crate) struct Pipeline<'a, R> {
     pub(crate) order: Order,
 }
 
-/// What one thread needs to trace rays.
+/// Working memory of one thread that traces rays.
 struct Scratch<'o, R> {
     operator: &'o mut dyn Operator<R>,
     run: Run<R>,

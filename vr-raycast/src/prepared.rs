@@ -28,7 +28,7 @@ pub(crate) struct PreparedCaster {
     /// The caster's own filter, where it is not the scene's.
     filtered: Option<Filter>,
     pub(crate) engine: Engine,
-    /// What the coherent screen keeps from picture to picture.
+    /// State that the coherent screen keeps from picture to picture.
     #[cfg(feature = "classics")]
     pub(crate) coherence: Option<crate::classics::CoherenceBuffer>,
 }

@@ -53,7 +53,7 @@ pub(crate) struct Run<R> {
     pub(crate) position: [[R; RUN]; 3],
     /// The field in stored units; NaN in vacuum.
     pub(crate) value: [R; RUN],
-    /// Where a rule samples a step at several points: the values there, from front to back.
+    /// Values at the points of a step, from front to back, where a rule samples it at several.
     pub(crate) profile: [[R; RUN]; 4],
     /// Those points.
     pub(crate) points: Points<R>,

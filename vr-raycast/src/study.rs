@@ -1,4 +1,4 @@
-//! What the caster documents for a study of speed against error.
+//! Documented properties of the caster, for a study of speed against error.
 
 use vr_core::{ConvergenceClaim, ConvergenceOrders, Documented, Filter, HardCaseErrors, NamedSetting};
 

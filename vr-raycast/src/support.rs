@@ -1,4 +1,4 @@
-//! What the caster can draw, and what it says of the rest.
+//! Scenes and views that the caster can draw, and the errors for all others.
 
 use vr_core::{Compositing, Feature, Field, Projection, RenderError, Scene, Unsupported, View};
 
@@ -114,7 +114,7 @@ pub(crate) fn check_view(caster: &RayCaster, view: &View) -> Result<(), RenderEr
     Ok(())
 }
 
-/// What this caster's screen has no answer to.
+/// Returns the part of a scene that this caster's choice of rays cannot draw.
 #[cfg_attr(not(feature = "classics"), expect(unused_variables, reason = "these screens draw every scene"))]
 fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
     let what = match caster.screen {

@@ -13,7 +13,7 @@ pub(crate) trait Tracer: Sync {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts);
 }
 
-/// What a ray became.
+/// Result of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Traced {
     /// Premultiplied.

@@ -1,4 +1,4 @@
-//! How the error against the reference falls with the step: fitted orders, the default step on the phantoms, and the floor of f32.
+//! Tests how the error against the reference falls with the step: fitted orders, the default step on the phantoms, and the floor of f32.
 
 mod common;
 

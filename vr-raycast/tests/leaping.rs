@@ -199,7 +199,7 @@ fn values_of_clear_samples_cannot_be_skipped() {
     }
 }
 
-/// What is kept from one scene to the next never shows: neither the structure of another transfer function, nor of another threshold.
+/// Tests that data kept from one scene to the next never shows: neither the structure of another transfer function, nor of another threshold.
 #[test]
 fn an_update_is_a_new_start() {
     let control = Control::default();

@@ -6,13 +6,13 @@ use common::*;
 use vr_core::*;
 use vr_raycast::{Classification, Precision, RayCaster, Rule, Traversal, Vector};
 
-/// What all stored numbers lie above: f32 numbers are 6·10⁻⁵ apart there.
+/// Lower bound of all stored numbers: f32 numbers are 6·10⁻⁵ apart there.
 const BASE: f64 = 1000.0;
 
-/// How wide the fields are: 65 f32 numbers, and 5.
+/// Widths of the fields: 65 f32 numbers, and 5.
 const WIDTHS: [f64; 2] = [4e-3, 2.5e-4];
 
-/// Where a jump or the middle of a ramp lies, as a fraction of the field's range.
+/// Values of a jump or of the middle of a ramp, as fractions of the field's range.
 const PLACES: [f64; 5] = [0.2, 0.35, 0.5, 0.65, 0.8];
 
 /// It grows along all axes, most along z.

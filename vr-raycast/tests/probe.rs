@@ -1,4 +1,4 @@
-//! What the caster tells of one pixel is what it draws there.
+//! Tests that the caster's account of one pixel is what it draws there.
 
 mod common;
 
@@ -35,7 +35,7 @@ fn casters() -> Vec<RayCaster> {
     ]
 }
 
-/// What must hold of any probe.
+/// Checks what must hold of any probe.
 fn check(test: &TestScene, probe: &Probe) -> Result<(), TestCaseError> {
     for pair in probe.steps.windows(2) {
         prop_assert!(pair[1].begin >= pair[0].end() - 1e-9 * (1.0 + pair[0].end().abs()), "{pair:?}");

@@ -1,4 +1,4 @@
-//! What must hold whatever the scene: checked on random ones, and on the hard ones by name.
+//! Properties that must hold whatever the scene: checked on random ones, and on the hard ones by name.
 
 mod common;
 

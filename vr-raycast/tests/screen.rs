@@ -1,4 +1,4 @@
-//! Which rays are cast: pictures that must be the same, and pictures that may differ by a bound.
+//! Tests of the choice of rays: pictures that must be the same, and pictures that may differ by a bound.
 
 mod common;
 

@@ -21,14 +21,14 @@ fn promising(error: f64) -> RayCaster {
     RayCaster { step: Step::Tolerance(error), ..RayCaster::default() }
 }
 
-/// How a picture compares with the truth.
+/// Comparison of a picture with the correct one.
 #[derive(Debug)]
 struct Judged {
     /// The largest error, relative to max(1, largest magnitude), of pixels of which the truth is known to a tenth of what is asked for.
     worst: f64,
     /// Pixels further off than asked for.
     beyond: u64,
-    /// Pixels of which nobody knows the truth that well.
+    /// Pixels whose correct value is not known that well.
     unknown: u64,
     counts: Counts,
 }
@@ -51,7 +51,7 @@ fn judge(caster: &RayCaster, scene: &Scene, view: &View, error: f64) -> Option<J
         }
         let off = (0..4).map(|c| (f64::from(got[c]) - want.rgba[c]).abs()).fold(0.0, f64::max) / peak;
         assert!(off.is_finite(), "{got:?}");
-        // What the truth may be off by is nobody's fault.
+        // The uncertainty of the reference does not count against the caster.
         if off > error + uncertain / peak {
             judged.beyond += 1;
         } else {

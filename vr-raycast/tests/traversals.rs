@@ -108,7 +108,7 @@ fn voxels_have_order_one_in_their_size() {
     assert!((0.8..1.7).contains(&order), "{order}");
 }
 
-/// What a voxel's worth of wrong place costs: measured, and a third more.
+/// Error that a sample misplaced by a voxel causes: measured, and a third more.
 fn bound(case: &Case) -> f64 {
     match case.name {
         "opaque-wall" | "thin-shell" => 1.0,

@@ -1,7 +1,7 @@
-//! How empty space is leapt over.
+//! Structures by which rays leap over empty space.
 
-/// How rays find out where nothing is visible. On steps of one length, no choice changes a picture by a bit: those are dropped in which
-/// nothing is visible.
+/// Structure by which rays find out where nothing is visible. On steps of one length, no choice changes a picture by a bit: those are
+/// dropped in which nothing is visible.
 ///
 /// It applies to `over`, `accumulate` and `first`. An average, a maximum or a minimum depends on what is transparent, too: these
 /// sample everything, whatever is chosen.

@@ -28,25 +28,25 @@ pub use traversal::Traversal;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayCaster {
-    /// How long steps are.
+    /// Length of the steps.
     pub step: Step,
-    /// What the steps of a ray are.
+    /// Kind of the steps of a ray.
     pub traversal: Traversal,
-    /// How empty space is leapt over.
+    /// Structure by which rays leap over empty space.
     pub leaping: Leaping,
-    /// How the light of a step is found, which sets the order of convergence.
+    /// Rule that integrates the light of a step; it sets the order of convergence.
     pub rule: Rule,
-    /// From which end the samples of a ray are composited.
+    /// Direction in which the samples of a ray are composited.
     pub order: Order,
     /// The reconstruction filter; `None`: the scene's.
     pub filter: Option<Filter>,
-    /// How a value becomes light and opacity.
+    /// Evaluation of the transfer function, by which a value becomes light and opacity.
     pub classification: Classification,
     /// Precision of the kernels.
     pub precision: Precision,
-    /// Which rays the picture is made of.
+    /// Choice of the rays that the picture is made of.
     pub screen: Screen,
-    /// Whether rays go in packets of sixteen, by vector instructions, where a scene allows it.
+    /// Instructions for packets of sixteen rays, where a scene allows such packets.
     pub vector: Vector,
 }
 

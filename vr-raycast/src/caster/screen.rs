@@ -1,6 +1,6 @@
-//! Which rays a picture is made of.
+//! Choice of the rays that a picture is made of.
 
-/// Which rays a picture is made of.
+/// Choice of the rays that a picture is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Screen {
     /// Those of every pixel.
@@ -9,8 +9,8 @@ pub enum Screen {
     /// Every fourth pixel's first, along x and y, then those between where the colours bend; the rest is interpolated by cubics (after Levoy,
     /// *Volume rendering by adaptive refinement*, 1990). Not exact: see `docs/figures/vr-raycast.md` for what was measured.
     Adaptive {
-        /// How far a component of the premultiplied colours may be from the straight lines through its neighbours' along x and y (the sum of
-        /// both second differences), 0 or more, where nothing is refined; 0: every pixel is traced. Where features are wider than four
+        /// Largest distance of a component of the premultiplied colours from the straight lines through its neighbours' along x and y (the sum of
+        /// both second differences), 0 or more, at which nothing is refined; 0: every pixel is traced. Where features are wider than four
         /// pixels, the largest error of the interpolation is below it, and its RMSE a twentieth; what is thinner may be missed, whatever it
         /// is.
         threshold: f64,
@@ -26,7 +26,7 @@ pub enum Screen {
     /// scenes under over in orthographic views without layers alone.
     #[cfg(feature = "classics")]
     Template {
-        /// What the template is made of.
+        /// Samples that the template is made of.
         connectivity: crate::classics::Connectivity,
     },
 }

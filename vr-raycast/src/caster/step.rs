@@ -1,6 +1,6 @@
-//! How long steps are.
+//! Lengths of steps.
 
-/// How long steps are.
+/// Length of the steps of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Step {
     /// [`Step::Local`] with [`Step::ERROR`] where light is followed along a ray, front to back; [`Step::Uniform`] with

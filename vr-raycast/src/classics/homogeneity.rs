@@ -1,4 +1,4 @@
-//! Where the medium is nearly the same: a tree over blocks of the volume, and what a long step errs by in each node.
+//! Regions in which the medium is nearly the same: a tree over blocks of the volume, and the error of a long step in each node.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ use crate::tolerance::optics::{Extremes, Optics};
 /// Σ T·κ₀·l·e^(−κ₀l) ≤ Σ T·α ≤ 1. So all of them together are off by at most ε/4 (1 + 1) for transparency and as much for light: ε.
 /// With emission on its own it is Δκ·M ≤ ε/(2D) and Δq ≤ ε/(2D).
 ///
-/// Where the field is nearly linear, the sample in the middle of a step knows more: along the step, a linear function is as much above its
+/// In a nearly linear field, the sample in the middle of a step knows more: along the step, a linear function is as much above its
 /// middle value before it as below it behind. So for a trilinear field, within `bend` of a linear function in the node, Δκ may be replaced by
 /// 2(|κ′|·bend + what κ as a function of the value differs from linear); and Δc by the same of c, and, as front and back do not count alike, half of
 /// κ₁/κ₀·e^(κ₁l) − 1 times the amplitude of what is linear. This is done for nodes of one and two blocks' edge.
@@ -36,11 +36,11 @@ use crate::tolerance::optics::{Extremes, Optics};
 pub(crate) struct Homogeneity {
     blocks: [usize; 3],
     bytes: Vec<u8>,
-    /// Of nodes of one and of two blocks' edge, how far the field is from linear: whatever the transfer function.
+    /// Distance of the field from linear in nodes of one and of two blocks' edge; it does not depend on the transfer function.
     bends: Arc<[Vec<f32>; 2]>,
 }
 
-/// What a ray does in a block.
+/// Node that sets the step of a ray in a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Node {
     /// A node of 2^level blocks an edge in which nothing is visible.
@@ -60,7 +60,7 @@ const CLEAR: u8 = 128;
 struct Range {
     levels: [u8; 2],
     holed: bool,
-    /// How far the field is from a linear function; +∞ where nobody knows.
+    /// Distance of the field from a linear function; +∞ where it is unknown.
     bend: f32,
 }
 
@@ -145,7 +145,7 @@ impl Homogeneity {
         self.blocks
     }
 
-    /// What a ray does in a block.
+    /// Returns the node that sets the step of a ray in a block.
     pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> Node {
         match self.bytes[(z * self.blocks[1] + y) * self.blocks[0] + x] {
             MIXED => Node::Mixed,
@@ -180,7 +180,7 @@ enum Verdict {
     Mixed,
 }
 
-/// What is known of the medium over every range of levels that there is.
+/// Medium over every range of levels that there is.
 struct Verdicts {
     table: Vec<Option<Medium>>,
     emits: bool,
@@ -199,7 +199,7 @@ struct Medium {
     kappa: [f64; 2],
     /// Differences of the source.
     width: f64,
-    /// Of κ and of the source: slope by the value, and how far from linear.
+    /// Slope by the value and distance from linear, of κ and of the source.
     bent: [[f64; 2]; 2],
     clear: bool,
 }

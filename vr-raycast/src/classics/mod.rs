@@ -81,7 +81,7 @@ fn octree<R: Real>(
     Octree::new(nodes, ranges, visibility)
 }
 
-/// What the steps of classic walks follow.
+/// Rule that sets the steps of classic walks.
 #[derive(Clone, Copy)]
 pub(crate) enum WalkKind<'a> {
     /// From voxel to voxel.

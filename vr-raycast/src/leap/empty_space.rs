@@ -1,4 +1,4 @@
-//! What a prepared scene knows of its empty space.
+//! Empty space of a prepared scene.
 
 use std::sync::Arc;
 

@@ -72,7 +72,7 @@ pub(crate) trait Operator<R: Real> {
     /// Takes the next run; `Break` if what follows cannot matter.
     fn take(&mut self, run: &Run<R>, chord: &Chord<'_>) -> ControlFlow<()>;
 
-    /// What the ray becomes.
+    /// Returns the value of the ray.
     fn finish(&mut self, chord: &Chord<'_>) -> RayValue;
 }
 
@@ -115,7 +115,7 @@ fn steps_of<R: Real>(run: &Run<R>) -> impl DoubleEndedIterator<Item = (f64, f64,
     (0..run.len()).map(|j| (run.light[j][3].to_f64(), run.steps.begin[j], run.steps.length[j]))
 }
 
-/// Where the last step of a run ends that has any opacity. (Where a run without such a step ends depends on what was left out.)
+/// End of the last step of a run that has any opacity. (The end of a run without such a step depends on what was left out.)
 fn end_of_opacity<R: Real>(run: &Run<R>) -> f64 {
     let last = (0..run.len()).rfind(|&j| run.light[j][3] > R::ZERO).unwrap_or(run.len() - 1);
     run.steps.begin[last] + run.steps.length[last]

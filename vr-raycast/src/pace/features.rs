@@ -1,4 +1,4 @@
-//! What of a transfer function is so narrow that a step may miss it: peaks and gaps, as thick in space as the field's slope makes them.
+//! Features of a transfer function so narrow that a step may miss them: peaks and gaps, as thick in space as the field's slope makes them.
 
 use super::PaceMap;
 
@@ -10,7 +10,7 @@ struct Feature {
     to: f64,
     /// Its width at half its height.
     width: f64,
-    /// How far it stands out from what is around it, per world unit.
+    /// Height above what is around it, or depth below, per world unit.
     height: f64,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct Features(Vec<Feature>);
 const MISSED: f64 = 0.04;
 
 impl Features {
-    /// Of extinction and three emissions at values, in ascending order; two rows at one value are a jump.
+    /// Finds the features of extinction and three emissions at values, in ascending order; two rows at one value are a jump.
     pub(super) fn new(points: &[(f64, [f64; 4])]) -> Self {
         let mut all: Vec<Feature> =
             (0..4).flat_map(|c| of_one(&points.iter().map(|(value, q)| (*value, q[c])).collect::<Vec<_>>())).collect();

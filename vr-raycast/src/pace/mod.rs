@@ -1,4 +1,4 @@
-//! How a ray moves through each small block: over it, or in steps as long as what is in it allows.
+//! Movement of a ray through each small block: over it, or in steps as long as what is in it allows.
 
 mod classes;
 mod features;
@@ -18,7 +18,7 @@ use classes::{Classes, class_of, step_of};
 /// bounds. Changes beyond an optical depth of about one a voxel do not show: light saturates. Where a peak or a gap of the transfer
 /// function is thinner than such a step, the step follows from that (see `features.rs`).
 ///
-/// Where the field jumps, at the faces of voxels under the filter nearest and of cells that are vacuum, no second derivative tells
+/// At jumps of the field (the faces of voxels under the filter nearest, and of cells that are vacuum) no second derivative tells
 /// anything: steps end at those faces.
 ///
 /// It is an estimate, not a bound. What it comes to in pictures is measured, and [`crate::Step::Local`] says so.
@@ -30,7 +30,7 @@ pub(crate) struct PaceMap {
     cuts: Cuts,
 }
 
-/// Where steps end at faces at which the field jumps.
+/// Faces at which the field jumps, and steps end.
 #[derive(Clone, Debug, PartialEq)]
 enum Cuts {
     /// Nowhere: it does not jump.
@@ -44,7 +44,7 @@ enum Cuts {
     },
 }
 
-/// What a ray does in a block.
+/// Movement of a ray in a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Pace {
     /// A step of this length, in world units.
@@ -110,12 +110,12 @@ impl PaceMap {
         &self.steps
     }
 
-    /// Where something is visible, in a volume with the given samples along x, y, z: in blocks of twice the edge.
+    /// Visible blocks, of twice the edge, of a volume with the given samples along x, y, z.
     pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
         VisibleBlocks::of_halves(dims, Self::EDGE, &self.bytes, CLEAR)
     }
 
-    /// What a ray does in a block.
+    /// Returns the movement of a ray in a block.
     pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> Pace {
         let block = (z * self.blocks[1] + y) * self.blocks[0] + x;
         match (self.bytes[block], &self.cuts) {
@@ -127,7 +127,7 @@ impl PaceMap {
         }
     }
 
-    /// Where between two samples the faces lie at which steps are cut.
+    /// Positions between two samples of the faces at which steps are cut.
     pub(crate) fn faces(&self) -> &'static [f64] {
         match self.cuts {
             Cuts::None | Cuts::Holes(_) => &[0.0],

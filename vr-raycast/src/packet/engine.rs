@@ -31,13 +31,13 @@ use crate::silhouette::Hull;
 use crate::table_range::{resolves, table_range};
 use crate::tracer::{Traced, Tracer};
 
-/// What the vector engine keeps from frame to frame.
+/// State that the vector engine keeps from frame to frame.
 #[derive(Clone, Debug)]
 pub(crate) struct PacketEngine {
     pub(crate) volume: Arc<GridVolume>,
     pub(crate) level: Level,
     pub(crate) steps: PacketSteps,
-    /// Of what is visible; `None` without leaping.
+    /// Hull of the visible blocks; `None` without leaping.
     pub(crate) hull: Option<Hull>,
     /// For steps of any length, in units of `step`.
     optics: OpticsTable,
@@ -51,7 +51,7 @@ pub(crate) struct PacketEngine {
     shading: Option<PacketShading>,
 }
 
-/// How the packets' rays move.
+/// Steps of the packets' rays.
 #[derive(Clone, Debug)]
 pub(crate) enum PacketSteps {
     /// In steps of one length.
@@ -87,7 +87,7 @@ const MOST_STEPS: f64 = (1 << 22) as f64;
 pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
 impl PacketEngine {
-    /// What the vector engine needs to draw a scene with a caster's settings; `None` where it cannot, and the plain one must.
+    /// Returns the vector engine for a scene and a caster's settings; `None` where it cannot draw them, and the plain one must.
     pub(crate) fn new(
         caster: &RayCaster,
         scene: &Scene,
@@ -162,7 +162,7 @@ impl PacketEngine {
     }
 }
 
-/// Whether the scene's shading, if it has any, is of the kind that packets know.
+/// True if the scene's shading, if it has any, is of the kind that packets know.
 fn shadable(scene: &Scene) -> bool {
     scene
         .shading

@@ -18,7 +18,7 @@ pub(crate) struct LocalPace<'a> {
     by_byte: &'a [f32; 256],
 }
 
-/// What [`LocalPace`] looks bytes up in.
+/// Table in which [`LocalPace`] looks bytes up.
 pub(crate) fn by_byte(map: &PaceMap, voxel: f64) -> [f32; 256] {
     std::array::from_fn(|b| match map.steps().get(b) {
         Some(&step) => (f64::from(step) / voxel) as f32,
@@ -37,7 +37,7 @@ impl<'a> LocalPace<'a> {
         Self { bytes: map.bytes(), blocks: map.blocks(), by_byte }
     }
 
-    /// What is to be done in the blocks of sixteen cells: see `by_byte`.
+    /// Returns the entries of `by_byte` for the blocks of sixteen cells.
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, cells: &Cells<S>) -> f32x16<S> {
         let index = block_index(cells, PaceMap::EDGE.trailing_zeros(), self.blocks);

@@ -11,7 +11,7 @@ use super::leap::{Distances, Leaper};
 use super::local::{LocalPace, local};
 use super::setup::Packet;
 
-/// What all packets of a frame march through.
+/// Volume that all packets of a frame march through.
 #[derive(Clone, Copy)]
 pub(crate) struct Medium<'a, T> {
     pub(crate) field: Field<'a, T>,
@@ -25,7 +25,7 @@ pub(crate) struct Medium<'a, T> {
     pub(crate) negligible: f32,
 }
 
-/// How rays move.
+/// Steps of the rays.
 #[derive(Clone, Copy)]
 pub(crate) enum Pace<'a> {
     /// In steps of one length.
@@ -43,10 +43,10 @@ pub(crate) struct LatticePace<'a> {
     pub(crate) distances: Option<&'a Distances>,
 }
 
-/// What became of a packet's rays.
+/// Results of a packet's rays.
 pub(crate) struct Marched {
     pub(crate) rgba: [Lanes; 4],
-    /// Where opacity reaches a half, in steps from the middle one's begin; +∞: nowhere.
+    /// Position where opacity reaches a half, in steps from the middle one's begin; +∞: nowhere.
     pub(crate) half: Lanes,
     pub(crate) samples: u32,
     /// Bit i: ray i ended before its last step.
@@ -180,7 +180,7 @@ fn lattice<S: Simd, T: Pairs>(
     finish(simd, &sums, packet, end.simd_le(never), samples)
 }
 
-/// What became of the rays; those in `ended` ended early.
+/// Returns the results of the rays; those in `ended` ended early.
 #[inline(always)]
 pub(crate) fn finish<S: Simd>(simd: S, sums: &Sums<S>, packet: &Packet, ended: mask32x16<S>, samples: u32) -> Marched {
     let [r, g, b, a] = sums.rgba();

@@ -22,7 +22,7 @@ pub(crate) struct ExactIntegral {
     knots: Vec<f64>,
 }
 
-/// What a piece adds, before anything in front dims it.
+/// Contribution of a piece, before anything in front dims it.
 #[derive(Clone, Copy, Debug)]
 struct Gain {
     depth: f64,
@@ -43,7 +43,7 @@ impl ExactIntegral {
         Self { transfer, knots }
     }
 
-    /// What it integrates.
+    /// Transfer function that it integrates.
     pub(crate) fn transfer(&self) -> &TransferFunction {
         &self.transfer
     }
@@ -52,7 +52,7 @@ impl ExactIntegral {
         segment.is_opaque() && self.transfer.rule() == OpacityRule::Power
     }
 
-    /// Whether a value that goes from `low` to `high` would get into a wall if it went on by `more` to either side.
+    /// True if a value that goes from `low` to `high` would get into a wall if it went on by `more` to either side.
     pub(crate) fn wall_is_near(&self, low: f64, high: f64, more: f64) -> bool {
         let mut walls = self.transfer.segments().iter().filter(|s| self.is_wall(s));
         walls.any(|w| high + more > w.from && low - more < w.to && !(high > w.from && low < w.to))

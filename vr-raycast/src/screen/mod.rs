@@ -1,4 +1,4 @@
-//! Which rays a picture is made of. One small file each.
+//! Choice of the rays that a picture is made of. One small file each.
 
 mod adaptive;
 mod blocks;

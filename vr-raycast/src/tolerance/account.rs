@@ -1,4 +1,4 @@
-//! What a ray has gathered, what it may still be off by, and when that is too much.
+//! Light that a ray has gathered, and the bound of its error.
 
 use super::step::Step;
 
@@ -29,9 +29,9 @@ pub(super) struct Account {
     pub(super) transmittance: f64,
     pub(super) light: [f64; 3],
     pub(super) error: f64,
-    /// What the part of the ray that was not looked at can be worth.
+    /// Largest contribution of the part of the ray that was not looked at.
     unseen: f64,
-    /// Where opacity reached ½.
+    /// Distance at which opacity reached ½.
     pub(super) half_way: f64,
     pub(super) steps: u64,
     /// Nothing that follows matters.
@@ -44,7 +44,7 @@ pub(super) struct Account {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doubtful {
     pub(super) step: Step,
-    /// What it can be worth before a wall begins.
+    /// Largest contribution before a wall begins.
     pub(super) before: f64,
     /// The largest difference of two of its values.
     pub(super) spread: f64,
@@ -78,27 +78,27 @@ impl Account {
         medium.max(1.0)
     }
 
-    /// What may be spent altogether: the picture's largest magnitude is at least that of this ray's true radiance, and what was not looked
+    /// Error that may be spent altogether: the picture's largest magnitude is at least that of this ray's true radiance, and what was not looked
     /// at can only add to that.
     fn budget(&self) -> f64 {
         let light = self.light.into_iter().fold(0.0, f64::max);
         self.limits.error * (light - self.error).max(1.0)
     }
 
-    /// What may have been spent by the time the ray is at `s` with the transmittance `left`: half of it in proportion to the distance,
+    /// Error that may have been spent by the time the ray is at `s` with the transmittance `left`: half of it in proportion to the distance,
     /// half to the opacity.
     fn share(&self, s: f64, left: f64) -> f64 {
         let length = (s - self.start) / (self.end - self.start);
         self.budget() * (0.45 * length + 0.45 * (1.0 - left))
     }
 
-    /// What a step at `s` may be off by, before it is dimmed: a hint for choosing it.
+    /// Error that a step at `s` may have, before it is dimmed: a hint for choosing it.
     pub(super) fn enough(&self, s: f64) -> f64 {
         let left = self.share(s, self.transmittance) - self.error;
         (0.25 * left / self.transmittance.max(1e-300)).max(0.0)
     }
 
-    /// Whether a step from `s` on is good enough.
+    /// True if a step from `s` on is good enough.
     pub(super) fn fits(&self, step: &Step, s: f64) -> bool {
         let left = self.transmittance * (1.0 - step.opacity);
         let cut = if 1.0 - left >= self.limits.level { step.opacity * step.variation } else { 0.0 };
@@ -106,7 +106,7 @@ impl Account {
         self.error + cost <= self.share(s + step.length, left)
     }
 
-    /// Whether shorter steps would do no better: most of the error is rounding.
+    /// True if shorter steps would do no better: most of the error is rounding.
     pub(super) fn is_rounding(&self, step: &Step, s: f64) -> bool {
         let most = self.most(s);
         let rounding = step.rounding[1] + step.rounding[0] * most;
@@ -148,7 +148,7 @@ impl Account {
         }
     }
 
-    /// Takes a step, ending at `s`, that may hold the beginning of a wall: nobody knows before what follows is seen. Doubts that follow each
+    /// Takes a step, ending at `s`, that may hold the beginning of a wall: that is unknown until what follows is seen. Doubts that follow each
     /// other are one.
     pub(super) fn doubt(&mut self, doubtful: Doubtful) {
         let Some(last) = &mut self.doubtful else {
@@ -165,7 +165,7 @@ impl Account {
         last.spread += doubtful.spread;
     }
 
-    /// What was in doubt was no wall, or one that a ray only touches: it costs what it can cost.
+    /// Settles a place in doubt as no wall, or one that a ray only touches: it costs what it can cost.
     fn settle(&mut self, s: f64) {
         if let Some(doubtful) = self.doubtful.take() {
             self.add(&doubtful.step, s - doubtful.step.length);
@@ -181,7 +181,7 @@ impl Account {
         self.ended = true;
     }
 
-    /// Whether the bound is above what is promised.
+    /// True if the bound is above what is promised.
     pub(super) fn is_over(&self) -> bool {
         let error = self.error + self.unseen;
         error > self.budget() || error.is_nan()
@@ -192,7 +192,7 @@ impl Account {
         (self.error + self.unseen) / self.budget()
     }
 
-    /// What is left at the end of the ray.
+    /// Settles what is left at the end of the ray.
     pub(super) fn finish(&mut self) {
         self.settle(self.end);
         // A few additions and products a step.

@@ -25,7 +25,7 @@ use optics::Optics;
 use piece_by_piece::Integral;
 use walk::Medium;
 
-/// What a scene's rays look things up in, whatever the error.
+/// Tables of a scene whose pictures keep a bound of the error.
 #[derive(Clone, Debug)]
 pub(crate) struct Promise {
     pub(crate) volume: Arc<GridVolume>,
@@ -95,7 +95,7 @@ pub(crate) struct Promised<'a> {
     pub(crate) view: &'a View,
     pub(crate) layer: Option<&'a Layer>,
     pub(crate) rays: Rays,
-    /// Whether f32 is tried first.
+    /// True if f32 is tried first.
     pub(crate) single: bool,
 }
 
@@ -108,7 +108,7 @@ impl Tracer for Promised<'_> {
     }
 }
 
-/// How the rays of a group fared in f32 so far.
+/// Success of a group's rays in f32 so far.
 #[derive(Default)]
 struct Stages {
     tried: u32,
@@ -116,7 +116,7 @@ struct Stages {
 }
 
 impl Stages {
-    /// Where most rays have to be done again, f32 is a waste.
+    /// True unless most rays have to be done again: f32 is a waste then.
     fn is_single_worth_while(&self) -> bool {
         self.tried < 8 || 2 * self.failed < self.tried
     }

@@ -19,7 +19,7 @@ const MOST_STEPS_FIRST: u64 = 1 << 13;
 pub(super) struct Integral<'a> {
     pub(super) optics: &'a Optics,
     pub(super) account: Account,
-    /// Whether to stop once the bound is above the promise: another instance will do the ray again.
+    /// True if it stops once the bound is above the promise: another instance will do the ray again.
     pub(super) gives_up: bool,
 }
 
@@ -47,7 +47,7 @@ struct Cell<R> {
 #[derive(Clone, Copy)]
 struct Part<R> {
     cubic: Cubic<R>,
-    /// Where it begins.
+    /// Distance at which it begins.
     s: f64,
     length: f64,
     cuts: u32,
@@ -58,12 +58,12 @@ impl<'a> Integral<'a> {
         Self { optics, account, gives_up }
     }
 
-    /// Whether nothing more is to be done.
+    /// True if nothing more is to be done.
     pub(super) fn is_done(&self) -> bool {
         self.account.ended || (self.gives_up && !self.is_kept())
     }
 
-    /// Whether the promise is kept.
+    /// True if the promise is kept.
     pub(super) fn is_kept(&self) -> bool {
         let too_long = self.gives_up && self.account.steps > MOST_STEPS_FIRST;
         !(too_long || self.account.is_over())
@@ -80,7 +80,7 @@ impl<'a> Integral<'a> {
         }
     }
 
-    /// Whether a step over all values of a range will do; takes it if so.
+    /// Takes a step over all values of a range if that will do; true if so.
     pub(super) fn coarse(&mut self, extremes: &Extremes, s: f64, length: f64) -> bool {
         if extremes.wall {
             return false;
@@ -153,7 +153,7 @@ impl<'a> Integral<'a> {
         if inside[0] <= inside[1] { inside } else { range }
     }
 
-    /// How far values are off: the corners' differences, three rounds of interpolation and what each cut adds, all of numbers up to
+    /// Error of values: the corners' differences, three rounds of interpolation and what each cut adds, all of numbers up to
     /// `reach`; the place; and the knots that they are compared with.
     fn noise<R: Real>(&self, cell: &Cell<R>, cuts: u32) -> f64 {
         let u = 2.0 * R::ROUNDOFF;
@@ -184,7 +184,7 @@ impl<'a> Integral<'a> {
         self.optics.depth_at_touch(low, high, farthest, part.length, cell.length)
     }
 
-    /// Whether a part is not to be cut any more, whatever its error.
+    /// True if a part is not to be cut any more, whatever its error.
     fn is_enough<R: Real>(&self, part: &Part<R>) -> bool {
         part.cuts >= MOST_HALVINGS || self.account.steps >= MOST_STEPS
     }

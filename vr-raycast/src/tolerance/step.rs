@@ -262,7 +262,7 @@ mod tests {
         (opacity(depth), light)
     }
 
-    /// Of many random steps: how far each is off, as a fraction of its bound (opacity and light), and the bounds themselves.
+    /// Errors of many random steps, each as a fraction of its bound (opacity and light).
     fn ratios<R: Real>(of: impl Fn(&Optics, &Piece, &Cubic<R>, f64) -> Option<(Step, Step)>) -> Vec<[f64; 2]> {
         let coefficient = || 0.02f64..0.98;
         let strategy = (

@@ -15,10 +15,10 @@ pub(crate) struct Lattice {
     pub(crate) last: f64,
 }
 
-/// Of a ray's length: a last step shorter than this is rounding, not a step, and falls to the one before.
+/// Fraction of a ray's length: a last step shorter than this is rounding, not a step, and falls to the one before.
 const SLIVER: f64 = 1e-12;
 
-/// Steps on a ray at most: the numbers of steps are 32-bit, and nobody waits for more.
+/// Steps on a ray at most: the numbers of steps are 32-bit.
 const MOST_STEPS: f64 = u32::MAX as f64;
 
 impl Lattice {
@@ -33,7 +33,7 @@ impl Lattice {
         Self { start, length, count: count as u32, last }
     }
 
-    /// Where step `k` begins; `k` = count: a whole step beyond the last.
+    /// Distance at which step `k` begins; `k` = count: a whole step beyond the last.
     pub(crate) fn begin(&self, k: u32) -> f64 {
         self.start + f64::from(k) * self.length
     }
@@ -73,13 +73,13 @@ pub(crate) struct LatticeWalk<'a> {
 enum Order<'a> {
     Forwards {
         visible: VisibleSteps<'a>,
-        /// Of the last range asked for: what is not walked yet.
+        /// Part of the last range asked for that is not walked yet.
         ahead: Range<u32>,
-        /// Where the walk is.
+        /// Step that the walk has reached.
         at: u32,
     },
     Backwards {
-        /// What is not walked yet, in order along the ray.
+        /// Ranges that are not walked yet, in order along the ray.
         left: Vec<Range<u32>>,
     },
 }

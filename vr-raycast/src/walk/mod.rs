@@ -21,7 +21,7 @@ use lattice::LatticeWalk;
 use local::LocalWalk;
 use visible_steps::VisibleSteps;
 
-/// How the rays of a frame walk.
+/// Steps of the rays of a frame.
 pub(crate) struct Walks<'a> {
     pub(crate) kind: WalkKind<'a>,
     /// World length of a step, where all are alike; the longest, where steps end at cell faces; +∞: they end there only.
@@ -31,7 +31,7 @@ pub(crate) struct Walks<'a> {
     pub(crate) dims: [usize; 3],
 }
 
-/// What the steps of rays follow.
+/// Rule that sets the lengths of steps.
 pub(crate) enum WalkKind<'a> {
     /// All are alike, but for those in which nothing is visible.
     Lattice(Option<&'a dyn Leaper>),

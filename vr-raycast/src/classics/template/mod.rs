@@ -16,7 +16,7 @@ use crate::walk::Lattice;
 use base_plane::BasePlane;
 use tile::{ACROSS, DOWN, TemplateRays, TemplateStep};
 
-/// What a ray template is made of.
+/// Samples that a ray template is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
     /// Voxels that touch by a face, an edge or a corner (26-connected), one in each slice: their own values, not interpolated.
@@ -38,7 +38,7 @@ impl Connectivity {
 /// Draws a view of a scene, which the caster can draw, by a template.
 ///
 /// # Errors
-/// What a camera that makes no sense leaves, or [`RenderError::Cancelled`].
+/// The error of a camera that makes no sense, or [`RenderError::Cancelled`].
 pub(crate) fn draw_by_template(
     connectivity: Connectivity,
     caster: &RayCaster,
@@ -60,7 +60,7 @@ pub(crate) fn draw_by_template(
     template.draw(bake, view, control)
 }
 
-/// What a template is cast through.
+/// Volume and settings that a template is cast through.
 struct Template<'a> {
     volume: &'a GridVolume,
     connectivity: Connectivity,
@@ -81,7 +81,7 @@ impl Template<'_> {
     ///    same way from their own start, with the same weights, and neighbours in memory are sampled together.
     /// 3. The base plane's picture is **warped** to the screen, bilinearly.
     ///
-    /// What that changes, against a ray through each pixel with steps of the same length:
+    /// Differences from a ray through each pixel with steps of the same length:
     ///
     /// * The picture is sampled once a voxel and interpolated: where it is smooth, an error of order 2 in the voxel's size, like the
     ///   field's own; an edge is as sharp as a voxel, not as a pixel.
@@ -204,7 +204,7 @@ impl Template<'_> {
 struct BasePicture {
     size: [usize; 2],
     rgba: Vec<[f32; 4]>,
-    /// Where opacity reaches ½, in slices from the plane.
+    /// Position where opacity reaches ½, in slices from the plane.
     depth: Vec<f32>,
     counts: Counts,
 }

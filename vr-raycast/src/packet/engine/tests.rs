@@ -184,7 +184,7 @@ fn bits(values: &[Traced]) -> Vec<[u32; 5]> {
     values.iter().map(of).collect()
 }
 
-/// Whether two engines' pictures are the same but for `tolerance` times the brightest pixel, and depth where it is well defined.
+/// Checks that two engines' pictures are the same but for `tolerance` times the brightest pixel, and depth where it is well defined.
 fn same(values: &[Traced], plain: &Rendered, tolerance: f32) -> Result<(), TestCaseError> {
     let brightest = values.iter().flat_map(|t| t.rgba).fold(1.0f32, f32::max);
     for (i, traced) in values.iter().enumerate() {
@@ -203,15 +203,15 @@ fn same(values: &[Traced], plain: &Rendered, tolerance: f32) -> Result<(), TestC
     Ok(())
 }
 
-/// What the engines may differ by: positions differ by some units in the last place of f32 (10⁻⁶ of a cell here), and the steepest
+/// Largest difference of the engines: positions differ by some units in the last place of f32 (10⁻⁶ of a cell here), and the steepest
 /// ramps turn that into ten times as much opacity at each of some dozen samples.
 const TWO_ENGINES: f32 = 3e-5;
 
-/// Where the gradient is small, its direction is what rounding makes of it, and so is what a surface there reflects. (The noise of these
-/// volumes keeps it from being small everywhere.)
+/// Largest difference of shaded pictures: the direction of a small gradient is set by rounding, and so is what a surface there reflects.
+/// (The noise of these volumes keeps it from being small everywhere.)
 const TWO_SHADINGS: f32 = 2e-3;
 
-/// What they may differ by in steps that follow the data: where a ray grazes an edge of blocks, f32 and f64 may see different ones, and
+/// Largest difference in steps that follow the data: where a ray grazes an edge of blocks, f32 and f64 may see different ones, and
 /// so take different steps. (The plain one classifies exactly, besides.)
 const TWO_WALKS: f32 = 0.02;
 
