@@ -110,10 +110,10 @@ impl<R: Real> Run<R> {
         let len = self.len();
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         for axis in 0..3 {
-            let most = (dims[axis] - 1) as f64;
+            let max_index = (dims[axis] - 1) as f64;
             for j in 0..len {
                 let x = origin[axis] + direction[axis] * self.distance(j);
-                self.position[axis][j] = R::from_f64(x.clamp(0.0, most));
+                self.position[axis][j] = R::from_f64(x.clamp(0.0, max_index));
             }
         }
     }

@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use vr_core::*;
-use vr_raycast::{Classification, Precision, RayCaster, Rule, Traversal, Vector};
+use vr_raycast::{Precision, RayCaster, Rule, TransferLookup, Traversal, Vector};
 
 /// Lower bound of all stored numbers: f32 numbers are 6·10⁻⁵ apart there.
 const BASE: f64 = 1000.0;
@@ -35,7 +35,7 @@ fn fine_casters() -> [(&'static str, RayCaster, f64); 7] {
         ("uniform", uniform.clone(), one_step),
         ("without packets", RayCaster { vector: Vector::Off, ..uniform.clone() }, one_step),
         ("f64", RayCaster { precision: Precision::F64, ..uniform.clone() }, one_step),
-        ("evaluated", RayCaster { classification: Classification::Exact, ..uniform.clone() }, one_step),
+        ("evaluated", RayCaster { transfer_lookup: TransferLookup::Exact, ..uniform.clone() }, one_step),
         ("exact", RayCaster::exact(0.05), one_step),
         ("cells", RayCaster { traversal: Traversal::Cells, ..uniform.clone() }, one_step),
         ("linear", RayCaster { rule: Rule::Linear, ..uniform }, 3e-4),

@@ -8,13 +8,13 @@ use vr_kernels::ranges::LevelRanges;
 
 use super::straightness::bends;
 use crate::caster::{RayCaster, Step, Traversal};
-use crate::tolerance::optics::{Extremes, Optics};
+use crate::error_bound::optics::{Extremes, Optics};
 
 /// For every block of 4³ cells, the largest node of an octree around it that a ray may cross in one step.
 ///
 /// Laur and Hanrahan 1991 (*Hierarchical splatting*) and Danskin and Hanrahan 1992 (*Fast algorithms for volume ray tracing*) keep a mean
 /// and an error per node. Here a node has the range of its values, from which the ranges of κ and of the source follow exactly. A step of
-/// length l through a node, with one sample anywhere in it, is off (see `tolerance/README.md` for why errors add up as they do)
+/// length l through a node, with one sample anywhere in it, is off (see `error_bound/README.md` for why errors add up as they do)
 ///
 /// * in its transparency by at most l·Δκ·e^(−κ₀l), where κ lies in [κ₀, κ₀ + Δκ]; and so a pixel by T·M times that, T being the
 ///   transmittance in front and M the largest radiance from behind;
@@ -188,7 +188,7 @@ struct Verdicts {
     across: f64,
     block: f64,
     /// The largest radiance from behind.
-    most: f64,
+    max_light: f64,
     error: f64,
 }
 
@@ -210,7 +210,7 @@ impl Verdicts {
         let optics = Optics::new(transfer, volume.calibration(), f64::from(low.abs().max(high.abs())));
         let corners = volume.corners();
         let across = (0..4).map(|i| corners[i].distance(corners[7 - i])).fold(0.0, f64::max);
-        let most = optics.brightest * if optics.emits { 1.5 * across } else { 1.0 };
+        let max_light = optics.brightest * if optics.emits { 1.5 * across } else { 1.0 };
         // A range may fall short of the field by a hundredth of a level; and what cubic filters overshoot belongs to the outermost levels.
         let spacing = levels.stored(1) - levels.stored(0);
         let room = LevelRanges::SLACK * spacing + optics.knot_error;
@@ -232,7 +232,7 @@ impl Verdicts {
         let table =
             (0..1usize << 16).into_par_iter().map(|i| (i >> 8 <= i & 255).then(|| medium(i >> 8, i & 255))).collect();
         let block = Homogeneity::EDGE as f64 * volume.placement().spacing().element_sum();
-        Self { table, emits: optics.emits, across, block, most: most.max(1.0), error }
+        Self { table, emits: optics.emits, across, block, max_light: max_light.max(1.0), error }
     }
 
     fn of(&self, range: Range, level: u32) -> Verdict {
@@ -249,10 +249,10 @@ impl Verdicts {
         let bend = f64::from(range.bend);
         let straight = |[slope, off]: [f64; 2]| 2.0 * (if slope == 0.0 { 0.0 } else { slope * bend } + off);
         let spread = largest - least;
-        let opacity = spread.min(straight(m.bent[0])) * self.most;
+        let opacity = spread.min(straight(m.bent[0])) * self.max_light;
         let keeps = if self.emits {
             // What an emission absorbs itself changes along the step: no more than its own range can tell.
-            spread * self.most <= 0.5 * self.error / self.across && m.width <= 0.5 * self.error / self.across
+            spread * self.max_light <= 0.5 * self.error / self.across && m.width <= 0.5 * self.error / self.across
         } else {
             let length = self.block * f64::from(1u32 << level);
             let uneven = 0.5 * (largest / least * libm::exp(largest * length) - 1.0);

@@ -34,7 +34,7 @@ use first::First;
 use over_back_to_front::OverBackToFront;
 use over_front_to_back::OverFrontToBack;
 
-use crate::caster::Order;
+use crate::caster::CompositingOrder;
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -77,11 +77,15 @@ pub(crate) trait Operator<R: Real> {
 }
 
 /// Makes the operator of a scene for one thread.
-pub(crate) fn operator<R: Real>(scene: &Scene, calibration: Calibration, order: Order) -> Box<dyn Operator<R>> {
+pub(crate) fn operator<R: Real>(
+    scene: &Scene,
+    calibration: Calibration,
+    order: CompositingOrder,
+) -> Box<dyn Operator<R>> {
     let transfer = || Arc::clone(&scene.transfer);
     match (scene.compositing, order) {
-        (Compositing::Over, Order::BackToFront) => Box::new(OverBackToFront::default()),
-        (Compositing::Over, Order::FrontToBack { termination }) => {
+        (Compositing::Over, CompositingOrder::BackToFront) => Box::new(OverBackToFront::default()),
+        (Compositing::Over, CompositingOrder::FrontToBack { termination }) => {
             Box::new(OverFrontToBack::new(termination, scene.max_radiance()))
         }
         (Compositing::Accumulate { level }, _) => Box::new(Accumulate::new(level)),

@@ -30,7 +30,7 @@ struct Gain {
 }
 
 /// Halvings of a piece: the logarithm at α = 1 is then enclosed to 10⁻¹³.
-const MOST_HALVINGS: u32 = 48;
+const MAX_HALVINGS: u32 = 48;
 /// Two results that agree so far, relative to 1 or to what is larger, are the same.
 const AGREEMENT: f64 = 1e-13;
 /// Optical depth behind which nothing is left to see in f64.
@@ -88,7 +88,7 @@ impl ExactIntegral {
                     break;
                 }
                 let piece = Piece { integral: self, segment, value, length };
-                total = total.before(piece.gain(from, to, MOST_HALVINGS));
+                total = total.before(piece.gain(from, to, MAX_HALVINGS));
             }
             from = to;
             if total.depth > BLIND {

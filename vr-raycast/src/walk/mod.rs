@@ -14,8 +14,8 @@ pub(crate) use listed::ListedWalk;
 use vr_core::IndexRay;
 
 use crate::leap::Leaper;
-use crate::pace::PaceMap;
 use crate::run::Steps;
+use crate::step_map::StepMap;
 use cells::cell_walk;
 use lattice::LatticeWalk;
 use local::LocalWalk;
@@ -36,7 +36,7 @@ pub(crate) enum WalkKind<'a> {
     /// All are alike, but for those in which nothing is visible.
     Lattice(Option<&'a dyn Leaper>),
     /// As long as what is in each place allows.
-    Local(&'a PaceMap),
+    Local(&'a StepMap),
     /// From cell to cell.
     Cells,
     /// As a classic has it.

@@ -7,11 +7,11 @@ use vr_core::image_order::in_parallel;
 use vr_core::{Control, Counts, Feature, Frame, GridVolume, Rays, RenderError, RenderStats, Rendered, Scene, View};
 use vr_kernels::tables::BakedTransfer;
 
-use crate::caster::{Order, RayCaster};
+use crate::capabilities::unsupported;
+use crate::caster::{CompositingOrder, RayCaster};
 use crate::screen::spots_of_pixel;
-use crate::support::unsupported;
 use crate::table_range::table_range;
-use crate::tracer::Traced;
+use crate::tracer::RaySample;
 use crate::walk::Lattice;
 use base_plane::BasePlane;
 use tile::{ACROSS, DOWN, TemplateRays, TemplateStep};
@@ -47,13 +47,13 @@ pub(crate) fn draw_by_template(
     view: &View,
     control: &Control,
 ) -> Result<Rendered, RenderError> {
-    let Order::FrontToBack { termination } = caster.order else {
+    let CompositingOrder::FrontToBack { termination } = caster.order else {
         return Err(unsupported(Feature::Compositing, "compositing back to front with a template screen"));
     };
     let (low, high) = scene.volume.bounds();
-    let most = scene.max_radiance().over(low.distance(high));
+    let max_light = scene.max_radiance().over(low.distance(high));
     let step = caster.world_step(volume.placement());
-    let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
+    let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / max_light };
     let range = table_range(volume, &scene.transfer);
     let integer = volume.voxel_type().is_integer();
     let bake = |length| BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, length);
@@ -184,16 +184,16 @@ impl Template<'_> {
     ) -> Result<Frame, RenderError> {
         let rows = in_parallel(control, view.size[1], |y| {
             let pixel = |x: u32| {
-                let values: Vec<Traced> = spots_of_pixel(view, [x, y])
+                let values: Vec<RaySample> = spots_of_pixel(view, [x, y])
                     .map(|spot| {
                         let (at, distance) = plane.meet(&rays.at(spot.x, spot.y), self.volume.placement());
                         let slices = f64::from(picture.nearest_depth(at));
-                        Traced { rgba: picture.between(at), depth: (distance + slices * plane.slice) as f32 }
+                        RaySample { rgba: picture.between(at), depth: (distance + slices * plane.slice) as f32 }
                     })
                     .collect();
-                Traced::mean(&values)
+                RaySample::mean(&values)
             };
-            (0..view.size[0]).map(pixel).collect::<Vec<Traced>>()
+            (0..view.size[0]).map(pixel).collect::<Vec<RaySample>>()
         })?;
         let pixels = || rows.iter().flatten();
         Ok(Frame::new(view.size, pixels().map(|p| p.rgba).collect(), Some(pixels().map(|p| p.depth).collect())))

@@ -1,4 +1,4 @@
-//! The promise of [`Step::Tolerance`]: no component of a pixel is further from the truth than asked for.
+//! The bound of [`Step::ErrorBound`]: no component of a pixel is further from the truth than asked for.
 
 mod common;
 
@@ -13,12 +13,12 @@ use vr_core::*;
 use vr_physics::check::FixedLayer;
 use vr_physics::check::{TestScene, strategies};
 use vr_physics::{Certainty, Reference, cases};
-use vr_raycast::{Order, Precision, RayCaster, Rule, Step, Traversal};
+use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, Traversal};
 
 const ERRORS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 
 fn promising(error: f64) -> RayCaster {
-    RayCaster { step: Step::Tolerance(error), ..RayCaster::default() }
+    RayCaster { step: Step::ErrorBound(error), ..RayCaster::default() }
 }
 
 /// Comparison of a picture with the correct one.
@@ -247,8 +247,8 @@ fn what_has_no_bound_at_all_is_refused() {
     for caster in [
         RayCaster { rule: Rule::Left, ..promising(0.1) },
         RayCaster { traversal: Traversal::Cells, ..promising(0.1) },
-        RayCaster { order: Order::BackToFront, ..promising(0.1) },
-        RayCaster { order: Order::FrontToBack { termination: 0.5 }, ..promising(0.1) },
+        RayCaster { order: CompositingOrder::BackToFront, ..promising(0.1) },
+        RayCaster { order: CompositingOrder::FrontToBack { termination: 0.5 }, ..promising(0.1) },
     ] {
         assert!(matches!(caster.prepare(&scene, &control), Err(RenderError::Option(_))), "{caster:?}");
     }

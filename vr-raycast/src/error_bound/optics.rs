@@ -3,7 +3,7 @@
 use vr_core::transfer::{Optical, Segment};
 use vr_core::{Calibration, OpacityRule, TransferFunction};
 
-/// The transfer function as the promise needs it: pieces over *stored* numbers, in which opacity and source are linear.
+/// The transfer function as the error bound needs it: pieces over *stored* numbers, in which opacity and source are linear.
 ///
 /// The *source* is the colour of a density emitter, or the emission per world unit where that is given on its own.
 #[derive(Clone, Debug)]

@@ -117,10 +117,10 @@ fn trilinear<R: Real, T: Voxel>(
 
 /// Largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.
 fn misplaced(ray: &IndexRay, dims: [usize; 3]) -> f64 {
-    let most = dims.iter().fold(1.0f64, |m, &n| m.max(n as f64));
+    let max_size = dims.iter().fold(1.0f64, |m, &n| m.max(n as f64));
     let far = ray.start.abs().max(ray.end.abs());
     let size = (ray.direction * far).abs().max_element().max(ray.origin.abs().max_element());
-    4.0 * f64::EPSILON * most.max(size)
+    4.0 * f64::EPSILON * max_size.max(size)
 }
 
 /// Distance at which a ray leaves a block.

@@ -1,6 +1,6 @@
 //! Features of a transfer function so narrow that a step may miss them: peaks and gaps, as thick in space as the field's slope makes them.
 
-use super::PaceMap;
+use super::StepMap;
 
 /// A peak or a gap of extinction, or of emission, over values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,14 +39,14 @@ impl Features {
     pub(super) fn longest_step(&self, [low, high]: [f64; 2], usual: f64, voxel: f64, error: f64) -> f64 {
         let mut longest = usual;
         for feature in &self.0 {
-            let thick = PaceMap::EDGE as f64 * feature.width / (high - low);
+            let thick = StepMap::EDGE as f64 * feature.width / (high - low);
             // They are sorted: no further one is thinner.
             if thick >= 2.0 * usual {
                 break;
             }
             if feature.from < high && feature.to > low {
                 let light = (feature.height * thick * voxel).min(1.0);
-                longest = longest.min(thick * libm::sqrt(error / (MISSED * light)).max(LEAST_PART));
+                longest = longest.min(thick * libm::sqrt(error / (MISSED * light)).max(MIN_PART));
             }
         }
         longest
@@ -54,7 +54,7 @@ impl Features {
 }
 
 /// No step need be shorter than this part of a feature.
-const LEAST_PART: f64 = 0.125;
+const MIN_PART: f64 = 0.125;
 
 /// The peaks and gaps of one number over values.
 fn of_one(points: &[(f64, f64)]) -> Vec<Feature> {

@@ -2,7 +2,7 @@
 
 /// Choice of the rays that a picture is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Screen {
+pub enum ImageSampling {
     /// Those of every pixel.
     #[default]
     EveryPixel,
@@ -17,7 +17,7 @@ pub enum Screen {
     },
     /// Every pixel's, each begun where its part of the view can show something first. That is projected for each view from what
     /// earlier pictures met first (a C-buffer; Yagel and Shi, *Accelerating volume animation by space-leaping*, 1993). The picture is that
-    /// of [`Screen::EveryPixel`], bit for bit. For samples at equal distances by the rules
+    /// of [`ImageSampling::EveryPixel`], bit for bit. For samples at equal distances by the rules
     /// midpoint and left, under over and accumulate.
     #[cfg(feature = "classics")]
     Coherent,
@@ -31,7 +31,7 @@ pub enum Screen {
     },
 }
 
-impl Screen {
+impl ImageSampling {
     /// As options name it.
     pub const fn name(self) -> &'static str {
         match self {

@@ -5,7 +5,7 @@ use vr_core::{Calibration, Scene, TransferFunction};
 use vr_kernels::ranges::LevelRanges;
 
 use super::features::Features;
-use super::{CLASSES, CLEAR, LONGEST, PaceMap, SHORTEST};
+use super::{CLASSES, CLEAR, LONGEST, SHORTEST, StepMap};
 
 /// Error per unit length that is allowed for an error of 1 of the picture: calibrated on ten scenes, opaque and translucent, so that their
 /// RMSE is the error asked for or less.
@@ -93,7 +93,7 @@ impl Classes {
                 return CLEAR;
             }
             let change = (variation.largest(shaded) * voxel).min(SATURATION);
-            let voxels = if change > 0.0 { PaceMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
+            let voxels = if change > 0.0 { StepMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
             let (a, b) = (value(low), value(high));
             class_of(features.longest_step([a.min(b), a.max(b)], voxels, voxel, error))
         };
