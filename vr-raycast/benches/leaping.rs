@@ -1,4 +1,4 @@
-//! What leaping over empty space gains in the plain engine, and what it costs, as tables: processor time of whole frames, each beside the plain walk in
+//! Gain and cost of leaping over empty space in the plain engine, as tables: processor time of whole frames, each beside the plain walk in
 //! the same run, the best of several interleaved rounds.
 //!
 //! `cargo bench -p vr-raycast --bench leaping`. With VR_TEST_DATA set, also on a real scan (bonsai, 256³). The step is one voxel: with
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use vr_core::phantom::{self, Blobs, Fog, Phantom, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
-use vr_raycast::{Leaping, RayCaster, Step, Vector};
+use vr_raycast::{EmptySpace, RayCaster, Step, Vector};
 
 /// Time that this program's threads have spent on processors: what other programs do meanwhile does not count (but for what they do to
 /// caches). Where the system does not tell, wall-clock time.
@@ -28,14 +28,14 @@ fn processor_time() -> Duration {
 }
 
 const ROUNDS: usize = 5;
-const LEAPINGS: [(&str, Leaping); 7] = [
-    ("none", Leaping::None),
-    ("octree", Leaping::Octree),
-    ("pyramid", Leaping::Pyramid),
-    ("exact cloud", Leaping::ExactCloud),
-    ("chessboard cloud", Leaping::ChessboardCloud),
-    ("boxes", Leaping::Boxes),
-    ("polyhedron", Leaping::Polyhedron),
+const LEAPINGS: [(&str, EmptySpace); 7] = [
+    ("none", EmptySpace::None),
+    ("octree", EmptySpace::Octree),
+    ("pyramid", EmptySpace::Pyramid),
+    ("exact cloud", EmptySpace::ExactCloud),
+    ("chessboard cloud", EmptySpace::ChessboardCloud),
+    ("boxes", EmptySpace::Boxes),
+    ("polyhedron", EmptySpace::Polyhedron),
 ];
 
 /// A phantom as `n`³ bytes; opacities as they are meant, whatever the size.
@@ -73,11 +73,19 @@ fn scan_scene(volume: &Volume, opacities: [f64; 3]) -> Scene {
 /// The casters: every structure, and coarse steps.
 fn casters(step: f64) -> Vec<(&'static str, RayCaster)> {
     let of = |(name, leaping)| {
-        (name, RayCaster { step: Step::Uniform(step), leaping, vector: Vector::Off, ..RayCaster::uniform(0.2) })
+        (
+            name,
+            RayCaster {
+                step: Step::Uniform(step),
+                empty_space: leaping,
+                vector: Vector::Off,
+                ..RayCaster::uniform(0.2)
+            },
+        )
     };
     let coarse = RayCaster {
         step: Step::Vicinity { coarse: 8.0, fine: step },
-        leaping: Leaping::None,
+        empty_space: EmptySpace::None,
         ..RayCaster::uniform(0.2)
     };
     LEAPINGS.map(of).into_iter().chain([("vicinity 8", coarse)]).collect()

@@ -11,7 +11,7 @@ use vr_core::{
     Camera, Compositing, Control, ControlPoint, OpacityRule, Renderer, Scene, TransferFunction, UniformGrid, View,
     Volume,
 };
-use vr_raycast::{Order, RayCaster, Step, Vector};
+use vr_raycast::{CompositingOrder, RayCaster, Step, Vector};
 
 /// Fog of `n`³ samples of a type, thin: opacity 10⁻³ a voxel at most.
 fn fog<T: Quantize>(n: usize) -> Scene
@@ -44,7 +44,7 @@ fn samples(c: &mut Criterion) {
             ] {
                 let scene = Scene { compositing, ..scene.clone() };
                 let step = Step::Uniform(1.0);
-                let caster = RayCaster { step, vector, order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+                let caster = RayCaster { step, vector, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
                 let mut prepared = caster.prepare(&scene, &control).expect("a uniform grid");
                 let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [64, 64]);
                 let counts = prepared.render(&view, &control).expect("a valid view").stats.counts;

@@ -1,4 +1,4 @@
-//! What the choice of rays gains, and how far it changes the picture.
+//! Tables of the time that the choice of rays saves, and of how far it changes the picture.
 //!
 //! `cargo bench -p vr-raycast --bench screen` times single pictures. With `-- --table` it prints the tables of `docs/figures/vr-raycast.md`
 //! instead: pictures of 512×512 at a step of one voxel, against every pixel's rays in the same run.
@@ -13,7 +13,7 @@ use vr_core::{
     Calibration, Camera, Control, ControlPoint, Frame, OpacityRule, Placement, Renderer, Scene, TransferFunction,
     UniformGrid, View,
 };
-use vr_raycast::{Connectivity, RayCaster, Screen, Step};
+use vr_raycast::{Connectivity, ImageSampling, RayCaster, Step};
 
 fn of_phantom(name: &str, n: usize) -> Scene {
     let phantom: Box<dyn Phantom> = phantom::by_name(name).expect("a known phantom");
@@ -46,16 +46,16 @@ fn view(scene: &Scene, size: u32, azimuth: f64, fov: Option<f64>) -> View {
     View::new(Camera::framing(scene.volume.bounds(), 20.0, 15.0, fov).orbit(azimuth, 0.0), [size; 2])
 }
 
-fn caster(screen: Screen) -> RayCaster {
-    RayCaster { screen, step: Step::Uniform(1.0), ..RayCaster::uniform(0.2) }
+fn caster(screen: ImageSampling) -> RayCaster {
+    RayCaster { image_sampling: screen, step: Step::Uniform(1.0), ..RayCaster::uniform(0.2) }
 }
 
-const SCREENS: [(&str, Screen); 5] = [
-    ("every-pixel", Screen::EveryPixel),
-    ("adaptive", Screen::Adaptive { threshold: 0.05 }),
-    ("coherent", Screen::Coherent),
-    ("template-discrete", Screen::Template { connectivity: Connectivity::Discrete }),
-    ("template-continuous", Screen::Template { connectivity: Connectivity::Continuous }),
+const SCREENS: [(&str, ImageSampling); 5] = [
+    ("every-pixel", ImageSampling::EveryPixel),
+    ("adaptive", ImageSampling::Adaptive { threshold: 0.05 }),
+    ("coherent", ImageSampling::Coherent),
+    ("template-discrete", ImageSampling::Template { connectivity: Connectivity::Discrete }),
+    ("template-continuous", ImageSampling::Template { connectivity: Connectivity::Continuous }),
 ];
 
 /// Processor time of this process in user mode, in seconds: wall-clock time says more of what else the machine does. Linux only.
@@ -66,10 +66,10 @@ fn processor_seconds() -> f64 {
     rest.split_whitespace().nth(11).and_then(|t| t.parse::<f64>().ok()).expect("a number") / 100.0
 }
 
-/// What some pictures took together.
+/// Totals over some pictures.
 struct Taken {
     seconds: f64,
-    /// Of them, for the projection of the coherent screen; wall-clock time.
+    /// Part of `seconds` spent on the projection of the coherent screen; wall-clock time.
     projection: f64,
     samples: u64,
     frames: Vec<Frame>,
@@ -108,8 +108,8 @@ fn tables() {
     for (name, scene) in scenes(n) {
         for degrees in [10.0, 1.0] {
             let views: Vec<View> = (0..36).map(|k| view(&scene, 512, degrees * f64::from(k), None)).collect();
-            let plain = run(&caster(Screen::EveryPixel), &scene, &views);
-            let coherent = run(&caster(Screen::Coherent), &scene, &views);
+            let plain = run(&caster(ImageSampling::EveryPixel), &scene, &views);
+            let coherent = run(&caster(ImageSampling::Coherent), &scene, &views);
             assert_eq!(coherent.frames, plain.frames, "{name}: the same pictures");
             println!(
                 "| {name} | 36 × {degrees}° | {:.0} | {:.0} | {:.1} | {:.2} | {:.0} % |",
@@ -125,11 +125,11 @@ fn tables() {
     println!("|---|---|---|---|---|---|");
     for (name, scene) in scenes(n) {
         let views: Vec<View> = (0..12).map(|k| view(&scene, 512, 25.0 * f64::from(k), None)).collect();
-        let plain = run(&caster(Screen::EveryPixel), &scene, &views);
+        let plain = run(&caster(ImageSampling::EveryPixel), &scene, &views);
         println!("| {name} | every-pixel | {:.0} | 1 | | |", plain.seconds / 12.0 * 1e3);
-        let mut all: Vec<(String, Screen)> = SCREENS[2..].iter().map(|(n, s)| ((*n).to_owned(), *s)).collect();
+        let mut all: Vec<(String, ImageSampling)> = SCREENS[2..].iter().map(|(n, s)| ((*n).to_owned(), *s)).collect();
         for threshold in [0.02, 0.08, 0.3] {
-            all.push((format!("adaptive {threshold}"), Screen::Adaptive { threshold }));
+            all.push((format!("adaptive {threshold}"), ImageSampling::Adaptive { threshold }));
         }
         for (screen_name, screen) in all {
             let taken = run(&caster(screen), &scene, &views);

@@ -1,4 +1,4 @@
-//! What homogeneous steps save, and cost: `cargo run --release --example homogeneity_gain`.
+//! Measures what homogeneous steps save and cost: `cargo run --release --example homogeneity_gain`.
 use std::time::Instant;
 
 use vr_core::phantom::{self, sample};

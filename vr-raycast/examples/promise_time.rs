@@ -20,7 +20,8 @@ fn main() {
         let view = View::new(camera, [size, size]);
         let mut casters = vec![("step 0.2".to_owned(), RayCaster::uniform(0.2))];
         for e in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
-            casters.push((format!("promise {e:e}"), RayCaster { step: Step::Tolerance(e), ..RayCaster::uniform(0.2) }));
+            casters
+                .push((format!("promise {e:e}"), RayCaster { step: Step::ErrorBound(e), ..RayCaster::uniform(0.2) }));
         }
         for (what, caster) in casters {
             let start = Instant::now();

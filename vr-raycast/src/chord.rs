@@ -66,7 +66,7 @@ impl Chord<'_> {
         }
     }
 
-    /// Where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and a point where it does.
+    /// Point where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and a point where it does.
     pub(crate) fn crossing(&self, below: f64, reached: Crossing, sign: f64, threshold: f64) -> Crossing {
         let search = Bisection { chord: self, below, reached, sign, threshold };
         match self.source {
@@ -154,10 +154,10 @@ impl SamplerVisitor for Bisection<'_> {
     type Output = Crossing;
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> Crossing {
-        let (chord, most) = (self.chord, self.chord.source.dims().map(|n| (n - 1) as f64));
+        let (chord, max_index) = (self.chord, self.chord.source.dims().map(|n| (n - 1) as f64));
         self.by(|distance| {
             let at = chord.ray.at(distance).to_array();
-            sampler.value::<f64>(std::array::from_fn(|a| at[a].clamp(0.0, most[a])))
+            sampler.value::<f64>(std::array::from_fn(|a| at[a].clamp(0.0, max_index[a])))
         })
     }
 }

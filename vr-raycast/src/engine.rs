@@ -1,29 +1,29 @@
-//! What draws a scene.
+//! Engines that draw a scene.
 
 use vr_core::{RenderError, Scene};
 
 use crate::caster::{RayCaster, Step};
-use crate::instruments::Kernel;
+use crate::error_bound::ErrorBound;
 use crate::packet::PacketEngine;
+use crate::render_tables::TablesByPrecision;
 use crate::source::Source;
-use crate::tolerance::Promise;
 
-/// What draws a scene.
+/// Engine that draws a scene.
 pub(crate) enum Engine {
     /// One ray after another, by any settings.
-    Plain(Kernel),
+    Plain(TablesByPrecision),
     /// Sixteen rays at once, where vector code knows the scene and the settings.
-    Packets(Box<PacketEngine>, Kernel),
+    Packets(Box<PacketEngine>, TablesByPrecision),
     /// In steps that a promised error asks for.
-    Promise(Box<Promise>),
+    ErrorBound(Box<ErrorBound>),
 }
 
 impl Engine {
-    /// What the plain engine looks things up in, where it may draw.
-    pub(crate) fn kernel(&self) -> Option<&Kernel> {
+    /// Tables of the plain engine, where it may draw.
+    pub(crate) fn kernel(&self) -> Option<&TablesByPrecision> {
         match self {
             Self::Plain(kernel) | Self::Packets(_, kernel) => Some(kernel),
-            Self::Promise(_) => None,
+            Self::ErrorBound(_) => None,
         }
     }
 
@@ -37,19 +37,21 @@ impl Engine {
         source: &Source,
         last: Option<(&Scene, &Self)>,
     ) -> Result<Self, RenderError> {
-        let Source::Grid(volume) = source else { return Ok(Self::Plain(Kernel::of_field(scene, source.placement()))) };
-        if let Step::Tolerance(error) = caster.step {
-            let promise = Promise::new(error, scene, volume)?;
-            return Ok(Self::Promise(Box::new(promise)));
+        let Source::Grid(volume) = source else {
+            return Ok(Self::Plain(TablesByPrecision::of_field(scene, source.placement())));
+        };
+        if let Step::ErrorBound(error) = caster.step {
+            let error_bound = ErrorBound::new(error, scene, volume)?;
+            return Ok(Self::ErrorBound(Box::new(error_bound)));
         }
         let last = match last {
             Some((scene, engine)) => engine.kernel().map(|kernel| (scene, kernel)),
             None => None,
         };
-        let mut kernel = Kernel::new(caster, scene, volume, last);
+        let mut kernel = TablesByPrecision::new(caster, scene, volume, last);
         let packets = match &kernel {
-            Kernel::F32(instruments) => PacketEngine::new(caster, scene, volume, instruments),
-            Kernel::F64(_) => None,
+            TablesByPrecision::F32(tables) => PacketEngine::new(caster, scene, volume, tables),
+            TablesByPrecision::F64(_) => None,
         };
         Ok(match packets {
             Some(packets) => Self::Packets(Box::new(packets), kernel),

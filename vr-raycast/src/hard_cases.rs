@@ -2,7 +2,7 @@
 
 use vr_core::{DocumentedError, Filter, HardCaseErrors};
 
-use crate::caster::{RayCaster, Rule, Screen, Step, Traversal};
+use crate::caster::{ImageSampling, RayCaster, Rule, Step, Traversal};
 
 /// Uniform steps of which every bound is known; shorter ones are no worse.
 const FINE: f64 = 0.2;
@@ -41,15 +41,15 @@ impl RayCaster {
         let plain = Self { step: self.step, precision: self.precision, ..Self::default() };
         let comparable = Self {
             order: plain.order,
-            leaping: plain.leaping,
-            classification: plain.classification,
+            empty_space: plain.empty_space,
+            transfer_lookup: plain.transfer_lookup,
             vector: plain.vector,
             filter: self.filter.filter(|&f| f != Filter::Trilinear),
             ..self.clone()
         };
         let midpoint = comparable == plain && self.rule == Rule::Midpoint && self.traversal == Traversal::Samples;
         let by_case = match self.step {
-            Step::Tolerance(error) if self.screen == Screen::EveryPixel => {
+            Step::ErrorBound(error) if self.image_sampling == ImageSampling::EveryPixel => {
                 return HardCaseErrors { otherwise: Some(error.into()), ..HardCaseErrors::default() };
             }
             Step::Uniform(step) if midpoint && step <= FINE => ERRORS.map(|(case, fine, _)| (case, fine)),
@@ -76,7 +76,7 @@ mod tests {
         assert_eq!(bound(RayCaster::uniform(0.2)), Some(6e-4));
         assert_eq!(bound(RayCaster::exact(0.1)), Some(6e-4));
         assert_eq!(bound(RayCaster::uniform(0.5)), None);
-        assert_eq!(bound(RayCaster { step: Step::Tolerance(1e-3), ..RayCaster::default() }), Some(1e-3));
+        assert_eq!(bound(RayCaster { step: Step::ErrorBound(1e-3), ..RayCaster::default() }), Some(1e-3));
         assert_eq!(bound(RayCaster { filter: Some(Filter::Nearest), ..RayCaster::default() }), None);
         assert_eq!(RayCaster::default().documented_errors().for_case("easy"), None);
     }

@@ -1,17 +1,17 @@
 //! Image-order volume rendering on the CPU: a ray through every pixel, sampled where it matters.
 //!
-//! What is done for each ray:
+//! For each ray:
 //!
 //! 1. **Cut**: the part of the ray inside the box, the clip and before an opaque layer, in f64, in index space.
 //! 2. **Walk**: that part is cut into steps ([`Step`]): as long as what is in each place allows (the default), all of one length, as
-//!    long as a promised error permits, or from cell to cell ([`Traversal`]). What cannot be seen is leaped over ([`Leaping`]).
+//!    long as a promised error permits, or from cell to cell ([`Traversal`]). What cannot be seen is leaped over ([`EmptySpace`]).
 //! 3. **Sample**: the field in each step, by the reconstruction filter.
 //! 4. **Classify**: values, looked up in the transfer function *after* reconstruction, become the light and the opacity of the step, by one
 //!    of the integration rules ([`Rule`]), with the light that the step absorbs itself taken off.
 //! 5. **Shade**, where the scene is shaded, by the gradient at the sample.
 //! 6. **Composite** with the scene's operator.
 //!
-//! Which rays there are is a choice, too ([`Screen`]): those of every pixel, or fewer.
+//! The rays are a choice, too ([`ImageSampling`]): those of every pixel, or fewer.
 //!
 //! Two engines do this. The *plain* one takes every scene and setting: samples go through the passes in runs of 32, each pass generic
 //! code, instantiated for what it depends on and chosen once a run. The *vector* one ([`Vector`]) takes rays in packets of sixteen with
@@ -66,7 +66,7 @@
 //! ([`vr_kernels::tables::BakedTransfer::error`]) and early termination (10⁻⁴ by default). [`RayCaster::exact`] has none of
 //! them; its floor is that of a frame, which holds f32.
 //!
-//! What is missed between two samples is missed: a shell thinner than a step, a crossing there and back. The largest errors on the hard
+//! A feature between two samples is missed: a shell thinner than a step, a crossing there and back. The largest errors on the hard
 //! cases of `vr-physics`, by default ([`Step::Local`], aimed at an RMSE of [`Step::ERROR`]) and in uniform steps of ⅕:
 //!
 //! | case | default | steps of ⅕ | why |
@@ -83,7 +83,7 @@
 //! | constant | 2·10⁻⁷ | 2·10⁻⁷ | |
 //!
 //! # Empty space
-//! Under over, accumulate and first, steps in which nothing can be visible are not sampled. [`Leaping`] says how rays find them; no way
+//! Under over, accumulate and first, steps in which nothing can be visible are not sampled. [`EmptySpace`] says how rays find them; no way
 //! changes a picture by a bit, its depths included.
 //!
 //! # Classics
@@ -92,7 +92,7 @@
 //! README in `src/classics` tells what each was for and what beat it.
 //!
 //! # A promised error
-//! [`Step::Tolerance`] takes no step of a given length, but as long ones as an error allows: no component of a pixel is further from
+//! [`Step::ErrorBound`] takes no step of a given length, but as long ones as an error allows: no component of a pixel is further from
 //! the truth than asked for, or else its ray is counted ([`vr_core::Counts::unbounded`]). Every step comes with a bound; the README in
 //! `src/tolerance` derives them. It is what to use where an error must not be exceeded, and for thin shells, walls and noise, of which
 //! samples at distances tell too little. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
@@ -104,24 +104,25 @@
 // What the modules hold for classics alone; the check for dead code is that with all features.
 #![cfg_attr(not(feature = "classics"), allow(dead_code))]
 
+mod capabilities;
 mod caster;
 mod chord;
 #[cfg(feature = "classics")]
 mod classics;
 mod classify;
 mod engine;
+mod error_bound;
 mod hard_cases;
-mod instruments;
 mod leap;
 mod near_depths;
 mod operator;
 mod options;
-mod pace;
 mod packet;
 mod pipeline;
 mod prepared;
 mod projection;
 mod ray_value;
+mod render_tables;
 mod renderer;
 mod root;
 mod rule;
@@ -130,13 +131,14 @@ mod screen;
 mod shade;
 mod silhouette;
 mod source;
+mod step_map;
 mod study;
-mod support;
 mod table_range;
-mod tolerance;
 mod tracer;
 mod walk;
 
-pub use caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector};
+pub use caster::{
+    CompositingOrder, EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, TransferLookup, Traversal, Vector,
+};
 #[cfg(feature = "classics")]
 pub use classics::Connectivity;

@@ -1,4 +1,4 @@
-//! How near the first thing that a view may show is, tile by tile.
+//! Least depth of anything that a view may show, tile by tile.
 
 use rayon::prelude::*;
 use vr_core::image_order::ImageSample;
@@ -14,7 +14,7 @@ pub(crate) struct NearDepths {
 }
 
 impl NearDepths {
-    /// Of a view of so many pixels, in which nothing can be seen yet.
+    /// Returns the depths of a view of so many pixels, in which nothing can be seen yet.
     pub(crate) fn nothing(size: [u32; 2]) -> Self {
         let [across, down] = size.map(|n| n.div_ceil(TILE));
         Self { size, across, depth: vec![f64::INFINITY; (across * down) as usize] }
@@ -25,7 +25,7 @@ impl NearDepths {
         self.depth[(y / TILE * self.across + x / TILE) as usize]
     }
 
-    /// The same where a ray goes. Beyond the view's pixels anything is possible: nobody has looked there.
+    /// Returns the same for a ray. Beyond the view's pixels anything is possible: no box was projected there.
     pub(crate) fn at_spot(&self, spot: &ImageSample) -> f64 {
         let within = |x: f64, size: u32| x >= 0.0 && x < f64::from(size);
         if within(spot.x, self.size[0]) && within(spot.y, self.size[1]) {
@@ -69,7 +69,7 @@ impl Band<'_> {
         start + footprint.low[0] as usize..start + footprint.high[0] as usize + 1
     }
 
-    /// Whether a box would change anything: not where all tiles have something nearer already. (The test for hidden points.)
+    /// True if a box would change anything: not where all tiles have something nearer already. (The test for hidden points.)
     pub(crate) fn shows(&self, footprint: &Footprint) -> bool {
         self.rows(footprint).any(|row| self.depth[self.tiles(row, footprint)].iter().any(|&d| d > footprint.depth))
     }

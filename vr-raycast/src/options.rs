@@ -2,11 +2,13 @@
 
 use vr_core::{Configurable, DeclaredOption, Filter, MIN_MAX_ERROR, NumberRange, OptionTable};
 
-use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector};
+use crate::caster::{
+    CompositingOrder, EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, TransferLookup, Traversal, Vector,
+};
 #[cfg(feature = "classics")]
 use crate::classics::options as classics;
 
-/// What takes the place of the classics' options where they are left out.
+/// Stand-ins for the classics' options where they are left out.
 #[cfg(not(feature = "classics"))]
 mod classics {
     use super::*;
@@ -14,9 +16,9 @@ mod classics {
     pub(super) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; tolerance, as a promised error asks for; auto, local where light is followed, else uniform";
     pub(super) const STEPS_OF_ONE_LENGTH: &str = "steps=uniform";
     pub(super) const STEPS: [(&str, Step); 0] = [];
-    pub(super) const LEAPINGS: [(&str, Leaping); 0] = [];
+    pub(super) const LEAPINGS: [(&str, EmptySpace); 0] = [];
     pub(super) const TRAVERSALS: [(&str, Traversal); 0] = [];
-    pub(super) const SCREENS: [Screen; 0] = [];
+    pub(super) const SCREENS: [ImageSampling; 0] = [];
 
     pub(super) fn step_options() -> [DeclaredOption<RayCaster>; 0] {
         []
@@ -36,12 +38,12 @@ pub(crate) const LARGEST_ERROR: f64 = 1.0;
 
 const UNIFORM: Step = Step::Uniform(Step::OTHERWISE);
 const LOCAL: Step = Step::Local { error: Step::ERROR };
-const TOLERANCE: Step = Step::Tolerance(4e-3);
+const TOLERANCE: Step = Step::ErrorBound(4e-3);
 /// Kinds of steps, with the numbers that they have where none are given.
 const STEPS: [(&str, Step); 4] =
     [("auto", Step::Auto), ("uniform", UNIFORM), ("local", LOCAL), ("tolerance", TOLERANCE)];
 /// Its RMSE is a twentieth of the threshold or less: about what default steps are wrong by.
-const ADAPTIVE: Screen = Screen::Adaptive { threshold: 0.05 };
+const ADAPTIVE: ImageSampling = ImageSampling::Adaptive { threshold: 0.05 };
 
 impl Configurable for RayCaster {
     fn options() -> OptionTable<Self> {
@@ -94,15 +96,16 @@ fn step_options() -> [DeclaredOption<RayCaster>; 4] {
             ),
             NumberRange::at_least(MIN_MAX_ERROR).up_to(LARGEST_ERROR),
             ("steps=tolerance", |c| c.step = TOLERANCE),
-            |c| if let Step::Tolerance(error) = c.step { Some(error) } else { None },
-            |c, error| c.step = Step::Tolerance(error),
+            |c| if let Step::ErrorBound(error) = c.step { Some(error) } else { None },
+            |c, error| c.step = Step::ErrorBound(error),
         )
         .promise()
         .refuse(
             "a promised error leaves rule, traversal, order and termination to the caster: they must not be set",
             |c| {
                 let own = (c.order, c.rule, c.traversal);
-                matches!(c.step, Step::Tolerance(_)) && own != (Order::default(), Rule::default(), Traversal::default())
+                matches!(c.step, Step::ErrorBound(_))
+                    && own != (CompositingOrder::default(), Rule::default(), Traversal::default())
             },
         ),
     ]
@@ -111,30 +114,30 @@ fn step_options() -> [DeclaredOption<RayCaster>; 4] {
 /// All options but those of steps.
 fn other_options() -> [DeclaredOption<RayCaster>; 11] {
     let rules = [Rule::Midpoint, Rule::Left, Rule::Linear, Rule::Quadratic, Rule::Exact];
-    let screens = [Screen::EveryPixel, ADAPTIVE];
+    let screens = [ImageSampling::EveryPixel, ADAPTIVE];
     let filters = Filter::ALL.map(|filter| (filter.name(), Some(filter)));
     [
         DeclaredOption::<RayCaster>::choice(
             "leaping",
             "how rays find out where nothing is visible; changes no pixel. All but auto go with uniform steps, and all but auto and none with the plain engine",
             [
-                ("auto", Leaping::Auto),
-                ("none", Leaping::None),
-                ("exact-cloud", Leaping::ExactCloud),
+                ("auto", EmptySpace::Auto),
+                ("none", EmptySpace::None),
+                ("exact-cloud", EmptySpace::ExactCloud),
             ]
             .into_iter()
             .chain(classics::LEAPINGS),
-            |c| c.leaping,
-            |c, leaping| c.leaping = leaping,
+            |c| c.empty_space,
+            |c, leaping| c.empty_space = leaping,
         )
         .refuse("coarse steps find the empty space themselves: must be none", |c| {
-            c.step.finds_empty_space() && !matches!(c.leaping, Leaping::Auto | Leaping::None)
+            c.step.finds_empty_space() && !matches!(c.empty_space, EmptySpace::Auto | EmptySpace::None)
         })
         .refuse("every cell is walked: must be absent", |c| {
-            c.traversal != Traversal::Samples && c.leaping != Leaping::Auto
+            c.traversal != Traversal::Samples && c.empty_space != EmptySpace::Auto
         })
         .refuse("steps that follow the medium leap by a map of their own: needs uniform steps (set step)", |c| {
-            c.leaping != Leaping::Auto && !c.step.is_on_lattice()
+            c.empty_space != EmptySpace::Auto && !c.step.is_on_lattice()
         }),
         DeclaredOption::<RayCaster>::choice(
             "rule",
@@ -158,8 +161,8 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
         DeclaredOption::choice(
             "order",
             "from which end samples are composited; back-to-front is for over alone",
-            [("front-to-back", Order::default()), ("back-to-front", Order::BackToFront)],
-            |c: &RayCaster| if c.order == Order::BackToFront { Order::BackToFront } else { Order::default() },
+            [("front-to-back", CompositingOrder::default()), ("back-to-front", CompositingOrder::BackToFront)],
+            |c: &RayCaster| if c.order == CompositingOrder::BackToFront { CompositingOrder::BackToFront } else { CompositingOrder::default() },
             |c, order| c.order = order,
         ),
         DeclaredOption::choice(
@@ -172,9 +175,9 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
         DeclaredOption::choice(
             "classification",
             "how a value becomes light and opacity: looked up, or evaluated at every sample",
-            [("table", Classification::Table), ("exact", Classification::Exact)],
-            |c: &RayCaster| c.classification,
-            |c, classification| c.classification = classification,
+            [("table", TransferLookup::Table), ("exact", TransferLookup::Exact)],
+            |c: &RayCaster| c.transfer_lookup,
+            |c, classification| c.transfer_lookup = classification,
         ),
         DeclaredOption::choice(
             "precision",
@@ -197,9 +200,9 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
             ),
             NumberRange::above(0.0).up_to(1.0),
             ("order=front-to-back", |_| {}),
-            |c: &RayCaster| if let Order::FrontToBack { termination } = c.order { Some(termination) } else { None },
+            |c: &RayCaster| if let CompositingOrder::FrontToBack { termination } = c.order { Some(termination) } else { None },
             |c, x| {
-                if let Order::FrontToBack { termination } = &mut c.order {
+                if let CompositingOrder::FrontToBack { termination } = &mut c.order {
                     *termination = x;
                 }
             },
@@ -208,8 +211,8 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
             "screen",
             "rays that are cast: all, those where colours bend, those from where the last view saw something, or those of a template",
             screens.into_iter().chain(classics::SCREENS).map(|screen| (screen.name(), screen)),
-            |c: &RayCaster| if let Screen::Adaptive { .. } = c.screen { ADAPTIVE } else { c.screen },
-            |c, screen| c.screen = screen,
+            |c: &RayCaster| if let ImageSampling::Adaptive { .. } = c.image_sampling { ADAPTIVE } else { c.image_sampling },
+            |c, screen| c.image_sampling = screen,
         ),
         DeclaredOption::number_only_with(
             (
@@ -217,10 +220,10 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
                 "how far from the straight lines through its neighbours a colour may be where nothing is refined",
             ),
             NumberRange::at_least(0.0),
-            ("screen=adaptive", |c| c.screen = ADAPTIVE),
-            |c: &RayCaster| if let Screen::Adaptive { threshold } = c.screen { Some(threshold) } else { None },
+            ("screen=adaptive", |c| c.image_sampling = ADAPTIVE),
+            |c: &RayCaster| if let ImageSampling::Adaptive { threshold } = c.image_sampling { Some(threshold) } else { None },
             |c, x| {
-                if let Screen::Adaptive { threshold } = &mut c.screen {
+                if let ImageSampling::Adaptive { threshold } = &mut c.image_sampling {
                     *threshold = x;
                 }
             },
@@ -244,19 +247,22 @@ mod tests {
         let casters = [
             RayCaster::default(),
             RayCaster::exact(0.125),
-            RayCaster { order: Order::BackToFront, rule: Rule::Left, ..RayCaster::default() },
+            RayCaster { order: CompositingOrder::BackToFront, rule: Rule::Left, ..RayCaster::default() },
             RayCaster { filter: Some(Filter::CatmullRom), ..RayCaster::default() },
-            RayCaster { screen: Screen::Adaptive { threshold: 0.125 }, ..RayCaster::default() },
-            RayCaster { screen: Screen::Coherent, ..RayCaster::default() },
-            RayCaster { screen: Screen::Template { connectivity: Connectivity::Continuous }, ..RayCaster::default() },
+            RayCaster { image_sampling: ImageSampling::Adaptive { threshold: 0.125 }, ..RayCaster::default() },
+            RayCaster { image_sampling: ImageSampling::Coherent, ..RayCaster::default() },
+            RayCaster {
+                image_sampling: ImageSampling::Template { connectivity: Connectivity::Continuous },
+                ..RayCaster::default()
+            },
             RayCaster { rule: Rule::Exact, traversal: Traversal::Cells, ..RayCaster::default() },
             RayCaster { traversal: Traversal::Voxels, ..RayCaster::default() },
             RayCaster { vector: Vector::Off, ..RayCaster::default() },
-            RayCaster { leaping: Leaping::Octree, ..RayCaster::uniform(0.5) },
+            RayCaster { empty_space: EmptySpace::Octree, ..RayCaster::uniform(0.5) },
             RayCaster { step: Step::Local { error: 0.01 }, ..RayCaster::default() },
             RayCaster { step: Step::Vicinity { coarse: 4.0, fine: 0.5 }, ..RayCaster::default() },
             RayCaster { step: Step::Homogeneous { step: 0.5, error: 0.1 }, ..RayCaster::default() },
-            RayCaster { step: Step::Tolerance(0.1), ..RayCaster::default() },
+            RayCaster { step: Step::ErrorBound(0.1), ..RayCaster::default() },
         ];
         for from in &casters {
             for to in &casters {
@@ -278,7 +284,7 @@ mod tests {
                 configured(Options::new().with(word.0, word.1).with(number.0, number.1)).unwrap_err().to_string();
             assert!(error.contains(number.0) && error.contains(needs), "{error}");
         }
-        assert_eq!(configured(Options::new().with("screen", "adaptive")).unwrap().screen, ADAPTIVE);
+        assert_eq!(configured(Options::new().with("screen", "adaptive")).unwrap().image_sampling, ADAPTIVE);
     }
 
     #[test]
@@ -287,7 +293,7 @@ mod tests {
         let one = |key: &str, x: f64| Options::new().with(key, x);
         assert_eq!(step(one("local-error", 0.01)).unwrap(), Step::Local { error: 0.01 });
         assert_eq!(step(one("coarse", 4.0)).unwrap(), Step::Vicinity { coarse: 4.0, fine: 0.2 });
-        assert_eq!(step(one(MAX_ERROR, 0.01)).unwrap(), Step::Tolerance(0.01));
+        assert_eq!(step(one(MAX_ERROR, 0.01)).unwrap(), Step::ErrorBound(0.01));
         assert_eq!(step(one(STEP, 0.5).with("homogeneity", 0.1)).unwrap(), Step::Homogeneous { step: 0.5, error: 0.1 });
         let local = RayCaster { step: Step::Local { error: 0.01 }, ..RayCaster::default() };
         assert_eq!(local.configure(&one(STEP, 0.5)).unwrap().step, Step::Uniform(0.5));
@@ -310,7 +316,7 @@ mod tests {
         for spec in RayCaster::options().specs() {
             let set = Options([(spec.key.to_owned(), spec.default.clone())].into());
             let caster = if spec.key == "screen-threshold" {
-                RayCaster { screen: ADAPTIVE, ..RayCaster::default() }
+                RayCaster { image_sampling: ADAPTIVE, ..RayCaster::default() }
             } else {
                 RayCaster::default()
             };

@@ -4,7 +4,7 @@ use glam::DVec3;
 use vr_core::image_order::ImageSample;
 use vr_core::{Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
 
-use crate::caster::Order;
+use crate::caster::CompositingOrder;
 use crate::chord::Chord;
 use crate::classify::Classifier;
 use crate::operator::{Operator, Recording, operator};
@@ -12,10 +12,10 @@ use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::source::Source;
-use crate::tracer::{Traced, Tracer};
+use crate::tracer::{RaySample, Tracer};
 use crate::walk::{Walk, Walks};
 
-/// What a frame's rays share.
+/// Data that a frame's rays share.
 ///
 /// A run goes from pass to pass: walked, placed, sampled, classified, shaded, composited. Each pass is instantiated for what *it*
 /// depends on (the sampling for voxel type and filter, all for the precision) and chosen once per run, so that there is a sum of
@@ -31,10 +31,10 @@ pub(crate) struct Pipeline<'a, R> {
     pub(crate) view: &'a View,
     pub(crate) layer: Option<&'a Layer>,
     pub(crate) rays: Rays,
-    pub(crate) order: Order,
+    pub(crate) order: CompositingOrder,
 }
 
-/// What one thread needs to trace rays.
+/// Working memory of one thread that traces rays.
 struct Scratch<'o, R> {
     operator: &'o mut dyn Operator<R>,
     run: Run<R>,
@@ -43,7 +43,7 @@ struct Scratch<'o, R> {
 }
 
 impl<R: Real> Tracer for Pipeline<'_, R> {
-    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let mut operator = self.operator();
         let mut scratch = Scratch { operator: operator.as_mut(), run: Run::new(), lights: None };
         values.extend(spots.iter().enumerate().map(|(i, spot)| {
@@ -66,7 +66,7 @@ impl<R: Real> Pipeline<'_, R> {
         let mut counts = Counts::default();
         let ray = self.rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let pixel = y as usize * self.view.size[0] as usize + x as usize;
-        let Traced { rgba, depth } = self.trace_ray(&mut scratch, &ray, pixel, 0, &mut counts);
+        let RaySample { rgba, depth } = self.trace_ray(&mut scratch, &ray, pixel, 0, &mut counts);
         Probe { rgba, depth, own_kernel, ended_early: counts.terminated > 0, steps: recording.into_steps() }
     }
 
@@ -78,11 +78,11 @@ impl<R: Real> Pipeline<'_, R> {
         pixel: usize,
         start: u32,
         counts: &mut Counts,
-    ) -> Traced {
+    ) -> RaySample {
         let layer = self.layer;
         let far = layer.map_or(f64::INFINITY, |l| l.depth(pixel));
         let part = IndexRay::new(ray, self.source.placement(), self.source.dims(), &self.view.clip, far);
-        let value = part.map_or(Traced::NOTHING, |part| {
+        let value = part.map_or(RaySample::NOTHING, |part| {
             let needs = scratch.operator.needs();
             let walk = self.walks.along(part, start, u32::from(needs.brackets), needs.backwards);
             let chord = Chord { source: self.source, ray: part };

@@ -4,15 +4,15 @@ use vr_core::{
     Control, Filter, Layer, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered, Scene, View,
 };
 
+use crate::capabilities::{check, check_view};
 use crate::caster::{Precision, RayCaster, Rule, Traversal};
 use crate::engine::Engine;
-use crate::instruments::{Instruments, Kernel};
+use crate::error_bound::BoundedRays;
 use crate::packet::PacketFrame;
 use crate::pipeline::Pipeline;
+use crate::render_tables::{RenderTables, TablesByPrecision};
 use crate::screen;
 use crate::source::Source;
-use crate::support::{check, check_view};
-use crate::tolerance::Promised;
 use crate::tracer::Tracer;
 use crate::walk::{WalkKind, Walks};
 
@@ -28,7 +28,7 @@ pub(crate) struct PreparedCaster {
     /// The caster's own filter, where it is not the scene's.
     filtered: Option<Filter>,
     pub(crate) engine: Engine,
-    /// What the coherent screen keeps from picture to picture.
+    /// State that the coherent screen keeps from picture to picture.
     #[cfg(feature = "classics")]
     pub(crate) coherence: Option<crate::classics::CoherenceBuffer>,
 }
@@ -79,7 +79,7 @@ impl Prepared for PreparedCaster {
         if let Some(drawn) = self.draw_by_classic_screen((view, layer), control) {
             return drawn;
         }
-        screen::draw(self.caster.screen, self.tracer((view, layer))?.as_ref(), (view, layer), control)
+        screen::draw(self.caster.image_sampling, self.tracer((view, layer))?.as_ref(), (view, layer), control)
     }
 
     fn model(&self, _: &View) -> Result<Model, RenderError> {
@@ -92,7 +92,7 @@ impl Prepared for PreparedCaster {
         if pixel[0] >= view.size[0] || pixel[1] >= view.size[1] {
             return Err(ParameterError::new("pixel", pixel, "must lie in the picture").into());
         }
-        if !self.caster.screen.casts_pixels() {
+        if !self.caster.image_sampling.casts_pixels() {
             return Ok(None);
         }
         control.check()?;
@@ -105,11 +105,11 @@ impl Prepared for PreparedCaster {
         let (kernel, own_kernel) = match &self.engine {
             Engine::Plain(kernel) => (kernel, true),
             Engine::Packets(_, kernel) => (kernel, false),
-            Engine::Promise(_) => return Ok(None),
+            Engine::ErrorBound(_) => return Ok(None),
         };
         control.run(|| match kernel {
-            Kernel::F32(instruments) => Ok(Some(self.pipeline(instruments, seen)?.probe(pixel, own_kernel))),
-            Kernel::F64(instruments) => Ok(Some(self.pipeline(instruments, seen)?.probe(pixel, own_kernel))),
+            TablesByPrecision::F32(tables) => Ok(Some(self.pipeline(tables, seen)?.probe(pixel, own_kernel))),
+            TablesByPrecision::F64(tables) => Ok(Some(self.pipeline(tables, seen)?.probe(pixel, own_kernel))),
         })
     }
 }
@@ -121,12 +121,19 @@ impl PreparedCaster {
         seen @ (view, layer): (&'a View, Option<&'a Layer>),
     ) -> Result<Box<dyn Tracer + 'a>, RenderError> {
         Ok(match &self.engine {
-            Engine::Plain(Kernel::F32(instruments)) => Box::new(self.pipeline(instruments, seen)?),
-            Engine::Plain(Kernel::F64(instruments)) => Box::new(self.pipeline(instruments, seen)?),
+            Engine::Plain(TablesByPrecision::F32(tables)) => Box::new(self.pipeline(tables, seen)?),
+            Engine::Plain(TablesByPrecision::F64(tables)) => Box::new(self.pipeline(tables, seen)?),
             Engine::Packets(engine, _) => Box::new(PacketFrame::new(engine, &engine.volume, seen)?),
-            Engine::Promise(promise) => {
+            Engine::ErrorBound(error_bound) => {
                 let single = self.caster.precision == Precision::F32;
-                Box::new(Promised { promise, volume: &promise.volume, view, layer, rays: Rays::new(view)?, single })
+                Box::new(BoundedRays {
+                    error_bound,
+                    volume: &error_bound.volume,
+                    view,
+                    layer,
+                    rays: Rays::new(view)?,
+                    single,
+                })
             }
         })
     }
@@ -134,7 +141,7 @@ impl PreparedCaster {
     /// Returns the plain engine with a view and the surfaces in it.
     fn pipeline<'a, R: Real>(
         &'a self,
-        instruments: &'a Instruments<R>,
+        tables: &'a RenderTables<R>,
         (view, layer): (&'a View, Option<&'a Layer>),
     ) -> Result<Pipeline<'a, R>, RenderError> {
         let Self { caster, scene, source, .. } = self;
@@ -143,14 +150,14 @@ impl PreparedCaster {
             scene,
             source,
             walks: Walks {
-                kind: self.walk_kind(instruments),
+                kind: self.walk_kind(tables),
                 step: caster.longest_step(placement),
                 voxel: placement.spacing().min_element(),
                 dims: source.dims(),
             },
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
-            classifier: &instruments.classifier,
-            shader: instruments.shader.as_ref(),
+            classifier: &tables.classifier,
+            shader: tables.shader.as_ref(),
             view,
             layer,
             rays: Rays::new(view)?,
@@ -158,15 +165,15 @@ impl PreparedCaster {
         })
     }
 
-    fn walk_kind<'a, R: Real>(&self, instruments: &'a Instruments<R>) -> WalkKind<'a> {
+    fn walk_kind<'a, R: Real>(&self, tables: &'a RenderTables<R>) -> WalkKind<'a> {
         #[cfg(feature = "classics")]
-        if let Some(kind) = crate::classics::walk_kind(&self.caster, instruments) {
+        if let Some(kind) = crate::classics::walk_kind(&self.caster, tables) {
             return WalkKind::Classic(kind);
         }
-        match &instruments.pace {
+        match &tables.step_map {
             _ if self.caster.traversal == Traversal::Cells => WalkKind::Cells,
             Some(map) => WalkKind::Local(map),
-            None => WalkKind::Lattice(instruments.empty_space.as_deref()),
+            None => WalkKind::Lattice(tables.empty_space.as_deref()),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Where boxes of the volume lie in the picture.
+//! Projection of boxes of the volume onto the picture.
 
 use glam::DVec3;
 use vr_core::{ParameterError, Placement, Projection as Kind, View};
@@ -6,7 +6,7 @@ use vr_core::{ParameterError, Placement, Projection as Kind, View};
 /// Pixels along the edge of the tiles in which depths are kept: those of one packet of rays.
 pub(crate) const TILE: u32 = 4;
 
-/// Of a cell's edge, by which boxes are widened: more than a kernel's f32 positions can be off on grids of up to 2¹⁵ samples a side.
+/// Fraction of a cell's edge by which boxes are widened: more than a kernel's f32 positions can be off on grids of up to 2¹⁵ samples a side.
 pub(crate) const MARGIN: f64 = 1.0 / 32.0;
 
 /// An affine function of index space.
@@ -21,7 +21,7 @@ impl Affine {
         self.at_zero + self.per_step.dot(p)
     }
 
-    /// How far it goes to either side of its value at the centre of a box.
+    /// Largest difference, over a box, from its value at the centre.
     fn reach(&self, half: DVec3) -> f64 {
         self.per_step.abs().dot(half)
     }
@@ -36,7 +36,7 @@ impl Affine {
 pub(crate) struct Projection {
     /// x, y, w and z.
     rows: [Affine; 4],
-    /// What is not negative inside the picture's right and bottom edge.
+    /// Functions that are not negative inside the picture's right and bottom edge.
     far_edges: [Affine; 2],
     size: [u32; 2],
     rays: Rays,
@@ -51,7 +51,7 @@ enum Rays {
     From(DVec3),
 }
 
-/// Of a unit vector, a component that may be rounding.
+/// Largest component of a unit vector that may be rounding.
 const PARALLEL: f64 = 1e-9;
 
 /// Tiles of the picture that a box may cover, ends included, and the least depth along the view that it may have.
@@ -70,7 +70,7 @@ pub(crate) struct Stencil {
 }
 
 impl Projection {
-    /// What a view makes of a grid's index space.
+    /// Returns the projection of a grid's index space in a view.
     ///
     /// # Errors
     /// As [`vr_core::Camera::frame`].
@@ -97,7 +97,7 @@ impl Projection {
         Ok(Self { rows: [x, y, w, z], far_edges, size: view.size, rays })
     }
 
-    /// Which way depth grows, per index step.
+    /// Gradient of the depth, per index step.
     pub(crate) fn forward(&self) -> DVec3 {
         self.rows[3].per_step
     }
@@ -160,7 +160,7 @@ impl Projection {
     }
 }
 
-/// Of a box's largest distance, what its smallest must exceed for its outline to be worth computing.
+/// Fraction of a box's largest distance that its smallest must exceed for its outline to be worth computing.
 const NEAR: f64 = 1e-6;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What an operator makes of a ray.
+//! Value of a ray, as an operator returns it.
 
 /// Premultiplied RGBA, and the world distance from the ray's origin to what it shows.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,10 +2,10 @@
 
 use vr_core::{Configurable, Control, OptionError, Options, Prepared, RenderError, Renderer, Scene, View};
 
+use crate::capabilities::{check, check_view};
 use crate::caster::{RayCaster, Step};
 use crate::options::{LARGEST_ERROR, MAX_ERROR};
 use crate::prepared::PreparedCaster;
-use crate::support::{check, check_view};
 
 impl Renderer for RayCaster {
     fn name(&self) -> &'static str {
@@ -26,13 +26,13 @@ impl Renderer for RayCaster {
     }
 
     fn max_error(&self) -> Option<f64> {
-        if let Step::Tolerance(error) = self.step { Some(error) } else { None }
+        if let Step::ErrorBound(error) = self.step { Some(error) } else { None }
     }
 
     fn with_max_error(&self, error: f64) -> Option<Result<Box<dyn Renderer>, OptionError>> {
         // Steps that were chosen otherwise do not go with it.
         let chosen = match self.step {
-            Step::Auto | Step::Tolerance(_) => Options::new(),
+            Step::Auto | Step::ErrorBound(_) => Options::new(),
             _ => self.to_options(),
         };
         // A minimum would take NaN for a number.
@@ -54,7 +54,7 @@ mod tests {
         };
         assert_eq!(RayCaster::default().max_error(), None);
         assert_eq!(promised(RayCaster::default(), 1e-3), Ok(Some(1e-3)));
-        assert_eq!(promised(RayCaster { step: Step::Tolerance(0.5), ..RayCaster::default() }, 1e-3), Ok(Some(1e-3)));
+        assert_eq!(promised(RayCaster { step: Step::ErrorBound(0.5), ..RayCaster::default() }, 1e-3), Ok(Some(1e-3)));
         assert_eq!(promised(RayCaster::default(), 7.0), Ok(Some(1.0)));
         assert!(promised(RayCaster::uniform(1.0), 1e-3).unwrap_err().contains("steps=uniform"));
         for wrong in [1e-7, f64::NAN] {

@@ -53,7 +53,7 @@ pub(crate) struct Run<R> {
     pub(crate) position: [[R; RUN]; 3],
     /// The field in stored units; NaN in vacuum.
     pub(crate) value: [R; RUN],
-    /// Where a rule samples a step at several points: the values there, from front to back.
+    /// Values at the points of a step, from front to back, where a rule samples it at several.
     pub(crate) profile: [[R; RUN]; 4],
     /// Those points.
     pub(crate) points: Points<R>,
@@ -110,10 +110,10 @@ impl<R: Real> Run<R> {
         let len = self.len();
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         for axis in 0..3 {
-            let most = (dims[axis] - 1) as f64;
+            let max_index = (dims[axis] - 1) as f64;
             for j in 0..len {
                 let x = origin[axis] + direction[axis] * self.distance(j);
-                self.position[axis][j] = R::from_f64(x.clamp(0.0, most));
+                self.position[axis][j] = R::from_f64(x.clamp(0.0, max_index));
             }
         }
     }

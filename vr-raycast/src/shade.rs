@@ -35,7 +35,7 @@ impl<R: Real> Shader<R> {
         self.shading.along(&self.lights, direction)
     }
 
-    /// What the vector engine needs of it.
+    /// Returns the part that the vector engine needs.
     pub(crate) fn for_packets(&self) -> PacketShading {
         let to_world = self.to_world.map(|row| row.map(|x| x.to_f64() as f32));
         PacketShading { shading: Arc::clone(&self.shading), lights: self.lights.clone(), to_world }

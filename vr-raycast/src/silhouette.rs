@@ -1,4 +1,4 @@
-//! Where in a picture something visible can show, and how near.
+//! Parts of a picture in which something visible can show, and its least depth there.
 
 use glam::DVec3;
 use vr_core::{ParameterError, Placement, View};
@@ -7,7 +7,7 @@ use crate::leap::VisibleBlocks;
 use crate::near_depths::NearDepths;
 use crate::projection::{Footprint, MARGIN, Projection};
 
-/// The outermost of a volume's visible blocks: whoever looks at any visible block from outside sees it behind one of these.
+/// The outermost of a volume's visible blocks: a ray from outside to any visible block meets one of these first.
 ///
 /// That is the idea of projecting a convex hull of what is visible to find where rays begin and end (Avila, Sobierajski & Kaufman 1992,
 /// "Towards a comprehensive volume visualization system", polygon assisted ray casting), with blocks in the place of its polygons.
@@ -24,7 +24,7 @@ pub(crate) struct Hull {
 const MOST: usize = 8192;
 
 impl Hull {
-    /// Of what is visible in a volume with the given samples along x, y, z.
+    /// Returns the silhouette of the visible blocks of a volume with the given samples along x, y, z.
     pub(crate) fn new(dims: [usize; 3], mut visible: VisibleBlocks) -> Self {
         let extent = dims.map(|n| (n - 1) as f64);
         loop {
@@ -36,7 +36,7 @@ impl Hull {
         }
     }
 
-    /// How near what a view may show of it is.
+    /// Returns the least depths, tile by tile, at which a view may show it.
     ///
     /// # Errors
     /// As [`vr_core::Camera::frame`].

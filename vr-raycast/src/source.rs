@@ -45,7 +45,7 @@ impl Source {
         }
     }
 
-    /// Where index space lies in the world.
+    /// Placement of index space in the world.
     pub(crate) fn placement(&self) -> &Placement {
         match self {
             Self::Grid(grid) => grid.placement(),

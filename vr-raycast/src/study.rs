@@ -1,8 +1,8 @@
-//! What the caster documents for a study of speed against error.
+//! Documented properties of the caster, for a study of speed against error.
 
 use vr_core::{ConvergenceClaim, ConvergenceOrders, Documented, Filter, HardCaseErrors, NamedSetting};
 
-use crate::caster::{RayCaster, Rule, Screen, Step, Traversal};
+use crate::caster::{ImageSampling, RayCaster, Rule, Step, Traversal};
 use crate::options::STEP;
 
 /// Rounding of f32 kernels, table and early termination together, on smooth scenes.
@@ -27,7 +27,7 @@ impl Documented for RayCaster {
 
         let local = |error| Self { step: Step::Local { error }, ..Self::default() };
         all.extend([2e-2, 6e-3, 2e-3, 5e-4, 1e-4].map(|e| named(format!("local {e}"), &local(e))));
-        let adaptive = |caster, threshold| Self { screen: Screen::Adaptive { threshold }, ..caster };
+        let adaptive = |caster, threshold| Self { image_sampling: ImageSampling::Adaptive { threshold }, ..caster };
         all.extend([(2e-2, 0.3), (6e-3, 0.16), (2e-3, 0.08), (5e-4, 0.05)].map(|(error, threshold)| {
             named(format!("local {error} adaptive {threshold}"), &adaptive(local(error), threshold))
         }));
@@ -35,7 +35,7 @@ impl Documented for RayCaster {
             named(format!("midpoint {step} adaptive {threshold}"), &adaptive(Self::uniform(step), threshold))
         }));
         all.extend([1.0 / 255.0, 1e-3, 1e-4].map(|error| {
-            let caster = Self { step: Step::Tolerance(error), ..Self::default() };
+            let caster = Self { step: Step::ErrorBound(error), ..Self::default() };
             NamedSetting { error_floor: 1e-6, ..named(format!("promised {error:.0e}"), &caster) }
         }));
 

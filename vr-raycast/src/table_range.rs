@@ -45,7 +45,7 @@ pub(crate) fn resolves<R: Real>(table: &BakedTransfer<R>, volume: &GridVolume) -
     table.resolves() || (integers && table.spacing() <= 1.0)
 }
 
-/// Whether f32 tells apart all that the transfer function does: a value that is rounded a few times is known to 10⁻³ of the narrowest
+/// True if f32 tells apart all that the transfer function does: a value that is rounded a few times is known to 10⁻³ of the narrowest
 /// ramp, and the place of a jump to 10⁻³ of the field.
 pub(crate) fn single_precision_resolves(volume: &GridVolume, transfer: &TransferFunction) -> bool {
     tables::rounding_in_f32(volume, transfer) <= 1.0 / 4096.0

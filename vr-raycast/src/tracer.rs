@@ -10,19 +10,19 @@ pub(crate) trait Tracer: Sync {
     /// Traces the rays through `spots`, in any number and order (neighbours in blocks of 4×4 run fastest), and appends one value for each.
     ///
     /// `starts`, where given, has for each ray a step of its lattice before which nothing is visible.
-    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts);
+    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts);
 }
 
-/// What a ray became.
+/// Result of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Traced {
+pub(crate) struct RaySample {
     /// Premultiplied.
     pub(crate) rgba: [f32; 4],
     /// World distance from the ray's origin to what is seen; +∞: nothing.
     pub(crate) depth: f32,
 }
 
-impl Traced {
+impl RaySample {
     /// A ray that meets nothing.
     pub(crate) const NOTHING: Self = Self { rgba: [0.0; 4], depth: f32::INFINITY };
 
@@ -44,7 +44,7 @@ impl Traced {
     }
 }
 
-impl From<RayValue> for Traced {
+impl From<RayValue> for RaySample {
     fn from(value: RayValue) -> Self {
         Self { rgba: value.rgba.map(|x| x as f32), depth: value.depth as f32 }
     }

@@ -4,7 +4,7 @@ use vr_core::{Configurable, Documented, Options};
 use vr_physics::Reference;
 use vr_physics::cases::Case;
 use vr_physics::check::{self, Effort, Refinement};
-use vr_raycast::{Order, RayCaster};
+use vr_raycast::{CompositingOrder, RayCaster};
 
 #[test]
 fn survives_hard_cases() {
@@ -27,7 +27,7 @@ fn converges_at_the_documented_orders() {
 
 #[test]
 fn obeys_invariants() {
-    let whole = RayCaster { order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+    let whole = RayCaster { order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
     // 32 additions in f32 a run, and positions rounded to 10⁻⁵ of a voxel; 8·10⁻⁶ measured.
     for report in check::obeys_invariants(&whole, 5e-5, &Effort::cases(32)).unwrap_or_else(|e| panic!("{e}")) {
         println!("{}: held {}, worst {:.1e}", report.check, report.held, report.worst);

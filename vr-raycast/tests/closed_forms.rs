@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use glam::DVec3;
 use vr_core::*;
-use vr_raycast::{Classification, Order, Precision, RayCaster, Rule, Step};
+use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, TransferLookup};
 
 /// A frame holds f32: nothing can be closer than this to a number near 1.
 const F32: f64 = 1.2e-7;
@@ -14,8 +14,8 @@ const F32: f64 = 1.2e-7;
 fn kernels(base: &RayCaster) -> Vec<RayCaster> {
     let mut all = Vec::new();
     for precision in [Precision::F32, Precision::F64] {
-        for classification in [Classification::Table, Classification::Exact] {
-            all.push(RayCaster { precision, classification, ..base.clone() });
+        for classification in [TransferLookup::Table, TransferLookup::Exact] {
+            all.push(RayCaster { precision, transfer_lookup: classification, ..base.clone() });
         }
     }
     all
@@ -29,7 +29,7 @@ fn homogeneous_slab_at_any_step() {
     let want = [0.5 * alpha, alpha, 0.0, alpha];
     let depth = 1000.0 - 5.0 + 0.5f64.ln() / 0.7f64.ln();
     for step in [0.25, 0.3, 0.5, 0.77, 1.0, 1.7, 2.0, 4.0, 8.0] {
-        for order in [Order::default(), Order::BackToFront] {
+        for order in [CompositingOrder::default(), CompositingOrder::BackToFront] {
             for rule in [Rule::Midpoint, Rule::Left] {
                 for caster in kernels(&RayCaster { step: Step::Uniform(step), order, rule, ..RayCaster::uniform(0.2) })
                 {
@@ -49,7 +49,7 @@ fn thin_media_keep_their_digits() {
     for alpha in [1e-7, 1e-12f64] {
         let scene = Scene::new(volume([2, 2, 4097], |_, _, _| 0.0), homogeneous(alpha));
         let exact = -(4096.0 * (-alpha).ln_1p()).exp_m1();
-        for order in [Order::default(), Order::BackToFront] {
+        for order in [CompositingOrder::default(), CompositingOrder::BackToFront] {
             let caster = RayCaster { step: Step::Uniform(1.0), order, ..RayCaster::uniform(0.2) };
             let mut view = down(0.5, 0.5);
             view.camera.eye.z = 5000.0;
@@ -119,7 +119,7 @@ fn opaque_walls_end_the_ray() {
     }
     // Behind a wall there is nothing, however bright.
     let lamp = transfer(&[(8.0, [0.0; 3], 0.0), (8.0, [0.5; 3], 1.0), (9.0, [0.5; 3], 1.0), (9.1, [1e6; 3], 0.9)], 1.0);
-    for order in [Order::default(), Order::BackToFront] {
+    for order in [CompositingOrder::default(), CompositingOrder::BackToFront] {
         let (rgba, _) = pixel(
             &RayCaster { order, ..RayCaster::uniform(0.2) },
             &Scene::new(ramp(0.0, 1.0), lamp.clone()),
@@ -242,7 +242,7 @@ fn vacuum_is_left_out() {
     let mut scene = Scene::new(holed, transfer(&[(0.0, [1.0; 3], 0.0), (16.0, [1.0; 3], 0.5)], 1.0));
     let alpha = 1.0 - 0.75f64.powi(14);
     // Steps of a whole fraction of a cell meet the faces of the hole.
-    for caster in kernels(&RayCaster { order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) }) {
+    for caster in kernels(&RayCaster { order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) }) {
         scene.compositing = Compositing::Over;
         assert_close(pixel(&caster, &scene, &down(0.5, 0.5)).0, [alpha; 4], 16.0 * F32, "over");
         scene.compositing = Compositing::Average;

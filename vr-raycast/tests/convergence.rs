@@ -1,11 +1,11 @@
-//! How the error against the reference falls with the step: fitted orders, the default step on the phantoms, and the floor of f32.
+//! Tests how the error against the reference falls with the step: fitted orders, the default step on the phantoms, and the floor of f32.
 
 mod common;
 
 use common::*;
 use vr_core::phantom;
 use vr_core::*;
-use vr_raycast::{Classification, Order, Precision, RayCaster, Rule, Step};
+use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, TransferLookup};
 
 /// A smooth field between 0 and 1 on 17³ samples.
 fn smooth() -> Volume {
@@ -114,13 +114,13 @@ fn floor_of_single_precision() {
         let truth = render(&exact, &scene, &view).frame;
         let floor = |caster: RayCaster| max_error(&render(&caster, &scene, &view).frame, &truth);
         let single = floor(RayCaster { precision: Precision::F32, ..exact.clone() });
-        let table = floor(RayCaster { classification: Classification::Table, ..exact.clone() });
-        let termination = floor(RayCaster { order: Order::default(), ..exact.clone() });
+        let table = floor(RayCaster { transfer_lookup: TransferLookup::Table, ..exact.clone() });
+        let termination = floor(RayCaster { order: CompositingOrder::default(), ..exact.clone() });
         let all = floor(RayCaster::uniform(0.2));
         println!("{name}: f32 {single:.1e}, table {table:.1e}, termination {termination:.1e}, all {all:.1e}");
         // The floor that the settings state.
         assert!(all <= 3e-4, "{name}: {all}");
-        assert!(termination <= 1.0 - Order::TERMINATION, "{name}: {termination}");
+        assert!(termination <= 1.0 - CompositingOrder::TERMINATION, "{name}: {termination}");
         // Rounded positions (10⁻⁵ of a voxel) and 32 f32 additions a run.
         assert!(single <= 2e-5, "{name}: {single}");
     }

@@ -103,7 +103,7 @@ fn what_a_function_does_not_have_is_refused() {
     assert_eq!(refused(RayCaster::default(), &scene), None);
     assert_eq!(refused(RayCaster::default(), &shaded), Some(Feature::Shading));
     assert_eq!(
-        refused(RayCaster { step: Step::Tolerance(1e-3), ..RayCaster::default() }, &scene),
+        refused(RayCaster { step: Step::ErrorBound(1e-3), ..RayCaster::default() }, &scene),
         Some(Feature::Setting)
     );
 }

@@ -7,15 +7,15 @@ use proptest::prelude::*;
 use vr_core::phantom::{self, sample};
 use vr_core::*;
 use vr_physics::check::strategies;
-use vr_raycast::{Leaping, Order, RayCaster, Rule, Step, Traversal};
+use vr_raycast::{CompositingOrder, EmptySpace, RayCaster, Rule, Step, Traversal};
 
 fn short(step: f64) -> RayCaster {
     // Leaping takes steps away, too: of what long steps gain, nothing is left to it.
-    RayCaster { order: Order::WHOLE_RAY, leaping: Leaping::None, ..RayCaster::uniform(step) }
+    RayCaster { order: CompositingOrder::WHOLE_RAY, empty_space: EmptySpace::None, ..RayCaster::uniform(step) }
 }
 
 fn long(step: f64, error: f64) -> RayCaster {
-    RayCaster { step: Step::Homogeneous { step, error }, leaping: Leaping::Auto, ..short(step) }
+    RayCaster { step: Step::Homogeneous { step, error }, empty_space: EmptySpace::Auto, ..short(step) }
 }
 
 proptest! {
@@ -124,7 +124,7 @@ fn what_has_no_bound_is_refused() {
     assert!(!refuses(&caster, &scene));
     assert!(refuses(&caster, &Scene { compositing: Compositing::Maximum, ..scene.clone() }));
     assert!(refuses(&caster, &Scene { shading: Some(Default::default()), ..scene.clone() }));
-    assert!(refuses(&RayCaster { order: Order::BackToFront, ..caster.clone() }, &scene));
+    assert!(refuses(&RayCaster { order: CompositingOrder::BackToFront, ..caster.clone() }, &scene));
     assert!(refuses(&RayCaster { rule: Rule::Left, ..caster.clone() }, &scene));
     let cells = RayCaster { traversal: Traversal::Cells, ..caster };
     assert!(matches!(cells.prepare(&scene, &Control::default()), Err(RenderError::Option(_))));

@@ -7,26 +7,31 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 use vr_core::*;
-use vr_raycast::{Classification, Leaping, Order, Precision, RayCaster, Rule, Step, Vector};
+use vr_raycast::{CompositingOrder, EmptySpace, Precision, RayCaster, Rule, Step, TransferLookup, Vector};
 
-const LEAPINGS: [Leaping; 6] = [
-    Leaping::Octree,
-    Leaping::Pyramid,
-    Leaping::ExactCloud,
-    Leaping::ChessboardCloud,
-    Leaping::Boxes,
-    Leaping::Polyhedron,
+const LEAPINGS: [EmptySpace; 6] = [
+    EmptySpace::Octree,
+    EmptySpace::Pyramid,
+    EmptySpace::ExactCloud,
+    EmptySpace::ChessboardCloud,
+    EmptySpace::Boxes,
+    EmptySpace::Polyhedron,
 ];
 
 /// The plain engine, which leaps as it is told; the vector engine has a way of its own.
 fn plain() -> RayCaster {
-    RayCaster { leaping: Leaping::None, vector: Vector::Off, step: Step::Uniform(0.2), ..RayCaster::uniform(0.2) }
+    RayCaster {
+        empty_space: EmptySpace::None,
+        vector: Vector::Off,
+        step: Step::Uniform(0.2),
+        ..RayCaster::uniform(0.2)
+    }
 }
 
 /// Every way to leap, and coarse steps of several lengths.
 fn leaping_casters(plain: &RayCaster) -> Vec<RayCaster> {
     let Step::Uniform(fine) = plain.step else { panic!("steps of one length") };
-    let leaping = LEAPINGS.map(|leaping| RayCaster { leaping, ..plain.clone() });
+    let leaping = LEAPINGS.map(|leaping| RayCaster { empty_space: leaping, ..plain.clone() });
     let coarse = [1.0, 5.5, 16.0].into_iter().filter(|&c| c > fine);
     let vicinity = coarse.map(|coarse| RayCaster { step: Step::Vicinity { coarse, fine }, ..plain.clone() });
     leaping.into_iter().chain(vicinity).collect()
@@ -134,16 +139,16 @@ proptest! {
     ) {
         let plain = RayCaster {
             step: Step::Uniform(step),
-            leaping: Leaping::None,
+            empty_space: EmptySpace::None,
             vector: Vector::Off,
             // A threshold is looked for between samples, whatever the rule.
             rule: if scene.compositing.integrates_light() && scene.volume.filter().unwrap().is_continuous() { rule } else { Rule::Midpoint },
             order: match scene.compositing {
-                Compositing::Over if backwards => Order::BackToFront,
-                _ if whole => Order::WHOLE_RAY,
-                _ => Order::default(),
+                Compositing::Over if backwards => CompositingOrder::BackToFront,
+                _ if whole => CompositingOrder::WHOLE_RAY,
+                _ => CompositingOrder::default(),
             },
-            classification: if exact { Classification::Exact } else { Classification::Table },
+            transfer_lookup: if exact { TransferLookup::Exact } else { TransferLookup::Table },
             precision: if double { Precision::F64 } else { Precision::F32 },
             ..RayCaster::uniform(0.2)
         };
@@ -153,7 +158,7 @@ proptest! {
         for caster in leaping_casters(&plain) {
             let got = render(&caster, &scene, &view);
             let different = differences(&got.frame, &want.frame);
-            prop_assert!(different == 0, "{different} differences: {:?} {:?}", caster.leaping, caster.step);
+            prop_assert!(different == 0, "{different} differences: {:?} {:?}", caster.empty_space, caster.step);
             let (found, all) = (got.stats.counts, want.stats.counts);
             prop_assert!(found.samples <= all.samples);
             // Each step is sampled or skipped.
@@ -178,7 +183,7 @@ fn most_steps_past_a_speck_are_skipped() {
         let share = counts.samples as f64 / (counts.samples + counts.skipped) as f64;
         // One block is 0.2 % of the volume, 27 are 5 %; the coarsest flags are set in 27 blocks of 16³ of 64.
         let most = if matches!(caster.step, Step::Vicinity { coarse: 16.0, .. }) { 0.5 } else { 0.06 };
-        assert!(counts.samples > 0 && share < most, "{:?} {:?}: {share}", caster.leaping, caster.step);
+        assert!(counts.samples > 0 && share < most, "{:?} {:?}: {share}", caster.empty_space, caster.step);
     }
 }
 
@@ -190,7 +195,7 @@ fn values_of_clear_samples_cannot_be_skipped() {
         for caster in leaping_casters(&plain()) {
             let refused = caster.prepare(&scene, &Control::default()).err();
             let Some(RenderError::Unsupported(Unsupported { what: feature, .. })) = refused else {
-                panic!("{:?}", caster.leaping)
+                panic!("{:?}", caster.empty_space)
             };
             assert!(feature.contains(compositing.name()), "{feature}");
         }
@@ -199,7 +204,7 @@ fn values_of_clear_samples_cannot_be_skipped() {
     }
 }
 
-/// What is kept from one scene to the next never shows: neither the structure of another transfer function, nor of another threshold.
+/// Tests that data kept from one scene to the next never shows: neither the structure of another transfer function, nor of another threshold.
 #[test]
 fn an_update_is_a_new_start() {
     let control = Control::default();
@@ -223,7 +228,7 @@ fn an_update_is_a_new_start() {
             prepared.update(scene, &control).unwrap();
             let (got, want) = (prepared.render(&view, &control).unwrap(), render(&caster, scene, &view));
             assert_eq!(differences(&got.frame, &want.frame), 0);
-            assert_eq!(got.stats.counts, want.stats.counts, "{:?}", caster.leaping);
+            assert_eq!(got.stats.counts, want.stats.counts, "{:?}", caster.empty_space);
         }
     }
 }

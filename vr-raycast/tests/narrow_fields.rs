@@ -4,15 +4,15 @@ mod common;
 
 use common::*;
 use vr_core::*;
-use vr_raycast::{Classification, Precision, RayCaster, Rule, Traversal, Vector};
+use vr_raycast::{Precision, RayCaster, Rule, TransferLookup, Traversal, Vector};
 
-/// What all stored numbers lie above: f32 numbers are 6·10⁻⁵ apart there.
+/// Lower bound of all stored numbers: f32 numbers are 6·10⁻⁵ apart there.
 const BASE: f64 = 1000.0;
 
-/// How wide the fields are: 65 f32 numbers, and 5.
+/// Widths of the fields: 65 f32 numbers, and 5.
 const WIDTHS: [f64; 2] = [4e-3, 2.5e-4];
 
-/// Where a jump or the middle of a ramp lies, as a fraction of the field's range.
+/// Values of a jump or of the middle of a ramp, as fractions of the field's range.
 const PLACES: [f64; 5] = [0.2, 0.35, 0.5, 0.65, 0.8];
 
 /// It grows along all axes, most along z.
@@ -35,7 +35,7 @@ fn fine_casters() -> [(&'static str, RayCaster, f64); 7] {
         ("uniform", uniform.clone(), one_step),
         ("without packets", RayCaster { vector: Vector::Off, ..uniform.clone() }, one_step),
         ("f64", RayCaster { precision: Precision::F64, ..uniform.clone() }, one_step),
-        ("evaluated", RayCaster { classification: Classification::Exact, ..uniform.clone() }, one_step),
+        ("evaluated", RayCaster { transfer_lookup: TransferLookup::Exact, ..uniform.clone() }, one_step),
         ("exact", RayCaster::exact(0.05), one_step),
         ("cells", RayCaster { traversal: Traversal::Cells, ..uniform.clone() }, one_step),
         ("linear", RayCaster { rule: Rule::Linear, ..uniform }, 3e-4),

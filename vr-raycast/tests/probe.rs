@@ -1,4 +1,4 @@
-//! What the caster tells of one pixel is what it draws there.
+//! Tests that the caster's account of one pixel is what it draws there.
 
 mod common;
 
@@ -8,7 +8,7 @@ use vr_core::*;
 use vr_physics::cases;
 use vr_physics::check::TestScene;
 use vr_physics::check::strategies::scene;
-use vr_raycast::{Connectivity, Leaping, Order, RayCaster, Rule, Screen, Step, Traversal, Vector};
+use vr_raycast::{CompositingOrder, Connectivity, EmptySpace, ImageSampling, RayCaster, Rule, Step, Traversal, Vector};
 
 /// The probe of a pixel, and the frame.
 fn probed(caster: &RayCaster, scene: &Scene, view: &View, pixel: [u32; 2]) -> (Option<Probe>, Frame) {
@@ -21,21 +21,21 @@ fn probed(caster: &RayCaster, scene: &Scene, view: &View, pixel: [u32; 2]) -> (O
 /// Casters of every kind of step, rule and order, without vectors.
 fn casters() -> Vec<RayCaster> {
     let plain = RayCaster { vector: Vector::Off, ..RayCaster::default() };
-    let whole = Order::WHOLE_RAY;
+    let whole = CompositingOrder::WHOLE_RAY;
     vec![
         plain.clone(),
         RayCaster { step: Step::Uniform(0.3), ..plain.clone() },
-        RayCaster { step: Step::Uniform(0.3), rule: Rule::Left, leaping: Leaping::None, ..plain.clone() },
+        RayCaster { step: Step::Uniform(0.3), rule: Rule::Left, empty_space: EmptySpace::None, ..plain.clone() },
         RayCaster { step: Step::Uniform(0.7), rule: Rule::Linear, ..plain.clone() },
         RayCaster { step: Step::Uniform(0.7), rule: Rule::Quadratic, order: whole, ..plain.clone() },
-        RayCaster { step: Step::Uniform(0.4), order: Order::BackToFront, ..plain.clone() },
+        RayCaster { step: Step::Uniform(0.4), order: CompositingOrder::BackToFront, ..plain.clone() },
         RayCaster { rule: Rule::Quadratic, traversal: Traversal::Cells, ..plain.clone() },
         RayCaster { step: Step::Uniform(1.0), traversal: Traversal::Voxels, ..plain.clone() },
         RayCaster::exact(0.5),
     ]
 }
 
-/// What must hold of any probe.
+/// Checks what must hold of any probe.
 fn check(test: &TestScene, probe: &Probe) -> Result<(), TestCaseError> {
     for pair in probe.steps.windows(2) {
         prop_assert!(pair[1].begin >= pair[0].end() - 1e-9 * (1.0 + pair[0].end().abs()), "{pair:?}");
@@ -117,10 +117,10 @@ fn packets_draw_what_the_probe_tells_to_rounding() {
 fn who_cannot_tell_says_so_and_pixels_must_exist() {
     let scene = cases::by_name("marschner-lobb").expect("a hard case").scene;
     let view = oblique(&scene, 8);
-    let template = Screen::Template { connectivity: Connectivity::Continuous };
+    let template = ImageSampling::Template { connectivity: Connectivity::Continuous };
     for caster in [
-        RayCaster { screen: template, ..RayCaster::uniform(0.5) },
-        RayCaster { step: Step::Tolerance(1e-3), ..RayCaster::default() },
+        RayCaster { image_sampling: template, ..RayCaster::uniform(0.5) },
+        RayCaster { step: Step::ErrorBound(1e-3), ..RayCaster::default() },
     ] {
         assert_eq!(probed(&caster, &scene, &view, [3, 3]).0, None);
     }

@@ -1,4 +1,4 @@
-//! What must hold whatever the scene: checked on random ones, and on the hard ones by name.
+//! Properties that must hold whatever the scene: checked on random ones, and on the hard ones by name.
 
 mod common;
 
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use std::sync::Arc;
 use vr_core::*;
 use vr_physics::check::FixedLayer;
-use vr_raycast::{Order, RayCaster, Step};
+use vr_raycast::{CompositingOrder, RayCaster, Step};
 
 /// A random small scene under `over`, colours within [0, 1], and a view of it.
 fn scenes() -> impl Strategy<Value = (Scene, View)> {
@@ -38,20 +38,20 @@ proptest! {
 
     #[test]
     fn front_to_back_is_back_to_front((scene, view) in scenes(), step in 0.05f64..3.0) {
-        let forwards = render(&RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) }, &scene, &view).frame;
-        let backwards = render(&RayCaster { step: Step::Uniform(step), order: Order::BackToFront, ..RayCaster::uniform(0.2) }, &scene, &view).frame;
+        let forwards = render(&RayCaster { step: Step::Uniform(step), order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) }, &scene, &view).frame;
+        let backwards = render(&RayCaster { step: Step::Uniform(step), order: CompositingOrder::BackToFront, ..RayCaster::uniform(0.2) }, &scene, &view).frame;
         prop_assert!(max_error(&forwards, &backwards) <= TWO_SUMS, "{}", max_error(&forwards, &backwards));
     }
 
     #[test]
     fn opacity_is_one_and_termination_keeps_its_promise((scene, view) in scenes(), step in 0.05f64..3.0, level in 0.5f64..1.0) {
-        let whole = render(&RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) }, &scene, &view).frame;
+        let whole = render(&RayCaster { step: Step::Uniform(step), order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) }, &scene, &view).frame;
         for p in whole.pixels() {
             prop_assert!((0.0..=1.0).contains(&p[3]), "{p:?}");
             // Colours in [0, 1] are a density emitter's: light does not exceed opacity, but for its own rounding.
             prop_assert!(p[..3].iter().all(|&c| c >= 0.0 && c <= p[3] + 1e-5), "{p:?}");
         }
-        let early = RayCaster { step: Step::Uniform(step), order: Order::FrontToBack { termination: level }, ..RayCaster::uniform(0.2) };
+        let early = RayCaster { step: Step::Uniform(step), order: CompositingOrder::FrontToBack { termination: level }, ..RayCaster::uniform(0.2) };
         let early = render(&early, &scene, &view).frame;
         prop_assert!(max_error(&early, &whole) <= 1.0 - level + TWO_SUMS);
     }
@@ -69,8 +69,8 @@ proptest! {
         prop_assume!(!scene.transfer.has_jumps() && scene.transfer.points().iter().all(|p| p.opacity < 0.95));
         // Control points nearer to each other than two entries are a jump to the table.
         prop_assume!(scene.transfer.points().windows(2).all(|w| w[1].value - w[0].value > 1e-2));
-        let exact = RayCaster { classification: vr_raycast::Classification::Exact, order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
-        let table = RayCaster { classification: vr_raycast::Classification::Table, ..exact.clone() };
+        let exact = RayCaster { transfer_lookup: vr_raycast::TransferLookup::Exact, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+        let table = RayCaster { transfer_lookup: vr_raycast::TransferLookup::Table, ..exact.clone() };
         let (a, b) = (render(&exact, &scene, &view).frame, render(&table, &scene, &view).frame);
         prop_assert!(max_error(&a, &b) <= 2e-4, "{}", max_error(&a, &b));
     }
@@ -176,7 +176,7 @@ fn radiance_is_linear_in_emission() {
         let transfer = TransferFunction::new(points.collect(), OpacityRule::Power, 1.0).unwrap();
         scene.transfer = Arc::new(transfer);
         let view = oblique(&scene, 16);
-        render(&RayCaster { order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) }, &scene, &view).frame
+        render(&RayCaster { order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) }, &scene, &view).frame
     };
     let (a, b, sum) =
         (with_emission([1.0, 0.0, 0.25]), with_emission([0.5, 3.0, 0.0]), with_emission([1.5, 3.0, 0.25]));
@@ -270,11 +270,11 @@ fn update_is_prepare() {
 #[test]
 fn what_cannot_be_drawn_is_said() {
     let control = Control::default();
-    let backwards = RayCaster { order: Order::BackToFront, ..RayCaster::uniform(0.2) };
+    let backwards = RayCaster { order: CompositingOrder::BackToFront, ..RayCaster::uniform(0.2) };
     let scene = Scene { compositing: Compositing::Maximum, ..bumpy() };
     let error = backwards.prepare(&scene, &control).err().unwrap();
     assert!(matches!(error, RenderError::Unsupported(Unsupported { renderer: "raycast", .. })), "{error}");
-    let early = RayCaster { order: Order::FrontToBack { termination: 0.5 }, ..RayCaster::uniform(0.2) };
+    let early = RayCaster { order: CompositingOrder::FrontToBack { termination: 0.5 }, ..RayCaster::uniform(0.2) };
     let error = early.prepare(&scene, &control).err().unwrap();
     assert!(error.to_string().contains("a termination under 'maximum'"), "{error}");
     for step in [0.0, -1.0, f64::NAN, 65.0] {

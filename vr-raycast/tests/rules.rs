@@ -10,7 +10,7 @@ use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::cases::Case;
 use vr_physics::check::{self, Effort, Refinement};
-use vr_raycast::{Classification, Precision, RayCaster, Rule, Step, Traversal};
+use vr_raycast::{Precision, RayCaster, Rule, Step, TransferLookup, Traversal};
 
 const FINE: Step = Step::Uniform(0.2);
 const VOXEL: Step = Step::Uniform(1.0);
@@ -164,9 +164,9 @@ fn tables_and_single_precision_leave_little() {
                 let exact = RayCaster { rule, ..RayCaster::exact(step) };
                 let truth = render(&exact, &scene, &view).frame;
                 let error = |caster: RayCaster| max_error(&render(&caster, &scene, &view).frame, &truth);
-                let table = error(RayCaster { classification: Classification::Table, ..exact.clone() });
+                let table = error(RayCaster { transfer_lookup: TransferLookup::Table, ..exact.clone() });
                 let single =
-                    error(RayCaster { classification: Classification::Table, precision: Precision::F32, ..exact });
+                    error(RayCaster { transfer_lookup: TransferLookup::Table, precision: Precision::F32, ..exact });
                 println!("{name} {rule:?} {step}: table {table:.1e}, in f32 {single:.1e}");
                 // What a chord makes of a colour that changes with depth falls with the cube of the step; in an opaque surface, where κ goes
                 // from 0 to a wall in one or two steps that all of a ray's light comes from, with the square.
@@ -219,9 +219,9 @@ fn emission_alone_and_modulated() {
             let scene = Scene { shading: shading.clone(), ..waves(transfer.clone()) };
             let view = oblique(&scene, 12);
             let want = truth(&scene, &view);
-            for classification in [Classification::Exact, Classification::Table] {
+            for classification in [TransferLookup::Exact, TransferLookup::Table] {
                 let error = |rule, step| {
-                    let caster = RayCaster { rule, classification, ..RayCaster::exact(step) };
+                    let caster = RayCaster { rule, transfer_lookup: classification, ..RayCaster::exact(step) };
                     max_error(&render(&caster, &scene, &view).frame, &want)
                 };
                 let (linear, quadratic) = (error(Rule::Linear, 0.125), error(Rule::Quadratic, 0.125));

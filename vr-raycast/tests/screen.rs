@@ -1,4 +1,4 @@
-//! Which rays are cast: pictures that must be the same, and pictures that may differ by a bound.
+//! Tests of the choice of rays: pictures that must be the same, and pictures that may differ by a bound.
 
 mod common;
 
@@ -9,11 +9,12 @@ use vr_core::phantom::{self, TRANSFER_UNIT_DISTANCE};
 use vr_core::*;
 use vr_physics::check::FixedLayer;
 use vr_raycast::{
-    Classification, Connectivity, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal, Vector,
+    CompositingOrder, Connectivity, EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, TransferLookup,
+    Traversal, Vector,
 };
 
-fn caster(screen: Screen) -> RayCaster {
-    RayCaster { screen, step: Step::Uniform(0.5), ..RayCaster::uniform(0.2) }
+fn caster(screen: ImageSampling) -> RayCaster {
+    RayCaster { image_sampling: screen, step: Step::Uniform(0.5), ..RayCaster::uniform(0.2) }
 }
 
 /// A scene of balls in a clear box, of any placement.
@@ -47,8 +48,8 @@ fn assert_same(got: &Frame, want: &Frame, what: &str) {
 /// Draws views one after the other both ways; returns the samples that either took.
 fn assert_coherent(scene: &Scene, views: &[View], by: &RayCaster) -> (u64, u64) {
     let control = Control::default();
-    let prepare = |screen| RayCaster { screen, ..by.clone() }.prepare(scene, &control).unwrap();
-    let (mut plain, mut coherent) = (prepare(Screen::EveryPixel), prepare(Screen::Coherent));
+    let prepare = |screen| RayCaster { image_sampling: screen, ..by.clone() }.prepare(scene, &control).unwrap();
+    let (mut plain, mut coherent) = (prepare(ImageSampling::EveryPixel), prepare(ImageSampling::Coherent));
     let mut samples = (0, 0);
     for (i, view) in views.iter().enumerate() {
         let want = plain.render(view, &control).unwrap();
@@ -66,11 +67,11 @@ fn coherent_turntables_are_the_same_and_cost_less() {
     for fov in [None, Some(35.0)] {
         let start = Camera::framing(scene.volume.bounds(), 10.0, 25.0, fov);
         let views: Vec<View> = (0..6).map(|k| View::new(start.orbit(10.0 * f64::from(k), 0.0), [61, 47])).collect();
-        let without_leaping = RayCaster { leaping: Leaping::None, ..caster(Screen::Coherent) };
+        let without_leaping = RayCaster { empty_space: EmptySpace::None, ..caster(ImageSampling::Coherent) };
         let (with, without) = assert_coherent(&scene, &views, &without_leaping);
         assert!(10 * with < 9 * without, "{with} of {without} samples");
         // The same view again: what the first picture met is known now, and fewer samples are taken.
-        let mut prepared = caster(Screen::Coherent).prepare(&scene, &Control::default()).unwrap();
+        let mut prepared = caster(ImageSampling::Coherent).prepare(&scene, &Control::default()).unwrap();
         let samples = [(); 3].map(|()| prepared.render(&views[0], &Control::default()).unwrap().stats.counts.samples);
         assert!(samples[1] < samples[0] && samples[2] <= samples[1], "{samples:?}");
     }
@@ -81,12 +82,13 @@ fn a_changed_transfer_function_is_seen() {
     let mut scene = balls(5, [30; 3], Placement::from_spacing([1.0; 3]).unwrap());
     let control = Control::default();
     let view = View::new(Camera::framing(scene.volume.bounds(), 40.0, 20.0, None), [40, 40]);
-    let mut coherent = caster(Screen::Coherent).prepare(&scene, &control).unwrap();
+    let mut coherent = caster(ImageSampling::Coherent).prepare(&scene, &control).unwrap();
     for low in [0.5, 0.1, 0.3] {
         let points = [(low, [1.0; 3], 0.0), (low + 0.1, [1.0, 0.0, 0.0], 0.7)];
         scene.transfer = transfer(&points, 1.0).into();
         coherent.update(&scene, &control).unwrap();
-        let want = caster(Screen::EveryPixel).prepare(&scene, &control).unwrap().render(&view, &control).unwrap();
+        let want =
+            caster(ImageSampling::EveryPixel).prepare(&scene, &control).unwrap().render(&view, &control).unwrap();
         for _ in 0..2 {
             assert_same(&coherent.render(&view, &control).unwrap().frame, &want.frame, "after a change");
         }
@@ -128,7 +130,7 @@ proptest! {
         layered in prop::option::weighted(0.25, 0.5..8.0f32),
         backwards in prop::bool::weighted(0.2),
         vector in prop::sample::select(vec![Vector::Auto, Vector::Off]),
-        leaping in prop::sample::select(vec![Leaping::None, Leaping::Octree]),
+        leaping in prop::sample::select(vec![EmptySpace::None, EmptySpace::Octree]),
     ) {
         // The box is about as large as the cameras' world.
         let last = DVec3::from_array(dims.map(|n| (n - 1) as f64));
@@ -152,8 +154,8 @@ proptest! {
             let pixel = |i: u32| ([0.1, 0.2, 0.3], if i.is_multiple_of(3) { f32::INFINITY } else { depth });
             scene = FixedLayer::new(&views[0], pixel).among(&scene);
         }
-        let order = if backwards { Order::BackToFront } else { Order::default() };
-        assert_coherent(&scene, &views, &RayCaster { order, vector, leaping, ..caster(Screen::Coherent) });
+        let order = if backwards { CompositingOrder::BackToFront } else { CompositingOrder::default() };
+        assert_coherent(&scene, &views, &RayCaster { order, vector, empty_space: leaping, ..caster(ImageSampling::Coherent) });
     }
 }
 
@@ -162,7 +164,7 @@ fn adaptive_with_no_threshold_is_every_pixel() {
     let scene = balls(1, [20; 3], Placement::from_spacing([1.0; 3]).unwrap());
     let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [53, 31]);
     let draw = |screen| common::render(&caster(screen), &scene, &view).frame;
-    assert_same(&draw(Screen::Adaptive { threshold: 0.0 }), &draw(Screen::EveryPixel), "threshold 0");
+    assert_same(&draw(ImageSampling::Adaptive { threshold: 0.0 }), &draw(ImageSampling::EveryPixel), "threshold 0");
 }
 
 fn of_phantom(name: &str, n: usize) -> Scene {
@@ -179,9 +181,9 @@ fn adaptive_pictures_are_near_their_threshold() {
         let scene = of_phantom(name, 33);
         for fov in [None, Some(30.0)] {
             let view = View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, fov), [160, 157]);
-            let want = common::render(&caster(Screen::EveryPixel), &scene, &view);
+            let want = common::render(&caster(ImageSampling::EveryPixel), &scene, &view);
             for threshold in [0.01, 0.05, 0.2] {
-                let got = common::render(&caster(Screen::Adaptive { threshold }), &scene, &view);
+                let got = common::render(&caster(ImageSampling::Adaptive { threshold }), &scene, &view);
                 let error = max_error(&got.frame, &want.frame);
                 assert!(error <= threshold, "{name}, {fov:?}, threshold {threshold}: {error}");
                 let share = got.stats.counts.rays as f64 / want.stats.counts.rays as f64;
@@ -194,7 +196,11 @@ fn adaptive_pictures_are_near_their_threshold() {
 }
 
 fn template(connectivity: Connectivity, step: f64) -> RayCaster {
-    RayCaster { screen: Screen::Template { connectivity }, step: Step::Uniform(step), ..RayCaster::uniform(0.2) }
+    RayCaster {
+        image_sampling: ImageSampling::Template { connectivity },
+        step: Step::Uniform(step),
+        ..RayCaster::uniform(0.2)
+    }
 }
 
 /// A smooth bump that is clear well before the faces of the box, at `n`³ samples over [−1, 1]³.
@@ -299,23 +305,23 @@ fn what_templates_cannot_do_is_said() {
     refuses(&good, &Scene { shading: Some(Shading::default().into()), ..scene.clone() }, "shading");
     refuses(&good, &Scene { compositing: Compositing::Maximum, ..scene.clone() }, "compositing");
     refuses(&RayCaster { filter: Some(Filter::BSpline), ..good.clone() }, &scene, "filter");
-    refuses(&RayCaster { order: Order::BackToFront, ..good.clone() }, &scene, "back to front");
+    refuses(&RayCaster { order: CompositingOrder::BackToFront, ..good.clone() }, &scene, "back to front");
     refuses(&RayCaster { precision: Precision::F64, ..good.clone() }, &scene, "64-bit");
-    refuses(&RayCaster { classification: Classification::Exact, ..good.clone() }, &scene, "exact");
+    refuses(&RayCaster { transfer_lookup: TransferLookup::Exact, ..good.clone() }, &scene, "exact");
     refuses(&RayCaster { rule: Rule::Left, ..good.clone() }, &scene, "rule");
-    let coherent = caster(Screen::Coherent);
+    let coherent = caster(ImageSampling::Coherent);
     refuses(&coherent, &Scene { compositing: Compositing::Average, ..scene.clone() }, "compositing");
     refuses(&RayCaster { rule: Rule::Linear, ..coherent.clone() }, &scene, "rule 'linear'");
     refuses(&RayCaster { traversal: Traversal::Cells, ..coherent }, &scene, "steps");
-    let adaptive = caster(Screen::Adaptive { threshold: 0.1 });
-    refuses(&RayCaster { step: Step::Tolerance(0.01), ..adaptive }, &scene, "promised");
+    let adaptive = caster(ImageSampling::Adaptive { threshold: 0.1 });
+    refuses(&RayCaster { step: Step::ErrorBound(0.01), ..adaptive }, &scene, "promised");
     let mut prepared = good.prepare(&scene, &control).unwrap();
     let view = |fov| View::new(Camera::framing(scene.volume.bounds(), 0.0, 0.0, fov), [4, 4]);
     assert!(matches!(prepared.render(&view(Some(30.0)), &control), Err(RenderError::Unsupported { .. })));
     let walled = FixedLayer::new(&view(None), |_| ([0.0; 3], 1.0)).among(&scene);
     refuses(&good, &walled, "surfaces");
     assert!(prepared.render(&view(None), &control).is_ok());
-    let odd = caster(Screen::Adaptive { threshold: f64::NAN });
+    let odd = caster(ImageSampling::Adaptive { threshold: f64::NAN });
     assert!(matches!(odd.prepare(&scene, &control), Err(RenderError::Option(_))));
 }
 
@@ -338,7 +344,7 @@ fn templates_keep_clips_and_holes() {
         let mut view = View::new(Camera::framing(scene.volume.bounds(), azimuth, elevation, None), [80, 80]);
         view.clip.crop = Some((DVec3::new(3.0, 5.0, -9.0), DVec3::new(35.0, 60.0, 38.0)));
         view.clip.planes.push(Plane { normal: DVec3::new(1.0, 1.0, 1.0), offset: 30.0 });
-        let want = common::render(&caster(Screen::EveryPixel), &scene, &view).frame;
+        let want = common::render(&caster(ImageSampling::EveryPixel), &scene, &view).frame;
         // Faces of the clip and of the hole are known to a step and to a voxel, of which these have several per cent of opacity;
         // twice what was measured.
         for (connectivity, largest, mean) in
@@ -364,16 +370,16 @@ proptest! {
         size in prop::array::uniform2(1u32..60),
         samples in 1u32..3,
         screen in prop::sample::select(vec![
-            Screen::Adaptive { threshold: 0.01 },
-            Screen::Template { connectivity: Connectivity::Continuous },
-            Screen::Template { connectivity: Connectivity::Discrete },
+            ImageSampling::Adaptive { threshold: 0.01 },
+            ImageSampling::Template { connectivity: Connectivity::Continuous },
+            ImageSampling::Template { connectivity: Connectivity::Discrete },
         ]),
         crop in prop::option::of((prop::array::uniform3(-1.0..0.0f64), prop::array::uniform3(0.01..1.0f64))),
     ) {
         let last = DVec3::from_array(dims.map(|n| (n - 1) as f64));
         let axes = axes * DMat3::from_diagonal(1.0 / last);
         let scene = balls(seed, dims, Placement::new(-0.5 * (axes * last), axes).unwrap());
-        let is_template = matches!(screen, Screen::Template { .. });
+        let is_template = matches!(screen, ImageSampling::Template { .. });
         let projection = if is_template { Projection::Orthographic { height: 1.5 } } else { camera.projection };
         let mut view = View::new(Camera { projection, ..camera }, size);
         view.supersampling = samples;
@@ -401,12 +407,16 @@ fn adaptive_refines_whatever_traces() {
         (Step::Local { error: 0.002 }, Traversal::Samples, Rule::Midpoint),
     ] {
         let draw = |screen| {
-            common::render(&RayCaster { screen, step, traversal, rule, ..RayCaster::uniform(0.2) }, &scene, &view)
+            common::render(
+                &RayCaster { image_sampling: screen, step, traversal, rule, ..RayCaster::uniform(0.2) },
+                &scene,
+                &view,
+            )
         };
-        let want = draw(Screen::EveryPixel);
-        let got = draw(Screen::Adaptive { threshold: 0.05 });
+        let want = draw(ImageSampling::EveryPixel);
+        let got = draw(ImageSampling::Adaptive { threshold: 0.05 });
         assert!(max_error(&got.frame, &want.frame) <= 0.05, "{step:?} {traversal:?}");
         assert!(2 * got.stats.counts.rays < want.stats.counts.rays, "{step:?} {traversal:?}");
-        assert_same(&draw(Screen::Adaptive { threshold: 0.0 }).frame, &want.frame, "threshold 0");
+        assert_same(&draw(ImageSampling::Adaptive { threshold: 0.0 }).frame, &want.frame, "threshold 0");
     }
 }

@@ -8,7 +8,7 @@ use vr_physics::Reference;
 use vr_physics::cases::Case;
 use vr_physics::check::{self, Effort};
 use vr_physics::fit_order;
-use vr_raycast::{Order, RayCaster, Rule, Step, Traversal};
+use vr_raycast::{CompositingOrder, RayCaster, Rule, Step, Traversal};
 
 fn by(traversal: Traversal) -> RayCaster {
     RayCaster { traversal, ..RayCaster::exact(1.0) }
@@ -57,7 +57,8 @@ fn cells_one_after_the_other_from_either_end() {
     let view = oblique(&scene, 15);
     for rule in [Rule::Midpoint, Rule::Linear, Rule::Quadratic, Rule::Exact] {
         let forwards = render(&RayCaster { rule, ..by(Traversal::Cells) }, &scene, &view);
-        let backwards = render(&RayCaster { rule, order: Order::BackToFront, ..by(Traversal::Cells) }, &scene, &view);
+        let backwards =
+            render(&RayCaster { rule, order: CompositingOrder::BackToFront, ..by(Traversal::Cells) }, &scene, &view);
         // The same sum rounded otherwise, in f64, and kept in f32.
         assert!(max_error(&forwards.frame, &backwards.frame) <= 1e-7, "{rule:?}");
         // Cells of the rays, a sample each, or four; runs share the samples at faces.
@@ -108,7 +109,7 @@ fn voxels_have_order_one_in_their_size() {
     assert!((0.8..1.7).contains(&order), "{order}");
 }
 
-/// What a voxel's worth of wrong place costs: measured, and a third more.
+/// Error that a sample misplaced by a voxel causes: measured, and a third more.
 fn bound(case: &Case) -> f64 {
     match case.name {
         "opaque-wall" | "thin-shell" => 1.0,
@@ -133,7 +134,7 @@ fn cells_obey_invariants() {
     let caster = RayCaster {
         traversal: Traversal::Cells,
         rule: Rule::Quadratic,
-        order: Order::WHOLE_RAY,
+        order: CompositingOrder::WHOLE_RAY,
         ..RayCaster::default()
     };
     // As the caster's own: f32 sums, and positions rounded to 10⁻⁵ of a voxel.

@@ -1,10 +1,10 @@
-//! What the kernels are made of: tables, precision and instructions.
+//! Settings of the kernels: tables, precision and instructions.
 
-/// How a value becomes light and opacity.
+/// Evaluation of the transfer function, by which a value becomes light and opacity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Classification {
+pub enum TransferLookup {
     /// Looked up in a table made for the step's length; see [`vr_kernels::tables::BakedTransfer`] for what that adds to the error.
-    /// Where a transfer function tells apart what no table of some thousand entries can, it is evaluated exactly after all.
+    /// A transfer function that tells apart what no table of some thousand entries can is evaluated exactly after all.
     #[default]
     Table,
     /// Evaluated at every sample in f64: slow, for study and for transfer functions finer than any table.
@@ -22,12 +22,12 @@ pub enum Precision {
     F64,
 }
 
-/// Which instructions the vector engine may use.
+/// Instructions that the vector engine may use.
 ///
 /// It draws `over` of the trilinear filter, front to back, in f32 with a table, by the rules `midpoint` and `left` under uniform steps and
 /// by `midpoint` under local ones, unshaded or shaded by central differences, where no sample is missing and opacity does not follow the
 /// gradient. Everything else goes through the plain engine. Under uniform steps it leaps by cubes of blocks of its own, whichever
-/// structure [`Leaping`](super::Leaping) names; with [`Leaping::None`](super::Leaping::None), not at all.
+/// structure [`EmptySpace`](super::EmptySpace) names; with [`EmptySpace::None`](super::EmptySpace::None), not at all.
 ///
 /// Pictures do not depend on the instructions, bit for bit; from the plain engine's they differ by rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

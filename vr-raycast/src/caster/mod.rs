@@ -1,52 +1,52 @@
 //! The ray caster's settings: each in a file of its own, and here what is asked of them together.
 
+mod compositing_order;
+mod empty_space;
+mod image_sampling;
 mod kernel;
-mod leaping;
-mod order;
 mod rule;
-mod screen;
 mod step;
 mod traversal;
 
 use vr_core::{Configurable, Filter, OptionError, Placement, Scene};
 
-pub use kernel::{Classification, Precision, Vector};
-pub use leaping::Leaping;
-pub use order::Order;
+pub use compositing_order::CompositingOrder;
+pub use empty_space::EmptySpace;
+pub use image_sampling::ImageSampling;
+pub use kernel::{Precision, TransferLookup, Vector};
 pub use rule::Rule;
-pub use screen::Screen;
 pub use step::Step;
 pub use traversal::Traversal;
 
 /// Casts rays through the pixels of a view and samples the volume along them; the crate's front page says how.
 ///
 /// ```
-/// use vr_raycast::{Order, RayCaster, Step};
+/// use vr_raycast::{CompositingOrder, RayCaster, Step};
 /// let fine = RayCaster { step: Step::Uniform(0.25), ..RayCaster::default() };
-/// let backwards = RayCaster { order: Order::BackToFront, ..fine };
+/// let backwards = RayCaster { order: CompositingOrder::BackToFront, ..fine };
 /// # assert_eq!(backwards.step, Step::Uniform(0.25));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayCaster {
-    /// How long steps are.
+    /// Length of the steps.
     pub step: Step,
-    /// What the steps of a ray are.
+    /// Kind of the steps of a ray.
     pub traversal: Traversal,
-    /// How empty space is leapt over.
-    pub leaping: Leaping,
-    /// How the light of a step is found, which sets the order of convergence.
+    /// Structure by which rays leap over empty space.
+    pub empty_space: EmptySpace,
+    /// Rule that integrates the light of a step; it sets the order of convergence.
     pub rule: Rule,
-    /// From which end the samples of a ray are composited.
-    pub order: Order,
+    /// Direction in which the samples of a ray are composited.
+    pub order: CompositingOrder,
     /// The reconstruction filter; `None`: the scene's.
     pub filter: Option<Filter>,
-    /// How a value becomes light and opacity.
-    pub classification: Classification,
+    /// Evaluation of the transfer function, by which a value becomes light and opacity.
+    pub transfer_lookup: TransferLookup,
     /// Precision of the kernels.
     pub precision: Precision,
-    /// Which rays the picture is made of.
-    pub screen: Screen,
-    /// Whether rays go in packets of sixteen, by vector instructions, where a scene allows it.
+    /// Choice of the rays that the picture is made of.
+    pub image_sampling: ImageSampling,
+    /// Instructions for packets of sixteen rays, where a scene allows such packets.
     pub vector: Vector,
 }
 
@@ -65,8 +65,8 @@ impl RayCaster {
     pub fn exact(step: f64) -> Self {
         Self {
             step: Step::Uniform(step),
-            order: Order::WHOLE_RAY,
-            classification: Classification::Exact,
+            order: CompositingOrder::WHOLE_RAY,
+            transfer_lookup: TransferLookup::Exact,
             precision: Precision::F64,
             ..Self::default()
         }
@@ -91,7 +91,7 @@ impl RayCaster {
 
     /// True if light is added up along a ray from its begin on, so that steps can follow it.
     pub(crate) fn follows_light(&self, scene: &Scene) -> bool {
-        scene.compositing.integrates_light() && self.order != Order::BackToFront
+        scene.compositing.integrates_light() && self.order != CompositingOrder::BackToFront
     }
 
     /// World length of a step.

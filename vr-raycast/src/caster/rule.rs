@@ -1,8 +1,8 @@
-//! How the light of a step is found.
+//! Rules that integrate the light of a step.
 
 use vr_core::Filter;
 
-/// How the light of a step is found. The rules differ where light is integrated (over, accumulate); other operators
+/// Rule that integrates the light of a step. The rules differ where light is integrated (over, accumulate); other operators
 /// look at one sample a step, in its middle (or its begin, by [`Rule::Left`]).
 ///
 /// The orders hold for smooth fields. A trilinear field has kinks at cell faces, and a step that has one inside is off by the
@@ -37,7 +37,7 @@ impl Rule {
         }
     }
 
-    /// Whether it makes sense for a filter's field: not all values between two labels are on the way from one to the other.
+    /// True if it makes sense for a filter's field: not all values between two labels are on the way from one to the other.
     pub(crate) fn goes_with(self, filter: Filter) -> bool {
         match self {
             Self::Midpoint | Self::Left => true,

@@ -1,6 +1,6 @@
-//! How long steps are.
+//! Lengths of steps.
 
-/// How long steps are.
+/// Length of the steps of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Step {
     /// [`Step::Local`] with [`Step::ERROR`] where light is followed along a ray, front to back; [`Step::Uniform`] with
@@ -27,12 +27,12 @@ pub enum Step {
         /// The largest error that long steps may make, all of a ray together.
         error: f64,
     },
-    /// As long as a promise allows: no component of a pixel is further than this from the truth, relative to max(1, the picture's
+    /// As long as a bound of the error allows: no component of a pixel is further than this from the truth, relative to max(1, the picture's
     /// largest magnitude); at least 10⁻⁶. Rays for which no such bound was found are counted ([`vr_core::Counts::unbounded`]).
     ///
     /// For over and accumulate, trilinear and nearest fields, without shading. Rule, traversal and order are the caster's own choice, and
     /// the transfer function is always evaluated exactly; in the precision f32, rays whose rounding takes too much are done again in f64.
-    Tolerance(f64),
+    ErrorBound(f64),
     /// Adaptive ray traversal (Yagel & Shi 1993, "Accelerating volume animation by space-leaping"): coarse steps that look at nothing but a
     /// flag, and fine ones in the vicinity of what is visible, where the flag is set.
     ///
@@ -41,7 +41,7 @@ pub enum Step {
     /// passes nothing that is visible from where the flag is not set. Fine steps are those of [`Step::Uniform`]: the picture is the same,
     /// bit for bit.
     ///
-    /// It finds the empty space itself, and so no [`Leaping`](super::Leaping) goes with it.
+    /// It finds the empty space itself, and so no [`EmptySpace`](super::EmptySpace) goes with it.
     #[cfg(feature = "classics")]
     Vicinity {
         /// Length of coarse steps: above `fine`, at most 64, in voxels.
@@ -78,7 +78,7 @@ impl Step {
             Self::Uniform(step) => Some(step),
             #[cfg(feature = "classics")]
             Self::Vicinity { fine: step, .. } | Self::Homogeneous { step, .. } => Some(step),
-            Self::Auto | Self::Local { .. } | Self::Tolerance(_) => None,
+            Self::Auto | Self::Local { .. } | Self::ErrorBound(_) => None,
         }
     }
 

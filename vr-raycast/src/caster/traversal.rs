@@ -1,6 +1,6 @@
-//! What the steps of a ray are.
+//! Kind of the steps of a ray.
 
-/// What the steps of a ray are.
+/// Kind of the steps of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Traversal {
     /// Steps of the given length, wherever the cells' faces are.

@@ -18,7 +18,7 @@ pub(crate) struct Boxes {
 
 /// Boxes at most: each ray is cut by all of them.
 const MOST: usize = 8;
-/// Of the bounding box: the volume that a cut must save.
+/// Fraction of the bounding box's volume that a cut must save.
 const WORTH: f64 = 1.0 / 64.0;
 
 /// The blocks `low .. high` along each axis.
@@ -78,7 +78,7 @@ impl Candidate {
     }
 }
 
-/// What is visible in each slab, one block thick, of a region, along each axis.
+/// Extent of what is visible in each slab, one block thick, of a region, along each axis.
 fn slabs(blocks: &VisibleBlocks, region: &Extent) -> [Vec<Extent>; 3] {
     let Extent { low, high } = *region;
     let mut slabs: [Vec<Extent>; 3] = std::array::from_fn(|a| vec![Extent::NONE; high[a] - low[a]]);

@@ -1,4 +1,4 @@
-//! Where the medium is nearly the same: a tree over blocks of the volume, and what a long step errs by in each node.
+//! Regions in which the medium is nearly the same: a tree over blocks of the volume, and the error of a long step in each node.
 
 use std::sync::Arc;
 
@@ -8,13 +8,13 @@ use vr_kernels::ranges::LevelRanges;
 
 use super::straightness::bends;
 use crate::caster::{RayCaster, Step, Traversal};
-use crate::tolerance::optics::{Extremes, Optics};
+use crate::error_bound::optics::{Extremes, Optics};
 
 /// For every block of 4³ cells, the largest node of an octree around it that a ray may cross in one step.
 ///
 /// Laur and Hanrahan 1991 (*Hierarchical splatting*) and Danskin and Hanrahan 1992 (*Fast algorithms for volume ray tracing*) keep a mean
 /// and an error per node. Here a node has the range of its values, from which the ranges of κ and of the source follow exactly. A step of
-/// length l through a node, with one sample anywhere in it, is off (see `tolerance/README.md` for why errors add up as they do)
+/// length l through a node, with one sample anywhere in it, is off (see `error_bound/README.md` for why errors add up as they do)
 ///
 /// * in its transparency by at most l·Δκ·e^(−κ₀l), where κ lies in [κ₀, κ₀ + Δκ]; and so a pixel by T·M times that, T being the
 ///   transmittance in front and M the largest radiance from behind;
@@ -26,7 +26,7 @@ use crate::tolerance::optics::{Extremes, Optics};
 /// Σ T·κ₀·l·e^(−κ₀l) ≤ Σ T·α ≤ 1. So all of them together are off by at most ε/4 (1 + 1) for transparency and as much for light: ε.
 /// With emission on its own it is Δκ·M ≤ ε/(2D) and Δq ≤ ε/(2D).
 ///
-/// Where the field is nearly linear, the sample in the middle of a step knows more: along the step, a linear function is as much above its
+/// In a nearly linear field, the sample in the middle of a step knows more: along the step, a linear function is as much above its
 /// middle value before it as below it behind. So for a trilinear field, within `bend` of a linear function in the node, Δκ may be replaced by
 /// 2(|κ′|·bend + what κ as a function of the value differs from linear); and Δc by the same of c, and, as front and back do not count alike, half of
 /// κ₁/κ₀·e^(κ₁l) − 1 times the amplitude of what is linear. This is done for nodes of one and two blocks' edge.
@@ -36,11 +36,11 @@ use crate::tolerance::optics::{Extremes, Optics};
 pub(crate) struct Homogeneity {
     blocks: [usize; 3],
     bytes: Vec<u8>,
-    /// Of nodes of one and of two blocks' edge, how far the field is from linear: whatever the transfer function.
+    /// Distance of the field from linear in nodes of one and of two blocks' edge; it does not depend on the transfer function.
     bends: Arc<[Vec<f32>; 2]>,
 }
 
-/// What a ray does in a block.
+/// Node that sets the step of a ray in a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Node {
     /// A node of 2^level blocks an edge in which nothing is visible.
@@ -60,7 +60,7 @@ const CLEAR: u8 = 128;
 struct Range {
     levels: [u8; 2],
     holed: bool,
-    /// How far the field is from a linear function; +∞ where nobody knows.
+    /// Distance of the field from a linear function; +∞ where it is unknown.
     bend: f32,
 }
 
@@ -145,7 +145,7 @@ impl Homogeneity {
         self.blocks
     }
 
-    /// What a ray does in a block.
+    /// Returns the node that sets the step of a ray in a block.
     pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> Node {
         match self.bytes[(z * self.blocks[1] + y) * self.blocks[0] + x] {
             MIXED => Node::Mixed,
@@ -180,7 +180,7 @@ enum Verdict {
     Mixed,
 }
 
-/// What is known of the medium over every range of levels that there is.
+/// Medium over every range of levels that there is.
 struct Verdicts {
     table: Vec<Option<Medium>>,
     emits: bool,
@@ -188,7 +188,7 @@ struct Verdicts {
     across: f64,
     block: f64,
     /// The largest radiance from behind.
-    most: f64,
+    max_light: f64,
     error: f64,
 }
 
@@ -199,7 +199,7 @@ struct Medium {
     kappa: [f64; 2],
     /// Differences of the source.
     width: f64,
-    /// Of κ and of the source: slope by the value, and how far from linear.
+    /// Slope by the value and distance from linear, of κ and of the source.
     bent: [[f64; 2]; 2],
     clear: bool,
 }
@@ -210,7 +210,7 @@ impl Verdicts {
         let optics = Optics::new(transfer, volume.calibration(), f64::from(low.abs().max(high.abs())));
         let corners = volume.corners();
         let across = (0..4).map(|i| corners[i].distance(corners[7 - i])).fold(0.0, f64::max);
-        let most = optics.brightest * if optics.emits { 1.5 * across } else { 1.0 };
+        let max_light = optics.brightest * if optics.emits { 1.5 * across } else { 1.0 };
         // A range may fall short of the field by a hundredth of a level; and what cubic filters overshoot belongs to the outermost levels.
         let spacing = levels.stored(1) - levels.stored(0);
         let room = LevelRanges::SLACK * spacing + optics.knot_error;
@@ -232,7 +232,7 @@ impl Verdicts {
         let table =
             (0..1usize << 16).into_par_iter().map(|i| (i >> 8 <= i & 255).then(|| medium(i >> 8, i & 255))).collect();
         let block = Homogeneity::EDGE as f64 * volume.placement().spacing().element_sum();
-        Self { table, emits: optics.emits, across, block, most: most.max(1.0), error }
+        Self { table, emits: optics.emits, across, block, max_light: max_light.max(1.0), error }
     }
 
     fn of(&self, range: Range, level: u32) -> Verdict {
@@ -249,10 +249,10 @@ impl Verdicts {
         let bend = f64::from(range.bend);
         let straight = |[slope, off]: [f64; 2]| 2.0 * (if slope == 0.0 { 0.0 } else { slope * bend } + off);
         let spread = largest - least;
-        let opacity = spread.min(straight(m.bent[0])) * self.most;
+        let opacity = spread.min(straight(m.bent[0])) * self.max_light;
         let keeps = if self.emits {
             // What an emission absorbs itself changes along the step: no more than its own range can tell.
-            spread * self.most <= 0.5 * self.error / self.across && m.width <= 0.5 * self.error / self.across
+            spread * self.max_light <= 0.5 * self.error / self.across && m.width <= 0.5 * self.error / self.across
         } else {
             let length = self.block * f64::from(1u32 << level);
             let uneven = 0.5 * (largest / least * libm::exp(largest * length) - 1.0);

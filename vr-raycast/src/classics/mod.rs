@@ -32,10 +32,12 @@ use vr_core::{
 };
 use vr_kernels::ranges::RangeBlocks;
 
-use crate::caster::{Classification, Leaping, Order, Precision, RayCaster, Rule, Screen, Step, Traversal};
-use crate::instruments::Instruments;
+use crate::caster::{
+    CompositingOrder, EmptySpace, ImageSampling, Precision, RayCaster, Rule, Step, TransferLookup, Traversal,
+};
 use crate::leap::{EDGE, Leaper, Visibility, VisibleBlocks};
 use crate::prepared::PreparedCaster;
+use crate::render_tables::RenderTables;
 use crate::walk::{Walk, Walks};
 use boxes::Boxes;
 use chessboard_cloud::ChessboardCloud;
@@ -59,13 +61,13 @@ pub(crate) fn leaper<R: Real>(
     if let Step::Vicinity { coarse, .. } = caster.step {
         return Some(Arc::new(Vicinity::new(&blocks(coarse.ceil() as usize))));
     }
-    Some(match caster.leaping {
-        Leaping::Auto | Leaping::None | Leaping::ExactCloud => return None,
-        Leaping::Octree => Arc::new(octree(dims, &RangeBlocks::of_volume(volume, EDGE), visibility, last)),
-        Leaping::Pyramid => Arc::new(Pyramid::new(&blocks(EDGE))),
-        Leaping::ChessboardCloud => Arc::new(ChessboardCloud::new(&blocks(EDGE))),
-        Leaping::Boxes => Arc::new(Boxes::new(&blocks(EDGE))),
-        Leaping::Polyhedron => Arc::new(Polyhedron::new(&blocks(EDGE))),
+    Some(match caster.empty_space {
+        EmptySpace::Auto | EmptySpace::None | EmptySpace::ExactCloud => return None,
+        EmptySpace::Octree => Arc::new(octree(dims, &RangeBlocks::of_volume(volume, EDGE), visibility, last)),
+        EmptySpace::Pyramid => Arc::new(Pyramid::new(&blocks(EDGE))),
+        EmptySpace::ChessboardCloud => Arc::new(ChessboardCloud::new(&blocks(EDGE))),
+        EmptySpace::Boxes => Arc::new(Boxes::new(&blocks(EDGE))),
+        EmptySpace::Polyhedron => Arc::new(Polyhedron::new(&blocks(EDGE))),
     })
 }
 
@@ -81,7 +83,7 @@ fn octree<R: Real>(
     Octree::new(nodes, ranges, visibility)
 }
 
-/// What the steps of classic walks follow.
+/// Rule that sets the steps of classic walks.
 #[derive(Clone, Copy)]
 pub(crate) enum WalkKind<'a> {
     /// From voxel to voxel.
@@ -91,11 +93,11 @@ pub(crate) enum WalkKind<'a> {
 }
 
 /// Returns the kind of walk that a caster asks for; `None` if it is not a classic one.
-pub(crate) fn walk_kind<'a, R: Real>(caster: &RayCaster, instruments: &'a Instruments<R>) -> Option<WalkKind<'a>> {
+pub(crate) fn walk_kind<'a, R: Real>(caster: &RayCaster, tables: &'a RenderTables<R>) -> Option<WalkKind<'a>> {
     if caster.traversal == Traversal::Voxels {
         return Some(WalkKind::Voxels);
     }
-    instruments.homogeneity.as_deref().map(WalkKind::Homogeneous)
+    tables.homogeneity.as_deref().map(WalkKind::Homogeneous)
 }
 
 impl<'a> WalkKind<'a> {
@@ -116,7 +118,8 @@ impl PreparedCaster {
         control: &Control,
     ) -> Option<Result<Rendered, RenderError>> {
         let volume = self.source.grid()?;
-        if let (Screen::Template { connectivity }, Some(_)) = (self.caster.screen, self.engine.kernel()) {
+        if let (ImageSampling::Template { connectivity }, Some(_)) = (self.caster.image_sampling, self.engine.kernel())
+        {
             return Some(draw_by_template(connectivity, &self.caster, &self.scene, volume, view, control));
         }
         let (volume, step) = (Arc::clone(volume), self.caster.world_step(volume.placement()));
@@ -132,7 +135,7 @@ impl PreparedCaster {
 pub(crate) fn beyond_steps(caster: &RayCaster, scene: &Scene) -> Option<(Feature, &'static str)> {
     if !matches!(caster.step, Step::Homogeneous { .. }) {
         None
-    } else if scene.compositing != Compositing::Over || caster.order == Order::BackToFront {
+    } else if scene.compositing != Compositing::Over || caster.order == CompositingOrder::BackToFront {
         Some((Feature::Setting, "homogeneous steps under anything but over, front to back"))
     } else if caster.rule != Rule::Midpoint {
         Some((Feature::Setting, "homogeneous steps by another rule than the midpoint's"))
@@ -149,27 +152,27 @@ pub(crate) fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String>
     let uneven = !matches!(caster.step, Step::Uniform(_)) || caster.traversal != Traversal::Samples;
     let uneven = uneven.then_some("steps that are not all of one length (set a step, in voxels)".to_owned());
     let filter = scene.volume.filter().unwrap_or_default();
-    let found = match caster.screen {
-        Screen::EveryPixel | Screen::Adaptive { .. } => vec![],
-        Screen::Coherent => vec![
+    let found = match caster.image_sampling {
+        ImageSampling::EveryPixel | ImageSampling::Adaptive { .. } => vec![],
+        ImageSampling::Coherent => vec![
             (!scene.compositing.integrates_light()).then_some(compositing),
             uneven,
             // What a table of segments shows cannot be told from the values at their ends.
             (!matches!(caster.rule, Rule::Midpoint | Rule::Left)).then(|| format!("the rule '{}'", caster.rule.name())),
         ],
-        Screen::Template { connectivity } => {
+        ImageSampling::Template { connectivity } => {
             let own_values = connectivity == Connectivity::Discrete && filter == Filter::Nearest;
             vec![
                 (scene.compositing != Compositing::Over).then_some(compositing),
                 scene.shading.is_some().then_some("shading".to_owned()),
                 scene.surfaces.is_some().then_some("opaque surfaces".to_owned()),
                 (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
-                (caster.order == Order::BackToFront).then_some("compositing back to front".to_owned()),
+                (caster.order == CompositingOrder::BackToFront).then_some("compositing back to front".to_owned()),
                 uneven,
-                (caster.leaping != Leaping::Auto).then_some("a way of leaping".to_owned()),
+                (caster.empty_space != EmptySpace::Auto).then_some("a way of leaping".to_owned()),
                 (caster.rule != Rule::Midpoint).then(|| format!("the rule '{}'", caster.rule.name())),
                 (caster.precision == Precision::F64).then_some("64-bit precision".to_owned()),
-                (caster.classification == Classification::Exact).then_some("exact classification".to_owned()),
+                (caster.transfer_lookup == TransferLookup::Exact).then_some("exact classification".to_owned()),
             ]
         }
     };

@@ -18,7 +18,7 @@ use crate::leap::{Region, Regions, next_interval};
 #[derive(Clone, Debug)]
 pub(crate) struct Octree {
     nodes: Arc<NodeRanges>,
-    /// Of the blocks (level 0) and of the nodes above them, up to the root.
+    /// Kinds of the blocks (level 0) and of the nodes above them, up to the root.
     kinds: Vec<Vec<Kind>>,
 }
 
@@ -72,7 +72,7 @@ impl Octree {
         Self { nodes, kinds }
     }
 
-    /// What outlives a transfer function.
+    /// Ranges of the nodes, which outlive a transfer function.
     pub(crate) fn nodes(&self) -> Arc<NodeRanges> {
         Arc::clone(&self.nodes)
     }

@@ -3,7 +3,7 @@
 use vr_core::{DeclaredOption, NumberRange};
 
 use super::Connectivity;
-use crate::caster::{Leaping, RayCaster, Rule, Screen, Step, Traversal};
+use crate::caster::{EmptySpace, ImageSampling, RayCaster, Rule, Step, Traversal};
 
 /// Help of the option `steps`.
 pub(crate) const STEPS_HELP: &str = "length of steps: uniform; local, as long as what is in each place allows; vicinity, coarse where nothing is visible; homogeneous, long where the medium hardly changes; tolerance, as a promised error asks for; auto, local where light is followed, else uniform";
@@ -16,20 +16,20 @@ const HOMOGENEOUS: Step = Step::Homogeneous { step: Step::OTHERWISE, error: 1e-2
 /// Kinds of steps, with the numbers that they have where none are given.
 pub(crate) const STEPS: [(&str, Step); 2] = [("vicinity", VICINITY), ("homogeneous", HOMOGENEOUS)];
 /// Ways of leaping.
-pub(crate) const LEAPINGS: [(&str, Leaping); 5] = [
-    ("octree", Leaping::Octree),
-    ("pyramid", Leaping::Pyramid),
-    ("chessboard-cloud", Leaping::ChessboardCloud),
-    ("boxes", Leaping::Boxes),
-    ("polyhedron", Leaping::Polyhedron),
+pub(crate) const LEAPINGS: [(&str, EmptySpace); 5] = [
+    ("octree", EmptySpace::Octree),
+    ("pyramid", EmptySpace::Pyramid),
+    ("chessboard-cloud", EmptySpace::ChessboardCloud),
+    ("boxes", EmptySpace::Boxes),
+    ("polyhedron", EmptySpace::Polyhedron),
 ];
 /// Traversals.
 pub(crate) const TRAVERSALS: [(&str, Traversal); 1] = [("voxels", Traversal::Voxels)];
 /// Screens.
-pub(crate) const SCREENS: [Screen; 3] = [
-    Screen::Coherent,
-    Screen::Template { connectivity: Connectivity::Discrete },
-    Screen::Template { connectivity: Connectivity::Continuous },
+pub(crate) const SCREENS: [ImageSampling; 3] = [
+    ImageSampling::Coherent,
+    ImageSampling::Template { connectivity: Connectivity::Discrete },
+    ImageSampling::Template { connectivity: Connectivity::Continuous },
 ];
 
 /// Options of steps. Each number makes steps the kind that has it, unless they are of one already.
@@ -69,7 +69,8 @@ pub(crate) fn is_rule_beyond_voxels(caster: &RayCaster) -> bool {
 
 /// Named casters of a study.
 pub(crate) fn settings() -> [(String, RayCaster); 2] {
-    let template = Screen::Template { connectivity: Connectivity::Continuous };
-    [("coherent", Screen::Coherent), ("template", template)]
-        .map(|(word, screen)| (format!("midpoint 1 {word}"), RayCaster { screen, ..RayCaster::uniform(1.0) }))
+    let template = ImageSampling::Template { connectivity: Connectivity::Continuous };
+    [("coherent", ImageSampling::Coherent), ("template", template)].map(|(word, screen)| {
+        (format!("midpoint 1 {word}"), RayCaster { image_sampling: screen, ..RayCaster::uniform(1.0) })
+    })
 }

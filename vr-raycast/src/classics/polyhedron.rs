@@ -79,14 +79,14 @@ impl Polyhedron {
                 // The corners of the row's part between its first and its last visible block.
                 let corners = [[first, last + 1], [y, y + 1], [z, z + 1]].map(|pair| pair.map(|c| c as f64));
                 for (slab, normal) in slabs.iter_mut().zip(NORMALS) {
-                    let (mut least, mut most) = (0.0, 0.0);
+                    let (mut min, mut max) = (0.0, 0.0);
                     for a in 0..3 {
                         let [x0, x1] = corners[a].map(|c| c * f64::from(normal[a]));
-                        least += x0.min(x1);
-                        most += x0.max(x1);
+                        min += x0.min(x1);
+                        max += x0.max(x1);
                     }
-                    slab.low = slab.low.min(least);
-                    slab.high = slab.high.max(most);
+                    slab.low = slab.low.min(min);
+                    slab.high = slab.high.max(max);
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Nanoseconds per ray, for whoever changes a structure: `cargo test --release -p vr-raycast --lib classics::speed -- --ignored --nocapture`.
+//! Nanoseconds per ray, for comparing changes to a structure: `cargo test --release -p vr-raycast --lib classics::speed -- --ignored --nocapture`.
 
 use std::time::{Duration, Instant};
 

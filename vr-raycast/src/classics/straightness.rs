@@ -1,4 +1,4 @@
-//! How far the field is from a linear function, block by block.
+//! Distance of the field from a linear function, block by block.
 
 use rayon::prelude::*;
 use vr_core::filter::Lattice;

@@ -108,9 +108,9 @@ impl SamplerVisitor for Sampled {
     type Output = f32;
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> f32 {
-        let most = sampler.lattice().dims.map(|n| (n - 1) as f32);
+        let max_index = sampler.lattice().dims.map(|n| (n - 1) as f32);
         let at = self.0.to_array();
-        sampler.value(std::array::from_fn(|a| (at[a] as f32).clamp(0.0, most[a])))
+        sampler.value(std::array::from_fn(|a| (at[a] as f32).clamp(0.0, max_index[a])))
     }
 }
 

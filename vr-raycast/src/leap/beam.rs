@@ -4,12 +4,12 @@ use vr_core::IndexRay;
 
 use super::visible_blocks::BlockGrid;
 
-/// What a structure over blocks says of one of them.
+/// Structure over blocks that tells which of them are visible.
 pub(crate) trait Regions: Send + Sync {
-    /// Whether the block at an index can be seen.
+    /// True if the block at an index can be seen.
     fn is_visible(&self, index: usize) -> bool;
 
-    /// How far around a block, at an index, all is as this block is.
+    /// Region around a block, at an index, in which all blocks are as visible, or as clear, as this one.
     fn around(&self, block: [usize; 3], index: usize) -> Region;
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct Beam {
     end: f64,
 }
 
-/// Where a beam is: its distance, and the blocks of its rear and its front along each axis (mirrored), which are the same or neighbours.
+/// Position of a beam: its distance, and the blocks of its rear and its front along each axis (mirrored), which are the same or neighbours.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     s: f64,
@@ -89,7 +89,7 @@ impl Beam {
         }
     }
 
-    /// Where the beam is at a distance.
+    /// Position of the beam at a distance.
     fn place(&self, s: f64) -> Place {
         let rear = std::array::from_fn(|a| self.block(a, self.rear[a], s, 0, self.grid.blocks[a]));
         let front = std::array::from_fn(|a| self.block(a, self.front[a], s, rear[a], self.grid.blocks[a]));
@@ -103,7 +103,7 @@ impl Beam {
         ((edge + s * self.speed[axis]) as i32 as usize).max(low).min(high - 1)
     }
 
-    /// When an edge of the beam reaches the plane before a block that is ahead of it; never, if there is no such block or the beam does not
+    /// Distance at which an edge of the beam reaches the plane before a block that is ahead of it; +∞, if there is no such block or the beam does not
     /// move along the axis (an edge that does not move lies in its block and not on a plane ahead: the product is +∞).
     #[inline(always)]
     fn reaches(&self, axis: usize, edge: f64, plane: usize) -> f64 {
@@ -137,7 +137,7 @@ impl Beam {
         None
     }
 
-    /// Whether any of the two, four or eight blocks that the beam touches can be seen.
+    /// True if any of the two, four or eight blocks that the beam touches can be seen.
     fn touches_visible<R: Regions>(&self, regions: &R, place: &Place) -> bool {
         let Place { rear, front, .. } = place;
         (rear[2]..=front[2]).any(|z| {

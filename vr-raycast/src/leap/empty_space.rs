@@ -1,4 +1,4 @@
-//! What a prepared scene knows of its empty space.
+//! Empty space of a prepared scene.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use vr_core::{Compositing, GridVolume, Real, Scene};
 use vr_kernels::ranges::RangeBlocks;
 
 use super::{EDGE, ExactCloud, Leaper, Visibility, VisibleBlocks};
-use crate::caster::{Leaping, RayCaster};
+use crate::caster::{EmptySpace, RayCaster};
 use crate::classify::Classifier;
 
 /// Finds where nothing is visible, when the scene is prepared and again when its transfer function changes: as a caster asks for it, which
@@ -20,7 +20,7 @@ pub(crate) fn empty_space<R: Real>(
     classifier: &Classifier<R>,
     last: Option<&Arc<dyn Leaper>>,
 ) -> Option<Arc<dyn Leaper>> {
-    let leaps = caster.leaping != Leaping::None || caster.step.finds_empty_space();
+    let leaps = caster.empty_space != EmptySpace::None || caster.step.finds_empty_space();
     // Other steps have maps of their own.
     if !(leaps && caster.step.is_on_lattice()) {
         return None;

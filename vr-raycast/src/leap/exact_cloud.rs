@@ -41,7 +41,7 @@ impl ExactCloud {
     }
 }
 
-/// What is stored for squares of distances.
+/// Numbers stored for squares of distances.
 fn stored(squares: &[f32], flag: u16) -> Vec<u16> {
     // Rounded down twice over: by the cast, and by a unit that makes up for the root's rounding up.
     let of = |&square: &f32| {

@@ -38,7 +38,7 @@ pub(crate) use vr_kernels::ranges::Visibility;
 /// grow by, and rays would ask more often.
 pub(crate) const EDGE: usize = 8;
 
-/// Where along a ray something can be visible.
+/// Finds the intervals of a ray in which something can be visible.
 pub(crate) trait Leaper: Any + Send + Sync {
     /// The first interval of the ray, in world distances like the ray's own, that ends behind `from` and may hold something visible; cut
     /// off at `from` and at the ray's end. `None`: all the rest is clear.
@@ -54,8 +54,8 @@ pub(crate) trait Leaper: Any + Send + Sync {
 
 /// Half the width of the beam that stands for a ray, in cells: how far from the ray a kernel may take its sample, per axis.
 ///
-/// Where positions are found as x₀ + j·δ in f32, three roundings of numbers up to the largest index, a relative 2⁻²⁴ each, make 2⁻²² of that
-/// index. It is twice that, so that roundings of the leapers themselves, in f64, are covered many times over.
+/// Positions found as x₀ + j·δ in f32 suffer three roundings of numbers up to the largest index, a relative 2⁻²⁴ each: at most 2⁻²² of that
+/// index. The result is twice that, so that roundings of the leapers themselves, in f64, are covered many times over.
 pub(crate) fn reach(dims: [usize; 3]) -> f64 {
     const PER_INDEX: f64 = 1.0 / (1u64 << 21) as f64;
     dims.into_iter().max().unwrap_or_default() as f64 * PER_INDEX

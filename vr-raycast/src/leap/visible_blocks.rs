@@ -1,4 +1,4 @@
-//! Which blocks can be seen.
+//! Blocks that can be seen.
 
 use rayon::prelude::*;
 use vr_core::Real;
@@ -112,7 +112,7 @@ impl VisibleBlocks {
         })
     }
 
-    /// How the blocks lie.
+    /// Layout of the blocks.
     pub(crate) fn grid(&self) -> BlockGrid {
         self.grid
     }
@@ -132,7 +132,7 @@ impl VisibleBlocks {
         &self.words[start..start + self.words_per_row()]
     }
 
-    /// Whether a block can be seen.
+    /// True if a block can be seen.
     #[inline(always)]
     pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> bool {
         self.words[self.row_start(y, z) + x / 64] >> (x % 64) & 1 == 1

@@ -14,7 +14,7 @@ use crate::run::Run;
 /// field itself by bisection. The pixel is (c, 1), c the transfer function's colour of the field there: that of the threshold,
 /// or of what lies above it where the field jumps or the ray enters.
 ///
-/// Where the field reaches the threshold and falls below it again between two samples, it is missed.
+/// A crossing is missed where the field reaches the threshold and falls below it again between two samples.
 #[derive(Clone, Debug)]
 pub(crate) struct First {
     transfer: Arc<TransferFunction>,

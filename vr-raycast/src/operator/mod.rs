@@ -34,7 +34,7 @@ use first::First;
 use over_back_to_front::OverBackToFront;
 use over_front_to_back::OverFrontToBack;
 
-use crate::caster::Order;
+use crate::caster::CompositingOrder;
 use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
@@ -72,16 +72,20 @@ pub(crate) trait Operator<R: Real> {
     /// Takes the next run; `Break` if what follows cannot matter.
     fn take(&mut self, run: &Run<R>, chord: &Chord<'_>) -> ControlFlow<()>;
 
-    /// What the ray becomes.
+    /// Returns the value of the ray.
     fn finish(&mut self, chord: &Chord<'_>) -> RayValue;
 }
 
 /// Makes the operator of a scene for one thread.
-pub(crate) fn operator<R: Real>(scene: &Scene, calibration: Calibration, order: Order) -> Box<dyn Operator<R>> {
+pub(crate) fn operator<R: Real>(
+    scene: &Scene,
+    calibration: Calibration,
+    order: CompositingOrder,
+) -> Box<dyn Operator<R>> {
     let transfer = || Arc::clone(&scene.transfer);
     match (scene.compositing, order) {
-        (Compositing::Over, Order::BackToFront) => Box::new(OverBackToFront::default()),
-        (Compositing::Over, Order::FrontToBack { termination }) => {
+        (Compositing::Over, CompositingOrder::BackToFront) => Box::new(OverBackToFront::default()),
+        (Compositing::Over, CompositingOrder::FrontToBack { termination }) => {
             Box::new(OverFrontToBack::new(termination, scene.max_radiance()))
         }
         (Compositing::Accumulate { level }, _) => Box::new(Accumulate::new(level)),
@@ -115,7 +119,7 @@ fn steps_of<R: Real>(run: &Run<R>) -> impl DoubleEndedIterator<Item = (f64, f64,
     (0..run.len()).map(|j| (run.light[j][3].to_f64(), run.steps.begin[j], run.steps.length[j]))
 }
 
-/// Where the last step of a run ends that has any opacity. (Where a run without such a step ends depends on what was left out.)
+/// End of the last step of a run that has any opacity. (The end of a run without such a step depends on what was left out.)
 fn end_of_opacity<R: Real>(run: &Run<R>) -> f64 {
     let last = (0..run.len()).rfind(|&j| run.light[j][3] > R::ZERO).unwrap_or(run.len() - 1);
     run.steps.begin[last] + run.steps.length[last]

@@ -20,14 +20,14 @@ pub(crate) struct OverFrontToBack {
     max_radiance: MaxRadiance,
     // The ray:
     /// Largest component that its medium can add.
-    most: f64,
+    max_light: f64,
     rgba: [f64; 4],
     depth: f64,
 }
 
 impl OverFrontToBack {
     pub(crate) fn new(termination: f64, max_radiance: MaxRadiance) -> Self {
-        Self { negligible: 1.0 - termination, max_radiance, most: 1.0, rgba: [0.0; 4], depth: f64::INFINITY }
+        Self { negligible: 1.0 - termination, max_radiance, max_light: 1.0, rgba: [0.0; 4], depth: f64::INFINITY }
     }
 }
 
@@ -37,7 +37,7 @@ impl<R: Real> Operator<R> for OverFrontToBack {
     }
 
     fn begin(&mut self, chord: &Chord<'_>) {
-        self.most = self.max_radiance.over(chord.ray.length());
+        self.max_light = self.max_radiance.over(chord.ray.length());
         self.rgba = [0.0; 4];
         self.depth = f64::INFINITY;
     }
@@ -59,7 +59,7 @@ impl<R: Real> Operator<R> for OverFrontToBack {
             // Summed again in f64, the level may lie a rounding further: at the end of the run then.
             self.depth = distance_of_opacity(HALF, before, steps_of(run)).unwrap_or(end_of_opacity(run));
         }
-        if (1.0 - now) * self.most <= self.negligible { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if (1.0 - now) * self.max_light <= self.negligible { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn finish(&mut self, chord: &Chord<'_>) -> RayValue {

@@ -13,7 +13,7 @@ use crate::run::Run;
 pub(crate) struct Recording<R> {
     operator: Box<dyn Operator<R>>,
     calibration: Calibration,
-    /// Where in a step of light the rule samples, as fractions of its length; `None`: at the sample that the run has for each.
+    /// Positions in a step of light at which the rule samples, as fractions of its length; `None`: at the sample that the run has for each.
     fractions: Option<&'static [f64]>,
     steps: Vec<ProbedStep>,
 }

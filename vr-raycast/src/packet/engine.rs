@@ -19,25 +19,25 @@ use vr_kernels::vector::{
 
 use super::leap::Distances;
 use super::level;
-use super::local::{LocalPace, by_byte};
-use super::march::{LatticePace, Medium, Pace, march};
+use super::local::{LocalSteps, by_byte};
+use super::march::{LatticeSteps, MarchSteps, Medium, march};
 use super::setup::{FrameSetup, Packet};
-use crate::caster::{Classification, Leaping, Order, RayCaster, Rule, Step, Traversal};
-use crate::instruments::Instruments;
+use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Rule, Step, TransferLookup, Traversal};
 use crate::leap::{Visibility, VisibleBlocks};
 use crate::near_depths::NearDepths;
-use crate::pace::PaceMap;
+use crate::render_tables::RenderTables;
 use crate::silhouette::Hull;
+use crate::step_map::StepMap;
 use crate::table_range::{resolves, table_range};
-use crate::tracer::{Traced, Tracer};
+use crate::tracer::{RaySample, Tracer};
 
-/// What the vector engine keeps from frame to frame.
+/// State that the vector engine keeps from frame to frame.
 #[derive(Clone, Debug)]
 pub(crate) struct PacketEngine {
     pub(crate) volume: Arc<GridVolume>,
     pub(crate) level: Level,
     pub(crate) steps: PacketSteps,
-    /// Of what is visible; `None` without leaping.
+    /// Hull of the visible blocks; `None` without leaping.
     pub(crate) hull: Option<Hull>,
     /// For steps of any length, in units of `step`.
     optics: OpticsTable,
@@ -51,7 +51,7 @@ pub(crate) struct PacketEngine {
     shading: Option<PacketShading>,
 }
 
-/// How the packets' rays move.
+/// Steps of the packets' rays.
 #[derive(Clone, Debug)]
 pub(crate) enum PacketSteps {
     /// In steps of one length.
@@ -63,7 +63,7 @@ pub(crate) enum PacketSteps {
     },
     /// In steps of the length that each place asks for.
     Local {
-        map: Arc<PaceMap>,
+        map: Arc<StepMap>,
         /// See [`by_byte`].
         by_byte: Box<[f32; 256]>,
     },
@@ -81,34 +81,35 @@ impl PacketSteps {
 }
 
 /// Steps of a ray that f32 still counts one by one, with room to spare.
-const MOST_STEPS: f64 = (1 << 22) as f64;
+const MAX_STEPS: f64 = (1 << 22) as f64;
 
 /// Cells along the edge of a block that is leaped over. With 8, opaque scenes took 1.2 times as long (mni, step 1: 18.8 and 15.5 ms).
 pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
 impl PacketEngine {
-    /// What the vector engine needs to draw a scene with a caster's settings; `None` where it cannot, and the plain one must.
+    /// Returns the vector engine for a scene and a caster's settings; `None` where it cannot draw them, and the plain one must.
     pub(crate) fn new(
         caster: &RayCaster,
         scene: &Scene,
         volume: &Arc<GridVolume>,
-        instruments: &Instruments<f32>,
+        tables: &RenderTables<f32>,
     ) -> Option<Self> {
         let level = level::of(caster.vector)?;
-        let Order::FrontToBack { termination } = caster.order else { return None };
+        let CompositingOrder::FrontToBack { termination } = caster.order else { return None };
+        // Refuse what the kernels are not made for.
         let common = scene.compositing == Compositing::Over
             && shadable(scene)
             && caster.traversal == Traversal::Samples
             && volume.filter() == Filter::Trilinear
-            && caster.classification == Classification::Table;
+            && caster.transfer_lookup == TransferLookup::Table;
         // The structures that leap along whole rays are the plain engine's.
-        if !matches!(caster.leaping, Leaping::Auto | Leaping::None) {
+        if !matches!(caster.empty_space, EmptySpace::Auto | EmptySpace::None) {
             return None;
         }
         let step = caster.world_step(volume.placement());
         let corners = volume.corners();
         let extent = corners.iter().map(|c| c.distance(corners[0])).fold(0.0, f64::max);
-        let counted = 2.0 * extent / step < MOST_STEPS;
+        let counted = 2.0 * extent / step < MAX_STEPS;
         let offsets_fit = volume.dims().iter().product::<usize>() <= i32::MAX as usize;
         let missing = volume.vacuum_cells().is_some() || volume.value_stats().range.is_none();
         if !common || !counted || !offsets_fit || missing {
@@ -119,10 +120,11 @@ impl PacketEngine {
             Rule::Left => 0.0,
             Rule::Linear | Rule::Quadratic | Rule::Exact => return None,
         };
-        let (table, steps) = match (caster.step, &instruments.pace) {
+        // Choose the kind of steps, and the table that it looks light up in.
+        let (table, steps) = match (caster.step, &tables.step_map) {
             (Step::Uniform(_), _) => {
-                let table = Arc::clone(&instruments.classifier.table.as_ref()?.0);
-                let leaps = caster.leaping != Leaping::None;
+                let table = Arc::clone(&tables.classifier.table.as_ref()?.0);
+                let leaps = caster.empty_space != EmptySpace::None;
                 let distances = leaps.then(|| Self::distances(volume, scene, &table, EDGE)).flatten();
                 (Arc::clone(&table), PacketSteps::Lattice { table, distances })
             }
@@ -132,7 +134,8 @@ impl PacketEngine {
             }
             _ => return None,
         };
-        let hull = (caster.leaping != Leaping::None).then(|| Hull::new(volume.dims(), steps.visible(volume.dims())));
+        let hull =
+            (caster.empty_space != EmptySpace::None).then(|| Hull::new(volume.dims(), steps.visible(volume.dims())));
         Some(Self {
             volume: Arc::clone(volume),
             level,
@@ -143,7 +146,7 @@ impl PacketEngine {
             offset,
             negligible: 1.0 - termination,
             max_radiance: scene.max_radiance(),
-            shading: instruments.shader.as_ref().filter(|_| scene.reflection().is_some()).map(|s| s.for_packets()),
+            shading: tables.shader.as_ref().filter(|_| scene.reflection().is_some()).map(|s| s.for_packets()),
         })
     }
 
@@ -162,7 +165,7 @@ impl PacketEngine {
     }
 }
 
-/// Whether the scene's shading, if it has any, is of the kind that packets know.
+/// True if the scene's shading, if it has any, is of the kind that packets know.
 fn shadable(scene: &Scene) -> bool {
     scene
         .shading
@@ -206,7 +209,7 @@ impl<'a> PacketFrame<'a> {
 }
 
 impl Tracer for PacketFrame<'_> {
-    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         with_grid!(self.volume.values(), grid => {
             let lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
             let medium = self.medium(&lattice);
@@ -221,7 +224,7 @@ struct Trace<'a, 'f, T> {
     medium: &'a Medium<'a, T>,
     spots: &'a [ImageSample],
     starts: Option<&'a [u32]>,
-    values: &'a mut Vec<Traced>,
+    values: &'a mut Vec<RaySample>,
     counts: &'a mut Counts,
 }
 
@@ -241,7 +244,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
                 *nearest = self.frame.near.as_ref().map_or(0.0, |near| near.at_spot(spot));
                 any |= *nearest < f64::INFINITY;
             }
-            let mut traced = [Traced::NOTHING; LANES];
+            let mut traced = [RaySample::NOTHING; LANES];
             packet.hits = 0;
             if any {
                 setup.packet(simd, spots, &nearest, &mut packet);
@@ -250,11 +253,11 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
                 if let Some(starts) = self.starts {
                     packet.begin_at(&starts[group * LANES..][..spots.len()]);
                 }
-                let most = self.frame.most(&packet);
+                let max_light = self.frame.max_light(&packet);
                 if let Some(shading) = &self.frame.engine.shading {
                     lights.look_along(&shading.lights, &packet.directions);
                 }
-                let marched = march(simd, self.medium, &packet, &most, &lights, &mut stages);
+                let marched = march(simd, self.medium, &packet, &max_light, &lights, &mut stages);
                 self.counts.rays += u64::from(packet.hits.count_ones());
                 self.counts.samples += u64::from(marched.samples);
                 self.counts.terminated += u64::from(marched.terminated.count_ones());
@@ -281,11 +284,11 @@ impl PacketFrame<'_> {
         Medium {
             field: Field::new(lattice),
             dims: lattice.dims,
-            pace: match &engine.steps {
+            steps: match &engine.steps {
                 PacketSteps::Lattice { table, distances } => {
-                    Pace::Lattice(LatticePace { rows: Rows::new(table), distances: distances.as_ref() })
+                    MarchSteps::Lattice(LatticeSteps { rows: Rows::new(table), distances: distances.as_ref() })
                 }
-                PacketSteps::Local { map, by_byte } => Pace::Local(LocalPace::new(map, by_byte)),
+                PacketSteps::Local { map, by_byte } => MarchSteps::Local(LocalSteps::new(map, by_byte)),
             },
             optics: &engine.optics,
             shading: engine.shading.as_ref(),
@@ -311,7 +314,7 @@ impl PacketFrame<'_> {
     }
 
     /// Per ray the largest light, or opacity, that can come from behind, by what is left clear.
-    fn most(&self, packet: &Packet) -> Lanes {
+    fn max_light(&self, packet: &Packet) -> Lanes {
         Lanes(packet.length.map(|length| self.engine.max_radiance.over(length) as f32))
     }
 }

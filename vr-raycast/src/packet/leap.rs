@@ -21,10 +21,10 @@ pub(crate) struct Distances {
 }
 
 impl Distances {
-    /// Of the blocks of a volume; `None` where none is invisible, so that there is nothing to leap over.
+    /// Finds the distances for the blocks of a volume; `None` where none is invisible, so that there is nothing to leap over.
     ///
     /// # Panics
-    /// If the blocks' edge is not a power of two.
+    /// Panics if the blocks' edge is not a power of two.
     pub(crate) fn new(ranges: &RangeBlocks, visibility: &Visibility<f32>) -> Option<Self> {
         let of = |range: &BlockRange| if visibility.shows_block(range) { 0 } else { u8::MAX };
         let distance = ranges.ranges().par_iter().with_min_len(1 << 12).map(of).collect();
@@ -58,7 +58,7 @@ impl Distances {
         Some(Self { shift: edge.trailing_zeros(), blocks, distance })
     }
 
-    /// Where something is visible, in a volume with the given samples along x, y, z: in blocks of twice the edge.
+    /// Visible blocks, of twice the edge, of a volume with the given samples along x, y, z.
     pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
         VisibleBlocks::of_halves(dims, 1 << self.shift, &self.distance, 1)
     }
@@ -83,7 +83,7 @@ pub(crate) fn block_index<S: Simd>(cells: &Cells<S>, shift: u32, blocks: [usize;
     (((z >> shift) * ny + (y >> shift)) * nx + (x >> shift)).to_array()
 }
 
-/// How a packet's rays leave boxes of blocks.
+/// Finds the points at which a packet's rays leave boxes of blocks.
 pub(crate) struct Leaper<S: Simd> {
     shift: u32,
     edge: f32,
@@ -97,7 +97,7 @@ pub(crate) struct Leaper<S: Simd> {
     margin: f32,
 }
 
-/// Of the largest index: what positions along a ray can be off by in f32, eight times over.
+/// Fraction of the largest index: eight times the error of positions along a ray in f32.
 const MARGIN: f32 = 1.0 / (1 << 20) as f32;
 
 impl<S: Simd> Leaper<S> {

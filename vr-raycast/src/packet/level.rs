@@ -1,4 +1,4 @@
-//! Which instructions the kernels are made for.
+//! Instructions that the kernels are made for.
 
 use fearless_simd::Level;
 

@@ -5,21 +5,21 @@ use fearless_simd::{Simd, f32x16};
 use vr_kernels::vector::{Cells, LANES, Lanes, PacketLights, Pairs, Stage, Sums, pick, splat, step_light};
 
 use super::leap::{Leaper, block_index};
-use super::march::{Marched, Medium, Path, finish, shaded};
+use super::march::{Medium, PacketResult, Path, finish, shaded};
 use super::setup::Packet;
-use crate::pace::{CLEAR, PaceMap};
+use crate::step_map::{CLEAR, StepMap};
 
-/// A [`PaceMap`] as packets read it. Distances are in smallest voxel edges, which are the packet's steps.
+/// A [`StepMap`] as packets read it. Distances are in smallest voxel edges, which are the packet's steps.
 #[derive(Clone, Copy)]
-pub(crate) struct LocalPace<'a> {
+pub(crate) struct LocalSteps<'a> {
     bytes: &'a [u8],
     blocks: [usize; 3],
     /// By byte: the step to take; below 0 where a block is clear, by one more than as many blocks around as are, too.
     by_byte: &'a [f32; 256],
 }
 
-/// What [`LocalPace`] looks bytes up in.
-pub(crate) fn by_byte(map: &PaceMap, voxel: f64) -> [f32; 256] {
+/// Table in which [`LocalSteps`] looks bytes up.
+pub(crate) fn by_byte(map: &StepMap, voxel: f64) -> [f32; 256] {
     std::array::from_fn(|b| match map.steps().get(b) {
         Some(&step) => (f64::from(step) / voxel) as f32,
         None => -(b.saturating_sub(usize::from(CLEAR)) as f32) - 1.0,
@@ -32,15 +32,15 @@ const NUDGE: f32 = 1.0 / 1024.0;
 /// A rest of a ray that is not worth a step: below the rounding of a position.
 const REST: f32 = 1e-5;
 
-impl<'a> LocalPace<'a> {
-    pub(crate) fn new(map: &'a PaceMap, by_byte: &'a [f32; 256]) -> Self {
+impl<'a> LocalSteps<'a> {
+    pub(crate) fn new(map: &'a StepMap, by_byte: &'a [f32; 256]) -> Self {
         Self { bytes: map.bytes(), blocks: map.blocks(), by_byte }
     }
 
-    /// What is to be done in the blocks of sixteen cells: see `by_byte`.
+    /// Returns the entries of `by_byte` for the blocks of sixteen cells.
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, cells: &Cells<S>) -> f32x16<S> {
-        let index = block_index(cells, PaceMap::EDGE.trailing_zeros(), self.blocks);
+        let index = block_index(cells, StepMap::EDGE.trailing_zeros(), self.blocks);
         let mut lanes = Lanes::ZERO;
         for i in 0..LANES {
             lanes.0[i] = self.by_byte[usize::from(self.bytes[index[i] as u32 as usize])];
@@ -55,28 +55,29 @@ impl<'a> LocalPace<'a> {
 pub(crate) fn local<S: Simd, T: Pairs>(
     simd: S,
     medium: &Medium<'_, T>,
-    pace: LocalPace<'_>,
+    lengths: LocalSteps<'_>,
     packet: &Packet,
-    most: &Lanes,
+    max_light: &Lanes,
     lights: &PacketLights,
     stages: &mut [Stage<T>; 2],
-) -> Marched {
+) -> PacketResult {
     let ray = Path::new(simd, medium, packet);
-    let leaper = Leaper::new(simd, PaceMap::EDGE.trailing_zeros(), packet, medium.dims);
+    let leaper = Leaper::new(simd, StepMap::EDGE.trailing_zeros(), packet, medium.dims);
     let (zero, never) = (splat(simd, 0.0), splat(simd, f32::NEG_INFINITY));
     let negligible = splat(simd, medium.negligible);
-    let most = most.load(simd);
+    let max_light = max_light.load(simd);
     let rows = medium.optics.rows();
     let mut at = packet.first.load(simd);
     let mut stop = packet.stop.load(simd);
     let mut sums = Sums::new(simd);
     let mut samples = 0;
     loop {
+        // Move rays in clear blocks on, until at least half of those that go on are in visible ones.
         let mut live = at.simd_lt(stop - REST);
         let mut length;
         loop {
             let (position, cells) = ray.cells(simd, medium, at + NUDGE);
-            length = pace.at(simd, &cells);
+            length = lengths.at(simd, &cells);
             let clear = live & length.simd_lt(zero);
             if clear.all_false() {
                 break;
@@ -105,11 +106,12 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         // The next step of those that go on in a visible block: while the first waits for its samples, those of the second are fetched.
         let then = pick(live, at + length, at);
         let (_, ahead) = ray.cells(simd, medium, then + NUDGE);
-        let length_then = pace.at(simd, &ahead);
+        let length_then = lengths.at(simd, &ahead);
         let visible = live & length_then.simd_ge(zero);
         let length_then = length_then.max(zero).min(stop - then).max(zero);
         let (_, cells_then) = ray.cells(simd, medium, then + length_then * 0.5);
         medium.field.fetch(simd, &cells_then, next);
+        // Classify both samples, and composite them front to back.
         let optics = rows.at(simd, medium.field.value(simd, &cells, now));
         let optics_then = rows.at(simd, medium.field.value(simd, &cells_then, next));
         let light = step_light(simd, optics, length, medium.optics.emits);
@@ -117,11 +119,11 @@ pub(crate) fn local<S: Simd, T: Pairs>(
         let light_then = step_light(simd, optics_then, length_then, medium.optics.emits);
         let light_then = shaded(simd, medium, lights, live, &cells_then, light_then, next);
         sums.add(simd, live, [at, length], light);
-        stop = pick((sums.clear(simd) * most).simd_le(negligible), never, stop);
+        stop = pick((sums.clear(simd) * max_light).simd_le(negligible), never, stop);
         live = visible & then.simd_lt(stop - REST);
         samples += live.to_bitmask().count_ones();
         sums.add(simd, live, [then, length_then], light_then);
-        stop = pick((sums.clear(simd) * most).simd_le(negligible), never, stop);
+        stop = pick((sums.clear(simd) * max_light).simd_le(negligible), never, stop);
         at = pick(live, then + length_then, then);
     }
     finish(simd, &sums, packet, stop.simd_le(never), samples)

@@ -8,15 +8,15 @@ use vr_kernels::vector::{
 };
 
 use super::leap::{Distances, Leaper};
-use super::local::{LocalPace, local};
+use super::local::{LocalSteps, local};
 use super::setup::Packet;
 
-/// What all packets of a frame march through.
+/// Volume that all packets of a frame march through.
 #[derive(Clone, Copy)]
 pub(crate) struct Medium<'a, T> {
     pub(crate) field: Field<'a, T>,
     pub(crate) dims: [usize; 3],
-    pub(crate) pace: Pace<'a>,
+    pub(crate) steps: MarchSteps<'a>,
     /// For steps of any length.
     pub(crate) optics: &'a OpticsTable,
     /// `None`: unshaded.
@@ -25,35 +25,35 @@ pub(crate) struct Medium<'a, T> {
     pub(crate) negligible: f32,
 }
 
-/// How rays move.
+/// Steps of the rays.
 #[derive(Clone, Copy)]
-pub(crate) enum Pace<'a> {
+pub(crate) enum MarchSteps<'a> {
     /// In steps of one length.
-    Lattice(LatticePace<'a>),
+    Lattice(LatticeSteps<'a>),
     /// In steps of the length that each place asks for.
-    Local(LocalPace<'a>),
+    Local(LocalSteps<'a>),
 }
 
 /// Steps of one length.
 #[derive(Clone, Copy)]
-pub(crate) struct LatticePace<'a> {
+pub(crate) struct LatticeSteps<'a> {
     /// For whole steps.
     pub(crate) rows: Rows<'a>,
     /// `None`: nothing is leaped over.
     pub(crate) distances: Option<&'a Distances>,
 }
 
-/// What became of a packet's rays.
-pub(crate) struct Marched {
+/// Results of a packet's rays.
+pub(crate) struct PacketResult {
     pub(crate) rgba: [Lanes; 4],
-    /// Where opacity reaches a half, in steps from the middle one's begin; +∞: nowhere.
+    /// Position where opacity reaches a half, in steps from the middle one's begin; +∞: nowhere.
     pub(crate) half: Lanes,
     pub(crate) samples: u32,
     /// Bit i: ray i ended before its last step.
     pub(crate) terminated: u32,
 }
 
-/// Takes the packet's rays to their ends. `most`: the largest light, or opacity, that can come from behind, by what is left clear.
+/// Takes the packet's rays to their ends. `max_light`: the largest light, or opacity, that can come from behind, by what is left clear.
 ///
 /// Its own function, called once a packet: stages that the optimizer can see made are stages that it tries to keep in registers, in vain
 /// and for twice the time.
@@ -62,18 +62,18 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     simd: S,
     medium: &Medium<'_, T>,
     packet: &Packet,
-    most: &Lanes,
+    max_light: &Lanes,
     lights: &PacketLights,
     stages: &mut [Stage<T>; 2],
-) -> Marched {
-    match medium.pace {
-        Pace::Lattice(pace) => simd.vectorize(
+) -> PacketResult {
+    match medium.steps {
+        MarchSteps::Lattice(steps) => simd.vectorize(
             #[inline(always)]
-            || lattice(simd, medium, pace, packet, most, lights, stages),
+            || lattice(simd, medium, steps, packet, max_light, lights, stages),
         ),
-        Pace::Local(pace) => simd.vectorize(
+        MarchSteps::Local(steps) => simd.vectorize(
             #[inline(always)]
-            || local(simd, medium, pace, packet, most, lights, stages),
+            || local(simd, medium, steps, packet, max_light, lights, stages),
         ),
     }
 }
@@ -86,16 +86,16 @@ const STRIDE: u32 = 2;
 fn lattice<S: Simd, T: Pairs>(
     simd: S,
     medium: &Medium<'_, T>,
-    LatticePace { rows, distances }: LatticePace<'_>,
+    LatticeSteps { rows, distances }: LatticeSteps<'_>,
     packet: &Packet,
-    most: &Lanes,
+    max_light: &Lanes,
     lights: &PacketLights,
     stages: &mut [Stage<T>; 2],
-) -> Marched {
+) -> PacketResult {
     let ray = Path::new(simd, medium, packet);
     let never = splat(simd, f32::NEG_INFINITY);
     let negligible = splat(simd, medium.negligible);
-    let most = most.load(simd);
+    let max_light = max_light.load(simd);
     let mut at = packet.first.load(simd);
     let mut end = packet.end.load(simd);
     // A closure would not be inlined for certain.
@@ -112,6 +112,7 @@ fn lattice<S: Simd, T: Pairs>(
     loop {
         // A ray that has gone past its last whole step waits for the others.
         let mut live = if ending { end.simd_gt(never) } else { at.simd_lt(end) };
+        // Move rays in clear blocks on, until at least half of those that go on are in visible ones. Last steps in clear blocks are left out.
         if let Some((distances, leaper)) = &leaper {
             if until_look == 0 {
                 until_look = STRIDE;
@@ -138,6 +139,7 @@ fn lattice<S: Simd, T: Pairs>(
             }
             until_look -= 1;
         }
+        // When no ray has a whole step left, begin the last steps; when they are done, too, stop.
         let bits = live.to_bitmask();
         if bits == 0 {
             if ending {
@@ -152,6 +154,7 @@ fn lattice<S: Simd, T: Pairs>(
         let [now, next] = stages;
         let (_, cells) = ray.cells(simd, medium, at);
         medium.field.fetch(simd, &cells, now);
+        // The last steps: each as a fraction of a whole one.
         if ending {
             let value = medium.field.value(simd, &cells, now);
             let ratio = packet.ratio.load(simd);
@@ -170,21 +173,27 @@ fn lattice<S: Simd, T: Pairs>(
         let light = shaded(simd, medium, lights, live, &cells, rows.at(simd, value), now);
         let light_then = shaded(simd, medium, lights, live, &cells_then, rows.at(simd, value_then), next);
         sums.add(simd, live, [at, one], light);
-        end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
+        end = pick((sums.clear(simd) * max_light).simd_le(negligible), never, end);
         live = then.simd_lt(end);
         samples += live.to_bitmask().count_ones();
         sums.add(simd, live, [then, one], light_then);
-        end = pick((sums.clear(simd) * most).simd_le(negligible), never, end);
+        end = pick((sums.clear(simd) * max_light).simd_le(negligible), never, end);
         at = then + one;
     }
     finish(simd, &sums, packet, end.simd_le(never), samples)
 }
 
-/// What became of the rays; those in `ended` ended early.
+/// Returns the results of the rays; those in `ended` ended early.
 #[inline(always)]
-pub(crate) fn finish<S: Simd>(simd: S, sums: &Sums<S>, packet: &Packet, ended: mask32x16<S>, samples: u32) -> Marched {
+pub(crate) fn finish<S: Simd>(
+    simd: S,
+    sums: &Sums<S>,
+    packet: &Packet,
+    ended: mask32x16<S>,
+    samples: u32,
+) -> PacketResult {
     let [r, g, b, a] = sums.rgba();
-    Marched {
+    PacketResult {
         rgba: [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)],
         half: sums.half(simd),
         samples,
@@ -221,7 +230,7 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
 pub(crate) struct Path<S: Simd> {
     base: [f32x16<S>; 3],
     delta: [f32x16<S>; 3],
-    most: [f32; 3],
+    max_index: [f32; 3],
 }
 
 impl<S: Simd> Path<S> {
@@ -230,7 +239,7 @@ impl<S: Simd> Path<S> {
         Self {
             base: [packet.base[0].load(simd), packet.base[1].load(simd), packet.base[2].load(simd)],
             delta: [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)],
-            most: medium.dims.map(|n| (n - 1) as f32),
+            max_index: medium.dims.map(|n| (n - 1) as f32),
         }
     }
 
@@ -238,9 +247,9 @@ impl<S: Simd> Path<S> {
     #[inline(always)]
     pub(crate) fn cells<T>(&self, simd: S, medium: &Medium<'_, T>, at: f32x16<S>) -> ([f32x16<S>; 3], Cells<S>) {
         let position = [
-            inside(simd, self.base[0] + at * self.delta[0], self.most[0]),
-            inside(simd, self.base[1] + at * self.delta[1], self.most[1]),
-            inside(simd, self.base[2] + at * self.delta[2], self.most[2]),
+            inside(simd, self.base[0] + at * self.delta[0], self.max_index[0]),
+            inside(simd, self.base[1] + at * self.delta[1], self.max_index[1]),
+            inside(simd, self.base[2] + at * self.delta[2], self.max_index[2]),
         ];
         (position, cells(simd, position, medium.field.last_cell))
     }

@@ -6,7 +6,7 @@ use vr_core::image_order::ImageSample;
 use vr_core::{Clip, Layer, Placement, Rays};
 use vr_kernels::vector::{Chords, LANES, Lanes};
 
-/// What the rays of a frame share.
+/// Data that the rays of a frame share.
 #[derive(Clone, Debug)]
 pub(crate) struct FrameSetup<'a> {
     pub(crate) rays: &'a Rays,
@@ -34,15 +34,15 @@ pub(crate) struct Packet {
     pub(crate) base: [Lanes; 3],
     /// From one sample to the next.
     pub(crate) delta: [Lanes; 3],
-    /// Where the first sample is, in steps from the middle.
+    /// Position of the first sample, in steps from the middle.
     pub(crate) first: Lanes,
     /// The number of the last step, which may be a shorter one; −∞ for a ray that does not meet the volume.
     pub(crate) end: Lanes,
-    /// Where the sample of the last step is, in steps from the middle.
+    /// Position of the sample of the last step, in steps from the middle.
     pub(crate) last: Lanes,
     /// Length of the last step, as a fraction of a whole one.
     pub(crate) ratio: Lanes,
-    /// Where the ray ends, in steps from the middle one's begin; −∞ for one that does not meet the volume.
+    /// End of the ray, in steps from the middle one's begin; −∞ for one that does not meet the volume.
     pub(crate) stop: Lanes,
     /// Step number of the middle one.
     pub(crate) middle: [f64; LANES],
@@ -54,7 +54,7 @@ pub(crate) struct Packet {
     pub(crate) directions: [[f64; LANES]; 3],
 }
 
-/// Of a ray's length: a last step shorter than this is rounding. As in `Steps`.
+/// Fraction of a ray's length: a last step shorter than this is rounding. As in `Steps`.
 const SLIVER: f64 = 1e-12;
 
 impl FrameSetup<'_> {

@@ -56,7 +56,7 @@ impl Cubic {
         b + u * (2.0 * c + u * 3.0 * d)
     }
 
-    /// Whether it is constant to the last bit.
+    /// True if it is constant to the last bit.
     pub(crate) fn is_constant(&self) -> bool {
         self.0[1..] == [0.0; 3]
     }
@@ -105,7 +105,7 @@ impl Cubic {
         }
     }
 
-    /// Where it passes `value` between two ends, where it is monotone.
+    /// Point where it passes `value` between two ends between which it is monotone.
     fn crossing(&self, value: f64, ends: [f64; 2], rising: bool) -> f64 {
         monotone_root(ends, rising, |u| (self.at(u) - value, self.slope(u)))
     }

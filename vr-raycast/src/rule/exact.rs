@@ -22,7 +22,7 @@ pub(crate) struct ExactIntegral {
     knots: Vec<f64>,
 }
 
-/// What a piece adds, before anything in front dims it.
+/// Contribution of a piece, before anything in front dims it.
 #[derive(Clone, Copy, Debug)]
 struct Gain {
     depth: f64,
@@ -30,7 +30,7 @@ struct Gain {
 }
 
 /// Halvings of a piece: the logarithm at α = 1 is then enclosed to 10⁻¹³.
-const MOST_HALVINGS: u32 = 48;
+const MAX_HALVINGS: u32 = 48;
 /// Two results that agree so far, relative to 1 or to what is larger, are the same.
 const AGREEMENT: f64 = 1e-13;
 /// Optical depth behind which nothing is left to see in f64.
@@ -43,7 +43,7 @@ impl ExactIntegral {
         Self { transfer, knots }
     }
 
-    /// What it integrates.
+    /// Transfer function that it integrates.
     pub(crate) fn transfer(&self) -> &TransferFunction {
         &self.transfer
     }
@@ -52,7 +52,7 @@ impl ExactIntegral {
         segment.is_opaque() && self.transfer.rule() == OpacityRule::Power
     }
 
-    /// Whether a value that goes from `low` to `high` would get into a wall if it went on by `more` to either side.
+    /// True if a value that goes from `low` to `high` would get into a wall if it went on by `more` to either side.
     pub(crate) fn wall_is_near(&self, low: f64, high: f64, more: f64) -> bool {
         let mut walls = self.transfer.segments().iter().filter(|s| self.is_wall(s));
         walls.any(|w| high + more > w.from && low - more < w.to && !(high > w.from && low < w.to))
@@ -88,7 +88,7 @@ impl ExactIntegral {
                     break;
                 }
                 let piece = Piece { integral: self, segment, value, length };
-                total = total.before(piece.gain(from, to, MOST_HALVINGS));
+                total = total.before(piece.gain(from, to, MAX_HALVINGS));
             }
             from = to;
             if total.depth > BLIND {

@@ -9,7 +9,7 @@ use super::cubic::Cubic;
 use super::exact::ExactIntegral;
 use crate::run::Run;
 
-/// How the value runs along a step.
+/// Course of the value along a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shape {
     /// It is that of one sample.
@@ -37,7 +37,7 @@ pub(crate) struct Profile<R> {
 }
 
 impl<R: Real> Profile<R> {
-    /// Where in a step the field is sampled, as fractions of its length; `None`: at the run's own sample of the step.
+    /// Positions in a step at which the field is sampled, as fractions of its length; `None`: at the run's own sample of the step.
     pub(crate) fn fractions(&self) -> Option<&'static [f64]> {
         (self.shape != Shape::Point).then(|| self.shape.fractions())
     }

@@ -40,7 +40,7 @@ impl<R: Real> Points<R> {
 }
 
 impl Shape {
-    /// Where in a step the samples lie, as fractions of its length.
+    /// Positions of the samples in a step, as fractions of its length.
     pub(super) fn fractions(self) -> &'static [f64] {
         match self {
             Self::Point => &[0.5],

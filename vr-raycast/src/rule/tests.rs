@@ -6,10 +6,10 @@ use vr_core::*;
 use vr_physics::Reference;
 use vr_physics::fit_order;
 
-use crate::caster::{Classification, Order, RayCaster, Rule, Traversal};
+use crate::caster::{CompositingOrder, RayCaster, Rule, TransferLookup, Traversal};
 use crate::chord::Chord;
-use crate::instruments::Kernel;
 use crate::operator::operator;
+use crate::render_tables::TablesByPrecision;
 use crate::run::Run;
 use crate::source::Source;
 use crate::walk::{WalkKind, Walks};
@@ -76,7 +76,9 @@ fn view(scene: &Scene) -> View {
 /// The pixels of a view in f64, by the engine's passes.
 fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
     let volume = scene.volume.grid().unwrap();
-    let Kernel::F64(instruments) = Kernel::new(caster, scene, volume, None) else { panic!("f64 was asked for") };
+    let TablesByPrecision::F64(tables) = TablesByPrecision::new(caster, scene, volume, None) else {
+        panic!("f64 was asked for")
+    };
     let rays = Rays::new(view).unwrap();
     let dims = volume.dims();
     let trace = |x: u32, y: u32| {
@@ -90,18 +92,19 @@ fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
         let kind = if caster.traversal == Traversal::Cells { WalkKind::Cells } else { WalkKind::Lattice(None) };
         let walks = Walks { kind, step, voxel: 1.0, dims };
         let mut walk = walks.along(part, 0, 0, true);
-        let (mut run, mut over) = (Run::<f64>::new(), operator(scene, volume.calibration(), Order::BackToFront));
+        let (mut run, mut over) =
+            (Run::<f64>::new(), operator(scene, volume.calibration(), CompositingOrder::BackToFront));
         over.begin(&chord);
         while walk.next(&mut run.steps) {
             chord.place(&mut run, if caster.rule == Rule::Left { 0.0 } else { 0.5 });
-            match &instruments.classifier.profile {
+            match &tables.classifier.profile {
                 Some(profile) => profile.sample(&chord, &mut run),
                 None => {
                     chord.sample(&mut run);
                     0
                 }
             };
-            instruments.classifier.classify(&mut run);
+            tables.classifier.classify(&mut run);
             let _ = over.take(&run, &chord);
         }
         over.finish(&chord).rgba
@@ -185,14 +188,14 @@ fn assert_orders(
             (Rule::Quadratic, false),
             (Rule::Quadratic, true),
         ] {
-            let classification = if table { Classification::Table } else { Classification::Exact };
-            let caster = RayCaster { rule, traversal, classification, ..RayCaster::exact(1.0) };
+            let classification = if table { TransferLookup::Table } else { TransferLookup::Exact };
+            let caster = RayCaster { rule, traversal, transfer_lookup: classification, ..RayCaster::exact(1.0) };
             // A cell is cut from half its edge on.
             let (order, errors) = converge(&scene, &caster, if traversal == Traversal::Cells { 0.5 } else { 2.0 });
             let listed = errors.iter().map(|e| format!("{e:.1e}")).collect::<Vec<_>>().join(" | ");
             println!("| {field} | {name} | {rule:?}{} | {order:.2} | {listed} |", if table { ", table" } else { "" });
-            if let Some((least, most)) = expected(name, rule, table) {
-                assert!((least..most).contains(&order), "{field}, {name}, {rule:?}, {table}: order {order:.2}");
+            if let Some((min, max)) = expected(name, rule, table) {
+                assert!((min..max).contains(&order), "{field}, {name}, {rule:?}, {table}: order {order:.2}");
             }
         }
     }

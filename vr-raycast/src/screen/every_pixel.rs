@@ -5,7 +5,7 @@ use vr_core::image_order::{ImageSample, in_parallel};
 use vr_core::{Control, Counts, Frame, RenderError, RenderStats, Rendered, View};
 
 use super::blocks::in_blocks;
-use crate::tracer::{Traced, Tracer};
+use crate::tracer::{RaySample, Tracer};
 
 /// Pixels along the edge of a tile: small enough to balance, large enough that a tile's rays share the cache.
 const TILE: u32 = 32;
@@ -18,7 +18,7 @@ pub(crate) fn every_pixel(tracer: &dyn Tracer, view: &View, control: &Control) -
 }
 
 /// Draws pixels; returns one value for each.
-type DrawTile<'a> = &'a (dyn Fn(&[[u32; 2]]) -> (Vec<Traced>, Counts) + Sync);
+type DrawTile<'a> = &'a (dyn Fn(&[[u32; 2]]) -> (Vec<RaySample>, Counts) + Sync);
 
 /// Draws a view tile by tile on all threads: `draw` is handed the pixels of a tile and returns one value for each.
 pub(crate) fn by_tiles(
@@ -66,14 +66,14 @@ fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
 }
 
 /// Traces pixels; returns a value for each.
-pub(crate) fn traced(tracer: &dyn Tracer, view: &View, pixels: &[[u32; 2]]) -> (Vec<Traced>, Counts) {
+pub(crate) fn traced(tracer: &dyn Tracer, view: &View, pixels: &[[u32; 2]]) -> (Vec<RaySample>, Counts) {
     let rays = (view.supersampling * view.supersampling) as usize;
     let mut spots: Vec<ImageSample> = Vec::with_capacity(pixels.len() * rays);
     pixels.iter().for_each(|&pixel| push_spots(view, pixel, &mut spots));
     let (mut values, mut counts) = (Vec::with_capacity(spots.len()), Counts::default());
     tracer.trace(&spots, None, &mut values, &mut counts);
     if rays > 1 {
-        values = values.chunks_exact(rays).map(Traced::mean).collect();
+        values = values.chunks_exact(rays).map(RaySample::mean).collect();
     }
     (values, counts)
 }

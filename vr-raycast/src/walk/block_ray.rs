@@ -4,7 +4,7 @@ use vr_core::IndexRay;
 
 use crate::run::{RUN, Steps};
 
-/// How far a walk from block to block has come.
+/// State of a walk from block to block.
 #[derive(Clone, Debug)]
 pub(crate) struct BlockRay {
     ray: IndexRay,
@@ -19,9 +19,9 @@ pub(crate) struct BlockRay {
     nudge: f64,
 }
 
-/// Of a voxel: beyond what rounding does to a position, and far below any step.
+/// Fraction of a voxel: beyond what rounding does to a position, and far below any step.
 const NUDGE: f64 = 1e-6;
-/// Of a ray's length: a rest shorter than this is rounding.
+/// Fraction of a ray's length: a rest shorter than this is rounding.
 const SLIVER: f64 = 1e-12;
 
 impl BlockRay {
@@ -31,7 +31,7 @@ impl BlockRay {
         Self { ray, blocks, edge: edge as f64, at: ray.start, end, number: 0, nudge: NUDGE * voxel }
     }
 
-    /// Whether there is room in a run, and something left of the ray.
+    /// True if there is room in a run, and something left of the ray.
     pub(crate) fn goes_on(&self, steps: &Steps) -> bool {
         steps.len < RUN && self.at < self.end
     }
@@ -43,12 +43,12 @@ impl BlockRay {
         std::array::from_fn(|a| ((position[a] / self.edge) as usize).min(self.blocks[a] - 1))
     }
 
-    /// How far it is to where the ray leaves a box of blocks. `faces`: the lower and the upper one across an axis, in blocks.
+    /// Distance to the point where the ray leaves a box of blocks. `faces`: the lower and the upper one across an axis, in blocks.
     pub(crate) fn to_exit(&self, faces: impl Fn(usize) -> [f64; 2]) -> f64 {
         self.exit(faces) - self.at
     }
 
-    /// How far it is to the next face across any axis, of those that lie so far behind each sample.
+    /// Distance to the next face across any axis, of those that lie so far behind each sample.
     pub(crate) fn to_face(&self, behind: &[f64]) -> f64 {
         let (origin, direction) = (self.ray.origin.to_array(), self.ray.direction.to_array());
         let position = self.ray.at(self.at + self.nudge).to_array();

@@ -29,7 +29,7 @@ struct Axis {
     last: f64,
 }
 
-/// Of a ray's chord: a part shorter than this is rounding.
+/// Fraction of a ray's chord: a part shorter than this is rounding.
 const SLIVER: f64 = 1e-12;
 
 impl Axis {
@@ -69,7 +69,7 @@ impl Cells {
 }
 
 impl Iterator for Cells {
-    /// Where the ray enters a cell, and where it leaves it.
+    /// Distances at which the ray enters and leaves a cell.
     type Item = (f64, f64);
 
     fn next(&mut self) -> Option<(f64, f64)> {

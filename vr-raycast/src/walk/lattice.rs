@@ -15,25 +15,25 @@ pub(crate) struct Lattice {
     pub(crate) last: f64,
 }
 
-/// Of a ray's length: a last step shorter than this is rounding, not a step, and falls to the one before.
+/// Fraction of a ray's length: a last step shorter than this is rounding, not a step, and falls to the one before.
 const SLIVER: f64 = 1e-12;
 
-/// Steps on a ray at most: the numbers of steps are 32-bit, and nobody waits for more.
-const MOST_STEPS: f64 = u32::MAX as f64;
+/// Steps on a ray at most: the numbers of steps are 32-bit.
+const MAX_STEPS: f64 = u32::MAX as f64;
 
 impl Lattice {
     /// Cuts the interval, which must not be empty.
     pub(crate) fn new(start: f64, end: f64, length: f64) -> Self {
         let chord = end - start;
         let sliver = SLIVER * chord;
-        let count = ((chord - sliver) / length).ceil().clamp(1.0, MOST_STEPS);
+        let count = ((chord - sliver) / length).ceil().clamp(1.0, MAX_STEPS);
         let rest = chord - (count - 1.0) * length;
         // Whole up to rounding: whole, so that the table's entry serves and the picture does not depend on the last bit.
         let last = if rest + sliver >= length { length } else { rest };
         Self { start, length, count: count as u32, last }
     }
 
-    /// Where step `k` begins; `k` = count: a whole step beyond the last.
+    /// Distance at which step `k` begins; `k` = count: a whole step beyond the last.
     pub(crate) fn begin(&self, k: u32) -> f64 {
         self.start + f64::from(k) * self.length
     }
@@ -64,22 +64,22 @@ impl Lattice {
 /// by a bit where invisible steps are dropped. Runs of which nothing is left are passed over.
 pub(crate) struct LatticeWalk<'a> {
     lattice: Lattice,
-    order: Order<'a>,
+    order: WalkOrder<'a>,
     /// Steps before the walk's place that it has left out.
     skipped: u64,
 }
 
 /// In which order runs are walked.
-enum Order<'a> {
+enum WalkOrder<'a> {
     Forwards {
         visible: VisibleSteps<'a>,
-        /// Of the last range asked for: what is not walked yet.
+        /// Part of the last range asked for that is not walked yet.
         ahead: Range<u32>,
-        /// Where the walk is.
+        /// Step that the walk has reached.
         at: u32,
     },
     Backwards {
-        /// What is not walked yet, in order along the ray.
+        /// Ranges that are not walked yet, in order along the ray.
         left: Vec<Range<u32>>,
     },
 }
@@ -91,9 +91,9 @@ impl<'a> LatticeWalk<'a> {
             let left: Vec<_> = std::iter::from_fn(|| visible.next()).collect();
             let walked = left.iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
             // All of the ray is walked, and so all that is not is skipped.
-            return Self { lattice, order: Order::Backwards { left }, skipped: u64::from(lattice.count) - walked };
+            return Self { lattice, order: WalkOrder::Backwards { left }, skipped: u64::from(lattice.count) - walked };
         }
-        Self { lattice, order: Order::Forwards { visible, ahead: 0..0, at: 0 }, skipped: 0 }
+        Self { lattice, order: WalkOrder::Forwards { visible, ahead: 0..0, at: 0 }, skipped: 0 }
     }
 
     /// Steps left out so far.
@@ -106,7 +106,7 @@ impl<'a> LatticeWalk<'a> {
         steps.len = 0;
         let Self { lattice, order, skipped } = self;
         match order {
-            Order::Forwards { visible, ahead, at } => {
+            WalkOrder::Forwards { visible, ahead, at } => {
                 let mut end_of_run = None;
                 loop {
                     if ahead.start >= ahead.end {
@@ -128,7 +128,7 @@ impl<'a> LatticeWalk<'a> {
                     ahead.start = *at;
                 }
             }
-            Order::Backwards { left } => {
+            WalkOrder::Backwards { left } => {
                 if let Some(last) = left.last() {
                     let begin_of_run = (last.end - 1) / RUN as u32 * RUN as u32;
                     let inside = left.partition_point(|range| range.end <= begin_of_run);

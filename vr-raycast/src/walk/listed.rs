@@ -35,7 +35,7 @@ impl ListedWalk {
         true
     }
 
-    /// Where the samples of the last run lie, if that is not on the ray.
+    /// Positions of the samples of the last run, if they are not on the ray.
     pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
         self.places.as_ref().map(|places| &places[self.numbers()])
     }

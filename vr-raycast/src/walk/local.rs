@@ -3,20 +3,20 @@
 use vr_core::IndexRay;
 
 use super::BlockRay;
-use crate::pace::{Pace, PaceMap};
 use crate::run::Steps;
+use crate::step_map::{BlockStep, StepMap};
 
 /// Walks a ray from block to block: over what is clear, and through the rest in steps of the length that the block of their begin asks for.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalWalk<'a> {
-    map: &'a PaceMap,
+    map: &'a StepMap,
     ray: BlockRay,
 }
 
 impl<'a> LocalWalk<'a> {
     /// Along a ray whose part in the volume is not empty. `voxel`: world length of the smallest voxel edge.
-    pub(crate) fn new(map: &'a PaceMap, ray: IndexRay, voxel: f64) -> Self {
-        Self { map, ray: BlockRay::new(ray, map.blocks(), PaceMap::EDGE, voxel) }
+    pub(crate) fn new(map: &'a StepMap, ray: IndexRay, voxel: f64) -> Self {
+        Self { map, ray: BlockRay::new(ray, map.blocks(), StepMap::EDGE, voxel) }
     }
 
     /// Fills the next run; false at the end of the ray.
@@ -25,9 +25,9 @@ impl<'a> LocalWalk<'a> {
         while self.ray.goes_on(steps) {
             let block = self.ray.block();
             match self.map.at(block) {
-                Pace::Leap(radius) => self.ray.leap(cube(block, radius)),
-                Pace::Step(length) => self.ray.step(f64::from(length), steps),
-                Pace::CutStep(length) => {
+                BlockStep::Leap(radius) => self.ray.leap(cube(block, radius)),
+                BlockStep::Step(length) => self.ray.step(f64::from(length), steps),
+                BlockStep::CutStep(length) => {
                     let face = self.ray.to_face(self.map.faces());
                     self.ray.step(f64::from(length).min(face), steps);
                 }

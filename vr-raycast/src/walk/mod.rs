@@ -14,14 +14,14 @@ pub(crate) use listed::ListedWalk;
 use vr_core::IndexRay;
 
 use crate::leap::Leaper;
-use crate::pace::PaceMap;
 use crate::run::Steps;
+use crate::step_map::StepMap;
 use cells::cell_walk;
 use lattice::LatticeWalk;
 use local::LocalWalk;
 use visible_steps::VisibleSteps;
 
-/// How the rays of a frame walk.
+/// Steps of the rays of a frame.
 pub(crate) struct Walks<'a> {
     pub(crate) kind: WalkKind<'a>,
     /// World length of a step, where all are alike; the longest, where steps end at cell faces; +∞: they end there only.
@@ -31,12 +31,12 @@ pub(crate) struct Walks<'a> {
     pub(crate) dims: [usize; 3],
 }
 
-/// What the steps of rays follow.
+/// Rule that sets the lengths of steps.
 pub(crate) enum WalkKind<'a> {
     /// All are alike, but for those in which nothing is visible.
     Lattice(Option<&'a dyn Leaper>),
     /// As long as what is in each place allows.
-    Local(&'a PaceMap),
+    Local(&'a StepMap),
     /// From cell to cell.
     Cells,
     /// As a classic has it.

@@ -22,7 +22,7 @@ pub(crate) struct VisibleSteps<'a> {
 }
 
 impl<'a> VisibleSteps<'a> {
-    /// Of a ray, from a step on; with each range, also `before` steps that precede it.
+    /// Finds the visible steps of a ray, from step `first` on; with each range, also `before` steps that precede it.
     pub(crate) fn new(
         lattice: Lattice,
         first: u32,

@@ -15,7 +15,7 @@ const GROUP: usize = 4;
 /// Rows of tiles that one task fills.
 const BAND: u32 = 8;
 
-/// What is known of the blocks of 8³ cells under one transfer function: which can be seen and, of those that earlier pictures met
+/// Visibility of the blocks of 8³ cells under one transfer function: which can be seen and, of those that earlier pictures met
 /// first, which of their cells.
 pub(crate) struct CoherenceBuffer {
     sight: Sight,
@@ -30,10 +30,10 @@ pub(crate) struct CoherenceBuffer {
     met: Vec<u32>,
 }
 
-/// A block that nobody has looked into.
+/// A block that no picture has looked into.
 const UNKNOWN: u32 = u32::MAX;
 
-/// What can be seen of a block.
+/// Part of a block that can be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Nothing.

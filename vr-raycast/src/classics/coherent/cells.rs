@@ -1,11 +1,11 @@
-//! Which cells of a block can be seen.
+//! Cells of a block that can be seen.
 
 use std::sync::Arc;
 
 use vr_core::filter::Lattice;
 use vr_core::{LatticeVisitor, Voxel};
 
-/// Whether anything between two stored numbers, ends included, can be seen, by the kernels that the picture is drawn with.
+/// Returns true if anything between two stored numbers, ends included, can be seen, by the kernels that the picture is drawn with.
 pub(crate) type Sight = Arc<dyn Fn(f32, f32) -> bool + Send + Sync>;
 
 /// Cells along the edge of a block.

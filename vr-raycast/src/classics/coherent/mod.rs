@@ -46,22 +46,22 @@ use vr_core::{
     Control, Counts, GridVolume, IndexRay, Layer, Ray, Rays, Real, RenderError, RenderStats, Rendered, Scene, View,
 };
 
-use crate::caster::{RayCaster, Screen};
+use crate::caster::{ImageSampling, RayCaster};
 use crate::engine::Engine;
-use crate::instruments::{Instruments, Kernel};
 use crate::leap::Visibility;
+use crate::render_tables::{RenderTables, TablesByPrecision};
 use crate::screen::{by_tiles, spots_of_pixel};
-use crate::tracer::{Traced, Tracer};
+use crate::tracer::{RaySample, Tracer};
 
 impl CoherenceBuffer {
     /// Makes what the coherent screen knows before its first picture; `None` for other screens.
     pub(crate) fn of(caster: &RayCaster, volume: &GridVolume, engine: &Engine) -> Option<Self> {
-        if caster.screen != Screen::Coherent {
+        if caster.image_sampling != ImageSampling::Coherent {
             return None;
         }
         let sight = match engine.kernel()? {
-            Kernel::F32(instruments) => sight(instruments),
-            Kernel::F64(instruments) => sight(instruments),
+            TablesByPrecision::F32(tables) => sight(tables),
+            TablesByPrecision::F64(tables) => sight(tables),
         };
         Some(Self::new(volume, sight))
     }
@@ -75,8 +75,8 @@ impl CoherenceBuffer {
 }
 
 /// Tells what can be seen of a field.
-fn sight<R: Real>(instruments: &Instruments<R>) -> Sight {
-    let classifier = &instruments.classifier;
+fn sight<R: Real>(tables: &RenderTables<R>) -> Sight {
+    let classifier = &tables.classifier;
     let table = classifier.table.as_ref().map(|(table, _)| table);
     let visibility = Visibility::of_light(&classifier.transfer, classifier.calibration, table, None);
     Arc::new(move |low, high| visibility.shows(low, high))
@@ -121,10 +121,10 @@ pub(crate) fn coherent(
         let mut traced = values.chunks_exact((view.supersampling * view.supersampling) as usize);
         let mean = |&[x, y]: &[u32; 2]| {
             if near.at([x, y]) < f64::INFINITY {
-                return Traced::mean(traced.next().expect("a value for each ray"));
+                return RaySample::mean(traced.next().expect("a value for each ray"));
             }
             let pixel = y as usize * view.size[0] as usize + x as usize;
-            layer.map_or(Traced::NOTHING, |l| Traced::NOTHING.over(l, pixel))
+            layer.map_or(RaySample::NOTHING, |l| RaySample::NOTHING.over(l, pixel))
         };
         (pixels.iter().map(mean).collect(), counts)
     })?;

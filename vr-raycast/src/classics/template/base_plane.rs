@@ -14,7 +14,7 @@ pub(crate) struct BasePlane {
     pub(crate) axes: [usize; 3],
     /// Samples along u, v and w.
     pub(crate) dims: [usize; 3],
-    /// Whether slices are met from the last one on.
+    /// True if slices are met from the last one on.
     pub(crate) reversed: bool,
     /// Steps along u and v per slice; between −1 and 1.
     pub(crate) slope: [f64; 2],
@@ -24,12 +24,12 @@ pub(crate) struct BasePlane {
     pub(crate) first: [i64; 2],
     /// Pixels along u and v.
     pub(crate) size: [usize; 2],
-    /// What is kept of the volume, in u, v and t along the rays.
+    /// Half spaces that bound the part of the volume that is kept, in u, v and t along the rays.
     kept: Vec<HalfSpace>,
     direction: DVec3,
 }
 
-/// Where at + along·(i, j, t) is not negative.
+/// Points where at + along·(i, j, t) is not negative.
 #[derive(Clone, Copy, Debug)]
 struct HalfSpace {
     at: f64,
@@ -122,7 +122,7 @@ impl BasePlane {
         first..(last + 1).max(first)
     }
 
-    /// Where a ray of the view meets the plane, in pixels from the first one, and at what world distance.
+    /// Point where a ray of the view meets the plane, in pixels from the first one, and its world distance.
     pub(crate) fn meet(&self, ray: &Ray, placement: &Placement) -> ([f64; 2], f64) {
         let origin = placement.to_index(ray.origin);
         let w = self.axes[2];

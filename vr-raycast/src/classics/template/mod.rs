@@ -7,16 +7,16 @@ use vr_core::image_order::in_parallel;
 use vr_core::{Control, Counts, Feature, Frame, GridVolume, Rays, RenderError, RenderStats, Rendered, Scene, View};
 use vr_kernels::tables::BakedTransfer;
 
-use crate::caster::{Order, RayCaster};
+use crate::capabilities::unsupported;
+use crate::caster::{CompositingOrder, RayCaster};
 use crate::screen::spots_of_pixel;
-use crate::support::unsupported;
 use crate::table_range::table_range;
-use crate::tracer::Traced;
+use crate::tracer::RaySample;
 use crate::walk::Lattice;
 use base_plane::BasePlane;
 use tile::{ACROSS, DOWN, TemplateRays, TemplateStep};
 
-/// What a ray template is made of.
+/// Samples that a ray template is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
     /// Voxels that touch by a face, an edge or a corner (26-connected), one in each slice: their own values, not interpolated.
@@ -38,7 +38,7 @@ impl Connectivity {
 /// Draws a view of a scene, which the caster can draw, by a template.
 ///
 /// # Errors
-/// What a camera that makes no sense leaves, or [`RenderError::Cancelled`].
+/// The error of a camera that makes no sense, or [`RenderError::Cancelled`].
 pub(crate) fn draw_by_template(
     connectivity: Connectivity,
     caster: &RayCaster,
@@ -47,20 +47,20 @@ pub(crate) fn draw_by_template(
     view: &View,
     control: &Control,
 ) -> Result<Rendered, RenderError> {
-    let Order::FrontToBack { termination } = caster.order else {
+    let CompositingOrder::FrontToBack { termination } = caster.order else {
         return Err(unsupported(Feature::Compositing, "compositing back to front with a template screen"));
     };
     let (low, high) = scene.volume.bounds();
-    let most = scene.max_radiance().over(low.distance(high));
+    let max_light = scene.max_radiance().over(low.distance(high));
     let step = caster.world_step(volume.placement());
-    let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / most };
+    let template = Template { volume, connectivity, step, enough: 1.0 - (1.0 - termination) / max_light };
     let range = table_range(volume, &scene.transfer);
     let integer = volume.voxel_type().is_integer();
     let bake = |length| BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, length);
     template.draw(bake, view, control)
 }
 
-/// What a template is cast through.
+/// Volume and settings that a template is cast through.
 struct Template<'a> {
     volume: &'a GridVolume,
     connectivity: Connectivity,
@@ -81,7 +81,7 @@ impl Template<'_> {
     ///    same way from their own start, with the same weights, and neighbours in memory are sampled together.
     /// 3. The base plane's picture is **warped** to the screen, bilinearly.
     ///
-    /// What that changes, against a ray through each pixel with steps of the same length:
+    /// Differences from a ray through each pixel with steps of the same length:
     ///
     /// * The picture is sampled once a voxel and interpolated: where it is smooth, an error of order 2 in the voxel's size, like the
     ///   field's own; an edge is as sharp as a voxel, not as a pixel.
@@ -184,16 +184,16 @@ impl Template<'_> {
     ) -> Result<Frame, RenderError> {
         let rows = in_parallel(control, view.size[1], |y| {
             let pixel = |x: u32| {
-                let values: Vec<Traced> = spots_of_pixel(view, [x, y])
+                let values: Vec<RaySample> = spots_of_pixel(view, [x, y])
                     .map(|spot| {
                         let (at, distance) = plane.meet(&rays.at(spot.x, spot.y), self.volume.placement());
                         let slices = f64::from(picture.nearest_depth(at));
-                        Traced { rgba: picture.between(at), depth: (distance + slices * plane.slice) as f32 }
+                        RaySample { rgba: picture.between(at), depth: (distance + slices * plane.slice) as f32 }
                     })
                     .collect();
-                Traced::mean(&values)
+                RaySample::mean(&values)
             };
-            (0..view.size[0]).map(pixel).collect::<Vec<Traced>>()
+            (0..view.size[0]).map(pixel).collect::<Vec<RaySample>>()
         })?;
         let pixels = || rows.iter().flatten();
         Ok(Frame::new(view.size, pixels().map(|p| p.rgba).collect(), Some(pixels().map(|p| p.depth).collect())))
@@ -204,7 +204,7 @@ impl Template<'_> {
 struct BasePicture {
     size: [usize; 2],
     rgba: Vec<[f32; 4]>,
-    /// Where opacity reaches ½, in slices from the plane.
+    /// Position where opacity reaches ½, in slices from the plane.
     depth: Vec<f32>,
     counts: Counts,
 }

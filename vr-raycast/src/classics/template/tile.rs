@@ -22,16 +22,16 @@ const RUN: usize = 32;
 /// A step of the template, for all rays: where its sample is, in slices from the face, and how light it is looked up.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TemplateStep {
-    /// Of the sample.
+    /// Position of the sample.
     pub(crate) t: f64,
-    /// Where the step begins, and its length, in slices.
+    /// Begin of the step, and its length, in slices.
     pub(crate) begin: f64,
     pub(crate) length: f64,
-    /// Which table is for its length.
+    /// Index of the table for its length.
     pub(crate) table: usize,
 }
 
-/// What all tiles share.
+/// Data that all tiles share.
 pub(crate) struct TemplateRays<'a> {
     pub(crate) plane: &'a BasePlane,
     pub(crate) grid: &'a AnyGrid,
@@ -42,7 +42,7 @@ pub(crate) struct TemplateRays<'a> {
     pub(crate) enough: f64,
 }
 
-/// What the rays of a tile became, row by row: colours, and where opacity reaches ½, in slices.
+/// Results of the rays of a tile, row by row: colours, and the positions where opacity reaches ½, in slices.
 pub(crate) struct Tile {
     pub(crate) rgba: Vec<[f32; 4]>,
     pub(crate) depth: Vec<f32>,
@@ -137,7 +137,7 @@ impl TemplateRays<'_> {
         }
     }
 
-    /// How far rays have moved along u and v in slice t.
+    /// Distance that rays have moved along u and v in slice t.
     fn moved(&self, t: f64) -> [f64; 2] {
         match self.connectivity {
             Connectivity::Continuous => self.plane.slope.map(|s| s * t),

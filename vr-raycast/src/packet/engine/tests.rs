@@ -14,7 +14,7 @@ use vr_physics::check::FixedLayer;
 
 use super::*;
 use crate::caster::Vector;
-use crate::instruments::Kernel;
+use crate::render_tables::TablesByPrecision;
 
 /// Every level that the machine has.
 fn levels() -> Vec<Level> {
@@ -82,8 +82,12 @@ fn volumes() -> impl Strategy<Value = Volume> {
 }
 
 /// A transfer function whose ramps are at least a tenth of the range wide; clear below the first.
-fn transfers(most: f64) -> impl Strategy<Value = TransferFunction> {
-    let point = (0.1f64..0.3, prop::array::uniform3(0.0f64..1.0), prop_oneof![0.0f64..most, Just(0.0), Just(most)]);
+fn transfers(max_opacity: f64) -> impl Strategy<Value = TransferFunction> {
+    let point = (
+        0.1f64..0.3,
+        prop::array::uniform3(0.0f64..1.0),
+        prop_oneof![0.0f64..max_opacity, Just(0.0), Just(max_opacity)],
+    );
     (prop::collection::vec(point, 2..6), 0.2f64..3.0, any::<bool>(), any::<bool>()).prop_map(
         |(points, unit, power, emits)| {
             let mut value = 0.0;
@@ -129,10 +133,10 @@ fn scene_of(
     (scene, view)
 }
 
-fn scenes(most: f64) -> impl Strategy<Value = (Scene, View)> {
+fn scenes(max_opacity: f64) -> impl Strategy<Value = (Scene, View)> {
     let angles = (-180.0f64..180.0, -80.0f64..80.0, prop::option::of(20.0f64..90.0));
     let angles = prop_oneof![8 => angles, 1 => Just((90.0, 0.0, None)), 1 => Just((0.0, 0.0, Some(40.0)))];
-    (volumes(), transfers(most), angles, 1u32..13, 1u32..10, 0u32..16, 0.0f64..1.0).prop_map(
+    (volumes(), transfers(max_opacity), angles, 1u32..13, 1u32..10, 0u32..16, 0.0f64..1.0).prop_map(
         |(volume, transfer, angles, w, h, cut, share)| {
             scene_of(Scene::new(volume, transfer), angles, [w, h], cut, share)
         },
@@ -142,9 +146,9 @@ fn scenes(most: f64) -> impl Strategy<Value = (Scene, View)> {
 /// The engine that a caster makes for a scene, if it can draw it.
 fn engine(caster: &RayCaster, scene: &Scene) -> Option<PacketEngine> {
     let volume = scene.volume.grid().unwrap();
-    match Kernel::new(caster, scene, volume, None) {
-        Kernel::F32(instruments) => PacketEngine::new(caster, scene, volume, &instruments),
-        Kernel::F64(_) => None,
+    match TablesByPrecision::new(caster, scene, volume, None) {
+        TablesByPrecision::F32(tables) => PacketEngine::new(caster, scene, volume, &tables),
+        TablesByPrecision::F64(_) => None,
     }
 }
 
@@ -165,7 +169,7 @@ fn trace(
     view: &View,
     spots: &[ImageSample],
     starts: Option<&[u32]>,
-) -> (Vec<Traced>, Counts) {
+) -> (Vec<RaySample>, Counts) {
     let layer = scene.layer(view, &Control::default()).unwrap();
     let frame = PacketFrame::new(engine, scene.volume.grid().unwrap(), (view, layer.as_ref())).unwrap();
     let (mut values, mut counts) = (Vec::new(), Counts::default());
@@ -179,13 +183,13 @@ fn row_by_row(view: &View) -> Vec<ImageSample> {
     (0..w * h).map(spot).collect()
 }
 
-fn bits(values: &[Traced]) -> Vec<[u32; 5]> {
-    let of = |t: &Traced| [t.rgba[0], t.rgba[1], t.rgba[2], t.rgba[3], t.depth].map(f32::to_bits);
+fn bits(values: &[RaySample]) -> Vec<[u32; 5]> {
+    let of = |t: &RaySample| [t.rgba[0], t.rgba[1], t.rgba[2], t.rgba[3], t.depth].map(f32::to_bits);
     values.iter().map(of).collect()
 }
 
-/// Whether two engines' pictures are the same but for `tolerance` times the brightest pixel, and depth where it is well defined.
-fn same(values: &[Traced], plain: &Rendered, tolerance: f32) -> Result<(), TestCaseError> {
+/// Checks that two engines' pictures are the same but for `tolerance` times the brightest pixel, and depth where it is well defined.
+fn same(values: &[RaySample], plain: &Rendered, tolerance: f32) -> Result<(), TestCaseError> {
     let brightest = values.iter().flat_map(|t| t.rgba).fold(1.0f32, f32::max);
     for (i, traced) in values.iter().enumerate() {
         let want = plain.frame.pixels()[i];
@@ -203,15 +207,15 @@ fn same(values: &[Traced], plain: &Rendered, tolerance: f32) -> Result<(), TestC
     Ok(())
 }
 
-/// What the engines may differ by: positions differ by some units in the last place of f32 (10⁻⁶ of a cell here), and the steepest
+/// Largest difference of the engines: positions differ by some units in the last place of f32 (10⁻⁶ of a cell here), and the steepest
 /// ramps turn that into ten times as much opacity at each of some dozen samples.
 const TWO_ENGINES: f32 = 3e-5;
 
-/// Where the gradient is small, its direction is what rounding makes of it, and so is what a surface there reflects. (The noise of these
-/// volumes keeps it from being small everywhere.)
+/// Largest difference of shaded pictures: the direction of a small gradient is set by rounding, and so is what a surface there reflects.
+/// (The noise of these volumes keeps it from being small everywhere.)
 const TWO_SHADINGS: f32 = 2e-3;
 
-/// What they may differ by in steps that follow the data: where a ray grazes an edge of blocks, f32 and f64 may see different ones, and
+/// Largest difference in steps that follow the data: where a ray grazes an edge of blocks, f32 and f64 may see different ones, and
 /// so take different steps. (The plain one classifies exactly, besides.)
 const TWO_WALKS: f32 = 0.02;
 
@@ -221,7 +225,7 @@ proptest! {
     #[test]
     fn draws_what_the_plain_engine_draws((scene, view) in scenes(0.9), step in 0.1f64..2.5, left in any::<bool>()) {
         let rule = if left { Rule::Left } else { Rule::Midpoint };
-        let caster = RayCaster { step: Step::Uniform(step), rule, order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+        let caster = RayCaster { step: Step::Uniform(step), rule, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let plain = plain(&caster, &scene, &view);
         let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
@@ -232,7 +236,7 @@ proptest! {
 
     #[test]
     fn walks_as_the_plain_engine_walks((scene, view) in scenes(0.9), error in 1e-4f64..1e-2) {
-        let caster = RayCaster { step: Step::Local { error }, order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+        let caster = RayCaster { step: Step::Local { error }, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let (values, counts) = trace(&engine, &scene, &view, &row_by_row(&view), None);
         let plain = plain(&caster, &scene, &view);
@@ -255,7 +259,7 @@ proptest! {
         let direction = side.then(|| DVec3::new(0.3, -0.8, 0.5));
         let lights = vec![Light::default(), Light { direction, color: [0.5, 1.0, 0.2] }];
         let scene = Scene { shading: Some(Arc::new(Shading { power, ..Shading::default() })), lights, ..scene };
-        let caster = RayCaster { step: Step::Uniform(step), order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+        let caster = RayCaster { step: Step::Uniform(step), order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
         let Some(engine) = engine(&caster, &scene) else { return Ok(()) };
         let plain = plain(&caster, &scene, &view);
         let (values, _) = trace(&engine, &scene, &view, &row_by_row(&view), None);
@@ -306,7 +310,7 @@ fn thousands_of_faint_steps_add_up() {
         projection: vr_core::Projection::Orthographic { height: 1.0 },
     };
     let view = View::new(camera, [1, 1]);
-    let caster = RayCaster { step: Step::Uniform(1.0), order: Order::WHOLE_RAY, ..RayCaster::uniform(0.2) };
+    let caster = RayCaster { step: Step::Uniform(1.0), order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.2) };
     let engine = engine(&caster, &scene).unwrap();
     let alpha = trace(&engine, &scene, &view, &row_by_row(&view), None).0[0].rgba[3];
     // Midpoint: a whole step of 0.75, one of the ramp's middle, and 4094 faint ones.

@@ -55,7 +55,7 @@ impl<'a> Canvas<'a> {
         self.counts
     }
 
-    /// How many points there are so many pixels apart, across and down.
+    /// Numbers of points that are so many pixels apart, across and down.
     pub(super) fn points(&self, spacing: usize) -> [usize; 2] {
         [self.across, self.rows.len()].map(|n| (n - 1) / spacing + 1)
     }
@@ -197,13 +197,13 @@ impl Row {
     }
 }
 
-/// How far the middle one of three colours is from the straight line through the others, twice.
+/// Twice the distance of the middle one of three colours from the straight line through the others.
 fn bend(a: &[f32; 4], middle: &[f32; 4], b: &[f32; 4]) -> [f32; 4] {
     std::array::from_fn(|c| (a[c] + b[c] - 2.0 * middle[c]).abs())
 }
 
 /// The neighbours whose mean tells of a bend: those beside `i`, of so many; at the ends, where there is none, those of the next point's do.
-/// Where there are but two points, any difference is a bend.
+/// With only two points, any difference is a bend.
 fn neighbours(i: usize, count: usize) -> [usize; 2] {
     match () {
         () if count < 3 => [0, count - 1],

@@ -1,4 +1,4 @@
-//! Which cells of a screen are looked at closer.
+//! Cells of a screen that are refined.
 
 use crate::screen::blocks::in_blocks;
 

@@ -2,15 +2,15 @@ use vr_core::image_order::ImageSample;
 use vr_core::{Camera, Control, Counts, Layer, Rendered, View};
 
 use super::adaptive;
-use crate::tracer::{Traced, Tracer};
+use crate::tracer::{RaySample, Tracer};
 
 /// A picture given by a formula in pixels.
 struct Painting<F>(F);
 
 impl<F: Fn(f64, f64) -> f64 + Sync> Tracer for Painting<F> {
-    fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+    fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         counts.rays += spots.len() as u64;
-        values.extend(spots.iter().map(|s| Traced { rgba: [self.0(s.x, s.y) as f32; 4], ..Traced::NOTHING }));
+        values.extend(spots.iter().map(|s| RaySample { rgba: [self.0(s.x, s.y) as f32; 4], ..RaySample::NOTHING }));
     }
 }
 
@@ -106,8 +106,8 @@ fn a_layer_is_traced_where_it_shows() {
     let layer = Layer { pixels: (0..64 * 64).map(pixel).collect() };
     struct Layered<'a>(&'a Layer);
     impl Tracer for Layered<'_> {
-        fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<Traced>, _: &mut Counts) {
-            values.extend(spots.iter().map(|s| Traced::NOTHING.over(self.0, s.pixel)));
+        fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<RaySample>, _: &mut Counts) {
+            values.extend(spots.iter().map(|s| RaySample::NOTHING.over(self.0, s.pixel)));
         }
     }
     let frame = adaptive(&Layered(&layer), (&view, Some(&layer)), 0.1, &Control::default()).unwrap().frame;

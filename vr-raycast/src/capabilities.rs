@@ -1,10 +1,10 @@
-//! What the caster can draw, and what it says of the rest.
+//! Scenes and views that the caster can draw, and the errors for all others.
 
 use vr_core::{Compositing, Feature, Field, Projection, RenderError, Scene, Unsupported, View};
 
-use crate::caster::{Leaping, Order, RayCaster, Rule, Screen, Step, Traversal};
+use crate::caster::{CompositingOrder, EmptySpace, ImageSampling, RayCaster, Rule, Step, Traversal};
+use crate::error_bound::ErrorBound;
 use crate::source::Source;
-use crate::tolerance::Promise;
 
 pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderError {
     Unsupported { renderer: RayCaster::NAME, feature, what: what.into() }.into()
@@ -14,23 +14,24 @@ pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderEr
 pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderError> {
     caster.validate()?;
     scene.validate()?;
-    if caster.order == Order::BackToFront && scene.compositing != Compositing::Over {
+    if caster.order == CompositingOrder::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(
             Feature::Compositing,
             format!("compositing '{}' back to front", scene.compositing.name()),
         ));
     }
     if matches!(caster.step, Step::Local { .. }) && !caster.follows_light(scene) {
-        let what = if caster.order == Order::BackToFront { "back to front" } else { scene.compositing.name() };
+        let what =
+            if caster.order == CompositingOrder::BackToFront { "back to front" } else { scene.compositing.name() };
         return Err(unsupported(
             Feature::Setting,
             format!("local steps (local-error) under '{what}', where there is no light to follow: set a step"),
         ));
     }
-    if let Order::FrontToBack { termination } = caster.order
+    if let CompositingOrder::FrontToBack { termination } = caster.order
         && !scene.compositing.integrates_light()
         // A termination of 1 asks for what is done anyway: no ray ends early.
-        && ![Order::TERMINATION, 1.0].contains(&termination)
+        && ![CompositingOrder::TERMINATION, 1.0].contains(&termination)
     {
         return Err(unsupported(
             Feature::Setting,
@@ -38,7 +39,7 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
         ));
     }
     let samples_all = !scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. });
-    let leaps = caster.step.finds_empty_space() || !matches!(caster.leaping, Leaping::Auto | Leaping::None);
+    let leaps = caster.step.finds_empty_space() || !matches!(caster.empty_space, EmptySpace::Auto | EmptySpace::None);
     if samples_all && leaps {
         let what = scene.compositing.name();
         return Err(unsupported(
@@ -72,8 +73,8 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
     if let Some((feature, what)) = crate::classics::beyond_steps(caster, scene) {
         return Err(unsupported(feature, what));
     }
-    if let Step::Tolerance(_) = caster.step {
-        Promise::check(scene, volume)?;
+    if let Step::ErrorBound(_) = caster.step {
+        ErrorBound::check(scene, volume)?;
     }
     Ok(source)
 }
@@ -87,8 +88,8 @@ fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
     let plain = matches!(caster.step, Step::Uniform(_))
         && caster.traversal == Traversal::Samples
         && matches!(caster.rule, Rule::Midpoint | Rule::Left)
-        && matches!(caster.leaping, Leaping::Auto | Leaping::None)
-        && matches!(caster.screen, Screen::EveryPixel | Screen::Adaptive { .. });
+        && matches!(caster.empty_space, EmptySpace::Auto | EmptySpace::None)
+        && matches!(caster.image_sampling, ImageSampling::EveryPixel | ImageSampling::Adaptive { .. });
     if !plain {
         let what = format!(
             "volumes of the kind '{kind}' but in uniform steps by the rule midpoint or left: nothing is known of them between samples"
@@ -108,21 +109,23 @@ fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
 pub(crate) fn check_view(caster: &RayCaster, view: &View) -> Result<(), RenderError> {
     let parallel = matches!(view.camera.projection, Projection::Orthographic { .. });
     // A template's rays.
-    if !parallel && !caster.screen.casts_pixels() {
+    if !parallel && !caster.image_sampling.casts_pixels() {
         return Err(unsupported(Feature::Perspective, "perspective with a template screen"));
     }
     Ok(())
 }
 
-/// What this caster's screen has no answer to.
+/// Returns the part of a scene that this caster's choice of rays cannot draw.
 #[cfg_attr(not(feature = "classics"), expect(unused_variables, reason = "these screens draw every scene"))]
 fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
-    let what = match caster.screen {
-        Screen::EveryPixel => None,
-        // A promise for each pixel is none for what lies between them.
-        Screen::Adaptive { .. } => matches!(caster.step, Step::Tolerance(_)).then_some("a promised error".to_owned()),
+    let what = match caster.image_sampling {
+        ImageSampling::EveryPixel => None,
+        // A bound for each pixel is none for what lies between them.
+        ImageSampling::Adaptive { .. } => {
+            matches!(caster.step, Step::ErrorBound(_)).then_some("a promised error".to_owned())
+        }
         #[cfg(feature = "classics")]
-        Screen::Coherent | Screen::Template { .. } => crate::classics::beyond_screen(caster, scene),
+        ImageSampling::Coherent | ImageSampling::Template { .. } => crate::classics::beyond_screen(caster, scene),
     }?;
-    Some(format!("{what} with the screen '{}'", caster.screen.name()))
+    Some(format!("{what} with the screen '{}'", caster.image_sampling.name()))
 }

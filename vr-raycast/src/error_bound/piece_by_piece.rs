@@ -2,24 +2,24 @@
 
 use vr_core::Real;
 
-use super::account::{Account, Doubtful};
+use super::account::{Account, PendingWall};
 use super::cubic::Cubic;
 use super::optics::{Extremes, Optics, Piece};
 use super::step::{Step, coarse, constant, smooth};
 use crate::root::monotone_root;
 
 /// Halvings of a cell after which a step is taken as it is.
-const MOST_HALVINGS: u32 = 44;
+const MAX_HALVINGS: u32 = 44;
 /// Steps of a ray after which they are taken as they are: no scene may hang the renderer.
-const MOST_STEPS: u64 = 1 << 16;
+const MAX_STEPS: u64 = 1 << 16;
 /// Steps after which a ray is better done again in higher precision.
-const MOST_STEPS_FIRST: u64 = 1 << 13;
+const MAX_STEPS_FIRST: u64 = 1 << 13;
 
 /// A ray that is being integrated.
 pub(super) struct Integral<'a> {
     pub(super) optics: &'a Optics,
     pub(super) account: Account,
-    /// Whether to stop once the bound is above the promise: another instance will do the ray again.
+    /// True if it stops once the proven bound is above the one asked for: another instance will do the ray again.
     pub(super) gives_up: bool,
 }
 
@@ -47,7 +47,7 @@ struct Cell<R> {
 #[derive(Clone, Copy)]
 struct Part<R> {
     cubic: Cubic<R>,
-    /// Where it begins.
+    /// Distance at which it begins.
     s: f64,
     length: f64,
     cuts: u32,
@@ -58,14 +58,14 @@ impl<'a> Integral<'a> {
         Self { optics, account, gives_up }
     }
 
-    /// Whether nothing more is to be done.
+    /// True if nothing more is to be done.
     pub(super) fn is_done(&self) -> bool {
         self.account.ended || (self.gives_up && !self.is_kept())
     }
 
-    /// Whether the promise is kept.
+    /// True if the bound asked for is kept.
     pub(super) fn is_kept(&self) -> bool {
-        let too_long = self.gives_up && self.account.steps > MOST_STEPS_FIRST;
+        let too_long = self.gives_up && self.account.steps > MAX_STEPS_FIRST;
         !(too_long || self.account.is_over())
     }
 
@@ -80,7 +80,7 @@ impl<'a> Integral<'a> {
         }
     }
 
-    /// Whether a step over all values of a range will do; takes it if so.
+    /// Takes a step over all values of a range if that will do; true if so.
     pub(super) fn coarse(&mut self, extremes: &Extremes, s: f64, length: f64) -> bool {
         if extremes.wall {
             return false;
@@ -104,15 +104,17 @@ impl<'a> Integral<'a> {
             return;
         }
         let noise = self.noise(cell, part.cuts);
+        // Bound the values of the part; nothing is to be done where all of them are clear.
         let (low, high) = part.cubic.hull();
         let (low, high) = (cell.place.base + low, cell.place.base + high);
-        let [least, most] = self.possible(&cell.place, [low, high], noise);
-        if self.optics.is_clear(least, most) {
+        let [min, max] = self.possible(&cell.place, [low, high], noise);
+        if self.optics.is_clear(min, max) {
             return;
         }
         let optics = self.optics;
-        let piece = optics.piece_at((0.5 * (low + high)).max(least).min(most));
-        let single = piece.holds(low, high, noise) || piece.holds(least, most, 0.0);
+        let piece = optics.piece_at((0.5 * (low + high)).max(min).min(max));
+        let single = piece.holds(low, high, noise) || piece.holds(min, max, 0.0);
+        // A wall ends the ray.
         if single && piece.opaque {
             let entry = cell.place.base + part.cubic.0[0].to_f64();
             let light = if optics.emits { [0.0; 3] } else { piece.source_at(entry) };
@@ -120,6 +122,7 @@ impl<'a> Integral<'a> {
             self.account.wall(light, steepness * 5.0 * noise, steepness, part.s);
             return;
         }
+        // Take the part as one step if its error is small enough, or shorter steps would not help.
         if single && let Some(step) = self.smooth(piece, cell, &part, noise) {
             let account = &self.account;
             if account.fits(&step, part.s) || account.is_rounding(&step, part.s) || self.is_enough(&part) {
@@ -127,7 +130,7 @@ impl<'a> Integral<'a> {
                 return;
             }
         } else {
-            let extremes = optics.extremes(least, most);
+            let extremes = optics.extremes(min, max);
             let step = self.coarse_part(&extremes, cell, &part, noise);
             // Shorter parts would hold the same values, for all that is known.
             let blurred = high - low <= 4.0 * noise;
@@ -139,6 +142,7 @@ impl<'a> Integral<'a> {
                 return;
             }
         }
+        // Else halve it.
         let (front, back) = part.cubic.split(R::from_f64(0.5));
         let (half, cuts) = (0.5 * part.length, part.cuts + 1);
         self.part(cell, Part { cubic: front, length: half, cuts, ..part });
@@ -148,12 +152,12 @@ impl<'a> Integral<'a> {
     /// Range of the values that a part may hold if its computed range, off by up to `noise`, is `low` to `high`.
     fn possible(&self, place: &Place, [low, high]: [f64; 2], noise: f64) -> [f64; 2] {
         let range = [low - noise, high + noise];
-        let Some([least, most]) = place.limits.filter(|_| self.optics.knots_are_exact) else { return range };
-        let inside = [range[0].max(least.next_up()), range[1].min(most.next_down())];
+        let Some([min, max]) = place.limits.filter(|_| self.optics.knots_are_exact) else { return range };
+        let inside = [range[0].max(min.next_up()), range[1].min(max.next_down())];
         if inside[0] <= inside[1] { inside } else { range }
     }
 
-    /// How far values are off: the corners' differences, three rounds of interpolation and what each cut adds, all of numbers up to
+    /// Error of values: the corners' differences, three rounds of interpolation and what each cut adds, all of numbers up to
     /// `reach`; the place; and the knots that they are compared with.
     fn noise<R: Real>(&self, cell: &Cell<R>, cuts: u32) -> f64 {
         let u = 2.0 * R::ROUNDOFF;
@@ -184,9 +188,9 @@ impl<'a> Integral<'a> {
         self.optics.depth_at_touch(low, high, farthest, part.length, cell.length)
     }
 
-    /// Whether a part is not to be cut any more, whatever its error.
+    /// True if a part is not to be cut any more, whatever its error.
     fn is_enough<R: Real>(&self, part: &Part<R>) -> bool {
-        part.cuts >= MOST_HALVINGS || self.account.steps >= MOST_STEPS
+        part.cuts >= MAX_HALVINGS || self.account.steps >= MAX_STEPS
     }
 
     fn take_anyway<R: Real>(&mut self, extremes: &Extremes, step: Step, cell: &Cell<R>, part: &Part<R>, noise: f64) {
@@ -201,7 +205,7 @@ impl<'a> Integral<'a> {
             -libm::expm1(-self.deepest(extremes, cell, part, noise)) * extremes.source_width()
         };
         let spread = high - low + 2.0 * noise;
-        self.account.doubt(Doubtful { step, before, spread });
+        self.account.doubt(PendingWall { step, before, spread });
     }
 
     /// Cuts a monotone part where it crosses a knot; false where the place cannot be told well.
@@ -255,8 +259,8 @@ impl<'a> Integral<'a> {
         }
         let noise = self.noise(cell, part.cuts);
         let (low, high) = part.cubic.hull();
-        let [least, most] = self.possible(&cell.place, [cell.place.base + low, cell.place.base + high], noise);
-        let extremes = self.optics.extremes(least, most);
+        let [min, max] = self.possible(&cell.place, [cell.place.base + low, cell.place.base + high], noise);
+        let extremes = self.optics.extremes(min, max);
         let step = self.coarse_part(&extremes, cell, &part, noise);
         self.take_anyway(&extremes, step, cell, &part, noise);
     }

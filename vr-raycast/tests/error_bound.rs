@@ -1,4 +1,4 @@
-//! The promise of [`Step::Tolerance`]: no component of a pixel is further from the truth than asked for.
+//! The bound of [`Step::ErrorBound`]: no component of a pixel is further from the truth than asked for.
 
 mod common;
 
@@ -13,22 +13,22 @@ use vr_core::*;
 use vr_physics::check::FixedLayer;
 use vr_physics::check::{TestScene, strategies};
 use vr_physics::{Certainty, Reference, cases};
-use vr_raycast::{Order, Precision, RayCaster, Rule, Step, Traversal};
+use vr_raycast::{CompositingOrder, Precision, RayCaster, Rule, Step, Traversal};
 
 const ERRORS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 
 fn promising(error: f64) -> RayCaster {
-    RayCaster { step: Step::Tolerance(error), ..RayCaster::default() }
+    RayCaster { step: Step::ErrorBound(error), ..RayCaster::default() }
 }
 
-/// How a picture compares with the truth.
+/// Comparison of a picture with the correct one.
 #[derive(Debug)]
 struct Judged {
     /// The largest error, relative to max(1, largest magnitude), of pixels of which the truth is known to a tenth of what is asked for.
     worst: f64,
     /// Pixels further off than asked for.
     beyond: u64,
-    /// Pixels of which nobody knows the truth that well.
+    /// Pixels whose correct value is not known that well.
     unknown: u64,
     counts: Counts,
 }
@@ -51,7 +51,7 @@ fn judge(caster: &RayCaster, scene: &Scene, view: &View, error: f64) -> Option<J
         }
         let off = (0..4).map(|c| (f64::from(got[c]) - want.rgba[c]).abs()).fold(0.0, f64::max) / peak;
         assert!(off.is_finite(), "{got:?}");
-        // What the truth may be off by is nobody's fault.
+        // The uncertainty of the reference does not count against the caster.
         if off > error + uncertain / peak {
             judged.beyond += 1;
         } else {
@@ -247,8 +247,8 @@ fn what_has_no_bound_at_all_is_refused() {
     for caster in [
         RayCaster { rule: Rule::Left, ..promising(0.1) },
         RayCaster { traversal: Traversal::Cells, ..promising(0.1) },
-        RayCaster { order: Order::BackToFront, ..promising(0.1) },
-        RayCaster { order: Order::FrontToBack { termination: 0.5 }, ..promising(0.1) },
+        RayCaster { order: CompositingOrder::BackToFront, ..promising(0.1) },
+        RayCaster { order: CompositingOrder::FrontToBack { termination: 0.5 }, ..promising(0.1) },
     ] {
         assert!(matches!(caster.prepare(&scene, &control), Err(RenderError::Option(_))), "{caster:?}");
     }

@@ -3,7 +3,7 @@
 use vr_core::transfer::{Optical, Segment};
 use vr_core::{Calibration, OpacityRule, TransferFunction};
 
-/// The transfer function as the promise needs it: pieces over *stored* numbers, in which opacity and source are linear.
+/// The transfer function as the error bound needs it: pieces over *stored* numbers, in which opacity and source are linear.
 ///
 /// The *source* is the colour of a density emitter, or the emission per world unit where that is given on its own.
 #[derive(Clone, Debug)]
@@ -12,11 +12,11 @@ pub(crate) struct Optics {
     pub(crate) rule: OpacityRule,
     /// World length that opacities belong to.
     pub(crate) unit: f64,
-    /// Whether the source is emission given on its own.
+    /// True if the source is emission given on its own.
     pub(crate) emits: bool,
     /// The largest component of the source.
     pub(crate) brightest: f64,
-    /// How far a knot may lie from where calibration puts it, in stored units.
+    /// Largest distance of a knot from where calibration puts it, in stored units.
     pub(crate) knot_error: f64,
     /// True if knots need no conversion to stored numbers, and so are exact: the calibration is the identity.
     pub(crate) knots_are_exact: bool,
@@ -45,7 +45,7 @@ pub(crate) struct Piece {
     emits: bool,
 }
 
-/// What a medium can be over a range of values.
+/// Extremes of a medium over a range of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extremes {
     /// Optical depth per unit distance: least and most. +∞ where α = 1 under the power rule.
@@ -54,7 +54,7 @@ pub(crate) struct Extremes {
     pub(crate) before_wall: f64,
     /// Least and most of every component of the source.
     pub(crate) source: [[f64; 2]; 3],
-    /// Whether a wall is among it.
+    /// True if a wall is among it.
     pub(crate) wall: bool,
 }
 
@@ -137,7 +137,7 @@ impl Piece {
         self.source_slope.iter().fold(0.0, |m, s| m.max(s.abs()))
     }
 
-    /// Whether numbers within `noise` of [low, high] are in the piece, or so little beyond a kink that the piece's own line is at most
+    /// True if numbers within `noise` of [low, high] are in the piece, or so little beyond a kink that the piece's own line is at most
     /// 4 · (steepest slope) · noise from the truth there.
     pub(crate) fn holds(&self, low: f64, high: f64, noise: f64) -> bool {
         let end = |inside: bool, within: bool, joined: f64| inside || (within && !self.opaque && joined >= 2.0 * noise);
@@ -147,7 +147,7 @@ impl Piece {
 }
 
 impl Optics {
-    /// Of a transfer function, for stored numbers of at most `largest`.
+    /// Returns the optics of a transfer function, for stored numbers of at most `largest`.
     pub(crate) fn new(transfer: &TransferFunction, calibration: Calibration, largest: f64) -> Self {
         let mut pieces: Vec<Piece> = transfer.segments().iter().map(|s| Piece::new(s, calibration, transfer)).collect();
         if calibration.slope < 0.0 {
@@ -204,7 +204,7 @@ impl Optics {
         &self.pieces[first..end]
     }
 
-    /// Whether nothing absorbs and nothing shines over a closed range.
+    /// True if nothing absorbs and nothing shines over a closed range.
     pub(crate) fn is_clear(&self, low: f64, high: f64) -> bool {
         self.meeting(low, high).iter().all(|p| {
             p.clear
@@ -215,7 +215,7 @@ impl Optics {
         })
     }
 
-    /// What the medium can be over a closed range of stored numbers.
+    /// Extremes of the medium over a closed range of stored numbers.
     pub(crate) fn extremes(&self, low: f64, high: f64) -> Extremes {
         let (inf, none) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut e = Extremes { rate: [inf, 0.0], before_wall: 0.0, source: [[inf, none]; 3], wall: false };
@@ -236,7 +236,7 @@ impl Optics {
         e
     }
 
-    /// How κ·unit and the source depend on the value over a closed range of finite numbers: for each, the slope of a linear function, and a
+    /// Dependence of κ·unit and the source on the value over a closed range of finite numbers: for each, the slope of a linear function, and a
     /// bound on how far it is from that.
     ///
     /// The linear function is the chord of the range. Between knots −ln(1 − α) is convex, and so at most (b − a)/4 times the difference of

@@ -1,7 +1,7 @@
-//! How empty space is leapt over.
+//! Structures by which rays leap over empty space.
 
-/// How rays find out where nothing is visible. On steps of one length, no choice changes a picture by a bit: those are dropped in which
-/// nothing is visible.
+/// Structure by which rays find out where nothing is visible. On steps of one length, no choice changes a picture by a bit: those are
+/// dropped in which nothing is visible.
 ///
 /// It applies to `over`, `accumulate` and `first`. An average, a maximum or a minimum depends on what is transparent, too: these
 /// sample everything, whatever is chosen.
@@ -9,11 +9,11 @@
 /// Visible is a block of 8³ cells whose range of values holds anything that the transfer function, and the table made of it, do not
 /// make perfectly clear (under `first`: that reaches the threshold). Each structure is made anew when the transfer function changes.
 ///
-/// Steps that follow the medium ([`Step::Local`](super::Step::Local), [`Step::Tolerance`](super::Step::Tolerance)) leap by maps of their own, and packets of rays by distances between small blocks:
-/// to them belongs `Auto`. A structure that is asked for by name goes with uniform steps alone, and is the plain engine's.
+/// Steps that follow the medium ([`Step::Local`](super::Step::Local), [`Step::ErrorBound`](super::Step::ErrorBound)) leap by maps
+/// of their own, and packets of rays by distances between small blocks: to them belongs `Auto`. A structure that is asked for by name goes with uniform steps alone, and is the plain engine's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Leaping {
-    /// As the engine that draws the scene leaps best; the plain one by [`Leaping::ExactCloud`].
+pub enum EmptySpace {
+    /// As the engine that draws the scene leaps best; the plain one by [`EmptySpace::ExactCloud`].
     #[default]
     Auto,
     /// All steps are sampled.

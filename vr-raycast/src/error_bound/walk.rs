@@ -115,15 +115,15 @@ fn trilinear<R: Real, T: Voxel>(
     integral.cell(Cubic::of_trilinear(&v), Place { base, reach, limits, misplaced }, from, to - from);
 }
 
-/// How far positions along a ray may be off, in cells: a few units in the last place of the largest numbers that they are made of.
+/// Largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.
 fn misplaced(ray: &IndexRay, dims: [usize; 3]) -> f64 {
-    let most = dims.iter().fold(1.0f64, |m, &n| m.max(n as f64));
+    let max_size = dims.iter().fold(1.0f64, |m, &n| m.max(n as f64));
     let far = ray.start.abs().max(ray.end.abs());
     let size = (ray.direction * far).abs().max_element().max(ray.origin.abs().max_element());
-    4.0 * f64::EPSILON * most.max(size)
+    4.0 * f64::EPSILON * max_size.max(size)
 }
 
-/// Where a ray leaves a block.
+/// Distance at which a ray leaves a block.
 fn end_of_block(ray: &IndexRay, block: [usize; 3], cells: [usize; 3]) -> f64 {
     let mut end = f64::INFINITY;
     for a in 0..3 {
@@ -150,7 +150,7 @@ struct Family {
     inverse: f64,
     /// The next plane.
     plane: f64,
-    /// Where the ray crosses it.
+    /// Distance at which the ray crosses it.
     s: f64,
     forward: f64,
 }

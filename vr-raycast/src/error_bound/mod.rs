@@ -1,4 +1,4 @@
-//! Steps that meet an error target: see the README beside this file for what is promised, and why it holds.
+//! Steps that keep a bound of the error: see the README beside this file for what it promises, and why it holds.
 
 mod account;
 mod blocks;
@@ -17,17 +17,17 @@ use vr_core::{
     VacuumCells, View, Voxel,
 };
 
-use crate::support::unsupported;
-use crate::tracer::{Traced, Tracer};
+use crate::capabilities::unsupported;
+use crate::tracer::{RaySample, Tracer};
 use account::{Account, Limits};
 use blocks::Blocks;
 use optics::Optics;
 use piece_by_piece::Integral;
 use walk::Medium;
 
-/// What a scene's rays look things up in, whatever the error.
+/// Tables of a scene whose pictures keep a bound of the error.
 #[derive(Clone, Debug)]
-pub(crate) struct Promise {
+pub(crate) struct ErrorBound {
     pub(crate) volume: Arc<GridVolume>,
     optics: Optics,
     blocks: Blocks,
@@ -35,7 +35,7 @@ pub(crate) struct Promise {
     level: f64,
 }
 
-impl Promise {
+impl ErrorBound {
     /// Checks that there are bounds for a scene. Returns the level at which light ends.
     ///
     /// # Errors
@@ -88,19 +88,19 @@ impl Promise {
     }
 }
 
-/// Traces the rays of one view within the promise.
-pub(crate) struct Promised<'a> {
-    pub(crate) promise: &'a Promise,
+/// Tracer of the rays of one view within the bound of the error.
+pub(crate) struct BoundedRays<'a> {
+    pub(crate) error_bound: &'a ErrorBound,
     pub(crate) volume: &'a GridVolume,
     pub(crate) view: &'a View,
     pub(crate) layer: Option<&'a Layer>,
     pub(crate) rays: Rays,
-    /// Whether f32 is tried first.
+    /// True if f32 is tried first.
     pub(crate) single: bool,
 }
 
-impl Tracer for Promised<'_> {
-    fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<Traced>, counts: &mut Counts) {
+impl Tracer for BoundedRays<'_> {
+    fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let mut stages = Stages::default();
         for spot in spots {
             values.push(self.ray(spot, &mut stages, counts));
@@ -108,7 +108,7 @@ impl Tracer for Promised<'_> {
     }
 }
 
-/// How the rays of a group fared in f32 so far.
+/// Success of a group's rays in f32 so far.
 #[derive(Default)]
 struct Stages {
     tried: u32,
@@ -116,14 +116,14 @@ struct Stages {
 }
 
 impl Stages {
-    /// Where most rays have to be done again, f32 is a waste.
+    /// True unless most rays have to be done again: f32 is a waste then.
     fn is_single_worth_while(&self) -> bool {
         self.tried < 8 || 2 * self.failed < self.tried
     }
 }
 
-impl Promised<'_> {
-    fn ray(&self, spot: &ImageSample, stages: &mut Stages, counts: &mut Counts) -> Traced {
+impl BoundedRays<'_> {
+    fn ray(&self, spot: &ImageSample, stages: &mut Stages, counts: &mut Counts) -> RaySample {
         let layer = self.layer;
         let far = layer.map_or(f64::INFINITY, |l| l.depth(spot.pixel));
         let ray = self.rays.at(spot.x, spot.y);
@@ -132,12 +132,12 @@ impl Promised<'_> {
             let color = l.pixels[spot.pixel].0;
             color.into_iter().map(f64::from).fold(0.0, f64::max)
         });
-        let value = part.map_or(Traced::NOTHING, |part| {
+        let value = part.map_or(RaySample::NOTHING, |part| {
             counts.rays += 1;
             let account = self.both_stages(part, backdrop, stages, counts);
             counts.terminated += u64::from(account.ended);
             let [r, g, b] = account.light;
-            Traced {
+            RaySample {
                 rgba: [r, g, b, account.opacity()].map(|x| x as f32),
                 depth: (account.half_way + part.offset) as f32,
             }
@@ -158,7 +158,7 @@ impl Promised<'_> {
         counts.repeated += u64::from(self.single);
         let (account, kept) = self.volume.with_lattice(self.job::<f64>(ray, backdrop));
         if !kept {
-            counts.count_unbounded(self.promise.error * account.overrun());
+            counts.count_unbounded(self.error_bound.error * account.overrun());
         }
         counts.samples += account.steps;
         account
@@ -166,7 +166,7 @@ impl Promised<'_> {
 
     fn job<R: Real>(&self, ray: IndexRay, backdrop: f64) -> Job<'_, R> {
         Job {
-            promise: self.promise,
+            error_bound: self.error_bound,
             vacuum: self.volume.vacuum_cells(),
             nearest: self.volume.filter() == Filter::Nearest,
             ray,
@@ -178,7 +178,7 @@ impl Promised<'_> {
 
 /// One ray in one precision.
 struct Job<'a, R> {
-    promise: &'a Promise,
+    error_bound: &'a ErrorBound,
     vacuum: Option<&'a VacuumCells>,
     /// True if each sample stands for all that is nearest to it; trilinear if not.
     nearest: bool,
@@ -191,11 +191,11 @@ impl<R: Real> LatticeVisitor for Job<'_, R> {
     type Output = (Account, bool);
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> Self::Output {
-        let account = Account::new(self.promise.limits(), self.ray.start, self.ray.end, self.backdrop);
+        let account = Account::new(self.error_bound.limits(), self.ray.start, self.ray.end, self.backdrop);
         // Only f32 has something better to turn to.
         let gives_up = R::ROUNDOFF > f64::EPSILON;
-        let mut integral = Integral::new(&self.promise.optics, account, gives_up);
-        let medium = Medium { lattice, vacuum: self.vacuum, nearest: self.nearest, blocks: &self.promise.blocks };
+        let mut integral = Integral::new(&self.error_bound.optics, account, gives_up);
+        let medium = Medium { lattice, vacuum: self.vacuum, nearest: self.nearest, blocks: &self.error_bound.blocks };
         walk::along::<R, T>(&medium, &self.ray, &mut integral);
         integral.account.finish();
         let kept = integral.is_kept();

@@ -28,7 +28,7 @@ impl<R: Real> Cubic<R> {
         (a.min(b).min(c.min(d)).to_f64(), a.max(b).max(c.max(d)).to_f64())
     }
 
-    /// Whether the coefficients rise or fall throughout: the curve does, too, then.
+    /// True if the coefficients rise or fall throughout: the curve does, too, then.
     pub(super) fn is_monotone(&self) -> bool {
         let [a, b, c, d] = self.0;
         (a <= b && b <= c && c <= d) || (a >= b && b >= c && c >= d)

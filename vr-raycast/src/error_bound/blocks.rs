@@ -1,4 +1,4 @@
-//! What the medium can be, block by block.
+//! Ranges of the medium, block by block.
 
 use vr_core::GridVolume;
 use vr_kernels::ranges::RangeBlocks;
@@ -17,7 +17,7 @@ pub(super) struct Blocks {
     states: Vec<State>,
 }
 
-/// What is known of a block.
+/// Content of a block, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum State {
     /// Nothing to see.
@@ -62,7 +62,7 @@ impl Blocks {
         self.states[index]
     }
 
-    /// What the medium can be in a block that is filled.
+    /// Extremes of the medium in a block that is filled.
     pub(super) fn extremes(&self, index: usize, optics: &Optics) -> Extremes {
         let [low, high] = self.ranges[index];
         optics.extremes(widened(low, -1.0, optics), widened(high, 1.0, optics))

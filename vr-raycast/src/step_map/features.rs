@@ -1,6 +1,6 @@
-//! What of a transfer function is so narrow that a step may miss it: peaks and gaps, as thick in space as the field's slope makes them.
+//! Features of a transfer function so narrow that a step may miss them: peaks and gaps, as thick in space as the field's slope makes them.
 
-use super::PaceMap;
+use super::StepMap;
 
 /// A peak or a gap of extinction, or of emission, over values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +10,7 @@ struct Feature {
     to: f64,
     /// Its width at half its height.
     width: f64,
-    /// How far it stands out from what is around it, per world unit.
+    /// Height above what is around it, or depth below, per world unit.
     height: f64,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct Features(Vec<Feature>);
 const MISSED: f64 = 0.04;
 
 impl Features {
-    /// Of extinction and three emissions at values, in ascending order; two rows at one value are a jump.
+    /// Finds the features of extinction and three emissions at values, in ascending order; two rows at one value are a jump.
     pub(super) fn new(points: &[(f64, [f64; 4])]) -> Self {
         let mut all: Vec<Feature> =
             (0..4).flat_map(|c| of_one(&points.iter().map(|(value, q)| (*value, q[c])).collect::<Vec<_>>())).collect();
@@ -39,14 +39,14 @@ impl Features {
     pub(super) fn longest_step(&self, [low, high]: [f64; 2], usual: f64, voxel: f64, error: f64) -> f64 {
         let mut longest = usual;
         for feature in &self.0 {
-            let thick = PaceMap::EDGE as f64 * feature.width / (high - low);
+            let thick = StepMap::EDGE as f64 * feature.width / (high - low);
             // They are sorted: no further one is thinner.
             if thick >= 2.0 * usual {
                 break;
             }
             if feature.from < high && feature.to > low {
                 let light = (feature.height * thick * voxel).min(1.0);
-                longest = longest.min(thick * libm::sqrt(error / (MISSED * light)).max(LEAST_PART));
+                longest = longest.min(thick * libm::sqrt(error / (MISSED * light)).max(MIN_PART));
             }
         }
         longest
@@ -54,7 +54,7 @@ impl Features {
 }
 
 /// No step need be shorter than this part of a feature.
-const LEAST_PART: f64 = 0.125;
+const MIN_PART: f64 = 0.125;
 
 /// The peaks and gaps of one number over values.
 fn of_one(points: &[(f64, f64)]) -> Vec<Feature> {

@@ -1,23 +1,23 @@
-//! Which rays a picture is made of.
+//! Choice of the rays that a picture is made of.
 
-/// Which rays a picture is made of.
+/// Choice of the rays that a picture is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Screen {
+pub enum ImageSampling {
     /// Those of every pixel.
     #[default]
     EveryPixel,
     /// Every fourth pixel's first, along x and y, then those between where the colours bend; the rest is interpolated by cubics (after Levoy,
     /// *Volume rendering by adaptive refinement*, 1990). Not exact: see `docs/figures/vr-raycast.md` for what was measured.
     Adaptive {
-        /// How far a component of the premultiplied colours may be from the straight lines through its neighbours' along x and y (the sum of
-        /// both second differences), 0 or more, where nothing is refined; 0: every pixel is traced. Where features are wider than four
+        /// Largest distance of a component of the premultiplied colours from the straight lines through its neighbours' along x and y (the sum of
+        /// both second differences), 0 or more, at which nothing is refined; 0: every pixel is traced. Where features are wider than four
         /// pixels, the largest error of the interpolation is below it, and its RMSE a twentieth; what is thinner may be missed, whatever it
         /// is.
         threshold: f64,
     },
     /// Every pixel's, each begun where its part of the view can show something first. That is projected for each view from what
     /// earlier pictures met first (a C-buffer; Yagel and Shi, *Accelerating volume animation by space-leaping*, 1993). The picture is that
-    /// of [`Screen::EveryPixel`], bit for bit. For samples at equal distances by the rules
+    /// of [`ImageSampling::EveryPixel`], bit for bit. For samples at equal distances by the rules
     /// midpoint and left, under over and accumulate.
     #[cfg(feature = "classics")]
     Coherent,
@@ -26,12 +26,12 @@ pub enum Screen {
     /// scenes under over in orthographic views without layers alone.
     #[cfg(feature = "classics")]
     Template {
-        /// What the template is made of.
+        /// Samples that the template is made of.
         connectivity: crate::classics::Connectivity,
     },
 }
 
-impl Screen {
+impl ImageSampling {
     /// As options name it.
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! What the kernels look things up in: made at prepare, kept while the scene does not change.
+//! Tables of the kernels: made at prepare, kept while the scene does not change.
 
 use std::sync::Arc;
 
@@ -6,38 +6,38 @@ use vr_core::{Calibration, GridVolume, Placement, Real, Scene, Shading};
 use vr_kernels::ranges::LevelRanges;
 use vr_kernels::tables::{BakedTransfer, PreIntegrated, round_outward};
 
-use crate::caster::{Classification, Precision, RayCaster, Rule, Step, Traversal};
+use crate::caster::{Precision, RayCaster, Rule, Step, TransferLookup, Traversal};
 use crate::classify::Classifier;
 use crate::leap::{Leaper, empty_space};
-use crate::pace::PaceMap;
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::shade::Shader;
+use crate::step_map::StepMap;
 use crate::table_range::{field_range, resolves, single_precision_resolves, table_range};
 
-/// The instruments, in the precision that the scene needs.
-pub(crate) enum Kernel {
-    F32(Instruments<f32>),
-    F64(Instruments<f64>),
+/// The tables, in the precision that the scene needs.
+pub(crate) enum TablesByPrecision {
+    F32(RenderTables<f32>),
+    F64(RenderTables<f64>),
 }
 
 /// Table, shading, and what is known of the steps to take.
-pub(crate) struct Instruments<R> {
+pub(crate) struct RenderTables<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
-    /// How long steps are, where they follow the data.
-    pub(crate) pace: Option<Arc<PaceMap>>,
-    /// Where long steps will do.
+    /// Lengths of steps that follow the data.
+    pub(crate) step_map: Option<Arc<StepMap>>,
+    /// Regions where long steps will do.
     #[cfg(feature = "classics")]
     pub(crate) homogeneity: Option<Arc<crate::classics::Homogeneity>>,
-    /// Where nothing is visible; `None`: everything is sampled. Found by [`Kernel::find_empty_space`].
+    /// Regions where nothing is visible; `None`: everything is sampled. Found by [`TablesByPrecision::find_empty_space`].
     pub(crate) empty_space: Option<Arc<dyn Leaper>>,
 }
 
-impl Kernel {
+impl TablesByPrecision {
     /// Makes what a field that is no grid's needs: everything is evaluated at its place, exactly.
     pub(crate) fn of_field(scene: &Scene, placement: &Placement) -> Self {
         let shader = |shading: &Arc<Shading>| Shader::new(Arc::clone(shading), scene.lights.clone(), placement, 1.0);
-        Self::F64(Instruments {
+        Self::F64(RenderTables {
             classifier: Classifier {
                 transfer: Arc::clone(&scene.transfer),
                 calibration: Calibration::default(),
@@ -45,7 +45,7 @@ impl Kernel {
                 profile: None,
             },
             shader: scene.shading.as_ref().map(shader),
-            pace: None,
+            step_map: None,
             #[cfg(feature = "classics")]
             homogeneity: None,
             empty_space: None,
@@ -58,18 +58,18 @@ impl Kernel {
         let double = caster.precision == Precision::F64 || !single;
         match (double, last) {
             (true, Some((scene_then, Self::F64(last)))) => {
-                Self::F64(Instruments::new(caster, scene, volume, Some((scene_then, last))))
+                Self::F64(RenderTables::new(caster, scene, volume, Some((scene_then, last))))
             }
             (false, Some((scene_then, Self::F32(last)))) => {
-                Self::F32(Instruments::new(caster, scene, volume, Some((scene_then, last))))
+                Self::F32(RenderTables::new(caster, scene, volume, Some((scene_then, last))))
             }
-            (true, _) => Self::F64(Instruments::new(caster, scene, volume, None)),
-            (false, _) => Self::F32(Instruments::new(caster, scene, volume, None)),
+            (true, _) => Self::F64(RenderTables::new(caster, scene, volume, None)),
+            (false, _) => Self::F32(RenderTables::new(caster, scene, volume, None)),
         }
     }
 }
 
-impl Kernel {
+impl TablesByPrecision {
     /// Makes what tells of empty space, or takes it over from `last`: for the plain engine, once it is known to draw.
     pub(crate) fn find_empty_space(
         &mut self,
@@ -91,7 +91,7 @@ impl Kernel {
     }
 }
 
-/// How the value runs along a step of a caster; `None`: one sample stands for steps of one length.
+/// Course of the value along a step of a caster; `None`: one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
         (Rule::Midpoint | Rule::Left, Traversal::Samples) if caster.step.is_on_lattice() => None,
@@ -112,12 +112,12 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &GridVolume) -> Option<Arc<PreI
     table.resolves().then(|| Arc::new(table))
 }
 
-/// Whether the same can be seen of two scenes' fields.
+/// True if the same can be seen of two scenes' fields.
 fn same_light(a: &Scene, b: &Scene) -> bool {
     a.volume.same(&b.volume) && a.transfer == b.transfer && a.shading.is_some() == b.shading.is_some()
 }
 
-impl<R: Real> Instruments<R> {
+impl<R: Real> RenderTables<R> {
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &GridVolume, last: Option<(&Scene, &Self)>) -> Self {
         let bake = || {
@@ -133,9 +133,9 @@ impl<R: Real> Instruments<R> {
             let then = last_of_field.and_then(|(old, i)| Some((i.homogeneity.as_ref()?, same_light(old, scene))));
             crate::classics::homogeneity(caster, scene, volume, then)
         };
-        let last = last.filter(|(old, _)| same_light(old, scene)).map(|(_, instruments)| instruments);
+        let last = last.filter(|(old, _)| same_light(old, scene)).map(|(_, tables)| tables);
         let lights = scene.compositing.integrates_light();
-        let wanted = caster.classification == Classification::Table && lights;
+        let wanted = caster.transfer_lookup == TransferLookup::Table && lights;
         let profile = shape(caster).filter(|_| lights).map(|shape| {
             let kept = last.and_then(|i| i.classifier.profile.as_ref());
             let made = || preintegrated(scene, volume);
@@ -155,10 +155,10 @@ impl<R: Real> Instruments<R> {
         let kept = last.and_then(|i| i.classifier.table.clone()).filter(|(_, length)| *length == step);
         // Local steps are of many lengths, none of which has a table.
         let follows = matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples;
-        let pace = |error: f64| {
-            last.and_then(|i| i.pace.clone()).unwrap_or_else(|| {
+        let step_map = |error: f64| {
+            last.and_then(|i| i.step_map.clone()).unwrap_or_else(|| {
                 let (levels, voxel) = (LevelRanges::of_volume(volume), volume.placement().spacing().min_element());
-                let map = PaceMap::new(&levels, scene, volume.calibration(), voxel, error);
+                let map = StepMap::new(&levels, scene, volume.calibration(), voxel, error);
                 Arc::new(map)
             })
         };
@@ -171,14 +171,14 @@ impl<R: Real> Instruments<R> {
         let shader = scene.shading.as_ref().map(|shading| {
             Shader::new(Arc::clone(shading), scene.lights.clone(), volume.placement(), volume.calibration().slope)
         });
-        let pace = match caster.step {
-            Step::Local { error } if follows => Some(pace(error)),
+        let step_map = match caster.step {
+            Step::Local { error } if follows => Some(step_map(error)),
             _ => None,
         };
         Self {
             classifier,
             shader,
-            pace,
+            step_map,
             #[cfg(feature = "classics")]
             homogeneity,
             empty_space: None,

@@ -2,7 +2,7 @@
 
 /// From which end the samples of a ray are composited under `over`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Order {
+pub enum CompositingOrder {
     /// From the eye into the depth; can stop early.
     FrontToBack {
         /// Opacity in (0, 1] at which a ray ends; 1: where nothing behind can be seen at all.
@@ -15,7 +15,7 @@ pub enum Order {
     BackToFront,
 }
 
-impl Order {
+impl CompositingOrder {
     /// The opacity at which rays end by default: the 10⁻⁴ that this can cost is a fortieth of what an 8-bit picture can show.
     pub const TERMINATION: f64 = 0.9999;
 
@@ -23,7 +23,7 @@ impl Order {
     pub const WHOLE_RAY: Self = Self::FrontToBack { termination: 1.0 };
 }
 
-impl Default for Order {
+impl Default for CompositingOrder {
     fn default() -> Self {
         Self::FrontToBack { termination: Self::TERMINATION }
     }

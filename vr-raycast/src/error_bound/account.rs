@@ -1,4 +1,4 @@
-//! What a ray has gathered, what it may still be off by, and when that is too much.
+//! Light that a ray has gathered, and the bound of its error.
 
 use super::step::Step;
 
@@ -29,22 +29,22 @@ pub(super) struct Account {
     pub(super) transmittance: f64,
     pub(super) light: [f64; 3],
     pub(super) error: f64,
-    /// What the part of the ray that was not looked at can be worth.
+    /// Largest contribution of the part of the ray that was not looked at.
     unseen: f64,
-    /// Where opacity reached ½.
+    /// Distance at which opacity reached ½.
     pub(super) half_way: f64,
     pub(super) steps: u64,
     /// Nothing that follows matters.
     pub(super) ended: bool,
     /// A place that may be a wall, until what follows tells.
-    doubtful: Option<Doubtful>,
+    pending: Option<PendingWall>,
 }
 
 /// A short step that may hold the beginning of a wall.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Doubtful {
+pub(super) struct PendingWall {
     pub(super) step: Step,
-    /// What it can be worth before a wall begins.
+    /// Largest contribution before a wall begins.
     pub(super) before: f64,
     /// The largest difference of two of its values.
     pub(super) spread: f64,
@@ -64,12 +64,12 @@ impl Account {
             half_way: f64::INFINITY,
             steps: 0,
             ended: false,
-            doubtful: None,
+            pending: None,
         }
     }
 
     /// The largest radiance, or opacity, that can come from behind a distance.
-    fn most(&self, s: f64) -> f64 {
+    fn max_light(&self, s: f64) -> f64 {
         let medium = if self.limits.emits {
             self.limits.brightest * (self.end - s).max(0.0) + self.backdrop
         } else {
@@ -78,39 +78,39 @@ impl Account {
         medium.max(1.0)
     }
 
-    /// What may be spent altogether: the picture's largest magnitude is at least that of this ray's true radiance, and what was not looked
+    /// Error that may be spent altogether: the picture's largest magnitude is at least that of this ray's true radiance, and what was not looked
     /// at can only add to that.
     fn budget(&self) -> f64 {
         let light = self.light.into_iter().fold(0.0, f64::max);
         self.limits.error * (light - self.error).max(1.0)
     }
 
-    /// What may have been spent by the time the ray is at `s` with the transmittance `left`: half of it in proportion to the distance,
+    /// Error that may have been spent by the time the ray is at `s` with the transmittance `left`: half of it in proportion to the distance,
     /// half to the opacity.
     fn share(&self, s: f64, left: f64) -> f64 {
         let length = (s - self.start) / (self.end - self.start);
         self.budget() * (0.45 * length + 0.45 * (1.0 - left))
     }
 
-    /// What a step at `s` may be off by, before it is dimmed: a hint for choosing it.
+    /// Error that a step at `s` may have, before it is dimmed: a hint for choosing it.
     pub(super) fn enough(&self, s: f64) -> f64 {
         let left = self.share(s, self.transmittance) - self.error;
         (0.25 * left / self.transmittance.max(1e-300)).max(0.0)
     }
 
-    /// Whether a step from `s` on is good enough.
+    /// True if a step from `s` on is good enough.
     pub(super) fn fits(&self, step: &Step, s: f64) -> bool {
         let left = self.transmittance * (1.0 - step.opacity);
         let cut = if 1.0 - left >= self.limits.level { step.opacity * step.variation } else { 0.0 };
-        let cost = self.transmittance * (step.light_error + step.opacity_error * self.most(s) + cut);
+        let cost = self.transmittance * (step.light_error + step.opacity_error * self.max_light(s) + cut);
         self.error + cost <= self.share(s + step.length, left)
     }
 
-    /// Whether shorter steps would do no better: most of the error is rounding.
+    /// True if shorter steps would do no better: most of the error is rounding.
     pub(super) fn is_rounding(&self, step: &Step, s: f64) -> bool {
-        let most = self.most(s);
-        let rounding = step.rounding[1] + step.rounding[0] * most;
-        step.light_error + step.opacity_error * most <= 2.0 * rounding
+        let max_light = self.max_light(s);
+        let rounding = step.rounding[1] + step.rounding[0] * max_light;
+        step.light_error + step.opacity_error * max_light <= 2.0 * rounding
     }
 
     /// Takes a step from `s` on.
@@ -123,7 +123,7 @@ impl Account {
         self.steps += 1;
         let (front, level) = (self.transmittance, self.limits.level);
         let behind = front * (1.0 - step.opacity);
-        self.error += front * (step.light_error + step.opacity_error * self.most(s));
+        self.error += front * (step.light_error + step.opacity_error * self.max_light(s));
         let cut = level < 1.0 && 1.0 - behind >= level;
         // Of a step that is cut, light goes with opacity.
         let share = if cut { ((front - (1.0 - level)) / (front * step.opacity)).clamp(0.0, 1.0) } else { 1.0 };
@@ -141,58 +141,58 @@ impl Account {
             self.ended = true;
             return;
         }
-        let rest = behind * self.most(s + step.length);
+        let rest = behind * self.max_light(s + step.length);
         if self.error + rest <= 0.99 * self.budget() {
             self.unseen = rest;
             self.ended = true;
         }
     }
 
-    /// Takes a step, ending at `s`, that may hold the beginning of a wall: nobody knows before what follows is seen. Doubts that follow each
+    /// Takes a step, ending at `s`, that may hold the beginning of a wall: that is unknown until what follows is seen. Doubts that follow each
     /// other are one.
-    pub(super) fn doubt(&mut self, doubtful: Doubtful) {
-        let Some(last) = &mut self.doubtful else {
-            self.doubtful = Some(doubtful);
+    pub(super) fn doubt(&mut self, pending: PendingWall) {
+        let Some(last) = &mut self.pending else {
+            self.pending = Some(pending);
             return;
         };
-        let (a, b) = (&mut last.step, &doubtful.step);
+        let (a, b) = (&mut last.step, &pending.step);
         let brightest = b.light.into_iter().fold(0.0, f64::max);
         a.length += b.length;
         (a.opacity, a.opacity_error) = (0.5, 0.5);
         a.light_error += b.light_error + brightest;
         a.variation = a.variation.max(b.variation);
-        last.before += doubtful.before;
-        last.spread += doubtful.spread;
+        last.before += pending.before;
+        last.spread += pending.spread;
     }
 
-    /// What was in doubt was no wall, or one that a ray only touches: it costs what it can cost.
+    /// Settles a place in doubt as no wall, or one that a ray only touches: it costs what it can cost.
     fn settle(&mut self, s: f64) {
-        if let Some(doubtful) = self.doubtful.take() {
-            self.add(&doubtful.step, s - doubtful.step.length);
+        if let Some(pending) = self.pending.take() {
+            self.add(&pending.step, s - pending.step.length);
         }
     }
 
     /// A wall begins at `s`: its light, how far off that is, and how fast it changes with the value. The place in doubt before it, if
     /// any, is part of it.
     pub(super) fn wall(&mut self, light: [f64; 3], error: f64, steepness: f64, s: f64) {
-        let doubt = self.doubtful.take().map_or(0.0, |d| d.before + steepness * d.spread);
+        let doubt = self.pending.take().map_or(0.0, |d| d.before + steepness * d.spread);
         let step = Step { opacity: 1.0, light, light_error: error + doubt, ..Step::default() };
         self.add(&step, s);
         self.ended = true;
     }
 
-    /// Whether the bound is above what is promised.
+    /// True if the proven bound is above the one asked for.
     pub(super) fn is_over(&self) -> bool {
         let error = self.error + self.unseen;
         error > self.budget() || error.is_nan()
     }
 
-    /// The bound as a multiple of what is promised: above 1 where the promise is not kept, NaN where nothing is known.
+    /// The proven bound as a multiple of the one asked for: above 1 where that one is not kept, NaN where nothing is known.
     pub(super) fn overrun(&self) -> f64 {
         (self.error + self.unseen) / self.budget()
     }
 
-    /// What is left at the end of the ray.
+    /// Settles what is left at the end of the ray.
     pub(super) fn finish(&mut self) {
         self.settle(self.end);
         // A few additions and products a step.

@@ -1,4 +1,4 @@
-//! How a ray moves through each small block: over it, or in steps as long as what is in it allows.
+//! Movement of a ray through each small block: over it, or in steps as long as what is in it allows.
 
 mod classes;
 mod features;
@@ -14,23 +14,24 @@ use classes::{Classes, class_of, step_of};
 ///
 /// The error of a midpoint step of length h is h²/24 times the second derivative, along the ray, of what is integrated: extinction κ and
 /// emission q. That derivative is of the size D/e², D how much κ and q vary within a block of edge e. So the step is h = e·√(ε/D)
-/// where D (the sum of all rises and falls over the block's range of values) is the largest of the block's own and those that the step can lead into, ε the error allowed per unit length; it is kept between
-/// bounds. Changes beyond an optical depth of about one a voxel do not show: light saturates. Where a peak or a gap of the transfer
-/// function is thinner than such a step, the step follows from that (see `features.rs`).
+/// where D (the sum of all rises and falls over the block's range of values) is the largest of the block's own and those that the step
+/// can lead into, ε the error allowed per unit length; it is kept between bounds. Changes beyond an optical depth of about
+/// one a voxel do not show: light saturates. Where a peak or a gap of the transfer function is thinner than such a step, the step
+/// follows from that (see `features.rs`).
 ///
-/// Where the field jumps, at the faces of voxels under the filter nearest and of cells that are vacuum, no second derivative tells
+/// At jumps of the field (the faces of voxels under the filter nearest, and of cells that are vacuum) no second derivative tells
 /// anything: steps end at those faces.
 ///
 /// It is an estimate, not a bound. What it comes to in pictures is measured, and [`crate::Step::Local`] says so.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PaceMap {
+pub(crate) struct StepMap {
     blocks: [usize; 3],
     bytes: Vec<u8>,
     steps: [f32; CLASSES],
     cuts: Cuts,
 }
 
-/// Where steps end at faces at which the field jumps.
+/// Faces at which the field jumps, and steps end.
 #[derive(Clone, Debug, PartialEq)]
 enum Cuts {
     /// Nowhere: it does not jump.
@@ -44,12 +45,12 @@ enum Cuts {
     },
 }
 
-/// What a ray does in a block.
+/// Movement of a ray in a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Pace {
+pub(crate) enum BlockStep {
     /// A step of this length, in world units.
     Step(f32),
-    /// A step of this length, or to the next of [`PaceMap::faces`].
+    /// A step of this length, or to the next of [`StepMap::faces`].
     CutStep(f32),
     /// Nothing is visible in the blocks up to this many around: on to where the ray leaves them.
     Leap(u8),
@@ -65,7 +66,7 @@ const SHORTEST: f64 = 0.0577 / 8.0;
 /// Voxels of the longest step: just under four blocks.
 const LONGEST: f64 = SHORTEST * 2048.0;
 
-impl PaceMap {
+impl StepMap {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
@@ -99,7 +100,7 @@ impl PaceMap {
         self.blocks
     }
 
-    /// The bytes, x fastest: below [`CLEAR`] the index of the step to take in [`PaceMap::steps`]; from it on, how many blocks around are
+    /// The bytes, x fastest: below [`CLEAR`] the index of the step to take in [`StepMap::steps`]; from it on, how many blocks around are
     /// clear, too, plus [`CLEAR`].
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
@@ -110,24 +111,24 @@ impl PaceMap {
         &self.steps
     }
 
-    /// Where something is visible, in a volume with the given samples along x, y, z: in blocks of twice the edge.
+    /// Visible blocks, of twice the edge, of a volume with the given samples along x, y, z.
     pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
         VisibleBlocks::of_halves(dims, Self::EDGE, &self.bytes, CLEAR)
     }
 
-    /// What a ray does in a block.
-    pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> Pace {
+    /// Returns the movement of a ray in a block.
+    pub(crate) fn at(&self, [x, y, z]: [usize; 3]) -> BlockStep {
         let block = (z * self.blocks[1] + y) * self.blocks[0] + x;
         match (self.bytes[block], &self.cuts) {
-            (leap @ CLEAR.., _) => Pace::Leap(leap - CLEAR),
+            (leap @ CLEAR.., _) => BlockStep::Leap(leap - CLEAR),
             // One sample stands for all of a voxel.
-            (_, Cuts::Voxels { .. }) => Pace::CutStep(f32::INFINITY),
-            (class, Cuts::Holes(cut)) if cut[block] => Pace::CutStep(self.steps[usize::from(class)]),
-            (class, _) => Pace::Step(self.steps[usize::from(class)]),
+            (_, Cuts::Voxels { .. }) => BlockStep::CutStep(f32::INFINITY),
+            (class, Cuts::Holes(cut)) if cut[block] => BlockStep::CutStep(self.steps[usize::from(class)]),
+            (class, _) => BlockStep::Step(self.steps[usize::from(class)]),
         }
     }
 
-    /// Where between two samples the faces lie at which steps are cut.
+    /// Positions between two samples of the faces at which steps are cut.
     pub(crate) fn faces(&self) -> &'static [f64] {
         match self.cuts {
             Cuts::None | Cuts::Holes(_) => &[0.0],
@@ -210,7 +211,7 @@ mod tests {
     use super::*;
     use vr_core::{ControlPoint, OpacityRule, Placement, TransferFunction, UniformGrid, Volume};
 
-    fn map(dims: [usize; 3], error: f64, f: impl Fn(usize, usize, usize) -> u8) -> PaceMap {
+    fn map(dims: [usize; 3], error: f64, f: impl Fn(usize, usize, usize) -> u8) -> StepMap {
         let at = |i: usize| f(i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1]));
         let samples: Vec<u8> = (0..dims.iter().product()).map(at).collect();
         let grid = UniformGrid::new(dims, samples, Placement::from_spacing([1.0; 3]).unwrap(), Calibration::default());
@@ -218,17 +219,17 @@ mod tests {
         let points = vec![ControlPoint::new(100.0, [1.0; 3], 0.0), ControlPoint::new(200.0, [1.0; 3], 0.5)];
         let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
         let levels = LevelRanges::of_volume(volume.grid().unwrap());
-        PaceMap::new(&levels, &Scene::new(volume, transfer), Calibration::default(), 1.0, error)
+        StepMap::new(&levels, &Scene::new(volume, transfer), Calibration::default(), 1.0, error)
     }
 
     #[test]
     fn clear_blocks_know_how_far_all_is_clear() {
         // Visible in one block of nine, at the low end.
         let map = map([37, 5, 5], 1e-3, |x, _, _| if x == 2 { 255 } else { 0 });
-        let paces: Vec<Pace> = (0..9).map(|x| map.at([x, 0, 0])).collect();
-        assert!(matches!(paces[0], Pace::Step(_)));
-        for (x, pace) in paces.iter().enumerate().skip(1) {
-            assert_eq!(*pace, Pace::Leap(x as u8 - 1));
+        let block_steps: Vec<BlockStep> = (0..9).map(|x| map.at([x, 0, 0])).collect();
+        assert!(matches!(block_steps[0], BlockStep::Step(_)));
+        for (x, block_step) in block_steps.iter().enumerate().skip(1) {
+            assert_eq!(*block_step, BlockStep::Leap(x as u8 - 1));
         }
     }
 
@@ -237,7 +238,7 @@ mod tests {
         // A wall of change at x = 80 in a medium that is visible everywhere.
         let map = map([161, 5, 5], 1e-3, |x, _, _| if x < 80 { 150 } else { 180 });
         let step = |x: usize| match map.at([x, 0, 0]) {
-            Pace::Step(h) => f64::from(h),
+            BlockStep::Step(h) => f64::from(h),
             leap => panic!("{leap:?} at {x}"),
         };
         assert_eq!((step(0) as f32, step(39) as f32), (LONGEST as f32, LONGEST as f32));
@@ -255,7 +256,7 @@ mod tests {
     #[test]
     fn smaller_errors_take_shorter_steps_down_to_the_shortest() {
         let at = |error: f64| match map([5, 5, 5], error, |x, _, _| 50 * x as u8).at([0, 0, 0]) {
-            Pace::Step(h) => f64::from(h),
+            BlockStep::Step(h) => f64::from(h),
             leap => panic!("{leap:?}"),
         };
         assert!(at(1e-2) > at(1e-3) && at(1e-3) > at(1e-4));
@@ -274,15 +275,19 @@ mod tests {
         let map = |filter| {
             let scene = scene.with_filter(filter);
             let levels = LevelRanges::of_volume(scene.volume.grid().unwrap());
-            PaceMap::new(&levels, &scene, Calibration::default(), 1.0, 1e-3)
+            StepMap::new(&levels, &scene, Calibration::default(), 1.0, 1e-3)
         };
         // The missing sheet lies in the middle of block 4.
         for x in 0..9usize {
-            let pace = map(Filter::Trilinear).at([x, 0, 0]);
-            assert_eq!(matches!(pace, Pace::CutStep(h) if h <= 4.0), x.abs_diff(4) <= 1, "{x}: {pace:?}");
+            let block_step = map(Filter::Trilinear).at([x, 0, 0]);
+            assert_eq!(
+                matches!(block_step, BlockStep::CutStep(h) if h <= 4.0),
+                x.abs_diff(4) <= 1,
+                "{x}: {block_step:?}"
+            );
             let far = x.abs_diff(4) as f32 * 4.0;
-            assert!(matches!(pace, Pace::Step(h) if h <= far) || x.abs_diff(4) <= 1, "{x}: {pace:?}");
-            assert_eq!(map(Filter::Nearest).at([x, 0, 0]), Pace::CutStep(f32::INFINITY));
+            assert!(matches!(block_step, BlockStep::Step(h) if h <= far) || x.abs_diff(4) <= 1, "{x}: {block_step:?}");
+            assert_eq!(map(Filter::Nearest).at([x, 0, 0]), BlockStep::CutStep(f32::INFINITY));
         }
         assert_eq!((map(Filter::Trilinear).faces(), map(Filter::Nearest).faces()), (&[0.0][..], &[0.0, 0.5][..]));
     }

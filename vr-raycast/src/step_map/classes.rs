@@ -5,7 +5,7 @@ use vr_core::{Calibration, Scene, TransferFunction};
 use vr_kernels::ranges::LevelRanges;
 
 use super::features::Features;
-use super::{CLASSES, CLEAR, LONGEST, PaceMap, SHORTEST};
+use super::{CLASSES, CLEAR, LONGEST, SHORTEST, StepMap};
 
 /// Error per unit length that is allowed for an error of 1 of the picture: calibrated on ten scenes, opaque and translucent, so that their
 /// RMSE is the error asked for or less.
@@ -30,7 +30,7 @@ pub(super) struct Classes {
     table: Vec<u8>,
 }
 
-/// Of κ and the three q over a range of values: how much they vary (the sum of all rises and falls), and the greatest of each.
+/// Variation of κ and the three q over a range of values (the sum of all rises and falls), and the greatest of each.
 #[derive(Clone, Copy)]
 struct Variation {
     total: [f64; 4],
@@ -38,7 +38,7 @@ struct Variation {
 }
 
 impl Variation {
-    /// Of values in order.
+    /// Sums the variation of values in order.
     fn of(path: impl Iterator<Item = [f64; 4]>) -> Self {
         let mut all = Self { total: [0.0; 4], greatest: [0.0; 4] };
         let mut last: Option<[f64; 4]> = None;
@@ -62,7 +62,7 @@ impl Variation {
         }
     }
 
-    /// Of the most varying one. Where light is `shaded`, it can go from all to nothing on a few voxels, whatever the values do.
+    /// Returns the variation of the most varying one. Where light is `shaded`, it can go from all to nothing on a few voxels, whatever the values do.
     fn largest(&self, shaded: bool) -> f64 {
         let of = |c: usize| self.total[c] + if shaded { self.greatest[c] } else { 0.0 };
         (0..4).map(of).fold(0.0, f64::max)
@@ -93,7 +93,7 @@ impl Classes {
                 return CLEAR;
             }
             let change = (variation.largest(shaded) * voxel).min(SATURATION);
-            let voxels = if change > 0.0 { PaceMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
+            let voxels = if change > 0.0 { StepMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
             let (a, b) = (value(low), value(high));
             class_of(features.longest_step([a.min(b), a.max(b)], voxels, voxel, error))
         };

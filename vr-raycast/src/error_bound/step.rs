@@ -45,9 +45,9 @@ pub(super) fn coarse(optics: &Optics, extremes: &Extremes, length: f64, deepest:
     let depth = [per_rate * extremes.rate[0], (per_rate * extremes.rate[1]).min(deepest)];
     // 0 · ∞: a point of an opaque medium.
     let depth = depth.map(|d| if d.is_nan() { 0.0 } else { d });
-    let [least, most] = depth.map(opacity);
-    let middle = 0.5 * (least + most);
-    let opacity_error = 0.5 * (most - least) + ROUNDING * most;
+    let [min_opacity, max_opacity] = depth.map(opacity);
+    let middle = 0.5 * (min_opacity + max_opacity);
+    let opacity_error = 0.5 * (max_opacity - min_opacity) + ROUNDING * max_opacity;
     let (mut light, mut light_error) = ([0.0; 3], 0.0f64);
     for (light, [low, high]) in light.iter_mut().zip(extremes.source) {
         if optics.emits {
@@ -56,7 +56,7 @@ pub(super) fn coarse(optics: &Optics, extremes: &Extremes, length: f64, deepest:
             light_error = light_error.max(0.5 * (range[1] - range[0]) + ROUNDING * range[1]);
         } else {
             *light = 0.5 * (low + high) * middle;
-            light_error = light_error.max((0.5 * (high - low) + ROUNDING * high) * most);
+            light_error = light_error.max((0.5 * (high - low) + ROUNDING * high) * max_opacity);
         }
     }
     let variation = extremes.source_width();
@@ -193,13 +193,13 @@ pub(super) fn smooth<R: Real>(
         + (all - m1) * (all * all + all * m1 + m1 * m1) / 6.0
         + all * all * all * all / 24.0 * growth
         + 8.0 * u * growth;
-    let least = start.to_f64() - missed;
-    if !(all <= 1.2 && least >= 0.5) {
+    let min_opacity = start.to_f64() - missed;
+    if !(all <= 1.2 && min_opacity >= 0.5) {
         return (!optics.emits).then(|| plain(step));
     }
     let first = R::ONE / start;
     // What P₀ is off by, relative to itself.
-    let scaled = missed / (start.to_f64() * least) * growth;
+    let scaled = missed / (start.to_f64() * min_opacity) * growth;
     let (c1, c2, c3) = (c[1], c[2], c[3]);
     let (third, fifth, seventh) = (real(1.0 / 3.0), real(0.2), real(1.0 / 7.0));
     if optics.emits {
@@ -262,7 +262,7 @@ mod tests {
         (opacity(depth), light)
     }
 
-    /// Of many random steps: how far each is off, as a fraction of its bound (opacity and light), and the bounds themselves.
+    /// Errors of many random steps, each as a fraction of its bound (opacity and light).
     fn ratios<R: Real>(of: impl Fn(&Optics, &Piece, &Cubic<R>, f64) -> Option<(Step, Step)>) -> Vec<[f64; 2]> {
         let coefficient = || 0.02f64..0.98;
         let strategy = (
@@ -294,12 +294,12 @@ mod tests {
             let rounded = Cubic(b.map(R::from_f64));
             if let Some((estimate, bound)) = of(&optics, piece, &rounded, length) {
                 let (a, light) = exact(&optics, piece, &cubic, length);
-                let most = if optics.emits { 0.0 } else { 1.0 };
+                let max_light = if optics.emits { 0.0 } else { 1.0 };
                 let off = (0..3).map(|c| (estimate.light[c] - light[c]).abs()).fold(0.0, f64::max);
                 let slack = 3e-7;
                 found.borrow_mut().push([
                     ((estimate.opacity - a).abs() - slack).max(0.0) / bound.opacity_error.max(1e-12),
-                    (off - slack).max(0.0) / (bound.light_error + most * bound.opacity_error).max(1e-12),
+                    (off - slack).max(0.0) / (bound.light_error + max_light * bound.opacity_error).max(1e-12),
                 ]);
             }
             Ok(())
