@@ -5,7 +5,10 @@ use std::sync::Arc;
 
 use clap::{Args, FromArgMatches};
 use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
-use vr_io::{FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection, VolumeSource};
+use vr_io::{
+    FileError, FileErrorKind, FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection,
+    VolumeSource,
+};
 use vr_mesh::Surface;
 
 use crate::args::{RendererArgs, SceneArgs};
@@ -257,7 +260,21 @@ impl Origin {
     pub fn scene_failure(&self, error: SceneFileError) -> Failure {
         match error {
             SceneFileError::Parameter { source, .. } => self.parameter(&source),
+            SceneFileError::File(error) => match flag_for(&error) {
+                Some(flag) => Failure::failed(format!("{error} ({flag})")),
+                None => Failure::failed(error),
+            },
             other => Failure::failed(other),
         }
+    }
+}
+
+/// Flag that says what a file leaves open.
+fn flag_for(error: &FileError) -> Option<&'static str> {
+    match error.kind {
+        FileErrorKind::Choose { what: "frame", .. } => Some("--frame N"),
+        FileErrorKind::Choose { .. } => Some("--component N"),
+        FileErrorKind::Unsupported { .. } if vr_io::is_mesh(&error.path) => Some("--mesh FILE draws it among a volume"),
+        _ => None,
     }
 }

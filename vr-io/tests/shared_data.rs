@@ -152,7 +152,7 @@ fn every_encoding_of_the_ball() {
 fn one_frame_of_four_dimensions() {
     let Some(path) = data("nifti/example4d.nii.gz") else { return };
     let refused = read(&path, &ReadOptions::default()).unwrap_err();
-    assert!(refused.to_string().contains("--frame N (0 to 1)"), "{refused}");
+    assert!(refused.to_string().contains("choose a frame, 0 to 1"), "{refused}");
     let frame = |n| read(&path, &ReadOptions { frame: Some(n), ..Default::default() }).unwrap();
     let (first, second) = (frame(0), frame(1));
     assert_eq!(uniform(&first).dims(), [128, 96, 24]);
@@ -163,7 +163,10 @@ fn one_frame_of_four_dimensions() {
 fn one_component_of_colours() {
     let Some(path) = data("bad/rgb24.nii.gz") else { return };
     let refused = read(&path, &ReadOptions::default()).unwrap_err();
-    assert!(refused.to_string().contains("3 components") && refused.to_string().contains("--component N"), "{refused}");
+    assert!(
+        refused.to_string().contains("3 components") && refused.to_string().contains("choose a component, 0 to 2"),
+        "{refused}"
+    );
     let green = read(&path, &ReadOptions { component: Some(1), ..Default::default() }).unwrap();
     assert_eq!(uniform(&green).dims(), [256, 286, 15]);
     assert!(matches!(uniform(&green).values(), AnyGrid::U8(_)));
@@ -197,8 +200,8 @@ const BROKEN: [(&str, &str); 40] = [
     ("nan_spacing.nrrd", "spacings: found NaN"),
     ("zero_spacing.nrrd", "spacing of axis 1: found 0, must be positive and finite"),
     ("constant.nrrd", ""),
-    ("one_voxel.nrrd", "dims [1, 1, 1]: every axis needs 2"),
-    ("one_slice.nrrd", "dims [41, 41, 1]: every axis needs 2"),
+    ("one_voxel.nrrd", "dims [1, 1, 1]: every axis must have 2"),
+    ("one_slice.nrrd", "dims [41, 41, 1]: every axis must have 2"),
     ("nan_inf.nrrd", ""),
     ("nifti_bad_magic.nii", "magic: found"),
     ("nifti_dim0.nii", "dim[0]: found 0"),

@@ -9,6 +9,7 @@ use crate::run::Run;
 
 /// The field that rays are cast through. Grids have kernels for their voxel type and filter; other fields are asked at each place.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a prepared scene holds one: a box would save nothing")]
 pub(crate) enum Source {
     Grid(Arc<GridVolume>),
     Other(FieldBox),

@@ -99,7 +99,9 @@ fn pure_emission_and_pure_absorption() {
             assert!((f64::from(rgba[0]) / 16e6 - 1.0).abs() < 16.0 * F32, "{rgba:?}");
             assert_close([0.0, rgba[1], rgba[2], rgba[3]], [0.0, 4.0, 0.0, 0.0], 4e-6, "pure emission");
             assert_eq!(depth, f32::INFINITY);
-            let (rgba, _) = pixel(&caster, &scene(point(0.5, [0.0; 3])), &down(0.5, 0.5));
+            // What lies behind sends nothing: early termination would leave its opacity out.
+            let whole = RayCaster { order: CompositingOrder::WHOLE_RAY, ..caster };
+            let (rgba, _) = pixel(&whole, &scene(point(0.5, [0.0; 3])), &down(0.5, 0.5));
             assert_close(rgba, [0.0, 0.0, 0.0, 1.0 - 0.5f64.powi(16)], 8.0 * F32, "pure absorption");
         }
     }

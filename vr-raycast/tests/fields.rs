@@ -46,7 +46,7 @@ fn functions_converge_to_the_reference() {
     for scene in [scene, shaded] {
         for fov in [None, Some(40.0)] {
             let [coarse, fine] = [2.0, 0.5].map(|step| error(&scene, &RayCaster::uniform(step), fov));
-            assert!(fine.rmse < 2e-5 && fine.rmse < coarse.rmse / 8.0, "{coarse}, then {fine}");
+            assert!(fine.rmse < 1e-4 && fine.rmse < coarse.rmse / 8.0, "{coarse}, then {fine}");
         }
     }
 }

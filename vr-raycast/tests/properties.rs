@@ -116,7 +116,8 @@ fn scaled(scene: &Scene, view: &View, s: f64) -> (Scene, View) {
         perspective @ Projection::Perspective { .. } => perspective,
     };
     let camera = Camera { eye: view.camera.eye * s, target: view.camera.target * s, up: view.camera.up, projection };
-    let scene = Scene { volume: grid.into(), transfer: Arc::new(transfer), ..scene.clone() };
+    let volume = Volume::from(grid).with_filter(scene.volume.filter().unwrap());
+    let scene = Scene { volume, transfer: Arc::new(transfer), ..scene.clone() };
     (scene, View { camera, ..view.clone() })
 }
 

@@ -269,10 +269,10 @@ fn what_does_not_go_together_is_an_error_that_names_it() {
         Ok(_) => panic!("{caster:?} is accepted"),
     };
     let exact_on_lattice = error(caster(Rule::Exact, VOXEL), &scene);
-    assert!(exact_on_lattice.contains("render.rule") && exact_on_lattice.contains("cells"), "{exact_on_lattice}");
+    assert!(exact_on_lattice.contains("'rule'") && exact_on_lattice.contains("cells"), "{exact_on_lattice}");
     for rule in [Rule::Linear, Rule::Quadratic, Rule::Left] {
         let e = error(RayCaster { traversal: Traversal::Voxels, ..caster(rule, VOXEL) }, &scene);
-        assert!(e.contains("render.traversal") && e.contains("midpoint"), "{e}");
+        assert!(e.contains("'traversal'") && e.contains("midpoint"), "{e}");
     }
     let smooth = scene.with_filter(Filter::BSpline);
     assert!(error(cells(Rule::Exact), &smooth).contains("bspline"));

@@ -46,7 +46,15 @@ pub(crate) struct PreparedShearWarp {
     scratch: Mutex<Vec<Scratch>>,
     /// Samples of each row of the last picture, axis by axis.
     costs: [Vec<u32>; 3],
-    reflections: Option<(Arc<Shading>, Vec<Light>, DVec3, Vec<Reflection>)>,
+    reflections: Option<ReflectionTable>,
+}
+
+/// Light that each normal reflects, and what it was made for.
+struct ReflectionTable {
+    shading: Arc<Shading>,
+    lights: Vec<Light>,
+    direction: DVec3,
+    entries: Vec<Reflection>,
 }
 
 /// Tables that follow from the transfer function.
@@ -253,7 +261,7 @@ impl PreparedShearWarp {
             Compositing::Accumulate { level } => level,
             _ => 1.0,
         };
-        let reflections = self.reflections.as_ref().map_or(&[][..], |(.., table)| table);
+        let reflections = self.reflections.as_ref().map_or(&[][..], |table| &table.entries);
         let over = OverJob {
             normals: &axis.voxels.normals,
             reflections,
@@ -295,12 +303,11 @@ impl PreparedShearWarp {
     fn reflect(&mut self, view: &View, control: &Control) -> Result<(), RenderError> {
         let shading = self.scene.shading.as_ref().expect("asked for where something is shaded");
         let (lights, direction) = (&self.scene.lights, view.camera.frame()?.z_axis);
-        let same = |(of, by, along, _): &(Arc<Shading>, Vec<Light>, DVec3, _)| {
-            of == shading && by == lights && *along == direction
-        };
+        let same = |t: &ReflectionTable| t.shading == *shading && t.lights == *lights && t.direction == direction;
         if !self.reflections.as_ref().is_some_and(same) {
-            let made = control.run(|| table(shading, lights, direction));
-            self.reflections = Some((Arc::clone(shading), lights.clone(), direction, made));
+            let entries = control.run(|| table(shading, lights, direction));
+            let (shading, lights) = (Arc::clone(shading), lights.clone());
+            self.reflections = Some(ReflectionTable { shading, lights, direction, entries });
         }
         Ok(())
     }

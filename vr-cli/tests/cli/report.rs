@@ -104,7 +104,9 @@ fn orders_are_verified_on_a_volume_of_ones_own() {
     let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     let orders = json["orders"].as_array().unwrap();
     assert!(orders.iter().any(|o| o["refined"] == "step") && orders.iter().any(|o| o["refined"] == "grid"));
-    assert!(vr.run("verify --renderer physics").stderr.contains("no renderer that was named"));
+    assert!(
+        vr.run("verify --renderer physics").stderr.contains("must name one that documents an order of convergence")
+    );
     // Orders are claimed of unshaded light; nothing held is nothing verified.
     let shaded = vr.run("verify --phantom fog --phantom-size 8 --shading --no-cache");
     assert_eq!((shaded.code, shaded.stderr.contains("no order could be verified")), (1, true), "{}", shaded.stderr);
