@@ -7,7 +7,7 @@
 //! |---|---|
 //! | suites of measurements, and what they found | [`suite`] |
 //! | one subject: times in turns, errors against the reference, memory | [`study`] |
-//! | reference pixels, kept on disk | [`reference`] |
+//! | reference pixels, kept on disk | [`reference`](mod@reference) |
 //! | features of scenes by renderer | [`features`] |
 //! | candidates that none beats, and the fastest within each error | [`front`] |
 //! | orders of convergence, documented and measured | [`convergence`] |
