@@ -132,8 +132,8 @@ fn number_setter<R: 'static>(set: fn(&mut R, f64)) -> impl Fn(&mut R, &OptionVal
 /// #[derive(Clone, Default)]
 /// struct Marcher { step: f64, skip: bool }
 /// let table = OptionTable::<Marcher>::new("marcher", [
-///     DeclaredOption::number("step", "length of a step", NumberRange::at_least(0.0).up_to(16.0), |m| m.step, |m, x| m.step = x),
-///     DeclaredOption::switch("skip", "leave out what is empty", |m| m.skip, |m, on| m.skip = on),
+///     DeclaredOption::number("step", "length of a step", NumberRange::at_least(0.0).up_to(16.0), |m: &Marcher| m.step, |m, x| m.step = x),
+///     DeclaredOption::switch("skip", "leave out what is empty", |m: &Marcher| m.skip, |m, on| m.skip = on),
 /// ]);
 /// let half = table.configure(&Marcher::default(), &Options::new().with("step", 0.5)).unwrap();
 /// assert_eq!(half.step, 0.5);

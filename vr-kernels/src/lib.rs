@@ -17,7 +17,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let points = vec![ControlPoint::new(0.0, [1.0; 3], 0.0), ControlPoint::new(255.0, [1.0; 3], 0.5)];
 //! let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0)?;
-//! let table = BakedTransfer::<f64>::new(&transfer, Calibration::default(), (0.0, 255.0), true, 0.5)?;
+//! let table = BakedTransfer::<f64>::new(&transfer, Calibration::default(), (0.0, 255.0), true, 0.5);
 //! let [.., alpha] = table.step(51.0);
 //! assert!((alpha - transfer.step(51.0, 0.5)[3]).abs() < 1e-12);
 //! # Ok(())
