@@ -14,9 +14,17 @@ pub trait Configurable: Renderer + Clone + Default + 'static {
     /// The same renderer with options set; those not given keep the value that they have here.
     ///
     /// # Errors
-    /// As [`OptionTable::configure`].
+    /// Same as for [`OptionTable::configure`].
     fn configure(&self, options: &Options) -> Result<Self, OptionError> {
         Self::options().configure(self, options)
+    }
+
+    /// Checks the numbers, and that they go together.
+    ///
+    /// # Errors
+    /// An [`OptionError`] naming the option.
+    fn validate(&self) -> Result<(), OptionError> {
+        Self::options().check(self)
     }
 
     /// All options, with the values that this renderer has.
@@ -34,7 +42,7 @@ pub trait StudiedRenderer: Documented {
     /// The same renderer with options set; those not given keep the value that they have here.
     ///
     /// # Errors
-    /// As [`OptionTable::configure`].
+    /// Same as for [`OptionTable::configure`].
     fn with_options(&self, options: &Options) -> Result<Box<dyn StudiedRenderer>, OptionError>;
 }
 

@@ -4,7 +4,9 @@ use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::fmt;
 use std::hash::Hash;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
+
+use crate::parallel::locked;
 
 /// Structures derived from a volume, each made once, when first asked for: one for each type and key.
 ///
@@ -23,7 +25,7 @@ impl Derived {
         T: Send + Sync + 'static,
     {
         let cell = {
-            let mut kinds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut kinds = locked(&self.0);
             let kind = kinds.entry(TypeId::of::<ByKey<K, T>>()).or_insert_with(|| Box::new(ByKey::<K, T>::new()));
             let kind = kind.downcast_mut::<ByKey<K, T>>().expect("entries are found by the type that they have");
             Arc::clone(kind.entry(key).or_default())

@@ -98,9 +98,9 @@ pub struct ConvergenceOrders {
 /// Documented errors of a renderer on hard cases, by the names of these.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HardCaseErrors {
-    /// Those of single cases.
+    /// Errors of single cases, by name.
     pub by_case: Vec<(&'static str, DocumentedError)>,
-    /// That of every other case; `None` where nothing is documented of them.
+    /// Error of every other case; `None` if nothing is documented of them.
     pub otherwise: Option<DocumentedError>,
 }
 

@@ -47,6 +47,13 @@ pub struct ValueStats {
     pub infinite: usize,
 }
 
+impl ValueStats {
+    /// True if some voxels have no finite number: they are vacuum.
+    pub fn has_missing(&self) -> bool {
+        self.nan + self.infinite > 0
+    }
+}
+
 /// Voxels at the points of a regular lattice.
 ///
 /// The volume fills the box from the first to the last voxel on each axis; outside is vacuum. Cloning is cheap: the voxels

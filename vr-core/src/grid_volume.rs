@@ -136,9 +136,7 @@ impl GridVolume {
     /// The voxels with missing ones replaced by the nearest finite value; `None` where none is missing.
     fn filled(&self) -> Option<&(UniformGrid<f32>, VacuumCells)> {
         let make = || match &self.values.grid {
-            AnyGrid::F32(g) if g.value_stats().nan + g.value_stats().infinite > 0 => {
-                Some((fill_missing(g), VacuumCells::new(g)))
-            }
+            AnyGrid::F32(g) if g.value_stats().has_missing() => Some((fill_missing(g), VacuumCells::new(g))),
             _ => None,
         };
         self.values.filled.get_or_init(make).as_ref()

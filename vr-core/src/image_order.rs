@@ -35,7 +35,7 @@ pub struct ImageSample {
 /// The result does not depend on the number of threads: tiles are fixed, and so is the order within each.
 ///
 /// # Errors
-/// As [`View::validate`], or [`RenderError::Cancelled`].
+/// Same as for [`View::validate`]; also [`RenderError::Cancelled`].
 pub fn trace_view<P: PixelValue, S>(
     view: &View,
     control: &Control,
@@ -62,7 +62,7 @@ pub fn trace_view<P: PixelValue, S>(
 /// Calls `trace` for the rays of some pixels only; returns one value for each, in their order.
 ///
 /// # Errors
-/// As [`trace_view`].
+/// Same as for [`trace_view`].
 pub fn trace_pixels<P: PixelValue, S>(
     view: &View,
     pixels: &[[u32; 2]],

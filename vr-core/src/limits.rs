@@ -27,7 +27,7 @@ pub(crate) const MAX_POWER: f64 = 1e4;
 pub(crate) const MAX_MAGNITUDE: f64 = 1e60;
 /// Largest distance of a volume from the world's origin, in its smallest spacing: f64 keeps 10⁻⁴ of a step there.
 pub(crate) const MAX_STEPS_AWAY: f64 = 1e12;
-/// Largest coordinate of a camera: distances along rays are stored as f32, and their squares are finite in f64.
+/// Largest coordinate of a camera, a point or the box of a function: distances along rays are stored as f32, and their squares are finite in f64.
 pub(crate) const MAX_COORDINATE: f64 = 1e30;
 /// Largest distance of a camera from its target and from the world's origin, in heights of what it sees: rays in f64 are off by
 /// 2·10⁻⁶ heights there, a hundredth of a pixel in pictures of 4096 rows.

@@ -15,7 +15,7 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// Calls `piece` for `0 .. count`, one a task, until one fails.
 ///
 /// # Errors
-/// That of the piece that failed.
+/// Returns the error of a piece that failed.
 pub fn try_each(count: usize, piece: &(dyn Fn(usize) -> Result<(), RenderError> + Sync)) -> Result<(), RenderError> {
     (0..count).into_par_iter().with_max_len(1).try_for_each(piece)
 }

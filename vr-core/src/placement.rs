@@ -67,7 +67,7 @@ impl Placement {
     /// they are normalised here.
     ///
     /// # Errors
-    /// As [`Placement::new`].
+    /// Same as for [`Placement::new`].
     pub fn oriented(origin: DVec3, spacing: [f64; 3], direction: DMat3) -> Result<Self, GridError> {
         for (axis, &s) in spacing.iter().enumerate() {
             if !is_length(s) {

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use crate::error::PointError;
+use crate::limits::MAX_COORDINATE;
 use crate::point_index::PointIndex;
 use crate::point_kernel::PointKernel;
 
@@ -25,9 +26,6 @@ pub struct PointSet {
     index: OnceLock<PointIndex>,
     range: OnceLock<(f64, f64)>,
 }
-
-/// Upper bound of coordinates: their squares and cubes must be numbers.
-const FARTHEST: f64 = 1e30;
 
 impl PointSet {
     /// Points at world positions: `radii` are those of their kernels, in world units; `weights` and `values` are w and v above.
@@ -53,7 +51,7 @@ impl PointSet {
                 return Err(PointError::Length { what, found, points: positions.len() });
             }
         }
-        if let Some(point) = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(FARTHEST)).all()) {
+        if let Some(point) = positions.iter().position(|p| !p.abs().cmplt(DVec3::splat(MAX_COORDINATE)).all()) {
             return Err(PointError::Position { point, found: positions[point].to_array() });
         }
         if let Some(point) = radii.iter().position(|&r| !(r > 1e-30 && r < 1e30)) {

@@ -40,7 +40,7 @@ impl Rays {
     /// The rays of a view.
     ///
     /// # Errors
-    /// As [`View::validate`].
+    /// Same as for [`View::validate`].
     pub fn new(view: &View) -> Result<Self, ParameterError> {
         view.validate()?;
         let frame = view.camera.frame()?;

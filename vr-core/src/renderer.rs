@@ -23,7 +23,7 @@ pub trait Renderer: Send + Sync {
     /// Does all that can be done before the view is known.
     ///
     /// # Errors
-    /// As [`Self::supports`]: never a silently different picture.
+    /// Same as for [`Self::supports`]: nothing else is ever prepared in place of what cannot be drawn.
     fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError>;
 
     /// Largest error that it promises, as it is configured, of any component of a pixel, in units of max(1, the picture's largest
@@ -52,19 +52,19 @@ pub trait Prepared: Send {
     /// Takes over a changed scene, redoing only what the change makes necessary.
     ///
     /// # Errors
-    /// As [`Renderer::prepare`].
+    /// Same as for [`Renderer::prepare`].
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError>;
 
     /// Draws a view.
     ///
     /// # Errors
-    /// As [`View::validate`], cancellation, or [`RenderError::Unsupported`].
+    /// Same as for [`View::validate`]; also [`RenderError::Cancelled`] or [`RenderError::Unsupported`].
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError>;
 
     /// The model that this renderer integrates: it is judged against the correct pixel, and against the reference of this model.
     ///
     /// # Errors
-    /// As [`Self::render`].
+    /// Same as for [`Self::render`].
     fn model(&self, view: &View) -> Result<Model, RenderError>;
 
     /// Record of the steps along the ray through the centre of pixel (x, y) of a view; `None` from a renderer that keeps none.
@@ -72,7 +72,7 @@ pub trait Prepared: Send {
     /// It is about that ray even where the picture's pixel is made otherwise: as a mean of several, or from its neighbours.
     ///
     /// # Errors
-    /// As [`Self::render`]; a pixel that the view does not have.
+    /// Same as for [`Self::render`]; also an error for a pixel that the view does not have.
     fn probe(&mut self, _view: &View, _pixel: [u32; 2], _control: &Control) -> Result<Option<Probe>, RenderError> {
         Ok(None)
     }

@@ -108,7 +108,7 @@ impl Scene {
     /// Draws the scene's surfaces as they are seen in a view; `None` where it has none.
     ///
     /// # Errors
-    /// As [`View::validate`] and [`Surfaces::layer`]; a layer that does not have one entry a pixel.
+    /// Same as for [`View::validate`] and [`Surfaces::layer`]; also an error if the layer does not have one entry per pixel.
     pub fn layer(&self, view: &View, control: &Control) -> Result<Option<Layer>, RenderError> {
         view.validate()?;
         let Some(surfaces) = &self.surfaces else { return Ok(None) };

@@ -16,7 +16,7 @@ pub trait Surfaces: Send + Sync + fmt::Debug {
     /// Draws the surfaces as they are seen in a view, inside its clip.
     ///
     /// # Errors
-    /// As [`View::validate`], an error of the surface's own, or [`RenderError::Cancelled`].
+    /// Same as for [`View::validate`]; also an error of the surfaces' own, or [`RenderError::Cancelled`].
     fn layer(&self, lights: &[Light], view: &View, control: &Control) -> Result<Layer, RenderError>;
 
     /// Lower and upper corner of the world box around them.

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::volume::Volume;
+
 /// A refusal: a renderer, as it is configured, cannot draw a feature of a scene or view.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("renderer {renderer} does not support {what}")]
@@ -12,6 +14,14 @@ pub struct Unsupported {
     pub feature: Feature,
     /// The feature in words, with the reason, as a message ends: `opaque surfaces: a texel of the intermediate image is no pixel`.
     pub what: String,
+}
+
+impl Unsupported {
+    /// The refusal of a kind of volume.
+    pub fn volume_kind(renderer: &'static str, volume: &Volume) -> Self {
+        let what = format!("volumes of the kind '{}'", volume.kind());
+        Self { renderer, feature: Feature::VolumeKind, what }
+    }
 }
 
 /// A feature of a scene or view that a renderer may lack.

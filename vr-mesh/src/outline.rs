@@ -38,7 +38,7 @@ impl ScreenProjection {
     /// The projection of a view.
     ///
     /// # Errors
-    /// As [`vr_core::Camera::frame`].
+    /// Same as for [`vr_core::Camera::frame`].
     pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
         let camera = &view.camera;
         let height = f64::from(view.size[1]);

@@ -40,7 +40,7 @@ pub(crate) struct ExactRays {
 
 impl ExactRays {
     /// # Errors
-    /// As `vr_core::Rays::new`.
+    /// Same as for [`vr_core::Rays::new`].
     pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
         view.validate()?;
         view.camera.frame()?;

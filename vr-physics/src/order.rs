@@ -19,7 +19,7 @@ pub fn fit_order(steps: &[f64], errors: &[f64]) -> f64 {
 /// The order fitted to the leading errors above a floor, from the largest step on; `None` if there are fewer than `min_count` (two at least).
 ///
 /// # Panics
-/// As [`fit_order`].
+/// Panics under the same conditions as [`fit_order`].
 pub fn fit_order_above(floor: f64, min_count: usize, steps: &[f64], errors: &[f64]) -> Option<f64> {
     let n = errors.iter().take_while(|&&e| e > floor && e.is_finite()).count();
     (n >= min_count.max(2)).then(|| fit_order(&steps[..n], &errors[..n]))

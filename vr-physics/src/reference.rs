@@ -135,7 +135,7 @@ impl Reference {
     /// Solves some pixels only, in the order given.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// Same as for [`solve`](Self::solve).
     pub fn solve_pixels(
         &self,
         scene: &Scene,
@@ -153,7 +153,7 @@ impl Reference {
     /// Light and optical depth along one ray through a scene under emission and absorption; `None` where it misses the volume.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// Same as for [`solve`](Self::solve).
     pub fn transport(&self, scene: &Scene, view: &View, ray: &Ray) -> Result<Option<Transport>, RenderError> {
         let solver = Solver::new(self.tolerance, scene, view, &Model::Canonical)?;
         match solver.ask(ray, f64::INFINITY, RayQuery::Transport(1.0)) {
@@ -170,7 +170,7 @@ impl Reference {
     /// The last running sum is the pixel that [`solve`](Self::solve) finds for this ray, to what both may be off by.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// Same as for [`solve`](Self::solve).
     pub fn segments(
         &self,
         scene: &Scene,

@@ -339,7 +339,7 @@ proptest! {
             let model = line.between(ends[0], ends[1]);
             for t in [-0.97, -0.4, 0.1, 0.77] {
                 let s = 0.5 * (ends[0] + ends[1]) + 0.5 * (ends[1] - ends[0]) * t;
-                let at = ray.origin + direction * (s + line.offset());
+                let at = ray.origin + direction * (s + line.chord().offset);
                 // The sum and how far rounding of the place moves it: coordinates are about 5, no kernel is steeper than 3 A/R.
                 let (mut truth, mut size, mut doubt) = (0.0, 0.0, 0.0);
                 for k in 0..points.count() {

@@ -1,8 +1,8 @@
 //! Scenes and views that the caster can draw, and the errors for all others.
 
-use vr_core::{Compositing, Feature, Field, Projection, RenderError, Scene, Unsupported, View};
+use vr_core::{Compositing, Configurable, Feature, Field, Projection, RenderError, Scene, Unsupported, View};
 
-use crate::caster::{CompositingOrder, EmptySpace, ImageSampling, RayCaster, Rule, Step, Traversal};
+use crate::caster::{CompositingOrder, ImageSampling, RayCaster, Rule, Step, Traversal};
 use crate::error_bound::ErrorBound;
 use crate::source::Source;
 
@@ -39,7 +39,7 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
         ));
     }
     let samples_all = !scene.compositing.integrates_light() && !matches!(scene.compositing, Compositing::First { .. });
-    let leaps = caster.step.finds_empty_space() || !matches!(caster.empty_space, EmptySpace::Auto | EmptySpace::None);
+    let leaps = caster.step.finds_empty_space() || caster.empty_space.is_named();
     if samples_all && leaps {
         let what = scene.compositing.name();
         return Err(unsupported(
@@ -56,8 +56,7 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
             format!("compositing '{}' by the rule 'exact'", scene.compositing.name()),
         ));
     }
-    let kind = || unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind()));
-    let source = Source::of(&scene.volume).ok_or_else(kind)?;
+    let source = Source::of(&scene.volume).ok_or_else(|| Unsupported::volume_kind(RayCaster::NAME, &scene.volume))?;
     let Source::Grid(volume) = &source else {
         check_field(caster, scene)?;
         return Ok(source);
@@ -88,7 +87,7 @@ fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
     let plain = matches!(caster.step, Step::Uniform(_))
         && caster.traversal == Traversal::Samples
         && matches!(caster.rule, Rule::Midpoint | Rule::Left)
-        && matches!(caster.empty_space, EmptySpace::Auto | EmptySpace::None)
+        && !caster.empty_space.is_named()
         && matches!(caster.image_sampling, ImageSampling::EveryPixel | ImageSampling::Adaptive { .. });
     if !plain {
         let what = format!(

@@ -2,7 +2,7 @@
 
 use vr_core::{DocumentedError, Filter, HardCaseErrors};
 
-use crate::caster::{ImageSampling, RayCaster, Rule, Step, Traversal};
+use crate::caster::{ImageSampling, RayCaster, Step};
 
 /// Uniform steps of which every bound is known; shorter ones are no worse.
 const FINE: f64 = 0.2;
@@ -47,7 +47,7 @@ impl RayCaster {
             filter: self.filter.filter(|&f| f != Filter::Trilinear),
             ..self.clone()
         };
-        let midpoint = comparable == plain && self.rule == Rule::Midpoint && self.traversal == Traversal::Samples;
+        let midpoint = comparable == plain;
         let by_case = match self.step {
             Step::ErrorBound(error) if self.image_sampling == ImageSampling::EveryPixel => {
                 return HardCaseErrors { otherwise: Some(error.into()), ..HardCaseErrors::default() };

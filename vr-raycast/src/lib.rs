@@ -13,7 +13,7 @@
 //!
 //! The rays are a choice, too ([`ImageSampling`]): those of every pixel, or fewer.
 //!
-//! Two engines do this. The *plain* one takes every scene and setting: samples go through the passes in runs of 32, each pass generic
+//! Two engines do this. The *plain* one takes every scene and setting but a promised error: samples go through the passes in runs of 32, each pass generic
 //! code, instantiated for what it depends on and chosen once a run. The *vector* one ([`Vector`]) takes rays in packets of sixteen with
 //! AVX-512, AVX2, SSE2 or NEON, and draws the common scenes: trilinear, over, front to back, shaded or not. Its rays begin where the
 //! outermost visible blocks, projected once a view, say that something can be seen. It is tested against the plain one, which is tested
@@ -94,12 +94,12 @@
 //! # A promised error
 //! [`Step::ErrorBound`] takes no step of a given length, but as long ones as an error allows: no component of a pixel is further from
 //! the truth than asked for, or else its ray is counted ([`vr_core::Counts::unbounded`]). Every step comes with a bound; the README in
-//! `src/tolerance` derives them. It is what to use where an error must not be exceeded, and for thin shells, walls and noise, of which
+//! `src/error_bound` derives them. It is what to use where an error must not be exceeded, and for thin shells, walls and noise, of which
 //! samples at distances tell too little. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
 //!
 //! # What it does not do yet
 //! Its vector kernels ([`Vector`] says what they draw) know neither pre-integration nor the other filters and operators: those go ray by
-//! ray. It draws uniform grids only. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
+//! ray. Volumes that are no uniform grids it draws in uniform steps alone, by the rules midpoint and left. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 // What the modules hold for classics alone; the check for dead code is that with all features.
 #![cfg_attr(not(feature = "classics"), allow(dead_code))]

@@ -131,7 +131,7 @@ fn other_options() -> [DeclaredOption<RayCaster>; 11] {
             |c, leaping| c.empty_space = leaping,
         )
         .refuse("coarse steps find the empty space themselves: must be none", |c| {
-            c.step.finds_empty_space() && !matches!(c.empty_space, EmptySpace::Auto | EmptySpace::None)
+            c.step.finds_empty_space() && c.empty_space.is_named()
         })
         .refuse("every cell is walked: must be absent", |c| {
             c.traversal != Traversal::Samples && c.empty_space != EmptySpace::Auto

@@ -18,9 +18,9 @@ use crate::walk::{WalkKind, Walks};
 
 /// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
 pub(crate) struct PreparedCaster {
-    /// As it was set.
+    /// The caster as the user set it.
     asked: RayCaster,
-    /// As it draws the scene.
+    /// The caster as it draws the scene, with automatic steps settled.
     pub(crate) caster: RayCaster,
     /// The scene, under the filter that the caster samples it with.
     pub(crate) scene: Scene,
@@ -33,13 +33,29 @@ pub(crate) struct PreparedCaster {
     pub(crate) coherence: Option<crate::classics::CoherenceBuffer>,
 }
 
-impl PreparedCaster {
-    pub(crate) fn new(asked: RayCaster, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+/// A caster and a scene that go together, before anything is made for them.
+struct Settled {
+    caster: RayCaster,
+    scene: Scene,
+    source: Source,
+    filtered: Option<Filter>,
+}
+
+impl Settled {
+    /// Checks that a caster can draw a scene, and settles what both leave open.
+    fn new(asked: &RayCaster, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
         let filtered = asked.filter.filter(|filter| scene.volume.filter() != Some(*filter));
         let (caster, scene) = (asked.settled_for(scene), asked.scene_of(scene));
         let source = check(&caster, &scene)?;
         control.check()?;
         control.run(|| scene.volume.prepare_derived());
+        Ok(Self { caster, scene, source, filtered })
+    }
+}
+
+impl PreparedCaster {
+    pub(crate) fn new(asked: RayCaster, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+        let Settled { caster, scene, source, filtered } = Settled::new(&asked, scene, control)?;
         let engine = control.run(|| Engine::new(&caster, &scene, &source, None))?;
         Ok(Self {
             #[cfg(feature = "classics")]
@@ -56,18 +72,14 @@ impl PreparedCaster {
 
 impl Prepared for PreparedCaster {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
-        self.filtered = self.asked.filter.filter(|filter| scene.volume.filter() != Some(*filter));
-        let (caster, scene) = (self.asked.settled_for(scene), self.asked.scene_of(scene));
-        let source = check(&caster, &scene)?;
-        control.check()?;
-        control.run(|| scene.volume.prepare_derived());
+        let Settled { caster, scene, source, filtered } = Settled::new(&self.asked, scene, control)?;
         self.engine = control.run(|| Engine::new(&caster, &scene, &source, Some((&self.scene, &self.engine))))?;
         #[cfg(feature = "classics")]
         if !crate::classics::CoherenceBuffer::holds_for(&self.scene, &scene) {
             self.coherence =
                 control.run(|| crate::classics::CoherenceBuffer::of(&caster, source.grid()?, &self.engine));
         }
-        (self.caster, self.scene, self.source) = (caster, scene, source);
+        (self.caster, self.scene, self.source, self.filtered) = (caster, scene, source, filtered);
         Ok(())
     }
 

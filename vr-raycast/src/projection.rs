@@ -73,7 +73,7 @@ impl Projection {
     /// Returns the projection of a grid's index space in a view.
     ///
     /// # Errors
-    /// As [`vr_core::Camera::frame`].
+    /// Same as for [`vr_core::Camera::frame`].
     pub(crate) fn new(view: &View, placement: &Placement) -> Result<Self, ParameterError> {
         let frame = view.camera.frame()?;
         let eye = placement.origin() - view.camera.eye;

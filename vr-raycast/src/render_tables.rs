@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use vr_core::{Calibration, GridVolume, Placement, Real, Scene, Shading};
 use vr_kernels::ranges::LevelRanges;
-use vr_kernels::tables::{BakedTransfer, PreIntegrated, round_outward};
+use vr_kernels::tables::{PreIntegrated, round_outward};
 
 use crate::caster::{Precision, RayCaster, Rule, Step, TransferLookup, Traversal};
 use crate::classify::Classifier;
@@ -12,7 +12,7 @@ use crate::leap::{Leaper, empty_space};
 use crate::rule::{ExactIntegral, Profile, Shape};
 use crate::shade::Shader;
 use crate::step_map::StepMap;
-use crate::table_range::{field_range, resolves, single_precision_resolves, table_range};
+use crate::table_range::{baked, field_range, single_precision_resolves};
 
 /// The tables, in the precision that the scene needs.
 pub(crate) enum TablesByPrecision {
@@ -120,13 +120,6 @@ fn same_light(a: &Scene, b: &Scene) -> bool {
 impl<R: Real> RenderTables<R> {
     /// Makes what the scene needs, and takes over from `last` what has not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &GridVolume, last: Option<(&Scene, &Self)>) -> Self {
-        let bake = || {
-            let range = table_range(volume, &scene.transfer);
-            let integer = volume.voxel_type().is_integer();
-            let step = caster.world_step(volume.placement());
-            let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
-            resolves(&table, volume).then(|| (Arc::new(table), step))
-        };
         #[cfg(feature = "classics")]
         let homogeneity = {
             let last_of_field = last.filter(|(old, _)| old.volume.same(&scene.volume));
@@ -152,6 +145,7 @@ impl<R: Real> RenderTables<R> {
         });
         // Made for the same steps.
         let step = caster.world_step(volume.placement());
+        let bake = || Some((Arc::new(baked(scene, volume, step)?), step));
         let kept = last.and_then(|i| i.classifier.table.clone()).filter(|(_, length)| *length == step);
         // Local steps are of many lengths, none of which has a table.
         let follows = matches!(caster.step, Step::Local { .. }) && caster.traversal == Traversal::Samples;
@@ -185,7 +179,7 @@ impl<R: Real> RenderTables<R> {
         }
     }
 
-    /// Makes what tells of empty space, which packets do not need.
+    /// Makes what tells of empty space, which packets do not need, unless it is there.
     fn find_empty_space(
         &mut self,
         caster: &RayCaster,
@@ -193,10 +187,15 @@ impl<R: Real> RenderTables<R> {
         volume: &GridVolume,
         last: Option<(&Scene, &Self)>,
     ) {
-        let of = |same: bool| last.filter(|_| same).and_then(|(_, i)| i.empty_space.as_ref());
+        if self.empty_space.is_some() {
+            return;
+        }
+        let kept = |same: &dyn Fn(&Scene) -> bool| {
+            last.filter(|(old, _)| same(old)).and_then(|(_, tables)| tables.empty_space.as_ref())
+        };
         let same = |old: &Scene| same_light(old, scene) && old.compositing == scene.compositing;
-        self.empty_space = of(last.is_some_and(|(old, _)| same(old))).cloned().or_else(|| {
-            let of_field = of(last.is_some_and(|(old, _)| old.volume.same(&scene.volume)));
+        self.empty_space = kept(&same).cloned().or_else(|| {
+            let of_field = kept(&|old| old.volume.same(&scene.volume));
             empty_space(caster, scene, volume, &self.classifier, of_field)
         });
     }

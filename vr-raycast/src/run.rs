@@ -55,7 +55,7 @@ pub(crate) struct Run<R> {
     pub(crate) value: [R; RUN],
     /// Values at the points of a step, from front to back, where a rule samples it at several.
     pub(crate) profile: [[R; RUN]; 4],
-    /// Those points.
+    /// Positions of the points of the profile.
     pub(crate) points: Points<R>,
     /// Light (r, g, b) and opacity of each step.
     pub(crate) light: [[R; 4]; RUN],

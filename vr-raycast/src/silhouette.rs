@@ -39,7 +39,7 @@ impl Hull {
     /// Returns the least depths, tile by tile, at which a view may show it.
     ///
     /// # Errors
-    /// As [`vr_core::Camera::frame`].
+    /// Same as for [`vr_core::Camera::frame`].
     pub(crate) fn near_depths(&self, view: &View, placement: &Placement) -> Result<NearDepths, ParameterError> {
         let projection = Projection::new(view, placement)?;
         // A ray that begins inside may see what none of these blocks stands before; it leaves by one of them all the same.

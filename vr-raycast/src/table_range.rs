@@ -1,8 +1,16 @@
 //! The stored numbers that a table must cover, and whether tables and precisions tell them apart finely enough.
 
 use vr_core::filter::Reconstruction;
-use vr_core::{Filter, GridVolume, Real, Sampler, SamplerVisitor, TransferFunction, Voxel};
+use vr_core::{Filter, GridVolume, Real, Sampler, SamplerVisitor, Scene, TransferFunction, Voxel};
 use vr_kernels::tables::{self, BakedTransfer};
+
+/// A table for steps of one length whose entries lie close enough together for a scene, if there is one.
+pub(crate) fn baked<R: Real>(scene: &Scene, volume: &GridVolume, step: f64) -> Option<BakedTransfer<R>> {
+    let range = table_range(volume, &scene.transfer);
+    let integer = volume.voxel_type().is_integer();
+    let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
+    resolves(&table, volume).then_some(table)
+}
 
 /// The range of a volume's field in stored units, overshoot included; `None` if all of it is vacuum.
 pub(crate) fn field_range(volume: &GridVolume) -> Option<(f64, f64)> {

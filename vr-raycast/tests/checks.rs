@@ -1,17 +1,14 @@
 //! The checks that every renderer is put through.
 
-use vr_core::{Configurable, Documented, Options};
+use vr_core::{Configurable, Options};
 use vr_physics::Reference;
-use vr_physics::cases::Case;
 use vr_physics::check::{self, Effort, Refinement};
 use vr_raycast::{CompositingOrder, RayCaster};
 
 #[test]
 fn survives_hard_cases() {
     for caster in [RayCaster::default(), RayCaster::uniform(0.2)] {
-        let bound =
-            |case: &Case| caster.hard_case_errors().for_case(case.name).expect("every case has a documented error");
-        let table = check::survives_hard_cases(&caster, bound, &Reference::new(1e-7));
+        let table = check::survives_documented_cases(&caster, &Reference::new(1e-7));
         println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
     }
 }

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::{
-    Compositing, Feature, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene, Unsupported, View,
+    Compositing, Configurable, Feature, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene,
+    Unsupported, View,
 };
 use vr_kernels::tables::beyond_f32;
 
@@ -42,10 +43,7 @@ pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolum
     if scene.reflection().is_some_and(|shading| shading.gradient == GradientMethod::Analytic) {
         return Err(unsupported(Feature::AnalyticGradients, "analytic gradients: normals are encoded at the voxels"));
     }
-    let volume = scene
-        .volume
-        .grid()
-        .ok_or_else(|| unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    let volume = scene.volume.grid().ok_or_else(|| Unsupported::volume_kind(ShearWarp::NAME, &scene.volume))?;
     if volume.filter() != Filter::Trilinear {
         return Err(unsupported(
             Feature::Filter,

@@ -1,9 +1,10 @@
 //! The work of a picture, shared out among threads: bands of the intermediate image, and rows of the screen.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use fearless_simd::Level;
 use vr_core::image_order::in_parallel;
+use vr_core::parallel::locked;
 use vr_core::{Control, RenderError};
 use vr_kernels::vector::{Vectorized, run};
 
@@ -20,10 +21,6 @@ use crate::passes::Pass;
 use crate::reflections::Reflection;
 use crate::slices::Slices;
 use crate::warp::Warp;
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// Inputs of all kernels.
 pub(crate) struct Job<'a> {

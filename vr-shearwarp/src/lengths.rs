@@ -65,7 +65,7 @@ impl Ratios {
         Self { bend: row(0).0 as f32, rows: (0..height).map(|y| row(y).1.map(|v| v as f32)).collect() }
     }
 
-    /// Those of sixteen texels from (x, y) on.
+    /// The ratios of sixteen texels from (x, y) on.
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(&self, simd: S, x: usize, y: usize) -> f32x16<S> {
         let [middle, min] = self.rows[y];
@@ -73,7 +73,7 @@ impl Ratios {
         (off * off * self.bend + min).sqrt()
     }
 
-    /// That of one texel.
+    /// The ratio of one texel.
     #[cfg(test)]
     pub(crate) fn at(&self, x: usize, y: usize) -> f64 {
         let [middle, min] = self.rows[y].map(f64::from);

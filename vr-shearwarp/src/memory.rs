@@ -34,7 +34,7 @@ impl ShearWarp {
     /// Encodes a scene for some principal axes (0, 1 and 2 for x, y and z), and says what that takes.
     ///
     /// # Errors
-    /// As [`vr_core::Renderer::prepare`].
+    /// Same as for [`vr_core::Renderer::prepare`].
     pub fn encoded_size(&self, scene: &Scene, axes: &[usize], control: &Control) -> Result<EncodedSize, RenderError> {
         let mut prepared = PreparedShearWarp::new(self.clone(), scene, control)?;
         for &axis in axes {

@@ -1,6 +1,6 @@
 //! The renderer's settings.
 
-use vr_core::{Classification, Configurable, OptionError};
+use vr_core::Classification;
 
 use crate::warp::WarpFilter;
 
@@ -66,13 +66,5 @@ impl ShearWarp {
         let spacing = self.slice_distance * self.texel;
         // A third of a voxel times three is one.
         if (spacing - 1.0).abs() < 1e-9 { 1.0 } else { spacing }
-    }
-
-    /// Checks the numbers, and that they go together.
-    ///
-    /// # Errors
-    /// An [`OptionError`] naming the option.
-    pub fn validate(&self) -> Result<(), OptionError> {
-        Self::options().check(self)
     }
 }

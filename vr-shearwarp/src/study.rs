@@ -51,29 +51,12 @@ impl Documented for ShearWarp {
 
 #[cfg(test)]
 mod tests {
-    use vr_core::Configurable;
+    use vr_physics::check::documents_what_can_be_set;
 
     use super::*;
 
     #[test]
-    fn settings_are_distinct_and_can_be_set() {
-        let all = ShearWarp::default().settings();
-        for (i, a) in all.iter().enumerate() {
-            let renderer = ShearWarp::default().configure(&a.options).unwrap();
-            assert!(renderer.validate().is_ok(), "{}", a.name);
-            assert!(all[..i].iter().all(|b| b.name != a.name && b.options != a.options), "{}", a.name);
-        }
-    }
-
-    #[test]
-    fn what_is_claimed_can_be_refined() {
-        for claim in ShearWarp::default().convergence() {
-            for halvings in 0..4 {
-                let at = claim.coarsest / f64::from(1 << halvings);
-                let set = claim.options.clone().with(claim.key, at);
-                assert!(ShearWarp::default().configure(&set).unwrap().validate().is_ok(), "{}", claim.name);
-            }
-            assert!(!claim.options.0.contains_key(claim.key));
-        }
+    fn what_is_documented_can_be_set() {
+        documents_what_can_be_set(&ShearWarp::default(), 3).unwrap();
     }
 }

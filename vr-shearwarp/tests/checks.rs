@@ -4,7 +4,6 @@ use proptest::strategy::Strategy;
 use vr_core::Classification;
 use vr_core::*;
 use vr_physics::Reference;
-use vr_physics::cases::Case;
 use vr_physics::check::FixedLayer;
 use vr_physics::check::invariants::{
     forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
@@ -16,10 +15,7 @@ use vr_shearwarp::{ShearWarp, WarpFilter};
 
 #[test]
 fn survives_hard_cases() {
-    let renderer = ShearWarp::default();
-    let bound =
-        |case: &Case| renderer.hard_case_errors().for_case(case.name).expect("every case has a documented error");
-    let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
+    let table = check::survives_documented_cases(&ShearWarp::default(), &Reference::new(1e-7));
     let table = table.unwrap_or_else(|e| panic!("{e}"));
     println!("{table}");
     // A wall just met or just missed is all of a pixel: there the RMSE says more. Measured, and half as much again.

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use vr_core::{Classification, Compositing, Feature, Filter, GradientMethod, RenderError, Scene, Unsupported, View};
+use vr_core::{
+    Classification, Compositing, Configurable, Feature, Filter, GradientMethod, RenderError, Scene, Unsupported, View,
+};
 use vr_kernels::tables::beyond_f32;
 
 use crate::input::SplatInput;
@@ -20,7 +22,7 @@ pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, Re
     let input = match (scene.volume.grid(), scene.volume.points()) {
         (Some(grid), _) => SplatInput::Grid(Arc::clone(grid)),
         (_, Some(points)) => SplatInput::Points(Arc::clone(points)),
-        _ => return Err(unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind()))),
+        _ => return Err(Unsupported::volume_kind(Splatter::NAME, &scene.volume).into()),
     };
     // A grid's filter, precision and size.
     if let SplatInput::Grid(grid) = &input {
@@ -91,7 +93,7 @@ fn check_shading(renderer: &Splatter, scene: &Scene, input: &SplatInput) -> Resu
             "analytic gradients: those at the voxels are interpolated",
         ));
     }
-    if grid.value_stats().nan + grid.value_stats().infinite > 0 {
+    if grid.value_stats().has_missing() {
         return Err(unsupported(Feature::MissingValues, "shading of a volume with missing voxels"));
     }
     if grid.dims().iter().product::<usize>() > i32::MAX as usize {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use vr_core::{Calibration, GridVolume, PointSet};
 
-use crate::kernel::{Profile, point_profile};
+use crate::kernel::Profile;
 use crate::splatter::Splatter;
 
 /// The data that are splatted.
@@ -27,7 +27,7 @@ pub(crate) fn unit(input: &SplatInput) -> f64 {
 pub(crate) fn profile(renderer: &Splatter, input: &SplatInput) -> Profile {
     match input {
         SplatInput::Grid(_) => renderer.kernel.profile(),
-        SplatInput::Points(points) => point_profile(points.kernel()),
+        SplatInput::Points(points) => Profile::point(points.kernel()),
     }
 }
 

@@ -1,9 +1,9 @@
 //! Object-order volume rendering by splatting: every voxel, or every point of a cloud, throws its kernel's footprint onto the picture.
 //!
 //! The integral of Σ fₖ w(x − xₖ) along a ray is Σ fₖ ∫ w(x − xₖ) ds: sum and integral may change places (Westover 1990, "Footprint evaluation for volume
-//! rendering"; 1991, "Splatter: a parallel, feed-forward volume rendering algorithm"). So a volume is drawn splat by splat, and where it has no grid,
+//! rendering"; 1991, "Splatting: a parallel, feed-forward volume rendering algorithm"). So a volume is drawn splat by splat, and where it has no grid,
 //! that is the natural way. What the classic got wrong came later, and is here: sheets parallel to the image (Mueller & Crawfis 1998, "Eliminating popping
-//! artifacts in sheet buffer-based splatting"), classification after splatting (Mueller, Möller & Crawfis 1999, "Splatter without the blur"),
+//! artifacts in sheet buffer-based splatting"), classification after splatting (Mueller, Möller & Crawfis 1999, "Splatting without the blur"),
 //! elliptical footprints (Zwicker, Pfister, van Baar & Gross 2001, "EWA volume splatting"), and an early end behind what is opaque.
 //!
 //! # How

@@ -26,7 +26,7 @@ pub(crate) struct SplatView {
 
 /// Kernel space, in which a kernel of scale 1 reaches to 1, relative to the view.
 pub(crate) struct KernelSpace {
-    /// Its image of the view's axes.
+    /// The view's axes, mapped to kernel space.
     pub(crate) axes: DMat3,
     /// Half the extent of the unit ball or cube along x, y, z.
     pub(crate) half: DVec3,

@@ -74,7 +74,7 @@ impl SectionTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::{Profile, Shape, SplatKernel, point_profile};
+    use crate::kernel::{Profile, Shape, SplatKernel};
     use fearless_simd::{Level, dispatch};
     use vr_core::PointKernel;
 
@@ -86,7 +86,7 @@ mod tests {
     #[test]
     fn tables_are_what_quadrature_gives() {
         let shapes = [Shape::Gaussian, Shape::Cone].map(|s| SplatKernel::new(s).profile());
-        for profile in shapes.into_iter().chain(PointKernel::ALL.map(point_profile)) {
+        for profile in shapes.into_iter().chain(PointKernel::ALL.map(Profile::point)) {
             let Profile::Radial(radial) = profile else { unreachable!("all of these are") };
             let table = SectionTable::new(&radial);
             let peak = 2.0 * radial.along_line(0.0, 1.0);

@@ -1,6 +1,6 @@
 //! The renderer's settings.
 
-use vr_core::{Classification, Configurable, OptionError};
+use vr_core::Classification;
 
 use crate::kernel::SplatKernel;
 
@@ -64,14 +64,6 @@ impl Default for Splatter {
 impl Splatter {
     /// The name in scene files and on command lines.
     pub const NAME: &'static str = "splat";
-
-    /// Checks the numbers, and that they go together.
-    ///
-    /// # Errors
-    /// An [`OptionError`] naming the option.
-    pub fn validate(&self) -> Result<(), OptionError> {
-        Self::options().check(self)
-    }
 
     /// True if a termination was asked for: neither the default, nor 1, at which no pixel ends early.
     pub(crate) fn sets_termination(&self) -> bool {

@@ -57,27 +57,12 @@ impl Documented for Splatter {
 
 #[cfg(test)]
 mod tests {
-    use vr_core::Configurable;
+    use vr_physics::check::documents_what_can_be_set;
 
     use super::*;
 
     #[test]
-    fn settings_are_distinct_and_can_be_set() {
-        let all = Splatter::default().settings();
-        for (i, a) in all.iter().enumerate() {
-            assert!(Splatter::default().configure(&a.options).is_ok(), "{}", a.name);
-            assert!(all[..i].iter().all(|b| b.name != a.name && b.options != a.options), "{}", a.name);
-        }
-    }
-
-    #[test]
-    fn what_is_claimed_can_be_refined() {
-        for claim in Splatter::default().convergence() {
-            for halvings in 0..5 {
-                let at = claim.coarsest / f64::from(1 << halvings);
-                assert!(Splatter::default().configure(&claim.options.clone().with(claim.key, at)).is_ok());
-            }
-            assert!(!claim.options.0.contains_key(claim.key));
-        }
+    fn what_is_documented_can_be_set() {
+        documents_what_can_be_set(&Splatter::default(), 4).unwrap();
     }
 }

@@ -1,14 +1,14 @@
 //! The checks that every renderer is put through.
 
 use proptest::strategy::Strategy;
-use vr_core::{Classification, Compositing, Documented, DocumentedError, Scene, View};
+use vr_core::{Classification, Compositing, DocumentedError, Scene, View};
 use vr_physics::cases::Case;
 use vr_physics::check::invariants::{
     forgets_earlier_frames, ignores_threads, is_free_of_scale, is_linear_in_emission, stays_in_range,
     turns_with_its_data,
 };
 use vr_physics::check::strategies::tame_scene;
-use vr_physics::check::{self, CaseOutcome, CaseResult, Effort, HardCases, Refinement, TestScene, converges};
+use vr_physics::check::{self, CaseOutcome, CaseResult, Effort, HardCases, TestScene};
 use vr_physics::{Metrics, Reference};
 use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
@@ -17,12 +17,11 @@ fn voxels(buffers: Buffers, shape: Shape) -> Splatter {
     Splatter { buffers, classification: Classification::Pre, kernel, ..Splatter::default() }
 }
 
+vr_physics::renderer_suite!(suite: Splatter::default(), invariants = 1e-3, cases = 24);
+
 #[test]
 fn survives_hard_cases() {
-    let renderer = Splatter::default();
-    let bound =
-        |case: &Case| renderer.hard_case_errors().for_case(case.name).expect("every case has a documented error");
-    let table = check::survives_hard_cases(&renderer, bound, &Reference::new(1e-7));
+    let table = check::survives_documented_cases(&Splatter::default(), &Reference::new(1e-7));
     let table = table.unwrap_or_else(|e| panic!("{e}"));
     println!("{table}");
     // A wall just met or just missed is all of a pixel: here, too, the RMSE says more.
@@ -117,19 +116,6 @@ fn obeys_invariants() {
             let report = report.unwrap_or_else(|e| panic!("{renderer:?}: {e}"));
             println!("{}: held {}, refused {}, worst {:.1e}", report.check, report.held, report.refused, report.worst);
         }
-    }
-}
-
-#[test]
-fn converges_at_its_documented_order() {
-    for claim in Splatter::default().convergence() {
-        let refinement = Refinement {
-            options: claim.options,
-            floor: claim.floor,
-            ..Refinement::new(claim.key, claim.orders.smooth)
-        };
-        let found = converges(&Splatter::default(), &refinement, &Effort::cases(24));
-        println!("{}: {}", claim.name, found.unwrap_or_else(|e| panic!("{}: {e}", claim.name)));
     }
 }
 

@@ -11,7 +11,7 @@ const MAX_CELLS: usize = 32;
 /// a field that is not trilinear or not on a uniform grid, and for one with missing voxels.
 pub(crate) fn refined(scene: &Scene, parts: usize) -> Option<Scene> {
     let volume = scene.volume.grid()?;
-    if volume.filter() != Filter::Trilinear || volume.value_stats().nan + volume.value_stats().infinite > 0 {
+    if volume.filter() != Filter::Trilinear || volume.value_stats().has_missing() {
         return None;
     }
     let calibration = volume.calibration();

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use vr_core::{
-    Compositing, Feature, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene, Unsupported, View,
+    Compositing, Configurable, Feature, Filter, GradientMethod, GridVolume, Projection, RenderError, Scene,
+    Unsupported, View,
 };
 use vr_kernels::tables::beyond_f32;
 
@@ -18,10 +19,7 @@ pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderEr
 pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     renderer.validate()?;
     scene.validate()?;
-    let volume = scene
-        .volume
-        .grid()
-        .ok_or_else(|| unsupported(Feature::VolumeKind, format!("volumes of the kind '{}'", scene.volume.kind())))?;
+    let volume = scene.volume.grid().ok_or_else(|| Unsupported::volume_kind(TextureSlicer::NAME, &scene.volume))?;
     // The volume.
     if volume.filter() != Filter::Trilinear {
         return Err(unsupported(
@@ -99,7 +97,7 @@ fn check_shading(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -
             "shading of pre-integrated segments, of palettes and of compressed textures",
         ));
     }
-    if volume.value_stats().nan + volume.value_stats().infinite > 0 {
+    if volume.value_stats().has_missing() {
         return Err(unsupported(Feature::MissingValues, "shading of a volume with missing voxels"));
     }
     Ok(())
@@ -116,7 +114,7 @@ fn check_texture(renderer: &TextureSlicer, scene: &Scene, volume: &GridVolume) -
             return Err(unsupported(Feature::Color, "lights of a colour on textures of luminance and alpha"));
         }
     }
-    if renderer.format == Format::Compressed && volume.value_stats().nan + volume.value_stats().infinite > 0 {
+    if renderer.format == Format::Compressed && volume.value_stats().has_missing() {
         return Err(unsupported(Feature::MissingValues, "compression of a volume with missing voxels"));
     }
     let plain_stack = matches!(renderer.format, Format::Scalar | Format::PreIntegrated);

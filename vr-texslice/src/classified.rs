@@ -145,7 +145,7 @@ impl Codes {
 
     /// Light and opacity of every index.
     fn palette(&self, scene: &Scene, volume: &GridVolume, made: &TextureKey) -> Box<[[f32; 4]; 256]> {
-        let holes = volume.value_stats().nan + volume.value_stats().infinite > 0;
+        let holes = volume.value_stats().has_missing();
         let entry = |i: usize| {
             let missing = holes && i == usize::from(MISSING);
             let stored = if missing { f64::NAN } else { self.low + i as f64 * self.step };

@@ -8,7 +8,7 @@ use crate::draw::{Pixel, State};
 use crate::fragments::Fragments;
 use crate::model::{Gradient, Stored};
 
-/// Inputs of that.
+/// Inputs for finishing pixels.
 pub(crate) struct Finish<'a> {
     pub(crate) operator: Operator,
     pub(crate) scene: &'a Scene,

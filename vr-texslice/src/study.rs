@@ -10,7 +10,7 @@ use crate::texture_slicer::{Format, Proxy, TextureSlicer};
 const FLOOR: f64 = 3e-4;
 /// Rounding in f32: of smooth transfer functions tables leave less.
 const FLOOR_OF_ORDERS: f64 = 3e-7;
-/// DrawOrder in the distance of slices, of values classified after interpolation and of pre-integrated segments, where nothing jumps.
+/// Order in the distance of slices, of values classified after interpolation and of pre-integrated segments, where nothing jumps.
 const ORDER: f64 = 2.0;
 
 impl Documented for TextureSlicer {
@@ -61,29 +61,12 @@ impl Documented for TextureSlicer {
 
 #[cfg(test)]
 mod tests {
-    use vr_core::Configurable;
+    use vr_physics::check::documents_what_can_be_set;
 
     use super::*;
 
     #[test]
-    fn settings_are_distinct_and_can_be_set() {
-        let all = TextureSlicer::default().settings();
-        for (i, a) in all.iter().enumerate() {
-            let renderer = TextureSlicer::default().configure(&a.options).unwrap();
-            assert!(renderer.validate().is_ok(), "{}", a.name);
-            assert!(all[..i].iter().all(|b| b.name != a.name && b.options != a.options), "{}", a.name);
-        }
-    }
-
-    #[test]
-    fn what_is_claimed_can_be_refined() {
-        for claim in TextureSlicer::default().convergence() {
-            for halvings in 0..6 {
-                let at = claim.coarsest / f64::from(1 << halvings);
-                let set = claim.options.clone().with(claim.key, at);
-                assert!(TextureSlicer::default().configure(&set).unwrap().validate().is_ok(), "{}", claim.name);
-            }
-            assert!(!claim.options.0.contains_key(claim.key));
-        }
+    fn what_is_documented_can_be_set() {
+        documents_what_can_be_set(&TextureSlicer::default(), 5).unwrap();
     }
 }

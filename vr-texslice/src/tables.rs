@@ -47,7 +47,7 @@ impl Tables {
         true
     }
 
-    /// Those of the last length asked for.
+    /// Returns the tables of the last length asked for.
     ///
     /// # Panics
     /// If none has been asked for.

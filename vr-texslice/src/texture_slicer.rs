@@ -1,7 +1,5 @@
 //! The renderer's settings.
 
-use vr_core::{Configurable, OptionError};
-
 /// A renderer that draws slices through textures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureSlicer {
@@ -103,7 +101,7 @@ impl TextureSlicer {
     /// The largest budget, in mebibytes: a tebibyte, which is none at all.
     pub const MAX_BUDGET: f64 = 1_048_576.0;
 
-    /// As the textbooks have it: every fragment is drawn, whether it can be seen or not.
+    /// Returns the renderer of the textbooks: every fragment is drawn, whether it can be seen or not.
     pub fn brute_force() -> Self {
         Self { skip_empty_space: false, termination: 1.0, ..Self::default() }
     }
@@ -127,14 +125,6 @@ impl TextureSlicer {
     /// True if a texture holds light and opacity, not values.
     pub(crate) fn holds_light(&self) -> bool {
         matches!(self.format, Format::Rgba | Format::LuminanceAlpha | Format::Paletted)
-    }
-
-    /// Checks the numbers, and that they go together.
-    ///
-    /// # Errors
-    /// An [`OptionError`] naming the option.
-    pub fn validate(&self) -> Result<(), OptionError> {
-        Self::options().check(self)
     }
 
     /// True if a termination was asked for: neither the default, nor 1, at which no pixel ends early.

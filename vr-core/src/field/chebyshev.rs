@@ -62,7 +62,7 @@ impl Interpolation {
 }
 
 /// The Chebyshev polynomials T₀, T₁, …
-fn polynomials() -> &'static [Poly] {
+pub(super) fn polynomials() -> &'static [Poly] {
     static MADE: OnceLock<Vec<Poly>> = OnceLock::new();
     MADE.get_or_init(|| {
         let t = Poly::new(&[0.0, 1.0]);

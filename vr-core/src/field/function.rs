@@ -45,6 +45,11 @@ const PARTS: f64 = 64.0;
 /// Number of places along each edge at which the function is evaluated for the range.
 const PLACES: usize = 24;
 
+/// Spacing of a function of which nothing is known: a part of the mean edge of its box.
+fn default_spacing((low, high): (DVec3, DVec3)) -> f64 {
+    (high - low).element_sum() / (3.0 * PARTS)
+}
+
 impl FunctionField {
     /// A field in a world box, given by its value at a position; NaN is vacuum.
     ///
@@ -58,7 +63,6 @@ impl FunctionField {
         value: impl Fn(DVec3) -> f64 + Send + Sync + 'static,
     ) -> Result<Self, ParameterError> {
         let (low, high) = bounds;
-        let edges = high - low;
         let possible = |x: f64| x.abs() <= MAX_COORDINATE;
         if !(low.cmplt(high).all() && [low, high].iter().all(|c| c.to_array().into_iter().all(possible))) {
             let allowed = "must be two corners, the first below the second, both within 1e30";
@@ -66,7 +70,7 @@ impl FunctionField {
         }
         Ok(Self {
             bounds,
-            spacing: edges.element_sum() / (3.0 * PARTS),
+            spacing: default_spacing(bounds),
             range: seen_range(bounds, &value),
             value: Arc::new(value),
             gradient: None,
@@ -80,7 +84,7 @@ impl FunctionField {
         let [value, gradient, breakpoints] = [0; 3].map(|_| Arc::clone(&phantom));
         Self {
             bounds: phantom.domain(),
-            spacing: (phantom.domain().1 - phantom.domain().0).element_sum() / (3.0 * PARTS),
+            spacing: default_spacing(phantom.domain()),
             range: Some(phantom.value_range()),
             value: Arc::new(move |p| value.value(p)),
             gradient: Some(Arc::new(move |p| gradient.gradient(p))),

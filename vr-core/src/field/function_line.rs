@@ -1,7 +1,8 @@
 //! A function along a ray.
 
+use super::chebyshev::interpolation;
 use super::line::{Chord, FieldLine, LineModel};
-use super::poly::{Poly, chebyshev_point};
+use super::poly::Poly;
 use super::{Field, FunctionField};
 use crate::bound::largest;
 use crate::ray::Ray;
@@ -61,8 +62,8 @@ impl FieldLine for FunctionLine<'_> {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         // Evaluate the function at the nodes, a hair inside: at a breakpoint itself the field may belong to the other side.
         let place = |t: f64| self.ray.origin + self.ray.direction * (middle + half * t * (1.0 - INSIDE));
-        let node = |j: usize| chebyshev_point(DEGREE, j);
-        let values: [f64; DEGREE + 1] = std::array::from_fn(|j| self.field.raw(place(node(j))));
+        let nodes = &interpolation(DEGREE).nodes;
+        let values: [f64; DEGREE + 1] = std::array::from_fn(|j| self.field.raw(place(nodes[j])));
         let missing = values.iter().filter(|v| v.is_nan()).count();
         if missing == values.len() {
             return None;
@@ -73,7 +74,7 @@ impl FieldLine for FunctionLine<'_> {
         let values: [f64; DEGREE + 1] = std::array::from_fn(|j| if values[j].is_nan() { filled(j) } else { values[j] });
         let field = Poly::through_chebyshev_points(&values);
         // Half the largest gap between nodes, times how fast function and interpolant can part.
-        let gap = largest((0..DEGREE).map(|j| 0.5 * (node(j) - node(j + 1))));
+        let gap = largest((0..DEGREE).map(|j| 0.5 * (nodes[j] - nodes[j + 1])));
         let slope = field.derivative();
         let parting = self.field.lipschitz().unwrap_or(f64::INFINITY) * half + slope.at(0.0).abs() + slope.spread(1.0);
         let certain = parting.is_finite() && missing == 0;
@@ -81,14 +82,15 @@ impl FieldLine for FunctionLine<'_> {
         let apart = |truth: &dyn Fn(f64) -> f64, p: &Poly| {
             4.0 * largest(SEEN.map(|t| truth(t) - p.at(t)).into_iter().filter(|d| !d.is_nan()))
         };
-        let estimate = apart(&|t| self.field.raw(place(t)), &field);
-        let field_error = match () {
-            () if missing > 0 => f64::INFINITY,
-            () if certain => (gap + INSIDE) * parting,
-            () => estimate,
+        let field_error = if missing > 0 {
+            f64::INFINITY
+        } else if certain {
+            (gap + INSIDE) * parting
+        } else {
+            apart(&|t| self.field.raw(place(t)), &field)
         };
         let along = self.field.raw_gradient().filter(|_| self.gradients).map(|gradient| {
-            let at: [_; DEGREE + 1] = std::array::from_fn(|j| gradient(place(node(j))));
+            let at: [_; DEGREE + 1] = std::array::from_fn(|j| gradient(place(nodes[j])));
             std::array::from_fn(|a| Poly::through_chebyshev_points(&at.map(|g| g[a])))
         });
         let gradient_error = along.as_ref().map_or(0.0, |polys: &[Poly; 3]| {

@@ -91,11 +91,6 @@ impl PointLine {
         let (first, inside) = members(&supports, &cuts);
         Some(Self { supports, cuts, first, inside, offset: crossings.offset })
     }
-
-    /// World distance from the ray's own origin to the place from which distances here are counted.
-    pub fn offset(&self) -> f64 {
-        self.offset
-    }
 }
 
 /// Returns every breakpoint, ascending.

@@ -2,6 +2,8 @@
 
 use std::sync::OnceLock;
 
+use super::chebyshev::polynomials;
+
 /// Largest degree: the square of a gradient of degree 12, as the Gaussian has.
 pub const MAX_DEGREE: usize = 24;
 
@@ -14,23 +16,14 @@ pub fn chebyshev_point(n: usize, j: usize) -> f64 {
 fn cardinals(n: usize) -> &'static [Poly] {
     static MADE: [OnceLock<Vec<Poly>>; MAX_DEGREE + 1] = [const { OnceLock::new() }; MAX_DEGREE + 1];
     MADE[n].get_or_init(|| {
-        let t = Poly::new(&[0.0, 1.0]);
-        let (mut before, mut now) = (Poly::constant(1.0), t);
-        let mut chebyshev = vec![before, now];
-        for _ in 1..n {
-            (before, now) = (now, t * now * 2.0 + before * -1.0);
-            chebyshev.push(now);
-        }
+        let chebyshev = polynomials();
         let halved = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
         let cardinal = |j: usize| {
             if n == 0 {
                 return Poly::constant(1.0);
             }
             // T_k(x_j) by the discrete cosine transform.
-            let term = |k: usize| {
-                let at = libm::cos(std::f64::consts::PI * (j * k) as f64 / n as f64);
-                chebyshev[k] * (2.0 / n as f64 * halved(j) * halved(k) * at)
-            };
+            let term = |k: usize| chebyshev[k] * (2.0 / n as f64 * halved(j) * halved(k) * chebyshev_point(n, j * k));
             (1..=n).map(term).fold(term(0), |sum, p| sum + p)
         };
         (0..=n).map(cardinal).collect()

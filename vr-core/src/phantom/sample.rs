@@ -77,7 +77,7 @@ fn calibration<T: Quantize>((low, high): (f64, f64)) -> Calibration {
 /// An unshaded scene of `n`³ samples of a phantom, under its own transfer function with opacities times `opacity` (1 at the most).
 ///
 /// # Errors
-/// As [`sample`].
+/// Same as for [`sample`].
 pub fn sampled_scene<T: Quantize>(phantom: &(impl Phantom + ?Sized), n: usize, opacity: f64) -> Result<Scene, GridError>
 where
     AnyGrid: From<UniformGrid<T>>,

@@ -20,9 +20,9 @@ use super::volume::load_volume;
 /// A scene, ready to be rendered.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
-    /// The scene.
+    /// The scene, without surfaces: the caller makes them of `mesh`.
     pub scene: Scene,
-    /// The view: camera and size of the picture. Its layer is empty: a rasteriser draws the mesh into it.
+    /// The view: camera, clipping and size of the picture.
     pub view: View,
     /// The opaque surface among the volume, where the file names one.
     pub mesh: Option<SceneMesh>,

@@ -12,7 +12,7 @@ use crate::scalar::{Endian, ScalarType};
 
 use super::error::unknown_name;
 
-/// `[volume]`: a source, and the filter that makes the canonical field of a grid.
+/// `[volume]`: a source, and the filter that makes the field of a grid.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Keys", into = "Keys")]
 pub struct VolumeSection {

@@ -1,8 +1,7 @@
 //! Stored numbers that a table must cover, and tests whether its entries, and single precision, tell apart all that a transfer function does.
 
-use vr_core::Calibration;
-use vr_core::GridVolume;
-use vr_core::TransferFunction;
+use vr_core::transfer::Segment;
+use vr_core::{Calibration, GridVolume, TransferFunction};
 
 /// Part of a table's range by which it goes beyond the first and the last control point: more than the distance of two entries, so that
 /// a jump at an end point has its other side in the table.
@@ -41,13 +40,17 @@ pub fn round_outward((low, high): (f64, f64)) -> (f32, f32) {
 /// end, and a table's chord there is wrong over one entry, which may be an eighth of the ramp.
 const ENTRIES_PER_RAMP: f64 = 8.0;
 
+/// Segments of finite width.
+fn ramps(transfer: &TransferFunction) -> impl Iterator<Item = &Segment> {
+    transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite())
+}
+
 /// True if entries so many stored units apart tell apart all that a transfer function does.
 pub(super) fn resolves_ramps(spacing: f64, calibration: Calibration, transfer: &TransferFunction) -> bool {
     let slope = calibration.slope.abs();
-    let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
     // Spacings of 1/16 and the like come back rounded from f32.
     let min = ENTRIES_PER_RAMP * spacing * (1.0 - 1e-6);
-    ramps.map(|s| (s.to - s.from) / slope).all(|width| width >= min)
+    ramps(transfer).map(|s| (s.to - s.from) / slope).all(|width| width >= min)
 }
 
 /// Error of a stored number that is rounded to f32, relative to the narrowest ramp, or to the field's range if that is narrower and
@@ -73,8 +76,7 @@ pub fn rounding_in_f32(volume: &GridVolume, transfer: &TransferFunction) -> f64 
         .any(inside)
         .then_some(high - low)
         .filter(|span| *span > 0.0);
-    let ramps = transfer.segments().iter().filter(|s| s.from.is_finite() && s.to.is_finite());
-    let ramps = ramps.map(|s| [s.from, s.to].map(|v| calibration.stored(v)));
+    let ramps = ramps(transfer).map(|s| [s.from, s.to].map(|v| calibration.stored(v)));
     let beyond = if wide { high - low + rounding } else { 0.0 };
     let met =
         ramps.filter(|[a, b]| a.min(*b) <= high + beyond && a.max(*b) >= low - beyond).map(|[a, b]| (b - a).abs());

@@ -26,7 +26,7 @@ pub fn agrees_with_reference(
     agrees_with_reference_on(renderer, tame_scene(), bound, effort)
 }
 
-/// As [`agrees_with_reference`], over scenes of the caller.
+/// The check [`agrees_with_reference`] over the caller's own scenes.
 ///
 /// # Errors
 /// The failure, with a scene that shows it.

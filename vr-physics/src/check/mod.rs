@@ -18,7 +18,10 @@
 //! | [`converges`] | the error falls with the step at the documented order |
 //! | [`errors_fall`] | the error falls with the step, over every kind of hard scene |
 //! | [`obeys_invariants`] | what must not change a picture does not, what must change it does so by the right amount |
+//! | [`converges_as_documented`] | the same for every claim that the renderer documents |
+//! | [`documents_what_can_be_set`] | every documented setting and claim can be configured, and no two are the same |
 //! | [`survives_hard_cases`] | every [named case](crate::cases) gives a finite picture within its bound |
+//! | [`survives_documented_cases`] | the same within the error that the renderer documents |
 //!
 //! [`renderer_suite!`](crate::renderer_suite) stamps all of them that need no bound of the caller's over a renderer.
 //!
@@ -34,6 +37,7 @@
 
 mod agreement;
 mod convergence;
+mod documented;
 mod drawn;
 mod effort;
 mod falling;
@@ -53,6 +57,7 @@ mod tests;
 
 pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_reference_on};
 pub use convergence::{Convergence, Refinement, converges};
+pub use documented::{converges_as_documented, documents_what_can_be_set, survives_documented_cases};
 pub use effort::Effort;
 pub use falling::{CHANCE, Fall, Falling, KindFall, Ladder, errors_fall, survey_kind};
 pub use fixed_layer::FixedLayer;

@@ -1,7 +1,7 @@
 //! The whole suite, stamped over a renderer.
 
 /// Stamps every check over a renderer, ours or a stranger's, as tests of a module: hard cases within its documented errors, invariants,
-/// updates, and orders of convergence.
+/// updates, orders of convergence, and settings that can be configured.
 ///
 /// `invariants` is the rounding that invariants are allowed, `cases` the number of random scenes of each check.
 ///
@@ -22,19 +22,14 @@ macro_rules! renderer_suite {
 
             #[test]
             fn survives_hard_cases() {
-                let renderer = $renderer;
-                let errors = $crate::vr_core::Documented::hard_case_errors(&renderer);
-                let bound = |case: &$crate::cases::Case| {
-                    errors.for_case(case.name).unwrap_or_else(|| panic!("{}: no error is documented", case.name))
-                };
-                let table = $crate::check::survives_hard_cases(&renderer, bound, &$crate::Reference::new(1e-7));
+                let table = $crate::check::survives_documented_cases(&$renderer, &$crate::Reference::new(1e-7));
                 println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
             }
 
             #[test]
             fn obeys_invariants() {
-                let reports =
-                    $crate::check::obeys_invariants(&$renderer, $tolerance, &$crate::check::Effort::cases($cases));
+                let effort = $crate::check::Effort::cases($cases);
+                let reports = $crate::check::obeys_invariants(&$renderer, $tolerance, &effort);
                 for report in reports.unwrap_or_else(|e| panic!("{e}")) {
                     println!("{report}");
                 }
@@ -42,16 +37,16 @@ macro_rules! renderer_suite {
 
             #[test]
             fn converges_at_its_documented_orders() {
-                let renderer = $renderer;
-                for claim in $crate::vr_core::Documented::convergence(&renderer) {
-                    let refinement = $crate::check::Refinement {
-                        options: claim.options,
-                        floor: claim.floor,
-                        ..$crate::check::Refinement::new(claim.key, claim.orders.smooth)
-                    };
-                    let found = $crate::check::converges(&renderer, &refinement, &$crate::check::Effort::cases($cases));
-                    println!("{}: {}", claim.name, found.unwrap_or_else(|e| panic!("{}: {e}", claim.name)));
+                let effort = $crate::check::Effort::cases($cases);
+                let found = $crate::check::converges_as_documented(&$renderer, &effort);
+                for (claim, convergence) in found.unwrap_or_else(|e| panic!("{e}")) {
+                    println!("{claim}: {convergence}");
                 }
+            }
+
+            #[test]
+            fn documents_what_can_be_set() {
+                $crate::check::documents_what_can_be_set(&$renderer, 4).unwrap_or_else(|e| panic!("{e}"));
             }
         }
     };

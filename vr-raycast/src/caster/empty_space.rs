@@ -13,7 +13,7 @@
 /// of their own, and packets of rays by distances between small blocks: to them belongs `Auto`. A structure that is asked for by name goes with uniform steps alone, and is the plain engine's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EmptySpace {
-    /// As the engine that draws the scene leaps best; the plain one by [`EmptySpace::ExactCloud`].
+    /// The structure that suits the engine that draws the scene; the plain engine uses [`EmptySpace::ExactCloud`].
     #[default]
     Auto,
     /// All steps are sampled.
@@ -37,4 +37,11 @@ pub enum EmptySpace {
     /// One convex polyhedron of 26 faces around the visible blocks.
     #[cfg(feature = "classics")]
     Polyhedron,
+}
+
+impl EmptySpace {
+    /// True if a structure is asked for by name.
+    pub(crate) fn is_named(self) -> bool {
+        !matches!(self, Self::Auto | Self::None)
+    }
 }

@@ -3,7 +3,7 @@
 /// Choice of the rays that a picture is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ImageSampling {
-    /// Those of every pixel.
+    /// The rays of every pixel.
     #[default]
     EveryPixel,
     /// Every fourth pixel's first, along x and y, then those between where the colours bend; the rest is interpolated by cubics (after Levoy,
@@ -32,7 +32,7 @@ pub enum ImageSampling {
 }
 
 impl ImageSampling {
-    /// As options name it.
+    /// Returns the name that options use.
     pub const fn name(self) -> &'static str {
         match self {
             Self::EveryPixel => "every-pixel",

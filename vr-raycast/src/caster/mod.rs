@@ -8,7 +8,7 @@ mod rule;
 mod step;
 mod traversal;
 
-use vr_core::{Configurable, Filter, OptionError, Placement, Scene};
+use vr_core::{Filter, Placement, Scene};
 
 pub use compositing_order::CompositingOrder;
 pub use empty_space::EmptySpace;
@@ -107,13 +107,5 @@ impl RayCaster {
             (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Auto) => f64::INFINITY,
             _ => self.world_step(placement),
         }
-    }
-
-    /// Checks the numbers, and that they go together.
-    ///
-    /// # Errors
-    /// An [`OptionError`] naming the option.
-    pub fn validate(&self) -> Result<(), OptionError> {
-        Self::options().check(self)
     }
 }

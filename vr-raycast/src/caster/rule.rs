@@ -26,7 +26,7 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// As options name it.
+    /// Returns the name that options use.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Midpoint => "midpoint",

@@ -27,7 +27,7 @@ pub enum Step {
         /// The largest error that long steps may make, all of a ray together.
         error: f64,
     },
-    /// As long as a bound of the error allows: no component of a pixel is further than this from the truth, relative to max(1, the picture's
+    /// Steps as long as a bound of the error allows: no component of a pixel is further than this from the truth, relative to max(1, the picture's
     /// largest magnitude); at least 10⁻⁶. Rays for which no such bound was found are counted ([`vr_core::Counts::unbounded`]).
     ///
     /// For over and accumulate, trilinear and nearest fields, without shading. Rule, traversal and order are the caster's own choice, and
@@ -49,7 +49,7 @@ pub enum Step {
         /// Length of fine steps: a fraction of the smallest voxel edge.
         fine: f64,
     },
-    /// As long as what is in each place allows: short where extinction and emission change much within four voxels, up to sixteen voxels
+    /// Steps as long as what is in each place allows: short where extinction and emission change much within four voxels, up to sixteen voxels
     /// where they hardly do; and nothing is sampled where nothing is visible.
     ///
     /// Steps are chosen so that the picture's RMSE is about `error`: it is aimed at, not promised ([`Step::Local`] knows the

@@ -65,7 +65,7 @@ impl ErrorBound {
     /// Prepares a scene for pictures of a largest error.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Same as for [`Self::check`].
     pub(crate) fn new(error: f64, scene: &Scene, volume: &Arc<GridVolume>) -> Result<Self, RenderError> {
         let level = Self::check(scene, volume)?;
         let (low, high) = volume.value_stats().range.unwrap_or_default();

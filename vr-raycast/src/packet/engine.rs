@@ -28,7 +28,7 @@ use crate::near_depths::NearDepths;
 use crate::render_tables::RenderTables;
 use crate::silhouette::Hull;
 use crate::step_map::StepMap;
-use crate::table_range::{resolves, table_range};
+use crate::table_range::baked;
 use crate::tracer::{RaySample, Tracer};
 
 /// State that the vector engine keeps from frame to frame.
@@ -103,7 +103,7 @@ impl PacketEngine {
             && volume.filter() == Filter::Trilinear
             && caster.transfer_lookup == TransferLookup::Table;
         // The structures that leap along whole rays are the plain engine's.
-        if !matches!(caster.empty_space, EmptySpace::Auto | EmptySpace::None) {
+        if caster.empty_space.is_named() {
             return None;
         }
         let step = caster.world_step(volume.placement());
@@ -129,7 +129,7 @@ impl PacketEngine {
                 (Arc::clone(&table), PacketSteps::Lattice { table, distances })
             }
             (Step::Local { .. }, Some(map)) if caster.rule == Rule::Midpoint => {
-                let table = Arc::new(places(scene, volume, step)?);
+                let table = Arc::new(baked(scene, volume, step)?);
                 (table, PacketSteps::Local { map: Arc::clone(map), by_byte: Box::new(by_byte(map, step)) })
             }
             _ => return None,
@@ -171,14 +171,6 @@ fn shadable(scene: &Scene) -> bool {
         .shading
         .as_ref()
         .is_none_or(|s| s.gradient == GradientMethod::CentralDifferences && s.gradient_opacity.is_empty())
-}
-
-/// A table whose entries lie close enough together for a scene, if there is one.
-fn places(scene: &Scene, volume: &GridVolume, step: f64) -> Option<BakedTransfer<f32>> {
-    let range = table_range(volume, &scene.transfer);
-    let integer = volume.voxel_type().is_integer();
-    let table = BakedTransfer::new(&scene.transfer, volume.calibration(), range, integer, step);
-    resolves(&table, volume).then_some(table)
 }
 
 /// The vector engine with a view.

@@ -22,7 +22,7 @@ pub(crate) struct FrameSetup<'a> {
     pub(crate) forward: DVec3,
 }
 
-/// Sixteen rays in index space, cut into steps: the same parts and the same steps as `vr_core::IndexRay` and `Steps` make of each.
+/// Sixteen rays in index space, cut into steps: the same parts and the same steps as `vr_core::IndexRay` and `Lattice` make of each.
 ///
 /// Steps are counted from the one in the middle of each ray, so that positions, a base and so many times a difference in f32, are as
 /// exact as they can be: what the difference was rounded by is multiplied by half as many steps.
@@ -54,7 +54,7 @@ pub(crate) struct Packet {
     pub(crate) directions: [[f64; LANES]; 3],
 }
 
-/// Fraction of a ray's length: a last step shorter than this is rounding. As in `Steps`.
+/// Fraction of a ray's length: a last step shorter than this is rounding. As in `Lattice`.
 const SLIVER: f64 = 1e-12;
 
 impl FrameSetup<'_> {

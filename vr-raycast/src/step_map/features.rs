@@ -8,7 +8,7 @@ struct Feature {
     /// The values between which it lies.
     from: f64,
     to: f64,
-    /// Its width at half its height.
+    /// Width of the feature at half its height.
     width: f64,
     /// Height above what is around it, or depth below, per world unit.
     height: f64,

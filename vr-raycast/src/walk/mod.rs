@@ -35,11 +35,11 @@ pub(crate) struct Walks<'a> {
 pub(crate) enum WalkKind<'a> {
     /// All are alike, but for those in which nothing is visible.
     Lattice(Option<&'a dyn Leaper>),
-    /// As long as what is in each place allows.
+    /// Steps as long as what is in each place allows.
     Local(&'a StepMap),
     /// From cell to cell.
     Cells,
-    /// As a classic has it.
+    /// Steps that a classic acceleration sets.
     #[cfg(feature = "classics")]
     Classic(crate::classics::WalkKind<'a>),
 }

@@ -73,7 +73,7 @@ impl<'a, T: Copy + Default + Send + Sync> Dense<'a, T> {
         Self { layout: Layout::new(dims, w), samples }
     }
 
-    /// As [`Self::new`], but where it copies, only voxels of blocks that may be visible are sure to be copied. [`super::packed()`] reads no
+    /// Like [`Self::new`], but where it copies, only voxels of blocks that may be visible are sure to be copied. [`super::packed()`] reads no
     /// others, nor do runs of these blocks.
     pub fn visible(samples: &'a [T], dims: [usize; 3], w: usize, blocks: &VisibleBlocks) -> Self {
         // Where little is left out, wide tiles are faster.
@@ -99,7 +99,7 @@ pub(crate) fn transposed<T: Copy + Default + Send + Sync>(samples: &[T], dims: [
     transposed_where(samples, dims, [width, 64], &|_| true)
 }
 
-/// As [`transposed`], but only the tiles for which `wanted` holds of their first sample and the one behind their last: along x and y they
+/// Like [`transposed`], but only the tiles for which `wanted` holds of their first sample and the one behind their last: along x and y they
 /// are as large as `tile`, along z like a block.
 fn transposed_where<T: Copy + Default + Send + Sync>(
     samples: &[T],

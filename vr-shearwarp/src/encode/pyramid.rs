@@ -121,7 +121,7 @@ fn halved(size: [usize; 3], ranges: &[[u8; 2]]) -> Nodes {
 
 /// Ranges of blocks of floats, over the values that are not missing; an upper level is 0 only where none is above the smallest of all.
 ///
-/// Those of [`LevelRanges`] will not do where much is air of one number and a ramp begins at it: with their slack, air would be visible. Nor
+/// The ranges of [`LevelRanges`] will not do where much is air of one number and a ramp begins at it: with their slack, air would be visible. Nor
 /// where samples are missing: they leave out cells that are vacuum in space, of which a square in a layer may be whole.
 fn float_ranges(grid: &UniformGrid<f32>, levels: &LevelRanges, missing: bool) -> Vec<[u8; 2]> {
     let (dims, samples) = (grid.dims(), grid.samples());

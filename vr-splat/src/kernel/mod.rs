@@ -3,8 +3,6 @@
 mod partition;
 mod profile;
 
-use vr_core::PointKernel;
-
 pub(crate) use profile::{Profile, Radial, WindowedSinc, quadrature};
 
 /// A kernel of voxels.
@@ -104,11 +102,6 @@ impl SplatKernel {
             Shape::Sinc => Profile::sinc(radius),
         }
     }
-}
-
-/// The kernel of scattered points, stretched to the unit ball.
-pub(crate) fn point_profile(kernel: PointKernel) -> Profile {
-    Profile::point(kernel)
 }
 
 #[cfg(test)]

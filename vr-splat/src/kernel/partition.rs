@@ -9,8 +9,9 @@ impl SplatKernel {
     /// The largest deviation of Σ w(x − k) over all lattice points k from 1, at the places x of a lattice of 16³ to a cell. It is what a constant
     /// field is off by where weights are not divided out.
     pub fn partition_error(&self) -> f64 {
-        let reach = self.reach().map(|r| r.ceil() as i32);
-        let (profile, volume) = (self.profile(), self.reach().into_iter().product::<f64>());
+        let size = self.reach();
+        let reach = size.map(|r| r.ceil() as i32);
+        let (profile, volume) = (self.profile(), size.into_iter().product::<f64>());
         let mut worst = 0.0f64;
         // Kernels are even: half a cell is all there is.
         let place = |i: usize| i as f64 / PLACES as f64;
@@ -23,7 +24,7 @@ impl SplatKernel {
                         for j in -reach[1]..=reach[1] + 1 {
                             for i in -reach[0]..=reach[0] + 1 {
                                 let index = [i, j, k].map(f64::from);
-                                let t = std::array::from_fn(|a| (at[a] - index[a]) / self.reach()[a]);
+                                let t = std::array::from_fn(|a| (at[a] - index[a]) / size[a]);
                                 sum += profile.at(t) / volume;
                             }
                         }

@@ -52,7 +52,8 @@ impl SplatModel {
     }
 
     /// Between which depths a ray is inside of what cuts it.
-    fn ends(&self, input: &SplatInput, view: &View, seen: &SplatView, ray: &Ray, line: &Line) -> Option<[f64; 2]> {
+    fn ends(&self, ray: &Ray, line: &Line) -> Option<[f64; 2]> {
+        let Self { input, view, seen, .. } = self;
         let depth = |s: f64| s / line.stretch - seen.base;
         let layer = self.layer.as_ref().map_or(f64::INFINITY, |layer| {
             let [column, row] = line.pixel;
@@ -77,9 +78,9 @@ impl SplatModel {
     }
 
     /// θ and b of a homogeneous piece of a value, classified and shaded at a depth.
-    fn step(&self, input: &SplatInput, line: &Line, depth: f64, value: f64, length: f64) -> SegmentTerm {
+    fn step(&self, line: &Line, depth: f64, value: f64, length: f64) -> SegmentTerm {
         let mut light = self.scene.transfer.step(value, length);
-        if let (Some(shading), SplatInput::Grid(grid)) = (self.scene.reflection(), input) {
+        if let (Some(shading), SplatInput::Grid(grid)) = (self.scene.reflection(), &self.input) {
             let gradient = DVec3::from(grid.with_lattice(Gradient(line.index_at(grid, depth).to_array())));
             let world = grid.placement().gradient_to_world(gradient);
             light = shading.along(&self.scene.lights, line.direction).shade(light, world.to_array());
@@ -92,8 +93,9 @@ impl SplatModel {
 impl DiscreteModel for SplatModel {
     fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm> {
         let Self { view, rays, seen, input, .. } = self;
-        let line = Line::new(seen, input, &rays.at(x, y), [x, y]);
-        let Some(ends) = self.ends(input, view, seen, &rays.at(x, y), &line) else { return Vec::new() };
+        let ray = rays.at(x, y);
+        let line = Line::new(seen, input, &ray, [x, y]);
+        let Some(ends) = self.ends(&ray, &line) else { return Vec::new() };
         let own = match (input, self.renderer.buffers) {
             (SplatInput::Grid(grid), Buffers::Axis) => OwnSheets::new(&self.renderer, grid, view).ok(),
             _ => None,
@@ -123,14 +125,14 @@ impl DiscreteModel for SplatModel {
                     let depth = own.as_ref().map_or(0.0, |own| line.depth_at(own.axis, own.layers[*turn as usize]));
                     // Where a sheet is sampled there may be nothing.
                     if length > 0.0 && !line.in_vacuum(input, depth) {
-                        self.step(input, &line, depth, sum / length, length)
+                        self.step(&line, depth, sum / length, length)
                     } else {
                         Self::term([0.0; 3], 0.0)
                     }
                 };
                 sheets.iter().map(term).collect()
             }
-            Buffers::Image => self.image_sheets(input, seen, &line, &profile, &splats, ends),
+            Buffers::Image => self.image_sheets(&line, &profile, &splats, ends),
         };
         if own.is_some() && self.renderer.order == crate::splatter::CompositingOrder::BackToFront {
             terms.reverse();
@@ -156,13 +158,12 @@ impl SplatModel {
 
     fn image_sheets(
         &self,
-        input: &SplatInput,
-        seen: &SplatView,
         line: &Line,
         profile: &Profile,
         splats: &[ExactSplat],
         [near, far]: [f64; 2],
     ) -> Vec<SegmentTerm> {
+        let Self { input, seen, .. } = self;
         let Ok(sheets) = ImageSheets::new(&self.renderer, &self.scene.volume, input, seen) else { return Vec::new() };
         let half = seen.half_depth();
         // The splats that each sheet has a section of.
@@ -211,7 +212,7 @@ impl SplatModel {
                 (covered, covered)
             };
             if divisor > 0.0 && !line.in_vacuum(input, middle) {
-                terms.push(self.step(input, line, middle, sum / divisor, length));
+                terms.push(self.step(line, middle, sum / divisor, length));
             }
         }
         terms

@@ -9,7 +9,7 @@ use crate::splat::Splat;
 /// Points, in a view.
 pub(crate) struct PointSplats<'a> {
     pub(crate) points: &'a PointSet,
-    /// Those that matter, by their numbers.
+    /// Indices of the points that can be seen.
     pub(crate) visible: &'a [u32],
     pub(crate) view: &'a SplatView,
     pub(crate) low_pass: f64,

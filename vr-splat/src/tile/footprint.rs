@@ -21,7 +21,7 @@ pub(crate) enum FootprintKernel {
 /// A windowed sinc over |t| in [0, 1], at equal distances, the last entry twice.
 pub(crate) struct SincTable(Vec<f32>);
 
-/// Intervals of that.
+/// Number of intervals of a [`SincTable`].
 const INTERVALS: usize = 4096;
 
 impl FootprintKernel {

@@ -76,7 +76,7 @@ struct Tile<'a> {
     row: u32,
     blocks: Vec<Block>,
     states: Vec<State>,
-    /// As each block's rays see them; none where nothing is shaded.
+    /// Lights as the rays of each block see them; none where nothing is shaded.
     lights: Vec<PacketLights>,
     /// Blocks whose rays are set up, a bit each.
     ready: u64,

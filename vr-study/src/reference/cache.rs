@@ -40,7 +40,7 @@ impl ReferenceCache {
     /// Solves pixels of a view, or takes what was solved before.
     ///
     /// # Errors
-    /// As [`ReferencePixels::solve`]; a folder that cannot be read or written only costs time.
+    /// Same as for [`ReferencePixels::solve`]. A folder that cannot be read or written is no error; it only costs time.
     pub fn solve(
         &self,
         (scene, view): (&Scene, &View),

@@ -49,7 +49,7 @@ impl ReferencePixels {
     /// Solves pixels of a phantom as the function that it is, under the transfer function of a scene of its voxels.
     ///
     /// # Errors
-    /// As [`Reference::solve_phantom`].
+    /// Same as for [`Reference::solve_phantom`].
     pub fn solve_phantom(
         phantom: &Arc<dyn Phantom>,
         (scene, view): (&Scene, &View),

@@ -6,6 +6,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
+use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{
     Cells as Places, Field, LANES, Lanes, Pairs, Stage, Sums, Vectorized, cells, inside, pick, run, splat, step_light,
@@ -64,11 +65,10 @@ impl<T: Pairs> Bricked<'_, T> {
                     .collect();
                 let texture = if (self.shows)(brick) { Some(pool.texture(brick, &cells, &self.volume)?) } else { None };
                 // Sixteen by sixteen would be too little work a task.
-                let groups = touched.len().div_ceil(GROUP);
-                in_parallel(control, groups as u32, |g| {
-                    let from = g as usize * GROUP;
-                    for waiting in &touched[from..(from + GROUP).min(touched.len())] {
-                        let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
+                let groups: Vec<_> = touched.chunks(GROUP).collect();
+                in_parallel(control, groups.len() as u32, |g| {
+                    for waiting in groups[g as usize] {
+                        let mut waiting = locked(waiting);
                         let through = BrickRays {
                             scene,
                             dims: self.volume.dims,

@@ -17,7 +17,7 @@ pub(crate) enum Classifier<'a> {
     /// One by one in f64, where no table tells apart all that the transfer function does: light and opacity of a stored number and a length in table
     /// lengths.
     Exact(&'a (dyn Fn(f32, f32) -> [f32; 4] + Sync)),
-    /// As segments between two values; `brightest`: no stretch shines brighter, channel by channel, where emission is not given on its own.
+    /// Integrates segments between two values; `brightest`: no stretch shines brighter, channel by channel, where emission is not given on its own.
     Segments { table: &'a PreIntegrated<f32>, brightest: Option<[f32; 3]> },
     /// Texels are light and opacity of one table length.
     Done { even: bool },

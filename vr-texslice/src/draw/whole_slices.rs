@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use glam::DVec3;
 use vr_core::filter::Lattice;
 use vr_core::image_order::in_parallel;
+use vr_core::parallel::locked;
 use vr_core::{Control, Counts, RenderError};
 use vr_kernels::vector::{Pairs, run};
 
@@ -41,10 +42,10 @@ pub(crate) fn draw_slices<T: Pairs>(
                 masks[sixteen] |= 1 << (span.y % 4 * 4 + x % 4);
             }
         }
-        in_parallel(control, touched.len().div_ceil(GROUP) as u32, |g| {
-            let from = g as usize * GROUP;
-            for &i in &touched[from..(from + GROUP).min(touched.len())] {
-                let mut waiting = rays[i].lock().unwrap_or_else(PoisonError::into_inner);
+        let groups: Vec<_> = touched.chunks(GROUP).collect();
+        in_parallel(control, groups.len() as u32, |g| {
+            for &i in groups[g as usize] {
+                let mut waiting = locked(&rays[i]);
                 let only = Some(masks[i]);
                 run(
                     scene.level,

@@ -45,7 +45,7 @@ impl<R: Real> PreIntegrated<R> {
         behind(self.segment_between(front, middle, half), self.segment_between(middle, back, half))
     }
 
-    /// As [`PreIntegrated::segment`], between places that are known already.
+    /// Light and opacity like [`PreIntegrated::segment`], between places that are already known.
     #[inline(always)]
     pub fn segment_between(&self, front: TablePlace<R>, back: TablePlace<R>, length: R) -> [R; 4] {
         if self.has_walls()

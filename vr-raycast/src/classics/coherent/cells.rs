@@ -28,7 +28,7 @@ impl CellMask {
     /// The cells that a ray from some sides may meet first: those that can be seen, but for those where all neighbours on these sides
     /// can be, too. A ray that meets such a cell has met one of these neighbours before.
     ///
-    /// As steps along x, y and z from the block's first cell.
+    /// Cells are given as steps along x, y and z from the block's first cell.
     pub(crate) fn front(&self, sides: Sides) -> impl Iterator<Item = [usize; 3]> + '_ {
         (1..=EDGE).flat_map(move |z| {
             let layer = self.0[z];

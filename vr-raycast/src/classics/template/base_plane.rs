@@ -40,7 +40,7 @@ impl BasePlane {
     /// For a grid and an orthographic view.
     ///
     /// # Errors
-    /// As [`vr_core::Camera::frame`].
+    /// Same as for [`vr_core::Camera::frame`].
     pub(crate) fn new(view: &View, placement: &Placement, samples: [usize; 3]) -> Result<Self, ParameterError> {
         let forward = view.camera.frame()?.z_axis;
         let direction = placement.inverse_axes() * forward;

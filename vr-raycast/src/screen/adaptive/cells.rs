@@ -18,7 +18,7 @@ impl Cells {
         Self { across, down, chosen: vec![true; across * down] }
     }
 
-    /// Those of the cells that have a corner among the marked points, which are listed row by row.
+    /// Returns the cells that have a corner among the marked points, which are listed row by row.
     pub(super) fn within(&self, marked: &[Vec<bool>]) -> Self {
         let mut found = self.clone();
         for (y, row) in found.rows_mut() {
