@@ -68,7 +68,10 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
         results.iter().map(|(_, m)| Entry { frame: &m.rendered.frame, errors: &m.errors }).collect();
     let sheet = contact_sheet::draw(&entries, scene.background);
     vr_io::write(&args.output, &sheet, &PngOptions::default()).map_err(Failure::failed)?;
-    console.result(&text(&setup, &exact, &results, args), &json(&setup, &exact, &results, args))
+    // Renderers are asked for their features only where the answers are read.
+    let silent = console.json || console.quiet;
+    let text = if silent { String::new() } else { text(&setup, &exact, &results, args) };
+    console.result(&text, &json(&setup, &exact, &results, args))
 }
 
 /// Measurements of one renderer with one setting.

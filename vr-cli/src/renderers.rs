@@ -12,7 +12,7 @@ use vr_texslice::TextureSlicer;
 
 use crate::failure::Failure;
 
-/// All of them, one line each.
+/// Returns every renderer, one line each.
 pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
     vec![
         Box::new(RayCaster::default()),
@@ -101,7 +101,7 @@ pub fn option_help() -> String {
 
 /// Columns of an option and its default in the help text.
 const SETTING_WIDTH: usize = 28;
-/// Columns of what is said of it.
+/// Columns of an option's description in the help text.
 const HELP_WIDTH: usize = 78;
 
 /// Breaks a text between words into lines of a width.

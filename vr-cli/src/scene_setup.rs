@@ -96,9 +96,13 @@ impl Setup {
             _ => None,
         };
         let setup = Self { scene, view, title, notes, inputs, phantom, renderer, options, max_error, origin };
-        let layer = setup.scene.layer(&setup.view, &Control::default()).map_err(|e| setup.render_failure(e))?;
-        if layer.is_some_and(|layer| layer.pixels.iter().all(|p| p.1 == f32::INFINITY)) {
-            console.note("the mesh is nowhere in the picture");
+        setup.view.validate().map_err(|e| setup.render_failure(e.into()))?;
+        // Surfaces are drawn here for the note alone.
+        if !console.quiet {
+            let layer = setup.scene.layer(&setup.view, &Control::default()).map_err(|e| setup.render_failure(e))?;
+            if layer.is_some_and(|layer| layer.pixels.iter().all(|p| p.1 == f32::INFINITY)) {
+                console.note("the mesh is nowhere in the picture");
+            }
         }
         Ok(setup)
     }

@@ -78,6 +78,6 @@ pub struct Clip {
 pub struct Plane {
     /// Vector into the half space; any length.
     pub normal: DVec3,
-    /// See above.
+    /// Smallest value of normal·x that is kept.
     pub offset: f64,
 }

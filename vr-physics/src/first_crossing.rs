@@ -1,12 +1,12 @@
 //! The first point of a ray where the field reaches a value.
 
+use vr_core::bound::Bound;
+use vr_core::field::{FieldLine, LineModel, Poly};
+
 use crate::crossings::crossings;
 use crate::optics::Optics;
 use crate::transport::Certainty;
 use crate::value_operators::{HALVINGS_NEAR, Stretch, rounding, stretches};
-use vr_core::bound::Bound;
-use vr_core::field::Poly;
-use vr_core::field::{FieldLine, LineModel};
 
 /// A first crossing.
 #[derive(Clone, Copy, Debug)]

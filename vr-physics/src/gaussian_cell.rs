@@ -6,12 +6,10 @@
 //! (Trefethen, *Approximation Theory and Approximation Practice*, 2013, theorem 8.2).
 
 use glam::DVec3;
+use vr_core::bound::Bound;
+use vr_core::field::{LEBESGUE, Poly, interpolation};
 use vr_core::filter::{GAUSSIAN_RADIUS, GAUSSIAN_SIGMA, Lattice};
 use vr_core::{Filter, Voxel};
-
-use vr_core::bound::Bound;
-use vr_core::field::Poly;
-use vr_core::field::{LEBESGUE, interpolation};
 
 /// Degree of the interpolation: a gradient's square has twice that, the largest degree that there is.
 const DEGREE: usize = 12;

@@ -5,6 +5,8 @@
 //! Chebyshev points (`gaussian_cell`).
 
 use glam::{DMat3, DVec3};
+use vr_core::bound::Bound;
+use vr_core::field::{Chord, Cut, FieldLine, LineModel, Poly};
 use vr_core::filter::Reconstruction;
 use vr_core::{Calibration, Filter, GridVolume, IndexRay, Real, Sampler, Voxel};
 
@@ -12,9 +14,6 @@ use crate::double::Double;
 use crate::exact_ray::{ExactPlacement, IndexChord};
 use crate::gaussian_cell;
 use crate::tap_weights::{Axis, BSPLINE, CATMULL_ROM, cubics};
-use vr_core::bound::Bound;
-use vr_core::field::Poly;
-use vr_core::field::{Chord, Cut, FieldLine, LineModel};
 
 /// Gradients per index step at the voxels, for shading that takes them from there.
 pub type SampleGradients<'a> = &'a (dyn Fn([usize; 3]) -> [f64; 3] + Sync);

@@ -13,14 +13,13 @@
 //! Light of a density emitter, q = κ c with c linear in f, is integrated by parts, so that κ may be as large as it likes:
 //! ∫ κ c e^(−τ) ds = c(a) E(b) + ∫ c' (E(b) − E) ds with E = 1 − e^(−τ).
 
+use vr_core::bound::{Bound, largest};
+use vr_core::field::{LineModel, Poly};
 use vr_core::transfer::Segment;
 use vr_core::{OpacityRule, Shading};
 
 use crate::nodes::{DEGREES, Rule, rule};
 use crate::optics::Optics;
-use vr_core::bound::{Bound, largest};
-use vr_core::field::LineModel;
-use vr_core::field::Poly;
 
 /// Light and depth of a stretch, not yet dimmed by the medium in front.
 #[derive(Clone, Copy, Debug)]

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use vr_core::bound::{Bound, largest};
 use vr_core::image_order::{ImageSample, PixelValue, trace_pixels, trace_view};
 use vr_core::{
     Configurable, Control, Counts, DeclaredOption, Documented, DocumentedError, Frame, HardCaseErrors, MIN_MAX_ERROR,
@@ -12,7 +13,6 @@ use vr_core::{
 use crate::segments::RaySegment;
 use crate::solver::{RayQuery, RayResult, Solver, check};
 use crate::transport::{Certainty, Transport};
-use vr_core::bound::{Bound, largest};
 
 /// Solves the equation of transfer for every pixel.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use vr_core::field::FieldLine;
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::image_order::ImageSample;
 use vr_core::{
@@ -17,7 +18,6 @@ use crate::reference::Pixel;
 use crate::segments::{RaySegment, segments};
 use crate::transport::{Transport, transport};
 use crate::value_operators;
-use vr_core::field::FieldLine;
 
 /// Everything that the rays of a view share.
 pub(crate) struct Solver<'a> {
@@ -84,7 +84,7 @@ impl<'a> Solver<'a> {
         Ok(Self { tolerance, scene, view, model, rays, layer: None, source })
     }
 
-    /// The same with the scene's surfaces.
+    /// Returns the solver with the layer of the scene's surfaces.
     pub(crate) fn with_surfaces(self, control: &Control) -> Result<Self, RenderError> {
         Ok(Self { layer: self.scene.layer(self.view, control)?, ..self })
     }

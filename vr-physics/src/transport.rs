@@ -4,14 +4,13 @@
 //! where a light goes behind the horizon. Each piece is a [`Leaf`]: integrated if its a-priori bound fits its share of the
 //! tolerance, else halved.
 
+use vr_core::bound::{Bound, largest};
+use vr_core::field::{FieldLine, LineModel, Poly};
 use vr_core::transfer::Segment;
 
 use crate::crossings::crossings;
 use crate::leaf::{Gain, Leaf, Whole};
 use crate::optics::Optics;
-use vr_core::bound::{Bound, largest};
-use vr_core::field::Poly;
-use vr_core::field::{FieldLine, LineModel};
 
 /// Light that leaves a ray at its front, and how deep the ray is.
 #[derive(Clone, Copy, Debug, PartialEq)]

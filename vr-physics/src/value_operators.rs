@@ -1,13 +1,12 @@
 //! The compositing operators of values: maximum, minimum, average, first crossing.
 
 use vr_core::TransferFunction;
+use vr_core::bound::{Bound, largest};
+use vr_core::field::{FieldLine, LineModel, Poly};
 
 use crate::crossings::crossings;
 pub use crate::first_crossing::{First, Hit, first};
 use crate::transport::Certainty;
-use vr_core::bound::{Bound, largest};
-use vr_core::field::Poly;
-use vr_core::field::{FieldLine, LineModel};
 
 /// One value of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,11 @@
 //! Discontinuities of a ray's medium: walls, jumps of the transfer function, and ends of the part that the field fills.
 
+use vr_core::bound::{Bound, largest};
+use vr_core::field::{FieldLine, LineModel, Poly};
 use vr_core::transfer::{Optical, Segment};
 
 use crate::optics::inside;
 use crate::transport::{HALF_DEPTH, Walk, band};
-use vr_core::bound::{Bound, largest};
-use vr_core::field::Poly;
-use vr_core::field::{FieldLine, LineModel};
 
 /// A side of a place where the medium jumps.
 #[derive(Clone, Copy, Default)]

@@ -189,7 +189,7 @@ impl OrderCheck<'_> {
         (name, scene, view): (&str, &Scene, &View),
         progress: &dyn Fn(f64),
     ) -> Result<Vec<Convergence>, StudyError> {
-        let refined = if jumps(scene) { Refined::StepAtJumps } else { Refined::Step };
+        let refined = if scene.transfer.has_jumps() { Refined::StepAtJumps } else { Refined::Step };
         let view = View { size: [OWN_SIDE, OWN_SIDE], ..view.clone() };
         let claims = renderer.convergence();
         let mut results = Vec::new();
@@ -223,7 +223,7 @@ impl OrderCheck<'_> {
         let mut blank = on_own_data(blank(renderer, &claim, Refined::Grid, name));
         // What falls is the error of the step.
         let orders = claim.orders;
-        blank.expected = if jumps(scene) { orders.jumps } else { orders.smooth }.min(2.0);
+        blank.expected = if scene.transfer.has_jumps() { orders.jumps } else { orders.smooth }.min(2.0);
         let mut sizes = Vec::new();
         let mut pictures = Vec::new();
         for parts in 1..=4usize {
@@ -382,11 +382,6 @@ fn blank(renderer: &dyn StudiedRenderer, claim: &ConvergenceClaim, refined: Refi
 /// True if the orders that renderers document hold for such a scene: unshaded light.
 fn is_claimed(scene: &Scene) -> bool {
     scene.compositing.integrates_light() && scene.shading.is_none()
-}
-
-/// True if the transfer function jumps.
-fn jumps(scene: &Scene) -> bool {
-    scene.transfer.points().windows(2).any(|w| w[0].value == w[1].value)
 }
 
 /// The same for data that were not made for the test.

@@ -44,26 +44,38 @@ pub struct FeatureMatrix {
 impl FeatureMatrix {
     /// Asks renderers for every feature.
     pub fn of(renderers: &[Box<dyn StudiedRenderer>]) -> Self {
+        let others: Vec<Vec<Box<dyn StudiedRenderer>>> =
+            renderers.iter().map(|renderer| documented(&**renderer)).collect();
+        let asked_of = |draws: &dyn Fn(&dyn StudiedRenderer) -> bool| -> Vec<Support> {
+            renderers.iter().zip(&others).map(|(renderer, others)| asked(&**renderer, others, draws)).collect()
+        };
         let mut rows: Vec<(&'static str, Vec<Support>)> = scenes()
             .into_iter()
             .map(|(name, scene, view)| {
                 let draws = |renderer: &dyn StudiedRenderer| renderer.supports(&scene, Some(&view)).is_ok();
-                (name, renderers.iter().map(|renderer| asked(&**renderer, draws)).collect())
+                (name, asked_of(&draws))
             })
             .collect();
         let promises = |renderer: &dyn StudiedRenderer| matches!(renderer.with_max_error(1e-3), Some(Ok(_)));
-        rows.push(("a promised error", renderers.iter().map(|renderer| asked(&**renderer, promises)).collect()));
+        rows.push(("a promised error", asked_of(&promises)));
         Self { renderers: renderers.iter().map(|renderer| renderer.name()).collect(), rows }
     }
 }
 
-/// Asks a renderer at its defaults, then at each setting that it documents.
-fn asked(renderer: &dyn StudiedRenderer, draws: impl Fn(&dyn StudiedRenderer) -> bool) -> Support {
+/// Makes a renderer at each setting that it documents.
+fn documented(renderer: &dyn StudiedRenderer) -> Vec<Box<dyn StudiedRenderer>> {
+    renderer.settings().iter().filter_map(|setting| renderer.with_options(&setting.options).ok()).collect()
+}
+
+/// Asks a renderer at its defaults, then at the settings that it documents.
+fn asked(
+    renderer: &dyn StudiedRenderer,
+    documented: &[Box<dyn StudiedRenderer>],
+    draws: &dyn Fn(&dyn StudiedRenderer) -> bool,
+) -> Support {
     if draws(renderer) {
-        return Support::Drawn;
-    }
-    let configured = |options| renderer.with_options(options).is_ok_and(|other| draws(&*other));
-    if renderer.settings().iter().any(|setting| configured(&setting.options)) {
+        Support::Drawn
+    } else if documented.iter().any(|other| draws(&**other)) {
         Support::InSomeSettings
     } else {
         Support::Refused

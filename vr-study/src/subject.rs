@@ -21,7 +21,7 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The same scene seen otherwise.
+    /// Returns the subject under another view.
     pub fn seen(&self, word: &str, view: View) -> Self {
         Self { name: format!("{} {word}", self.name), view, ..self.clone() }
     }

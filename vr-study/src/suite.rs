@@ -34,9 +34,6 @@ pub enum Suite {
 }
 
 impl Suite {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Quick, Self::Full, Self::Hard, Self::Scaling];
-
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
@@ -45,11 +42,6 @@ impl Suite {
             Self::Hard => "hard",
             Self::Scaling => "scaling",
         }
-    }
-
-    /// The suite of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|s| s.name() == name)
     }
 
     fn has(self, part: Part) -> bool {

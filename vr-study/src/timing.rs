@@ -288,7 +288,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_corrected_by_the_yardstick() {
+    fn times_are_corrected_by_the_clock_reference() {
         let ms = Duration::from_millis;
         // The machine was half as fast as usual.
         let reading = Reading { time: ms(20), clock_reference: ms(2) };

@@ -10,6 +10,7 @@ mod volume;
 
 use std::path::{Path, PathBuf};
 
+use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use vr_io::{PngDepth, PngOptions};
 
@@ -246,23 +247,27 @@ impl Cli {
     /// # Errors
     /// [`Failure::Usage`] for anything else that is no command.
     pub fn from_command_line() -> Result<Self, Failure> {
-        let options = renderers::option_help();
-        // Renderers are asked for their features only where the answers are read.
-        let asked = std::env::args().any(|word| ["-h", "--help", "help"].contains(&word.as_str()));
-        let features = if asked { renderers::feature_table() + "\n" } else { String::new() };
-        let command = Self::command()
-            .mut_subcommand("render", |render| render.after_help(features + &options + EXIT_CODES))
-            .mut_subcommand("bench", |bench| bench.after_help(options.clone() + EXIT_CODES))
-            .mut_subcommand("ray", |ray| ray.after_help(options));
-        match command.try_get_matches().and_then(|matches| Self::from_arg_matches(&matches)) {
+        let matches = match Self::command().try_get_matches() {
+            // Renderers are asked for their features and options only where help is read.
+            Err(e) if e.kind() == ErrorKind::DisplayHelp => Self::command_with_renderers().try_get_matches(),
+            read => read,
+        };
+        match matches.and_then(|matches| Self::from_arg_matches(&matches)) {
             Ok(cli) => Ok(cli),
-            Err(e)
-                if e.use_stderr() && e.kind() != clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
-            {
+            Err(e) if e.use_stderr() && e.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
                 Err(Failure::usage(first_words(&e.render().to_string())))
             }
             Err(e) => e.exit(),
         }
+    }
+
+    /// The command with what help tells of renderers.
+    fn command_with_renderers() -> clap::Command {
+        let (features, options) = (renderers::feature_table() + "\n", renderers::option_help());
+        Self::command()
+            .mut_subcommand("render", |render| render.after_help(features + &options + EXIT_CODES))
+            .mut_subcommand("bench", |bench| bench.after_help(options.clone() + EXIT_CODES))
+            .mut_subcommand("ray", |ray| ray.after_help(options))
     }
 }
 

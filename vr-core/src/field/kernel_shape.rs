@@ -47,11 +47,11 @@ impl Stretch {
 /// Error of interpolation at Chebyshev points on a part of a line: at most `size · ρ⁻ⁿ`, and at most `crude`.
 #[derive(Clone, Copy, Debug)]
 pub struct Remainder {
-    /// See above.
+    /// Factor of ρ⁻ⁿ in the bound.
     pub size: f64,
     /// 1/ρ.
     pub decay: f64,
-    /// See above.
+    /// Bound for every degree.
     pub crude: f64,
 }
 

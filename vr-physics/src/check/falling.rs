@@ -74,7 +74,7 @@ impl Falling {
         (self.floor + uncertainty).max(self.scene_slack * errors[0].max(errors[1]) + CHANCE)
     }
 
-    /// The same for all scenes of a kind together.
+    /// Largest error of the shortest steps that is allowed for all scenes of a kind together.
     fn allowed_together(&self, errors: &[f64; 3]) -> f64 {
         self.floor.max(POOLED_SLACK * self.ratio.powf(-2.0 * self.order) * errors[0])
     }

@@ -73,7 +73,7 @@ pub struct Marcher {
 }
 
 impl Marcher {
-    /// One with a fault, and steps of ⅛.
+    /// Makes a marcher with a fault and steps of ⅛ of a voxel.
     pub fn new(fault: Fault) -> Self {
         Self { fault, step: 0.125 }
     }

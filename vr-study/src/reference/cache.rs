@@ -48,8 +48,9 @@ impl ReferenceCache {
         pixels: Vec<[u32; 2]>,
         control: &Control,
     ) -> Result<ReferencePixels, RenderError> {
-        let key = fingerprint((scene, view), model, &pixels, DEFAULT_TOLERANCE);
-        let Some((folder, key)) = self.folder.as_ref().zip(key) else {
+        // Without a folder no key is needed: it takes every voxel, and the surfaces' layer.
+        let key = |folder| Some((folder, fingerprint((scene, view), model, &pixels, DEFAULT_TOLERANCE)?));
+        let Some((folder, key)) = self.folder.as_ref().and_then(key) else {
             return ReferencePixels::solve((scene, view), model, pixels, control);
         };
         let path = folder.join(key.iter().map(|b| format!("{b:02x}")).collect::<String>() + ".exact");

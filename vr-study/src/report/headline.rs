@@ -15,7 +15,7 @@ pub fn headline_plot(results: &[SubjectResult]) -> Result<String, StudyError> {
     chart(results, |chart| chart.standalone_svg())
 }
 
-/// The same to stand within a page.
+/// Returns the plot for use within a page.
 pub(super) fn inline_plot(results: &[SubjectResult]) -> Result<String, StudyError> {
     chart(results, |chart| chart.svg())
 }

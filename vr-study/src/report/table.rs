@@ -36,7 +36,7 @@ const HEADER: [&str; 26] = [
 /// Points as comma-separated values, one row each below a header; figures that were not measured are empty.
 ///
 /// # Errors
-/// None that is known: memory takes all.
+/// No failure is known: memory takes everything.
 pub fn csv(results: &[SubjectResult]) -> Result<Vec<u8>, StudyError> {
     let failed = |e: csv::Error| StudyError::Io(std::io::Error::other(e));
     let mut writer = csv::Writer::from_writer(Vec::new());

@@ -7,7 +7,7 @@ use glam::DVec3;
 pub struct HalfSpace {
     /// Points into what is kept; any length.
     pub normal: DVec3,
-    /// See above.
+    /// Smallest value of normal·x that is kept.
     pub offset: f64,
 }
 

@@ -11,14 +11,16 @@ const MAX_VOXELS: usize = 6;
 /// Any small volume: all five voxel types, 2 to 6 voxels an axis, sheared, flipped and anisotropic placements, calibrations of
 /// either sign, constant data, and (for floats) missing voxels.
 pub fn grid() -> impl Strategy<Value = Volume> {
-    let data = prop_oneof![2 => constant(), 2 => ramp(), 4 => noise(), 2 => with_holes()];
-    (voxel_type(), dims(2), data, placement(any_spacing()), calibration())
-        .prop_map(|(kind, dims, data, placement, calibration)| build(kind, dims, &data, placement, calibration))
+    of_data(prop_oneof![2 => constant(), 2 => ramp(), 4 => noise(), 2 => with_holes()])
 }
 
-/// As [`grid`], without missing voxels.
+/// Any small volume of [`grid`] without missing voxels.
 pub fn tame_grid() -> impl Strategy<Value = Volume> {
-    let data = prop_oneof![1 => constant(), 2 => ramp(), 4 => noise()];
+    of_data(prop_oneof![1 => constant(), 2 => ramp(), 4 => noise()])
+}
+
+/// Any small volume of some data.
+fn of_data(data: impl Strategy<Value = Data>) -> impl Strategy<Value = Volume> {
     (voxel_type(), dims(2), data, placement(any_spacing()), calibration())
         .prop_map(|(kind, dims, data, placement, calibration)| build(kind, dims, &data, placement, calibration))
 }
@@ -235,7 +237,7 @@ fn build(kind: VoxelType, dims: [usize; 3], data: &Data, placement: Placement, c
     build_in((0.0, 1.0), kind, dims, data, placement, calibration)
 }
 
-/// As [`build`], with floats between two numbers other than 0 and 1.
+/// Builds a grid like [`build`], with floats between two given numbers in place of 0 and 1.
 pub(super) fn build_in(
     (min, max): (f64, f64),
     kind: VoxelType,

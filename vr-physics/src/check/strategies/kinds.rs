@@ -403,7 +403,7 @@ struct LayerPlane {
     /// Depth behind the middle of the volume, in diagonals; and its increase from one side of the picture to the other.
     behind: f64,
     tilt: f64,
-    /// Every how many pixels there is a hole in it.
+    /// Number of pixels from one hole to the next.
     holes: usize,
 }
 
