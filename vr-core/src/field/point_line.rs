@@ -16,7 +16,7 @@ use crate::view::Clip;
 /// `kernel_shape`), of rounding, and of how far rounding displaces points. Where a kernel bends sharply beside its point, further
 /// breakpoints are added, closer and closer to it, unless those of other points are close already.
 ///
-/// Distances are world units behind [`offset`](Self::offset).
+/// Distances are world units behind the offset of its [`Chord`](crate::field::Chord::offset).
 #[derive(Clone, Debug)]
 pub struct PointLine {
     supports: Vec<Support>,
