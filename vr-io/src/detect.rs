@@ -61,8 +61,8 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     Err(FileError::new(path, FileErrorKind::Unrecognised { supported: VOLUMES }))
 }
 
-/// Error for a folder, naming the format if it is one whose volumes are folders.
-pub(crate) fn unsupported_folder(path: &Path) -> FileError {
+/// The format of a folder: of one that is a volume by itself, or of the files in it.
+pub(crate) fn detect_folder(path: &Path) -> Result<Format, FileError> {
     let has = |name: &str| path.join(name).exists();
     let is_dicom = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm"));
     let format = if has(".zgroup") || has(".zarray") || has(".zattrs") || has("zarr.json") {
@@ -72,7 +72,7 @@ pub(crate) fn unsupported_folder(path: &Path) -> FileError {
     } else {
         "folder of files"
     };
-    FileError::new(path, FileErrorKind::Unsupported { format })
+    Err(FileError::new(path, FileErrorKind::Unsupported { format }))
 }
 
 /// The beginning of what a compressed beginning unpacks to.

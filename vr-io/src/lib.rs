@@ -138,6 +138,7 @@ mod raw;
 mod read;
 mod scalar;
 mod scene;
+mod source;
 mod voxels;
 mod world;
 

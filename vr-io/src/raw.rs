@@ -102,7 +102,7 @@ pub(crate) fn describe(
     Ok(Description {
         format: "raw",
         header: path.into(),
-        payload,
+        source: payload.into(),
         layout,
         placement,
         placed_by: if raw.spacing.is_some() { "description" } else { "assumed" },

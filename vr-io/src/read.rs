@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 
 use vr_core::{Calibration, Placement, Volume};
 
-use crate::detect::{Format, detect, unsupported_folder};
+use crate::detect::{Format, detect, detect_folder};
 use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError};
 use crate::layout::Layout;
 use crate::nifti::Transform;
-use crate::payload::Payload;
 use crate::points::{self, LoadedPoints, PointFormat, PointOptions};
 use crate::raw::RawDescription;
 use crate::scalar::{Endian, ScalarType};
+use crate::source::Source;
 use crate::world::Space;
 use crate::{metaimage, nifti, nrrd, raw};
 
@@ -100,7 +100,7 @@ pub(crate) struct Description {
     pub format: &'static str,
     /// The file that the header was read from; not always the one that was named.
     pub header: PathBuf,
-    pub payload: Payload,
+    pub source: Source,
     pub layout: Layout,
     /// Placement in the world: in RAS already, where the space is a patient's.
     pub placement: Placement,
@@ -118,22 +118,38 @@ pub(crate) struct Description {
 /// A [`FileError`] that names the file, the field, what was found and what is allowed.
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, FileError> {
     let path = path.as_ref();
-    if path.is_dir() {
-        return Err(unsupported_folder(path));
+    match describe(path, options)? {
+        Described::Grid(description) => load(path, *description, options),
+        Described::Points(format) => load_points(path, format, options),
     }
-    if let Some(description) = &options.raw {
+}
+
+/// What a file turned out to hold.
+enum Described {
+    Grid(Box<Description>),
+    Points(PointFormat),
+}
+
+/// Reads the header alone.
+fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> {
+    let (format, head) = if path.is_dir() {
+        (detect_folder(path)?, Vec::new())
+    } else {
         let head = file_head(path).map_err(|e| FileError::new(path, e))?;
-        return load(path, raw::describe(path, description, Encoding::of_file(&head), options)?, options);
-    }
-    let head = file_head(path).map_err(|e| FileError::new(path, e))?;
-    let described = match detect(path, &head)? {
+        let format = match &options.raw {
+            Some(description) => Format::Raw(description.clone()),
+            None => detect(path, &head)?,
+        };
+        (format, head)
+    };
+    let description = match format {
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
-        Format::Points(format) => return load_points(path, format, options),
+        Format::Points(format) => return Ok(Described::Points(format)),
     };
-    load(path, described, options)
+    Ok(Described::Grid(Box::new(description)))
 }
 
 /// The first few thousand bytes of a file: enough to tell every format.
@@ -155,9 +171,10 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
 }
 
 fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Loaded, FileError> {
-    let Description { format, header, payload, layout, placement, placed_by, calibration, space, units, mut notes } =
+    let Description { format, header, source, layout, placement, placed_by, calibration, space, units, mut notes } =
         described;
-    let samples = payload.load(path, &layout, options, &mut notes)?;
+    let (encoding, scalar, endian, data_files) = (source.encoding(), source.scalar(), source.endian(), source.files());
+    let samples = source.load(path, &layout, options, &mut notes)?;
     let mapped = samples.is_mapped();
     let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
     let volume = Volume::from(grid);
@@ -171,13 +188,12 @@ fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Lo
             notes.push(format!("{} of {count} voxels are infinite and count as NaN", stats.infinite));
         }
     }
-    let data_files: Vec<PathBuf> = payload.segments.iter().map(|s| s.path.clone()).collect();
     let files = each_once([path.to_path_buf(), header].into_iter().chain(data_files.iter().cloned()));
     let info = FileInfo {
         format,
-        encoding: payload.encoding.name(),
-        scalar: payload.scalar,
-        endian: payload.endian,
+        encoding,
+        scalar,
+        endian,
         space,
         placed_by,
         units,

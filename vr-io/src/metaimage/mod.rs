@@ -44,7 +44,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     Ok(Description {
         format: "MetaImage",
         header: path.into(),
-        payload,
+        source: payload.into(),
         layout,
         placement,
         placed_by: frame.placed_by,

@@ -74,7 +74,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     Ok(Description {
         format: header.version,
         header: path.clone(),
-        payload,
+        source: payload.into(),
         layout,
         placement,
         placed_by: placed.by,

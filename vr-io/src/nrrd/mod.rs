@@ -42,7 +42,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     Ok(Description {
         format: "NRRD",
         header: path.into(),
-        payload,
+        source: payload.into(),
         layout,
         placement: world.placement,
         placed_by: world.placed_by,
