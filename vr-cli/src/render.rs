@@ -31,7 +31,11 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     }
     args.output.check_png_options()?;
     error_map::check(&args.output)?;
-    let setup = Setup::new(&args.scene, console)?;
+    // A target of RMSE chooses settings of its own.
+    let setup = match args.target.target_rmse {
+        Some(_) => Setup::new(&args.scene, console)?,
+        None => Setup::for_renderer(&args.scene, &args.renderer, console)?,
+    };
     setup.protect(args.output.places())?;
     let (scene, view) = (&setup.scene, &setup.view);
     // Draw, and write the pictures.

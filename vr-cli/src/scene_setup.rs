@@ -59,18 +59,39 @@ impl Setup {
     /// # Errors
     /// Any fault of the flags, the files, or the scene.
     pub fn new(args: &SceneArgs, console: Console) -> Result<Self, Failure> {
-        let mut file = match &args.scene {
-            Some(path) => vr_io::read_scene(path).map_err(Failure::failed)?,
-            None => default_scene(args.volume.path.is_some() || args.volume.phantom.is_some())?,
-        };
-        if args.scene.is_none() && args.mesh.mesh.is_some() {
-            // The embedded camera sees the embedded volume, and may miss the mesh.
-            file.camera = None;
-        }
-        let mut origin = Origin { scene_file: args.scene.clone(), overrides: Overrides::default() };
-        origin.overrides.apply(args, &mut file)?;
+        let (file, origin) = described(args)?;
         let path = args.scene.as_deref().unwrap_or(Path::new(""));
         let loaded = vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
+        Self::around(args, &file, loaded, origin, console)
+    }
+
+    /// As [`Self::new`], for a renderer that is chosen already: where the volume is large, the renderer is asked first whether it draws
+    /// what the header tells of it.
+    ///
+    /// # Errors
+    /// Errors of [`Self::new`] and of [`Self::renderer`]; a scene that the renderer does not draw.
+    pub fn for_renderer(args: &SceneArgs, renderer: &RendererArgs, console: Console) -> Result<Self, Failure> {
+        let (file, origin) = described(args)?;
+        let path = args.scene.as_deref().unwrap_or(Path::new(""));
+        if let Some(outline) = vr_io::outline_scene(&file, path).map_err(|e| origin.scene_failure(e))? {
+            // All that is worth a note comes again with the volume.
+            let quiet = Console { quiet: true, ..console };
+            let setup = Self::around(args, &file, outline, origin, quiet)?;
+            let configured = setup.renderer(renderer, quiet)?;
+            let supported = configured.renderer.supports(&setup.scene, Some(&setup.view));
+            supported.map_err(|e| setup.render_failure(e))?;
+        }
+        Self::new(args, console)
+    }
+
+    /// The setup of a scene whose volume is there.
+    fn around(
+        args: &SceneArgs,
+        file: &SceneFile,
+        loaded: LoadedScene,
+        mut origin: Origin,
+        console: Console,
+    ) -> Result<Self, Failure> {
         let bounds = loaded.bounds();
         let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, info, files, notes } = loaded;
         let inputs = args.scene.iter().cloned().chain(files).collect();
@@ -91,8 +112,8 @@ impl Setup {
         scene.surfaces = mesh.map(|SceneMesh { mesh, color }| {
             Arc::new(Surface { color, shading, ..Surface::new(mesh) }) as Arc<dyn Surfaces>
         });
-        let phantom = match file.volume.source {
-            Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => Some(name),
+        let phantom = match &file.volume.source {
+            Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => Some(name.clone()),
             _ => None,
         };
         let setup = Self { scene, view, title, notes, inputs, phantom, renderer, options, max_error, origin };
@@ -198,6 +219,21 @@ impl Setup {
             other => Failure::failed(other),
         }
     }
+}
+
+/// The scene file, or the embedded scene, with the flags in place of what they override, and where each parameter came from.
+fn described(args: &SceneArgs) -> Result<(SceneFile, Origin), Failure> {
+    let mut file = match &args.scene {
+        Some(path) => vr_io::read_scene(path).map_err(Failure::failed)?,
+        None => default_scene(args.volume.path.is_some() || args.volume.phantom.is_some())?,
+    };
+    if args.scene.is_none() && args.mesh.mesh.is_some() {
+        // The embedded camera sees the embedded volume, and may miss the mesh.
+        file.camera = None;
+    }
+    let mut origin = Origin { scene_file: args.scene.clone(), overrides: Overrides::default() };
+    origin.overrides.apply(args, &mut file)?;
+    Ok((file, origin))
 }
 
 /// The scene that flags name; none where they name nothing, for commands that have scenes of their own then.

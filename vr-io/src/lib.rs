@@ -155,13 +155,13 @@ pub use picture_read::{MAX_PIXELS, Picture, PictureError, SampleKind, read_pictu
 pub use png::{Encode, PngDepth, PngOptions, encode_png, write_png};
 pub use points::{LoadedPoints, PointColumns, PointOptions, read_points};
 pub use raw::RawDescription;
-pub use read::{FileInfo, Loaded, ReadOptions, read};
+pub use read::{FileInfo, Loaded, ReadOptions, outline, read};
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
     CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LightEntry, LoadedScene,
     LoadedVolume, MeshSection, ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection,
-    TransferSection, VolumeSection, VolumeSource, load_scene, load_volume, parse_scene, read_scene, resolve_scene,
-    scene_text, write_scene,
+    TransferSection, VolumeSection, VolumeSource, load_scene, load_volume, outline_scene, parse_scene, read_scene,
+    resolve_scene, scene_text, write_scene,
 };
 pub use world::{Space, orientation};
 

@@ -5,7 +5,8 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use vr_core::{Calibration, Placement, Volume};
+use glam::DMat3;
+use vr_core::{Calibration, GridError, Placement, Volume};
 
 use crate::detect::{Format, detect, detect_folder};
 use crate::encoding::Encoding;
@@ -16,6 +17,7 @@ use crate::points::{self, LoadedPoints, PointFormat, PointOptions};
 use crate::raw::RawDescription;
 use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
+use crate::voxels::{Stored, Voxels};
 use crate::world::Space;
 use crate::{metaimage, nifti, nrrd, raw};
 
@@ -124,6 +126,37 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, Fil
     }
 }
 
+/// Reads the header alone, and stands a volume of at most two voxels along each axis, all zero, in for the one that [`read()`] gives: of its
+/// box and, where memory holds the file's type as it is, of its type. Tells in milliseconds what a file of gigabytes is, and whether a
+/// renderer draws it ([`vr_core::Renderer::supports`]). `None` for scattered points, whose files have no header that says as much, and for
+/// volumes of less than 2²⁴ voxels, which are read as fast as told.
+///
+/// # Errors
+/// A [`FileError`] about the header.
+pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<Loaded>, FileError> {
+    let path = path.as_ref();
+    let Described::Grid(mut description) = describe(path, options)? else { return Ok(None) };
+    let Layout { dims, .. } = description.layout;
+    if description.layout.count() < 1 << 24 {
+        return Ok(None);
+    }
+    let few = dims.map(|n| n.min(2));
+    // The steps of two voxels span the box; one voxel keeps its step.
+    let stretch = dims.map(|n| n.saturating_sub(1).max(1) as f64);
+    let axes = description.placement.axes() * DMat3::from_diagonal(stretch.into());
+    let in_file = |e: GridError| FileError::new(path, e);
+    description.placement = Placement::new(description.placement.origin(), axes).map_err(in_file)?;
+    let count = few.iter().product();
+    let voxels = match description.source.scalar() {
+        ScalarType::U8 => Voxels::U8(Stored::Owned(vec![0; count])),
+        ScalarType::I8 => Voxels::I8(Stored::Owned(vec![0; count])),
+        ScalarType::U16 => Voxels::U16(Stored::Owned(vec![0; count])),
+        ScalarType::I16 => Voxels::I16(Stored::Owned(vec![0; count])),
+        _ => Voxels::F32(Stored::Owned(vec![0.0; count])),
+    };
+    assemble(path, *description, few, |_, _, _| Ok(voxels)).map(Some)
+}
+
 /// What a file turned out to hold.
 enum Described {
     Grid(Box<Description>),
@@ -170,13 +203,24 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
     Ok(Loaded { volume: points.into(), info, notes })
 }
 
-fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Loaded, FileError> {
+fn load(path: &Path, description: Description, options: &ReadOptions) -> Result<Loaded, FileError> {
+    let dims = description.layout.dims;
+    assemble(path, description, dims, |source, layout, notes| source.load(path, layout, options, notes))
+}
+
+/// The volume of that many of a description's voxels.
+fn assemble(
+    path: &Path,
+    description: Description,
+    dims: [usize; 3],
+    voxels: impl FnOnce(Source, &Layout, &mut Vec<String>) -> Result<Voxels, FileError>,
+) -> Result<Loaded, FileError> {
     let Description { format, header, source, layout, placement, placed_by, calibration, space, units, mut notes } =
-        described;
+        description;
     let (encoding, scalar, endian, data_files) = (source.encoding(), source.scalar(), source.endian(), source.files());
-    let samples = source.load(path, &layout, options, &mut notes)?;
+    let samples = voxels(source, &layout, &mut notes)?;
     let mapped = samples.is_mapped();
-    let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
+    let grid = samples.into_grid(dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
     let volume = Volume::from(grid);
     if let Some(uniform) = volume.grid() {
         let stats = uniform.value_stats();

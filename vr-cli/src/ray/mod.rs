@@ -30,7 +30,7 @@ pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Fa
     if let Some(path) = &args.csv {
         output_file::check(path, &["csv"])?;
     }
-    let setup = Setup::new(&args.scene, console)?;
+    let setup = Setup::for_renderer(&args.scene, &args.renderer, console)?;
     setup.protect(args.csv.iter().map(|path| ("--csv", path.as_path())))?;
     let pixel = pixel(args, setup.view.size)?;
     let renderer = setup.renderer(&args.renderer, console)?.renderer;

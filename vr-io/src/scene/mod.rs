@@ -14,7 +14,7 @@ use crate::atomic::write_whole;
 use crate::error::{FileError, WriteError};
 
 pub use error::SceneFileError;
-pub use resolve::{LoadedScene, SceneMesh, resolve_scene};
+pub use resolve::{LoadedScene, SceneMesh, outline_scene, resolve_scene};
 pub use scene_file::SceneFile;
 pub use sections::{
     CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, MeshSection, ProjectionName,

@@ -15,7 +15,7 @@ use crate::read::{FileInfo, each_once};
 use super::error::{SceneFileError, unknown_name};
 use super::scene_file::SceneFile;
 use super::sections::{ColorEncoding, TransferSection};
-use super::volume::load_volume;
+use super::volume::{LoadedVolume, load_volume, outline_volume};
 
 /// A scene, ready to be rendered.
 #[derive(Clone, Debug)]
@@ -69,11 +69,24 @@ fn bounds(scene: &Scene, mesh: Option<&SceneMesh>) -> (DVec3, DVec3) {
 /// # Errors
 /// A [`SceneFileError`] naming the file and the field.
 pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, SceneFileError> {
+    with_volume(file, path, load_volume(&file.volume, path)?)
+}
+
+/// The scene that a scene file describes around a large volume of which only the header is read ([`crate::outline`]): enough to ask a
+/// renderer whether it draws it before gigabytes are read. `None` where the volume is not large, or comes from no file of a grid.
+///
+/// # Errors
+/// A [`SceneFileError`] naming the file and the field.
+pub fn outline_scene(file: &SceneFile, path: &Path) -> Result<Option<LoadedScene>, SceneFileError> {
+    let outline = outline_volume(&file.volume, path)?;
+    outline.map(|outline| with_volume(file, path, outline)).transpose()
+}
+
+fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<LoadedScene, SceneFileError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let in_file = |source| SceneFileError::Parameter { path: path.into(), source };
     let mut notes = Vec::new();
-    // Load the volume, and list every file that is read.
-    let found = load_volume(&file.volume, path)?;
+    // List every file that is read.
     notes.extend(found.notes);
     let volume_files = found.info.as_ref().map_or_else(Vec::new, |info| info.files.clone());
     let named = file.mesh.as_ref().map(|mesh| &mesh.path).into_iter();

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use vr_core::{ControlPoint, Filter, ParameterError, Volume, phantom};
 
+use crate::error::FileError;
 use crate::points::PointOptions;
 use crate::raw::RawDescription;
-use crate::read::{FileInfo, ReadOptions, read};
+use crate::read::{FileInfo, Loaded, ReadOptions, outline, read};
 
 use super::error::SceneFileError;
 use super::inline;
@@ -31,12 +32,34 @@ pub struct LoadedVolume {
 /// # Errors
 /// A [`SceneFileError`] naming the file and the field.
 pub fn load_volume(section: &VolumeSection, path: &Path) -> Result<LoadedVolume, SceneFileError> {
+    let loaded = volume_of(section, path, |path, options| read(path, options).map(Some))?;
+    Ok(loaded.expect("every file that is read is a volume"))
+}
+
+/// A stand-in for a large volume from a file, made of the header alone ([`outline`]); `None` where there is no such file.
+pub(super) fn outline_volume(section: &VolumeSection, path: &Path) -> Result<Option<LoadedVolume>, SceneFileError> {
+    match section.source {
+        Some(VolumeSource::File(_)) => volume_of(section, path, |path, options| outline(path, options)),
+        _ => Ok(None),
+    }
+}
+
+/// The volume of a section, whose file is read by `read`; `None` where that gives none.
+fn volume_of(
+    section: &VolumeSection,
+    path: &Path,
+    read: impl Fn(&Path, &ReadOptions) -> Result<Option<Loaded>, FileError>,
+) -> Result<Option<LoadedVolume>, SceneFileError> {
     let in_file = |source| SceneFileError::Parameter { path: path.into(), source };
     let made = |volume: Volume, transfer| LoadedVolume { volume, info: None, transfer, notes: Vec::new() };
     let loaded = match &section.source {
         None => return Err(in_file(wrong("volume", "nothing", NO_SOURCE))),
         Some(VolumeSource::File(file)) => {
-            from_file(file, &path.parent().unwrap_or(Path::new("")).join(&file.path), in_file)?
+            let path = path.parent().unwrap_or(Path::new("")).join(&file.path);
+            match from_file(file, &path, read, in_file)? {
+                Some(loaded) => loaded,
+                None => return Ok(None),
+            }
         }
         Some(VolumeSource::Phantom { name, size }) => {
             let (volume, transfer) = sampled_phantom(name, size.unwrap_or(PHANTOM_SIZE)).map_err(in_file)?;
@@ -57,7 +80,7 @@ pub fn load_volume(section: &VolumeSection, path: &Path) -> Result<LoadedVolume,
         let allowed = "only grids have a filter; points have a kernel";
         return Err(in_file(wrong("volume.filter", section.filter.name(), allowed)));
     }
-    Ok(loaded)
+    Ok(Some(loaded))
 }
 
 fn wrong(field: &str, found: &str, allowed: &'static str) -> ParameterError {
@@ -67,8 +90,9 @@ fn wrong(field: &str, found: &str, allowed: &'static str) -> ParameterError {
 fn from_file(
     file: &FileSource,
     path: &Path,
+    read: impl Fn(&Path, &ReadOptions) -> Result<Option<Loaded>, FileError>,
     in_file: impl Fn(ParameterError) -> SceneFileError + Copy,
-) -> Result<LoadedVolume, SceneFileError> {
+) -> Result<Option<LoadedVolume>, SceneFileError> {
     file.points.validate().map_err(in_file)?;
     let options = ReadOptions {
         frame: file.frame,
@@ -78,7 +102,7 @@ fn from_file(
         points: file.points.clone(),
         ..ReadOptions::default()
     };
-    let loaded = read(path, &options)?;
+    let Some(loaded) = read(path, &options)? else { return Ok(None) };
     if file.transform.is_some() && !loaded.info.format.starts_with("NIfTI") {
         return Err(in_file(wrong("volume.transform", loaded.info.format, "only NIfTI files have a choice")));
     }
@@ -86,7 +110,7 @@ fn from_file(
         let allowed = "only scattered points have one; this is a grid";
         return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
     }
-    Ok(LoadedVolume { volume: loaded.volume, info: Some(loaded.info), transfer: None, notes: loaded.notes })
+    Ok(Some(LoadedVolume { volume: loaded.volume, info: Some(loaded.info), transfer: None, notes: loaded.notes }))
 }
 
 /// Returns one of the keys that are set.
