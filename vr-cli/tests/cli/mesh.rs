@@ -45,6 +45,22 @@ fn every_renderer_draws_it_or_says_that_it_cannot() {
 }
 
 #[test]
+fn a_large_volume_is_refused_by_its_header() {
+    let vr = Vr::new();
+    vr.write("square.obj", square(0.0));
+    // Of the voxels that the name claims none is there: to read them fails, but the renderer is asked first.
+    vr.write("large_512x512x512_uint8.raw", "");
+    let draw = |renderer: &str| {
+        vr.run(&format!("render large_512x512x512_uint8.raw --mesh square.obj --renderer {renderer} --size 24"))
+            .failed(1)
+    };
+    let error = draw("shearwarp");
+    assert!(error.contains("shearwarp does not support opaque surfaces"), "{error}");
+    let error = draw("raycast");
+    assert!(error.contains("claims 134217728 bytes of voxels, found 0"), "{error}");
+}
+
+#[test]
 fn a_scene_file_names_a_mesh_beside_it() {
     let vr = Vr::new();
     std::fs::create_dir(vr.folder().join("scenes")).unwrap();
