@@ -2,21 +2,31 @@
 
 use glam::DVec3;
 use vr_core::{Camera, ParameterError, Projection};
-use vr_io::{FileInfo, OBLIQUE, ProjectionName};
+use vr_io::{FileInfo, ProjectionName};
+use vr_look::fit;
 
-use crate::args::CameraArgs;
+use crate::args::{CameraArgs, Fit};
 
 /// Vertical angle in degrees of a perspective camera that was given none.
 const FOV: f64 = 30.0;
 
-/// Bounds of the volume to be seen, and what its file says.
-pub type Sight<'a> = ((DVec3, DVec3), Option<&'a FileInfo>);
+/// What there is to be seen, for a camera that is not placed.
+pub struct Sight<'a> {
+    /// Bounds of all there is.
+    pub bounds: (DVec3, DVec3),
+    /// World positions that enclose what is visible.
+    pub visible: &'a dyn Fn() -> Vec<DVec3>,
+    /// Width of the picture over its height.
+    pub aspect: f64,
+    /// What the volume's file says.
+    pub info: Option<&'a FileInfo>,
+}
 
 /// The camera that flags make of a scene's own, or of one that sees all of the volume where it has none.
 ///
 /// # Errors
 /// A camera that sees nothing.
-pub fn apply(args: &CameraArgs, own: Option<Camera>, sight: Sight<'_>) -> Result<Camera, ParameterError> {
+pub fn apply(args: &CameraArgs, own: Option<Camera>, sight: &Sight<'_>) -> Result<Camera, ParameterError> {
     match (args.projection, args.fov, args.height) {
         (Some(ProjectionName::Orthographic), Some(fov), _) => {
             return Err(ParameterError::new("camera.fov", fov, "an orthographic camera has a height, not an angle"));
@@ -55,8 +65,10 @@ pub fn apply(args: &CameraArgs, own: Option<Camera>, sight: Sight<'_>) -> Result
     Ok(camera)
 }
 
-fn whole_volume(args: &CameraArgs, fov: Option<f64>, (bounds, info): Sight<'_>) -> Result<Camera, ParameterError> {
-    let (azimuth, elevation) = (args.azimuth.unwrap_or(OBLIQUE.0), args.elevation.unwrap_or(OBLIQUE.1));
+fn whole_volume(args: &CameraArgs, fov: Option<f64>, sight: &Sight<'_>) -> Result<Camera, ParameterError> {
+    let Sight { bounds, visible, aspect, info } = *sight;
+    let usual = vr_io::default_angles(info);
+    let (azimuth, elevation) = (args.azimuth.unwrap_or(usual.0), args.elevation.unwrap_or(usual.1));
     for (field, angle) in [("camera.azimuth", azimuth), ("camera.elevation", elevation)] {
         if !angle.is_finite() {
             return Err(ParameterError::new(field, angle, "must be finite"));
@@ -66,7 +78,11 @@ fn whole_volume(args: &CameraArgs, fov: Option<f64>, (bounds, info): Sight<'_>) 
         // A wrong angle is to be named, not the eye that it would put somewhere.
         Camera { projection: Projection::Perspective { fov }, ..Camera::framing(bounds, 0.0, 0.0, None) }.frame()?;
     }
-    Ok(vr_io::framing(bounds, info, (azimuth, elevation), fov))
+    let whole = vr_io::framing(bounds, info, (azimuth, elevation), fov);
+    Ok(match args.fit {
+        Fit::Box => whole,
+        Fit::Visible => fit(&whole, &visible(), aspect),
+    })
 }
 
 #[cfg(test)]
@@ -83,7 +99,9 @@ mod tests {
 
     fn camera(flags: &str, own: Option<Camera>) -> Result<Camera, ParameterError> {
         let flags = Flags::parse_from(std::iter::once("vr").chain(flags.split_whitespace()));
-        apply(&flags.camera, own, ((DVec3::NEG_ONE, DVec3::ONE), None))
+        let visible = || vec![DVec3::NEG_ONE, DVec3::ONE];
+        let sight = Sight { bounds: (DVec3::NEG_ONE, DVec3::ONE), visible: &visible, aspect: 1.0, info: None };
+        apply(&flags.camera, own, &sight)
     }
 
     #[test]

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use vr_core::{ControlPoint, Plane};
 use vr_io::{
-    FileSource, GridDescription, LightEntry, MeshSection, PointOptions, SceneFile, TransferSection, VolumeSection,
-    VolumeSource,
+    FileSource, GridDescription, LightEntry, MeshSection, PointOptions, SceneFile, ShadingSection, TransferSection,
+    VolumeSection, VolumeSource,
 };
 
 use crate::args::{CameraArgs, CompositingArgs, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs};
@@ -28,7 +28,7 @@ impl Overrides {
     pub fn apply(&mut self, args: &SceneArgs, file: &mut SceneFile) -> Result<(), Failure> {
         self.over_file = args.scene.is_some();
         self.volume(&args.volume, &mut file.volume)?;
-        self.set("volume.filter", args.filter, &mut file.volume.filter);
+        self.set_some("volume.filter", args.filter, &mut file.volume.filter);
         self.transfer(&args.transfer, file);
         self.shading(&args.shading, file);
         self.mesh(&args.mesh, file)?;
@@ -39,7 +39,7 @@ impl Overrides {
 
     /// Remembers what flags say about the camera.
     pub fn camera(&mut self, args: &CameraArgs) {
-        let CameraArgs { azimuth, elevation, eye, target, up, projection, height, fov } = args;
+        let CameraArgs { azimuth, elevation, eye, target, up, projection, height, fov, fit: _ } = args;
         let flags = [
             ("camera.azimuth", azimuth.is_some()),
             ("camera.elevation", elevation.is_some()),
@@ -160,7 +160,7 @@ impl Overrides {
     }
 
     fn transfer(&mut self, args: &TransferArgs, file: &mut SceneFile) {
-        let TransferArgs { transfer, point, range, unit_distance, opacity_rule, colors } = args;
+        let TransferArgs { look, transfer, point, range, unit_distance, opacity_rule, colors } = args;
         let mut section = file.transfer.clone().unwrap_or_default();
         if let Some(transfer) = transfer {
             let TransferSection { unit_distance, opacity_rule, .. } = section;
@@ -180,18 +180,23 @@ impl Overrides {
             (section.preset, section.file, section.range) = (None, None, None);
             self.note("transfer.points");
         }
+        if let Some(look) = look {
+            // In place of what the scene file names.
+            section = TransferSection { look: *look, ..TransferSection::default() };
+            self.note("transfer.look");
+        }
         self.set_some("transfer.range", *range, &mut section.range);
         self.set_some("transfer.unit_distance", *unit_distance, &mut section.unit_distance);
         self.set("transfer.opacity_rule", *opacity_rule, &mut section.opacity_rule);
         self.set("transfer.colors", *colors, &mut section.colors);
-        if section != TransferSection::default() {
+        if look.is_some() || section != TransferSection::default() {
             file.transfer = Some(section);
         }
     }
 
     fn shading(&mut self, args: &ShadingArgs, file: &mut SceneFile) {
         if args.no_shading {
-            file.shading = None;
+            file.shading = Some(ShadingSection { enabled: false, ..ShadingSection::default() });
             return;
         }
         let before = self.fields.len();
@@ -211,6 +216,7 @@ impl Overrides {
             self.note("shading.gradient_opacity");
         }
         if args.shading || self.fields.len() > before {
+            section.enabled = true;
             file.shading = Some(section);
         }
     }

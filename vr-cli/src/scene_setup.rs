@@ -12,11 +12,12 @@ use vr_io::{
 use vr_mesh::Surface;
 
 use crate::args::{RendererArgs, SceneArgs};
+use crate::camera_flags::{self, Sight};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
 use crate::overrides::Overrides;
-use crate::{camera_flags, number, renderers};
+use crate::{number, renderers};
 
 /// The scene that is drawn where the command line names none.
 const EMBEDDED: &str = include_str!("embedded.toml");
@@ -92,14 +93,18 @@ impl Setup {
         mut origin: Origin,
         console: Console,
     ) -> Result<Self, Failure> {
-        let bounds = loaded.bounds();
-        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, info, files, notes } = loaded;
-        let inputs = args.scene.iter().cloned().chain(files).collect();
-
-        let own = file.camera.is_some().then_some(view.camera);
+        let own = file.camera.is_some().then_some(loaded.view.camera);
         origin.overrides.camera(&args.camera);
-        let sight = (bounds, info.as_ref());
-        view.camera = camera_flags::apply(&args.camera, own, sight).map_err(|e| origin.parameter(&e))?;
+        let sight = Sight {
+            bounds: loaded.bounds(),
+            visible: &|| loaded.visible(),
+            aspect: loaded.view.aspect(),
+            info: loaded.info.as_ref(),
+        };
+        let camera = camera_flags::apply(&args.camera, own, &sight).map_err(|e| origin.parameter(&e))?;
+        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, files, notes, .. } = loaded;
+        view.camera = camera;
+        let inputs = args.scene.iter().cloned().chain(files).collect();
         for note in &notes {
             console.note(note);
         }

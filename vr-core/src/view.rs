@@ -27,6 +27,11 @@ impl View {
         Self { camera, size, supersampling: 1, clip: Clip::default() }
     }
 
+    /// Width of the picture over its height.
+    pub fn aspect(&self) -> f64 {
+        f64::from(self.size[0]) / f64::from(self.size[1])
+    }
+
     /// Checks everything but the camera's own axes.
     ///
     /// # Errors

@@ -145,7 +145,7 @@ mod world;
 pub use atomic::write_bytes;
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};
 pub use exr::write_exr;
-pub use framing::{OBLIQUE, framing};
+pub use framing::{default_angles, framing};
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;
 pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
@@ -159,9 +159,9 @@ pub use read::{FileInfo, Loaded, ReadOptions, outline, read};
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
     CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LightEntry, LoadedScene,
-    LoadedVolume, MeshSection, ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection,
-    TransferSection, VolumeSection, VolumeSource, load_scene, load_volume, outline_scene, parse_scene, read_scene,
-    resolve_scene, scene_text, write_scene,
+    LoadedVolume, LookName, MeshSection, ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh,
+    ShadingSection, TransferSection, VolumeSection, VolumeSource, load_scene, load_volume, outline_scene, parse_scene,
+    read_scene, resolve_scene, scene_text, write_scene,
 };
 pub use world::{Space, orientation};
 

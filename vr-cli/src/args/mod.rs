@@ -18,7 +18,7 @@ pub use choices::{Bits, Curve, ErrorMeasure};
 pub use diff::DiffArgs;
 pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
-pub use scene::{CameraArgs, CompositingArgs, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
+pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use volume::VolumeArgs;
 
 use crate::failure::Failure;

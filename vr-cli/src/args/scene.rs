@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use vr_core::{Filter, GradientMethod, OpacityRule};
-use vr_io::{ColorEncoding, CompositingName, ProjectionName};
+use vr_io::{ColorEncoding, CompositingName, LookName, ProjectionName};
 
 use super::{VolumeArgs, value};
 
@@ -44,6 +44,9 @@ pub struct SceneArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Transfer function")]
 pub struct TransferArgs {
+    /// Where no transfer function is named: auto finds one from the volume, with shading; flat spreads a preset over the values
+    #[arg(long, value_name = "LOOK", value_parser = value::word::<LookName>, conflicts_with_all = ["transfer", "point"])]
+    pub look: Option<LookName>,
     /// A preset (vr info suggests some), or a ParaView colour map (.json)
     #[arg(long, value_name = "PRESET|FILE")]
     pub transfer: Option<String>,
@@ -111,10 +114,22 @@ pub struct MeshArgs {
     pub mesh_color: Option<[f64; 3]>,
 }
 
+/// What a camera that is not placed shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Fit {
+    /// All that can be seen.
+    Visible,
+    /// The whole volume.
+    Box,
+}
+
 /// `[camera]`.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArgs {
+    /// What fills the picture where the camera is not placed: visible, or box for the whole volume
+    #[arg(long, value_name = "WHAT", default_value = "visible", conflicts_with_all = ["eye", "target", "up"])]
+    pub fit: Fit,
     /// See everything from this many degrees to the right of the volume's front: the +z side, a patient's face
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, conflicts_with_all = ["eye", "target", "up"])]
     pub azimuth: Option<f64>,

@@ -17,7 +17,7 @@ pub use error::SceneFileError;
 pub use resolve::{LoadedScene, SceneMesh, outline_scene, resolve_scene};
 pub use scene_file::SceneFile;
 pub use sections::{
-    CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, MeshSection, ProjectionName,
+    CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, LookName, MeshSection, ProjectionName,
     RenderSection, ShadingSection, TransferSection,
 };
 pub use volume::{LoadedVolume, load_volume};

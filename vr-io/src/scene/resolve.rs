@@ -5,16 +5,17 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 use vr_core::transfer::{Preset, srgb_to_linear};
-use vr_core::{ControlPoint, Options, ParameterError, Scene, TriangleMesh, View, Volume};
+use vr_core::{ControlPoint, Light, Options, ParameterError, Scene, TriangleMesh, View, Volume};
+use vr_look::{Hints, Survey, fit};
 
-use crate::framing::{OBLIQUE, framing};
+use crate::framing::{default_angles, framing};
 use crate::mesh::read_mesh;
 use crate::paraview::read_color_maps;
 use crate::read::{FileInfo, each_once};
 
 use super::error::{SceneFileError, unknown_name};
 use super::scene_file::SceneFile;
-use super::sections::{ColorEncoding, TransferSection};
+use super::sections::{ColorEncoding, LookName, ShadingSection, TransferSection};
 use super::volume::{LoadedVolume, load_volume, outline_volume};
 
 /// A scene, ready to be rendered.
@@ -55,6 +56,17 @@ impl LoadedScene {
     pub fn bounds(&self) -> (DVec3, DVec3) {
         bounds(&self.scene, self.mesh.as_ref())
     }
+
+    /// World positions that enclose all that is visible: of the volume, and the mesh where there is one.
+    pub fn visible(&self) -> Vec<DVec3> {
+        visible(&Survey::new(&self.scene.volume), &self.scene, &self.view, self.mesh.as_ref())
+    }
+}
+
+fn visible(survey: &Survey, scene: &Scene, view: &View, mesh: Option<&SceneMesh>) -> Vec<DVec3> {
+    let mut points = survey.visible(&scene.transfer, scene.compositing, &view.clip);
+    points.extend(mesh.into_iter().flat_map(|mesh| mesh.mesh.positions().iter().copied()));
+    points
 }
 
 fn bounds(scene: &Scene, mesh: Option<&SceneMesh>) -> (DVec3, DVec3) {
@@ -95,6 +107,7 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
 
     // Choose the transfer function: the phantom's own, or that of the section.
     let mut file = file.clone();
+    let mut survey = None;
     if let Some(section) = &file.transfer {
         check_transfer(section, &mut notes).map_err(in_file)?;
     }
@@ -103,6 +116,20 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
         (transfer, Some((points, unit_distance))) if transfer.as_ref().is_none_or(names_no_points) => {
             transfer.get_or_insert_default().unit_distance.get_or_insert(unit_distance);
             points
+        }
+        // Nothing is asked for: the volume tells.
+        (transfer, _) if transfer.as_ref().is_none_or(|t| names_no_points(t) && t.look == LookName::Auto) => {
+            let patient = found.info.as_ref().is_some_and(|info| info.space.is_patient());
+            let hints = Hints { patient, compositing: file.render.compositing().map_err(in_file)? };
+            let look = survey.get_or_insert_with(|| Survey::new(&found.volume)).look(&hints);
+            notes.push(look.reason);
+            if file.shading.is_none()
+                && let Some(shading) = &look.shading
+            {
+                file.shading = Some(ShadingSection::describe(shading, &[Light::default()]));
+            }
+            file.volume.filter = file.volume.filter.or(look.filter);
+            look.points
         }
         (transfer, _) => {
             let transfer = transfer.get_or_insert_default();
@@ -128,7 +155,10 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
     };
     let (scene, mut view) = file.assemble(found.volume, points).map_err(in_file)?;
     if file.camera.is_none() {
-        view.camera = framing(bounds(&scene, mesh.as_ref()), found.info.as_ref(), OBLIQUE, None);
+        let info = found.info.as_ref();
+        let whole = framing(bounds(&scene, mesh.as_ref()), info, default_angles(info), None);
+        let survey = survey.unwrap_or_else(|| Survey::new(&scene.volume));
+        view.camera = fit(&whole, &visible(&survey, &scene, &view, mesh.as_ref()), view.aspect());
     }
     let render = file.render;
     Ok(LoadedScene {

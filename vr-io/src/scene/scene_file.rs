@@ -12,17 +12,18 @@ use super::volume_section::VolumeSection;
 /// A whole scene file.
 ///
 /// Unknown keys are errors. The default of what is absent: trilinear, power rule, unit distance = mean spacing, linear colours,
-/// no shading, no clipping, a picture of 512×512 pixels of the whole volume before black.
+/// no shading, no clipping, a picture of 512×512 pixels, filled by what is visible, before black. Without points, preset or file in
+/// `[transfer]` the look is automatic: transfer function, shading and filter are found from the volume ([`vr_look`]).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SceneFile {
     /// The volume and its filter.
     pub volume: VolumeSection,
-    /// Map from value to light; absent: a preset is chosen.
+    /// Map from value to light; absent: found from the volume.
     pub transfer: Option<TransferSection>,
-    /// Absent: unshaded.
+    /// Absent: unshaded, or as the automatic look has it.
     pub shading: Option<ShadingSection>,
-    /// Absent: the whole volume, from an oblique direction.
+    /// Absent: what is visible, from slightly above and to the right; a patient from the front.
     pub camera: Option<CameraSection>,
     /// Absent: no opaque surface.
     pub mesh: Option<MeshSection>,
@@ -47,10 +48,7 @@ impl SceneFile {
     pub fn describe(scene: &Scene, view: &View) -> Result<Self, ParameterError> {
         let t = &scene.transfer;
         Ok(Self {
-            volume: VolumeSection {
-                source: Some(inline_volume(&scene.volume)?),
-                filter: scene.volume.filter().unwrap_or_default(),
-            },
+            volume: VolumeSection { source: Some(inline_volume(&scene.volume)?), filter: scene.volume.filter() },
             transfer: Some(TransferSection {
                 unit_distance: Some(t.unit_distance()),
                 opacity_rule: t.rule(),
@@ -85,9 +83,9 @@ impl SceneFile {
         let mut scene = Scene {
             compositing: self.render.compositing()?,
             background: self.image.background,
-            ..Scene::new(volume.with_filter(self.volume.filter), transfer)
+            ..Scene::new(volume.with_filter(self.volume.filter.unwrap_or_default()), transfer)
         };
-        if let Some(section) = &self.shading {
+        if let Some(section) = self.shading.as_ref().filter(|section| section.enabled) {
             scene.shading = Some(Arc::new(section.shading()));
             scene.lights = section.lights()?;
         }

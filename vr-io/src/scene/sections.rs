@@ -6,10 +6,23 @@ use vr_core::{
     Camera, Compositing, ControlPoint, GradientMethod, Light, OpacityRule, Options, ParameterError, Projection, Shading,
 };
 
+/// What is drawn where a scene file names no transfer function.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LookName {
+    /// Transfer function, shading and filter found from the volume ([`vr_look`]).
+    #[default]
+    Auto,
+    /// A preset over the range of the values, by the kind of voxels alone; unshaded.
+    Flat,
+}
+
 /// `[transfer]`: points, a preset, or a file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TransferSection {
+    /// The look where nothing else here names one.
+    pub look: LookName,
     /// The name of a preset.
     pub preset: Option<String>,
     /// The range of values that a preset or a file is stretched over; the volume's if absent.
@@ -41,6 +54,8 @@ pub enum ColorEncoding {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ShadingSection {
+    /// False for no shading, whatever the automatic look would do.
+    pub enabled: bool,
     /// ka.
     pub ambient: f64,
     /// kd.
@@ -69,6 +84,7 @@ impl ShadingSection {
     pub(super) fn describe(s: &Shading, lights: &[Light]) -> Self {
         let light = |l: &Light| LightEntry { headlight: l.direction.is_none(), direction: l.direction, color: l.color };
         Self {
+            enabled: true,
             ambient: s.ambient,
             diffuse: s.diffuse,
             specular: s.specular,

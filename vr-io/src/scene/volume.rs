@@ -75,10 +75,11 @@ fn volume_of(
         }
     };
     if let Volume::Points(_) = &loaded.volume
-        && section.filter != Filter::default()
+        && let Some(filter) = section.filter
+        && filter != Filter::default()
     {
         let allowed = "only grids have a filter; points have a kernel";
-        return Err(in_file(wrong("volume.filter", section.filter.name(), allowed)));
+        return Err(in_file(wrong("volume.filter", filter.name(), allowed)));
     }
     Ok(Some(loaded))
 }

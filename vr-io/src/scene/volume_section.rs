@@ -18,8 +18,8 @@ use super::error::unknown_name;
 pub struct VolumeSection {
     /// Source of the volume; a file without one describes a scene only once a volume is put into it.
     pub source: Option<VolumeSource>,
-    /// The filter.
-    pub filter: Filter,
+    /// The filter; absent: trilinear, or nearest where the automatic look finds labels.
+    pub filter: Option<Filter>,
 }
 
 /// Source of a volume, with the keys that mean something to it.
@@ -208,7 +208,7 @@ impl TryFrom<Keys> for VolumeSection {
 
     fn try_from(mut keys: Keys) -> Result<Self, ParameterError> {
         let wrong = |found: &str, allowed| ParameterError { field: "volume".into(), found: found.into(), allowed };
-        let filter = keys.filter.take().unwrap_or_default();
+        let filter = keys.filter.take();
         let source = match (keys.path.take(), keys.phantom.take(), keys.data.take(), keys.points.take()) {
             (Some(path), None, None, None) => Some(VolumeSource::File(FileSource {
                 path,
@@ -255,7 +255,7 @@ pub(super) const NO_SOURCE: &str = "must have a path, a phantom, data or points"
 
 impl From<VolumeSection> for Keys {
     fn from(VolumeSection { source, filter }: VolumeSection) -> Self {
-        let mut keys = Self { filter: Some(filter), ..Self::default() };
+        let mut keys = Self { filter, ..Self::default() };
         match source {
             Some(VolumeSource::File(file)) => {
                 let FileSource { path, frame, component, transform, endian, skip, grid, points } = file;
