@@ -116,7 +116,9 @@ impl Survey {
                 ([0.0; 3], 0.0)
             } else {
                 rank += 1;
-                (palette::label(rank - 1), opacity)
+                // A mask alone is a shape, not a region among others.
+                let color = if values.len() == 2 { palette::tissue(0.55) } else { palette::label(rank - 1) };
+                (color, opacity)
             };
             // Each holds half-way to its neighbours, where the next one begins.
             let half_way = |j: usize| 0.5 * (values[j] + value);
@@ -180,10 +182,10 @@ impl Survey {
         Look { kind, points, shading: (surfaces && self.can_shade).then(lit), filter: None, reason }
     }
 
-    /// World positions that enclose all that a transfer function makes visible: what adds less than a step of 8 bits is not, and neither are
+    /// World positions that enclose all that a transfer function makes visible: what adds less than four steps of 8 bits is not, and neither are
     /// single voxels, nor what is clipped. All of the volume where nothing is.
     pub fn visible(&self, transfer: &TransferFunction, compositing: Compositing, clip: &Clip) -> Vec<DVec3> {
-        const FAINT: f64 = 1.0 / 255.0;
+        const FAINT: f64 = 4.0 / 255.0;
         let [nx, ny, nz] = self.lattice.dims;
         let cell = libm::cbrt(self.lattice.axes.determinant().abs());
         let shows: Vec<bool> = self
