@@ -74,7 +74,10 @@ class Values:
             for row, cells in old["values"].items():
                 for column in list(cells):
                     new, unit = values.get(row, {}).get(column), units[column]
-                    if new is None or not times and (unit in TIMES or unit == "times" and not same):
+                    if new is None:
+                        continue
+                    if not times and (unit in TIMES or unit == "times" and not same):
+                        print(f"{table}: {row}, {column}: kept at {cells[column]} {unit}, now {new:.4g} on {here['cpu']}")
                         continue
                     new = new if isinstance(new, str) else float(f"{new:.6g}")
                     if new != cells[column]:
@@ -154,15 +157,18 @@ def filled(part, values, table, row):
             return path.removeprefix("row=") if path.startswith("row=") else row
         path = table + " " + path if path.startswith("> ") else path
         found = values.at(*(path.split(" > ") if " > " in path else (table, row, path)))
-        lacking.append(not found and form != "also")
+        if form != "also":
+            lacking.append(not found)
         if which:
             found = [(min if which == "least" else max)(found)]
         return shown(found[0], form) if found else ""
 
     text = PLACE.sub(place, part)
-    if any(lacking) and (not all(n for n in lacking) or not part.startswith(" ")):
-        raise ValueError(f"{table}: no value for a number in {part.strip()!r}")
-    return " – " if any(lacking) else text
+    if not any(lacking):
+        return text
+    if all(lacking) and part.startswith(" "):
+        return " – "
+    raise ValueError(f"{table}: no value for a number in {part.strip()!r}")
 
 
 def templates():
@@ -398,7 +404,7 @@ def picture_errors(table, flags):
             kind = "" if row.endswith(" persp") or " ortho" in row else "_persp" if table == "shearwarp-in-perspective" else "_ortho"
             _, vr, judge = peer_scenes.prepare(given.peers, given.work, given.vr, row.replace(" ", "_") + kind)
             values[row] = {column: judge(vr.picture(of(cells)))[0] for column, of in flags.items() if column in cells}
-        return [(f"docs/measuring/peer_scenes.py, the error of each picture on the peers' scenes, {table}", values)]
+        return [(f"docs/measuring/figures.py {table} --peers PEERS --work WORK", values)]
     return measure
 
 
@@ -486,7 +492,8 @@ HOW = {
     "splat-popping": Printed(OVERLAP, "| {row} | {} | {} | {} | {43} | {44} | {45} | {46} | {47} | {} | {} |",
                              rename={"Axis": "the volume's own sheets", "Image": "sheets parallel to the image"}.get),
     "splat-canonical": canonical,
-    "splat-points": Together(*(Printed(SPEED, f"| {kind} | {n} | {{}} | {{{kind}}} | {{{kind} sorting}} | {{}} |", rename=lambda _, row=row: row)
+    "splat-points": Together(*(Printed(SPEED, f"| {kind} | {n} | {{}} | {{{kind}}} | {{{kind} sorting}} | {{}} |",
+                                       rename=lambda _, row=row: row)
                                for kind in ("plummer", "turbulence")
                                for n, row in ((10 ** 5, "10⁵"), (10 ** 6, "10⁶"), (10 ** 7, "10⁷")))),
     "splat-speed": Together(*(Printed(SPEED, f"| {kind} | {{row}} | {{{kind} prepare}} | {{{kind}}} | {{}} | {{{kind} met}} |",
@@ -556,7 +563,10 @@ def main():
     for name in given.names:
         measure(name, given)
     if given.check or given.render or given.names:
-        stale = render(given.check)
+        try:
+            stale = render(given.check)
+        except ValueError as e:
+            sys.exit(str(e))
         if given.check and stale:
             sys.exit(f"not what docs/figures/figures.json says (docs/measuring/figures.py --render): {', '.join(stale)}")
     elif not given.list:
