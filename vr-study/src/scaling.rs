@@ -29,7 +29,7 @@ impl Grown {
     pub fn word(self) -> &'static str {
         match self {
             Self::Threads => "threads",
-            Self::Volume => "samples along a side of the volume",
+            Self::Volume => "voxels along a side of the volume",
             Self::Picture => "pixels along a side of the picture",
         }
     }
