@@ -15,7 +15,7 @@ pub enum ImageSampling {
         /// is.
         threshold: f64,
     },
-    /// Every pixel's, each begun where its part of the view can show something first. That is projected for each view from what
+    /// Rays of every pixel, each begun where its part of the view can show something first. That is projected for each view from what
     /// earlier pictures met first (a C-buffer; Yagel and Shi, *Accelerating volume animation by space-leaping*, 1993). The picture is that
     /// of [`ImageSampling::EveryPixel`], bit for bit. For samples at equal distances by the rules
     /// midpoint and left, under over and accumulate.

@@ -1,4 +1,4 @@
-//! Long steps where the medium is nearly the same, short ones elsewhere.
+//! Walk in long steps where the medium is nearly the same, and in short ones elsewhere.
 
 use vr_core::IndexRay;
 
@@ -16,7 +16,7 @@ pub(crate) struct HomogeneousWalk<'a> {
 }
 
 impl<'a> HomogeneousWalk<'a> {
-    /// Along a ray whose part in the volume is not empty. `voxel`: world length of the smallest voxel edge.
+    /// Begins a walk along a ray whose part in the volume is not empty. `voxel` is the world length of the smallest voxel edge.
     pub(crate) fn new(map: &'a Homogeneity, ray: IndexRay, step: f64, voxel: f64) -> Self {
         Self { map, ray: BlockRay::new(ray, map.blocks(), Homogeneity::EDGE, voxel), step }
     }

@@ -1,4 +1,4 @@
-//! From voxel to voxel: a three-dimensional Bresenham line.
+//! Walk from voxel to voxel: a three-dimensional Bresenham line.
 
 use vr_core::IndexRay;
 
@@ -18,7 +18,7 @@ pub(crate) fn discrete_line(from: [i64; 3], to: [i64; 3]) -> impl Iterator<Item 
     })
 }
 
-/// A walk of voxels: each contributes its own sample, wherever the ray passes it by.
+/// Walk along a line of voxels: each contributes its own sample, wherever the ray passes it by.
 ///
 /// The line goes from the voxel nearest to where the ray enters to that nearest to where it leaves, and each voxel stands for the same
 /// length of the ray, those at the ends for half of it. So a constant volume is drawn exactly, and anything else as a field that is

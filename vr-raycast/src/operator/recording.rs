@@ -1,4 +1,4 @@
-//! Another operator, watched.
+//! Record of the steps that another operator takes.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
-/// Hands everything to another operator, and notes the steps that it takes: nothing is computed in any other way for being watched.
+/// Operator that hands everything to another one and notes the steps that it takes: the other computes as it does without.
 pub(crate) struct Recording<R> {
     operator: Box<dyn Operator<R>>,
     calibration: Calibration,
@@ -34,7 +34,7 @@ impl<R: Real> Recording<R> {
         self.steps
     }
 
-    /// The samples of a step of the run.
+    /// Returns the samples of a step of the run.
     fn samples(&self, run: &Run<R>, chord: &Chord<'_>, j: usize, fractions: Option<&[f64]>) -> Vec<ProbedSample> {
         let sample = |at: f64, index: [R; 3], stored: R| ProbedSample {
             at: at + chord.ray.offset,

@@ -1,4 +1,4 @@
-//! The rules in f64, without the f32 of a frame, against the reference.
+//! Comparison of the rules in f64, without the f32 of a frame, with the reference.
 
 use std::sync::Arc;
 

@@ -21,7 +21,7 @@ const KNOWN: usize = EDGE + 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CellMask([u128; KNOWN]);
 
-/// From which sides rays come: per axis, whether from below and whether from above.
+/// Sides that rays come from: per axis, true if from below and true if from above.
 pub(crate) type Sides = [[bool; 2]; 3];
 
 impl CellMask {

@@ -1,4 +1,4 @@
-//! The vector engine against the plain one, and against itself.
+//! Comparison of the vector engine with the plain one, and with itself.
 
 use std::sync::Arc;
 
