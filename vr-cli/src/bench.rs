@@ -25,7 +25,7 @@ pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), 
     let measured =
         under_bar(console, control, "timing", |progress| measure(&*renderer, &setup, args.timing, control, progress))
             .map_err(|e| setup.render_failure(e))?;
-    // Before the exact solution, which uses memory of its own.
+    // Before the reference, which uses memory of its own.
     let peak_bytes = process::peak_bytes();
     let error = args.timing.error.then(|| judge(&setup, &measured.first, console, control)).transpose()?;
     let error_bound = max_error.map(|bound| ErrorBound::new(bound, &measured.counts(), setup.view.supersampling));
@@ -112,7 +112,7 @@ fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<
     Ok((Timed { wall, cpu, counts: rendered.stats.counts }, rendered.frame))
 }
 
-/// The exact solution that the first frame is compared with.
+/// The reference that the first frame is compared with.
 fn judge(setup: &Setup, frame: &Frame, console: Console, control: &Control) -> Result<ReferencePixels, Failure> {
     let pixels = subgrid(SUBGRID, frame.size());
     under_bar(console, control, "measuring the error", |control| {

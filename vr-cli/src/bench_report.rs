@@ -33,7 +33,7 @@ pub struct Report<'a> {
     pub peak_bytes: Option<u64>,
     /// Outcome of the error bound of all frames, where one was asked for.
     pub error_bound: Option<ErrorBound>,
-    /// Error of frame 0 against the exact solution.
+    /// Error of frame 0 against the reference.
     pub error: Option<(Metrics, &'a ReferencePixels)>,
 }
 
@@ -128,7 +128,7 @@ impl Report<'_> {
         if let Some((metrics, exact)) = &self.error {
             text += &format!("error    {metrics}\n");
             text += &format!(
-                "         of frame 0, on {} of its pixels, against the exact solution ({}; {})\n",
+                "         of frame 0, on {} of its pixels, against the reference ({}; {})\n",
                 exact.count(),
                 exact.certainty_text(),
                 number::time(exact.time)

@@ -19,7 +19,7 @@ use crate::scene_setup::Setup;
 use crate::table::Table;
 use crate::{number, output_file, renderers};
 
-/// Small enough that the exact solution of every pixel takes seconds.
+/// Small enough that the reference of every pixel takes seconds.
 const DEFAULT_SIZE: [u32; 2] = [192, 192];
 /// Frames per setting; the median of their times counts.
 const FRAMES: usize = 3;
@@ -44,7 +44,7 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     let (scene, view) = (&setup.scene, &setup.view);
     // Solve every pixel exactly.
     let every_pixel = subgrid(u32::MAX, view.size);
-    let exact = under_bar(console, control, "exact solution", |control| {
+    let exact = under_bar(console, control, "reference", |control| {
         ReferencePixels::solve((scene, view), &Model::Canonical, every_pixel, control)
     })
     .map_err(|e| setup.render_failure(e))?;
@@ -160,7 +160,7 @@ fn text(setup: &Setup, exact: &ReferencePixels, results: &[(String, Measured)], 
     }
     let [w, h] = setup.view.size;
     format!(
-        "{}, {w}x{h} pixels; exact solution: {}, {}\n\n{table}\n\
+        "{}, {w}x{h} pixels; reference: {}, {}\n\n{table}\n\
          Own model: against what the renderer itself integrates, done exactly, on {SUBGRID}x{SUBGRID} pixels.\n\
          Wrote {}: pictures above maps of their error, numbered as above.\n\n{}",
         setup.title,

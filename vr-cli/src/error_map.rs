@@ -35,7 +35,7 @@ pub fn check(output: &OutputArgs) -> Result<(), Failure> {
     output.outputs.iter().try_for_each(|picture| inputs::apart(("--error-map", path), ("the picture", picture)))
 }
 
-/// Draws and writes the map of a frame's error against its exact solution, which was found on all pixels or on the subgrid.
+/// Draws and writes the map of a frame's error against its reference, which was found on all pixels or on the subgrid.
 ///
 /// PNG: the largest error of any component, in units of max(1, largest magnitude of the solution), interpolated on its
 /// logarithmic scale. EXR: frame − solution per component in the same units, interpolated as it is.

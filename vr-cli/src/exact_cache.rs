@@ -1,4 +1,4 @@
-//! Folder of the exact solutions that are kept.
+//! Folder of the reference pixels that are kept.
 
 use vr_study::reference::ReferenceCache;
 

@@ -167,7 +167,7 @@ impl Summary<'_> {
             let all = u64::from(w) * u64::from(h);
             text += &format!("error    {metrics}\n");
             text += &format!(
-                "         on {} of {all} pixels, against the exact solution ({}; {})\n",
+                "         on {} of {all} pixels, against the reference ({}; {})\n",
                 exact.count(),
                 exact.certainty_text(),
                 number::time(exact.time)

@@ -1,4 +1,4 @@
-//! Account of one ray: the renderer's steps beside the exact solution.
+//! Account of one ray: the renderer's steps beside the reference.
 
 use vr_core::{Compositing, Probe, Ray, Rays, RenderError, View};
 use vr_physics::{Pixel, RaySegment, Reference};
@@ -30,9 +30,9 @@ pub struct Account<'a> {
     pub model: Option<String>,
     /// The renderer's steps, if it can list them.
     pub probe: Option<Probe>,
-    /// The exact solution.
+    /// The reference.
     pub exact: Pixel,
-    /// The exact solution part by part, cut where the renderer's steps begin and end, too.
+    /// The reference part by part, cut where the renderer's steps begin and end, too.
     pub segments: Vec<RaySegment>,
     /// The renderer's steps, each with what is true of it.
     pub rows: Vec<Row>,
@@ -100,7 +100,7 @@ impl<'a> Account<'a> {
         self.setup.scene.compositing.integrates_light()
     }
 
-    /// Part of the final error from behind the renderer's last step, which the exact solution includes.
+    /// Part of the final error from behind the renderer's last step, which the reference includes.
     pub fn left_out(&self) -> f64 {
         let Some(Some(end)) = self.segments.last().filter(|_| self.probe.is_some()).map(|end| end.light) else {
             return 0.0;

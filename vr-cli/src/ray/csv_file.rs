@@ -7,7 +7,7 @@ use super::rows::Row;
 use super::tables::front;
 use crate::failure::Failure;
 
-/// Writes one row per step of the renderer or, if it cannot tell, per part of the exact solution; whole or not at all.
+/// Writes one row per step of the renderer or, if it cannot tell, per part of the reference; whole or not at all.
 ///
 /// # Errors
 /// A file that cannot be written.

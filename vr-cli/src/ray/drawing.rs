@@ -1,4 +1,4 @@
-//! The ray drawn in the terminal: what it meets, what it adds up to, and where the renderer leaves the exact solution.
+//! The ray drawn in the terminal: what it meets, what it adds up to, and where the renderer leaves the reference.
 
 use vr_core::RenderError;
 use vr_core::field::Cut;
@@ -54,7 +54,7 @@ struct Drawing<'a> {
     account: &'a Account<'a>,
     from: f64,
     to: f64,
-    /// The exact solution, cut at the borders of the dots, too.
+    /// The reference, cut at the borders of the dots, too.
     segments: Vec<RaySegment>,
 }
 
@@ -75,7 +75,7 @@ impl<'a> Drawing<'a> {
 
     fn legend(&self) -> String {
         let Account { rows, renderer, .. } = self.account;
-        let mut text = "along the ray: the exact solution in dots".to_owned();
+        let mut text = "along the ray: the reference in dots".to_owned();
         if !rows.is_empty() {
             text += &format!(", × {renderer} where it is elsewhere");
         }

@@ -43,9 +43,7 @@ pub fn text(account: &Account<'_>) -> String {
     match &account.probe {
         None => line(
             "steps",
-            format!(
-                "{renderer} cannot list its steps along a ray with these options; below is the exact solution alone"
-            ),
+            format!("{renderer} cannot list its steps along a ray with these options; below is the reference alone"),
         ),
         Some(probe) => {
             let samples: usize = probe.steps.iter().map(|step| step.samples.len()).sum();

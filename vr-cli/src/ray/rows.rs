@@ -1,4 +1,4 @@
-//! The renderer's steps, each beside the exact solution.
+//! The renderer's steps, each beside the reference.
 
 use vr_core::field::Cut;
 use vr_core::{Probe, ProbedStep, Scene};
@@ -44,7 +44,7 @@ pub struct RowLight {
     pub change: f64,
 }
 
-/// Sets steps beside the exact solution, which has to be cut where they begin and end. Errors are those of component `channel`.
+/// Sets steps beside the reference, which has to be cut where they begin and end. Errors are those of component `channel`.
 pub fn rows(scene: &Scene, probe: &Probe, segments: &[RaySegment], channel: usize) -> Vec<Row> {
     let level = level(scene.compositing);
     let deepest = -(-level).ln_1p();

@@ -1,4 +1,4 @@
-//! The steps, or the parts of the exact solution, in rows.
+//! The steps, or the parts of the reference, in rows.
 
 use vr_core::ProbedSample;
 use vr_core::field::Cut;
@@ -14,7 +14,7 @@ const FEW: usize = 60;
 /// Rows of a longer table: those that matter most.
 const CHOSEN: usize = 40;
 
-/// Tables of the samples and their sums; or of the exact solution alone. A long table is shortened, unless `all` of it is asked for.
+/// Tables of the samples and their sums; or of the reference alone. A long table is shortened, unless `all` of it is asked for.
 pub fn text(account: &Account<'_>, all: bool) -> String {
     let count = if account.probe.is_some() { account.rows.len() } else { account.segments.len() };
     if count == 0 {

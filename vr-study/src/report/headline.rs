@@ -36,7 +36,7 @@ fn chart(
     finish(&Chart {
         title: "what nothing beats in both time and error",
         x: "milliseconds a frame",
-        y: "RMSE against the exact solution",
+        y: "RMSE against the reference",
         size: (860, 440),
         series: &series,
         levels: &THRESHOLDS,
