@@ -54,7 +54,7 @@ impl Configurable for RayCaster {
     }
 }
 
-/// Every kind of steps.
+/// Returns every kind of steps.
 fn steps() -> impl Iterator<Item = (&'static str, Step)> {
     STEPS.into_iter().chain(classics::STEPS)
 }
@@ -111,7 +111,7 @@ fn step_options() -> [DeclaredOption<RayCaster>; 4] {
     ]
 }
 
-/// All options but those of steps.
+/// Returns all options but those of steps.
 fn other_options() -> [DeclaredOption<RayCaster>; 11] {
     let rules = [Rule::Midpoint, Rule::Left, Rule::Linear, Rule::Quadratic, Rule::Exact];
     let screens = [ImageSampling::EveryPixel, ADAPTIVE];

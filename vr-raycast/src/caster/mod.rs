@@ -94,14 +94,14 @@ impl RayCaster {
         scene.compositing.integrates_light() && self.order != CompositingOrder::BackToFront
     }
 
-    /// World length of a step.
+    /// Returns the world length of a step.
     pub(crate) fn world_step(&self, placement: &Placement) -> f64 {
         // Other steps have no one length.
         let voxels = self.step.length().unwrap_or(1.0);
         voxels * placement.spacing().min_element()
     }
 
-    /// World length that no step of a walk exceeds; +∞ where cells are not cut, since cutting gains nothing where the rule is exact already.
+    /// Returns the world length that no step of a walk exceeds; +∞ where cells are not cut, since cutting gains nothing where the rule is exact already.
     pub(crate) fn longest_step(&self, placement: &Placement) -> f64 {
         match (self.traversal, self.rule, self.step) {
             (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Auto) => f64::INFINITY,

@@ -67,7 +67,7 @@ impl Step {
     /// RMSE that local steps aim at by default; `docs/notes/vr-raycast.md` says how it was chosen.
     pub const ERROR: f64 = 5e-4;
 
-    /// Length of steps, as a fraction of the smallest voxel edge, where all have the same; `None` for other steps.
+    /// Returns the length of steps, as a fraction of the smallest voxel edge, where all have the same; `None` for other steps.
     pub(crate) fn length(mut self) -> Option<f64> {
         self.length_mut().copied()
     }

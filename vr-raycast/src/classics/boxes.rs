@@ -78,7 +78,7 @@ impl Candidate {
     }
 }
 
-/// Extent of what is visible in each slab, one block thick, of a region, along each axis.
+/// Returns the extent of the visible blocks in each slab, one block thick, of a region, along each axis.
 fn slabs(blocks: &VisibleBlocks, region: &Extent) -> [Vec<Extent>; 3] {
     let Extent { low, high } = *region;
     let mut slabs: [Vec<Extent>; 3] = std::array::from_fn(|a| vec![Extent::NONE; high[a] - low[a]]);

@@ -38,7 +38,7 @@ impl ChessboardCloud {
         Self { grid, distances }
     }
 
-    /// Distance of a block from the nearest visible one, in blocks as a king moves; 0 if it is visible itself. At most 127.
+    /// Returns the distance of a block from the nearest visible one, in blocks as a king moves; 0 if it is visible itself. At most 127.
     #[cfg(test)]
     pub(crate) fn distance(&self, block: [usize; 3]) -> u8 {
         let stored = self.distances[self.grid.index(block)];

@@ -6,7 +6,7 @@ use super::homogeneity::{Homogeneity, Node};
 use crate::run::Steps;
 use crate::walk::BlockRay;
 
-/// Walks a ray from node to node: over what is clear, through what is homogeneous in one step, and through the rest in short steps.
+/// Walk from node to node: over clear ones, through homogeneous ones in one step, and through the rest in short steps.
 #[derive(Clone, Debug)]
 pub(crate) struct HomogeneousWalk<'a> {
     map: &'a Homogeneity,
@@ -36,7 +36,7 @@ impl<'a> HomogeneousWalk<'a> {
     }
 }
 
-/// The faces of the node of 2^level blocks an edge around a block.
+/// Returns the faces of the node of 2^level blocks an edge around a block.
 fn node(block: [usize; 3], level: u32) -> impl Fn(usize) -> [f64; 2] {
     move |a| {
         let first = block[a] >> level << level;

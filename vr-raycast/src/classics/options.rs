@@ -67,7 +67,7 @@ pub(crate) fn is_rule_beyond_voxels(caster: &RayCaster) -> bool {
     caster.traversal == Traversal::Voxels && caster.rule != Rule::Midpoint
 }
 
-/// Named casters of a study.
+/// Returns the named casters of a study.
 pub(crate) fn settings() -> [(String, RayCaster); 2] {
     let template = ImageSampling::Template { connectivity: Connectivity::Continuous };
     [("coherent", ImageSampling::Coherent), ("template", template)].map(|(word, screen)| {

@@ -59,7 +59,7 @@ impl Slab {
     }
 }
 
-/// First and last visible block of a row.
+/// Returns the first and the last visible block of a row.
 fn ends(row: &[u64]) -> Option<(usize, usize)> {
     let first = row.iter().position(|w| *w != 0)?;
     let last = row.iter().rposition(|w| *w != 0)?;

@@ -63,7 +63,7 @@ impl Pyramid {
     }
 }
 
-/// The level above `n` nodes.
+/// Returns the level above `n` nodes.
 fn above(below: &[u8], n: [usize; 3]) -> ([usize; 3], Vec<u8>) {
     const NONE: u8 = 0x7e;
     let m = n.map(|n| n.div_ceil(2));

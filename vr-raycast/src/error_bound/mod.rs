@@ -176,7 +176,7 @@ impl BoundedRays<'_> {
     }
 }
 
-/// Integrates one ray in one precision.
+/// Integration of one ray in one precision.
 struct Job<'a, R> {
     error_bound: &'a ErrorBound,
     vacuum: Option<&'a VacuumCells>,

@@ -245,7 +245,7 @@ mod tests {
     use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
     use vr_core::{Calibration, ControlPoint, TransferFunction};
 
-    /// Opacity and light of a step by 4000 midpoints: good to 10⁻⁸ or so on these smooth functions.
+    /// Returns opacity and light of a step by 4000 midpoints: good to 10⁻⁸ or so on these smooth functions.
     fn exact(optics: &Optics, piece: &Piece, cubic: &Cubic<f64>, length: f64) -> (f64, [f64; 3]) {
         const N: usize = 4000;
         let (mut depth, mut light) = (0.0f64, [0.0; 3]);

@@ -115,7 +115,7 @@ fn trilinear<R: Real, T: Voxel>(
     integral.cell(Cubic::of_trilinear(&v), Place { base, reach, limits, misplaced }, from, to - from);
 }
 
-/// Largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.
+/// Returns the largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.
 fn misplaced(ray: &IndexRay, dims: [usize; 3]) -> f64 {
     let max_size = dims.iter().fold(1.0f64, |m, &n| m.max(n as f64));
     let far = ray.start.abs().max(ray.end.abs());

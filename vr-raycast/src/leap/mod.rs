@@ -38,7 +38,7 @@ pub(crate) use vr_kernels::ranges::Visibility;
 /// grow by, and rays would ask more often.
 pub(crate) const EDGE: usize = 8;
 
-/// Finds the intervals of a ray in which something can be visible.
+/// Structure that finds the intervals of a ray in which something can be visible.
 pub(crate) trait Leaper: Any + Send + Sync {
     /// Returns the first interval of the ray, in world distances like the ray's own, that ends behind `from` and may hold something visible; cut
     /// off at `from` and at the ray's end. `None` if all the rest is clear.

@@ -112,7 +112,7 @@ impl VisibleBlocks {
         })
     }
 
-    /// Layout of the blocks.
+    /// Returns the layout of the blocks.
     pub(crate) fn grid(&self) -> BlockGrid {
         self.grid
     }
@@ -126,7 +126,7 @@ impl VisibleBlocks {
         (z * self.grid.blocks[1] + y) * self.words_per_row()
     }
 
-    /// The bits of a row.
+    /// Returns the bits of a row.
     pub(crate) fn row(&self, y: usize, z: usize) -> &[u64] {
         let start = self.row_start(y, z);
         &self.words[start..start + self.words_per_row()]

@@ -27,7 +27,7 @@ impl<R: Real> Recording<R> {
         Self { operator, calibration, fractions, steps: Vec::new() }
     }
 
-    /// The steps of the last ray, front to back.
+    /// Returns the steps of the last ray, front to back.
     pub(crate) fn into_steps(mut self) -> Vec<ProbedStep> {
         // Runs from the far end come in the wrong order.
         self.steps.sort_by(|a, b| a.begin.total_cmp(&b.begin));

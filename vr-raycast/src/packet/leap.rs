@@ -83,7 +83,7 @@ pub(crate) fn block_index<S: Simd>(cells: &Cells<S>, shift: u32, blocks: [usize;
     (((z >> shift) * ny + (y >> shift)) * nx + (x >> shift)).to_array()
 }
 
-/// Finds the points at which a packet's rays leave boxes of blocks.
+/// Solver for the points at which a packet's rays leave boxes of blocks.
 pub(crate) struct Leaper<S: Simd> {
     shift: u32,
     edge: f32,

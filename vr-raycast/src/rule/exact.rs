@@ -7,7 +7,7 @@ use vr_core::{OpacityRule, TransferFunction};
 
 use super::cubic::Cubic;
 
-/// Integrates the equation of transfer over a step on which the calibrated value is a given polynomial.
+/// Integrator of the equation of transfer over a step on which the calibrated value is a given polynomial.
 ///
 /// The step is cut where the polynomial passes a knot of the transfer function; on each piece κ and q are smooth, and Gauss and
 /// Legendre's rule with 8 points integrates both, the optical depth in front of each point by the same polynomial. A piece is halved
@@ -43,7 +43,7 @@ impl ExactIntegral {
         Self { transfer, knots }
     }
 
-    /// Transfer function that it integrates.
+    /// Returns the transfer function that it integrates.
     pub(crate) fn transfer(&self) -> &TransferFunction {
         &self.transfer
     }

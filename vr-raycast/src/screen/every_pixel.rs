@@ -17,7 +17,7 @@ pub(crate) fn every_pixel(tracer: &dyn Tracer, view: &View, control: &Control) -
     Ok(Rendered { frame, stats })
 }
 
-/// Draws pixels; returns one value for each.
+/// Function that draws pixels and returns one value for each.
 type DrawTile<'a> = &'a (dyn Fn(&[[u32; 2]]) -> (Vec<RaySample>, Counts) + Sync);
 
 /// Draws a view tile by tile on all threads: `draw` is handed the pixels of a tile and returns one value for each.

@@ -127,7 +127,7 @@ mod tests {
         IndexRay::new(&ray, &placement, dims, &Clip::default(), f64::INFINITY)
     }
 
-    /// In order, without gaps, of positive length, each within one cell; returns how many there are.
+    /// Asserts that the cells are in order, without gaps, of positive length, each within one cell; returns their number.
     fn check(ray: &IndexRay, dims: [usize; 3]) -> usize {
         let cells: Vec<(f64, f64)> = Cells::new(ray, dims).collect();
         assert_eq!(cells[0].0, ray.start);

@@ -174,7 +174,7 @@ mod tests {
         }
     }
 
-    /// Along a ray of one cell per world unit, in a volume of one block per cell, each visible or not.
+    /// Walks a ray of one cell per world unit, in a volume of one block per cell, each visible or not.
     fn walked(
         lattice: Lattice,
         first: u32,

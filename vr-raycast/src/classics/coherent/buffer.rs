@@ -134,7 +134,7 @@ impl CoherenceBuffer {
         [i % self.blocks[0], i / self.blocks[0] % self.blocks[1], i / (self.blocks[0] * self.blocks[1])]
     }
 
-    /// Centre and half edges of the box of some cells, widened by the margin.
+    /// Returns centre and half edges of the box of some cells, widened by the margin.
     fn box_of(&self, first: [usize; 3], count: [usize; 3]) -> (DVec3, DVec3) {
         let low: [f64; 3] = first.map(|i| i as f64);
         let high: [f64; 3] = std::array::from_fn(|a| (first[a] + count[a]).min(self.cells[a]) as f64);

@@ -95,12 +95,12 @@ impl BasePlane {
         planes.into_iter().map(in_index).collect()
     }
 
-    /// Slice t as an index along w.
+    /// Returns the index along w of slice t.
     pub(crate) fn slice_index(&self, t: usize) -> usize {
         if self.reversed { self.dims[2] - 1 - t } else { t }
     }
 
-    /// The pixels of a row whose rays are inside volume and clip at `t`, where they have moved by `moved`.
+    /// Returns the pixels of a row whose rays are inside volume and clip at `t`, where they have moved by `moved`.
     pub(crate) fn pixels_inside(&self, row: i64, t: f64, moved: [f64; 2]) -> std::ops::Range<i64> {
         let v = row as f64 + moved[1];
         if !(0.0..=(self.dims[1] - 1) as f64).contains(&v) {
@@ -122,7 +122,7 @@ impl BasePlane {
         first..(last + 1).max(first)
     }
 
-    /// Point where a ray of the view meets the plane, in pixels from the first one, and its world distance.
+    /// Returns the point where a ray of the view meets the plane, in pixels from the first one, and its world distance.
     pub(crate) fn meet(&self, ray: &Ray, placement: &Placement) -> ([f64; 2], f64) {
         let origin = placement.to_index(ray.origin);
         let w = self.axes[2];

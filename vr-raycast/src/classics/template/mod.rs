@@ -110,7 +110,7 @@ impl Template<'_> {
         Ok(Rendered { frame, stats })
     }
 
-    /// The template, and the world lengths that its steps have.
+    /// Returns the template, and the world lengths of its steps.
     fn steps(&self, plane: &BasePlane) -> (Vec<TemplateStep>, Vec<f64>) {
         let last = plane.dims[2] - 1;
         match self.connectivity {
@@ -137,7 +137,7 @@ impl Template<'_> {
         }
     }
 
-    /// The base plane's picture.
+    /// Casts the rays of the base plane; returns its picture.
     fn cast(
         &self,
         plane: &BasePlane,

@@ -137,7 +137,7 @@ impl TemplateRays<'_> {
         }
     }
 
-    /// Distance that rays have moved along u and v in slice t.
+    /// Returns the distance that rays have moved along u and v in slice t.
     fn moved(&self, t: f64) -> [f64; 2] {
         match self.connectivity {
             Connectivity::Continuous => self.plane.slope.map(|s| s * t),

@@ -227,7 +227,7 @@ fn midway(at: impl Fn(usize) -> [f32; 4], k: usize, count: usize) -> [f32; 4] {
     })
 }
 
-/// Limits a colour: opacity to 1, light not at all.
+/// Upper bounds of a colour: opacity is 1 at the most, but for rounding; light has no bound.
 const MOST: [f32; 4] = [f32::INFINITY, f32::INFINITY, f32::INFINITY, 1.0];
 
 /// Returns the next term of an arithmetic series.
