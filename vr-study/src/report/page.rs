@@ -1,4 +1,4 @@
-//! The page: one file that needs nothing else.
+//! Page of a report: one file that needs nothing else.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use time::OffsetDateTime;
@@ -20,7 +20,7 @@ use super::plots;
 
 const STYLE: &str = include_str!("style.css");
 
-/// A report as an HTML page with everything in it: plots, pictures, tables.
+/// Returns a report as an HTML page with everything in it: plots, pictures, tables.
 ///
 /// # Errors
 /// A plot that cannot be drawn.
@@ -176,7 +176,7 @@ fn picture(p: &Picture, what: &str) -> Markup {
     }
 }
 
-/// The colours of error maps.
+/// Returns the bar of the colours of error maps.
 fn scale() -> Markup {
     let (low, high) = error_colors::DECADES;
     let stop = |k: i32| {
