@@ -9,10 +9,10 @@ use crate::args::CameraArgs;
 /// Vertical angle in degrees of a perspective camera that was given none.
 const FOV: f64 = 30.0;
 
-/// Bounds of the volume to be seen, and what its file says.
+/// Bounds of the volume to be seen, and hints of its file.
 pub type Sight<'a> = ((DVec3, DVec3), Option<&'a FileInfo>);
 
-/// The camera that flags make of a scene's own, or of one that sees all of the volume where it has none.
+/// Returns the scene's camera, or else one that sees all of the volume, changed by flags.
 ///
 /// # Errors
 /// A camera that sees nothing.

@@ -19,11 +19,11 @@ use crate::scene_setup::Setup;
 use crate::table::Table;
 use crate::{number, output_file, renderers};
 
-/// Small enough that the reference of every pixel takes seconds.
+/// Size of the pictures where none is given: the reference of every pixel takes seconds.
 const DEFAULT_SIZE: [u32; 2] = [192, 192];
-/// Frames per setting; the median of their times counts.
+/// Number of frames per setting; the median of their times counts.
 const FRAMES: usize = 3;
-/// No further frame is drawn after this time.
+/// Time after which no further frame is drawn.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Rows and columns of the subgrid of pixels on which a renderer is judged against its own model.
 const SUBGRID: u32 = 16;
@@ -77,13 +77,13 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
 /// Measurements of one renderer with one setting.
 struct Measured {
     prepare: Duration,
-    /// Median.
+    /// Median time of a frame.
     render: Duration,
     rendered: Rendered,
-    /// Against the canonical pixel.
+    /// Error against the correct pixels.
     metrics: Metrics,
     errors: Vec<f64>,
-    /// Against its own model done exactly, where that is another.
+    /// Error against the reference of the renderer's own model, where that is another.
     own: Option<Metrics>,
 }
 
@@ -123,7 +123,7 @@ fn measure(
     })
 }
 
-/// One frame, and the time that it took.
+/// Draws a frame; returns it and its time.
 fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<(Duration, Rendered), RenderError> {
     let start = Instant::now();
     let rendered = prepared.render(view, control)?;

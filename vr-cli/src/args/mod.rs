@@ -151,7 +151,7 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
-    /// Every file that is written, with the flag that names it.
+    /// Returns every file that is written, with the flag that names it.
     pub fn places(&self) -> impl Iterator<Item = (&str, &Path)> {
         let outputs = self.outputs.iter().map(|path| ("--output", path.as_path()));
         outputs.chain(self.error_map.iter().map(|path| ("--error-map", path.as_path())))
@@ -173,7 +173,7 @@ impl OutputArgs {
         })
     }
 
-    /// Options of the PNG, but for the background.
+    /// Returns the options of the PNG, without the background.
     pub fn png(&self) -> PngOptions {
         PngOptions {
             depth: match self.bits {
@@ -261,7 +261,7 @@ impl Cli {
         }
     }
 
-    /// The command with what help tells of renderers.
+    /// Returns the command, with the help on renderers.
     fn command_with_renderers() -> clap::Command {
         let (features, options) = (renderers::feature_table() + "\n", renderers::option_help());
         Self::command()
@@ -271,7 +271,7 @@ impl Cli {
     }
 }
 
-/// Message of clap without its usage lines.
+/// Returns a message of clap without its usage lines.
 fn first_words(message: &str) -> &str {
     let end = message.find("\nUsage:").or_else(|| message.find("\nFor more information")).unwrap_or(message.len());
     message[..end].trim_start_matches("error: ").trim_end()
