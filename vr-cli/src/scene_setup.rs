@@ -31,7 +31,7 @@ pub struct Setup {
     pub title: String,
     /// Notes on everything assumed.
     pub notes: Vec<String>,
-    /// Every file that was read for it.
+    /// Files that were read for it.
     pub inputs: Vec<PathBuf>,
     /// Phantom that the volume is made of, if it is.
     pub phantom: Option<String>,

@@ -30,7 +30,7 @@ impl Engine {
     /// Makes the engine of a scene, and takes over from `last` what has not changed since.
     ///
     /// # Errors
-    /// A promised error that cannot be kept.
+    /// An error bound that cannot be kept.
     pub(crate) fn new(
         caster: &RayCaster,
         scene: &Scene,

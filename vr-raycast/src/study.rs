@@ -13,7 +13,7 @@ const FLOOR_F64: f64 = 1e-12;
 const FLOOR_OF_FRAMES: f64 = 3e-7;
 
 impl Documented for RayCaster {
-    /// Steps of one length under every rule; steps that follow the data, and screens that leave rays out, from coarse to fine; promises;
+    /// Steps of one length under every rule; steps that follow the data, and screens that leave rays out, from coarse to fine; error bounds;
     /// every filter; and the f64 instance, which shows what the floor is made of.
     fn settings(&self) -> Vec<NamedSetting> {
         let named = |name: String, caster: &Self| NamedSetting::new(name, caster, None, FLOOR_F32);

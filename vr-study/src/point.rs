@@ -15,7 +15,7 @@ pub struct Point {
     pub subject: String,
     /// The renderer.
     pub renderer: String,
-    /// Its setting.
+    /// Name of the setting.
     pub setting: String,
     /// The options that make the setting; all others are at their defaults.
     pub options: Options,

@@ -44,7 +44,7 @@ pub struct Growth {
     pub subject: String,
     /// Quantity that grows.
     pub grown: Grown,
-    /// Its sizes, ascending.
+    /// Sizes of the quantity, ascending.
     pub sizes: Vec<f64>,
     /// Milliseconds of a frame, the median of several.
     pub ms: Vec<f64>,

@@ -33,9 +33,9 @@ pub enum Blended {
 pub struct Worst {
     /// Column and row, from the top left.
     pub pixel: [u32; 2],
-    /// Its colour as compared, in the reference and in the picture.
+    /// Colour of the pixel as compared, in the reference and in the picture.
     pub colors: [[f64; 4]; 2],
-    /// Its error.
+    /// Error of the pixel.
     pub error: f64,
 }
 

@@ -24,7 +24,7 @@ pub struct Account<'a> {
     pub ray: Ray,
     /// The renderer's pixel.
     pub rgba: [f64; 4],
-    /// Its depth.
+    /// Depth of the pixel.
     pub depth: Option<f32>,
     /// The model that the renderer integrates, where that is not the scene as it is.
     pub model: Option<String>,

@@ -6,7 +6,7 @@ pub enum ImageSampling {
     /// The rays of every pixel.
     #[default]
     EveryPixel,
-    /// Every fourth pixel's first, along x and y, then those between where the colours bend; the rest is interpolated by cubics (after Levoy,
+    /// Rays of every fourth pixel along x and y, then of those between where the colours bend; the rest is interpolated by cubics (after Levoy,
     /// *Volume rendering by adaptive refinement*, 1990). Not exact: see `docs/figures/vr-raycast.md` for what was measured.
     Adaptive {
         /// Largest distance of a component of the premultiplied colours from the straight lines through its neighbours' along x and y (the sum of

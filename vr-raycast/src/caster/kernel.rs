@@ -35,7 +35,7 @@ pub enum Vector {
     /// Widest instructions that the machine has.
     #[default]
     Auto,
-    /// At most AVX2.
+    /// AVX2 at most.
     Avx2,
     /// Instructions that every machine of the architecture has: SSE2, NEON.
     Baseline,

@@ -35,13 +35,13 @@ pub(super) enum Look {
 pub(super) struct Series {
     /// Name in the legend; empty if it is not listed.
     pub(super) name: String,
-    /// Its points; those that are not positive and finite have no place on such axes.
+    /// Points of the series; those that are not positive and finite have no place on such axes.
     pub(super) points: Vec<(f64, f64)>,
     /// Words beside the points; may be fewer.
     pub(super) labels: Vec<String>,
     /// Number of its colour and of its marker: up to six, the marker alone tells series apart, too.
     pub(super) color: usize,
-    /// Its look.
+    /// Look of the series.
     pub(super) look: Look,
 }
 
