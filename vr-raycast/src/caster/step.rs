@@ -11,14 +11,14 @@ pub enum Step {
     /// as long as is left, and counts as that.
     ///
     /// At ⅕, on the phantoms without jumps, at 64³ and finer and with their own transfer functions, no pixel of the
-    /// views tested is further than 1/255 from the truth; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
+    /// views tested is further than 1/255 from the correct one; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
     /// with the square of the step, time with its inverse: fog is as good at a step of 2.
     Uniform(f64),
     /// Steps that are long where the medium is nearly the same, else as [`Uniform`](Self::Uniform) has them (after Danskin and Hanrahan 1992, *Fast
     /// algorithms for volume ray tracing*): a block, or a block of blocks, is crossed in one step where no pixel can change for that by
     /// more than its share of `error`.
     ///
-    /// The long steps of a ray together are off by at most `error` from the truth, where no source is brighter than 1 (else in
+    /// The long steps of a ray together are off by at most `error`, where no source is brighter than 1 (else in
     /// proportion); the short ones by what short steps are off by. For over, front to back, without shading.
     #[cfg(feature = "classics")]
     Homogeneous {
@@ -27,7 +27,7 @@ pub enum Step {
         /// Largest error that all long steps of a ray may make together.
         error: f64,
     },
-    /// Steps as long as a bound of the error allows: no component of a pixel is further than this from the truth, relative to max(1, the picture's
+    /// Steps as long as a bound of the error allows: no component of a pixel is further than this from the correct one, relative to max(1, the picture's
     /// largest magnitude); at least 10⁻⁶. Rays for which no such bound was found are counted ([`vr_core::Counts::unbounded`]).
     ///
     /// For over and accumulate, trilinear and nearest fields, without shading. Rule, traversal and order are the caster's own choice, and

@@ -16,7 +16,7 @@ pub(super) struct Limits {
 
 /// Sum of a ray, from the eye into the depth, and its bound.
 ///
-/// The sum is a telescope: each step in turn takes the place of the truth, the steps in front of it being those computed and the medium
+/// The sum is a telescope: each step in turn takes the place of the true medium, the steps in front of it being those computed and the medium
 /// behind it the true one. So the pixel is off by at most Σ T̂ₖ (eₖ + aₖ M): what step k is off by, dimmed by the transmittance *computed*
 /// in front of it, M being the largest radiance that can come from behind.
 #[derive(Clone, Debug)]
