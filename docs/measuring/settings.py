@@ -7,7 +7,7 @@
 FLAGS are flags of `vr`; KEY=VALUE stands for --set KEY=VALUE. FILE has one setting a line; # starts a comment. In each round every setting
 draws the same turning views. A time is the median over rounds: of CPU time on one thread (pinned; it does not see who else uses the
 machine), of wall-clock time on several. Gain: time of the base over time of the setting, and its samples over the setting's. Change: largest
-difference of any component of frame 0 from the base's. Error: against the exact solution, frame 0, RGBA on 64x64 of its pixels. Needs numpy.
+difference of any component of frame 0 from the base's. Error: against the reference, frame 0, RGBA on 64x64 of its pixels. Needs numpy.
 """
 import argparse
 import json

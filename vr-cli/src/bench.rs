@@ -25,7 +25,7 @@ pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), 
     let measured =
         under_bar(console, control, "timing", |progress| measure(&*renderer, &setup, args.timing, control, progress))
             .map_err(|e| setup.render_failure(e))?;
-    // Before the exact solution, which uses memory of its own.
+    // Before the reference, which uses memory of its own.
     let peak_bytes = process::peak_bytes();
     let error = args.timing.error.then(|| judge(&setup, &measured.first, console, control)).transpose()?;
     let error_bound = max_error.map(|bound| ErrorBound::new(bound, &measured.counts(), setup.view.supersampling));
@@ -55,7 +55,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The work of all timed frames.
+    /// Returns the work of all timed frames.
     fn counts(&self) -> Counts {
         let mut all = Counts::default();
         self.frames.iter().for_each(|frame| all += frame.counts);
@@ -99,7 +99,7 @@ fn measure(
     Ok(Measured { prepare, frames, first })
 }
 
-/// The view of a frame: the scene's own, turned about the camera's target.
+/// Returns the view of a frame: the scene's own, turned about the camera's target.
 fn turned(view: &View, frame: i64, step: f64) -> View {
     View { camera: view.camera.orbit(frame as f64 * step, 0.0), ..view.clone() }
 }
@@ -112,7 +112,7 @@ fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<
     Ok((Timed { wall, cpu, counts: rendered.stats.counts }, rendered.frame))
 }
 
-/// The exact solution that the first frame is compared with.
+/// Compares the first frame with the reference.
 fn judge(setup: &Setup, frame: &Frame, console: Console, control: &Control) -> Result<ReferencePixels, Failure> {
     let pixels = subgrid(SUBGRID, frame.size());
     under_bar(console, control, "measuring the error", |control| {

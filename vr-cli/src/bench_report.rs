@@ -15,7 +15,7 @@ use crate::number;
 use crate::scene_setup::Setup;
 use crate::table::Table;
 
-/// Everything that is printed.
+/// Report of a benchmark, to be printed.
 pub struct Report<'a> {
     /// The scene.
     pub setup: &'a Setup,
@@ -33,11 +33,11 @@ pub struct Report<'a> {
     pub peak_bytes: Option<u64>,
     /// Outcome of the error bound of all frames, where one was asked for.
     pub error_bound: Option<ErrorBound>,
-    /// Error of frame 0 against the exact solution.
+    /// Error of frame 0 against the reference.
     pub error: Option<(Metrics, &'a ReferencePixels)>,
 }
 
-/// One object, for scripts. Figures that the system does not count are `null`.
+/// JSON object for scripts. Figures that the system does not count are `null`.
 #[derive(Serialize)]
 pub struct Json<'a> {
     renderer: &'static str,
@@ -128,7 +128,7 @@ impl Report<'_> {
         if let Some((metrics, exact)) = &self.error {
             text += &format!("error    {metrics}\n");
             text += &format!(
-                "         of frame 0, on {} of its pixels, against the exact solution ({}; {})\n",
+                "         of frame 0, on {} of its pixels, against the reference ({}; {})\n",
                 exact.count(),
                 exact.certainty_text(),
                 number::time(exact.time)
@@ -137,7 +137,7 @@ impl Report<'_> {
         text
     }
 
-    /// Minimum, median and maximum time of a frame.
+    /// Returns the minimum, median and maximum time of a frame.
     fn spread(&self) -> [Duration; 3] {
         let mut walls: Vec<Duration> = self.measured.frames.iter().map(|f| f.wall).collect();
         let median = median(&mut walls);
@@ -155,19 +155,19 @@ impl Report<'_> {
     }
 }
 
-/// Sorts, and takes the middle one; the mean of the two in the middle where there are two. There is at least one.
+/// Returns the median of at least one number: the middle one, or the mean of the two in the middle.
 fn median(durations: &mut [Duration]) -> Duration {
     durations.sort_unstable();
     let n = durations.len();
     (durations[(n - 1) / 2] + durations[n / 2]) / 2
 }
 
-/// Milliseconds to the nanosecond.
+/// Returns a duration in milliseconds, to the nanosecond.
 fn ms(duration: Duration) -> f64 {
     duration.as_nanos() as f64 / 1e6
 }
 
-/// `1 thread`, `2 threads`.
+/// Formats a count of things: `1 thread`, `2 threads`.
 fn counted(n: u64, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

@@ -22,7 +22,7 @@ pub struct Sight<'a> {
     pub info: Option<&'a FileInfo>,
 }
 
-/// The camera that flags make of a scene's own, or of one that sees all of the volume where it has none.
+/// Returns the scene's camera, or else one that sees all of the volume, changed by flags.
 ///
 /// # Errors
 /// A camera that sees nothing.

@@ -1,8 +1,8 @@
-//! A picture that is put together from parts.
+//! Canvas: a picture that is put together from parts.
 
 use vr_core::Frame;
 
-/// Opaque pixels in linear RGB.
+/// Canvas of opaque pixels in linear RGB.
 pub struct Canvas {
     size: [u32; 2],
     pixels: Vec<[f32; 4]>,
@@ -31,7 +31,7 @@ impl Canvas {
         }
     }
 
-    /// The picture.
+    /// Returns the picture.
     pub fn into_frame(self) -> Frame {
         Frame::new(self.size, self.pixels, None)
     }

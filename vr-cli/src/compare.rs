@@ -19,11 +19,11 @@ use crate::scene_setup::Setup;
 use crate::table::Table;
 use crate::{number, output_file, renderers};
 
-/// Small enough that the exact solution of every pixel takes seconds.
+/// Size of the pictures where none is given: the reference of every pixel takes seconds.
 const DEFAULT_SIZE: [u32; 2] = [192, 192];
-/// Frames per setting; the median of their times counts.
+/// Number of frames per setting; the median of their times counts.
 const FRAMES: usize = 3;
-/// No further frame is drawn after this time.
+/// Time after which no further frame is drawn.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Rows and columns of the subgrid of pixels on which a renderer is judged against its own model.
 const SUBGRID: u32 = 16;
@@ -44,7 +44,7 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     let (scene, view) = (&setup.scene, &setup.view);
     // Solve every pixel exactly.
     let every_pixel = subgrid(u32::MAX, view.size);
-    let exact = under_bar(console, control, "exact solution", |control| {
+    let exact = under_bar(console, control, "reference", |control| {
         ReferencePixels::solve((scene, view), &Model::Canonical, every_pixel, control)
     })
     .map_err(|e| setup.render_failure(e))?;
@@ -77,13 +77,13 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
 /// Measurements of one renderer with one setting.
 struct Measured {
     prepare: Duration,
-    /// Median.
+    /// Median time of a frame.
     render: Duration,
     rendered: Rendered,
-    /// Against the canonical pixel.
+    /// Error against the correct pixels.
     metrics: Metrics,
     errors: Vec<f64>,
-    /// Against its own model done exactly, where that is another.
+    /// Error against the reference of the renderer's own model, where that is another.
     own: Option<Metrics>,
 }
 
@@ -123,7 +123,7 @@ fn measure(
     })
 }
 
-/// One frame, and the time that it took.
+/// Draws a frame; returns it and its time.
 fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<(Duration, Rendered), RenderError> {
     let start = Instant::now();
     let rendered = prepared.render(view, control)?;
@@ -160,7 +160,7 @@ fn text(setup: &Setup, exact: &ReferencePixels, results: &[(String, Measured)], 
     }
     let [w, h] = setup.view.size;
     format!(
-        "{}, {w}x{h} pixels; exact solution: {}, {}\n\n{table}\n\
+        "{}, {w}x{h} pixels; reference: {}, {}\n\n{table}\n\
          Own model: against what the renderer itself integrates, done exactly, on {SUBGRID}x{SUBGRID} pixels.\n\
          Wrote {}: pictures above maps of their error, numbered as above.\n\n{}",
         setup.title,

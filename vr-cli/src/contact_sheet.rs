@@ -1,4 +1,4 @@
-//! The contact sheet of a comparison: each picture above the map of its error, numbered as in the table, and the scale of the
+//! Contact sheet of a comparison: each picture above the map of its error, numbered as in the table, and the scale of the
 //! maps below.
 
 use vr_core::Frame;
@@ -8,7 +8,7 @@ use crate::canvas::Canvas;
 use crate::digits;
 use crate::error_scale::{self, GAP, INK, PAPER};
 
-/// One numbered column of the sheet.
+/// Numbered column of the sheet.
 pub struct Entry<'a> {
     /// The picture.
     pub frame: &'a Frame,

@@ -1,8 +1,8 @@
-//! Digits for pictures: enough to number tiles and to label a scale, without a font.
+//! Digits in pictures, which number tiles and label a scale without a font.
 
 use crate::canvas::Canvas;
 
-/// Each row of a digit is three bits, the left dot first; ten digits and the minus sign.
+/// Dots of the ten digits and the minus sign: each row is three bits, the left dot first.
 const GLYPHS: [[u8; 5]; 11] = [
     [0b111, 0b101, 0b101, 0b101, 0b111],
     [0b010, 0b110, 0b010, 0b010, 0b111],
@@ -17,14 +17,14 @@ const GLYPHS: [[u8; 5]; 11] = [
     [0b000, 0b000, 0b111, 0b000, 0b000],
 ];
 
-/// Pixels per dot.
+/// Width of a dot in pixels.
 const DOT: u32 = 2;
 /// Height of a line of digits in pixels.
 pub const HEIGHT: u32 = 5 * DOT;
 /// Width of a digit with the gap after it.
 const ADVANCE: u32 = 4 * DOT;
 
-/// Width of a number in pixels.
+/// Returns the width of a number in pixels.
 pub fn width(number: i32) -> u32 {
     number.to_string().len() as u32 * ADVANCE - DOT
 }

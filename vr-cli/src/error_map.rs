@@ -1,4 +1,4 @@
-//! `vr render --error-map`: where a picture is wrong, and by how much.
+//! Error map of `vr render --error-map`: where a picture is wrong, and by how much.
 
 use std::path::{Path, PathBuf};
 
@@ -12,13 +12,13 @@ use crate::args::{ErrorMeasure, OutputArgs};
 use crate::failure::Failure;
 use crate::{heat_map, inputs, output_file};
 
-/// A map that was written.
+/// Error map that was written.
 #[derive(Debug, Serialize)]
 pub struct ErrorMap {
     path: PathBuf,
     /// Number of pixels at which the error is known; between them it is interpolated.
     known_pixels: usize,
-    /// True if there are others.
+    /// True if the error of other pixels is interpolated.
     interpolated: bool,
 }
 
@@ -35,7 +35,7 @@ pub fn check(output: &OutputArgs) -> Result<(), Failure> {
     output.outputs.iter().try_for_each(|picture| inputs::apart(("--error-map", path), ("the picture", picture)))
 }
 
-/// Draws and writes the map of a frame's error against its exact solution, which was found on all pixels or on the subgrid.
+/// Draws and writes the map of a frame's error against its reference, which was solved on all pixels or on the subgrid.
 ///
 /// PNG: the largest error of any component, in units of max(1, largest magnitude of the solution), interpolated on its
 /// logarithmic scale. EXR: frame − solution per component in the same units, interpolated as it is.

@@ -1,15 +1,15 @@
-//! The scale of error maps: a bar from the smallest to the largest error that has a colour, with the exponents of its decades.
+//! Scale of error maps: a bar from the smallest to the largest error that has a colour, with the exponents of its decades.
 
 use vr_study::error_colors;
 
 use crate::canvas::Canvas;
 use crate::digits;
 
-/// Dark enough for the maps, light enough to tell it from their black.
+/// Colour of the background: dark enough for the maps, light enough to tell it from their black.
 pub const PAPER: [f32; 3] = [0.03, 0.03, 0.035];
 /// The colour of numbers.
 pub const INK: [f32; 3] = [0.8; 3];
-/// Pixels between parts of a picture.
+/// Width in pixels of the gap between parts of a picture.
 pub const GAP: u32 = 8;
 /// Height of the bar alone.
 const BAR: u32 = 10;

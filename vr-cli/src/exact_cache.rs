@@ -1,10 +1,10 @@
-//! Folder of the exact solutions that are kept.
+//! Folder of the reference pixels that are kept.
 
 use vr_study::reference::ReferenceCache;
 
 use crate::args::CacheArgs;
 
-/// The folder that flags name, or that of the user's caches; nothing is kept where there is neither.
+/// Opens the folder that flags name, or that of the user's caches; nothing is kept where there is neither.
 pub fn open(args: &CacheArgs) -> ReferenceCache {
     let users = || dirs::cache_dir().map(|folder| folder.join("vr").join("exact"));
     match args.cache.clone().or_else(users) {

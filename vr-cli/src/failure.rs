@@ -3,14 +3,14 @@
 use std::fmt;
 use std::process::ExitCode;
 
-/// The end of a command that did not succeed. Its text is one line.
+/// Failure of a command. Its text is one line.
 #[derive(Debug)]
 pub enum Failure {
-    /// The command line asks for something impossible: exit code 2.
+    /// Wrong command line: exit code 2.
     Usage(String),
-    /// The command line is fine, and something else is not (a file, the scene in it, the disk): exit code 1.
+    /// Failure of anything else (a file, the scene in it, the disk): exit code 1.
     Failed(String),
-    /// Everything is done and written, and an error bound is not proven for every pixel: exit code 3.
+    /// Error bound that is not proven for every pixel, after everything was done and written: exit code 3.
     Unproven(String),
 }
 
@@ -25,7 +25,7 @@ impl Failure {
         Self::Failed(one_line(&message.to_string()))
     }
 
-    /// Exit code for the shell.
+    /// Returns the exit code for the shell.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Usage(_) => ExitCode::from(2),
@@ -43,7 +43,7 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Messages of libraries (TOML and clap among them) may run over several lines: a person greps, and a script reads, one.
+/// Joins the lines of a message, of which those of libraries (TOML and clap among them) may have several: people grep, and scripts read, one.
 fn one_line(message: &str) -> String {
     message.split('\n').map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join("; ")
 }

@@ -3,7 +3,7 @@
 use peak_alloc::PeakAlloc;
 use vr_study::memory::MemoryMeter;
 
-/// The system's allocator, counted.
+/// Allocator of the system, with counts.
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 

@@ -1,4 +1,4 @@
-//! One map of an error, and its scale below.
+//! Heat map of an error, and its scale below.
 
 use vr_core::Frame;
 use vr_study::error_colors;
@@ -6,7 +6,7 @@ use vr_study::error_colors;
 use crate::canvas::Canvas;
 use crate::error_scale::{self, GAP, PAPER};
 
-/// The numbers of the scale need this width.
+/// Smallest width, which the numbers of the scale need.
 const MIN_WIDTH: u32 = 160;
 
 /// Draws an error per pixel, row by row from the top, in logarithmic colours; NaN has the colour of the largest error.

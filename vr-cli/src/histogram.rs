@@ -4,17 +4,17 @@ use vr_core::{GridVolume, Voxel, with_grid};
 
 use crate::number;
 
-/// Equal bins from the smallest to the largest finite value of a volume.
+/// Histogram of equal bins from the smallest to the largest finite value of a volume.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
     /// Calibrated values that the bins lie between.
     pub range: (f64, f64),
-    /// Samples per bin.
+    /// Number of voxels in each bin.
     pub counts: Vec<u64>,
 }
 
 impl Histogram {
-    /// Counts every sample of a volume; `None` where none is finite.
+    /// Counts every voxel of a volume; `None` where none is finite.
     pub fn of(volume: &GridVolume, bins: usize) -> Option<Self> {
         let range = volume.value_range()?;
         let (low, high) = volume.value_stats().range?;
@@ -28,7 +28,7 @@ impl Histogram {
 
     /// Draws the bins as columns, as high as the logarithm of their counts, above the ends of the range.
     pub fn draw(&self, rows: usize) -> String {
-        /// Heights of an eighth of a row each.
+        /// Characters of columns, each an eighth of a row higher than the one before.
         const BLOCKS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
         let height = |count: u64| (1.0 + count as f64).ln();
         let max_height = self.counts.iter().copied().map(height).fold(0.0, f64::max);

@@ -12,7 +12,7 @@ use crate::histogram::Histogram;
 use crate::points_info::PointsInfo;
 use crate::{mesh_info, number, volume_setup};
 
-/// Columns and rows of the drawn histogram.
+/// Number of columns and rows of the drawn histogram.
 const DRAWN: (usize, usize) = (72, 8);
 
 /// Describes a volume: a grid or scattered points; or a mesh.
@@ -45,7 +45,7 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
 
 struct Description<'a> {
     title: &'a str,
-    /// `None` for a phantom.
+    /// File; `None` for a phantom.
     file: Option<&'a FileInfo>,
     uniform: &'a GridVolume,
     histogram: Option<Histogram>,
@@ -115,7 +115,7 @@ impl Description<'_> {
         text
     }
 
-    /// Source of the world matrix, and the kind of world.
+    /// Describes the source of the world matrix, and the kind of world.
     fn orientation(&self) -> String {
         let Some(file) = self.file else { return "the phantom's own frame".to_owned() };
         let world = if file.space.is_patient() {
@@ -130,7 +130,7 @@ impl Description<'_> {
         format!("{world}, placed by {}; index to world:", file.placed_by)
     }
 
-    /// The rows of the matrix from (x, y, z, 1) to world positions.
+    /// Returns the rows of the matrix from (x, y, z, 1) to world positions.
     fn matrix(&self) -> [[String; 4]; 3] {
         let p = self.uniform.placement();
         let rows = p.axes().transpose().to_cols_array_2d();
@@ -171,14 +171,14 @@ struct Json<'a> {
     voxel_type: VoxelType,
     spacing: [f64; 3],
     origin: [f64; 3],
-    /// World vectors from one sample to the next along x, y and z.
+    /// World vectors from one voxel to the next along x, y and z.
     axes: [[f64; 3]; 3],
     slope: f64,
     intercept: f64,
     range: Option<[f64; 2]>,
     nan: usize,
     infinite: usize,
-    /// Samples in equal bins over `range`.
+    /// Numbers of voxels in equal bins over `range`.
     histogram: Option<&'a [u64]>,
     presets: Vec<&'static str>,
     notes: &'a [String],

@@ -1,4 +1,4 @@
-//! Files that a command reads: none of them may be written.
+//! Files that a command reads, none of which may be written.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,19 +8,19 @@ use crate::failure::Failure;
 /// Files that a command reads, by their identity: a link, a hard link or another spelling of the name is the same file.
 #[derive(Debug)]
 pub struct Inputs {
-    /// Name of them in messages: `a file that is read`.
+    /// Name of the files in messages: `a file that is read`.
     what: &'static str,
     files: Vec<(FileId, PathBuf)>,
 }
 
 impl Inputs {
-    /// Takes all files of a list that exist, and their name in messages: `a file that is read`.
+    /// Identifies all files of a list that exist. `what` names them in messages: `a file that is read`.
     pub fn new(what: &'static str, paths: impl IntoIterator<Item = PathBuf>) -> Self {
         let files = paths.into_iter().filter_map(|path| Some((FileId::of(&path)?, path)));
         Self { what, files: files.collect() }
     }
 
-    /// Refuses to write where an input is. To be called before anything is computed, let alone written.
+    /// Refuses to write where an input is. Called before anything is computed or written.
     ///
     /// # Errors
     /// [`Failure::Usage`] naming the flag, its file, and the input that would be destroyed.
@@ -56,26 +56,26 @@ pub fn apart((flag, place): (&str, &Path), (what, other): (&str, &Path)) -> Resu
     Ok(())
 }
 
-/// The full name that a file will have which does not exist yet.
+/// Returns the full name of a file that does not exist yet.
 fn future_name(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = folder.canonicalize().unwrap_or_else(|_| folder.into());
     path.file_name().map_or(folder.clone(), |name| folder.join(name))
 }
 
-/// The identity of a file that exists.
+/// Identity of a file that exists.
 #[derive(Debug, PartialEq, Eq)]
 enum FileId {
     /// Device and inode: all hard links share them.
     #[cfg(unix)]
     Inode(u64, u64),
-    /// The name without links, where a system tells no more: hard links are not seen.
+    /// Name without links, where a system tells no more: hard links are not seen.
     #[cfg(not(unix))]
     Name(PathBuf),
 }
 
 impl FileId {
-    /// The identity of what a path leads to, through any links; `None` where there is nothing, or nothing that can be looked at.
+    /// Returns the identity of the file that a path leads to, through any links; `None` where there is none, or none that can be looked at.
     fn of(path: &Path) -> Option<Self> {
         #[cfg(unix)]
         {

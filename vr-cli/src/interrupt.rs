@@ -1,4 +1,4 @@
-//! Ctrl-C.
+//! Cancellation by Ctrl-C.
 
 use std::sync::atomic::Ordering;
 

@@ -1,7 +1,7 @@
-//! The program `vr`: pictures of volumes, and how far they are from the exact solution.
+//! The program `vr`: pictures of volumes, and how far they are from the correct ones.
 //!
 //! It parses, wires and prints. What it prints is found out elsewhere: `vr-io` reads and writes, the renderers draw, and
-//! `vr-physics` knows the exact solution.
+//! `vr-physics` solves the reference.
 
 mod args;
 mod bench;

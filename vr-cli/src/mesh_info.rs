@@ -10,7 +10,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::number;
 
-/// The file that flags name, where it is a mesh, and nothing that flags say makes a volume of it.
+/// Returns the file that flags name, if it is a mesh and no flag makes a volume of it.
 pub fn named(args: &VolumeArgs) -> Option<&Path> {
     let VolumeArgs { path, frame, component, transform, dims, .. } = args;
     let about_volumes = frame.is_some() || component.is_some() || transform.is_some() || dims.is_some();

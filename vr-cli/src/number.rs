@@ -1,13 +1,13 @@
-//! Numbers as people read them.
+//! Formats of numbers for people.
 
 use std::time::Duration;
 
-/// `1.24e-3`; exact zero is `0`.
+/// Formats a small number, such as an error: `1.24e-3`; exact zero is `0`.
 pub fn small(x: f64) -> String {
     if x == 0.0 { "0".to_owned() } else { format!("{x:.2e}") }
 }
 
-/// `340 us`, `12.3 ms`, `1.52 s`, `125 s`.
+/// Formats a time: `340 us`, `12.3 ms`, `1.52 s`, `125 s`.
 pub fn time(duration: Duration) -> String {
     let s = duration.as_secs_f64();
     match s {
@@ -18,7 +18,7 @@ pub fn time(duration: Duration) -> String {
     }
 }
 
-/// `950`, `12.3 k`, `4.56 M`, `1.20 G`.
+/// Formats a count: `950`, `12.3 k`, `4.56 M`, `1.20 G`.
 pub fn count(n: u64) -> String {
     let scaled = |unit: f64, letter: char| {
         let x = n as f64 / unit;
@@ -32,7 +32,7 @@ pub fn count(n: u64) -> String {
     }
 }
 
-/// `68.9 kB`, `16.8 MB`.
+/// Formats a number of bytes: `68.9 kB`, `16.8 MB`.
 pub fn bytes(n: u64) -> String {
     match n {
         0..1_000 => format!("{n} B"),
@@ -42,13 +42,13 @@ pub fn bytes(n: u64) -> String {
     }
 }
 
-/// Three numbers with a separator, the shortest digits that give each of them back.
+/// Formats three numbers with a separator, the shortest digits that give each of them back.
 pub fn triple<T: std::fmt::Display>(v: [T; 3], separator: &str) -> String {
     let [x, y, z] = v;
     format!("{x}{separator}{y}{separator}{z}")
 }
 
-/// A value of the volume: up to six digits, no trailing zeros, an exponent only where it saves room.
+/// Formats a value of the volume: up to six digits, no trailing zeros, an exponent only where it saves room.
 pub fn value(x: f64) -> String {
     if !x.is_finite() {
         x.to_string()

@@ -1,4 +1,4 @@
-//! Flags override the scene file.
+//! Overrides of the scene file by flags.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use vr_io::{
 use crate::args::{CameraArgs, CompositingArgs, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs};
 use crate::failure::Failure;
 
-/// Writes flags into a scene file, and remembers which fields they set: a complaint about one of those is about the command
+/// Writer of flags into a scene file that remembers the fields that they set: an error in one of those is about the command
 /// line.
 #[derive(Debug, Default)]
 pub struct Overrides {
@@ -37,7 +37,7 @@ impl Overrides {
         Ok(())
     }
 
-    /// Remembers what flags say about the camera.
+    /// Remembers the fields that flags set in the camera.
     pub fn camera(&mut self, args: &CameraArgs) {
         let CameraArgs { azimuth, elevation, eye, target, up, projection, height, fov, fit: _ } = args;
         let flags = [
@@ -57,7 +57,7 @@ impl Overrides {
         self.fields.push(field);
     }
 
-    /// True if a flag set a field, or what it is a part of: `shading.lights` for `shading.lights[0].color`.
+    /// True if a flag set a field, or a field that it is a part of: `shading.lights` for `shading.lights[0].color`.
     pub fn set_by_flag(&self, field: &str) -> bool {
         let part_of = |whole: &&str| {
             field.strip_prefix(*whole).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
@@ -79,7 +79,7 @@ impl Overrides {
         }
     }
 
-    /// A path of the command line is relative to the working directory, not to the scene file.
+    /// Returns a path of the command line as the scene file must hold it: absolute, if that is relative to another folder.
     fn path_from_here(&self, path: &Path) -> String {
         let absolute = if self.over_file { std::path::absolute(path).ok() } else { None };
         absolute.as_deref().unwrap_or(path).to_string_lossy().into_owned()

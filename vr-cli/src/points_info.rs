@@ -13,10 +13,10 @@ pub struct PointsInfo<'a> {
     volume: &'a str,
     file: Option<File<'a>>,
     points: usize,
-    /// Lower and upper corner of the box around all supports, in the world.
+    /// World corners, lower and upper, of the box around all supports.
     bounds: [[f64; 3]; 2],
     kernel: &'static str,
-    /// Smallest and largest.
+    /// Smallest and largest radius of the points.
     radius: [f32; 2],
     weight_sum: f64,
     /// Smallest and largest value that a point carries.
@@ -61,7 +61,7 @@ impl<'a> PointsInfo<'a> {
         }
     }
 
-    /// Lines for people.
+    /// Returns lines for people.
     pub fn text(&self) -> String {
         let mut text = format!("volume       {}\n", self.volume);
         let mut line = |name: &str, what: String| text += &format!("{name:<12} {what}\n");
@@ -84,7 +84,7 @@ impl<'a> PointsInfo<'a> {
     }
 }
 
-/// Smallest and largest.
+/// Returns the smallest and largest of the numbers.
 fn ends(numbers: &[f32]) -> [f32; 2] {
     numbers.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], &x| [low.min(x), high.max(x)])
 }

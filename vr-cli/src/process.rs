@@ -1,8 +1,8 @@
-//! Time and memory that the process has used so far; `None` where a system does not count them (or this program does not know how to ask).
+//! Time and memory that the process has used so far; `None` where a system does not count them, or this program cannot ask for them.
 
 use std::time::Duration;
 
-/// CPU time of all threads, by the system's own clock for it (Linux and macOS).
+/// Returns the CPU time of all threads, by the system's own clock for it (Linux and macOS).
 pub fn cpu_time() -> Option<Duration> {
     #[cfg(any(target_os = "linux", target_os = "macos"))]
     {
@@ -12,13 +12,13 @@ pub fn cpu_time() -> Option<Duration> {
     None
 }
 
-/// Largest resident set in bytes since the start, pages of mapped files among them (Linux).
+/// Returns the largest resident set in bytes since the start, pages of mapped files among them (Linux).
 pub fn peak_bytes() -> Option<u64> {
     // Other systems have no such file.
     peak_of(&std::fs::read_to_string("/proc/self/status").ok()?)
 }
 
-/// The peak in Linux's description of a process: a line such as `VmHWM:     12345 kB`.
+/// Returns the peak in Linux's description of a process: a line such as `VmHWM:     12345 kB`.
 fn peak_of(status: &str) -> Option<u64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim_end().parse().ok()?;

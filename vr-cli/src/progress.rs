@@ -1,11 +1,11 @@
-//! Progress on a terminal.
+//! Progress bars on a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use vr_core::Control;
 
 use crate::console::Console;
 
-/// Steps of a bar; renderers report fractions.
+/// Number of steps of a bar; renderers report fractions.
 const STEPS: u64 = 1000;
 
 /// Runs work under a bar with a label. The bar is drawn on stderr where that is a terminal, and gone when the work is done.

@@ -79,7 +79,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     drawn.error_bound.map_or(Ok(()), |bound| bound.outcome())
 }
 
-/// A picture, its time and its work.
+/// Picture, its time and its work.
 pub struct Drawn {
     /// Name of the renderer.
     pub renderer: String,
@@ -112,7 +112,7 @@ fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control)
     Ok(Drawn { renderer, frame, counts, prepare, render, error_bound, chosen: None })
 }
 
-/// Everything that is printed.
+/// Summary of a rendering, to be printed.
 struct Summary<'a> {
     setup: &'a Setup,
     drawn: &'a Drawn,
@@ -171,7 +171,7 @@ impl Summary<'_> {
             let all = u64::from(w) * u64::from(h);
             text += &format!("error    {metrics}\n");
             text += &format!(
-                "         on {} of {all} pixels, against the exact solution ({}; {})\n",
+                "         on {} of {all} pixels, against the reference ({}; {})\n",
                 exact.count(),
                 exact.certainty_text(),
                 number::time(exact.time)

@@ -1,4 +1,4 @@
-//! Every renderer that `vr` knows.
+//! Renderers that `vr` knows.
 
 use std::fmt::Write;
 
@@ -23,7 +23,7 @@ pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
     ]
 }
 
-/// The renderer of a name.
+/// Returns the renderer of a name.
 ///
 /// # Errors
 /// The fault of the name, in one line.
@@ -64,7 +64,7 @@ pub fn chosen(names: &[String]) -> Result<Vec<Box<dyn StudiedRenderer>>, Failure
     }
 }
 
-/// Options with those that the command line sets, as it spells them.
+/// Adds the options that the command line sets, as it spells them.
 pub fn with_flags(mut options: Options, flags: &[(String, String)]) -> Options {
     for (key, value) in flags {
         options.0.insert(key.clone(), OptionValue::parse(value));
@@ -72,13 +72,13 @@ pub fn with_flags(mut options: Options, flags: &[(String, String)]) -> Options {
     options
 }
 
-/// Features by renderer, for the help text and beside a comparison.
+/// Returns the features by renderer, for the help text and beside a comparison.
 pub fn feature_table() -> String {
     let matrix = FeatureMatrix::of(&all());
     format!("Features (yes: drawn; some: in some settings; -: refused, with the reason):\n{matrix}")
 }
 
-/// The options of every renderer that `--set` takes, for the help text.
+/// Returns the options of every renderer that `--set` takes, for the help text.
 pub fn option_help() -> String {
     let mut text = String::new();
     for renderer in all() {
@@ -99,9 +99,9 @@ pub fn option_help() -> String {
     text
 }
 
-/// Columns of an option and its default in the help text.
+/// Width of an option and its default in the help text, in characters.
 const SETTING_WIDTH: usize = 28;
-/// Columns of an option's description in the help text.
+/// Width of an option's description in the help text, in characters.
 const HELP_WIDTH: usize = 78;
 
 /// Breaks a text between words into lines of a width.

@@ -20,7 +20,7 @@ use crate::progress::under_bar;
 use crate::scene_setup::{Setup, named_scene};
 use crate::{exact_cache, renderers};
 
-/// Pixels of the pictures of a user's own scene, where no size was asked for.
+/// Largest number of pixels of the pictures of a user's own scene, where no size was asked for.
 const QUICK_PIXELS: f64 = 128.0 * 128.0;
 const FULL_PIXELS: f64 = 320.0 * 320.0;
 
@@ -112,7 +112,7 @@ fn cannot_write(path: &Path, e: &std::io::Error) -> Failure {
     Failure::failed(format!("{}: cannot be written: {e}", path.display()))
 }
 
-/// Every file that [`write()`] may make.
+/// Names of the files that [`write()`] may make.
 const FILES: [&str; 6] = [PAGE, REPORT, POINTS, ERRORS, HEADLINE_PLOT, HEADLINE_TABLE];
 const PAGE: &str = "index.html";
 const REPORT: &str = "report.json";

@@ -1,4 +1,4 @@
-//! Conversion of the command line to a scene that can be drawn.
+//! Set-up: from the command line to a scene that can be drawn.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,10 +19,10 @@ use crate::inputs::Inputs;
 use crate::overrides::Overrides;
 use crate::{number, renderers};
 
-/// The scene that is drawn where the command line names none.
+/// Scene that is drawn where the command line names none.
 const EMBEDDED: &str = include_str!("embedded.toml");
 
-/// A scene and a view, and where they came from.
+/// Scene and view, and where they came from.
 pub struct Setup {
     /// The scene.
     pub scene: Scene,
@@ -32,9 +32,9 @@ pub struct Setup {
     pub title: String,
     /// Notes on everything assumed.
     pub notes: Vec<String>,
-    /// Every file that was read for it.
+    /// Files that were read for it.
     pub inputs: Vec<PathBuf>,
-    /// The phantom that the volume is made of, if it is.
+    /// Phantom that the volume is made of, if it is.
     pub phantom: Option<String>,
     /// The renderer that the scene file names.
     renderer: Option<String>,
@@ -43,7 +43,7 @@ pub struct Setup {
     origin: Origin,
 }
 
-/// A renderer, ready to draw.
+/// Renderer that is ready to draw.
 pub struct Configured {
     /// The renderer.
     pub renderer: Box<dyn Renderer>,
@@ -133,7 +133,7 @@ impl Setup {
         Ok(setup)
     }
 
-    /// The renderer that flags or the scene file ask for, configured. Notes options of the scene file that are not for it.
+    /// Returns the renderer that flags or the scene file ask for, configured. Notes options of the scene file that are not for it.
     ///
     /// # Errors
     /// An unknown renderer, an option that it does not have or take, an error bound that it cannot keep, or two error bounds.
@@ -217,7 +217,7 @@ impl Setup {
         places.into_iter().try_for_each(|(flag, place)| inputs.protect(flag, place))
     }
 
-    /// Failure of a picture that cannot be drawn.
+    /// Returns the failure of a picture that cannot be drawn.
     pub fn render_failure(&self, error: RenderError) -> Failure {
         match error {
             RenderError::Parameter(e) => self.origin.parameter(&e),
@@ -241,7 +241,7 @@ fn described(args: &SceneArgs) -> Result<(SceneFile, Origin), Failure> {
     Ok((file, origin))
 }
 
-/// The scene that flags name; none where they name nothing, for commands that have scenes of their own then.
+/// Returns the scene that flags name; `None` where they name nothing, for commands that have scenes of their own.
 ///
 /// # Errors
 /// Errors of [`Setup::new`]; flags about a scene where none is named.
@@ -258,7 +258,7 @@ pub fn named_scene(args: &SceneArgs, console: Console) -> Result<Option<Setup>, 
     Ok(None)
 }
 
-/// The embedded scene; or, where a volume is named, a scene of which everything else is absent.
+/// Returns the embedded scene or, where a volume is named, an empty scene file.
 pub fn default_scene(volume_named: bool) -> Result<SceneFile, Failure> {
     if volume_named {
         return Ok(SceneFile::default());
@@ -266,7 +266,7 @@ pub fn default_scene(volume_named: bool) -> Result<SceneFile, Failure> {
     vr_io::parse_scene(EMBEDDED, Path::new("the embedded scene")).map_err(Failure::failed)
 }
 
-/// `phantom fog, 64×64×64 f32`, or `halo.npy, 32314 points`.
+/// Describes a volume in a few words: `phantom fog, 64×64×64 f32`, or `halo.npy, 32314 points`.
 pub fn title(section: &VolumeSection, volume: &Volume) -> String {
     let name = match &section.source {
         Some(VolumeSource::File(FileSource { path, .. })) => path.clone(),
@@ -282,7 +282,7 @@ pub fn title(section: &VolumeSection, volume: &Volume) -> String {
     }
 }
 
-/// Source of each parameter, scene file or flag: it decides the wording of an error and the exit code.
+/// Source of each parameter, scene file or flag, which decides the wording of an error and the exit code.
 #[derive(Default)]
 pub struct Origin {
     scene_file: Option<PathBuf>,
@@ -291,7 +291,7 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// A wrong parameter is the scene file's, unless a flag set it or there is no file.
+    /// Returns the failure of a wrong parameter: the scene file's, unless a flag set it or there is no file.
     fn parameter(&self, error: &ParameterError) -> Failure {
         match &self.scene_file {
             Some(path) if !self.overrides.set_by_flag(&error.field) => {
@@ -301,7 +301,7 @@ impl Origin {
         }
     }
 
-    /// Failure of a scene that cannot be made.
+    /// Returns the failure of a scene that cannot be made.
     pub fn scene_failure(&self, error: SceneFileError) -> Failure {
         match error {
             SceneFileError::Parameter { source, .. } => self.parameter(&source),
@@ -314,7 +314,7 @@ impl Origin {
     }
 }
 
-/// Flag that says what a file leaves open.
+/// Returns the flag that supplies what a file leaves open.
 fn flag_for(error: &FileError) -> Option<&'static str> {
     match error.kind {
         FileErrorKind::Choose { what: "frame", .. } => Some("--frame N"),

@@ -2,14 +2,14 @@
 
 use std::fmt::Write;
 
-/// Rows of cells: the first column left, the others right.
+/// Table of rows of cells, the first column aligned left, the others right.
 #[derive(Debug)]
 pub struct Table {
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table with a header.
+    /// Makes a table with a header.
     pub fn new(header: &[&str]) -> Self {
         Self { rows: vec![header.iter().map(|&h| h.to_owned()).collect()] }
     }

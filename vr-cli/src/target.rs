@@ -23,9 +23,9 @@ pub struct Chosen {
     setting: String,
     /// The options that make it.
     options: Options,
-    /// Settings that were tried on a small picture.
+    /// Number of settings that were tried on a small picture.
     tried: usize,
-    /// Settings, of those tried, whose small picture was within the target.
+    /// Number of settings, of those tried, whose small picture was within the target.
     within: usize,
     /// Settings whose whole picture was not, though their small one was, and the bound of its RMSE.
     disappointed: Vec<(String, f64)>,
@@ -37,7 +37,7 @@ pub struct Chosen {
     proven: bool,
     /// One-sided confidence of a bound that is not proven.
     confidence: f64,
-    /// Pixels that were compared.
+    /// Number of pixels that were compared.
     sample_pixels: usize,
     pixels: u64,
 }
@@ -93,7 +93,7 @@ pub fn draw(
 }
 
 impl Chosen {
-    /// Lines for people.
+    /// Returns lines for people.
     pub fn text(&self) -> String {
         let Self { setting, tried, within, rmse, rmse_at_most, sample_pixels, pixels, target_rmse, .. } = self;
         let mut text = format!(
@@ -120,7 +120,7 @@ impl Chosen {
     }
 }
 
-/// Renderers that can prove a picture to be well within a target: by it, others are judged.
+/// Returns the renderers that can prove a picture to be well within a target, by which others are judged.
 fn bounded(target: f64) -> Vec<BoundedRenderer> {
     // An eighth is little beside the target, and costs little more than the target itself would. Pictures of floats keep no smaller bound.
     let max_error = (target / 8.0).max(MIN_MAX_ERROR);

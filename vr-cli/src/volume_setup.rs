@@ -1,4 +1,4 @@
-//! Conversion of the command line to a volume, for commands that draw nothing.
+//! Set-up: from the command line to a volume, for commands that draw nothing.
 
 use std::path::Path;
 

@@ -3,6 +3,18 @@
 use crate::grid::UniformGrid;
 
 /// A uniform grid of any voxel type.
+///
+/// # Examples
+/// ```
+/// use vr_core::{AnyGrid, Calibration, Placement, UniformGrid, with_grid};
+///
+/// // A reader learns the type of the voxels from the file's header.
+/// let placement = Placement::from_spacing([1.0; 3])?;
+/// let grid = AnyGrid::from(UniformGrid::new([2, 2, 3], vec![0i16; 12], placement, Calibration::default())?);
+/// assert!(matches!(grid, AnyGrid::I16(_)));
+/// assert_eq!(with_grid!(&grid, g => g.dims()), [2, 2, 3]);
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub enum AnyGrid {
     /// Unsigned 8-bit integers.

@@ -6,6 +6,17 @@
 use std::ops::{Add, AddAssign, Div, Mul};
 
 /// Upper bound of an error, in [0, +∞].
+///
+/// # Examples
+/// ```
+/// use vr_core::bound::Bound;
+///
+/// let error = Bound::new(1e-3) + Bound::new(-2e-3);
+/// assert!(error.within(0.01) && error.value() >= 3e-3);
+/// // An error that cannot be computed is unbounded, not small.
+/// assert_eq!(Bound::new(f64::INFINITY - f64::INFINITY), Bound::UNKNOWN);
+/// assert!(!(error + f64::NAN).within(0.01));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Bound(f64);
 

@@ -6,6 +6,22 @@ use crate::error::ParameterError;
 use crate::limits::{DIRECTION_LENGTHS, MAX_COORDINATE, MAX_HEIGHTS_AWAY, MIN_FOV};
 
 /// Kind of projection, with the width of the view.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Camera, Projection, Rays, View};
+///
+/// let parallel = Projection::Orthographic { height: 2.0 };
+/// let camera = Camera { eye: 5.0 * DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, projection: parallel };
+/// let rays = Rays::new(&View::new(camera, [64, 64]))?;
+/// assert_eq!(rays.at(0.0, 0.0).direction, rays.at(64.0, 64.0).direction);
+///
+/// let perspective = Camera { projection: Projection::Perspective { fov: 30.0 }, ..camera };
+/// let rays = Rays::new(&View::new(perspective, [64, 64]))?;
+/// assert_eq!(rays.at(0.0, 0.0).origin, rays.at(64.0, 64.0).origin);
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Parallel rays, starting at the plane through the eye.
@@ -21,6 +37,21 @@ pub enum Projection {
 }
 
 /// A camera in world space. Right = forward × up; row 0 of a picture is its top; pixels are square.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::Camera;
+///
+/// // From the front, with a field of view of 30°; then 90° around to the right.
+/// let front = Camera::framing((DVec3::NEG_ONE, DVec3::ONE), 0.0, 0.0, Some(30.0));
+/// assert!(front.eye.z > 0.0 && front.target == DVec3::ZERO);
+/// let right = front.orbit(90.0, 0.0);
+/// assert!((right.eye.normalize() - DVec3::X).length() < 1e-12);
+///
+/// let wrong = Camera { up: DVec3::Z, ..front };
+/// assert_eq!(wrong.frame().unwrap_err().field, "camera.up");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Position of the eye.

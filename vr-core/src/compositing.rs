@@ -3,6 +3,18 @@
 use crate::error::ParameterError;
 
 /// Operator that makes one pixel of the field along a ray. Each has a reference in `vr-physics`.
+///
+/// # Examples
+/// ```
+/// use vr_core::Compositing;
+///
+/// assert_eq!(Compositing::default(), Compositing::Over);
+/// assert!(Compositing::Accumulate { level: 0.5 }.integrates_light());
+/// assert!(!Compositing::Maximum.integrates_light());
+/// assert!(Compositing::First { threshold: 300.0 }.validate().is_ok());
+/// let error = Compositing::Accumulate { level: 1.5 }.validate().unwrap_err();
+/// assert_eq!(error.to_string(), "render.level: found 1.5; must be in (0, 1]");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Compositing {
     /// ∫ q e^(−τ) ds and α = 1 − e^(−τ): emission and absorption.

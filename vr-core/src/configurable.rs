@@ -7,6 +7,36 @@ use crate::options::{OptionSpec, Options};
 use crate::renderer::Renderer;
 
 /// A renderer whose settings are named options.
+///
+/// # Examples
+/// A renderer that draws nothing, with one option:
+/// ```
+/// use vr_core::*;
+///
+/// #[derive(Clone, Default)]
+/// struct Marcher { step: f64 }
+///
+/// impl Configurable for Marcher {
+///     fn options() -> OptionTable<Self> {
+///         let range = NumberRange::at_least(0.0).up_to(16.0);
+///         let (get, set) = (|m: &Self| m.step, |m: &mut Self, x| m.step = x);
+///         OptionTable::new("marcher", [DeclaredOption::number("step", "length of a step", range, get, set)])
+///     }
+/// }
+/// # impl Renderer for Marcher {
+/// #     fn name(&self) -> &'static str { "marcher" }
+/// #     fn supports(&self, _: &Scene, _: Option<&View>) -> Result<(), RenderError> { Ok(()) }
+/// #     fn prepare(&self, _: &Scene, _: &Control) -> Result<Box<dyn Prepared>, RenderError> {
+/// #         Err(RenderError::Cancelled)
+/// #     }
+/// # }
+///
+/// let half = Marcher::default().configure(&Options::new().with("step", 0.5))?;
+/// assert_eq!(half.to_options(), Options::new().with("step", 0.5));
+/// let error = half.configure(&Options::new().with("stop", 0.5)).err().unwrap();
+/// assert_eq!(error.to_string(), "renderer marcher has no option 'stop'; did you mean 'step'?");
+/// # Ok::<(), OptionError>(())
+/// ```
 pub trait Configurable: Renderer + Clone + Default + 'static {
     /// Its options: the one place where each is declared.
     fn options() -> OptionTable<Self>;

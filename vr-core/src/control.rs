@@ -6,6 +6,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::error::RenderError;
 
 /// Cancel flag, progress callback and threads. The default never cancels, reports no progress, and uses rayon's global pool.
+///
+/// # Examples
+/// ```
+/// use std::sync::atomic::Ordering;
+/// use vr_core::{Control, RenderError};
+///
+/// let control = Control::default().with_threads(2).with_progress(|done| println!("{:.0} %", 100.0 * done));
+/// assert_eq!(control.run(|| control.threads()), 2);
+/// control.report(0.5);
+///
+/// // What a signal handler does:
+/// control.cancel_flag().store(true, Ordering::Relaxed);
+/// assert!(matches!(control.check(), Err(RenderError::Cancelled)));
+/// ```
 #[derive(Clone, Default)]
 pub struct Control {
     cancel: Arc<AtomicBool>,

@@ -11,6 +11,17 @@ use crate::parallel::locked;
 /// Structures derived from a volume, each made once, when first asked for: one for each type and key.
 ///
 /// A volume does not know the structures that renderers derive from it (ranges of blocks, run-length encodings): it keeps them.
+///
+/// # Examples
+/// ```
+/// use vr_core::Derived;
+///
+/// let derived = Derived::default();
+/// let blocks = |edge: usize| derived.get(edge, || vec![0u8; 64 / edge]);
+/// assert_eq!(blocks(8).len(), 8);
+/// assert_eq!(blocks(4).len(), 16);
+/// assert!(std::sync::Arc::ptr_eq(&blocks(8), &blocks(8)), "made once");
+/// ```
 #[derive(Default)]
 pub struct Derived(Mutex<HashMap<TypeId, Box<dyn Any + Send>>>);
 

@@ -5,6 +5,43 @@ use crate::options::Options;
 use crate::renderer::Renderer;
 
 /// A renderer that documents itself for a study of speed against error. By default, nothing is documented.
+///
+/// # Examples
+/// A renderer of order 2 in its step, on the page that a study reads:
+/// ```
+/// use vr_core::*;
+///
+/// #[derive(Clone, Default)]
+/// struct Marcher { step: f64 }
+/// # impl Configurable for Marcher {
+/// #     fn options() -> OptionTable<Self> {
+/// #         let range = NumberRange::at_least(0.0).up_to(16.0);
+/// #         let (get, set) = (|m: &Self| m.step, |m: &mut Self, x| m.step = x);
+/// #         OptionTable::new("marcher", [DeclaredOption::number("step", "length of a step", range, get, set)])
+/// #     }
+/// # }
+/// # impl Renderer for Marcher {
+/// #     fn name(&self) -> &'static str { "marcher" }
+/// #     fn supports(&self, _: &Scene, _: Option<&View>) -> Result<(), RenderError> { Ok(()) }
+/// #     fn prepare(&self, _: &Scene, _: &Control) -> Result<Box<dyn Prepared>, RenderError> {
+/// #         Err(RenderError::Cancelled)
+/// #     }
+/// # }
+/// impl Documented for Marcher {
+///     fn settings(&self) -> Vec<NamedSetting> {
+///         [1.0, 0.5].map(|step| NamedSetting::new(format!("step {step}"), &Marcher { step }, 2.0, 1e-6)).to_vec()
+///     }
+///     fn convergence(&self) -> Vec<ConvergenceClaim> {
+///         let orders = ConvergenceOrders { smooth: 2.0, jumps: 1.0, grid: 2.0, pixels: 2.0 };
+///         vec![ConvergenceClaim::new("midpoint", self, "step", 1e-7, orders)]
+///     }
+/// }
+///
+/// let marcher: &dyn StudiedRenderer = &Marcher::default();
+/// assert_eq!(marcher.settings()[1].options, Options::new().with("step", 0.5));
+/// assert_eq!(marcher.convergence()[0].options, Options::new(), "all options but the step are held fixed");
+/// assert_eq!(marcher.option_specs()[0].key, "step");
+/// ```
 pub trait Documented: Renderer {
     /// The settings that are worth a try.
     fn settings(&self) -> Vec<NamedSetting> {
@@ -96,6 +133,18 @@ pub struct ConvergenceOrders {
 }
 
 /// Documented errors of a renderer on hard cases, by the names of these.
+///
+/// # Examples
+/// ```
+/// use vr_core::{DocumentedError, HardCaseErrors};
+///
+/// #[derive(Default, PartialEq)]
+/// struct Marcher { skip: bool }
+/// let of = |marcher| HardCaseErrors::of_default(&marcher, [("thin shell", DocumentedError::Rmse(0.02))]);
+/// assert_eq!(of(Marcher::default()).for_case("thin shell"), Some(DocumentedError::Rmse(0.02)));
+/// assert_eq!(of(Marcher::default()).for_case("fog"), None);
+/// assert_eq!(of(Marcher { skip: true }).for_case("thin shell"), None);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HardCaseErrors {
     /// Errors of single cases, by name.
@@ -123,6 +172,16 @@ impl HardCaseErrors {
 ///
 /// If a wall or a shell decides between everything and nothing, the largest error says little: a single ray on the wrong side makes it
 /// as large as it can be. The root mean square tells how many rays are.
+///
+/// # Examples
+/// ```
+/// use vr_core::DocumentedError;
+///
+/// let (max, rmse) = (0.3, 0.004); // of a picture, measured
+/// let documented = DocumentedError::Rmse(0.005);
+/// assert!(documented.choose(max, rmse) <= documented.value());
+/// assert_eq!(DocumentedError::from(0.1), DocumentedError::Max(0.1));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DocumentedError {
     /// Largest error of any component of any pixel.

@@ -3,6 +3,17 @@
 use crate::unsupported::Unsupported;
 
 /// An error of a uniform grid.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Calibration, GridError, Placement, UniformGrid};
+///
+/// let placement = Placement::from_spacing([1.0; 3])?;
+/// let error = UniformGrid::new([2, 2, 2], vec![0u8; 7], placement, Calibration::default()).unwrap_err();
+/// assert_eq!(error, GridError::Length { dims: [2; 3], expected: 8, found: 7 });
+/// assert_eq!(error.to_string(), "dims [2, 2, 2]: found 7 values, must be 8, the product of the dims");
+/// # Ok::<(), GridError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridError {
@@ -57,6 +68,16 @@ pub enum GridError {
 }
 
 /// An error of a triangle mesh.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{MeshError, TriangleMesh};
+///
+/// let error = TriangleMesh::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![[1, 2, 3]]).unwrap_err();
+/// assert_eq!(error, MeshError::Vertex { triangle: 0, found: 3, vertices: 3 });
+/// assert_eq!(error.to_string(), "triangle 0: found vertex 3; there are 3, counted from 0");
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -108,6 +129,15 @@ pub enum MeshError {
 }
 
 /// An error of scattered points.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{PointError, PointKernel, PointSet};
+///
+/// let error = PointSet::new(vec![DVec3::ZERO], vec![-1.0], vec![1.0], vec![1.0], PointKernel::Cone).unwrap_err();
+/// assert_eq!(error, PointError::Radius { point: 0, found: -1.0 });
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PointError {
@@ -159,6 +189,16 @@ pub enum PointError {
 }
 
 /// A value of a scene or view that is out of range: the field, the value found, and the allowed values.
+///
+/// # Examples
+/// ```
+/// use vr_core::{ControlPoint, OpacityRule, TransferFunction};
+///
+/// let points = vec![ControlPoint::new(0.0, [1.0; 3], 1.5)];
+/// let error = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap_err();
+/// assert_eq!(error.field, "transfer.points[0].opacity");
+/// assert_eq!(error.to_string(), "transfer.points[0].opacity: found 1.5; must be in [0, 1]");
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{field}: found {found}; {allowed}")]
 pub struct ParameterError {
@@ -178,6 +218,22 @@ impl ParameterError {
 }
 
 /// Reason why there is no picture.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Feature, ParameterError, RenderError, Unsupported};
+///
+/// fn advice(error: &RenderError) -> &'static str {
+///     match error {
+///         RenderError::Unsupported(_) => "choose another renderer",
+///         RenderError::Parameter(_) | RenderError::Option(_) => "correct the value",
+///         _ => "try again",
+///     }
+/// }
+/// let perspective = Unsupported { renderer: "slicer", feature: Feature::Perspective, what: "perspective".into() };
+/// assert_eq!(advice(&perspective.into()), "choose another renderer");
+/// assert_eq!(advice(&ParameterError::new("image.size", [0, 9], "must be positive").into()), "correct the value");
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
@@ -206,6 +262,19 @@ pub enum RenderError {
 }
 
 /// An option that a renderer does not have, or a value that it does not take.
+///
+/// # Examples
+/// ```
+/// use vr_core::{DeclaredOption, OptionError, OptionTable, Options};
+///
+/// #[derive(Clone, Default)]
+/// struct Marcher { skip: bool }
+/// let skip = DeclaredOption::switch("skip", "leave out what is empty", |m: &Marcher| m.skip, |m, on| m.skip = on);
+/// let table = OptionTable::new("marcher", [skip]);
+/// let error = table.configure(&Marcher::default(), &Options::new().with("skipp", true)).err().unwrap();
+/// assert!(matches!(&error, OptionError::Unknown { nearest: Some("skip"), .. }));
+/// assert_eq!(error.to_string(), "renderer marcher has no option 'skipp'; did you mean 'skip'?");
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OptionError {

@@ -1,6 +1,16 @@
 //! A finished picture.
 
 /// A picture in premultiplied linear RGBA without the background, f32; row 0 is the top. Optionally with a depth per pixel.
+///
+/// # Examples
+/// ```
+/// use vr_core::Frame;
+///
+/// // Half covered by white, before blue.
+/// let frame = Frame::new([1, 1], vec![[0.5, 0.5, 0.5, 0.5]], None);
+/// assert_eq!(frame.pixel(0, 0)[3], 0.5);
+/// assert_eq!(frame.over_background([0.0, 0.0, 1.0]), [[0.5, 0.5, 1.0]]);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     size: [u32; 2],

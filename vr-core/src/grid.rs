@@ -8,6 +8,16 @@ use crate::placement::Placement;
 use crate::voxel::Voxel;
 
 /// Map from stored numbers to values: `value = slope · stored + intercept` (as in NIfTI and DICOM).
+///
+/// # Examples
+/// ```
+/// use vr_core::Calibration;
+///
+/// // A CT scanner stores Hounsfield units above −1024.
+/// let hounsfield = Calibration { slope: 1.0, intercept: -1024.0 };
+/// assert_eq!(hounsfield.value(1024.0), 0.0, "water");
+/// assert_eq!(hounsfield.stored(-1000.0), 24.0, "air");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     /// Value per stored unit; not zero.
@@ -37,6 +47,18 @@ impl Calibration {
 }
 
 /// Range of the stored numbers of a grid, and counts of those that are not finite.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Calibration, Placement, UniformGrid};
+///
+/// let values = vec![1.0, f32::NAN, 3.0, -2.0, f32::INFINITY, 0.0, 0.0, 0.5];
+/// let grid = UniformGrid::new([2; 3], values, Placement::from_spacing([1.0; 3])?, Calibration::default())?;
+/// let stats = grid.value_stats();
+/// assert_eq!((stats.range, stats.nan, stats.infinite), (Some((-2.0, 3.0)), 1, 1));
+/// assert!(stats.has_missing());
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ValueStats {
     /// Smallest and largest finite stored number; `None` if there is none.
@@ -58,6 +80,20 @@ impl ValueStats {
 ///
 /// The volume fills the box from the first to the last voxel on each axis; outside is vacuum. Cloning is cheap: the voxels
 /// are shared.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Calibration, Placement, UniformGrid, Volume};
+///
+/// // Two slices of 3 × 2 voxels, twice as far apart as the voxels in them.
+/// let voxels: Vec<u8> = (0..12).collect();
+/// let grid = UniformGrid::new([3, 2, 2], voxels, Placement::from_spacing([1.0, 1.0, 2.0])?, Calibration::default())?;
+/// assert_eq!(grid.samples()[1], 1, "x is fastest");
+/// assert_eq!(grid.value_stats().range, Some((0.0, 11.0)));
+/// let (low, high) = Volume::from(grid).bounds();
+/// assert_eq!((high - low).to_array(), [2.0, 1.0, 2.0]);
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 #[derive(Clone)]
 pub struct UniformGrid<T> {
     dims: [usize; 3],

@@ -18,6 +18,21 @@ use crate::with_grid;
 
 /// A uniform grid under a reconstruction filter. Volumes of the same values under other filters share the values
 /// ([`GridVolume::with_filter`]), and the structures that are derived from them.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Calibration, Filter, GridVolume, Placement, UniformGrid};
+///
+/// let calibration = Calibration { slope: 0.5, intercept: -1.0 };
+/// let grid = UniformGrid::new([2; 3], (0..8u8).collect::<Vec<_>>(), Placement::from_spacing([1.0; 3])?, calibration)?;
+/// let linear = GridVolume::new(grid.into(), Filter::Trilinear);
+/// assert_eq!(linear.value_range(), Some((-1.0, 2.5)));
+///
+/// let cubic = linear.with_filter(Filter::CatmullRom);
+/// assert_eq!((linear.filter(), cubic.filter()), (Filter::Trilinear, Filter::CatmullRom));
+/// assert!(linear.same(&cubic.with_filter(Filter::Trilinear)), "the voxels are shared");
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct GridVolume {
     values: Arc<Values>,
@@ -206,6 +221,25 @@ fn visit<T: Voxel, V: SamplerVisitor>(
 }
 
 /// Code that is generic over voxel type and filter; see [`GridVolume::with_sampler`].
+///
+/// # Examples
+/// ```
+/// use vr_core::filter::Reconstruction;
+/// use vr_core::{Calibration, Filter, GridVolume, Placement, Sampler, SamplerVisitor, UniformGrid, Voxel};
+///
+/// struct ValueAt([f64; 3]);
+/// impl SamplerVisitor for ValueAt {
+///     type Output = f64;
+///     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> f64 {
+///         sampler.value(self.0)
+///     }
+/// }
+///
+/// let voxels: Vec<u8> = (0..8).collect();
+/// let grid = UniformGrid::new([2; 3], voxels, Placement::from_spacing([1.0; 3])?, Calibration::default())?;
+/// assert_eq!(GridVolume::new(grid.into(), Filter::Trilinear).with_sampler(ValueAt([0.5; 3])), 3.5);
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 pub trait SamplerVisitor {
     /// Result of the visit.
     type Output;
@@ -214,6 +248,25 @@ pub trait SamplerVisitor {
 }
 
 /// Code that is generic over the voxel type; see [`GridVolume::with_lattice`].
+///
+/// # Examples
+/// ```
+/// use vr_core::filter::Lattice;
+/// use vr_core::{Calibration, Filter, GridVolume, LatticeVisitor, Placement, UniformGrid, Voxel, gradient_at_sample};
+///
+/// struct GradientAt([usize; 3]);
+/// impl LatticeVisitor for GradientAt {
+///     type Output = [f32; 3];
+///     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f32; 3] {
+///         gradient_at_sample(&lattice, self.0)
+///     }
+/// }
+///
+/// let voxels: Vec<u8> = (0..8).collect();
+/// let grid = UniformGrid::new([2; 3], voxels, Placement::from_spacing([1.0; 3])?, Calibration::default())?;
+/// assert_eq!(GridVolume::new(grid.into(), Filter::Nearest).with_lattice(GradientAt([0; 3])), [1.0, 2.0, 4.0]);
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 pub trait LatticeVisitor {
     /// Result of the visit.
     type Output;

@@ -20,6 +20,29 @@ pub trait PixelValue: Copy + Send {
 const TILE: u32 = 16;
 
 /// Point of the image that a ray goes through.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::image_order::{PixelValue, trace_view};
+/// use vr_core::{Camera, Control, View};
+///
+/// #[derive(Clone, Copy)]
+/// struct Shade(f64);
+/// impl PixelValue for Shade {
+///     fn mean(values: &[Self]) -> Self {
+///         Self(values.iter().map(|v| v.0).sum::<f64>() / values.len() as f64)
+///     }
+/// }
+///
+/// let view = View::new(Camera::framing((DVec3::NEG_ONE, DVec3::ONE), 0.0, 0.0, None), [3, 2]);
+/// let (pixels, counts) = trace_view(&view, &Control::default(), || (), |_, _ray, sample, counts| {
+///     counts.rays += 1;
+///     Shade(sample.x)
+/// })?;
+/// assert_eq!((pixels[5].0, counts.rays), (2.5, 6));
+/// # Ok::<(), vr_core::RenderError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageSample {
     /// Its pixel, counted row by row from the top.

@@ -4,6 +4,19 @@ use crate::grid::UniformGrid;
 use crate::real::Real;
 
 /// The closed cells that are vacuum because one of their eight corners is NaN.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Calibration, Placement, UniformGrid, VacuumCells};
+///
+/// let mut values = vec![1.0f32; 16]; // 4 × 2 × 2 voxels, 3 × 1 × 1 cells
+/// values[3] = f32::NAN;
+/// let grid = UniformGrid::new([4, 2, 2], values, Placement::from_spacing([1.0; 3])?, Calibration::default())?;
+/// let vacuum = VacuumCells::new(&grid);
+/// assert!(!vacuum.is_vacuum([1, 0, 0]) && vacuum.is_vacuum([2, 0, 0]));
+/// assert!(vacuum.contains([2.0, 0.5, 0.5]), "a face belongs to both of its cells");
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct VacuumCells {
     cells: [usize; 3],

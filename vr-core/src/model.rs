@@ -6,6 +6,20 @@ use crate::filter::Filter;
 use crate::ray::Ray;
 
 /// Model of what a renderer integrates.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Filter, Model};
+///
+/// fn describe(model: &Model) -> String {
+///     match model {
+///         Model::Canonical => "the scene as it is".into(),
+///         Model::Filtered(filter) => format!("the scene under the filter {filter}"),
+///         _ => "a model of the renderer's own".into(),
+///     }
+/// }
+/// assert_eq!(describe(&Model::Filtered(Filter::BSpline)), "the scene under the filter bspline");
+/// ```
 #[derive(Clone)]
 #[non_exhaustive]
 pub enum Model {
@@ -31,6 +45,30 @@ impl std::fmt::Debug for Model {
 }
 
 /// Extinction and emission along a ray: smooth between breakpoints.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{ContinuousModel, Medium, MediumBounds, Ray};
+///
+/// // Fog that begins three units from the eye and gets denser with the distance.
+/// struct Fog;
+/// impl ContinuousModel for Fog {
+///     fn breakpoints(&self, _: &Ray) -> Vec<f64> {
+///         vec![3.0, 5.0]
+///     }
+///     fn medium(&self, _: &Ray, s: f64) -> Medium {
+///         let extinction = 0.1 * (s - 3.0);
+///         Medium { extinction, emission: [extinction; 3] }
+///     }
+///     fn bounds(&self, _: &Ray, _from: f64, _to: f64) -> Option<MediumBounds> {
+///         Some(MediumBounds { extinction_slope: 0.1, emission_slope: 0.1 })
+///     }
+/// }
+///
+/// let ray = Ray { origin: DVec3::ZERO, direction: DVec3::Z };
+/// assert_eq!(Fog.medium(&ray, 4.0), Medium { extinction: 0.1, emission: [0.1; 3] });
+/// ```
 pub trait ContinuousModel: Send + Sync {
     /// World distances along the ray, ascending, between which the medium is smooth. The first and the last enclose all of it.
     fn breakpoints(&self, ray: &Ray) -> Vec<f64>;
@@ -61,6 +99,23 @@ pub struct MediumBounds {
 }
 
 /// A sum over segments: I = Σ_k b_k Π_{j<k} θ_j, front to back.
+///
+/// # Examples
+/// ```
+/// use vr_core::{DiscreteModel, SegmentTerm};
+///
+/// // Two slices, whatever the ray: a grey one before a bright one.
+/// struct TwoSlices;
+/// impl DiscreteModel for TwoSlices {
+///     fn segments(&self, _x: f64, _y: f64) -> Vec<SegmentTerm> {
+///         vec![SegmentTerm { transparency: 0.5, light: [0.2; 3] }, SegmentTerm { transparency: 0.0, light: [0.8; 3] }]
+///     }
+/// }
+///
+/// let add = |(sum, clear): (f64, f64), term: SegmentTerm| (sum + clear * term.light[0], clear * term.transparency);
+/// let (red, transparency) = TwoSlices.segments(0.5, 0.5).into_iter().fold((0.0, 1.0), add);
+/// assert!((red - 0.6).abs() < 1e-15 && transparency == 0.0);
+/// ```
 pub trait DiscreteModel: Send + Sync {
     /// The segments of the ray through a point of the image (in pixels from the top left corner), front to back.
     fn segments(&self, x: f64, y: f64) -> Vec<SegmentTerm>;

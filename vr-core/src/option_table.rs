@@ -4,6 +4,24 @@ use crate::error::OptionError;
 use crate::options::{NumberRange, OptionKind, OptionSpec, OptionValue, Options};
 
 /// One option of a renderer of type `R`: its description, and how to read and set it.
+///
+/// # Examples
+/// ```
+/// use vr_core::{DeclaredOption, OptionTable, Options};
+///
+/// #[derive(Clone, Copy, Default, PartialEq)]
+/// enum Order { #[default] FrontToBack, BackToFront }
+/// #[derive(Clone, Default)]
+/// struct Marcher { order: Order, early: bool }
+///
+/// let words = [("front-to-back", Order::FrontToBack), ("back-to-front", Order::BackToFront)];
+/// let order = DeclaredOption::choice("order", "direction of a ray", words, |m: &Marcher| m.order, |m, o| m.order = o);
+/// let early = DeclaredOption::switch("early", "end rays early", |m: &Marcher| m.early, |m, on| m.early = on)
+///     .refuse("goes with order=front-to-back alone", |m| m.early && m.order == Order::BackToFront);
+/// let table = OptionTable::new("marcher", [order, early]);
+/// let wrong = Options::new().with("order", "back-to-front").with("early", true);
+/// assert!(table.configure(&Marcher::default(), &wrong).is_err());
+/// ```
 pub struct DeclaredOption<R> {
     spec: OptionSpec,
     /// Reads its value; `None` where the renderer's other settings leave it none.
@@ -127,6 +145,7 @@ fn number_setter<R: 'static>(set: fn(&mut R, f64)) -> impl Fn(&mut R, &OptionVal
 
 /// Every option of a renderer of type `R`, each declared once: the rest follows from the declarations.
 ///
+/// # Examples
 /// ```
 /// use vr_core::{DeclaredOption, NumberRange, OptionTable, Options};
 /// #[derive(Clone, Default)]

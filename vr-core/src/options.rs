@@ -4,6 +4,22 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 /// One option of a renderer.
+///
+/// # Examples
+/// ```
+/// use vr_core::{DeclaredOption, NumberRange, OptionTable};
+///
+/// #[derive(Clone)]
+/// struct Marcher { step: f64 }
+/// impl Default for Marcher {
+///     fn default() -> Self { Self { step: 0.5 } }
+/// }
+/// let range = NumberRange::above(0.0).up_to(16.0);
+/// let step = DeclaredOption::number("step", "length of a step", range, |m: &Marcher| m.step, |m, x| m.step = x);
+/// let spec = &OptionTable::new("marcher", [step]).specs()[0];
+/// let line = format!("{}: {} ({}; default {})", spec.key, spec.help, spec.kind, spec.default);
+/// assert_eq!(line, "step: length of a step (a number above 0, at most 16; default 0.5)");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct OptionSpec {
     /// Its name, in kebab case.
@@ -37,6 +53,14 @@ impl OptionSpec {
 }
 
 /// Values that an option takes.
+///
+/// # Examples
+/// ```
+/// use vr_core::OptionKind;
+///
+/// assert_eq!(OptionKind::Switch.to_string(), "true or false");
+/// assert_eq!(OptionKind::Choice(vec!["post", "pre"]).to_string(), "one of post, pre");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum OptionKind {
     /// A number of a range.
@@ -59,6 +83,7 @@ impl fmt::Display for OptionKind {
 
 /// Finite numbers between two ends, each of which may belong to the range or not.
 ///
+/// # Examples
 /// ```
 /// use vr_core::NumberRange;
 /// let edge = NumberRange::at_least(8.0).up_to(1024.0).whole().or_zero();
@@ -147,6 +172,16 @@ impl fmt::Display for NumberRange {
 }
 
 /// The value of an option.
+///
+/// # Examples
+/// ```
+/// use vr_core::OptionValue;
+///
+/// // A command line gives text, code gives values.
+/// assert_eq!(OptionValue::parse("0.5"), OptionValue::from(0.5));
+/// assert_eq!(OptionValue::parse("true"), OptionValue::from(true));
+/// assert_eq!(OptionValue::parse("bspline"), OptionValue::from("bspline"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(untagged))]
@@ -201,6 +236,15 @@ impl From<&str> for OptionValue {
 }
 
 /// Options that were set, by name.
+///
+/// # Examples
+/// ```
+/// use vr_core::{OptionValue, Options};
+///
+/// let options = Options::new().with("step", 0.5).with("skip", true).with("step", 0.25);
+/// assert_eq!(options.0.len(), 2);
+/// assert_eq!(options.0["step"], OptionValue::Number(0.25));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(transparent))]

@@ -9,6 +9,20 @@ use crate::limits::{MAX_STEPS_AWAY, is_length};
 ///
 /// The columns of `axes` are the world vectors from one voxel to the next along x, y and z, spacing folded in. Shear is
 /// allowed; a singular matrix is not.
+///
+/// # Examples
+/// ```
+/// use glam::{DMat3, DVec3};
+/// use vr_core::Placement;
+///
+/// let origin = DVec3::new(-10.0, 0.0, 5.0);
+/// let placement = Placement::oriented(origin, [0.5, 0.5, 2.0], DMat3::IDENTITY)?;
+/// let world = placement.to_world(DVec3::new(2.0, 4.0, 1.5));
+/// assert_eq!(world, DVec3::new(-9.0, 2.0, 8.0));
+/// assert_eq!(placement.to_index(world), DVec3::new(2.0, 4.0, 1.5));
+/// assert!(Placement::from_spacing([1.0, 0.0, 1.0]).is_err());
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     origin: DVec3,

@@ -25,6 +25,20 @@ pub struct PointCrossing {
 }
 
 /// All supports that a ray goes through.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{PointKernel, PointSet, Ray};
+///
+/// let points = PointSet::new(vec![DVec3::ZERO], vec![1.0], vec![1.0], vec![1.0], PointKernel::Cone)?;
+/// let ray = Ray { origin: DVec3::new(0.6, 0.0, -5.0), direction: DVec3::Z };
+/// let crossings = points.crossings(&ray, [0.0, f64::INFINITY]);
+/// let crossing = crossings.all[0];
+/// assert!((crossings.offset + crossing.nearest - 5.0).abs() < 1e-12);
+/// assert!((crossing.distance - 0.6).abs() < 1e-12 && (crossing.half - 0.8).abs() < 1e-12);
+/// # Ok::<(), vr_core::PointError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointCrossings {
     /// World distance along the ray that all others are counted from: that at which the ray is nearest to the middle of the set.

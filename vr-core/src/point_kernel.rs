@@ -7,6 +7,18 @@
 /// | cubic spline | 1 − 6t² + 6t³ up to t = ½, 2(1 − t)³ beyond: M₄ of smoothed particle hydrodynamics (Monaghan & Lattanzio 1985, "A refined particle method for astrophysical problems"), whose smoothing length is half the radius |
 /// | Gaussian | e^(−4.5 t²) − e^(−4.5): three standard deviations to a radius, lowered so that it ends in 0 |
 /// | cone | 1 − t |
+///
+/// # Examples
+/// ```
+/// use vr_core::PointKernel;
+///
+/// for kernel in PointKernel::ALL {
+///     // The integral over the unit ball, 4π ∫ W t² dt, is 1.
+///     let shell = |i: i32| { let t = (f64::from(i) + 0.5) / 1000.0; kernel.at(t) * t * t / 1000.0 };
+///     let integral = 4.0 * std::f64::consts::PI * (0..1000).map(shell).sum::<f64>();
+///     assert!((integral - 1.0).abs() < 1e-5, "{}: {integral}", kernel.name());
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]

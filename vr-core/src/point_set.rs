@@ -14,6 +14,19 @@ use crate::point_kernel::PointKernel;
 /// The field is f(x) = Σ wₖ vₖ W(|x − xₖ| / Rₖ) / Rₖ³ over all points k, in world units; where no support reaches, there is vacuum.
 /// With wₖ = the volume that a point stands for (its mass by its density) this is the interpolation of smoothed particle hydrodynamics:
 /// f follows the values. With wₖ = its mass and all vₖ = 1 it is the density.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{PointKernel, PointSet, Volume};
+///
+/// let positions = vec![DVec3::ZERO, DVec3::new(3.0, 0.0, 0.0)];
+/// let points = PointSet::new(positions, vec![1.0; 2], vec![1.0; 2], vec![2.0, 5.0], PointKernel::CubicSpline)?;
+/// assert_eq!(points.field(DVec3::ZERO), Some(2.0 * PointKernel::CubicSpline.at(0.0)));
+/// assert_eq!(points.field(DVec3::new(1.5, 0.0, 0.0)), None, "vacuum between the supports");
+/// assert_eq!(Volume::from(points).bounds(), (DVec3::NEG_ONE, DVec3::new(4.0, 1.0, 1.0)));
+/// # Ok::<(), vr_core::PointError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct PointSet {
     positions: Vec<DVec3>,

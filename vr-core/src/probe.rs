@@ -6,6 +6,20 @@ use crate::optics::add_up_to_level;
 ///
 /// Every kind of renderer composites steps, each of some light and some transparency: samples of a ray, slices, the voxels of a sheared
 /// slice, footprints of splats. Here they are, front to back, in the numbers that the renderer itself worked with.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Probe, ProbedStep};
+///
+/// let step = |begin, light| {
+///     ProbedStep { begin, length: 1.0, samples: Vec::new(), transparency: 0.5, light: [light; 3] }
+/// };
+/// let steps = vec![step(4.0, 0.2), step(5.0, 0.8)];
+/// let probe = Probe { rgba: [0.6, 0.6, 0.6, 0.75], depth: 5.0, own_kernel: true, ended_early: false, steps };
+/// let [.., behind] = probe.running(1.0)[..] else { unreachable!() };
+/// assert!((behind[0] - 0.6).abs() < 1e-15 && behind[3] == 0.75);
+/// assert_eq!(probe.steps[0].end(), probe.steps[1].begin);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
     /// Result of the ray: premultiplied linear RGBA, as in a [`Frame`](crate::Frame).
@@ -22,6 +36,15 @@ pub struct Probe {
 }
 
 /// One step of a ray.
+///
+/// # Examples
+/// ```
+/// use vr_core::ProbedStep;
+///
+/// let step = ProbedStep { begin: 4.0, length: 0.5, samples: Vec::new(), transparency: 0.25, light: [0.0; 3] };
+/// assert_eq!(step.end(), 4.5);
+/// assert!((step.depth() - 4f64.ln()).abs() < 1e-15);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProbedStep {
     /// World distance along the ray at which it begins.

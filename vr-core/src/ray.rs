@@ -8,6 +8,16 @@ use crate::placement::Placement;
 use crate::view::{Clip, View};
 
 /// A ray in the world: `origin + s · direction`, s ≥ 0 in world units.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Clip, Plane, Ray};
+///
+/// let ray = Ray { origin: DVec3::ZERO, direction: DVec3::Z };
+/// let clip = Clip { planes: vec![Plane { normal: DVec3::Z, offset: 2.0 }], ..Clip::default() };
+/// assert_eq!(ray.inside(&clip), Some([2.0, f64::INFINITY]));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Position at which it starts.
@@ -26,6 +36,19 @@ impl Ray {
 }
 
 /// The rays of a view.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Camera, Rays, View};
+///
+/// let camera = Camera::framing((DVec3::NEG_ONE, DVec3::ONE), 0.0, 0.0, None);
+/// let rays = Rays::new(&View::new(camera, [3, 3]))?;
+/// // Through the centre of the pixel in the middle, and of the one on its right.
+/// assert_eq!(rays.at(1.5, 1.5).origin, camera.eye);
+/// assert!(rays.at(2.5, 1.5).origin.x > camera.eye.x);
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Rays {
     eye: DVec3,
@@ -67,6 +90,19 @@ impl Rays {
 }
 
 /// `N` rays, component by component, for vector code.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Camera, Rays, View};
+///
+/// let camera = Camera::framing((DVec3::NEG_ONE, DVec3::ONE), 30.0, 20.0, Some(30.0));
+/// let rays = Rays::new(&View::new(camera, [64, 64]))?;
+/// let packet = rays.packet(&[0.5, 1.5, 2.5, 3.5], &[0.5; 4]);
+/// let third = rays.at(2.5, 0.5);
+/// assert_eq!(packet.direction.map(|component| component[2]), third.direction.to_array());
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayPacket<const N: usize> {
     /// x, y and z of the positions at which the rays start.
@@ -119,6 +155,19 @@ impl Rays {
 ///
 /// The origin is moved along the ray to the point nearest the middle of the box, so that indices stay small numbers and keep
 /// their precision however far the eye or the world's origin may be. Distances stay world distances.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Clip, IndexRay, Placement, Ray};
+///
+/// let placement = Placement::from_spacing([1.0, 1.0, 2.0])?;
+/// let ray = Ray { origin: DVec3::new(0.5, 0.5, -10.0), direction: DVec3::Z };
+/// let inside = IndexRay::new(&ray, &placement, [2, 2, 3], &Clip::default(), f64::INFINITY).expect("it meets the box");
+/// assert_eq!(inside.length(), 4.0, "in world units");
+/// assert_eq!(inside.at(inside.end), DVec3::new(0.5, 0.5, 2.0), "in voxels");
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IndexRay {
     /// Index-space position at s = 0.

@@ -4,6 +4,17 @@
 ///
 /// Transcendental functions come from `libm`, because std's call the system's, which pick fused variants at run time:
 /// pictures must not depend on the machine.
+///
+/// # Examples
+/// ```
+/// use vr_core::Real;
+///
+/// fn transmittance<R: Real>(extinction: f64, length: R) -> R {
+///     (-R::from_f64(extinction) * length).exp()
+/// }
+/// let (single, double) = (transmittance(0.5, 2.0f32), transmittance(0.5, 2.0f64));
+/// assert!((single.to_f64() - double).abs() <= 4.0 * <f32 as Real>::ROUNDOFF);
+/// ```
 pub trait Real:
     Copy
     + PartialOrd

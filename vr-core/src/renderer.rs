@@ -10,6 +10,37 @@ use crate::stats::RenderStats;
 use crate::view::View;
 
 /// A way to draw scenes.
+///
+/// # Examples
+/// ```
+/// use vr_core::*;
+///
+/// fn draw(renderer: &dyn Renderer, scene: &Scene, view: &View) -> Result<Frame, RenderError> {
+///     renderer.supports(scene, Some(view))?;
+///     let control = Control::default();
+///     let mut prepared = renderer.prepare(scene, &control)?;
+///     Ok(prepared.render(view, &control)?.frame)
+/// }
+/// # struct Blank;
+/// # impl Renderer for Blank {
+/// #     fn name(&self) -> &'static str { "blank" }
+/// #     fn supports(&self, _: &Scene, _: Option<&View>) -> Result<(), RenderError> { Ok(()) }
+/// #     fn prepare(&self, _: &Scene, _: &Control) -> Result<Box<dyn Prepared>, RenderError> { Ok(Box::new(Blank)) }
+/// # }
+/// # impl Prepared for Blank {
+/// #     fn update(&mut self, _: &Scene, _: &Control) -> Result<(), RenderError> { Ok(()) }
+/// #     fn render(&mut self, view: &View, _: &Control) -> Result<Rendered, RenderError> {
+/// #         let pixels = vec![[0.0; 4]; (view.size[0] * view.size[1]) as usize];
+/// #         Ok(Rendered { frame: Frame::new(view.size, pixels, None), stats: RenderStats::default() })
+/// #     }
+/// #     fn model(&self, _: &View) -> Result<Model, RenderError> { Ok(Model::Canonical) }
+/// # }
+/// let scene = phantom::by_name("fog").unwrap().scene(5)?;
+/// let view = View::new(Camera::framing(scene.bounds(), 0.0, 0.0, None), [4, 3]);
+/// # let renderer = Blank; // `vr_raycast::RayCaster::default()`, say
+/// assert_eq!(draw(&renderer, &scene, &view)?.size(), [4, 3]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Renderer: Send + Sync {
     /// Name in scene files and on the command line.
     fn name(&self) -> &'static str;

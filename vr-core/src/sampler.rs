@@ -8,6 +8,17 @@ use crate::voxel::Voxel;
 /// Evaluates the reconstructed field, in stored units, at index-space positions inside the box.
 ///
 /// [`GridVolume::with_sampler`](crate::GridVolume::with_sampler) makes it. The value in vacuum (a cell with a missing corner) is NaN.
+///
+/// # Examples
+/// ```
+/// use vr_core::Sampler;
+/// use vr_core::filter::{Lattice, Trilinear};
+///
+/// let lattice = Lattice { samples: &[0u8, 1, 2, 3, 4, 5, 6, 7], dims: [2; 3] };
+/// let sampler = Sampler::<u8, Trilinear>::new(lattice, None);
+/// let (value, gradient) = sampler.value_and_gradient([0.5f64, 0.5, 0.0]);
+/// assert_eq!((value, gradient), (1.5, [1.0, 2.0, 4.0]));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler<'a, T, F> {
     lattice: Lattice<'a, T>,

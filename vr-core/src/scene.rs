@@ -14,6 +14,23 @@ use crate::view::View;
 use crate::volume::Volume;
 
 /// A volume with its optics, lights and surfaces. Cheap to clone: volume, transfer function, shading and surfaces are shared.
+///
+/// # Examples
+/// ```
+/// use std::sync::Arc;
+/// use vr_core::phantom::{self, Phantom};
+/// use vr_core::{Compositing, Scene, Shading};
+///
+/// let mut scene: Scene = phantom::by_name("hydrogen").unwrap().scene(5)?;
+/// assert!(scene.reflection().is_none());
+/// scene.shading = Some(Arc::new(Shading::default()));
+/// assert!(scene.reflection().is_some());
+/// scene.compositing = Compositing::Maximum;
+/// assert!(scene.reflection().is_none(), "a picked value is not shaded");
+/// scene.background = [f32::NAN; 3];
+/// assert_eq!(scene.validate().unwrap_err().field, "image.background");
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// The volume, and with a grid the filter that makes its field.
@@ -33,6 +50,15 @@ pub struct Scene {
 }
 
 /// Largest radiance that can come from behind a point of a ray: where little enough of it gets through, the ray may end.
+///
+/// # Examples
+/// ```
+/// use vr_core::MaxRadiance;
+///
+/// // Emission adds up along a ray; light of a medium that absorbs as much as it emits does not.
+/// assert_eq!(MaxRadiance::Emission(3.0).over(2.0), 6.0);
+/// assert_eq!(MaxRadiance::Color(3.0).over(2.0), 3.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaxRadiance {
     /// Radiance of a medium of colours, shaded or not, however long it is.

@@ -10,6 +10,19 @@ use crate::real::Real;
 /// c is replaced by c·(ka + kd Σ L|n·l|) + ks Σ L|n·h|^p, n the normalised world gradient. Where the gradient is zero, c stays.
 ///
 /// Emission that is given on its own is light, not a surface: it is not shaded.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Light, Shading};
+///
+/// // Under a headlight, a surface that faces the eye gets all diffuse light, and one seen edge on none.
+/// let matte = Shading { specular: 0.0, ..Shading::default() };
+/// let along = matte.along::<f64>(&[Light::default()], DVec3::Z);
+/// let [facing, edge_on] = [[0.0, 0.0, 5.0], [5.0, 0.0, 0.0]].map(|gradient| along.reflect(gradient).0[0]);
+/// assert!((facing - (matte.ambient + matte.diffuse)).abs() < 1e-15);
+/// assert_eq!(edge_on, matte.ambient);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shading {
     /// ka.
@@ -41,6 +54,17 @@ impl Default for Shading {
 }
 
 /// A light at infinity.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::Light;
+///
+/// let sun = Light { direction: Some(DVec3::new(1.0, 1.0, 0.0)), color: [1.0, 0.9, 0.8] };
+/// assert!(Light::validate_all(&[Light::default(), sun]).is_ok());
+/// let nowhere = Light { direction: Some(DVec3::ZERO), ..sun };
+/// assert_eq!(Light::validate_all(&[sun, nowhere]).unwrap_err().field, "shading.lights[1].direction");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// World vector *towards* the light; `None`: a headlight, shining along each ray.
@@ -76,6 +100,15 @@ impl Light {
 }
 
 /// Source of the gradient for shading.
+///
+/// # Examples
+/// ```
+/// use vr_core::{GradientMethod, Shading};
+///
+/// let smooth = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
+/// assert!(smooth.validate().is_ok());
+/// assert_eq!(Shading::default().gradient, GradientMethod::CentralDifferences);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -173,6 +206,18 @@ pub struct RayLight<R> {
 }
 
 /// Shading along one ray.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Light, Shading};
+///
+/// let shading = Shading::default().along::<f64>(&[Light::default()], DVec3::Z);
+/// let half_grey = [0.25, 0.25, 0.25, 0.5];
+/// assert_eq!(shading.shade(half_grey, [0.0; 3]), half_grey, "no surface, no shading");
+/// let [red, .., alpha] = shading.shade(half_grey, [0.0, 0.0, -2.0]);
+/// assert!((red - (0.25 * (0.2 + 0.7) + 0.5 * 0.3)).abs() < 1e-15 && alpha == 0.5);
+/// ```
 #[derive(Clone, Debug)]
 pub struct RayShading<R> {
     /// The lights.

@@ -3,6 +3,17 @@
 use std::time::{Duration, Instant};
 
 /// Counts of the work along rays.
+///
+/// # Examples
+/// ```
+/// use vr_core::Counts;
+///
+/// let mut all = Counts::default();
+/// for (rays, samples) in [(256, 9000), (10, 300)] {
+///     all += Counts { rays, samples, ..Counts::default() };
+/// }
+/// assert_eq!((all.rays, all.samples), (266, 9300));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     /// Rays that met the volume.
@@ -44,6 +55,15 @@ impl std::ops::AddAssign for Counts {
 }
 
 /// Counts of a render, and the time of each of its stages.
+///
+/// # Examples
+/// ```
+/// use vr_core::RenderStats;
+///
+/// let mut stats = RenderStats::default();
+/// let sum: u64 = stats.time("sum", || (1..=100).sum());
+/// assert_eq!((sum, stats.stages[0].0), (5050, "sum"));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderStats {
     /// The work done.

@@ -12,6 +12,34 @@ use crate::view::View;
 /// Opaque surfaces in a scene: the volume before them is drawn over them, the volume behind them is hidden.
 ///
 /// Renderers of volumes do not know their geometry: they ask for a [`Layer`] for each view that they draw.
+///
+/// # Examples
+/// A red wall:
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Control, Layer, Light, RenderError, Surfaces, View};
+///
+/// #[derive(Debug)]
+/// struct Wall;
+/// impl Surfaces for Wall {
+///     fn layer(&self, _: &[Light], view: &View, _: &Control) -> Result<Layer, RenderError> {
+///         view.validate()?;
+///         let count = view.size[0] as usize * view.size[1] as usize;
+///         Ok(Layer { pixels: vec![([1.0, 0.0, 0.0], 7.0); count] })
+///     }
+///     fn bounds(&self) -> (DVec3, DVec3) {
+///         (DVec3::NEG_ONE, DVec3::ONE)
+///     }
+/// }
+///
+/// # use vr_core::{Camera, phantom::{self, Phantom}};
+/// let mut scene = phantom::by_name("fog").unwrap().scene(5)?;
+/// scene.surfaces = Some(std::sync::Arc::new(Wall));
+/// let view = View::new(Camera::framing(scene.bounds(), 0.0, 0.0, None), [4, 3]);
+/// let layer = scene.layer(&view, &Control::default())?.expect("it has surfaces");
+/// assert_eq!(layer.depth(0), 7.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Surfaces: Send + Sync + fmt::Debug {
     /// Draws the surfaces as they are seen in a view, inside its clip.
     ///
@@ -25,6 +53,18 @@ pub trait Surfaces: Send + Sync + fmt::Debug {
 
 /// The picture of opaque surfaces from one view, with depth. One entry a pixel, of the ray through its centre, serves all subpixel rays of
 /// [`View::supersampling`].
+///
+/// # Examples
+/// ```
+/// use vr_core::Layer;
+///
+/// // A red wall seven units away in one pixel, nothing in the other.
+/// let layer = Layer { pixels: vec![([1.0, 0.0, 0.0], 7.0), ([0.0; 3], f32::INFINITY)] };
+/// assert_eq!((layer.depth(0), layer.depth(1)), (7.0, f64::INFINITY));
+/// let half = [0.25, 0.25, 0.25, 0.5];
+/// assert_eq!(layer.under(0, half), [0.75, 0.25, 0.25, 1.0]);
+/// assert_eq!(layer.under(1, half), half);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// Row by row from the top: linear RGB and the world distance along the pixel's ray, +∞ where there is nothing.

@@ -7,6 +7,18 @@ use crate::error::MeshError;
 /// A surface of triangles in the world, open or closed; only its numbers are checked, not its topology.
 ///
 /// There is at least one triangle. A triangle may have no area: it is not seen then.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::TriangleMesh;
+///
+/// let square = vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
+/// let mesh = TriangleMesh::new(square, vec![[0, 1, 2], [0, 2, 3]])?.with_colors(vec![[1.0, 0.0, 0.0]; 4])?;
+/// assert_eq!(mesh.triangles().len(), 2);
+/// assert!(mesh.normals().is_none());
+/// # Ok::<(), vr_core::MeshError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriangleMesh {
     positions: Vec<DVec3>,

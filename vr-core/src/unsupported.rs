@@ -5,6 +5,18 @@ use std::fmt;
 use crate::volume::Volume;
 
 /// A refusal: a renderer, as it is configured, cannot draw a feature of a scene or view.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Feature, Unsupported};
+///
+/// let what = "opaque surfaces: a texel of the intermediate image is no pixel".to_owned();
+/// let refusal = Unsupported { renderer: "shear-warp", feature: Feature::Surfaces, what };
+/// assert_eq!(
+///     refusal.to_string(),
+///     "renderer shear-warp does not support opaque surfaces: a texel of the intermediate image is no pixel"
+/// );
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("renderer {renderer} does not support {what}")]
 pub struct Unsupported {
@@ -25,6 +37,16 @@ impl Unsupported {
 }
 
 /// A feature of a scene or view that a renderer may lack.
+///
+/// # Examples
+/// ```
+/// use std::collections::BTreeSet;
+/// use vr_core::Feature;
+///
+/// let lacking = BTreeSet::from([Feature::Surfaces, Feature::Color]);
+/// let words: Vec<String> = lacking.iter().map(Feature::to_string).collect();
+/// assert_eq!(words.join(", "), "colour, opaque surfaces");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Feature {

@@ -8,6 +8,19 @@ use crate::grid::{Calibration, UniformGrid};
 /// how far they lie apart, are carried as distances from one of them; very large and very small ones, scaled to a range in which
 /// neither sums overflow nor differences vanish. Both are exact for numbers that are f32 already. The calibration takes them back:
 /// calibrated values stay what they are.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Calibration, ValueFrame};
+///
+/// // Pressures in pascals that differ by little: carried as distances from the lowest one.
+/// let frame = ValueFrame::of_range(101_300.0, 101_310.0).expect("far from 0, beside its width");
+/// assert!(frame.has_offset());
+/// assert_eq!(frame.stored(101_302.5), 2.5);
+/// let calibration = frame.calibration(Calibration::default()).unwrap();
+/// assert_eq!(calibration.value(2.5), 101_302.5);
+/// assert_eq!(ValueFrame::of_range(0.0, 255.0), None, "best as it is");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ValueFrame {
     base: f64,

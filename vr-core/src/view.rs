@@ -6,6 +6,17 @@ use crate::camera::Camera;
 use crate::error::ParameterError;
 
 /// Camera, size, supersampling and clipping of a picture.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Camera, View};
+///
+/// let camera = Camera::framing((DVec3::NEG_ONE, DVec3::ONE), 30.0, 20.0, Some(30.0));
+/// let view = View { supersampling: 4, ..View::new(camera, [640, 480]) };
+/// assert!(view.validate().is_ok());
+/// assert_eq!(View::new(camera, [640, 0]).validate().unwrap_err().field, "image.size");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// The camera.
@@ -65,6 +76,17 @@ impl View {
 }
 
 /// Crop box and planes that cut parts of the volume and the surfaces away. Everything is kept by default.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Clip, Ray};
+///
+/// let clip = Clip { crop: Some((DVec3::NEG_ONE, DVec3::ONE)), ..Clip::default() };
+/// let ray = |x| Ray { origin: DVec3::new(x, 0.0, -5.0), direction: DVec3::Z };
+/// assert_eq!(ray(0.5).inside(&clip), Some([4.0, 6.0]));
+/// assert_eq!(ray(1.5).inside(&clip), None);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -77,6 +99,18 @@ pub struct Clip {
 }
 
 /// A half space that is kept: normal·x ≥ offset, in world space.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Clip, Plane, Ray};
+///
+/// // Keeps what lies beyond x = 3.
+/// let plane = Plane { normal: DVec3::X, offset: 3.0 };
+/// let clip = Clip { planes: vec![plane], ..Clip::default() };
+/// let ray = Ray { origin: DVec3::ZERO, direction: DVec3::X };
+/// assert_eq!(ray.inside(&clip), Some([3.0, f64::INFINITY]));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]

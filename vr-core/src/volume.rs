@@ -13,6 +13,22 @@ use crate::point_set::PointSet;
 use crate::voxel::Voxel;
 
 /// A volume of any kind. Cloning is cheap: everything is shared.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::field::FunctionField;
+/// use vr_core::{Calibration, Filter, Placement, UniformGrid, Volume};
+///
+/// let grid = UniformGrid::new([2; 3], vec![7u8; 8], Placement::from_spacing([1.0; 3])?, Calibration::default())?;
+/// let grid = Volume::from(grid);
+/// assert_eq!((grid.kind(), grid.filter()), ("uniform grid", Some(Filter::Trilinear)));
+/// assert_eq!(grid.value_range(), Some((7.0, 7.0)));
+///
+/// let ball = FunctionField::new((DVec3::NEG_ONE, DVec3::ONE), |p| 1.0 - p.length())?;
+/// assert_eq!(Volume::from(ball).filter(), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub enum Volume {
     /// Values on a uniform grid, and the filter that makes a field of them.

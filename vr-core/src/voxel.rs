@@ -1,6 +1,14 @@
 //! Voxel types that a grid can hold in memory.
 
 /// Type of the voxels of a grid.
+///
+/// # Examples
+/// ```
+/// use vr_core::VoxelType;
+///
+/// assert_eq!((VoxelType::I16.bytes(), VoxelType::I16.to_string()), (2, "i16".to_owned()));
+/// assert!(VoxelType::U8.is_integer() && !VoxelType::F32.is_integer());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
@@ -55,6 +63,19 @@ mod sealed {
 }
 
 /// A voxel type. Sealed: kernels are instantiated for exactly these five.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Voxel, VoxelType};
+///
+/// fn mean<T: Voxel>(voxels: &[T]) -> f32 {
+///     let present = voxels.iter().filter(|v| !v.is_missing());
+///     present.clone().map(|v| v.to_f32()).sum::<f32>() / present.count() as f32
+/// }
+/// assert_eq!(mean(&[1u8, 2]), 1.5);
+/// assert_eq!(mean(&[1.0, f32::NAN, 4.0]), 2.5);
+/// assert_eq!(<i16 as Voxel>::TYPE, VoxelType::I16);
+/// ```
 pub trait Voxel: Copy + PartialOrd + Default + Send + Sync + std::fmt::Debug + sealed::Sealed + 'static {
     /// The type as a value.
     const TYPE: VoxelType;

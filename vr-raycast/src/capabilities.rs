@@ -78,7 +78,7 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
     Ok(source)
 }
 
-/// Checks what this caster can do with a field that is no grid's: everything that needs no more than its values and gradients.
+/// Checks that this caster can draw a field that is no grid's: it can do all that needs no more than the field's values and gradients.
 fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
     let kind = scene.volume.kind();
     if caster.filter.is_some() {

@@ -1,4 +1,4 @@
-//! A ray's part inside the volume, and the field along it.
+//! Part of a ray inside the volume, and the field along it.
 
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::{
@@ -8,7 +8,7 @@ use vr_core::{
 use crate::run::Run;
 use crate::source::Source;
 
-/// A ray's part inside the volume, and the field along it.
+/// Part of a ray inside the volume, and the field along it.
 ///
 /// The passes over a run are dispatched here, once per run: to the voxel type and the filter, for which they are instantiated.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +49,7 @@ impl Chord<'_> {
         }
     }
 
-    /// The index-space position at a distance in the kernel's precision, clamped into the box as those of a run are.
+    /// Returns the index-space position at a distance in the kernel's precision, clamped into the box like the positions of a run.
     #[inline(always)]
     pub(crate) fn position<R: Real>(&self, distance: f64) -> [R; 3] {
         let (at, dims) = (self.ray.at(distance), self.source.dims());
@@ -66,7 +66,7 @@ impl Chord<'_> {
         }
     }
 
-    /// Point where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and a point where it does.
+    /// Returns the point where sign·field reaches sign·threshold, between a distance where it does not (or is vacuum) and one where it does.
     pub(crate) fn crossing(&self, below: f64, reached: Crossing, sign: f64, threshold: f64) -> Crossing {
         let search = Bisection { chord: self, below, reached, sign, threshold };
         match self.source {
@@ -76,11 +76,11 @@ impl Chord<'_> {
     }
 }
 
-/// A point at which the field reaches something.
+/// Point at which the field reaches a threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
     pub(crate) distance: f64,
-    /// The field there.
+    /// Field at the point.
     pub(crate) stored: f64,
 }
 
@@ -163,7 +163,7 @@ impl SamplerVisitor for Bisection<'_> {
 }
 
 impl Bisection<'_> {
-    /// Halves the stretch, given the stored number at a distance; NaN in vacuum.
+    /// Halves the stretch by the stored number at a distance, which is NaN in vacuum.
     fn by(self, stored_at: impl Fn(f64) -> f64) -> Crossing {
         let (mut below, mut reached) = (self.below, self.reached);
         for _ in 0..HALVINGS {

@@ -1,4 +1,4 @@
-//! From values to light and opacity.
+//! Classification: from values to light and opacity.
 
 use std::sync::Arc;
 
@@ -9,18 +9,18 @@ use vr_kernels::tables::BakedTransfer;
 use crate::rule::Profile;
 use crate::run::Run;
 
-/// The transfer function as a kernel uses it.
+/// Transfer function as a kernel uses it.
 #[derive(Clone, Debug)]
 pub(crate) struct Classifier<R> {
     pub(crate) transfer: Arc<TransferFunction>,
     pub(crate) calibration: Calibration,
-    /// A table, and the length of the steps that it is for; `None`: everything is evaluated exactly.
+    /// Table, and the length of the steps that it is for; `None` where everything is evaluated exactly.
     pub(crate) table: Option<(Arc<BakedTransfer<R>>, f64)>,
-    /// The rule that integrates over all values of a step; `None`: one sample stands for a step.
+    /// Rule that integrates over all values of a step; `None` where one sample stands for a step.
     pub(crate) profile: Option<Profile<R>>,
 }
 
-/// A step's opacity up to which its optical depth follows from it in f32 to better than 10⁻⁵; above, 1 − α has lost its digits.
+/// Largest opacity of a step from which its optical depth follows in f32 to better than 10⁻⁵; above, 1 − α has lost its digits.
 const INVERTIBLE: f64 = 0.99;
 
 impl<R: Real> Classifier<R> {
@@ -50,7 +50,7 @@ impl<R: Real> Classifier<R> {
         }
     }
 
-    /// Light and opacity of a step of any length; nothing in vacuum.
+    /// Returns light and opacity of a step of any length; both are 0 in vacuum.
     fn exact(&self, stored: R, length: f64) -> [R; 4] {
         if stored.is_nan() {
             return [R::ZERO; 4];
@@ -58,7 +58,7 @@ impl<R: Real> Classifier<R> {
         self.transfer.step(self.calibration.value(stored.to_f64()), length).map(R::from_f64)
     }
 
-    /// Light and opacity of a classified step whose extinction is multiplied by `factor`.
+    /// Returns light and opacity of a classified step whose extinction is multiplied by `factor`.
     pub(crate) fn with_extinction_times(&self, run: &Run<R>, j: usize, factor: f64) -> [R; 4] {
         if let Some(profile) = &self.profile {
             return profile.with_extinction_times(run, j, factor);

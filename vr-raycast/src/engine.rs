@@ -10,11 +10,11 @@ use crate::source::Source;
 
 /// Engine that draws a scene.
 pub(crate) enum Engine {
-    /// One ray after another, by any settings.
+    /// Plain engine: one ray after another, under any settings.
     Plain(TablesByPrecision),
-    /// Sixteen rays at once, where vector code knows the scene and the settings.
+    /// Vector engine: sixteen rays at once, where it knows the scene and the settings.
     Packets(Box<PacketEngine>, TablesByPrecision),
-    /// In steps that a promised error asks for.
+    /// Engine whose steps keep a bound of the error.
     ErrorBound(Box<ErrorBound>),
 }
 
@@ -27,10 +27,10 @@ impl Engine {
         }
     }
 
-    /// Makes what the scene needs, and takes over from `last` what has not changed since.
+    /// Makes the engine of a scene, and takes over from `last` what has not changed since.
     ///
     /// # Errors
-    /// A promised error that cannot be kept.
+    /// An error bound that cannot be kept.
     pub(crate) fn new(
         caster: &RayCaster,
         scene: &Scene,

@@ -1,10 +1,10 @@
-//! Largest errors that the caster's documentation allows itself on the hard cases of `vr-physics`.
+//! Documented errors of the caster on the hard cases of `vr-physics`.
 
 use vr_core::{DocumentedError, Filter, HardCaseErrors};
 
 use crate::caster::{ImageSampling, RayCaster, Step};
 
-/// Uniform steps of which every bound is known; shorter ones are no worse.
+/// Longest uniform steps of which every error is documented; shorter ones are no worse.
 const FINE: f64 = 0.2;
 
 /// Measured errors, and half as much again: of uniform steps of ⅕, and of local steps that aim at an RMSE of 5·10⁻⁴.
@@ -36,7 +36,7 @@ const ERRORS: [(&str, f64, f64); 15] = [
 ];
 
 impl RayCaster {
-    /// Errors of what is promised, and those of trilinear fields under the midpoint rule; nothing is documented of other settings.
+    /// Returns the errors of steps that keep an error bound, and of trilinear fields under the midpoint rule; nothing is documented of other settings.
     pub(crate) fn documented_errors(&self) -> HardCaseErrors {
         let plain = Self { step: self.step, precision: self.precision, ..Self::default() };
         let comparable = Self {

@@ -3,8 +3,8 @@
 //! For each ray:
 //!
 //! 1. **Cut**: the part of the ray inside the box, the clip and before an opaque layer, in f64, in index space.
-//! 2. **Walk**: that part is cut into steps ([`Step`]): as long as what is in each place allows (the default), all of one length, as
-//!    long as a promised error permits, or from cell to cell ([`Traversal`]). What cannot be seen is leaped over ([`EmptySpace`]).
+//! 2. **Walk**: that part is cut into steps ([`Step`]): as long as the medium in each place allows (the default), all of one length, as
+//!    long as a bound of the error permits, or from cell to cell ([`Traversal`]). What cannot be seen is leaped over ([`EmptySpace`]).
 //! 3. **Sample**: the field in each step, by the reconstruction filter.
 //! 4. **Classify**: values, looked up in the transfer function *after* reconstruction, become the light and the opacity of the step, by one
 //!    of the integration rules ([`Rule`]), with the light that the step absorbs itself taken off.
@@ -13,7 +13,7 @@
 //!
 //! The rays are a choice, too ([`ImageSampling`]): those of every pixel, or fewer.
 //!
-//! Two engines do this. The *plain* one takes every scene and setting but a promised error: samples go through the passes in runs of 32, each pass generic
+//! Two engines do this. The *plain* one takes every scene and setting but an error bound: samples go through the passes in runs of 32, each pass generic
 //! code, instantiated for what it depends on and chosen once a run. The *vector* one ([`Vector`]) takes rays in packets of sixteen with
 //! AVX-512, AVX2, SSE2 or NEON, and draws the common scenes: trilinear, over, front to back, shaded or not. Its rays begin where the
 //! outermost visible blocks, projected once a view, say that something can be seen. It is tested against the plain one, which is tested
@@ -91,11 +91,11 @@
 //! look at a flag, long steps where the medium is nearly the same, walks from voxel to voxel, ray templates and the coherence buffer. The
 //! README in `src/classics` tells what each was for and what beat it.
 //!
-//! # A promised error
-//! [`Step::ErrorBound`] takes no step of a given length, but as long ones as an error allows: no component of a pixel is further from
-//! the truth than asked for, or else its ray is counted ([`vr_core::Counts::unbounded`]). Every step comes with a bound; the README in
-//! `src/error_bound` derives them. It is what to use where an error must not be exceeded, and for thin shells, walls and noise, of which
-//! samples at distances tell too little. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
+//! # Error bound
+//! [`Step::ErrorBound`] takes steps as long as a largest error allows: no component of a pixel is further from the
+//! correct one than asked for, or else its ray is counted ([`vr_core::Counts::unbounded`]). Every step comes with a bound; the README in
+//! `src/error_bound` derives them. It is the choice where an error must not be exceeded, and for thin shells, walls and noise, which
+//! samples at distances miss. On smooth scenes it takes some two to four times as long as plain steps of ⅕.
 //!
 //! # What it does not do yet
 //! Its vector kernels ([`Vector`] says what they draw) know neither pre-integration nor the other filters and operators: those go ray by

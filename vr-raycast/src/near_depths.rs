@@ -1,11 +1,11 @@
-//! Least depth of anything that a view may show, tile by tile.
+//! Smallest depth of anything that a view may show, tile by tile.
 
 use rayon::prelude::*;
 use vr_core::image_order::ImageSample;
 
 use crate::projection::{Footprint, TILE};
 
-/// Depths along the view before which nothing can be seen, per tile of 4×4 pixels; +∞ where nothing can at all.
+/// Depths along the view before which nothing can be seen, per tile of 4×4 pixels; +∞ where nothing can be seen at all.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct NearDepths {
     size: [u32; 2],
@@ -20,12 +20,12 @@ impl NearDepths {
         Self { size, across, depth: vec![f64::INFINITY; (across * down) as usize] }
     }
 
-    /// The depth of the tile of a pixel.
+    /// Returns the depth of the tile of a pixel.
     pub(crate) fn at(&self, [x, y]: [u32; 2]) -> f64 {
         self.depth[(y / TILE * self.across + x / TILE) as usize]
     }
 
-    /// Returns the same for a ray. Beyond the view's pixels anything is possible: no box was projected there.
+    /// Returns the depth of the tile of a ray. Beyond the view's pixels anything is possible: no box was projected there.
     pub(crate) fn at_spot(&self, spot: &ImageSample) -> f64 {
         let within = |x: f64, size: u32| x >= 0.0 && x < f64::from(size);
         if within(spot.x, self.size[0]) && within(spot.y, self.size[1]) {
@@ -35,12 +35,12 @@ impl NearDepths {
         }
     }
 
-    /// All tiles.
+    /// Returns all tiles.
     pub(crate) fn whole(&mut self) -> Band<'_> {
         Band { first: 0, across: self.across, depth: &mut self.depth }
     }
 
-    /// Bands of so many rows of tiles, the last of fewer.
+    /// Returns bands of so many rows of tiles, the last of fewer.
     pub(crate) fn bands(&mut self, rows: u32) -> impl IndexedParallelIterator<Item = Band<'_>> {
         let across = self.across;
         let band = move |(i, depth)| Band { first: i as u32 * rows, across, depth };
@@ -50,14 +50,14 @@ impl NearDepths {
 
 /// Some rows of tiles.
 pub(crate) struct Band<'a> {
-    /// The first row.
+    /// First row of the band.
     first: u32,
     across: u32,
     depth: &'a mut [f64],
 }
 
 impl Band<'_> {
-    /// The rows of a footprint in the band, counted from its first.
+    /// Returns the rows of a footprint in the band, counted from its first.
     fn rows(&self, footprint: &Footprint) -> std::ops::Range<u32> {
         let end = self.first + self.depth.len() as u32 / self.across;
         let low = footprint.low[1].max(self.first);
@@ -69,12 +69,12 @@ impl Band<'_> {
         start + footprint.low[0] as usize..start + footprint.high[0] as usize + 1
     }
 
-    /// True if a box would change anything: not where all tiles have something nearer already. (The test for hidden points.)
+    /// True if a box would change anything: false where all tiles have something nearer already. (The test for hidden points.)
     pub(crate) fn shows(&self, footprint: &Footprint) -> bool {
         self.rows(footprint).any(|row| self.depth[self.tiles(row, footprint)].iter().any(|&d| d > footprint.depth))
     }
 
-    /// A box that something can be seen of.
+    /// Adds a box of which something can be seen.
     pub(crate) fn put(&mut self, footprint: &Footprint) {
         for row in self.rows(footprint) {
             let tiles = self.tiles(row, footprint);

@@ -1,4 +1,4 @@
-//! The settings as named options.
+//! Settings as named options.
 
 use vr_core::{Configurable, DeclaredOption, Filter, MIN_MAX_ERROR, NumberRange, OptionTable};
 
@@ -8,7 +8,7 @@ use crate::caster::{
 #[cfg(feature = "classics")]
 use crate::classics::options as classics;
 
-/// Stand-ins for the classics' options where they are left out.
+/// Empty lists in place of the classics' options where they are left out.
 #[cfg(not(feature = "classics"))]
 mod classics {
     use super::*;
@@ -29,11 +29,11 @@ mod classics {
     }
 }
 
-/// The option that is refined.
+/// Key of the option that a study refines.
 pub(crate) const STEP: &str = "step";
-/// The option that promises.
+/// Key of the option that bounds the error.
 pub(crate) const MAX_ERROR: &str = "max-error";
-/// Largest error that can be promised: no picture is off by more than its largest magnitude.
+/// Largest error bound: no picture is off by more than its largest magnitude.
 pub(crate) const LARGEST_ERROR: f64 = 1.0;
 
 const UNIFORM: Step = Step::Uniform(Step::OTHERWISE);
@@ -42,7 +42,7 @@ const TOLERANCE: Step = Step::ErrorBound(4e-3);
 /// Kinds of steps, with the numbers that they have where none are given.
 const STEPS: [(&str, Step); 4] =
     [("auto", Step::Auto), ("uniform", UNIFORM), ("local", LOCAL), ("tolerance", TOLERANCE)];
-/// Its RMSE is a twentieth of the threshold or less: about what default steps are wrong by.
+/// Default threshold of adaptive rays. Their RMSE is a twentieth of it or less: about the error of default steps.
 const ADAPTIVE: ImageSampling = ImageSampling::Adaptive { threshold: 0.05 };
 
 impl Configurable for RayCaster {
@@ -54,12 +54,12 @@ impl Configurable for RayCaster {
     }
 }
 
-/// Every kind of steps.
+/// Returns every kind of steps.
 fn steps() -> impl Iterator<Item = (&'static str, Step)> {
     STEPS.into_iter().chain(classics::STEPS)
 }
 
-/// Options that say how long steps are. Each number makes steps the kind that has it, unless they are of one already.
+/// Options of the lengths of steps. Each number makes steps the kind that has it, unless they are of one already.
 fn step_options() -> [DeclaredOption<RayCaster>; 4] {
     [
         DeclaredOption::choice(
@@ -111,7 +111,7 @@ fn step_options() -> [DeclaredOption<RayCaster>; 4] {
     ]
 }
 
-/// All options but those of steps.
+/// Returns all options but those of steps.
 fn other_options() -> [DeclaredOption<RayCaster>; 11] {
     let rules = [Rule::Midpoint, Rule::Left, Rule::Linear, Rule::Quadratic, Rule::Exact];
     let screens = [ImageSampling::EveryPixel, ADAPTIVE];

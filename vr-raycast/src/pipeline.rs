@@ -1,4 +1,4 @@
-//! The plain engine: one ray after another through the passes.
+//! Plain engine: one ray after another through the passes.
 
 use glam::DVec3;
 use vr_core::image_order::ImageSample;
@@ -24,7 +24,7 @@ pub(crate) struct Pipeline<'a, R> {
     pub(crate) scene: &'a Scene,
     pub(crate) source: &'a Source,
     pub(crate) walks: Walks<'a>,
-    /// From a step's begin to its sample, as a fraction of the step.
+    /// Place of a step's sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
     pub(crate) shader: Option<&'a Shader<R>>,
@@ -58,7 +58,7 @@ impl<R: Real> Pipeline<'_, R> {
         operator(self.scene, self.source.calibration(), self.order)
     }
 
-    /// Traces the ray through the centre of a pixel as any other, and tells all that is done for it. `own_kernel`: see [`Probe`].
+    /// Traces the ray through the centre of a pixel like any other, and records its steps; [`Probe`] explains `own_kernel`.
     pub(crate) fn probe(&self, [x, y]: [u32; 2], own_kernel: bool) -> Probe {
         let fractions = self.classifier.profile.as_ref().and_then(|profile| profile.fractions());
         let mut recording = Recording::new(self.operator(), self.source.calibration(), fractions);

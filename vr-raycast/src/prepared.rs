@@ -1,4 +1,4 @@
-//! A ray caster that has seen its scene.
+//! Ray caster that has seen its scene.
 
 use vr_core::{
     Control, Filter, Layer, Model, ParameterError, Prepared, Probe, Rays, Real, RenderError, Rendered, Scene, View,
@@ -16,7 +16,7 @@ use crate::source::Source;
 use crate::tracer::Tracer;
 use crate::walk::{WalkKind, Walks};
 
-/// A ray caster that has seen its scene: the scene, and what its kernels look things up in.
+/// Ray caster that has seen its scene: the scene, and the engine that draws it.
 pub(crate) struct PreparedCaster {
     /// The caster as the user set it.
     asked: RayCaster,
@@ -25,7 +25,7 @@ pub(crate) struct PreparedCaster {
     /// The scene, under the filter that the caster samples it with.
     pub(crate) scene: Scene,
     pub(crate) source: Source,
-    /// The caster's own filter, where it is not the scene's.
+    /// Filter of the caster, where it is not the scene's.
     filtered: Option<Filter>,
     pub(crate) engine: Engine,
     /// State that the coherent screen keeps from picture to picture.
@@ -33,7 +33,7 @@ pub(crate) struct PreparedCaster {
     pub(crate) coherence: Option<crate::classics::CoherenceBuffer>,
 }
 
-/// A caster and a scene that go together, before anything is made for them.
+/// Caster and scene that go together, before anything is made for them.
 struct Settled {
     caster: RayCaster,
     scene: Scene,
@@ -42,7 +42,7 @@ struct Settled {
 }
 
 impl Settled {
-    /// Checks that a caster can draw a scene, and settles what both leave open.
+    /// Checks that a caster can draw a scene, and settles its automatic steps and the filter.
     fn new(asked: &RayCaster, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
         let filtered = asked.filter.filter(|filter| scene.volume.filter() != Some(*filter));
         let (caster, scene) = (asked.settled_for(scene), asked.scene_of(scene));
@@ -98,7 +98,7 @@ impl Prepared for PreparedCaster {
         Ok(self.filtered.map_or(Model::Canonical, Model::Filtered))
     }
 
-    /// `None` from templates, whose rays are not those of pixels, and under a promised error.
+    /// Returns `None` for templates, whose rays are not those of pixels, and under an error bound.
     fn probe(&mut self, view: &View, pixel: [u32; 2], control: &Control) -> Result<Option<Probe>, RenderError> {
         view.validate()?;
         if pixel[0] >= view.size[0] || pixel[1] >= view.size[1] {

@@ -21,7 +21,7 @@ impl Affine {
         self.at_zero + self.per_step.dot(p)
     }
 
-    /// Largest difference, over a box, from its value at the centre.
+    /// Returns the largest difference, over a box, from the value at the centre.
     fn reach(&self, half: DVec3) -> f64 {
         self.per_step.abs().dot(half)
     }
@@ -31,10 +31,10 @@ impl Affine {
     }
 }
 
-/// From index space to the picture: pixel (x/w, y/w) at depth z along the view, all affine in the index.
+/// Projection from index space to the picture: pixel (x/w, y/w) at depth z along the view, all affine in the index.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Projection {
-    /// x, y, w and z.
+    /// Functions of x, y, w and z.
     rows: [Affine; 4],
     /// Functions that are not negative inside the picture's right and bottom edge.
     far_edges: [Affine; 2],
@@ -42,19 +42,19 @@ pub(crate) struct Projection {
     rays: Rays,
 }
 
-/// The rays in index space.
+/// Rays in index space.
 #[derive(Clone, Copy, Debug)]
 enum Rays {
-    /// Parallel to a unit vector.
+    /// Rays parallel to a unit vector.
     Along(DVec3),
-    /// From a point.
+    /// Rays from a point.
     From(DVec3),
 }
 
 /// Largest component of a unit vector that may be rounding.
 const PARALLEL: f64 = 1e-9;
 
-/// Tiles of the picture that a box may cover, ends included, and the least depth along the view that it may have.
+/// Tiles of the picture that a box may cover, ends included, and the smallest depth along the view that it may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Footprint {
     pub(crate) low: [u32; 2],
@@ -97,12 +97,12 @@ impl Projection {
         Ok(Self { rows: [x, y, w, z], far_edges, size: view.size, rays })
     }
 
-    /// Gradient of the depth, per index step.
+    /// Returns the gradient of the depth, per index step.
     pub(crate) fn forward(&self) -> DVec3 {
         self.rows[3].per_step
     }
 
-    /// From which sides rays come to the points of a box, per axis from below and from above.
+    /// Returns the sides from which rays come to the points of a box: per axis, true if from below and true if from above.
     pub(crate) fn sides(&self, centre: DVec3, half: DVec3) -> [[bool; 2]; 3] {
         std::array::from_fn(|a| match self.rays {
             // Where rays go across the axis, rounding included, from both.
@@ -111,7 +111,7 @@ impl Projection {
         })
     }
 
-    /// For boxes of given half edges.
+    /// Prepares the projection of boxes of given half edges.
     pub(crate) fn stencil(&self, half: DVec3) -> Stencil {
         Stencil {
             reach: self.rows.map(|row| row.reach(half)),
@@ -119,7 +119,7 @@ impl Projection {
         }
     }
 
-    /// The tiles that a box around an index position covers, or more; `None` where it lies outside the picture or behind the eye.
+    /// Returns the tiles that a box around an index position covers, or more; `None` where it lies outside the picture or behind the eye.
     ///
     /// Bounds of quotients of intervals: a box may seem larger than it is, never smaller, and never farther.
     #[inline]

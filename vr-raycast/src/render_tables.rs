@@ -14,13 +14,13 @@ use crate::shade::Shader;
 use crate::step_map::StepMap;
 use crate::table_range::{baked, field_range, single_precision_resolves};
 
-/// The tables, in the precision that the scene needs.
+/// Tables in the precision that the scene needs.
 pub(crate) enum TablesByPrecision {
     F32(RenderTables<f32>),
     F64(RenderTables<f64>),
 }
 
-/// Table, shading, and what is known of the steps to take.
+/// Table and shading, and maps of the steps to take.
 pub(crate) struct RenderTables<R> {
     pub(crate) classifier: Classifier<R>,
     pub(crate) shader: Option<Shader<R>>,
@@ -29,12 +29,12 @@ pub(crate) struct RenderTables<R> {
     /// Regions where long steps will do.
     #[cfg(feature = "classics")]
     pub(crate) homogeneity: Option<Arc<crate::classics::Homogeneity>>,
-    /// Regions where nothing is visible; `None`: everything is sampled. Found by [`TablesByPrecision::find_empty_space`].
+    /// Regions where nothing is visible; `None` if everything is sampled. Found by [`TablesByPrecision::find_empty_space`].
     pub(crate) empty_space: Option<Arc<dyn Leaper>>,
 }
 
 impl TablesByPrecision {
-    /// Makes what a field that is no grid's needs: everything is evaluated at its place, exactly.
+    /// Makes the tables of a field that is no grid's: none, for everything is evaluated exactly at its place.
     pub(crate) fn of_field(scene: &Scene, placement: &Placement) -> Self {
         let shader = |shading: &Arc<Shading>| Shader::new(Arc::clone(shading), scene.lights.clone(), placement, 1.0);
         Self::F64(RenderTables {
@@ -52,7 +52,7 @@ impl TablesByPrecision {
         })
     }
 
-    /// Makes what the scene needs, and takes over from `last` what has not changed since.
+    /// Makes the tables of a scene, and takes over from `last` those that have not changed since.
     pub(crate) fn new(caster: &RayCaster, scene: &Scene, volume: &GridVolume, last: Option<(&Scene, &Self)>) -> Self {
         let single = single_precision_resolves(volume, &scene.transfer);
         let double = caster.precision == Precision::F64 || !single;
@@ -70,7 +70,7 @@ impl TablesByPrecision {
 }
 
 impl TablesByPrecision {
-    /// Makes what tells of empty space, or takes it over from `last`: for the plain engine, once it is known to draw.
+    /// Finds the empty space, or takes it over from `last`: for the plain engine, once it is known to draw.
     pub(crate) fn find_empty_space(
         &mut self,
         caster: &RayCaster,
@@ -91,7 +91,7 @@ impl TablesByPrecision {
     }
 }
 
-/// Course of the value along a step of a caster; `None`: one sample stands for steps of one length.
+/// Returns the course of the value along a step of a caster; `None` where one sample stands for steps of one length.
 fn shape(caster: &RayCaster) -> Option<Shape> {
     match (caster.rule, caster.traversal) {
         (Rule::Midpoint | Rule::Left, Traversal::Samples) if caster.step.is_on_lattice() => None,
@@ -102,7 +102,7 @@ fn shape(caster: &RayCaster) -> Option<Shape> {
     }
 }
 
-/// A table for steps of all lengths, if one tells apart all that the transfer function does: a small one where the transfer function's
+/// Returns a table for steps of all lengths, if one resolves the transfer function: a small one where the transfer function's
 /// points fit into it, else a large one.
 fn preintegrated<R: Real>(scene: &Scene, volume: &GridVolume) -> Option<Arc<PreIntegrated<R>>> {
     let range = round_outward(field_range(volume).unwrap_or((0.0, 0.0)));
@@ -112,13 +112,13 @@ fn preintegrated<R: Real>(scene: &Scene, volume: &GridVolume) -> Option<Arc<PreI
     table.resolves().then(|| Arc::new(table))
 }
 
-/// True if the same can be seen of two scenes' fields.
+/// True if the same part of the field is visible in both scenes.
 fn same_light(a: &Scene, b: &Scene) -> bool {
     a.volume.same(&b.volume) && a.transfer == b.transfer && a.shading.is_some() == b.shading.is_some()
 }
 
 impl<R: Real> RenderTables<R> {
-    /// Makes what the scene needs, and takes over from `last` what has not changed since.
+    /// Makes the tables of a scene, and takes over from `last` those that have not changed since.
     fn new(caster: &RayCaster, scene: &Scene, volume: &GridVolume, last: Option<(&Scene, &Self)>) -> Self {
         #[cfg(feature = "classics")]
         let homogeneity = {
@@ -179,7 +179,7 @@ impl<R: Real> RenderTables<R> {
         }
     }
 
-    /// Makes what tells of empty space, which packets do not need, unless it is there.
+    /// Finds the empty space, which packets do not need, unless it is there.
     fn find_empty_space(
         &mut self,
         caster: &RayCaster,

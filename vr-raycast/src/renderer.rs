@@ -1,4 +1,4 @@
-//! The ray caster behind the trait that all renderers stand behind.
+//! The ray caster as a [`Renderer`].
 
 use vr_core::{Configurable, Control, OptionError, Options, Prepared, RenderError, Renderer, Scene, View};
 

@@ -2,7 +2,7 @@
 
 use vr_core::Real;
 
-/// Zero of a function that rises or falls from `a` to `b`, to the last bits: Newton's steps, halving where they leave the bracket.
+/// Returns the zero of a function that rises or falls from `a` to `b`, to the last bits: Newton's steps, halving where they leave the bracket.
 /// `at` returns its value and its slope.
 pub(crate) fn monotone_root<R: Real>([mut a, mut b]: [R; 2], rising: bool, at: impl Fn(R) -> (R, R)) -> R {
     let half = R::from_f64(0.5);

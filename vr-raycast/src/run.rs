@@ -1,14 +1,14 @@
-//! A run: the buffer through which a few dozen steps of a ray go from pass to pass.
+//! Run: the buffer through which a few dozen steps of a ray go from pass to pass.
 
 use vr_core::{IndexRay, Real};
 
 use crate::rule::Points;
 
-/// Steps in a run. Enough to spread the passes' dispatch thin; few enough that all of a run stays in the first-level cache
+/// Number of steps in a run: enough to spread the passes' dispatch thin; few enough that all of a run stays in the first-level cache
 /// and that its sum in the kernel's precision keeps its digits.
 pub(crate) const RUN: usize = 32;
 
-/// The steps of a run, in order along the ray. Where one ends before the next begins, what lies between cannot be seen.
+/// Steps of a run, in order along the ray. Where one ends before the next begins, what lies between cannot be seen.
 ///
 /// Only the first `len` entries mean anything, and there is at least one.
 #[derive(Clone, Debug)]
@@ -18,7 +18,7 @@ pub(crate) struct Steps {
     pub(crate) begin: [f64; RUN],
     /// World length of each; above 0 but for a run that is a single point.
     pub(crate) length: [f64; RUN],
-    /// Number of each on the ray's lattice of steps (or in the order of the walk, where there is no lattice).
+    /// Index of each on the ray's lattice of steps (or in the order of the walk, where there is no lattice).
     pub(crate) number: [u32; RUN],
 }
 
@@ -33,25 +33,25 @@ impl Steps {
         self.len += 1;
     }
 
-    /// Makes it a single point, of no length.
+    /// Makes the run a single point, of no length.
     pub(crate) fn set_point(&mut self, distance: f64) {
         self.len = 0;
         self.push(distance, 0.0, 0);
     }
 }
 
-/// Consecutive steps of one ray, and what the passes make of them.
+/// Consecutive steps of one ray, with the results of the passes.
 ///
 /// Each pass reads some of the arrays and fills others: steps, then positions, then values, then light, then (where something is
 /// shaded) gradients. Only the first `steps.len` entries mean anything.
 #[derive(Clone, Debug)]
 pub(crate) struct Run<R> {
     pub(crate) steps: Steps,
-    /// From a step's begin to its sample, as a fraction of the step.
+    /// Place of a step's sample, as a fraction of the step.
     pub(crate) offset: f64,
     /// Index-space positions of the samples, axis by axis.
     pub(crate) position: [[R; RUN]; 3],
-    /// The field in stored units; NaN in vacuum.
+    /// Values of the field in stored units; NaN in vacuum.
     pub(crate) value: [R; RUN],
     /// Values at the points of a step, from front to back, where a rule samples it at several.
     pub(crate) profile: [[R; RUN]; 4],
@@ -59,7 +59,7 @@ pub(crate) struct Run<R> {
     pub(crate) points: Points<R>,
     /// Light (r, g, b) and opacity of each step.
     pub(crate) light: [[R; 4]; RUN],
-    /// Gradients per index step; only where a later pass asks for them.
+    /// Gradients per index step, filled only where a later pass needs them.
     pub(crate) gradient: [[R; 3]; RUN],
 }
 
@@ -77,12 +77,12 @@ impl<R: Real> Run<R> {
         }
     }
 
-    /// Steps in the run.
+    /// Returns the number of steps in the run.
     pub(crate) fn len(&self) -> usize {
         self.steps.len
     }
 
-    /// Distance of a sample.
+    /// Returns the distance of a sample.
     pub(crate) fn distance(&self, j: usize) -> f64 {
         self.steps.begin[j] + self.offset * self.steps.length[j]
     }
@@ -96,7 +96,7 @@ impl<R: Real> Run<R> {
         }
     }
 
-    /// Position of a sample in the kernel's precision.
+    /// Returns the position of a sample in the kernel's precision.
     #[inline(always)]
     pub(crate) fn position_of(&self, j: usize) -> [R; 3] {
         [self.position[0][j], self.position[1][j], self.position[2][j]]

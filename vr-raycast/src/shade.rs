@@ -12,14 +12,14 @@ use crate::classify::Classifier;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
-/// Shading as a kernel uses it, the same for all rays.
+/// Shading in the form that kernels use, the same for all rays.
 #[derive(Clone, Debug)]
 pub(crate) struct Shader<R> {
     shading: Arc<Shading>,
     lights: Vec<Light>,
-    /// From gradients per index step, in stored units, to world gradients divided by `scale`.
+    /// Matrix from gradients per index step, in stored units, to world gradients divided by `scale`.
     to_world: [[R; 3]; 3],
-    /// See [`Placement::scaled_gradient_matrix`].
+    /// Power of two of [`Placement::scaled_gradient_matrix`].
     scale: f64,
 }
 
@@ -30,7 +30,7 @@ impl<R: Real> Shader<R> {
         Self { shading, lights, to_world: [row(0), row(1), row(2)], scale }
     }
 
-    /// The part of the shading that is constant along a ray of this direction.
+    /// Returns the part of the shading that is constant along a ray of this direction.
     pub(crate) fn along(&self, direction: DVec3) -> RayShading<R> {
         self.shading.along(&self.lights, direction)
     }

@@ -1,4 +1,4 @@
-//! Parts of a picture in which something visible can show, and its least depth there.
+//! Silhouette: the parts of a picture in which something visible can show, and its smallest depth there.
 
 use glam::DVec3;
 use vr_core::{ParameterError, Placement, View};
@@ -7,7 +7,7 @@ use crate::leap::VisibleBlocks;
 use crate::near_depths::NearDepths;
 use crate::projection::{Footprint, MARGIN, Projection};
 
-/// The outermost of a volume's visible blocks: a ray from outside to any visible block meets one of these first.
+/// Outermost visible blocks of a volume: a ray from outside to any visible block meets one of these first.
 ///
 /// That is the idea of projecting a convex hull of what is visible to find where rays begin and end (Avila, Sobierajski & Kaufman 1992,
 /// "Towards a comprehensive volume visualization system", polygon assisted ray casting), with blocks in the place of its polygons.
@@ -20,11 +20,11 @@ pub(crate) struct Hull {
     extent: [f64; 3],
 }
 
-/// Blocks that are projected for a view at the most; more are joined to larger ones.
+/// Largest number of blocks that are projected for a view; more are joined to larger ones.
 const MOST: usize = 8192;
 
 impl Hull {
-    /// Returns the silhouette of the visible blocks of a volume with the given samples along x, y, z.
+    /// Returns the silhouette of the visible blocks of a volume with the given voxels along x, y, z.
     pub(crate) fn new(dims: [usize; 3], mut visible: VisibleBlocks) -> Self {
         let extent = dims.map(|n| (n - 1) as f64);
         loop {
@@ -36,7 +36,7 @@ impl Hull {
         }
     }
 
-    /// Returns the least depths, tile by tile, at which a view may show it.
+    /// Returns the smallest depths, tile by tile, at which a view may show the blocks.
     ///
     /// # Errors
     /// Same as for [`vr_core::Camera::frame`].
@@ -59,7 +59,7 @@ impl Hull {
     }
 }
 
-/// The visible blocks that touch a clear one or the end of the grid.
+/// Returns the visible blocks that touch a clear one or the end of the grid.
 fn outermost(visible: &VisibleBlocks) -> Vec<[u16; 3]> {
     let grid = visible.grid();
     let near_clear = visible.inverted().dilated();

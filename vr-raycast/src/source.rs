@@ -1,4 +1,4 @@
-//! The field that rays are cast through: of a grid, or of any other volume.
+//! Field that rays are cast through: of a grid, or of any other volume.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use vr_core::{Calibration, Field, GridVolume, IndexRay, Placement, Real, Volume}
 
 use crate::run::Run;
 
-/// The field that rays are cast through. Grids have kernels for their voxel type and filter; other fields are asked at each place.
+/// Field that rays are cast through. Grids have kernels for their voxel type and filter; other fields are asked at each place.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a prepared scene holds one: a box would save nothing")]
 pub(crate) enum Source {
@@ -15,7 +15,7 @@ pub(crate) enum Source {
     Other(FieldBox),
 }
 
-/// A field that is no grid's, in the index space of a lattice over its box whose edges are about as long as the field's spacing.
+/// Field that is no grid's, in the index space of a lattice over its box whose edges are about as long as the field's spacing.
 #[derive(Clone, Debug)]
 pub(crate) struct FieldBox {
     volume: Volume,
@@ -24,7 +24,7 @@ pub(crate) struct FieldBox {
 }
 
 impl Source {
-    /// The field of a volume; `None` for a box that no lattice can fill.
+    /// Returns the field of a volume; `None` for a box that no lattice can fill.
     pub(crate) fn of(volume: &Volume) -> Option<Self> {
         if let Volume::Grid(grid) = volume {
             return Some(Self::Grid(Arc::clone(grid)));
@@ -38,7 +38,7 @@ impl Source {
         Some(Self::Other(FieldBox { volume: volume.clone(), placement, dims: cells.map(|n| n + 1) }))
     }
 
-    /// The grid, if it is one.
+    /// Returns the grid, if it is one.
     pub(crate) fn grid(&self) -> Option<&Arc<GridVolume>> {
         match self {
             Self::Grid(grid) => Some(grid),
@@ -46,7 +46,7 @@ impl Source {
         }
     }
 
-    /// Placement of index space in the world.
+    /// Returns the placement of index space in the world.
     pub(crate) fn placement(&self) -> &Placement {
         match self {
             Self::Grid(grid) => grid.placement(),
@@ -54,7 +54,7 @@ impl Source {
         }
     }
 
-    /// Lattice points along x, y and z.
+    /// Returns the numbers of lattice points along x, y and z.
     pub(crate) fn dims(&self) -> [usize; 3] {
         match self {
             Self::Grid(grid) => grid.dims(),
@@ -62,7 +62,7 @@ impl Source {
         }
     }
 
-    /// From stored numbers to values; fields that are no grids give values themselves.
+    /// Returns the map from stored numbers to values: the identity for fields that are no grids.
     pub(crate) fn calibration(&self) -> Calibration {
         self.grid().map_or_else(Calibration::default, |grid| grid.calibration())
     }
@@ -77,7 +77,7 @@ impl FieldBox {
         self.placement.to_world(DVec3::from_array(position.map(R::to_f64)))
     }
 
-    /// The value at a place in index space; NaN in vacuum.
+    /// Returns the value at a place in index space; NaN in vacuum.
     pub(crate) fn value<R: Real>(&self, position: [R; 3]) -> f64 {
         self.field().and_then(|field| field.value(self.world(position))).unwrap_or(f64::NAN)
     }
@@ -94,7 +94,7 @@ impl FieldBox {
         }
     }
 
-    /// The value at a world distance along a ray, inside the box.
+    /// Returns the value at a world distance along a ray, inside the box.
     pub(crate) fn value_along(&self, ray: &IndexRay, distance: f64) -> f64 {
         let at = ray.at(distance).to_array();
         self.value::<f64>(std::array::from_fn(|a| at[a].clamp(0.0, (self.dims[a] - 1) as f64)))

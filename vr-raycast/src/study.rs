@@ -5,15 +5,15 @@ use vr_core::{ConvergenceClaim, ConvergenceOrders, Documented, Filter, HardCaseE
 use crate::caster::{ImageSampling, RayCaster, Rule, Step, Traversal};
 use crate::options::STEP;
 
-/// Rounding of f32 kernels, table and early termination together, on smooth scenes.
+/// Error of f32 kernels, table and early termination together, on smooth scenes.
 const FLOOR_F32: f64 = 3e-4;
-/// Rounding of f64 sums.
+/// Error of f64 sums.
 const FLOOR_F64: f64 = 1e-12;
-/// Frames are f32, whatever kernels are.
+/// Rounding of frames, which are f32 whatever kernels are.
 const FLOOR_OF_FRAMES: f64 = 3e-7;
 
 impl Documented for RayCaster {
-    /// Steps of one length under every rule; steps that follow the data, and screens that leave rays out, from coarse to fine; promises;
+    /// Steps of one length under every rule; steps that follow the data, and screens that leave rays out, from coarse to fine; error bounds;
     /// every filter; and the f64 instance, which shows what the floor is made of.
     fn settings(&self) -> Vec<NamedSetting> {
         let named = |name: String, caster: &Self| NamedSetting::new(name, caster, None, FLOOR_F32);
@@ -57,7 +57,7 @@ impl Documented for RayCaster {
         all
     }
 
-    /// The orders of rules and of filters, as the instances in f64 show them.
+    /// Returns the claims of the orders of rules and of filters, as the instances in f64 show them.
     fn convergence(&self) -> Vec<ConvergenceClaim> {
         let claim =
             |name: &str, caster: Self| ConvergenceClaim::new(name, &caster, STEP, FLOOR_OF_FRAMES, orders(&caster));

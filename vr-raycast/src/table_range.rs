@@ -1,10 +1,10 @@
-//! The stored numbers that a table must cover, and whether tables and precisions tell them apart finely enough.
+//! Range of stored numbers that a table must cover, and tests that tables and precisions resolve it.
 
 use vr_core::filter::Reconstruction;
 use vr_core::{Filter, GridVolume, Real, Sampler, SamplerVisitor, Scene, TransferFunction, Voxel};
 use vr_kernels::tables::{self, BakedTransfer};
 
-/// A table for steps of one length whose entries lie close enough together for a scene, if there is one.
+/// Returns a table for steps of one length that resolves a scene's transfer function, if there is one.
 pub(crate) fn baked<R: Real>(scene: &Scene, volume: &GridVolume, step: f64) -> Option<BakedTransfer<R>> {
     let range = table_range(volume, &scene.transfer);
     let integer = volume.voxel_type().is_integer();
@@ -12,7 +12,7 @@ pub(crate) fn baked<R: Real>(scene: &Scene, volume: &GridVolume, step: f64) -> O
     resolves(&table, volume).then_some(table)
 }
 
-/// The range of a volume's field in stored units, overshoot included; `None` if all of it is vacuum.
+/// Returns the range of a volume's field in stored units, overshoot included; `None` if all of it is vacuum.
 pub(crate) fn field_range(volume: &GridVolume) -> Option<(f64, f64)> {
     let (low, high) = volume.value_stats().range.map(|(l, h)| (f64::from(l), f64::from(h)))?;
     Some(match volume.filter() {
@@ -40,20 +40,20 @@ impl SamplerVisitor for CoefficientRange {
     }
 }
 
-/// The part of the field's range in which the transfer function is not constant: a table over it can be finer.
+/// Returns the part of the field's range in which the transfer function is not constant: a table over it can be finer.
 pub(crate) fn table_range(volume: &GridVolume, transfer: &TransferFunction) -> (f32, f32) {
     let range = field_range(volume).unwrap_or((0.0, 0.0));
     tables::table_range(range, volume.voxel_type().is_integer(), volume.calibration(), transfer)
 }
 
-/// True if a table tells apart all that the transfer function does in a field.
+/// True if a table resolves the transfer function over a field.
 pub(crate) fn resolves<R: Real>(table: &BakedTransfer<R>, volume: &GridVolume) -> bool {
     // Entries at all integers are exact for a field of integers.
     let integers = volume.filter() == Filter::Nearest && volume.voxel_type().is_integer();
     table.resolves() || (integers && table.spacing() <= 1.0)
 }
 
-/// True if f32 tells apart all that the transfer function does: a value that is rounded a few times is known to 10⁻³ of the narrowest
+/// True if f32 resolves the transfer function: a value that is rounded a few times is known to 10⁻³ of the narrowest
 /// ramp, and the place of a jump to 10⁻³ of the field.
 pub(crate) fn single_precision_resolves(volume: &GridVolume, transfer: &TransferFunction) -> bool {
     tables::rounding_in_f32(volume, transfer) <= 1.0 / 4096.0

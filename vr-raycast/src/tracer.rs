@@ -1,11 +1,11 @@
-//! The seam between what decides which rays to trace and what traces them.
+//! Interface between the choice of rays and the engines that trace them.
 
 use vr_core::image_order::ImageSample;
 use vr_core::{Counts, Layer};
 
 use crate::ray_value::RayValue;
 
-/// Draws rays: the plain engine and the vector one stand behind it.
+/// Engine that traces rays: the plain one, the vector one, or the one with an error bound.
 pub(crate) trait Tracer: Sync {
     /// Traces the rays through `spots`, in any number and order (neighbours in blocks of 4×4 run fastest), and appends one value for each.
     ///
@@ -16,23 +16,23 @@ pub(crate) trait Tracer: Sync {
 /// Result of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RaySample {
-    /// Premultiplied.
+    /// Premultiplied linear RGBA.
     pub(crate) rgba: [f32; 4],
-    /// World distance from the ray's origin to what is seen; +∞: nothing.
+    /// World distance from the ray's origin to what is seen; +∞ if nothing is.
     pub(crate) depth: f32,
 }
 
 impl RaySample {
-    /// A ray that meets nothing.
+    /// Result of a ray that meets nothing.
     pub(crate) const NOTHING: Self = Self { rgba: [0.0; 4], depth: f32::INFINITY };
 
-    /// The volume before an opaque layer: what it leaves of the view is filled, and the eye rests at the layer at the latest.
+    /// Puts the ray before an opaque layer: the layer fills the light that it leaves, and its depth is the layer's at most.
     pub(crate) fn over(self, layer: &Layer, pixel: usize) -> Self {
         let rgba = layer.under(pixel, self.rgba.map(f64::from)).map(|x| x as f32);
         Self { rgba, depth: self.depth.min(layer.depth(pixel) as f32) }
     }
 
-    /// The mean colour of at least one value, and the smallest depth.
+    /// Returns the mean colour of at least one value, and the smallest depth.
     pub(crate) fn mean(values: &[Self]) -> Self {
         if let [one] = values {
             return *one;

@@ -1,12 +1,10 @@
 //! Sums of footprints are integrals of sums of kernels: the interchange of sum and integral is exact, and the picture shows it.
 
-mod common;
-
-use common::*;
 use glam::DVec3;
 use proptest::prelude::*;
 use vr_core::Classification;
 use vr_core::*;
+use vr_physics::check::pictures::*;
 use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
 /// Emission that is the stored number, and nothing that absorbs.

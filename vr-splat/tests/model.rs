@@ -1,9 +1,7 @@
 //! Pictures against the renderer's own model, summed in f64: what is left is rounding and tables.
 
-mod common;
-
-use common::*;
 use vr_core::{Classification, Control, Renderer, Scene, Shading};
+use vr_physics::check::pictures::*;
 use vr_splat::{Buffers, CompositingOrder, Shape, SplatKernel, Splatter};
 
 fn scenes() -> Vec<(&'static str, Scene)> {
@@ -50,7 +48,7 @@ fn pictures_are_what_the_model_sums() {
                     continue;
                 }
                 let view = view(&scene, azimuth, elevation, fov, 7);
-                let m = to_model(&renderer, &scene, &view);
+                let m = error_of_model(&renderer, &scene, &view);
                 println!("{name:<16} {how:<30} {azimuth:>5} {fov:?}: max {:.1e} RMSE {:.1e}", m.max, m.rmse);
                 // Rounding in f32 and tables leave 10⁻⁵; rules for B-splines and sincs a little more, and normals turn fast where gradients are small.
                 let allowed = if name == "shaded" { 2e-4 } else { 7e-5 };

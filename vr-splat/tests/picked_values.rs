@@ -1,12 +1,10 @@
 //! Values that are picked, against the canonical pixel.
 
-mod common;
-
-use common::*;
 use glam::DVec3;
 use vr_core::Classification;
 use vr_core::*;
 use vr_physics::check::FixedLayer;
+use vr_physics::check::pictures::*;
 use vr_splat::{Buffers, Shape, SplatKernel, Splatter};
 
 const VIEWS: [(f64, f64, Option<f64>); 3] = [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0)), (140.0, -30.0, Some(80.0))];
@@ -37,7 +35,7 @@ fn the_mean_of_a_constant_is_the_constant() {
         let renderer = Splatter { kernel: SplatKernel::new(shape), ..Splatter::default() };
         for (azimuth, elevation, fov) in VIEWS {
             // Many pixels, so that some have the shortest of chords.
-            let m = to_truth(&renderer, &constant, &view(&constant, azimuth, elevation, fov, 60));
+            let m = error(&renderer, &constant, &view(&constant, azimuth, elevation, fov, 60));
             assert!(m.max < 1e-6, "{shape:?} {azimuth}: {m}");
         }
     }
@@ -59,7 +57,7 @@ fn a_mean_is_over_what_there_is_of_the_chord() {
             let cut = View { clip: Clip { crop, planes: vec![plane] }, ..whole.clone() };
             for (scene, view) in [(&noise, &whole), (&walled, &whole), (&noise, &cut)] {
                 // No sheets are needed, and nothing but f32 is left of chords of any length.
-                let m = to_truth(&Splatter::default(), scene, view);
+                let m = error(&Splatter::default(), scene, view);
                 assert!(m.max < 2e-5, "{azimuth}: {m}");
             }
         }
@@ -100,7 +98,7 @@ fn what_is_missing_has_no_value() {
         for (azimuth, elevation, fov) in VIEWS {
             let view = view(&scene, azimuth, elevation, fov, 24);
             let errors = [1.0, 0.25, 0.0625]
-                .map(|slice_spacing| to_truth(&Splatter { slice_spacing, ..Splatter::default() }, &scene, &view));
+                .map(|slice_spacing| error(&Splatter { slice_spacing, ..Splatter::default() }, &scene, &view));
             println!("{} {azimuth}: {} / {} / {}", compositing.name(), errors[0], errors[1], errors[2]);
             // Holes are known to a sheet: order 1.
             assert!(errors[2].rmse < 5e-3 && errors[2].rmse < errors[0].rmse / 4.0, "{compositing:?} {azimuth}");
@@ -119,7 +117,7 @@ fn behind_a_hole_the_first_value_is_the_one_there() {
     let samples = (0..6 * 6 * 7).map(|i| layers[i / 36]).collect();
     let scene = scene(grid([6, 6, 7], samples, Calibration::default()), Compositing::First { threshold: 0.5 });
     let through = view(&scene, 0.0, 0.0, None, 9);
-    let m = to_truth(&Splatter { slice_spacing: 0.1, ..Splatter::default() }, &scene, &through);
+    let m = error(&Splatter { slice_spacing: 0.1, ..Splatter::default() }, &scene, &through);
     assert!(m.max < 1e-6, "{m}");
     let seen = draw(&Splatter::default(), &scene, &through).frame.pixels()[40];
     assert!((seen[2] - 0.1).abs() < 1e-6 && seen[3] == 1.0, "{seen:?}: not the colour of the threshold");

@@ -1,14 +1,12 @@
 //! Pictures that must be the same, however they are drawn; and those that must be near the truth.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::*;
 use vr_core::Classification;
 use vr_core::*;
 use vr_physics::Metrics;
 use vr_physics::check::FixedLayer;
+use vr_physics::check::pictures::*;
 use vr_splat::{Buffers, CompositingOrder, Shape, SplatKernel, Splatter};
 
 const VIEWS: [(f64, f64, Option<f64>); 4] =
@@ -25,7 +23,7 @@ fn values_in_image_sheets_come_to_the_canonical_pixel() {
         for (azimuth, elevation, fov) in VIEWS {
             let view = view(&scene, azimuth, elevation, fov, 24);
             let of = |slice_spacing| {
-                to_truth(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
+                error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
             };
             let (coarse, fine) = (of(1.0), of(0.25));
             println!("{azimuth} {fov:?}: {coarse:.1e} {fine:.1e}");

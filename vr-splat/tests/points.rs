@@ -1,12 +1,10 @@
 //! Scattered points against the reference and against the renderer's own model.
 
-mod common;
-
-use common::*;
 use glam::DVec3;
 use vr_core::Classification;
 use vr_core::phantom::{point_transfer_function, points_by_name};
 use vr_core::*;
+use vr_physics::check::pictures::{self, *};
 use vr_splat::{Buffers, Splatter};
 
 fn cloud(name: &str, count: usize) -> Scene {
@@ -51,7 +49,7 @@ fn pictures_are_what_the_model_sums() {
         for renderer in renderers() {
             for (azimuth, elevation, fov) in [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(35.0))] {
                 let view = view(&scene, azimuth, elevation, fov, 20);
-                let m = to_model(&renderer, &scene, &view);
+                let m = error_of_model(&renderer, &scene, &view);
                 println!("{name:<12} {:?} {:?} {azimuth}: {m}", renderer.buffers, renderer.classification);
                 // Tables of kernels and of the transfer function, and rounding in f32 of sums of many.
                 assert!(m.max < 1e-4, "{name} {renderer:?} {azimuth}: {m}");
@@ -66,7 +64,7 @@ fn thin_sheets_of_values_come_to_the_reference() {
         for (azimuth, elevation, fov) in [(33.0, 21.0, None), (-60.0, 50.0, Some(35.0))] {
             let view = view(&scene, azimuth, elevation, fov, 16);
             let of = |slice_spacing| {
-                to_truth(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
+                error(&Splatter { slice_spacing, termination: 1.0, ..Splatter::default() }, &scene, &view).rmse
             };
             let errors = [1.0, 0.5, 0.25, 0.125].map(of);
             println!("{azimuth}: {errors:.1?}");
@@ -89,12 +87,12 @@ fn one_point_and_many_at_one_place() {
         for (a, b) in a.pixels().iter().zip(b.pixels()) {
             assert!((0..4).all(|c| (a[c] - b[c]).abs() < 1e-6), "{kernel}");
         }
-        let m = to_truth(&renderer, &one, &view);
+        let m = error(&renderer, &one, &view);
         println!("{kernel}: {m}");
         assert!(m.max < 2e-4, "{kernel}: {m}");
         // Far from the world's origin it is the same picture.
         let far = linear(some(&[([1e6 + 1.0, 2.0 - 1e6, 3.0], 0.7, 8.0)], kernel), 10.0, 1.0);
-        let moved = draw(&renderer, &far, &common::view(&far, 10.0, 20.0, None, 33)).frame;
+        let moved = draw(&renderer, &far, &pictures::view(&far, 10.0, 20.0, None, 33)).frame;
         for (a, b) in a.pixels().iter().zip(moved.pixels()) {
             assert!((0..4).all(|c| (a[c] - b[c]).abs() < 1e-5), "{kernel}");
         }
@@ -116,10 +114,10 @@ fn an_eye_among_points_sees_what_is_ahead() {
     };
     let view = View::new(camera, [16, 16]);
     let renderer = Splatter { slice_spacing: 0.1, termination: 1.0, ..Splatter::default() };
-    let m = to_truth(&renderer, &scene, &view);
+    let m = error(&renderer, &scene, &view);
     println!("{m}");
     assert!(m.rmse < 2e-3, "{m}");
-    let exact = to_model(&renderer, &scene, &view);
+    let exact = error_of_model(&renderer, &scene, &view);
     assert!(exact.max < 2e-4, "{exact}");
 }
 
@@ -130,7 +128,7 @@ fn values_are_picked_as_by_the_reference() {
         let scene = Scene { compositing, ..scene.clone() };
         let renderer = Splatter { slice_spacing: 0.05, termination: 1.0, ..Splatter::default() };
         let view = view(&scene, 33.0, 21.0, None, 16);
-        let m = to_truth(&renderer, &scene, &view);
+        let m = error(&renderer, &scene, &view);
         println!("{}: {m}", compositing.name());
         assert!(m.rmse < 1e-2, "{}: {m}", compositing.name());
     }

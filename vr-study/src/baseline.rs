@@ -1,4 +1,4 @@
-//! Figures that a later version must not be worse than: errors and counts of work, no times.
+//! Baseline: errors and counts of work, without times, than which a later version must not be worse.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::study::SubjectResult;
 #[serde(transparent)]
 pub struct Baseline(pub BTreeMap<String, BTreeMap<String, Figures>>);
 
-/// The figures that are compared.
+/// Figures that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// RMSE against the reference, to four digits.
@@ -28,7 +28,7 @@ const SLACK: f64 = 0.02;
 const ROUNDING: [f64; 2] = [2e-8, 3e-7];
 
 impl Baseline {
-    /// The figures of a study.
+    /// Returns the figures of a study.
     pub fn of(results: &[SubjectResult]) -> Self {
         let figures = |r: &SubjectResult| {
             let each = r.points.iter().map(|p| {

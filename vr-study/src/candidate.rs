@@ -1,8 +1,8 @@
-//! Renderers under their settings.
+//! Candidates: renderers under their settings.
 
 use vr_core::{NamedSetting, OptionError, Options, StudiedRenderer};
 
-/// A renderer under one of its settings.
+/// Renderer under one of its settings.
 pub struct Candidate {
     /// The renderer's name.
     pub renderer: String,
@@ -19,13 +19,13 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// `raycast midpoint 0.5`.
+    /// Returns the full name, such as `raycast midpoint 0.5`.
     pub fn name(&self) -> String {
         format!("{} {}", self.renderer, self.setting)
     }
 }
 
-/// Every renderer under every setting that it names.
+/// Returns every renderer under every setting that it names.
 ///
 /// # Errors
 /// A setting that the renderer itself does not take.

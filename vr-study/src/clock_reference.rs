@@ -1,4 +1,4 @@
-//! Speed of the machine at the moment.
+//! Clock reference: the speed of the machine at the moment.
 //!
 //! Others use the machine, too, and processors change their clocks: the same frame may take twice as long a second later. A small
 //! computation that is always the same, done right before and right after what is timed, tells by how much.
@@ -8,14 +8,14 @@ use std::time::{Duration, Instant};
 use vr_core::image_order::in_parallel;
 use vr_core::{Control, RenderError};
 
-/// Values looked up by each piece of work: a third of a millisecond in all on two cores.
+/// Number of values looked up by each piece of work: a third of a millisecond in all on two cores.
 const LOOKUPS: usize = 30_000;
-/// Values of the table: they fit into any second cache.
+/// Number of values of the table: they fit into any second-level cache.
 const TABLE: usize = 1 << 14;
-/// Number of times of which the shortest counts: what interrupts one of them says nothing about the rest.
+/// Number of runs of which the shortest counts, since some are interrupted.
 const REPEATS: usize = 3;
 
-/// A computation like that of a renderer: values of a table, interpolated and composited.
+/// Computation like that of a renderer: values of a table, interpolated and composited.
 pub(crate) struct ClockReference {
     table: Vec<f32>,
 }
@@ -25,7 +25,7 @@ impl ClockReference {
         Self { table: (0..TABLE).map(|i| (i % 251) as f32 / 251.0).collect() }
     }
 
-    /// Times it now, on all threads.
+    /// Times the computation now, on all threads.
     pub(crate) fn take(&self, control: &Control) -> Result<Duration, RenderError> {
         let mut shortest = Duration::MAX;
         for _ in 0..REPEATS {

@@ -1,4 +1,4 @@
-//! Fall of errors as a step, a grid or pixels are refined: the order that is measured beside the one that is documented.
+//! Convergence: the order with which errors fall as a step, a grid or pixels are refined, beside the documented one.
 //!
 //! After Etiene, Jönsson, Ropinski, Scheidegger, Comba, Nonato, Kirby, Ynnerman and Silva 2014, "Verifying volume rendering using
 //! discretization error analysis": refine one thing at a time, and look at the slope of the error, not at the picture.
@@ -17,7 +17,7 @@ use crate::order_scenes::{Waves, inner_view, jumping, smooth, view};
 use crate::reference::{ReferenceCache, ReferencePixels};
 use crate::refined_grid::refined;
 
-/// The quantity that is refined.
+/// Quantity that is refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Refined {
@@ -32,7 +32,7 @@ pub enum Refined {
 }
 
 impl Refined {
-    /// Its name in tables.
+    /// Returns the name in tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Step => "step",
@@ -42,7 +42,7 @@ impl Refined {
         }
     }
 
-    /// Largest difference of a fitted order from the documented one: where something jumps, errors depend on where samples happen to lie.
+    /// Returns the largest difference of a fitted order from the documented one: where something jumps, errors depend on where samples happen to lie.
     pub fn tolerance(self) -> f64 {
         match self {
             Self::StepAtJumps => 0.4,
@@ -51,7 +51,7 @@ impl Refined {
     }
 }
 
-/// A measured convergence.
+/// Measured convergence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Convergence {
     /// The renderer.
@@ -72,15 +72,15 @@ pub struct Convergence {
     pub measured: Option<f64>,
     /// Sizes of what was refined, descending: step in voxels, spacing, or pixel.
     pub sizes: Vec<f64>,
-    /// RMSE at each.
+    /// RMSE at each size.
     pub errors: Vec<f64>,
     /// RMSE below which rounding decides.
     pub floor: f64,
-    /// The refusal or the failure, if there is no picture to judge.
+    /// Refusal or failure, if there is no picture to judge.
     pub trouble: Option<String>,
 }
 
-/// The result of a measured convergence.
+/// Result of a measured convergence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
@@ -88,7 +88,7 @@ pub enum Outcome {
     Holds,
     /// All but the first errors are rounding: nothing is wrong, and no order can be seen.
     Exact,
-    /// It is another, errors do not fall, or there is no picture.
+    /// The order is another one, errors do not fall, or there is no picture.
     Fails,
     /// The renderer does not draw such scenes, or claims nothing about them.
     Refused,
@@ -102,7 +102,7 @@ impl Outcome {
         matches!(self, Self::Holds | Self::Exact)
     }
 
-    /// Its name in tables.
+    /// Returns the name in tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Holds => "held",
@@ -119,7 +119,7 @@ const REFUSED: &str = "refused: ";
 const MIN_ERRORS: usize = 3;
 
 impl Convergence {
-    /// The result.
+    /// Returns the result.
     pub fn outcome(&self) -> Outcome {
         match (&self.trouble, self.measured) {
             (Some(trouble), _) if trouble.starts_with(REFUSED) => Outcome::Refused,
@@ -142,7 +142,7 @@ impl Convergence {
     }
 }
 
-/// A test of the orders of convergence that renderers document.
+/// Test of the orders of convergence that renderers document.
 pub struct OrderCheck<'a> {
     /// Reference pixels that were solved before.
     pub cache: &'a ReferenceCache,
@@ -150,19 +150,19 @@ pub struct OrderCheck<'a> {
     pub control: &'a Control,
 }
 
-/// Pixels along each side where the step or the grid is refined.
+/// Number of pixels along each side where the step or the grid is refined.
 const SIDE: u32 = 24;
-/// The same on a scene of the caller, where errors are more erratic.
+/// Number of pixels along each side on a scene of the caller, where errors are more erratic.
 const OWN_SIDE: u32 = 32;
-/// The first step there, as a part of the coarsest: fields are steep.
+/// First step on a scene of the caller, as a part of the coarsest: fields are steep there.
 const OWN_COARSEST: f64 = 0.5;
-/// Voxels along each side of the scenes that are made for the test.
+/// Number of voxels along each side of the scenes that are made for the test.
 const SAMPLES: usize = 17;
-/// Steps: divided by the square root of 2 from one to the next.
+/// Number of steps, each the one before divided by the square root of 2.
 const STEPS: i32 = 7;
 
 impl OrderCheck<'_> {
-    /// Tests everything that a renderer claims on scenes that are made for it.
+    /// Tests all claims of a renderer on scenes that are made for the test.
     ///
     /// # Errors
     /// Cancellation; faults of a renderer stand in the results.
@@ -295,7 +295,7 @@ impl OrderCheck<'_> {
     }
 
     fn pixels(&self, renderer: &dyn StudiedRenderer, claim: &ConvergenceClaim) -> Result<Convergence, StudyError> {
-        /// Patches along each side, and pixels of the reference along each side of a patch: its own error is a sixteenth of the smallest
+        /// Number of patches along each side, and of pixels of the reference along each side of a patch: its own error is a sixteenth of the smallest
         /// measured.
         const PATCHES: u32 = 6;
         const FINE: u32 = 24;
@@ -391,13 +391,13 @@ fn is_claimed(scene: &Scene) -> bool {
     scene.compositing.integrates_light() && scene.shading.is_none()
 }
 
-/// The same for data that were not made for the test.
+/// Loosens a test for data that were not made for it.
 fn on_own_data(c: Convergence) -> Convergence {
     let tolerance = Refined::StepAtJumps.tolerance();
     Convergence { at_least: true, expected: c.expected.min(2.0), tolerance, ..c }
 }
 
-/// Mean light of `n`×`n` patches of `parts`×`parts` pixels each.
+/// Returns the mean light of `n`×`n` patches of `parts`×`parts` pixels each.
 fn patches(pixels: &[[f64; 4]], n: u32, parts: u32) -> Vec<[f64; 4]> {
     let (n, parts) = (n as usize, parts as usize);
     let side = n * parts;

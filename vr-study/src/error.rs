@@ -1,4 +1,4 @@
-//! The errors of a study.
+//! Errors of a study.
 
 use std::io;
 
@@ -8,22 +8,22 @@ use vr_io::WriteError;
 /// Reason for which a study ended without a result.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A scene, a view or a renderer failed, or the caller cancelled.
+    /// Failure of a scene, a view or a renderer, or cancellation by the caller.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// A setting that the renderer itself does not take.
+    /// Setting that the renderer itself refuses.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// A grid that cannot be.
+    /// Invalid grid.
     #[error(transparent)]
     Grid(#[from] GridError),
-    /// A result that could not be written.
+    /// Result that could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The journal.
+    /// Failure of the journal.
     #[error("journal: {0}")]
     Io(#[from] io::Error),
-    /// A plot.
+    /// Failure of a plot.
     #[error("plot: {0}")]
     Plot(String),
 }

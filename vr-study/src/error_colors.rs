@@ -1,17 +1,17 @@
-//! The colour of an error: a logarithmic scale, so that one scale serves renderers that are orders of magnitude apart.
+//! Colours of errors: a logarithmic scale, so that one scale serves renderers that are orders of magnitude apart.
 
 use vr_core::transfer::inferno;
 
-/// Powers of ten that the scale runs between: below is black, above the brightest colour.
+/// Exponents of ten at the ends of the scale: below is black, above the brightest colour.
 pub const DECADES: (i32, i32) = (-7, -1);
 
-/// The linear colour of an error.
+/// Returns the linear colour of an error.
 pub fn color(error: f64) -> [f32; 3] {
     let (low, high) = (f64::from(DECADES.0), f64::from(DECADES.1));
     at((error.max(f64::MIN_POSITIVE).log10() - low) / (high - low))
 }
 
-/// The linear colour of a place on the scale, 0 to 1.
+/// Returns the linear colour of a place on the scale, 0 to 1.
 pub fn at(place: f64) -> [f32; 3] {
     inferno(place.clamp(0.0, 1.0)).map(|c| c as f32)
 }

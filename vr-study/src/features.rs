@@ -1,4 +1,4 @@
-//! Features of scenes by renderer, as the renderers themselves answer for them.
+//! Table of the features of scenes that each renderer draws, by the answers of the renderers themselves.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use vr_core::{
     UniformGrid, View, Volume,
 };
 
-/// A renderer's answer for a feature.
+/// Answer of a renderer for a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
     /// Drawn at its default settings.
@@ -101,7 +101,7 @@ impl fmt::Display for FeatureMatrix {
     }
 }
 
-/// A small scene and view for each feature.
+/// Returns a small scene and view for each feature.
 fn scenes() -> Vec<(&'static str, Scene, View)> {
     let grid = |missing: bool| -> Volume {
         let samples: Vec<f32> = (0..27).map(|i| if missing && i == 13 { f32::NAN } else { i as f32 / 26.0 }).collect();
@@ -156,7 +156,7 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     ]
 }
 
-/// Surfaces that are nowhere: asked about, and not drawn.
+/// Surfaces without geometry: renderers are asked about them, and do not draw them.
 #[derive(Debug)]
 struct NoSurface;
 

@@ -1,11 +1,11 @@
-//! Errors as results hold them.
+//! Figures of errors in results.
 
 use serde::{Deserialize, Serialize};
 use vr_physics::{Certainty, Metrics};
 
 use crate::reference::ReferencePixels;
 
-/// The error of a picture, and the error of the reference that it was measured against.
+/// Error of a picture, and error of the reference that it was measured against.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorFigures {
     /// Largest |e|.
@@ -22,12 +22,12 @@ pub struct ErrorFigures {
     pub pixels: usize,
     /// Largest error of the reference itself.
     pub reference_error: f64,
-    /// `bound` or `estimate`.
+    /// Kind of the reference's error: `bound` or `estimate`.
     pub reference_error_is: String,
 }
 
 impl ErrorFigures {
-    /// Makes them of metrics, and of the reference that they were measured against.
+    /// Makes the figures of metrics and the reference that they were measured against.
     pub fn new(metrics: &Metrics, reference: &ReferencePixels) -> Self {
         let (reference_error, word) = match reference.certainty {
             Certainty::Bound(e) => (e, "bound"),

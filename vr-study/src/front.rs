@@ -1,11 +1,11 @@
-//! The pairs of time and error that no other beats in both.
+//! Front: the pairs of time and error that no other beats in both.
 
 use serde::{Deserialize, Serialize};
 
 /// Errors that are asked for, and their names in tables: a hundredth, what 8 bits can show, a thousandth, a ten-thousandth.
 pub const THRESHOLDS: [(f64, &str); 4] = [(1e-2, "1e-2"), (1.0 / 255.0, "1/255"), (1e-3, "1e-3"), (1e-4, "1e-4")];
 
-/// Indices of the pairs (time, error) that no other pair beats or equals in both, by ascending time. Of equal pairs, the first counts;
+/// Returns the indices of the pairs (time, error) that no other pair beats or equals in both, by ascending time. Of equal pairs, the first counts;
 /// those that are not finite do not.
 pub fn pareto_front(pairs: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> =
@@ -20,23 +20,23 @@ pub fn pareto_front(pairs: &[(f64, f64)]) -> Vec<usize> {
     order
 }
 
-/// Index of the shortest time that reaches an error.
+/// Returns the index of the shortest time that reaches an error.
 pub fn fastest_within(error: f64, pairs: &[(f64, f64)]) -> Option<usize> {
     (0..pairs.len()).filter(|&i| pairs[i].1 <= error).min_by(|&a, &b| pairs[a].0.total_cmp(&pairs[b].0))
 }
 
-/// A range of errors, and the pair that is fastest for an error within it.
+/// Range of errors, and the pair that is fastest for an error within it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BestWithin {
-    /// The smallest error that it reaches: below it, another pair wins.
+    /// Smallest error that the pair reaches: below it, another one wins.
     pub from: f64,
-    /// The error above which another is faster; `None`: none is.
+    /// Error above which another pair is faster; `None` if none is.
     pub to: Option<f64>,
     /// Index of its fastest pair within the range.
     pub fastest: usize,
 }
 
-/// The fastest within each error: the front, neighbours of one name joined, by ascending error.
+/// Returns the fastest pair for each error: the front, neighbours of one name joined, by ascending error.
 pub fn best_within(pairs: &[(f64, f64)], name: impl Fn(usize) -> String) -> Vec<BestWithin> {
     let mut ranges: Vec<BestWithin> = Vec::new();
     // The slowest, and so the one with the smallest error, first.

@@ -1,4 +1,4 @@
-//! Finished parts of a long study, on disk, so that it can be resumed.
+//! Journal: the finished parts of a long study, on disk, so that it can be resumed.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// Finished parts of a study, one JSON line each, below a line that says which study it is.
+/// File of the finished parts of a study, one JSON line each, below a line that names the study.
 ///
 /// A line that was cut short (the machine went down) and all that follow count as not done.
 #[derive(Debug)]
@@ -43,7 +43,7 @@ impl Journal {
         Ok(Self { path: path.into(), done, file })
     }
 
-    /// Returns the result of a part: as it was noted, or made now and noted.
+    /// Returns the result of a part: the noted one, or one that is made now and noted.
     ///
     /// # Errors
     /// Any error of `make`, and a file that cannot be written.

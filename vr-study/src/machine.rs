@@ -1,8 +1,8 @@
-//! The machine and the program that figures were measured with.
+//! Machine and program that figures were measured with.
 
 use serde::{Deserialize, Serialize};
 
-/// A machine and a program.
+/// Machine and program that figures were measured with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     /// The processor, as the system names it; `None` where it does not.
@@ -22,7 +22,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// This one.
+    /// Returns this machine and program.
     pub fn here(threads: usize) -> Self {
         let cpu = std::fs::read_to_string("/proc/cpuinfo").ok();
         let memory = std::fs::read_to_string("/proc/meminfo").ok();
@@ -38,7 +38,7 @@ impl Machine {
     }
 }
 
-/// The value of the first line `key : value`.
+/// Returns the value of the first line `key : value`.
 fn entry<'a>(text: &'a str, key: &str) -> Option<&'a str> {
     let value = |line: &'a str| line.split_once(':').filter(|(k, _)| k.trim() == key).map(|(_, v)| v.trim());
     text.lines().find_map(value)

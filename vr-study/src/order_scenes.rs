@@ -4,7 +4,7 @@ use glam::DVec3;
 use vr_core::phantom::{self, Phantom};
 use vr_core::{Camera, ControlPoint, OpacityRule, Projection, Scene, TransferFunction, View};
 
-/// A sum of waves over [−1, 1]³.
+/// Phantom of a sum of waves over [−1, 1]³.
 pub struct Waves;
 
 impl Phantom for Waves {
@@ -50,24 +50,24 @@ fn scene(points: Vec<ControlPoint>, samples: usize) -> Scene {
     Scene::new(grid.into(), transfer)
 }
 
-/// A scene that is smooth but for kinks.
+/// Returns a scene that is smooth but for kinks.
 pub(crate) fn smooth(samples: usize) -> Scene {
     scene(Waves.transfer_points(), samples)
 }
 
-/// A scene with jumps of the transfer function.
+/// Returns a scene with jumps of the transfer function.
 pub(crate) fn jumping(samples: usize) -> Scene {
     let c = [1.0, 0.5, 0.2];
     let points = [(0.35, 0.0), (0.35, 0.3), (0.6, 0.3), (0.6, 0.05)];
     scene(points.iter().map(|&(value, opacity)| ControlPoint::new(value, c, opacity)).collect(), samples)
 }
 
-/// A view oblique to all axes.
+/// Returns a view oblique to all axes.
 pub(crate) fn view(scene: &Scene, side: u32) -> View {
     View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, None), [side, side])
 }
 
-/// The middle of it, filling the picture: no silhouette, at which light would have a kink of its own.
+/// Returns a view that the middle of the volume fills: without the silhouette, at which light would have a kink of its own.
 pub(crate) fn inner_view(scene: &Scene, side: u32) -> View {
     let projection = Projection::Orthographic { height: 0.9 };
     let whole = view(scene, side);

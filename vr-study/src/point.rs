@@ -1,4 +1,4 @@
-//! One measured point: a renderer under a setting, on a subject.
+//! Measured point: a renderer under a setting, on a subject.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ pub struct Point {
     pub subject: String,
     /// The renderer.
     pub renderer: String,
-    /// Its setting.
+    /// Name of the setting.
     pub setting: String,
     /// The options that make the setting; all others are at their defaults.
     pub options: Options,
@@ -38,18 +38,18 @@ pub struct Point {
 }
 
 impl Point {
-    /// `raycast midpoint 0.5`.
+    /// Returns the full name of the candidate, such as `raycast midpoint 0.5`.
     pub fn candidate(&self) -> String {
         format!("{} {}", self.renderer, self.setting)
     }
 
-    /// Milliseconds of a frame and RMSE: the place of the point in a plot. Not finite where nothing was timed.
+    /// Returns the place of the point in a plot: milliseconds of a frame, and RMSE. Not finite where nothing was timed.
     pub fn pair(&self) -> (f64, f64) {
         (self.times.map_or(f64::NAN, |t| t.frame.median), self.error.rmse)
     }
 }
 
-/// A candidate that cannot draw a subject.
+/// Refusal of a candidate that cannot draw a subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Refusal {
     /// The candidate.

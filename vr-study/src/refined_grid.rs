@@ -1,4 +1,4 @@
-//! The same trilinear field on a finer grid.
+//! Refined grid: the same trilinear field on more voxels.
 
 use std::cmp::min;
 
@@ -7,7 +7,7 @@ use vr_core::{AnyGrid, Calibration, Filter, Placement, Scene, UniformGrid, Volum
 /// Largest number of cells along each axis that is refined: of larger volumes the middle is taken.
 const MAX_CELLS: usize = 32;
 
-/// The middle of a scene's volume with each cell cut into `parts`³: where the voxels are finite, the field is the same up to rounding. `None` for
+/// Returns the middle of a scene's volume with each cell cut into `parts`³: where the voxels are finite, the field is the same up to rounding. `None` for
 /// a field that is not trilinear or not on a uniform grid, and for one with missing voxels.
 pub(crate) fn refined(scene: &Scene, parts: usize) -> Option<Scene> {
     let volume = scene.volume.grid()?;

@@ -1,4 +1,4 @@
-//! Growth of times with threads, with the volume, with the picture.
+//! Growth of times with threads, with the volume and with the picture.
 
 use std::time::{Duration, Instant};
 
@@ -9,11 +9,11 @@ use vr_physics::fit_order;
 use crate::error::StudyError;
 use crate::subject::{Subject, phantom_subject};
 
-/// The quantity that grows.
+/// Quantity that grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grown {
-    /// Threads.
+    /// Number of threads.
     Threads,
     /// Voxels along each side of the volume.
     Volume,
@@ -22,41 +22,41 @@ pub enum Grown {
 }
 
 impl Grown {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 3] = [Self::Threads, Self::Volume, Self::Picture];
 
-    /// Its name on an axis.
+    /// Returns the name on an axis.
     pub fn word(self) -> &'static str {
         match self {
             Self::Threads => "threads",
-            Self::Volume => "samples along a side of the volume",
+            Self::Volume => "voxels along a side of the volume",
             Self::Picture => "pixels along a side of the picture",
         }
     }
 }
 
-/// Times of one renderer at its defaults as something grows.
+/// Times of one renderer at its defaults as a quantity grows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Growth {
     /// The renderer.
     pub renderer: String,
     /// The subject that is drawn.
     pub subject: String,
-    /// The quantity that grows.
+    /// Quantity that grows.
     pub grown: Grown,
-    /// Its sizes, ascending.
+    /// Sizes of the quantity, ascending.
     pub sizes: Vec<f64>,
     /// Milliseconds of a frame, the median of several.
     pub ms: Vec<f64>,
-    /// The exponent p of time ∝ sizeᵖ, fitted; `None` for a single size.
+    /// Fitted exponent p of time ∝ sizeᵖ; `None` for a single size.
     pub exponent: Option<f64>,
 }
 
-/// Frames per size; the median of their times counts.
+/// Number of frames per size; the median of their times counts.
 const FRAMES: usize = 5;
-/// Nothing larger is tried, and no further frame drawn, once one takes this long.
+/// Time of a frame above which nothing larger is tried and no further frame drawn.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Voxels and pixels along a side while the other grows.
+/// Number of voxels, and of pixels, along a side while the other grows.
 const SAMPLES: usize = 64;
 const PIXELS: u32 = 192;
 

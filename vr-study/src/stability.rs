@@ -1,4 +1,4 @@
-//! The stability suite: every renderer on every hard case, its error beside the bound that it documents.
+//! Stability suite: every renderer on every hard case, its error beside the bound that it documents.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -11,27 +11,27 @@ use crate::candidate::Candidate;
 use crate::figures::ErrorFigures;
 use crate::reference::ReferenceCache;
 
-/// The verdict on a candidate on a case.
+/// Verdict on a candidate on a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "verdict", rename_all = "kebab-case")]
 pub enum Verdict {
     /// The error is within the documented bound.
     Held,
-    /// It is not, and the renderer itself counted the rays for which it has no bound.
+    /// The error is beyond the bound, and the renderer itself counted the rays for which it has no bound.
     Counted {
-        /// Their number.
+        /// Number of these rays.
         rays: u64,
     },
     /// There is no documented bound.
     Undocumented,
     /// The reference is less certain than the bound.
     Unjudged,
-    /// The renderer refuses such scenes.
+    /// The renderer refuses the scene.
     Refused {
         /// The feature that it lacks.
         feature: String,
     },
-    /// An error beyond the bound, a number that is not finite, a panic, or an error on a valid scene.
+    /// The error is beyond the bound, a number is not finite, or the renderer panics or fails on a valid scene.
     Failed {
         /// The failure.
         reason: String,
@@ -39,12 +39,12 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// True if it is a failure that the renderer does not explain.
+    /// True for a failure that the renderer does not explain.
     pub fn is_failure(&self) -> bool {
         matches!(self, Self::Failed { .. })
     }
 
-    /// A word or two for a table.
+    /// Returns a word or two for a table.
     pub fn word(&self) -> String {
         match self {
             Self::Held => "held".to_owned(),
@@ -57,7 +57,7 @@ impl Verdict {
     }
 }
 
-/// One cell of the table.
+/// Cell of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseResult {
     /// The hard case.
@@ -69,7 +69,7 @@ pub struct CaseResult {
     pub candidate: String,
     /// The error that is documented.
     pub bound: Option<f64>,
-    /// True if that is of the RMSE, false if it is of the largest error.
+    /// True if a documented bound is of the RMSE, false if it is of the largest error.
     #[serde(default)]
     pub bound_of_rmse: bool,
     /// The error, where there is a picture.
@@ -78,7 +78,7 @@ pub struct CaseResult {
     pub verdict: Verdict,
 }
 
-/// The candidates: every renderer at its defaults, and under those settings of which a bound is documented.
+/// Returns the candidates: every renderer at its defaults, and under those settings of which a bound is documented.
 pub fn candidates_with_bounds<'a>(
     renderers: &'a [Box<dyn StudiedRenderer>],
     settings: &'a [Candidate],

@@ -1,4 +1,4 @@
-//! The study: every candidate on every subject.
+//! Study: every candidate on every subject.
 
 use std::collections::BTreeMap;
 
@@ -20,30 +20,30 @@ use crate::timing::{Drawn, Timing, draw_in_turns};
 pub struct Study<'a> {
     /// Candidates that take part.
     pub candidates: &'a [Candidate],
-    /// Rounds that are timed; `None`: errors and counts alone.
+    /// Rounds that are timed; `None` for errors and counts alone.
     pub timing: Option<Timing>,
-    /// Errors are against the reference at one pixel of each of so many parts along each side of a picture.
+    /// Number of parts along each side of a picture, of each of which one pixel is compared with the reference.
     pub subgrid: u32,
-    /// The same for errors against a renderer's own model, and against the field as a function.
+    /// Number of such parts for errors against a renderer's own model, and against the field as a function.
     pub own_subgrid: u32,
     /// Reference pixels that were solved before.
     pub cache: &'a ReferenceCache,
-    /// Counter of memory; `None`: memory is not measured.
+    /// Meter of memory; `None` if memory is not measured.
     pub meter: Option<&'a dyn MemoryMeter>,
 }
 
-/// The result on one subject.
+/// Result on one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SubjectResult {
     /// The subject's name.
     pub name: String,
-    /// A description in a few words.
+    /// Description in a few words.
     pub title: String,
     /// Width and height of the pictures.
     pub size: [u32; 2],
-    /// One for each candidate that can draw it.
+    /// Points of the candidates that can draw the subject.
     pub points: Vec<Point>,
-    /// The others.
+    /// Refusals of the others.
     pub refusals: Vec<Refusal>,
     /// The picture of the candidate with the smallest error.
     pub picture: Picture,
@@ -51,13 +51,13 @@ pub struct SubjectResult {
     pub error_maps: Vec<Picture>,
 }
 
-/// A picture as a report holds it.
+/// Picture in a report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Picture {
     /// The candidate that drew it.
     #[serde(rename = "contestant")]
     pub candidate: String,
-    /// A PNG in base 64.
+    /// PNG in base 64.
     pub png: String,
 }
 
@@ -148,7 +148,7 @@ fn named(counts: Counts) -> BTreeMap<String, u64> {
 /// Largest number of error maps.
 const MAPS: usize = 4;
 
-/// The picture with the smallest error; and error maps of candidates evenly chosen on the front: by samples where nothing was timed. Where not
+/// Returns the picture with the smallest error, and error maps of candidates evenly chosen on the front: by samples where nothing was timed. Where not
 /// every pixel was compared, their errors are spread on their logarithmic scale.
 fn pictures(
     points: &[Point],

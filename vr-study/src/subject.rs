@@ -5,16 +5,16 @@ use std::sync::Arc;
 use vr_core::phantom::{self, Phantom};
 use vr_core::{Camera, GridError, Scene, View};
 
-/// A scene, a view of it, and the name that results go by.
+/// Scene, a view of it, and the name that results go by.
 #[derive(Clone)]
 pub struct Subject {
     /// Name, unique within a study.
     pub name: String,
-    /// A description in a few words: `64×64×64 f32, oblique`.
+    /// Description in a few words: `64×64×64 f32, oblique`.
     pub title: String,
     /// The scene.
     pub scene: Scene,
-    /// The view; frames turn from here.
+    /// View of the scene, from which frames turn.
     pub view: View,
     /// The field as a function, where it is known as one.
     pub phantom: Option<Arc<dyn Phantom>>,
@@ -27,7 +27,7 @@ impl Subject {
     }
 }
 
-/// The same view in about so many pixels, if it has more.
+/// Returns the subject in about so many pixels, if its view has more.
 pub fn reduced(view: &View, pixels: f64) -> View {
     let [w, h] = view.size.map(f64::from);
     let factor = (pixels / (w * h)).sqrt().min(1.0);
@@ -35,7 +35,7 @@ pub fn reduced(view: &View, pixels: f64) -> View {
     View { size, ..view.clone() }
 }
 
-/// A phantom on a grid of `samples`³ under its own transfer function, in pictures of the given size, seen from an oblique direction, all of it.
+/// Returns a phantom on a grid of `samples`³ voxels under its own transfer function, in pictures of the given size, seen from an oblique direction, all of it.
 ///
 /// # Errors
 /// Fewer than two voxels along a side.
@@ -55,7 +55,7 @@ pub fn phantom_subject(name: &str, samples: usize, size: [u32; 2]) -> Result<Sub
     })
 }
 
-/// Every phantom, as [`phantom_subject`] makes it.
+/// Returns every phantom, as [`phantom_subject`] makes it.
 ///
 /// # Errors
 /// Fewer than two voxels along a side.

@@ -19,7 +19,7 @@ use crate::study::{Study, SubjectResult};
 use crate::subject::{Subject, phantom_subjects};
 use crate::timing::Timing;
 
-/// A set of measurements.
+/// Set of measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Suite {
@@ -34,7 +34,7 @@ pub enum Suite {
 }
 
 impl Suite {
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Quick => "quick",
@@ -52,12 +52,12 @@ impl Suite {
         }
     }
 
-    /// Voxels along each side of phantoms, and pixels along each side of their pictures.
+    /// Returns the number of voxels along each side of phantoms, and of pixels along each side of their pictures.
     fn sizes(self) -> (usize, u32) {
         if self == Self::Quick { (64, 96) } else { (128, 256) }
     }
 
-    /// Time for the rounds of one of so many subjects: half a minute in all for the quick suite, however many renderers there are.
+    /// Returns the time for the rounds of one of so many subjects: half a minute in all for the quick suite, however many renderers there are.
     fn timing(self, subjects: usize) -> Timing {
         let quick = Duration::from_secs(33) / subjects.max(1) as u32;
         let patience = if self == Self::Quick { quick } else { Duration::from_secs(20) };
@@ -74,7 +74,7 @@ enum Part {
     Growth,
 }
 
-/// All that a suite measured.
+/// Results of a suite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// The suite.
@@ -94,12 +94,12 @@ pub struct Report {
 }
 
 impl Report {
-    /// Pictures of hard cases that failed without an explanation by the renderer.
+    /// Returns the number of pictures of hard cases that failed without an explanation by the renderer.
     pub fn failed_cases(&self) -> usize {
         self.stability.iter().filter(|r| r.verdict.is_failure()).count()
     }
 
-    /// Orders that are not as documented.
+    /// Returns the number of orders that are not as documented.
     pub fn failing_orders(&self) -> usize {
         self.orders.iter().filter(|c| c.outcome() == Outcome::Fails).count()
     }
@@ -109,19 +109,19 @@ impl Report {
 pub struct Run<'a> {
     /// Renderers that take part.
     pub renderers: &'a [Box<dyn StudiedRenderer>],
-    /// Measured on this, in place of the phantoms.
+    /// Subject that is measured in place of the phantoms.
     pub own: Option<Subject>,
-    /// Errors and counts alone.
+    /// True if nothing is timed: errors and counts alone.
     pub untimed: bool,
     /// Reference pixels that were solved before.
     pub cache: &'a ReferenceCache,
-    /// Counter of memory; `None`: memory is not measured.
+    /// Meter of memory; `None` if memory is not measured.
     pub meter: Option<&'a dyn MemoryMeter>,
-    /// File in which finished parts are noted, so that a run can be resumed; `None`: they are not noted.
+    /// File in which finished parts are noted, so that a run can be resumed; `None` if they are not.
     pub journal: Option<&'a Path>,
 }
 
-/// A named piece of work; its weight is its share of the progress.
+/// Named piece of work; its weight is its share of the progress.
 struct Piece<'a> {
     name: String,
     weight: f64,
@@ -199,7 +199,7 @@ impl Run<'_> {
         Ok(report)
     }
 
-    /// Text that two runs must share so that one can resume the other: the program, the machine, the settings, and all of the scene.
+    /// Returns the text that two runs must share so that one can resume the other: the program, the machine, the settings, and all of the scene.
     fn signature(&self, suite: Suite, machine: &Machine, settings: &[Candidate]) -> String {
         let program = std::env::current_exe().and_then(std::fs::metadata).ok();
         let program = program.map(|file| (file.len(), file.modified().ok()));
@@ -257,7 +257,7 @@ impl Run<'_> {
     }
 }
 
-/// Returns a part's result: noted before, or made now and noted.
+/// Returns the result of a part: the noted one, or one that is made now and noted.
 fn noted<T: Serialize + serde::de::DeserializeOwned>(
     journal: &mut Option<Journal>,
     name: &str,
@@ -269,7 +269,7 @@ fn noted<T: Serialize + serde::de::DeserializeOwned>(
     }
 }
 
-/// Three views: the subject's own; in perspective from the other side; and along an axis, so that rays run in cell faces.
+/// Returns three views: the subject's own; in perspective from the other side; and along an axis, so that rays run in cell faces.
 fn three_views(subject: &Subject) -> Vec<Subject> {
     let bounds = subject.scene.volume.bounds();
     let seen = |word: &str, azimuth: f64, elevation: f64, fov: Option<f64>| {

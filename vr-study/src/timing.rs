@@ -1,4 +1,4 @@
-//! Times of renderers that can be compared: taken in turns, so that a machine that slows down slows all of them.
+//! Comparable times of renderers: taken in turns, so that a machine that slows down slows all of them.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -24,15 +24,15 @@ pub struct Timing {
 
 /// Degrees that the camera turns from frame to frame.
 const TURN: f64 = 10.0;
-/// A candidate whose frames take this long draws one a round, without warming up.
+/// Time of a heavy frame: a candidate whose frames take this long draws one a round, without warming up.
 const HEAVY: Duration = Duration::from_millis(40);
-/// Rounds that are enough for those, when time gets short.
+/// Number of rounds that are enough for heavy frames when time gets short.
 const HEAVY_ROUNDS: usize = 2;
-/// The others draw two views in turns, for this long or so often.
+/// Time, and number of turns, for which the others draw two views in turns.
 const STRETCH: Duration = Duration::from_millis(12);
 const PAIRS: usize = 6;
 
-/// Milliseconds, the median over the rounds and what lies around it.
+/// Milliseconds: the median over the rounds, and their range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Milliseconds {
     /// The median.
@@ -57,15 +57,15 @@ impl Milliseconds {
 /// Times of one candidate on one subject.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Times {
-    /// A frame, after preparation, the camera turning.
+    /// Time of a frame, after preparation, the camera turning.
     pub frame: Milliseconds,
-    /// The preparation.
+    /// Time of the preparation.
     pub prepare: Milliseconds,
-    /// Rounds.
+    /// Number of rounds.
     pub rounds: usize,
 }
 
-/// The picture that a candidate drew of a subject, and its cost.
+/// Picture that a candidate drew of a subject, and its cost.
 pub struct Drawn {
     /// The picture of the subject's view.
     pub frame: Frame,
@@ -75,11 +75,11 @@ pub struct Drawn {
     pub counts: Counts,
     /// Times; `None` where nothing was timed.
     pub times: Option<Times>,
-    /// Bytes that preparation and frames needed at once beyond the scene; `None` where there is no meter.
+    /// Largest number of bytes that preparation and frames used beyond the scene; `None` where there is no meter.
     pub peak_bytes: Option<u64>,
 }
 
-/// The times of one candidate so far.
+/// Times of one candidate so far.
 #[derive(Default)]
 struct Rounds {
     prepare: Vec<Reading>,
@@ -88,7 +88,7 @@ struct Rounds {
     heavy: bool,
 }
 
-/// A time, and what the clock reference took around it.
+/// Time of a piece of work, and the time of the clock reference around it.
 #[derive(Clone, Copy)]
 struct Reading {
     time: Duration,
@@ -96,7 +96,7 @@ struct Reading {
 }
 
 impl Reading {
-    /// Milliseconds that it would have taken had the machine been as fast as it was when the clock reference took `usual`.
+    /// Returns the milliseconds that the work would have taken had the machine been as fast as when the clock reference took `usual`.
     fn corrected(self, usual: Duration) -> f64 {
         self.time.as_secs_f64() * 1e3 * usual.as_secs_f64() / self.clock_reference.as_secs_f64().max(1e-9)
     }
@@ -173,7 +173,7 @@ pub fn draw_in_turns(
     Ok(drawn)
 }
 
-/// The scene with a volume of its own.
+/// Returns the scene with a volume that shares no derived structures.
 fn alone(scene: &Scene) -> Scene {
     let volume = match &scene.volume {
         Volume::Grid(grid) => Volume::Grid(Arc::new(GridVolume::new(grid.values().clone(), grid.filter()))),
@@ -182,7 +182,7 @@ fn alone(scene: &Scene) -> Scene {
     Scene { volume, ..scene.clone() }
 }
 
-/// The clock: it times work beside the clock reference.
+/// Clock that times work beside the clock reference.
 struct Clock<'a> {
     clock_reference: ClockReference,
     control: &'a Control,
@@ -204,7 +204,7 @@ impl Clock<'_> {
         Ok(prepared)
     }
 
-    /// The picture of a subject, from a preparation of its own; and the first round, if anything is timed.
+    /// Returns the picture of a subject, from a preparation of its own; and the first round, if anything is timed.
     fn first_round(
         &self,
         candidate: &Candidate,
@@ -268,7 +268,7 @@ impl Clock<'_> {
         Ok(())
     }
 
-    /// The mean of the shortest times of two views, drawn in turns for a [stretch](STRETCH).
+    /// Returns the mean of the shortest times of two views, drawn in turns for a [stretch](STRETCH).
     fn shortest_of_pairs(&self, prepared: &mut dyn Prepared, views: &[View; 2]) -> Result<Duration, RenderError> {
         let (start, mut shortest) = (Instant::now(), [Duration::MAX; 2]);
         for pair in 0..PAIRS {

@@ -1,11 +1,9 @@
 //! Scenes that are drawn as they are, or refused: never as another scene.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::*;
 use vr_core::*;
+use vr_physics::check::pictures::*;
 use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
 #[test]
@@ -137,7 +135,7 @@ fn a_surface_is_shaded_though_emission_is_given() {
     let compositing = Compositing::First { threshold: 3.0 };
     let scene = Scene { compositing, ..glowing(Shading { diffuse: 0.9, ambient: 0.1, ..Shading::default() }) };
     for (azimuth, elevation, fov) in [(33.0, 21.0, None), (-120.0, 40.0, Some(30.0))] {
-        let m = to_truth(&TextureSlicer::default(), &scene, &view(&scene, azimuth, elevation, fov, 24));
+        let m = error(&TextureSlicer::default(), &scene, &view(&scene, azimuth, elevation, fov, 24));
         // A plane that every ray crosses: nothing but f32 is left.
         assert!(m.max < 1e-5, "{azimuth}: {m}");
     }
@@ -159,7 +157,7 @@ fn opacity_by_the_gradient_is_refused_whatever_shines() {
     // What picks a value has no opacity to modulate.
     for compositing in [Compositing::Maximum, Compositing::First { threshold: 3.0 }] {
         let picked = Scene { compositing, ..scene.clone() };
-        let m = to_truth(&TextureSlicer::default(), &picked, &view(&scene, 33.0, 21.0, None, 16));
+        let m = error(&TextureSlicer::default(), &picked, &view(&scene, 33.0, 21.0, None, 16));
         assert!(m.max < 1e-5, "{compositing:?}: {m}");
     }
 }
@@ -174,7 +172,7 @@ fn a_negative_slope_turns_the_order_of_values_round() {
     for compositing in [Compositing::Maximum, Compositing::Minimum, Compositing::Average] {
         let scene = Scene { compositing, ..scene.clone() };
         let renderer = TextureSlicer { slice_spacing: 0.02, ..TextureSlicer::default() };
-        let m = to_truth(&renderer, &scene, &view(&scene, 33.0, 21.0, None, 16));
+        let m = error(&renderer, &scene, &view(&scene, 33.0, 21.0, None, 16));
         // Noise from voxel to voxel: an extreme between two samples is missed by less than a hundredth of that.
         assert!(m.max < 1e-2, "{compositing:?}: {m}");
     }

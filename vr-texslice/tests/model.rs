@@ -1,9 +1,7 @@
 //! Pictures against the renderer's own model, summed in f64: what is left is rounding and tables.
 
-mod common;
-
-use common::*;
 use vr_core::Scene;
+use vr_physics::check::pictures::*;
 use vr_texslice::{Blend, Format, Proxy, TextureSlicer};
 
 fn scenes() -> Vec<(&'static str, Scene)> {
@@ -51,7 +49,7 @@ fn pictures_are_what_the_model_sums() {
         for (how, renderer) in renderers() {
             for (azimuth, elevation, fov) in [(0.0, 0.0, None), (33.0, 21.0, None), (-60.0, 50.0, Some(35.0))] {
                 let view = view(&scene, azimuth, elevation, fov, 24);
-                let m = to_model(&renderer, &scene, &view);
+                let m = error_of_model(&renderer, &scene, &view);
                 println!("{name:<16} {how:<30} {azimuth:>5} {fov:?}: max {:.1e} RMSE {:.1e}", m.max, m.rmse);
                 // f32 positions and sums leave 10⁻⁷ to 5·10⁻⁶. Steep transfer functions make more of a rounded position (1.4·10⁻⁵ at the worst, whole
                 // layers of Marschner and Lobb's ripples apart), and a table's 4096 entries cut the kinks of hydrogen's, which lie in a hundredth of

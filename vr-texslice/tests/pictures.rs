@@ -1,13 +1,11 @@
 //! Pictures that must be the same, however they are drawn; and those that must be near the truth.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::*;
 use vr_core::phantom::TRANSFER_UNIT_DISTANCE;
 use vr_core::*;
 use vr_physics::check::FixedLayer;
+use vr_physics::check::pictures::*;
 use vr_physics::{Metrics, Reference};
 use vr_texslice::{Blend, DrawOrder, Format, Proxy, TextureSlicer};
 
@@ -187,7 +185,7 @@ fn pre_integration_finds_thin_shells() {
     let view = view(&scene, 35.0, 25.0, None, 64);
     let rmse = |format, slice_spacing| {
         let renderer = TextureSlicer { format, slice_spacing, ..TextureSlicer::brute_force() };
-        to_truth(&renderer, &scene, &view).rmse
+        error(&renderer, &scene, &view).rmse
     };
     for d in [0.25, 0.5, 1.0] {
         let [segments, samples] = [rmse(Format::PreIntegrated, 2.0 * d), rmse(Format::Scalar, 0.5 * d)];
@@ -204,7 +202,7 @@ fn a_value_is_picked() {
         for (azimuth, elevation, fov) in VIEWS {
             let scene = Scene { compositing, ..phantom_scene::<f32>("fog", 32, 1.0) };
             let view = view(&scene, azimuth, elevation, fov, 24);
-            let m = to_truth(&TextureSlicer { slice_spacing: 0.2, ..TextureSlicer::default() }, &scene, &view);
+            let m = error(&TextureSlicer { slice_spacing: 0.2, ..TextureSlicer::default() }, &scene, &view);
             println!("{compositing:?} {azimuth}: {m}");
             // Extremes and means of a smooth field, a fifth of a voxel apart; a first point may be missed where the field only just reaches it.
             let allowed = if matches!(compositing, Compositing::First { .. }) { 5e-2 } else { 1e-3 };
@@ -219,7 +217,7 @@ fn light_ends_at_a_level() {
     for level in [0.05, 0.3, 0.9] {
         let cut = Scene { compositing: Compositing::Accumulate { level }, ..scene.clone() };
         let view = view(&cut, 33.0, 21.0, None, 24);
-        let m = to_truth(&TextureSlicer::default(), &cut, &view);
+        let m = error(&TextureSlicer::default(), &cut, &view);
         assert!(m.max < 1e-3, "{level}: {m}");
     }
 }
@@ -294,7 +292,7 @@ fn shaded_pictures_are_what_the_model_sums() {
         (TextureSlicer { format: Format::Rgba, ..brute.clone() }, None),
     ] {
         for (azimuth, elevation) in [(33.0, 21.0), (120.0, -70.0)] {
-            let m = to_model(&renderer, &scene, &view(&scene, azimuth, elevation, fov, 24));
+            let m = error_of_model(&renderer, &scene, &view(&scene, azimuth, elevation, fov, 24));
             println!("shaded {:?} {:?} {fov:?}: {m}", renderer.proxy, renderer.format);
             // Tables on hydrogen's transfer function, as unshaded.
             assert!(m.max < 1.5e-4, "{:?} {fov:?}: {m}", renderer.proxy);

@@ -1,9 +1,7 @@
 //! A volume that turns keeps its brightness where opacity is corrected, and does not where it is not.
 
-mod common;
-
-use common::*;
 use vr_core::{Control, Model, Renderer, Scene};
+use vr_physics::check::pictures::*;
 use vr_texslice::{Proxy, TextureSlicer};
 
 /// The error of brightness farthest from 0 in a turn, as a part of the brightness.

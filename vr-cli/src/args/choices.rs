@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-/// Pixels that are compared with the exact solution.
+/// Pixels that are compared with the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ErrorMeasure {
     /// No pixels.

@@ -24,7 +24,7 @@ pub use volume::VolumeArgs;
 use crate::failure::Failure;
 use crate::renderers;
 
-/// Pictures of volumes, and how far they are from the exact solution.
+/// Pictures of volumes, and how far they are from the correct ones.
 ///
 /// Every command but `diff` works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
@@ -78,7 +78,7 @@ pub enum Command {
     Diff(Box<DiffArgs>),
     /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try; or a mesh
     Info(Box<InfoArgs>),
-    /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the exact solution
+    /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the reference
     Ray(Box<RayArgs>),
 }
 
@@ -97,7 +97,7 @@ pub struct RenderArgs {
     /// Output of the picture.
     #[command(flatten)]
     pub output: OutputArgs,
-    /// Exact solutions that are kept.
+    /// Reference pixels that are kept.
     #[command(flatten)]
     pub cache: CacheArgs,
 }
@@ -142,7 +142,7 @@ pub struct OutputArgs {
     /// Keep opacity in a PNG instead of blending with the background
     #[arg(long)]
     pub alpha: bool,
-    /// Pixels that are compared with the exact solution: all, those of a 64x64 subgrid, or none
+    /// Pixels that are compared with the reference: all, those of a 64x64 subgrid, or none
     #[arg(long, value_name = "PIXELS", default_value = "subgrid")]
     pub error: ErrorMeasure,
     /// Map of the error to write, interpolated between the compared pixels: .png (heat map) or .exr (signed, in floats)
@@ -151,7 +151,7 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
-    /// Every file that is written, with the flag that names it.
+    /// Returns every file that is written, with the flag that names it.
     pub fn places(&self) -> impl Iterator<Item = (&str, &Path)> {
         let outputs = self.outputs.iter().map(|path| ("--output", path.as_path()));
         outputs.chain(self.error_map.iter().map(|path| ("--error-map", path.as_path())))
@@ -173,7 +173,7 @@ impl OutputArgs {
         })
     }
 
-    /// Options of the PNG, but for the background.
+    /// Returns the options of the PNG, without the background.
     pub fn png(&self) -> PngOptions {
         PngOptions {
             depth: match self.bits {
@@ -193,7 +193,7 @@ pub struct CompareArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Compare only this renderer with the exact solution; may be repeated
+    /// Compare only this renderer with the reference; may be repeated
     #[arg(long = "renderer", value_name = "NAME", help_heading = "Comparison")]
     pub renderers: Vec<String>,
     /// Contact sheet to write
@@ -228,7 +228,7 @@ pub struct TimingArgs {
     /// Draw this many frames first that are not timed: the turns that lead up to frame 0
     #[arg(long, value_name = "N", default_value = "2", value_parser = clap::value_parser!(u32).range(0..=1000))]
     pub warm_up: u32,
-    /// Compare frame 0 with the exact solution on a 64x64 subgrid of its pixels
+    /// Compare frame 0 with the reference on a 64x64 subgrid of its pixels
     #[arg(long)]
     pub error: bool,
 }
@@ -261,7 +261,7 @@ impl Cli {
         }
     }
 
-    /// The command with what help tells of renderers.
+    /// Returns the command, with the help on renderers.
     fn command_with_renderers() -> clap::Command {
         let (features, options) = (renderers::feature_table() + "\n", renderers::option_help());
         Self::command()
@@ -271,7 +271,7 @@ impl Cli {
     }
 }
 
-/// Message of clap without its usage lines.
+/// Returns a message of clap without its usage lines.
 fn first_words(message: &str) -> &str {
     let end = message.find("\nUsage:").or_else(|| message.find("\nFor more information")).unwrap_or(message.len());
     message[..end].trim_start_matches("error: ").trim_end()

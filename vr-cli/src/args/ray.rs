@@ -21,7 +21,7 @@ pub struct RayArgs {
     /// The renderer and its options.
     #[command(flatten)]
     pub renderer: RendererArgs,
-    /// Write every row of the table to a file: one per step or, of a renderer that cannot list them, per part of the exact solution
+    /// Write every row of the table to a file: one per step or, of a renderer that cannot list them, per part of the reference
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub csv: Option<PathBuf>,
     /// Print all rows of a long table, not only those that matter most

@@ -40,19 +40,19 @@ pub struct ReportArgs {
     /// Fail if errors or counts are worse than in this errors.json
     #[arg(long, value_name = "FILE", help_heading = "Report")]
     pub baseline: Option<PathBuf>,
-    /// Exact solutions that are kept.
+    /// Reference pixels that are kept.
     #[command(flatten)]
     pub cache: CacheArgs,
 }
 
-/// Exact solutions that are kept.
+/// Reference pixels that are kept.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Exact solutions")]
+#[command(next_help_heading = "Reference pixels")]
 pub struct CacheArgs {
-    /// Folder in which exact solutions are kept; the user's own folder for caches if absent
+    /// Folder in which reference pixels are kept; the user's own folder for caches if absent
     #[arg(long, value_name = "FOLDER")]
     pub cache: Option<PathBuf>,
-    /// Keep no exact solutions, and use none that were kept
+    /// Keep no reference pixels, and use none that were kept
     #[arg(long, conflicts_with = "cache")]
     pub no_cache: bool,
 }
@@ -66,7 +66,7 @@ pub struct VerifyArgs {
     /// Verify only this renderer; may be repeated
     #[arg(long = "renderer", value_name = "NAME", help_heading = "Verification")]
     pub renderers: Vec<String>,
-    /// Exact solutions that are kept.
+    /// Reference pixels that are kept.
     #[command(flatten)]
     pub cache: CacheArgs,
 }

@@ -1,17 +1,17 @@
-//! Values on the command line.
+//! Parsers of values on the command line.
 
 use std::str::FromStr;
 
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
-/// A word that scene files know, too: its spelling, and the error message for a wrong one, come from there.
+/// Parses a word that scene files know, too: its spelling, and the error message for a wrong one, come from there.
 pub fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     let deserializer: StrDeserializer<'_, Error> = text.into_deserializer();
     T::deserialize(deserializer).map_err(|e| e.to_string())
 }
 
-/// `512x256`; `512` is `512x512`.
+/// Parses a size: `512x256`; `512` is `512x512`.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let expected = "expected WIDTHxHEIGHT or one number, as in 512x256";
     let side = |side: &str| side.parse().map_err(|_| expected.to_owned());
@@ -21,51 +21,51 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// `256x256x128`.
+/// Parses three numbers of voxels: `256x256x128`.
 pub fn dims(text: &str) -> Result<[usize; 3], String> {
     list(text, 'x').map_err(|_| "expected NXxNYxNZ, as in 256x256x128".to_owned())
 }
 
-/// `1,0.5,-2`.
+/// Parses three numbers: `1,0.5,-2`.
 pub fn triple<T: FromStr>(text: &str) -> Result<[T; 3], String> {
     list(text, ',').map_err(|_| "expected three numbers, as in 1,0.5,2".to_owned())
 }
 
-/// `0,255`.
+/// Parses two numbers: `0,255`.
 pub fn pair(text: &str) -> Result<[f64; 2], String> {
     list(text, ',').map_err(|_| "expected two numbers, as in 0,255".to_owned())
 }
 
-/// Two corners of a box: `0,0,0,10,10,10`.
+/// Parses two corners of a box: `0,0,0,10,10,10`.
 pub fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
     let n: [f64; 6] = list(text, ',').map_err(|_| "expected the lower and the upper corner: six numbers".to_owned())?;
     Ok([[n[0], n[1], n[2]], [n[3], n[4], n[5]]])
 }
 
-/// Normal and offset of a plane: `0,0,1,64`.
+/// Parses normal and offset of a plane: `0,0,1,64`.
 pub fn plane(text: &str) -> Result<([f64; 3], f64), String> {
     let n: [f64; 4] = list(text, ',').map_err(|_| "expected normal and offset: four numbers".to_owned())?;
     Ok(([n[0], n[1], n[2]], n[3]))
 }
 
-/// A control point: `120,1,0.9,0.8,0.4`.
+/// Parses a control point: `120,1,0.9,0.8,0.4`.
 pub fn point(text: &str) -> Result<[f64; 5], String> {
     list(text, ',').map_err(|_| "expected value, red, green, blue and opacity: five numbers".to_owned())
 }
 
-/// Degrees, at most a turn either way.
+/// Parses degrees, at most a turn either way.
 pub fn angle(text: &str) -> Result<f64, String> {
     let degrees = text.trim().parse().map_err(|_| "expected a number of degrees".to_owned())?;
     if (-360.0..=360.0).contains(&degrees) { Ok(degrees) } else { Err("must be from -360 to 360 degrees".to_owned()) }
 }
 
-/// A size of an error: a number that is not below 0.
+/// Parses the size of an error: a number that is not below 0.
 pub fn tolerance(text: &str) -> Result<f64, String> {
     let tolerance: f64 = text.trim().parse().map_err(|_| "expected a number".to_owned())?;
     if tolerance >= 0.0 { Ok(tolerance) } else { Err("must not be below 0".to_owned()) }
 }
 
-/// `key=value`.
+/// Parses `key=value`.
 pub fn key_value(text: &str) -> Result<(String, String), String> {
     let (key, value) = text.split_once('=').ok_or("expected KEY=VALUE")?;
     Ok((key.to_owned(), value.to_owned()))

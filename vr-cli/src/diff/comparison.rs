@@ -3,14 +3,14 @@
 use vr_io::Picture;
 use vr_physics::metrics::{Channels, Metrics};
 
-/// Differences below this cannot be seen in 8 bits.
+/// Difference below which nothing can be seen in 8 bits.
 const VISIBLE: f64 = 1.0 / 255.0;
 
 /// Two pictures of one size, made comparable.
 pub struct Comparison {
     /// Width and height.
     pub size: [u32; 2],
-    /// Opacity counts where both pictures have it.
+    /// Channels that are compared: with opacity where both pictures have it.
     pub channels: Channels,
     /// The picture that alone had opacity, and so was blended with the background.
     pub blended: Option<Blended>,
@@ -33,9 +33,9 @@ pub enum Blended {
 pub struct Worst {
     /// Column and row, from the top left.
     pub pixel: [u32; 2],
-    /// Its colour as compared, in the reference and in the picture.
+    /// Colour of the pixel as compared, in the reference and in the picture.
     pub colors: [[f64; 4]; 2],
-    /// Its error.
+    /// Error of the pixel.
     pub error: f64,
 }
 
@@ -68,7 +68,7 @@ impl Comparison {
         }
     }
 
-    /// B − A of each pixel, in units of max(1, largest magnitude in A); 0 for opacity where that is not compared.
+    /// Returns B − A of each pixel, in units of max(1, largest magnitude in A); 0 for opacity where that is not compared.
     pub fn differences(&self) -> impl Iterator<Item = [f64; 4]> {
         let scale = self.metrics.peak_reference.max(1.0);
         let count = match self.channels {
@@ -81,13 +81,13 @@ impl Comparison {
             .map(move |(r, p)| std::array::from_fn(|c| if c < count { (f64::from(p[c]) - r[c]) / scale } else { 0.0 }))
     }
 
-    /// Largest error of any component of each pixel; what is no number is infinitely wrong.
+    /// Returns the largest error of any component of each pixel; that of NaN is infinite.
     pub fn errors(&self) -> impl Iterator<Item = f64> {
         let size = |e: f64| if e.is_finite() { e.abs() } else { f64::INFINITY };
         self.differences().map(move |e| e.map(size).into_iter().fold(0.0, f64::max))
     }
 
-    /// The first pixel with the largest error; `None` for equal pictures.
+    /// Returns the first pixel with the largest error; `None` for equal pictures.
     pub fn worst(&self) -> Option<Worst> {
         let first_largest = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
         let (index, error) = self.errors().enumerate().fold((0, 0.0), first_largest);
@@ -99,7 +99,7 @@ impl Comparison {
         })
     }
 
-    /// Number of pixels that differ by more than can be hidden in 8 bits.
+    /// Returns the number of pixels that differ by more than can be hidden in 8 bits.
     pub fn visible(&self) -> usize {
         self.errors().filter(|&e| e > VISIBLE).count()
     }

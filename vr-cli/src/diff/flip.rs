@@ -4,7 +4,7 @@
 
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip};
 
-/// Mean of the error map of two pictures that are sRGB-encoded in [0, 1], after rounding to 8 bits; 0 for equal pictures, at
+/// Returns the mean of the error map of two pictures that are sRGB-encoded in [0, 1], after rounding to 8 bits; 0 for equal pictures, at
 /// most 1. The observer sees 67 pixels per degree: a screen 0.7 m away that is 0.7 m and 3840 pixels wide.
 pub fn mean(size: [u32; 2], reference: &[[f64; 3]], picture: &[[f64; 3]]) -> f64 {
     let image = |shown: &[[f64; 3]]| {

@@ -1,4 +1,4 @@
-//! `vr diff`: how far one picture is from another, wherever they come from.
+//! `vr diff`: the difference of two pictures, wherever they come from.
 
 mod comparison;
 #[cfg(feature = "flip")]
@@ -81,7 +81,7 @@ pub fn run(args: &DiffArgs, console: Console) -> Result<(), Failure> {
     }
 }
 
-/// The picture of the difference that a name asks for.
+/// Returns the picture of the difference that a name asks for.
 fn map(path: &Path, comparison: &Comparison) -> Frame {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
         let signed = comparison.differences().map(|e| e.map(|c| c as f32)).collect();

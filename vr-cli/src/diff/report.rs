@@ -10,7 +10,7 @@ use super::comparison::{Blended, Comparison, Worst};
 use crate::args::Curve;
 use crate::number;
 
-/// Everything that is printed.
+/// Report of a comparison, to be printed.
 pub struct Report<'a> {
     pub reference: Side<'a>,
     pub picture: Side<'a>,
@@ -67,11 +67,11 @@ pub struct Json<'a> {
     channels: &'static str,
     blended: Option<&'static str>,
     error: ErrorJson,
-    /// `null` where the picture is smaller than a window.
+    /// SSIM; `null` where the picture is smaller than a window.
     ssim: Option<f64>,
     #[cfg(feature = "flip")]
     flip: f64,
-    /// `null` for equal pictures.
+    /// Worst pixel; `null` for equal pictures.
     largest: Option<LargestJson>,
     visible_pixels: usize,
     visible_share: f64,
@@ -171,7 +171,7 @@ impl Report<'_> {
         }
     }
 
-    /// The compared components of a colour.
+    /// Returns the compared components of a colour.
     fn color(&self, color: [f64; 4]) -> impl Iterator<Item = f64> + use<> {
         let count = match self.comparison.channels {
             Channels::Rgba => 4,
@@ -180,7 +180,7 @@ impl Report<'_> {
         color.into_iter().take(count)
     }
 
-    /// The share of pixels that differ visibly.
+    /// Returns the share of pixels that differ visibly.
     fn share(&self) -> f64 {
         let [w, h] = self.comparison.size.map(f64::from);
         self.comparison.visible() as f64 / (w * h)

@@ -1,15 +1,15 @@
-//! Pictures as a screen shows them: measures of what people see start from there.
+//! Pictures in the colours of a screen, from which measures of visibility start.
 
 use vr_core::Frame;
 use vr_core::transfer::linear_to_srgb;
 
-/// sRGB-encoded RGB before a linear background, in [0, 1]; NaN counts as 0, as it does in a PNG.
+/// Returns sRGB-encoded RGB before a linear background, in [0, 1]; NaN counts as 0, as it does in a PNG.
 pub fn shown(frame: &Frame, background: [f32; 3]) -> Vec<[f64; 3]> {
     let encode = |c: f32| if c.is_nan() { 0.0 } else { linear_to_srgb(f64::from(c).clamp(0.0, 1.0)) };
     frame.over_background(background).into_iter().map(|p| p.map(encode)).collect()
 }
 
-/// Luma of encoded colours with the weights of ITU-R BT.709, whose primaries sRGB has.
+/// Returns the luma of encoded colours with the weights of ITU-R BT.709, whose primaries sRGB has.
 pub fn luma(shown: &[[f64; 3]]) -> Vec<f64> {
     shown.iter().map(|[r, g, b]| 0.2126 * r + 0.7152 * g + 0.0722 * b).collect()
 }

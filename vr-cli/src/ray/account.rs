@@ -1,4 +1,4 @@
-//! Account of one ray: the renderer's steps beside the exact solution.
+//! Account of one ray: the renderer's steps beside the reference.
 
 use vr_core::{Compositing, Probe, Ray, Rays, RenderError, View};
 use vr_physics::{Pixel, RaySegment, Reference};
@@ -10,7 +10,7 @@ use crate::scene_setup::Setup;
 /// Names of the components of a pixel.
 pub const CHANNELS: [&str; 4] = ["red", "green", "blue", "opacity"];
 
-/// Everything about one pixel.
+/// Account of one pixel.
 pub struct Account<'a> {
     /// The scene.
     pub setup: &'a Setup,
@@ -24,17 +24,17 @@ pub struct Account<'a> {
     pub ray: Ray,
     /// The renderer's pixel.
     pub rgba: [f64; 4],
-    /// Its depth.
+    /// Depth of the pixel.
     pub depth: Option<f32>,
     /// The model that the renderer integrates, where that is not the scene as it is.
     pub model: Option<String>,
     /// The renderer's steps, if it can list them.
     pub probe: Option<Probe>,
-    /// The exact solution.
+    /// The reference.
     pub exact: Pixel,
-    /// The exact solution part by part, cut where the renderer's steps begin and end, too.
+    /// Parts of the reference, cut where the renderer's steps begin and end, too.
     pub segments: Vec<RaySegment>,
-    /// The renderer's steps, each with what is true of it.
+    /// Steps of the renderer, each beside the reference.
     pub rows: Vec<Row>,
 }
 
@@ -79,18 +79,18 @@ impl<'a> Account<'a> {
         Ok(account)
     }
 
-    /// Error of the pixel, component by component.
+    /// Returns the error of the pixel, component by component.
     pub fn error(&self) -> [f64; 4] {
         std::array::from_fn(|c| self.rgba[c] - self.exact.rgba[c])
     }
 
-    /// The component with the largest error.
+    /// Returns the component with the largest error.
     pub fn channel(&self) -> usize {
         let error = self.error().map(f64::abs);
         (0..4).max_by(|&a, &b| error[a].total_cmp(&error[b])).unwrap_or(3)
     }
 
-    /// World distances along the ray at which it enters the volume and leaves it; `None` where it misses.
+    /// Returns the world distances along the ray at which it enters the volume and leaves it; `None` where it misses.
     pub fn chord(&self) -> Option<[f64; 2]> {
         Some([self.segments.first()?.from, self.segments.last()?.to])
     }
@@ -100,7 +100,7 @@ impl<'a> Account<'a> {
         self.setup.scene.compositing.integrates_light()
     }
 
-    /// Part of the final error from behind the renderer's last step, which the exact solution includes.
+    /// Returns the part of the final error from behind the renderer's last step, which the reference includes.
     pub fn left_out(&self) -> f64 {
         let Some(Some(end)) = self.segments.last().filter(|_| self.probe.is_some()).map(|end| end.light) else {
             return 0.0;
@@ -110,7 +110,7 @@ impl<'a> Account<'a> {
         before[c] - rows::rgba(&end)[c]
     }
 
-    /// The step that shows the value that was picked; `None` where light is integrated, or the value is nowhere in particular.
+    /// Returns the step that shows the value that was picked; `None` where light is integrated, or the value has no place.
     pub fn picked(&self) -> Option<usize> {
         let depth = f64::from(self.depth.filter(|depth| depth.is_finite() && !self.has_light())?);
         let off = |row: &Row| (row.step.samples[0].at - depth).abs();
@@ -118,7 +118,7 @@ impl<'a> Account<'a> {
     }
 }
 
-/// Opacity at which a compositing ends the light; 1: never.
+/// Returns the opacity at which a compositing ends the light; 1 if it never does.
 pub fn level(compositing: Compositing) -> f64 {
     if let Compositing::Accumulate { level } = compositing { level } else { 1.0 }
 }

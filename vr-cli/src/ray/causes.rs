@@ -1,16 +1,16 @@
-//! Steps that make a pixel wrong, and what happens in them.
+//! Causes of a pixel's error: the steps that make it wrong, and the events in them.
 
 use super::account::{Account, CHANNELS};
 use super::figures;
 use super::rows::Row;
 use crate::number;
 
-/// Steps that are named.
+/// Largest number of steps that are named.
 const NAMED: usize = 3;
-/// Errors below this are an f32's rounding: nothing to explain.
+/// Error below which there is nothing to explain: the rounding of an f32.
 const ROUNDING: f64 = 1e-6;
 
-/// Causes of the pixel's error, in a few lines; none where there is no error, or where the renderer cannot list its steps.
+/// Returns the causes of the pixel's error, in a few lines; none where there is no error, or where the renderer cannot list its steps.
 pub fn lines(account: &Account<'_>) -> Vec<String> {
     let changes: Vec<(&Row, f64)> =
         account.rows.iter().filter_map(|row| row.light.map(|light| (row, light.change))).collect();

@@ -1,4 +1,4 @@
-//! All rows of the table in a file.
+//! CSV file with all rows of the table.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use super::rows::Row;
 use super::tables::front;
 use crate::failure::Failure;
 
-/// Writes one row per step of the renderer or, if it cannot tell, per part of the exact solution; whole or not at all.
+/// Writes one row per step of the renderer or, if it cannot tell, per part of the reference; whole or not at all.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -107,7 +107,7 @@ fn parts(text: &mut Text, account: &Account<'_>) -> csv::Result<()> {
     Ok(())
 }
 
-/// The shortest digits that give the number back; nothing for what does not exist.
+/// Formats a number by the shortest digits that give it back; NaN is empty.
 fn number(x: f64) -> String {
     if x.is_nan() { String::new() } else { format!("{x:?}") }
 }

@@ -1,4 +1,4 @@
-//! The ray drawn in the terminal: what it meets, what it adds up to, and where the renderer leaves the exact solution.
+//! Drawing of the ray in the terminal: what it meets, its sum, and where the renderer leaves the reference.
 
 use vr_core::RenderError;
 use vr_core::field::Cut;
@@ -9,13 +9,13 @@ use super::figures;
 use super::plot::{MARGIN, Plot, counts, scale};
 use super::rows::{Row, exact_until, rgba};
 
-/// Characters along the ray, and dots.
+/// Number of characters along the ray, and of dots.
 const COLUMNS: usize = 78;
 const DOTS: usize = 2 * COLUMNS;
 /// Opacity behind which nothing more is drawn, unless the renderer still has steps there.
 const HIDDEN: f64 = 0.9999;
 
-/// All curves; nothing for a ray that misses the volume.
+/// Returns all curves; nothing for a ray that misses the volume.
 ///
 /// # Errors
 /// Errors of the reference, for a scene that it cannot solve.
@@ -34,7 +34,7 @@ pub fn text(account: &Account<'_>) -> Result<String, RenderError> {
     Ok(text + &drawing.marks() + &drawing.axis())
 }
 
-/// The part of the ray that is drawn: where something can be seen, with a margin.
+/// Returns the part of the ray that is drawn: where something can be seen, with a margin.
 fn extent(account: &Account<'_>, [from, to]: [f64; 2]) -> [f64; 2] {
     let seen = |segment: &&RaySegment| segment.light.is_some_and(|l| l.transparency < 1.0 || l.light != [0.0; 3]);
     let Some(first) = account.segments.iter().find(seen) else { return [from, to] };
@@ -54,7 +54,7 @@ struct Drawing<'a> {
     account: &'a Account<'a>,
     from: f64,
     to: f64,
-    /// The exact solution, cut at the borders of the dots, too.
+    /// Parts of the reference, cut at the borders of the dots, too.
     segments: Vec<RaySegment>,
 }
 
@@ -75,7 +75,7 @@ impl<'a> Drawing<'a> {
 
     fn legend(&self) -> String {
         let Account { rows, renderer, .. } = self.account;
-        let mut text = "along the ray: the exact solution in dots".to_owned();
+        let mut text = "along the ray: the reference in dots".to_owned();
         if !rows.is_empty() {
             text += &format!(", × {renderer} where it is elsewhere");
         }
@@ -93,7 +93,7 @@ impl<'a> Drawing<'a> {
         text
     }
 
-    /// The parts in each column of dots.
+    /// Returns the parts in each column of dots.
     fn columns(&self) -> Vec<&[RaySegment]> {
         let middle = |segment: &RaySegment| 0.5 * (segment.from + segment.to);
         let up_to = |i: usize| {
@@ -103,7 +103,7 @@ impl<'a> Drawing<'a> {
         (0..DOTS).map(|i| &self.segments[up_to(i)..up_to(i + 1)]).collect()
     }
 
-    /// The part of the ray under a character.
+    /// Returns the part of the ray under a character.
     fn character(&self, x: usize) -> [f64; 2] {
         [border(self.from, self.to, COLUMNS, x), border(self.from, self.to, COLUMNS, x + 1)]
     }
@@ -121,7 +121,7 @@ impl<'a> Drawing<'a> {
         Plot { name: "value", rows: 5, scale, curve: &curve, bars: false, marks: &marks }.text()
     }
 
-    /// Opacity of the part of the ray under each character: κ as far as one can see it.
+    /// Draws the opacity of the part of the ray under each character: κ as far as it can be seen.
     fn opacity(&self) -> String {
         let pairs: Vec<_> = self.columns().chunks(2).map(<[_]>::concat).collect();
         let alpha = |parts: &[RaySegment]| {
@@ -145,7 +145,7 @@ impl<'a> Drawing<'a> {
         Plot { name: "opacity", rows: 4, scale: [0.0, top], curve: &curve, bars: true, marks: &marks }.text()
     }
 
-    /// Radiance and transmittance so far.
+    /// Draws radiance and transmittance so far.
     fn sums(&self) -> String {
         let c = self.channel();
         let exact = self.exact();
@@ -160,7 +160,7 @@ impl<'a> Drawing<'a> {
         text
     }
 
-    /// Curve of the renderer's sum minus the exact one: known where steps end, straight from one to the next.
+    /// Draws the renderer's sum minus the exact one: known where steps end, straight from one to the next.
     fn error(&self) -> String {
         let first = self.account.rows.first().map(|row| (row.step.begin, 0.0));
         let ends = self.account.rows.iter().filter_map(|row| Some((row.step.end(), row.light?.error)));
@@ -175,7 +175,7 @@ impl<'a> Drawing<'a> {
         Plot { name: "error", rows: 4, scale, curve: &curve, bars: false, marks: &[] }.text()
     }
 
-    /// Counts of the steps that begin, and of the faces and knots that are crossed, under each character.
+    /// Draws the counts of the steps that begin, and of the faces and knots that are crossed, under each character.
     fn marks(&self) -> String {
         let along = |places: &mut dyn Iterator<Item = f64>| {
             let mut n = vec![0; COLUMNS];
@@ -205,20 +205,20 @@ impl<'a> Drawing<'a> {
         format!("{:>width$}└{}\n{:>width$} {from}{to:>gap$}\n", "", "─".repeat(COLUMNS), "s", width = MARGIN - 1)
     }
 
-    /// The colour whose sum is drawn: the one with the largest error, or the brightest.
+    /// Returns the colour whose sum is drawn: the one with the largest error, or the brightest.
     fn channel(&self) -> usize {
         let exact = self.account.exact.rgba;
         let brightest = (0..3).max_by(|&a, &b| exact[a].total_cmp(&exact[b])).unwrap_or(0);
         Some(self.account.channel()).filter(|&c| c < 3 && !self.account.rows.is_empty()).unwrap_or(brightest)
     }
 
-    /// The exact sum at the end of each column of dots.
+    /// Returns the exact sum at the end of each column of dots.
     fn exact(&self) -> Vec<[f64; 4]> {
         let at = |i: usize| exact_until(&self.segments, border(self.from, self.to, DOTS, i + 1));
         (0..DOTS).map(|i| at(i).map_or([0.0; 4], |light| rgba(&light))).collect()
     }
 
-    /// The renderer's sum at the middle of each character.
+    /// Returns the renderer's sum at the middle of each character.
     fn drawn(&self, of: impl Fn([f64; 4]) -> f64) -> Vec<Option<f64>> {
         let rows = &self.account.rows;
         let running = |k: usize| rows[k].light.map_or([0.0; 4], |light| light.running);
@@ -234,7 +234,7 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// Share of a homogeneous step of transparency θ that is seen up to the fraction x of its length: (1 − θˣ) / (1 − θ).
+/// Returns the share of a homogeneous step of transparency θ that is seen up to the fraction x of its length: (1 − θˣ) / (1 − θ).
 fn share(transparency: f64, x: f64) -> f64 {
     match transparency {
         1.0 => x,

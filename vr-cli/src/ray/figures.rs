@@ -1,11 +1,11 @@
-//! Figures as this command prints them.
+//! Formats of the figures that this command prints.
 
-/// Four digits; `-` for what does not exist, `inf` for what has no end.
+/// Formats a number to four digits; `-` for NaN, `inf` for infinity.
 pub fn short(x: f64) -> String {
     digits(x, 4)
 }
 
-/// Six digits.
+/// Formats a number to six digits.
 pub fn long(x: f64) -> String {
     digits(x, 6)
 }
@@ -34,22 +34,22 @@ pub fn signed(x: f64) -> String {
     if x == 0.0 { "0".to_owned() } else { format!("{x:+.2e}") }
 }
 
-/// Three components; only one where they are the same throughout.
+/// Formats a colour: three components, or one where they are the same throughout (`gray`).
 pub fn color(c: [f64; 3], gray: bool, figure: impl Fn(f64) -> String) -> String {
     if gray { figure(c[0]) } else { c.map(figure).join(" ") }
 }
 
-/// The faces that are crossed, axis and index: `x12 y3`.
+/// Lists the faces that are crossed, axis and index: `x12 y3`.
 pub fn faces(faces: &[(usize, f64)]) -> String {
     shortened(faces.iter().map(|&(axis, at)| format!("{}{at}", ["x", "y", "z"][axis.min(2)])))
 }
 
-/// The knots that are crossed.
+/// Lists the knots that are crossed.
 pub fn knots(knots: &[f64]) -> String {
     shortened(knots.iter().map(|&v| short(v)))
 }
 
-/// A few, and how many more there are.
+/// Lists the first few items, and the number of the others.
 fn shortened(items: impl ExactSizeIterator<Item = String>) -> String {
     const MAX_ITEMS: usize = 3;
     let more = items.len().saturating_sub(MAX_ITEMS);

@@ -6,7 +6,7 @@ use super::account::{Account, CHANNELS};
 use super::{causes, figures};
 use crate::number;
 
-/// The pixel, the ray, both solutions, their difference, and where it comes from.
+/// Returns the header: the pixel, the ray, both sums, their difference, and its causes.
 pub fn text(account: &Account<'_>) -> String {
     let Account { setup, renderer, view, pixel: [x, y], ray, .. } = account;
     let [w, h] = view.size;
@@ -43,9 +43,7 @@ pub fn text(account: &Account<'_>) -> String {
     match &account.probe {
         None => line(
             "steps",
-            format!(
-                "{renderer} cannot list its steps along a ray with these options; below is the exact solution alone"
-            ),
+            format!("{renderer} cannot list its steps along a ray with these options; below is the reference alone"),
         ),
         Some(probe) => {
             let samples: usize = probe.steps.iter().map(|step| step.samples.len()).sum();
@@ -78,7 +76,7 @@ fn components(rgba: [f64; 4], figure: impl Fn(f64) -> String) -> String {
     CHANNELS.iter().zip(rgba).map(|(name, x)| format!("{name} {}", figure(x))).collect::<Vec<_>>().join("  ")
 }
 
-/// Faces and knots on the whole ray.
+/// Counts the faces and knots on the whole ray.
 fn crossed(account: &Account<'_>) -> [usize; 2] {
     let cuts = || account.segments.iter().flat_map(|segment| &segment.front);
     let faces = cuts().filter(|cut| matches!(cut, vr_core::field::Cut::Face { .. })).count();

@@ -1,4 +1,4 @@
-//! Everything as one JSON object. What is infinite, or does not exist, is `null`.
+//! JSON object of the account. Numbers that are infinite, or do not exist, are `null`.
 
 use serde::Serialize;
 use vr_core::field::Cut;
@@ -7,7 +7,7 @@ use vr_physics::{Certainty, RaySegment};
 use super::account::{Account, CHANNELS};
 use super::rows::Row;
 
-/// All that is known of the pixel.
+/// JSON object of the account of a pixel.
 #[derive(Serialize)]
 pub struct Json<'a> {
     volume: &'a str,
@@ -22,11 +22,11 @@ pub struct Json<'a> {
     rgba: [f64; 4],
     depth: Option<f32>,
     exact: ExactJson,
-    /// `rgba` − the exact one.
+    /// Difference of `rgba` from the reference.
     error: [f64; 4],
-    /// The component that the errors of the steps are of.
+    /// Component whose errors the steps list.
     worst: &'static str,
-    /// `null` from a renderer that cannot list its steps.
+    /// True if frames are drawn by the kernel that listed the steps; `null`, like the next two, from a renderer that cannot list them.
     own_kernel: Option<bool>,
     ended_early: Option<bool>,
     steps: Option<Vec<StepJson<'a>>>,

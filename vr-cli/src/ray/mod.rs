@@ -22,7 +22,7 @@ use crate::output_file;
 use crate::progress::under_bar;
 use crate::scene_setup::Setup;
 
-/// Has the renderer list the steps of a pixel's ray, solves it exactly, and shows both.
+/// Lets the renderer list the steps of a pixel's ray, solves it by the reference, and shows both.
 ///
 /// # Errors
 /// Any fault of the command line, the volume, the scene, or the file to be written; a pixel that the picture does not have.
@@ -61,7 +61,7 @@ pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Fa
     console.result(&text, &json::Json::new(&account))
 }
 
-/// The pixel asked for.
+/// Returns the pixel asked for.
 fn pixel(args: &RayArgs, [width, height]: [u32; 2]) -> Result<[u32; 2], Failure> {
     let inside = |name: &str, found: i64, size: u32| {
         let allowed = || format!("{name}: found {found}; must be 0 to {}: the picture is {width}x{height}", size - 1);

@@ -2,30 +2,30 @@
 
 use super::figures;
 
-/// Dots of a character, of which one holds 2×4 (Unicode's Braille patterns).
+/// Dots of a character along x and y (Unicode's Braille patterns).
 const DOTS: [usize; 2] = [2, 4];
 /// Bits of the dots, row by row from the top.
 const BITS: [[u32; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
-/// Characters before the curve: its name and the ends of its scale.
+/// Number of characters before the curve, for its name and the ends of its scale.
 pub const MARGIN: usize = 21;
 
-/// Two curves over the same ray: a fine one in dots, and marks wherever the other is elsewhere.
+/// Plot of two curves over the same ray: a fine one in dots, and marks wherever the other differs.
 pub struct Plot<'a> {
     /// Name of the quantity.
     pub name: &'a str,
-    /// Characters from top to bottom.
+    /// Number of characters from top to bottom.
     pub rows: usize,
     /// Values at the bottom and at the top.
     pub scale: [f64; 2],
-    /// Smallest and largest value in each column of dots, two of them a character; `None`: nothing there.
+    /// Smallest and largest value in each column of dots, two of them a character; `None` where there is nothing.
     pub curve: &'a [Option<[f64; 2]>],
     /// True if the curve is bars, of which only the top is a value.
     pub bars: bool,
-    /// One value a character.
+    /// Values of the other curve, one a character.
     pub marks: &'a [Option<f64>],
 }
 
-/// A scale that holds all values and is not a point.
+/// Returns a scale that holds all values and is not a point.
 pub fn scale(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let [low, high] =
         values.filter(|v| v.is_finite()).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
@@ -40,7 +40,7 @@ pub fn scale(values: impl Iterator<Item = f64>) -> [f64; 2] {
 }
 
 impl Plot<'_> {
-    /// The lines.
+    /// Returns the lines of the plot.
     pub fn text(&self) -> String {
         let height = self.rows * DOTS[1];
         let [low, high] = self.scale;
@@ -85,7 +85,7 @@ impl Plot<'_> {
     }
 }
 
-/// A row of counts: a digit a character, `+` from ten on.
+/// Draws a row of counts: a digit a character, `+` from ten on.
 pub fn counts(name: &str, counts: &[usize]) -> String {
     let digit = |&n: &usize| match n {
         0 => ' ',

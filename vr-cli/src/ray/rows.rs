@@ -1,4 +1,4 @@
-//! The renderer's steps, each beside the exact solution.
+//! Rows of the table: the renderer's steps, each beside the reference.
 
 use vr_core::field::Cut;
 use vr_core::{Probe, ProbedStep, Scene};
@@ -6,7 +6,7 @@ use vr_physics::{RaySegment, SegmentLight};
 
 use super::account::level;
 
-/// A step of the renderer.
+/// Step of the renderer beside the reference.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Number of the step, from 0 at the front.
@@ -44,7 +44,7 @@ pub struct RowLight {
     pub change: f64,
 }
 
-/// Sets steps beside the exact solution, which has to be cut where they begin and end. Errors are those of component `channel`.
+/// Sets steps beside the reference, which has to be cut where they begin and end. Errors are those of component `channel`.
 pub fn rows(scene: &Scene, probe: &Probe, segments: &[RaySegment], channel: usize) -> Vec<Row> {
     let level = level(scene.compositing);
     let deepest = -(-level).ln_1p();
@@ -80,31 +80,31 @@ pub fn rows(scene: &Scene, probe: &Probe, segments: &[RaySegment], channel: usiz
     rows
 }
 
-/// Premultiplied RGBA of the ray up to the end of a part.
+/// Returns the premultiplied RGBA of the ray up to the end of a part.
 pub fn rgba(light: &SegmentLight) -> [f64; 4] {
     let [r, g, b] = light.radiance;
     [r, g, b, light.opacity()]
 }
 
-/// The exact light of the ray up to a distance at which it is cut; `None` before its first part ends.
+/// Returns the exact light of the ray up to a distance at which it is cut; `None` before its first part ends.
 pub fn exact_until(segments: &[RaySegment], s: f64) -> Option<SegmentLight> {
     let ended = segments.partition_point(|segment| segment.to <= s + rounding(segments, s));
     segments[..ended].last()?.light
 }
 
-/// Bound of the rounding of a distance.
+/// Returns the bound of the rounding of a distance.
 fn rounding(segments: &[RaySegment], s: f64) -> f64 {
     let length = segments.last().map_or(0.0, |last| last.to - segments[0].from);
     2e-12 * length + 8.0 * f64::EPSILON * s.abs()
 }
 
-/// The parts that begin in a step, or at its end.
+/// Returns the parts that begin in a step, or at its end.
 fn inside<'s>(segments: &'s [RaySegment], step: &ProbedStep) -> &'s [RaySegment] {
     let up_to = |s: f64| segments.partition_point(|segment| segment.from <= s + rounding(segments, s));
     &segments[up_to(step.begin)..up_to(step.end()).max(up_to(step.begin))]
 }
 
-/// The parts that a step consists of.
+/// Returns the parts that a step consists of.
 fn within<'s>(segments: &'s [RaySegment], step: &ProbedStep) -> &'s [RaySegment] {
     let before = |s: f64| segments.partition_point(|segment| 0.5 * (segment.from + segment.to) < s);
     &segments[before(step.begin)..before(step.end())]
@@ -129,7 +129,7 @@ mod tests {
     use vr_physics::Reference;
     use vr_raycast::RayCaster;
 
-    /// A ramp 0 to 4 along z, seen from the far end, with a knot at 1.5.
+    /// Returns a ramp 0 to 4 along z, seen from the far end, with a knot at 1.5.
     fn ramp() -> (Scene, View) {
         let samples: Vec<f32> = (0..20).map(|i| (i / 4) as f32).collect();
         let grid =

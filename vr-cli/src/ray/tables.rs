@@ -1,4 +1,4 @@
-//! The steps, or the parts of the exact solution, in rows.
+//! Tables of the steps, or of the parts of the reference.
 
 use vr_core::ProbedSample;
 use vr_core::field::Cut;
@@ -9,12 +9,12 @@ use super::figures;
 use super::rows::Row;
 use crate::table::Table;
 
-/// Rows that are printed in any case.
+/// Number of rows that are printed in any case.
 const FEW: usize = 60;
-/// Rows of a longer table: those that matter most.
+/// Number of rows of a longer table: those that matter most.
 const CHOSEN: usize = 40;
 
-/// Tables of the samples and their sums; or of the exact solution alone. A long table is shortened, unless `all` of it is asked for.
+/// Returns the tables of the samples and their sums, or of the reference alone. A long table is shortened, unless `all` of it is asked for.
 pub fn text(account: &Account<'_>, all: bool) -> String {
     let count = if account.probe.is_some() { account.rows.len() } else { account.segments.len() };
     if count == 0 {
@@ -36,7 +36,7 @@ pub fn text(account: &Account<'_>, all: bool) -> String {
     text
 }
 
-/// Remarks on the table of the samples.
+/// Returns remarks on the table of the samples.
 fn remarks(account: &Account<'_>) -> String {
     let mut text = String::new();
     if account.rows.iter().any(|row| row.step.samples.iter().any(|sample| sample.value.is_nan())) {
@@ -53,7 +53,7 @@ fn remarks(account: &Account<'_>) -> String {
     text
 }
 
-/// The rows of a long table that matter most, in order: where the error changes most, or what is nearest to the picked value, or largest.
+/// Returns the rows of a long table that matter most, in order: where the error changes most, or the value is nearest to the picked one, or largest.
 fn chosen(account: &Account<'_>, count: usize) -> Vec<usize> {
     let picked = account.picked();
     let weight = |i: usize| match (account.rows.get(i), picked) {
@@ -133,7 +133,7 @@ fn samples(account: &Account<'_>, shown: &[usize]) -> Table {
     table
 }
 
-/// The first and the last of several.
+/// Returns the first and the last of several.
 fn ends(values: impl ExactSizeIterator<Item = f64> + DoubleEndedIterator) -> String {
     let several = values.len() > 1;
     let mut values = values.map(figures::short);
@@ -206,7 +206,7 @@ fn parts(account: &Account<'_>, shown: &[usize]) -> Table {
     table
 }
 
-/// Cuts of the ray at which a part begins.
+/// Lists the cuts of the ray at which a part begins.
 pub fn front(part: &RaySegment) -> String {
     let name = |cut: &Cut| match *cut {
         Cut::Entry => Some("entry".to_owned()),

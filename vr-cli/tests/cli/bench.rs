@@ -97,7 +97,7 @@ fn people_get_a_table() {
         "prepare",
         "samples a frame",
         "RMSE",
-        "exact solution",
+        "reference",
     ] {
         assert!(run.stdout.contains(words), "no {words:?} in\n{}", run.stdout);
     }

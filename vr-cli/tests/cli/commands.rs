@@ -7,7 +7,7 @@ fn render_without_arguments_shows_time_and_error() {
     let vr = Vr::new();
     let run = vr.run("render").succeeded();
     assert_eq!(vr.files(), ["vr.png"]);
-    for word in ["time", "prepare", "render", "samples", "error", "max", "RMSE", "exact solution", "vr.png"] {
+    for word in ["time", "prepare", "render", "samples", "error", "max", "RMSE", "reference", "vr.png"] {
         assert!(run.stdout.contains(word), "no {word:?} in\n{}", run.stdout);
     }
     let picture = vr.picture("vr.png").to_rgb8();

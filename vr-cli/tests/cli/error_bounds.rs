@@ -2,7 +2,7 @@
 
 use crate::harness::Vr;
 
-/// A wall of a mesh of values that no two rays agree on: along many rays the exact solution jumps, so that no bound is small.
+/// A wall of a mesh of values that no two rays agree on: along many rays the correct pixel jumps, so that no bound is small.
 const JUMPS: &str = r#"
 [volume]
 dims = [3, 3, 3]

@@ -23,7 +23,7 @@ fn a_mesh_stands_in_the_embedded_scene_and_the_error_stays_small() {
     assert!(run.stderr.contains("1 polygons are cut"), "{}", run.stderr);
     let json = run.json();
     assert!(json["volume"].as_str().unwrap().contains("square.obj of 2 triangles"), "{json}");
-    // Against the exact solution of the same scene with the same layer.
+    // Against the reference of the same scene with the same layer.
     assert!(json["error"]["max"].as_f64().unwrap() < 1.0 / 255.0, "{json}");
     let corner = vr.picture("x.png").to_rgb8().get_pixel(1, 1).0;
     assert!(corner[1] > 100 && corner[0] > corner[1] / 4, "green under a headlight, with its highlight: {corner:?}");

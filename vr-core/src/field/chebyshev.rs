@@ -8,6 +8,18 @@ use std::sync::OnceLock;
 use super::poly::{MAX_DEGREE, Poly, chebyshev_point};
 
 /// Interpolation of one degree: its nodes, and the matrix from values to coefficients.
+///
+/// # Examples
+/// ```
+/// use vr_core::field::interpolation;
+///
+/// let cubic = interpolation(3);
+/// let values: Vec<f64> = cubic.nodes.iter().map(|t| t * t).collect();
+/// // The coefficient of degree 3 is noise.
+/// let (p, dropped) = cubic.through(&values, 1e-12);
+/// assert_eq!(p.degree(), 2);
+/// assert!((p.at(0.3) - 0.09).abs() < 1e-12 && dropped <= 1e-12);
+/// ```
 #[derive(Debug)]
 pub struct Interpolation {
     /// The Chebyshev points cos(π j/n).

@@ -18,6 +18,7 @@ type Breakpoints = dyn Fn(&Ray, &mut Vec<f64>) + Send + Sync;
 
 /// A field given by a function of the world position, in a box.
 ///
+/// # Examples
 /// ```
 /// use glam::DVec3;
 /// use vr_core::field::{Field, FunctionField};

@@ -6,6 +6,21 @@ use crate::bound::{Bound, largest};
 /// A field along one ray: smooth between breakpoints, and known there as a polynomial with a bound on its error.
 ///
 /// Distances are world units behind [`Chord::offset`].
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::field::{Field, FunctionField};
+/// use vr_core::{Clip, Ray};
+///
+/// let field = FunctionField::new((DVec3::NEG_ONE, DVec3::ONE), |p| 3.0 + p.x)?.with_lipschitz(1.0);
+/// let ray = Ray { origin: -4.0 * DVec3::X, direction: DVec3::X };
+/// let line = field.along(&ray, &Clip::default(), f64::INFINITY, false).expect("it meets the box");
+/// let chord = line.chord();
+/// let model = line.between(chord.start, chord.end).expect("there is no vacuum");
+/// assert!((model.field.at(0.0) - 3.0).abs() <= model.error().value() + 1e-12, "in the middle of the box");
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
 pub trait FieldLine {
     /// The part of the ray on which the field is given.
     fn chord(&self) -> Chord;
@@ -31,6 +46,16 @@ pub trait FieldLine {
 }
 
 /// The part of a ray that a field is given on.
+///
+/// # Examples
+/// ```
+/// use vr_core::field::Chord;
+///
+/// // The eye is a million units away; the digits are kept for the place in the volume.
+/// let chord = Chord { start: -1.5, end: 1.0, offset: 1e6 };
+/// assert_eq!(chord.length(), 2.5);
+/// assert_eq!(chord.offset + chord.start, 999_998.5, "distance from the eye at which it begins");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chord {
     /// Distance at which it begins.
@@ -70,6 +95,24 @@ pub enum Cut {
 }
 
 /// A field on an interval, stretched to [−1, 1].
+///
+/// # Examples
+/// ```
+/// use vr_core::field::{LineModel, Poly};
+///
+/// let model = LineModel {
+///     field: Poly::new(&[5.0, 1.0]),
+///     field_error: 0.01,
+///     gradient: None,
+///     gradient_error: 0.0,
+///     limits: None,
+///     certain: true,
+/// };
+/// let [low, high] = model.range();
+/// assert!(low <= 3.99 && 6.01 <= high && high < 6.02);
+/// let [_, high] = model.restricted(-1.0, 0.0).range();
+/// assert!(5.01 <= high && high < 5.02);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct LineModel {
     /// The calibrated value.

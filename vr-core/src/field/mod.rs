@@ -31,6 +31,23 @@ use crate::ray::Ray;
 use crate::view::Clip;
 
 /// A scalar field in the world, vacuum where it has no value.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::field::{Field, FunctionField};
+/// use vr_core::{Clip, Ray};
+///
+/// let bounds = (DVec3::NEG_ONE, DVec3::ONE);
+/// let field = FunctionField::new(bounds, |p| p.x * p.x)?;
+/// assert_eq!(field.value(DVec3::new(0.5, 0.0, 0.0)), Some(0.25));
+/// assert_eq!(field.value(2.0 * DVec3::X), None, "vacuum outside the box");
+///
+/// let ray = Ray { origin: -3.0 * DVec3::X, direction: DVec3::X };
+/// let line = field.along(&ray, &Clip::default(), f64::INFINITY, false).expect("it meets the box");
+/// assert!((line.chord().length() - 2.0).abs() < 1e-12);
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
 pub trait Field: Send + Sync + fmt::Debug {
     /// Kind of volume in messages: `function`.
     fn kind(&self) -> &'static str;

@@ -31,6 +31,17 @@ fn cardinals(n: usize) -> &'static [Poly] {
 }
 
 /// Polynomial Σ cₖ tᵏ for t in [−1, 1].
+///
+/// # Examples
+/// ```
+/// use vr_core::field::Poly;
+///
+/// let p = Poly::new(&[1.0, 0.0, 3.0]); // 1 + 3t²
+/// assert_eq!(p.at(0.5), 1.75);
+/// assert_eq!(p.derivative().at(0.5), 3.0);
+/// assert!((p.integral() - 4.0).abs() < 1e-15, "over [−1, 1]");
+/// assert!((p.restricted(0.0, 1.0).at(0.0) - p.at(0.5)).abs() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Poly {
     coefficients: [f64; MAX_DEGREE + 1],
@@ -202,6 +213,16 @@ impl std::ops::Mul for Poly {
 }
 
 /// A polynomial in the Bernstein basis of an interval.
+///
+/// # Examples
+/// ```
+/// use vr_core::field::Poly;
+///
+/// let rising = Poly::new(&[1.0, 2.0]).bernstein();
+/// assert!(rising.is_monotone());
+/// assert_eq!(rising.hull(), (-1.0, 3.0));
+/// assert!(!Poly::new(&[0.0, 0.0, 1.0]).bernstein().is_monotone());
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Bernstein {
     b: [f64; MAX_DEGREE + 1],

@@ -28,6 +28,17 @@ use crate::real::Real;
 use crate::voxel::Voxel;
 
 /// Reconstruction filter that makes the field.
+///
+/// # Examples
+/// ```
+/// use vr_core::Filter;
+///
+/// assert_eq!(Filter::default(), Filter::Trilinear);
+/// assert_eq!(Filter::from_name("catmull-rom"), Some(Filter::CatmullRom));
+/// // The voxels next to the first cell: beyond the box, the nearest one stands in.
+/// assert_eq!(Filter::CatmullRom.taps(0, 8), [0, 0, 1, 2]);
+/// assert_eq!(Filter::BSpline.taps(0, 8), [1, 0, 1, 2], "mirrored");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -97,6 +108,16 @@ impl std::fmt::Display for Filter {
 }
 
 /// Voxels on a lattice in index space, in stored units: the input of a kernel.
+///
+/// # Examples
+/// ```
+/// use vr_core::filter::{Lattice, Reconstruction, Trilinear};
+///
+/// let lattice = Lattice { samples: &[0u8, 10, 20, 30, 40, 50, 60, 70], dims: [2; 3] };
+/// assert_eq!(lattice.at::<f32>(1, 0, 1), 50.0);
+/// assert_eq!(lattice.cell(0, 0.25), (0, 0.25));
+/// assert_eq!(Trilinear::value(&lattice, [0.5, 0.0, 0.0]), 5.0);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Lattice<'a, T> {
     /// The voxels, x fastest.
@@ -127,6 +148,18 @@ impl<T: Voxel> Lattice<'_, T> {
 }
 
 /// A filter as code: instantiated per voxel type and precision, so that nothing is dispatched per sample.
+///
+/// # Examples
+/// ```
+/// use vr_core::filter::{Lattice, Nearest, Reconstruction, Trilinear};
+///
+/// fn at_middle<F: Reconstruction>(_: F, samples: &[u8]) -> f64 {
+///     F::value(&Lattice { samples, dims: [2; 3] }, [0.75, 0.0, 0.0])
+/// }
+/// let samples = [0, 4, 0, 4, 0, 4, 0, 4];
+/// assert_eq!(at_middle(Nearest, &samples), 4.0);
+/// assert_eq!(at_middle(Trilinear, &samples), 3.0);
+/// ```
 pub trait Reconstruction: Copy + Send + Sync + 'static {
     /// The filter that it implements.
     const FILTER: Filter;

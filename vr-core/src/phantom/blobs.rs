@@ -15,6 +15,16 @@ const SEPARATION: f64 = 4.0;
 /// four fifths are below what 8 bits can tell from zero.
 ///
 /// f(x) = Σ aᵢ·exp(−|x − cᵢ|² / 2σᵢ²)
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::phantom::{Blobs, Phantom};
+///
+/// let blobs = Blobs::default();
+/// let diagonal = (0..1000).map(|i| blobs.value(DVec3::splat(f64::from(i) / 500.0 - 1.0)));
+/// assert!(diagonal.filter(|&value| value < 0.1).count() > 800, "mostly empty");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blobs {
     blobs: Vec<Blob>,

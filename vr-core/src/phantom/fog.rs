@@ -15,6 +15,19 @@ const AMPLITUDE: f64 = 0.5;
 /// Random plane waves, squeezed into (0, 1): there is nothing to skip, and nothing to terminate early.
 ///
 /// f(x) = 1 / (1 + e^(−g(x))),  g(x) = Σ a·cos(kᵢ·x + φᵢ), with wavelengths from 0.4 to 2.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::phantom::{Fog, Phantom};
+///
+/// let fog = Fog::default();
+/// let value = fog.value(DVec3::ZERO);
+/// assert!(0.0 < value && value < 1.0, "visible everywhere");
+/// // No two points differ by more than the slope's bound allows.
+/// let near = fog.value(0.01 * DVec3::X);
+/// assert!((near - value).abs() <= 0.01 * fog.lipschitz());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fog {
     waves: [Wave; WAVES],

@@ -9,6 +9,17 @@ use crate::transfer::{ControlPoint, inferno};
 ///
 /// |ψ|² ∝ (e^(−ρ/3)·(3ζ² − ρ²))², ρ and ζ being |x| and z in Bohr radii, 24 of which are one world unit. See Griffiths &
 /// Schroeter, *Introduction to Quantum Mechanics*, 3rd edition 2018, section 4.2.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::phantom::{Hydrogen, Phantom};
+///
+/// // The density is largest on the z axis, six Bohr radii from the nucleus.
+/// let highest = Hydrogen.value(6.0 / 24.0 * DVec3::Z);
+/// assert!((highest - 1.0).abs() < 1e-12);
+/// assert!(Hydrogen.value(DVec3::ZERO) < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hydrogen;
 

@@ -13,6 +13,17 @@ use crate::transfer::ControlPoint;
 /// Marschner & Lobb, "An evaluation of reconstruction filters for volume rendering", IEEE Visualization 1994, section 6:
 ///
 /// ρ(x, y, z) = (1 − sin(πz/2) + α·(1 + ρᵣ(√(x² + y²)))) / (2·(1 + α)),  ρᵣ(r) = cos(2π·f_M·cos(πr/2))
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::phantom::{MarschnerLobb, Phantom};
+///
+/// // Ripples that are twice as far apart suit a grid of half as many voxels along each side.
+/// let coarse = MarschnerLobb { frequency: 3.0, ..MarschnerLobb::default() };
+/// assert!(coarse.lipschitz() < MarschnerLobb::default().lipschitz());
+/// assert!((0.0..=1.0).contains(&coarse.value(DVec3::new(0.3, 0.1, 0.2))));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarschnerLobb {
     /// Frequency of the ripples, f_M.

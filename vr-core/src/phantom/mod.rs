@@ -45,6 +45,20 @@ pub const TRANSFER_UNIT_DISTANCE: f64 = 2.0 / 64.0;
 /// A scalar field given by a formula.
 ///
 /// Values depend on the position alone, bit for bit, on every machine: transcendental functions come from `libm`.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::phantom::{self, Phantom, Shells};
+///
+/// let value = Shells.value(DVec3::new(0.1, 0.2, 0.3));
+/// let (low, high) = Shells.value_range();
+/// assert!((low..=high).contains(&value));
+///
+/// let scene = phantom::by_name("shells").unwrap().scene(9)?;
+/// assert_eq!(scene.volume.grid().unwrap().dims(), [9; 3]);
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 pub trait Phantom: Send + Sync {
     /// Name in scene files and on the command line.
     fn name(&self) -> &'static str;

@@ -13,6 +13,20 @@ use crate::transfer::{OpacityRule, TransferFunction};
 use crate::voxel::Voxel;
 
 /// A voxel type that a number can be rounded to.
+///
+/// # Examples
+/// ```
+/// use vr_core::phantom::{Quantize, Shells, sample};
+///
+/// assert_eq!(u8::quantize(41.6), 42);
+/// assert_eq!(u8::quantize(300.0), 255);
+///
+/// // The calibration turns stored numbers back into the phantom's values.
+/// let grid = sample::<u8>(&Shells, [5; 3])?;
+/// let (first, last) = u8::STORED_RANGE.unwrap();
+/// assert!(grid.calibration().value(first) < grid.calibration().value(last));
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
 pub trait Quantize: Voxel {
     /// The stored numbers that stand for a range of values: the whole range of an integer type; `None` for floats, which
     /// hold values as they are.

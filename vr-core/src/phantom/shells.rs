@@ -8,6 +8,16 @@ use crate::transfer::{ControlPoint, viridis};
 /// Four concentric spherical shells, smooth but thin: a step or a block that is too long misses them.
 ///
 /// f(x) = Σ aₖ·exp(−(|x| − rₖ)² / 2σ²), with σ = 0.015 and radii 0.3, 0.5, 0.7, 0.9; the inner shells are the higher ones.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::phantom::{Phantom, Shells};
+///
+/// let along_x = |radius| Shells.value(radius * DVec3::X);
+/// assert!(along_x(0.5) > 0.79, "on the second shell");
+/// assert!(along_x(0.6) < 1e-9, "between it and the third");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shells;
 

@@ -13,6 +13,17 @@ use crate::transfer::ControlPoint;
 /// on Nuclear Science 21, 1974.
 ///
 /// The line integral has a closed form: Σ density · chord.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::phantom::{Phantom, SheppLogan};
+///
+/// let head = SheppLogan::new();
+/// assert_eq!(head.value(0.99 * DVec3::X), 0.0, "beside the head");
+/// assert!(head.value(DVec3::ZERO) > 0.0);
+/// assert!(head.lipschitz().is_infinite(), "it jumps");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SheppLogan {
     ellipsoids: [Ellipsoid; 10],

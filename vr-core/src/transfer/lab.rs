@@ -12,6 +12,16 @@ const RGB_OF_XYZ: [[f64; 3]; 3] = [
 const WHITE: [f64; 3] = [0.9505, 1.0, 1.089];
 
 /// A colour in CIE 1976 L*a*b* under D65.
+///
+/// # Examples
+/// ```
+/// use vr_core::transfer::Lab;
+///
+/// let [black, white] = [[0.0; 3], [1.0; 3]].map(Lab::from_linear_rgb);
+/// let grey = black.lerp(white, 0.5);
+/// assert!((grey.l - 50.0).abs() < 0.01, "half as light to the eye");
+/// assert!((grey.to_linear_rgb()[0] - 0.184).abs() < 0.001, "by a fifth of the light");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lab {
     /// Lightness L*, from 0 (black) to 100 (white).

@@ -17,6 +17,16 @@ use crate::limits::{MAX_COLOR, MAX_EMISSION, is_length};
 use crate::optics::{extinction_of_opacity, opacity_of_depth, opacity_of_thickness, source_weight};
 
 /// A point of a transfer function.
+///
+/// # Examples
+/// ```
+/// use vr_core::ControlPoint;
+///
+/// let bone = ControlPoint::new(300.0, [1.0, 0.95, 0.85], 0.9);
+/// assert_eq!(bone.emission, None, "it emits κ·color");
+/// let flame = ControlPoint { emission: Some([2.0, 0.5, 0.0]), ..ControlPoint::new(0.7, [0.0; 3], 0.0) };
+/// assert_eq!(flame.opacity, 0.0, "light without absorption");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -39,6 +49,19 @@ impl ControlPoint {
 }
 
 /// Rule by which the opacity of a control point becomes extinction.
+///
+/// # Examples
+/// ```
+/// use vr_core::{ControlPoint, OpacityRule, TransferFunction};
+///
+/// let extinction = |rule| {
+///     let points = vec![ControlPoint::new(0.0, [1.0; 3], 0.5)];
+///     TransferFunction::new(points, rule, 2.0).map(|transfer| transfer.extinction_at(0.0))
+/// };
+/// assert!((extinction(OpacityRule::Power)? - 2f64.ln() / 2.0).abs() < 1e-15);
+/// assert_eq!(extinction(OpacityRule::Extinction)?, 0.25);
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -52,6 +75,15 @@ pub enum OpacityRule {
 }
 
 /// The optical properties at one value of the field, as the points give them.
+///
+/// # Examples
+/// ```
+/// use vr_core::ControlPoint;
+/// use vr_core::transfer::Optical;
+///
+/// let at = Optical::at_point(&ControlPoint::new(300.0, [1.0, 0.5, 0.0], 0.5));
+/// assert_eq!(at.pixel(), [0.5, 0.25, 0.0, 0.5], "premultiplied");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Optical {
     /// Opacity of one unit distance, in [0, 1].
@@ -87,6 +119,19 @@ impl Optical {
 }
 
 /// A range of values in which opacity, colour and emission are linear (constant in the two outermost ranges).
+///
+/// # Examples
+/// ```
+/// use vr_core::{ControlPoint, OpacityRule, TransferFunction};
+///
+/// let points = vec![ControlPoint::new(10.0, [1.0; 3], 0.0), ControlPoint::new(20.0, [1.0; 3], 0.5)];
+/// let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0)?;
+/// let [below, ramp, above] = transfer.segments() else { unreachable!() };
+/// assert!(below.is_clear() && below.from == f64::NEG_INFINITY);
+/// assert_eq!(ramp.at(15.0).opacity, 0.25);
+/// assert_eq!(above.start.opacity, 0.5);
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// Lower end; −∞ for the first.
@@ -121,6 +166,20 @@ impl Segment {
 
 /// A piecewise linear transfer function of the field's calibrated value: linear-light colour c and opacity α, constant
 /// outside the end points. Two points at one value are a jump; at it the later point holds.
+///
+/// # Examples
+/// ```
+/// use vr_core::{ControlPoint, OpacityRule, TransferFunction};
+///
+/// let points = vec![ControlPoint::new(10.0, [0.0; 3], 0.0), ControlPoint::new(20.0, [1.0; 3], 0.5)];
+/// let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0)?;
+/// assert_eq!(transfer.at(15.0).opacity, 0.25);
+/// assert_eq!(transfer.at(1000.0).color, [1.0; 3], "constant outside the end points");
+/// // A slab of two unit distances lets through a quarter: half of a half.
+/// let [.., alpha] = transfer.step(20.0, 2.0);
+/// assert!((alpha - 0.75).abs() < 1e-15);
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
     points: Vec<ControlPoint>,

@@ -13,6 +13,16 @@ const GREY: f64 = 0.05;
 const WHITE: f64 = 88.0;
 
 /// A colour as magnitude, saturation and hue: spherical coordinates of Lab.
+///
+/// # Examples
+/// ```
+/// use vr_core::transfer::{Lab, Msh};
+///
+/// let red = Lab::from_linear_rgb([0.5, 0.0, 0.0]);
+/// let polar = Msh::from(red);
+/// assert!(polar.s > 0.05, "no grey");
+/// assert!((Lab::from(polar).a - red.a).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Msh {
     /// Distance from black in Lab.

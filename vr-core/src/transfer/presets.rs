@@ -12,6 +12,19 @@ const MAP_POINTS: usize = 33;
 const SCANNER: (f64, f64) = (-1024.0, 3071.0);
 
 /// A ready-made transfer function.
+///
+/// # Examples
+/// ```
+/// use vr_core::transfer::Preset;
+/// use vr_core::{OpacityRule, TransferFunction};
+///
+/// let range = (-1024.0, 3071.0); // Hounsfield units
+/// assert_eq!(Preset::suggest(range, true)[0], Preset::CtBone);
+/// let bone = TransferFunction::new(Preset::CtBone.points(range), OpacityRule::Power, 1.0)?;
+/// assert_eq!(bone.at(-1000.0).opacity, 0.0, "air");
+/// assert!(bone.at(1500.0).opacity > 0.0);
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Preset {
     /// Black to white, opacity growing with the value.

@@ -32,8 +32,8 @@
 //! The checks draw grids; [`agrees_with_reference_on`] and [`agrees_with_its_model`] take scenes of the caller, such as
 //! [scattered points](strategies::tame_point_scene).
 //!
-//! [`strategies`] has the random scenes for the caller's own checks, [`transformed`] the scenes that must look the same, and
-//! [`faulty_marcher`] a renderer with mistakes, to check checks with.
+//! [`strategies`] has the random scenes for the caller's own checks, [`transformed`] the scenes that must look the same, [`pictures`] small
+//! scenes, their pictures and the errors of these, and [`faulty_marcher`] a renderer with mistakes, to check checks with.
 
 mod agreement;
 mod convergence;
@@ -46,6 +46,7 @@ mod fixed_layer;
 mod hard_cases;
 pub mod invariants;
 mod outcome;
+pub mod pictures;
 pub mod strategies;
 mod suite;
 mod test_scene;

@@ -1,17 +1,17 @@
-//! From which end rays are composited.
+//! Directions in which rays are composited.
 
-/// From which end the samples of a ray are composited under `over`.
+/// Direction in which the samples of a ray are composited under `over`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CompositingOrder {
-    /// From the eye into the depth; can stop early.
+    /// Front to back: a ray can end early.
     FrontToBack {
-        /// Opacity in (0, 1] at which a ray ends; 1: where nothing behind can be seen at all.
+        /// Opacity in (0, 1] at which a ray ends; at 1 it ends where nothing behind can be seen at all.
         ///
         /// No pixel changes by more than `1 − termination`: that holds as it stands where no point of the medium shines brighter
         /// than 1, and where one can, rays go on correspondingly longer.
         termination: f64,
     },
-    /// From the depth to the eye: the same sum, rounded otherwise. It cannot stop early, and it is defined for `over` alone.
+    /// Back to front: the same sum, rounded otherwise. No ray can end early, and only `over` is defined.
     BackToFront,
 }
 

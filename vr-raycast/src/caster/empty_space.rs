@@ -13,15 +13,15 @@
 /// of their own, and packets of rays by distances between small blocks: to them belongs `Auto`. A structure that is asked for by name goes with uniform steps alone, and is the plain engine's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EmptySpace {
-    /// The structure that suits the engine that draws the scene; the plain engine uses [`EmptySpace::ExactCloud`].
+    /// Structure that suits the engine that draws the scene; the plain engine uses [`EmptySpace::ExactCloud`].
     #[default]
     Auto,
-    /// All steps are sampled.
+    /// No structure: all steps are sampled.
     None,
     /// An octree of minima and maxima, from the root down.
     #[cfg(feature = "classics")]
     Octree,
-    /// The same nodes, each block storing the level of the largest one around it that is all clear, or all visible.
+    /// Nodes of the octree, folded into the blocks: each stores the level of the largest one around it that is all clear, or all visible.
     #[cfg(feature = "classics")]
     Pyramid,
     /// Balls: each block stores its exact Euclidean distance to the nearest block of the other kind.

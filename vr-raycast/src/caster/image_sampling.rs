@@ -6,7 +6,7 @@ pub enum ImageSampling {
     /// The rays of every pixel.
     #[default]
     EveryPixel,
-    /// Every fourth pixel's first, along x and y, then those between where the colours bend; the rest is interpolated by cubics (after Levoy,
+    /// Rays of every fourth pixel along x and y, then of those between where the colours bend; the rest is interpolated by cubics (after Levoy,
     /// *Volume rendering by adaptive refinement*, 1990). Not exact: see `docs/figures/vr-raycast.md` for what was measured.
     Adaptive {
         /// Largest distance of a component of the premultiplied colours from the straight lines through its neighbours' along x and y (the sum of
@@ -15,7 +15,7 @@ pub enum ImageSampling {
         /// is.
         threshold: f64,
     },
-    /// Every pixel's, each begun where its part of the view can show something first. That is projected for each view from what
+    /// Rays of every pixel, each begun where its part of the view can show something first. That is projected for each view from what
     /// earlier pictures met first (a C-buffer; Yagel and Shi, *Accelerating volume animation by space-leaping*, 1993). The picture is that
     /// of [`ImageSampling::EveryPixel`], bit for bit. For samples at equal distances by the rules
     /// midpoint and left, under over and accumulate.

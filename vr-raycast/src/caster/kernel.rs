@@ -1,13 +1,13 @@
 //! Settings of the kernels: tables, precision and instructions.
 
-/// Evaluation of the transfer function, by which a value becomes light and opacity.
+/// Way in which the transfer function is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TransferLookup {
-    /// Looked up in a table made for the step's length; see [`vr_kernels::tables::BakedTransfer`] for what that adds to the error.
+    /// Look-up in a table made for the step's length; see [`vr_kernels::tables::BakedTransfer`] for what that adds to the error.
     /// A transfer function that tells apart what no table of some thousand entries can is evaluated exactly after all.
     #[default]
     Table,
-    /// Evaluated at every sample in f64: slow, for study and for transfer functions finer than any table.
+    /// Evaluation at every sample in f64: slow, for study and for transfer functions finer than any table.
     Exact,
 }
 
@@ -18,7 +18,7 @@ pub enum Precision {
     /// number, which f32 hardly tells apart, 64-bit ones after all.
     #[default]
     F32,
-    /// 64-bit floats: for measuring what the other leaves.
+    /// 64-bit floats: for measuring the rounding of 32-bit ones.
     F64,
 }
 
@@ -32,13 +32,13 @@ pub enum Precision {
 /// Pictures do not depend on the instructions, bit for bit; from the plain engine's they differ by rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Vector {
-    /// The widest that the machine has.
+    /// Widest instructions that the machine has.
     #[default]
     Auto,
-    /// At most AVX2.
+    /// AVX2 at most.
     Avx2,
-    /// Those that every machine of the architecture has: SSE2, NEON.
+    /// Instructions that every machine of the architecture has: SSE2, NEON.
     Baseline,
-    /// The plain engine draws everything.
+    /// No vector instructions: the plain engine draws everything.
     Off,
 }

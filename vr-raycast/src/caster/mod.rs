@@ -1,4 +1,4 @@
-//! The ray caster's settings: each in a file of its own, and here what is asked of them together.
+//! Settings of the ray caster: each in a file of its own, and here the questions that need several of them.
 
 mod compositing_order;
 mod empty_space;
@@ -38,9 +38,9 @@ pub struct RayCaster {
     pub rule: Rule,
     /// Direction in which the samples of a ray are composited.
     pub order: CompositingOrder,
-    /// The reconstruction filter; `None`: the scene's.
+    /// Reconstruction filter; `None` for the scene's.
     pub filter: Option<Filter>,
-    /// Evaluation of the transfer function, by which a value becomes light and opacity.
+    /// Way in which the transfer function is evaluated.
     pub transfer_lookup: TransferLookup,
     /// Precision of the kernels.
     pub precision: Precision,
@@ -51,17 +51,17 @@ pub struct RayCaster {
 }
 
 impl RayCaster {
-    /// The name in scene files and on command lines.
+    /// Name in scene files and on command lines.
     pub const NAME: &'static str = "raycast";
-    /// The longest step that is taken, in voxels.
+    /// Length of the longest step that is taken, in voxels.
     pub const LONGEST_STEP: f64 = 64.0;
 
-    /// The default caster, but for steps of one length: a fraction of the smallest voxel edge.
+    /// Returns the default caster with steps of one length: a fraction of the smallest voxel edge.
     pub fn uniform(step: f64) -> Self {
         Self { step: Step::Uniform(step), ..Self::default() }
     }
 
-    /// The caster that comes nearest to the limit of its step: exact classification in f64 along whole rays.
+    /// Returns the caster without errors but those of its step: exact classification in f64 along whole rays.
     pub fn exact(step: f64) -> Self {
         Self {
             step: Step::Uniform(step),
@@ -72,12 +72,12 @@ impl RayCaster {
         }
     }
 
-    /// The scene with the filter that makes the field it samples.
+    /// Returns the scene under the filter that this caster samples it with.
     pub(crate) fn scene_of(&self, scene: &Scene) -> Scene {
         self.filter.map_or_else(|| scene.clone(), |filter| scene.with_filter(filter))
     }
 
-    /// The caster that draws a scene: what [`Step::Auto`] means for it. Local steps follow what is known of a grid.
+    /// Returns the caster that draws a scene: [`Step::Auto`] is replaced by the steps that it means there. Local steps follow what is known of a grid.
     pub(crate) fn settled_for(&self, scene: &Scene) -> Self {
         let step = match (self.step, self.traversal) {
             (Step::Auto, _) if !self.follows_light(scene) || scene.volume.grid().is_none() => {
@@ -94,14 +94,14 @@ impl RayCaster {
         scene.compositing.integrates_light() && self.order != CompositingOrder::BackToFront
     }
 
-    /// World length of a step.
+    /// Returns the world length of a step.
     pub(crate) fn world_step(&self, placement: &Placement) -> f64 {
         // Other steps have no one length.
         let voxels = self.step.length().unwrap_or(1.0);
         voxels * placement.spacing().min_element()
     }
 
-    /// World length that no step of a walk exceeds; +∞: cells are not cut. Nothing is gained by cutting what is exact already.
+    /// Returns the world length that no step of a walk exceeds; +∞ where cells are not cut, since cutting gains nothing where the rule is exact already.
     pub(crate) fn longest_step(&self, placement: &Placement) -> f64 {
         match (self.traversal, self.rule, self.step) {
             (_, Rule::Exact, _) | (Traversal::Cells, _, Step::Auto) => f64::INFINITY,

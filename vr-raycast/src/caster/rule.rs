@@ -9,18 +9,18 @@ use vr_core::Filter;
 /// square of its length under any rule: [`Traversal::Cells`](super::Traversal::Cells) ends steps there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rule {
-    /// By the value in its middle: order 2, and 1 at jumps of the transfer function.
+    /// Midpoint rule, by the value in the middle of the step: order 2, and 1 at jumps of the transfer function.
     #[default]
     Midpoint,
-    /// By the value where the ray enters the step (left rectangles): order 1. For study, not for use.
+    /// Left rectangles, by the value where the ray enters the step: order 1. For study, not for use.
     Left,
-    /// By a value that goes linearly from the begin of the step to its end, the transfer function being integrated over all values between
+    /// Pre-integration of a value that goes linearly from the begin of the step to its end: over all values between, by a table
     /// ([`vr_kernels::tables::PreIntegrated`]): order 2, at kinks and jumps of the transfer function, too. One sample a step.
     Linear,
-    /// By the parabola through the values at begin, middle and end of the step, integrated so: order 4, at kinks of the transfer
+    /// Pre-integration of the parabola through the values at begin, middle and end of the step: order 4, at kinks of the transfer
     /// function, too, where Simpson's rule has 2. Two samples a step.
     Quadratic,
-    /// By the cubic that a trilinear field is along a ray in each cell, to rounding: needs [`Traversal::Cells`](super::Traversal::Cells), whose
+    /// Integration to rounding of the cubic that a trilinear field is along a ray in each cell: needs [`Traversal::Cells`](super::Traversal::Cells), whose
     /// steps it does not cut further, and the trilinear filter. Four samples a cell, each step integrated in f64: for study.
     Exact,
 }
@@ -37,7 +37,7 @@ impl Rule {
         }
     }
 
-    /// True if it makes sense for a filter's field: not all values between two labels are on the way from one to the other.
+    /// True if the rule makes sense for a filter's field: where the field jumps, the values between two samples are not on the ray.
     pub(crate) fn goes_with(self, filter: Filter) -> bool {
         match self {
             Self::Midpoint | Self::Left => true,

@@ -3,31 +3,31 @@
 /// Length of the steps of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Step {
-    /// [`Step::Local`] with [`Step::ERROR`] where light is followed along a ray, front to back; [`Step::Uniform`] with
+    /// Default for the scene: [`Step::Local`] with [`Step::ERROR`] where light is followed along a ray, front to back; [`Step::Uniform`] with
     /// [`Step::OTHERWISE`] elsewhere; whole cells or voxels where the [`Traversal`](super::Traversal) says so.
     #[default]
     Auto,
-    /// The same everywhere: a fraction of the smallest voxel edge, in world distance whatever the spacing. The last step of a ray is
+    /// Steps of one length everywhere: a fraction of the smallest voxel edge, in world distance whatever the spacing. The last step of a ray is
     /// as long as is left, and counts as that.
     ///
     /// At ⅕, on the phantoms without jumps, at 64³ and finer and with their own transfer functions, no pixel of the
-    /// views tested is further than 1/255 from the truth; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
+    /// views tested is further than 1/255 from the correct one; at ¼, Marschner-Lobb at 64³ is (5.8·10⁻³). The error grows
     /// with the square of the step, time with its inverse: fog is as good at a step of 2.
     Uniform(f64),
-    /// Long where the medium is nearly the same, else as [`Uniform`](Self::Uniform) has it (after Danskin and Hanrahan 1992, *Fast
+    /// Steps that are long where the medium is nearly the same, else as [`Uniform`](Self::Uniform) has them (after Danskin and Hanrahan 1992, *Fast
     /// algorithms for volume ray tracing*): a block, or a block of blocks, is crossed in one step where no pixel can change for that by
     /// more than its share of `error`.
     ///
-    /// The long steps of a ray together are off by at most `error` from the truth, where no source is brighter than 1 (else in
+    /// The long steps of a ray together are off by at most `error`, where no source is brighter than 1 (else in
     /// proportion); the short ones by what short steps are off by. For over, front to back, without shading.
     #[cfg(feature = "classics")]
     Homogeneous {
-        /// The short steps, as a fraction of the smallest voxel edge.
+        /// Length of the short steps, as a fraction of the smallest voxel edge.
         step: f64,
-        /// The largest error that long steps may make, all of a ray together.
+        /// Largest error that all long steps of a ray may make together.
         error: f64,
     },
-    /// Steps as long as a bound of the error allows: no component of a pixel is further than this from the truth, relative to max(1, the picture's
+    /// Steps as long as a bound of the error allows: no component of a pixel is further than this from the correct one, relative to max(1, the picture's
     /// largest magnitude); at least 10⁻⁶. Rays for which no such bound was found are counted ([`vr_core::Counts::unbounded`]).
     ///
     /// For over and accumulate, trilinear and nearest fields, without shading. Rule, traversal and order are the caster's own choice, and
@@ -62,17 +62,17 @@ pub enum Step {
 }
 
 impl Step {
-    /// Uniform steps where local ones have nothing to follow, as a fraction of the smallest voxel edge.
+    /// Length of uniform steps, as a fraction of the smallest voxel edge, where local ones have nothing to follow.
     pub const OTHERWISE: f64 = 0.2;
-    /// The error that local steps aim at by default; `docs/notes/vr-raycast.md` says how it was chosen.
+    /// RMSE that local steps aim at by default; `docs/notes/vr-raycast.md` says how it was chosen.
     pub const ERROR: f64 = 5e-4;
 
-    /// Length of those steps that all have the same one, as a fraction of the smallest voxel edge.
+    /// Returns the length of steps, as a fraction of the smallest voxel edge, where all have the same; `None` for other steps.
     pub(crate) fn length(mut self) -> Option<f64> {
         self.length_mut().copied()
     }
 
-    /// The same, to be set.
+    /// Returns the same length as [`length`](Self::length), to be set.
     pub(crate) fn length_mut(&mut self) -> Option<&mut f64> {
         match self {
             Self::Uniform(step) => Some(step),
@@ -87,7 +87,7 @@ impl Step {
         matches!(self, Self::Uniform(_)) || self.finds_empty_space()
     }
 
-    /// True if steps of one length find the empty space by themselves.
+    /// True if the steps are of one length and find the empty space by themselves.
     pub(crate) fn finds_empty_space(self) -> bool {
         #[cfg(feature = "classics")]
         if matches!(self, Self::Vicinity { .. }) {

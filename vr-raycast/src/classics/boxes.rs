@@ -12,16 +12,16 @@ use crate::leap::{Leaper, VisibleBlocks};
 /// that saves a part of the whole that is worth another box to test.
 #[derive(Clone, Debug)]
 pub(crate) struct Boxes {
-    /// In cells, a beam's reach larger than the blocks.
+    /// Boxes in cells, larger than their blocks by a beam's reach.
     boxes: Vec<[Slab; 3]>,
 }
 
-/// Boxes at most: each ray is cut by all of them.
+/// Largest number of boxes: each ray is cut by all of them.
 const MOST: usize = 8;
 /// Fraction of the bounding box's volume that a cut must save.
 const WORTH: f64 = 1.0 / 64.0;
 
-/// The blocks `low .. high` along each axis.
+/// Box of the blocks `low .. high` along each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Extent {
     low: [usize; 3],
@@ -43,7 +43,7 @@ impl Extent {
     }
 }
 
-/// A box, and the best two to put in its place.
+/// Box, and the best two to put in its place.
 struct Candidate {
     whole: Extent,
     parts: [Extent; 2],
@@ -78,7 +78,7 @@ impl Candidate {
     }
 }
 
-/// Extent of what is visible in each slab, one block thick, of a region, along each axis.
+/// Returns the extent of the visible blocks in each slab, one block thick, of a region, along each axis.
 fn slabs(blocks: &VisibleBlocks, region: &Extent) -> [Vec<Extent>; 3] {
     let Extent { low, high } = *region;
     let mut slabs: [Vec<Extent>; 3] = std::array::from_fn(|a| vec![Extent::NONE; high[a] - low[a]]);
@@ -133,7 +133,7 @@ fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> + '_ {
 }
 
 impl Boxes {
-    /// Around visible blocks.
+    /// Finds the boxes around visible blocks.
     pub(crate) fn new(blocks: &VisibleBlocks) -> Self {
         let grid = blocks.grid();
         let mut found = vec![Candidate::new(blocks, &Extent { low: [0; 3], high: grid.blocks })];
@@ -151,7 +151,7 @@ impl Boxes {
         Self { boxes }
     }
 
-    /// The ray's part in each box, in no order.
+    /// Appends the part of a ray in each box, in no order.
     fn parts<'a>(&'a self, ray: &'a IndexRay) -> impl Iterator<Item = (f64, f64)> + 'a {
         self.boxes.iter().filter_map(|slabs| {
             let mut part = (ray.start, ray.end);

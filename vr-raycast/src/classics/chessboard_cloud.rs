@@ -6,23 +6,23 @@ use crate::leap::BlockGrid;
 use crate::leap::{Leaper, VisibleBlocks, chessboard_distances};
 use crate::leap::{Region, Regions, next_interval};
 
-/// Each block stores how far the nearest block of the other kind is, as a king moves: max(|Δx|, |Δy|, |Δz|). All in the cube around it up
+/// Proximity cloud: each block stores the distance of the nearest block of the other kind, as a king moves, max(|Δx|, |Δy|, |Δz|). All in the cube around it up
 /// to there is of its own kind (Cohen & Sheffer 1994, "Proximity clouds: an acceleration technique for 3D grid traversal"; there
 /// the distance is from empty to filled voxels).
 #[derive(Clone, Debug)]
 pub(crate) struct ChessboardCloud {
     grid: BlockGrid,
-    /// A block's distance, and [`VISIBLE`] where it can be seen.
+    /// Distance of each block, and [`VISIBLE`] where it can be seen.
     distances: Vec<u8>,
 }
 
-/// Set in what is stored for a block that can be seen.
+/// Bit that is set for a block that can be seen.
 const VISIBLE: u8 = 0x80;
-/// The largest distance that is told from larger ones: shorter than it is does no harm.
+/// Largest distance that can be stored: larger ones are stored as this, for one that is too short does no harm.
 const FAR: u8 = 0x7f;
 
 impl ChessboardCloud {
-    /// Over visible and clear blocks.
+    /// Computes the distances between visible and clear blocks.
     pub(crate) fn new(blocks: &VisibleBlocks) -> Self {
         let grid = blocks.grid();
         let to = |kind: &VisibleBlocks| {
@@ -38,7 +38,7 @@ impl ChessboardCloud {
         Self { grid, distances }
     }
 
-    /// Distance of a block from the nearest visible one, in blocks as a king moves; 0 if it is visible itself. At most 127.
+    /// Returns the distance of a block from the nearest visible one, in blocks as a king moves; 0 if it is visible itself. At most 127.
     #[cfg(test)]
     pub(crate) fn distance(&self, block: [usize; 3]) -> u8 {
         let stored = self.distances[self.grid.index(block)];

@@ -10,7 +10,7 @@ use super::straightness::bends;
 use crate::caster::{RayCaster, Step, Traversal};
 use crate::error_bound::optics::{Extremes, Optics};
 
-/// For every block of 4³ cells, the largest node of an octree around it that a ray may cross in one step.
+/// Map from every block of 4³ cells to the largest node of an octree around it that a ray may cross in one step.
 ///
 /// Laur and Hanrahan 1991 (*Hierarchical splatting*) and Danskin and Hanrahan 1992 (*Fast algorithms for volume ray tracing*) keep a mean
 /// and an error per node. Here a node has the range of its values, from which the ranges of κ and of the source follow exactly. A step of
@@ -43,19 +43,19 @@ pub(crate) struct Homogeneity {
 /// Node that sets the step of a ray in a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Node {
-    /// A node of 2^level blocks an edge in which nothing is visible.
+    /// Node of 2^level blocks an edge in which nothing is visible.
     Clear(u32),
-    /// A node of 2^level blocks an edge that a ray may cross in one step.
+    /// Node of 2^level blocks an edge that a ray may cross in one step.
     Homogeneous(u32),
-    /// Short steps.
+    /// No such node: short steps.
     Mixed,
 }
 
 const MIXED: u8 = 255;
-/// Added to the level where nothing is visible.
+/// Number that is added to the level where nothing is visible.
 const CLEAR: u8 = 128;
 
-/// A node's range of levels, and whether a part of it is vacuum.
+/// Range of levels of a node, and true if a part of it is vacuum.
 #[derive(Clone, Copy)]
 struct Range {
     levels: [u8; 2],
@@ -71,7 +71,7 @@ impl Range {
     }
 }
 
-/// Makes the map that a caster asks for, if any. `then`: one made for the same volume, and whether the same could be seen of it.
+/// Makes the map that a caster asks for, if any. `then` is one made for the same volume, and true if the same could be seen of it.
 pub(crate) fn homogeneity(
     caster: &RayCaster,
     scene: &Scene,
@@ -93,7 +93,7 @@ impl Homogeneity {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
-    /// For a volume and a transfer function; `last`: made for the same volume.
+    /// Makes the map of a volume under a transfer function; `last` is one made for the same volume.
     fn new(volume: &GridVolume, transfer: &TransferFunction, error: f64, last: Option<&Self>) -> Self {
         let make = || {
             [0, 1].map(|level| {
@@ -155,7 +155,7 @@ impl Homogeneity {
     }
 }
 
-/// Nodes of twice the edge.
+/// Joins nodes to those of twice the edge.
 fn parents(nodes: &[Range], size: [usize; 3]) -> (Vec<Range>, [usize; 3]) {
     let half = size.map(|n| n.div_ceil(2));
     let mut parents = Vec::with_capacity(half.iter().product());
@@ -195,11 +195,11 @@ struct Verdicts {
 /// A medium over a range of values.
 #[derive(Clone, Copy)]
 struct Medium {
-    /// Least and most κ.
+    /// Smallest and largest κ.
     kappa: [f64; 2],
     /// Differences of the source.
     width: f64,
-    /// Slope by the value and distance from linear, of κ and of the source.
+    /// Slopes of κ and of the source by the value, and their distances from linear.
     bent: [[f64; 2]; 2],
     clear: bool,
 }

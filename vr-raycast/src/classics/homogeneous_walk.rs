@@ -1,4 +1,4 @@
-//! Long steps where the medium is nearly the same, short ones elsewhere.
+//! Walk in long steps where the medium is nearly the same, and in short ones elsewhere.
 
 use vr_core::IndexRay;
 
@@ -6,7 +6,7 @@ use super::homogeneity::{Homogeneity, Node};
 use crate::run::Steps;
 use crate::walk::BlockRay;
 
-/// Walks a ray from node to node: over what is clear, through what is homogeneous in one step, and through the rest in short steps.
+/// Walk from node to node: over clear ones, through homogeneous ones in one step, and through the rest in short steps.
 #[derive(Clone, Debug)]
 pub(crate) struct HomogeneousWalk<'a> {
     map: &'a Homogeneity,
@@ -16,7 +16,7 @@ pub(crate) struct HomogeneousWalk<'a> {
 }
 
 impl<'a> HomogeneousWalk<'a> {
-    /// Along a ray whose part in the volume is not empty. `voxel`: world length of the smallest voxel edge.
+    /// Begins a walk along a ray whose part in the volume is not empty. `voxel` is the world length of the smallest voxel edge.
     pub(crate) fn new(map: &'a Homogeneity, ray: IndexRay, step: f64, voxel: f64) -> Self {
         Self { map, ray: BlockRay::new(ray, map.blocks(), Homogeneity::EDGE, voxel), step }
     }
@@ -36,7 +36,7 @@ impl<'a> HomogeneousWalk<'a> {
     }
 }
 
-/// The faces of the node of 2^level blocks an edge around a block.
+/// Returns the faces of the node of 2^level blocks an edge around a block.
 fn node(block: [usize; 3], level: u32) -> impl Fn(usize) -> [f64; 2] {
     move |a| {
         let first = block[a] >> level << level;

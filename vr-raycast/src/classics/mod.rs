@@ -49,7 +49,7 @@ use template::draw_by_template;
 use vicinity::Vicinity;
 use voxels::voxel_walk;
 
-/// Makes the structure that a caster asks for by name; `None` if it is not a classic one. `last`: made for the same field.
+/// Makes the structure that a caster asks for by name; `None` if it is not a classic one. `last` is one made for the same field.
 pub(crate) fn leaper<R: Real>(
     caster: &RayCaster,
     volume: &GridVolume,
@@ -71,7 +71,7 @@ pub(crate) fn leaper<R: Real>(
     })
 }
 
-/// An octree, whose ranges outlive a transfer function.
+/// Makes an octree; its ranges outlive a transfer function.
 fn octree<R: Real>(
     dims: [usize; 3],
     ranges: &RangeBlocks,
@@ -86,9 +86,9 @@ fn octree<R: Real>(
 /// Rule that sets the steps of classic walks.
 #[derive(Clone, Copy)]
 pub(crate) enum WalkKind<'a> {
-    /// From voxel to voxel.
+    /// Walk from voxel to voxel.
     Voxels,
-    /// Long steps where the medium is nearly the same.
+    /// Walk in long steps where the medium is nearly the same.
     Homogeneous(&'a Homogeneity),
 }
 
@@ -101,7 +101,7 @@ pub(crate) fn walk_kind<'a, R: Real>(caster: &RayCaster, tables: &'a RenderTable
 }
 
 impl<'a> WalkKind<'a> {
-    /// Begins the walk of a ray: see [`Walks::along`].
+    /// Begins the walk of a ray, as [`Walks::along`] does.
     pub(crate) fn along(self, ray: IndexRay, walks: &Walks<'_>, start: u32, backwards: bool) -> Walk<'a> {
         match self {
             Self::Voxels => Walk::Listed(voxel_walk(&ray, walks.dims, start, backwards)),
@@ -131,7 +131,7 @@ impl PreparedCaster {
     }
 }
 
-/// Returns the feature of a scene that homogeneous steps have no answer to, and what it is.
+/// Returns the feature of a scene that homogeneous steps cannot draw, and its description.
 pub(crate) fn beyond_steps(caster: &RayCaster, scene: &Scene) -> Option<(Feature, &'static str)> {
     if !matches!(caster.step, Step::Homogeneous { .. }) {
         None
@@ -146,7 +146,7 @@ pub(crate) fn beyond_steps(caster: &RayCaster, scene: &Scene) -> Option<(Feature
     }
 }
 
-/// Returns the feature of a scene that a classic screen has no answer to.
+/// Returns the feature of a scene that a classic screen cannot draw.
 pub(crate) fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String> {
     let compositing = format!("compositing '{}'", scene.compositing.name());
     let uneven = !matches!(caster.step, Step::Uniform(_)) || caster.traversal != Traversal::Samples;

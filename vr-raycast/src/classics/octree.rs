@@ -33,7 +33,7 @@ pub(crate) struct NodeRanges {
 struct Level {
     /// Nodes along x, y, z.
     nodes: [usize; 3],
-    /// Least and largest value in each node; of blocks, the volume has them.
+    /// Smallest and largest value in each node above the blocks, whose ranges the volume keeps.
     ranges: Vec<[f32; 2]>,
 }
 
@@ -45,7 +45,7 @@ enum Kind {
 }
 
 impl NodeRanges {
-    /// Over the blocks of a volume with the given samples along x, y, z.
+    /// Computes the ranges of the nodes over the blocks of a volume with the given voxels along x, y, z.
     pub(crate) fn new(dims: [usize; 3], blocks: &RangeBlocks) -> Self {
         let grid = BlockGrid::new(dims, blocks.edge());
         let mut below: Vec<[f32; 2]> = blocks.ranges().iter().map(|r| [r.low, r.high]).collect();
@@ -63,7 +63,7 @@ impl NodeRanges {
 }
 
 impl Octree {
-    /// Marks the nodes over the blocks that they were made of.
+    /// Makes the octree over the blocks that the ranges were made of.
     pub(crate) fn new<R: Real>(nodes: Arc<NodeRanges>, blocks: &RangeBlocks, visibility: &Visibility<R>) -> Self {
         let mut kinds: Vec<_> =
             nodes.levels.iter().map(|level| vec![Kind::Clear; level.nodes.iter().product()]).collect();
@@ -78,7 +78,7 @@ impl Octree {
     }
 }
 
-/// Marks a node and what is below it, where all is marked clear yet.
+/// Marks a node and those below it; all are marked clear before.
 fn mark<R: Real>(
     nodes: &NodeRanges,
     kinds: &mut [Vec<Kind>],
@@ -110,13 +110,13 @@ fn index([x, y, z]: [usize; 3], n: [usize; 3]) -> usize {
     (z * n[1] + y) * n[0] + x
 }
 
-/// The up to eight nodes of the level below, which has `n` of them along each axis.
+/// Returns the up to eight nodes of the level below, which has `n` of them along each axis.
 fn children(node: [usize; 3], n: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     let all = (0..8).map(move |c| std::array::from_fn(|a| 2 * node[a] + (c >> a & 1)));
     all.filter(move |child: &[usize; 3]| (0..3).all(|a| child[a] < n[a]))
 }
 
-/// The ranges of the `to` nodes over the `from` ones of the level below.
+/// Joins the ranges of the `from` nodes of a level to those of the `to` nodes above.
 fn joined(below: &[[f32; 2]], from: [usize; 3], to: [usize; 3]) -> Vec<[f32; 2]> {
     let mut ranges = vec![[f32::INFINITY, f32::NEG_INFINITY]; to.iter().product()];
     for (row, below) in below.chunks(from[0]).enumerate() {
@@ -143,7 +143,7 @@ impl Regions for Octree {
     }
 }
 
-/// The node of a level that a block is in.
+/// Returns the node of a level that a block is in.
 #[inline(always)]
 pub(super) fn aligned_cube(block: [usize; 3], level: usize) -> Region {
     Region::Cube { low: block.map(|b| b >> level << level), high: block.map(|b| ((b >> level) + 1) << level) }

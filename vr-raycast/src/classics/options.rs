@@ -62,12 +62,12 @@ pub(crate) fn step_options() -> [DeclaredOption<RayCaster>; 2] {
     ]
 }
 
-/// True if a ray goes from voxel to voxel by a rule that has no meaning there.
+/// True if a ray walks from voxel to voxel under a rule that has no meaning there.
 pub(crate) fn is_rule_beyond_voxels(caster: &RayCaster) -> bool {
     caster.traversal == Traversal::Voxels && caster.rule != Rule::Midpoint
 }
 
-/// Named casters of a study.
+/// Returns the named casters of a study.
 pub(crate) fn settings() -> [(String, RayCaster); 2] {
     let template = ImageSampling::Template { connectivity: Connectivity::Continuous };
     [("coherent", ImageSampling::Coherent), ("template", template)].map(|(word, screen)| {

@@ -13,7 +13,7 @@ use crate::leap::{Leaper, VisibleBlocks};
 /// projection and from inside. Hollows of the model, which the buffer skips no more than this does, stay inside.
 #[derive(Clone, Debug)]
 pub(crate) struct Polyhedron {
-    /// Between which planes, of the direction of the same index, everything visible lies; in cells, a beam's reach
+    /// Pairs of planes, one for each direction, between which everything visible lies; in cells, a beam's reach
     /// larger than the blocks. Nothing is visible where the first one is empty.
     slabs: [Slab; NORMALS.len()],
 }
@@ -59,7 +59,7 @@ impl Slab {
     }
 }
 
-/// First and last visible block of a row.
+/// Returns the first and the last visible block of a row.
 fn ends(row: &[u64]) -> Option<(usize, usize)> {
     let first = row.iter().position(|w| *w != 0)?;
     let last = row.iter().rposition(|w| *w != 0)?;
@@ -69,7 +69,7 @@ fn ends(row: &[u64]) -> Option<(usize, usize)> {
 }
 
 impl Polyhedron {
-    /// Around visible blocks.
+    /// Fits the polyhedron around visible blocks.
     pub(crate) fn new(blocks: &VisibleBlocks) -> Self {
         let grid = blocks.grid();
         let mut slabs = [Slab { low: f64::INFINITY, high: f64::NEG_INFINITY }; NORMALS.len()];

@@ -12,17 +12,17 @@ use crate::leap::{Region, Regions, next_interval};
 #[derive(Clone, Debug)]
 pub(crate) struct Pyramid {
     grid: BlockGrid,
-    /// A block's level, and [`VISIBLE`] where it can be seen.
+    /// Level of each block, and [`VISIBLE`] where it can be seen.
     levels: Vec<u8>,
 }
 
-/// Set in what is stored for a block that can be seen.
+/// Bit that is set for a block that can be seen.
 const VISIBLE: u8 = 0x80;
-/// A node whose blocks are not all of one kind.
+/// Mark of a node whose blocks are not all of one kind.
 const MIXED: u8 = 0x7f;
 
 impl Pyramid {
-    /// Over visible and clear blocks.
+    /// Computes the levels of visible and clear blocks.
     pub(crate) fn new(blocks: &VisibleBlocks) -> Self {
         let grid = blocks.grid();
         let mut level = Vec::with_capacity(grid.len());
@@ -63,7 +63,7 @@ impl Pyramid {
     }
 }
 
-/// The level above `n` nodes.
+/// Returns the level above `n` nodes.
 fn above(below: &[u8], n: [usize; 3]) -> ([usize; 3], Vec<u8>) {
     const NONE: u8 = 0x7e;
     let m = n.map(|n| n.div_ceil(2));

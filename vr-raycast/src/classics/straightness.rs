@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use vr_core::filter::Lattice;
 use vr_core::{GridVolume, LatticeVisitor, Voxel};
 
-/// For each block of `edge`³ cells (x fastest), a bound on how far the trilinear field in it is from some linear function, in stored units.
+/// Returns, for each block of `edge`³ cells (x fastest), a bound of the distance of the trilinear field in it from some linear function, in stored units.
 ///
 /// The linear function is the one of least squares, shifted to the middle of what is left. A trilinear function less a linear
 /// one is trilinear: it is farthest from 0 at a sample.

@@ -11,7 +11,7 @@ use vr_kernels::tables::BakedTransfer;
 use super::*;
 use crate::leap::ExactCloud;
 
-/// All structures over the same blocks.
+/// Makes all structures over the same blocks.
 pub(super) fn leapers(
     dims: [usize; 3],
     ranges: &RangeBlocks,
@@ -28,7 +28,7 @@ pub(super) fn leapers(
     ]
 }
 
-/// All intervals of a ray, checked for order.
+/// Returns all intervals of a ray, checked for order.
 fn intervals(leaper: &dyn Leaper, ray: &IndexRay) -> Result<Vec<(f64, f64)>, TestCaseError> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut from = ray.start;

@@ -1,10 +1,10 @@
-//! Coarse steps that look at a flag.
+//! Vicinity flag, by which coarse steps tell where fine ones are needed.
 
 use vr_core::IndexRay;
 
 use crate::leap::{BlockGrid, Leaper, VisibleBlocks};
 
-/// The vicinity flag: set for blocks that hold something visible, and for the 26 around each.
+/// Vicinity flag of each block: set for those that hold something visible, and for the 26 around each.
 ///
 /// A coarse step is as long as the edge of a block, along the axis on which the ray is fastest. So from a point in a block whose flag is not
 /// set, it ends in that block or in one of the 26 around it, none of which is visible, and so does all that lies between. Where the flag is
@@ -15,7 +15,7 @@ pub(crate) struct Vicinity {
 }
 
 impl Vicinity {
-    /// Around visible blocks.
+    /// Sets the flag around visible blocks.
     pub(crate) fn new(visible: &VisibleBlocks) -> Self {
         Self { flags: visible.dilated() }
     }

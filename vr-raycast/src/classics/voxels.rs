@@ -1,10 +1,10 @@
-//! From voxel to voxel: a three-dimensional Bresenham line.
+//! Walk from voxel to voxel: a three-dimensional Bresenham line.
 
 use vr_core::IndexRay;
 
 use crate::walk::ListedWalk;
 
-/// The discrete line from one voxel to another, both included: as many voxels as the longest axis asks for, on each other axis the nearest
+/// Returns the discrete line from one voxel to another, both included: as many voxels as the longest axis asks for, on each other axis the nearest
 /// ones to the straight line. Consecutive ones share at least a corner (26-connected).
 ///
 /// Bresenham 1965, *Algorithm for computer control of a digital plotter*; in three dimensions Kaufman and Shimony 1986, *3D scan-conversion
@@ -18,7 +18,7 @@ pub(crate) fn discrete_line(from: [i64; 3], to: [i64; 3]) -> impl Iterator<Item 
     })
 }
 
-/// A walk of voxels: each contributes its own sample, wherever the ray passes it by.
+/// Returns the walk along a line of voxels: each contributes its own sample, wherever the ray passes it by.
 ///
 /// The line goes from the voxel nearest to where the ray enters to that nearest to where it leaves, and each voxel stands for the same
 /// length of the ray, those at the ends for half of it. So a constant volume is drawn exactly, and anything else as a field that is

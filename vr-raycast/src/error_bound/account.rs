@@ -2,21 +2,21 @@
 
 use super::step::Step;
 
-/// Everything of a view that bounds a ray's error.
+/// Limits of a ray's error and light, the same for all rays of a view.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// The largest error, relative to max(1, the ray's own radiance).
+    /// Largest error, relative to max(1, the ray's own radiance).
     pub(super) error: f64,
-    /// Opacity at which the ray is cut; 1: never.
+    /// Opacity at which the ray is cut; 1 if it never is.
     pub(super) level: f64,
-    /// The largest source, and whether it is emission given on its own.
+    /// Largest component of the source. `emits` is true if the source is emission given on its own.
     pub(super) brightest: f64,
     pub(super) emits: bool,
 }
 
-/// A ray's sum, from the eye into the depth, and its bound.
+/// Sum of a ray, from the eye into the depth, and its bound.
 ///
-/// The sum is a telescope: each step in turn takes the place of the truth, the steps in front of it being those computed and the medium
+/// The sum is a telescope: each step in turn takes the place of the true medium, the steps in front of it being those computed and the medium
 /// behind it the true one. So the pixel is off by at most Σ T̂ₖ (eₖ + aₖ M): what step k is off by, dimmed by the transmittance *computed*
 /// in front of it, M being the largest radiance that can come from behind.
 #[derive(Clone, Debug)]
@@ -34,19 +34,19 @@ pub(super) struct Account {
     /// Distance at which opacity reached ½.
     pub(super) half_way: f64,
     pub(super) steps: u64,
-    /// Nothing that follows matters.
+    /// True if nothing that follows matters.
     pub(super) ended: bool,
-    /// A place that may be a wall, until what follows tells.
+    /// Step that may hold the beginning of a wall, until the steps behind it tell.
     pending: Option<PendingWall>,
 }
 
-/// A short step that may hold the beginning of a wall.
+/// Short step that may hold the beginning of a wall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PendingWall {
     pub(super) step: Step,
     /// Largest contribution before a wall begins.
     pub(super) before: f64,
-    /// The largest difference of two of its values.
+    /// Largest difference of two of its values.
     pub(super) spread: f64,
 }
 
@@ -68,7 +68,7 @@ impl Account {
         }
     }
 
-    /// The largest radiance, or opacity, that can come from behind a distance.
+    /// Returns the largest radiance, or opacity, that can come from behind a distance.
     fn max_light(&self, s: f64) -> f64 {
         let medium = if self.limits.emits {
             self.limits.brightest * (self.end - s).max(0.0) + self.backdrop
@@ -78,21 +78,21 @@ impl Account {
         medium.max(1.0)
     }
 
-    /// Error that may be spent altogether: the picture's largest magnitude is at least that of this ray's true radiance, and what was not looked
+    /// Returns the error that may be spent altogether: the picture's largest magnitude is at least that of this ray's true radiance, and what was not looked
     /// at can only add to that.
     fn budget(&self) -> f64 {
         let light = self.light.into_iter().fold(0.0, f64::max);
         self.limits.error * (light - self.error).max(1.0)
     }
 
-    /// Error that may have been spent by the time the ray is at `s` with the transmittance `left`: half of it in proportion to the distance,
+    /// Returns the error that may have been spent when the ray is at `s` with the transmittance `left`: half of it in proportion to the distance,
     /// half to the opacity.
     fn share(&self, s: f64, left: f64) -> f64 {
         let length = (s - self.start) / (self.end - self.start);
         self.budget() * (0.45 * length + 0.45 * (1.0 - left))
     }
 
-    /// Error that a step at `s` may have, before it is dimmed: a hint for choosing it.
+    /// Returns the error that a step at `s` may have, before it is dimmed: a hint for choosing the step.
     pub(super) fn enough(&self, s: f64) -> f64 {
         let left = self.share(s, self.transmittance) - self.error;
         (0.25 * left / self.transmittance.max(1e-300)).max(0.0)
@@ -172,7 +172,7 @@ impl Account {
         }
     }
 
-    /// A wall begins at `s`: its light, how far off that is, and how fast it changes with the value. The place in doubt before it, if
+    /// Takes a wall that begins at `s`: its light, the error of that, and how fast it changes with the value. The place in doubt before it, if
     /// any, is part of it.
     pub(super) fn wall(&mut self, light: [f64; 3], error: f64, steepness: f64, s: f64) {
         let doubt = self.pending.take().map_or(0.0, |d| d.before + steepness * d.spread);
@@ -181,18 +181,18 @@ impl Account {
         self.ended = true;
     }
 
-    /// True if the proven bound is above the one asked for.
+    /// True if the proven bound exceeds the one asked for.
     pub(super) fn is_over(&self) -> bool {
         let error = self.error + self.unseen;
         error > self.budget() || error.is_nan()
     }
 
-    /// The proven bound as a multiple of the one asked for: above 1 where that one is not kept, NaN where nothing is known.
+    /// Returns the proven bound as a multiple of the one asked for: above 1 where that one is not kept, NaN where nothing is known.
     pub(super) fn overrun(&self) -> f64 {
         (self.error + self.unseen) / self.budget()
     }
 
-    /// Settles what is left at the end of the ray.
+    /// Settles a pending wall at the end of the ray.
     pub(super) fn finish(&mut self) {
         self.settle(self.end);
         // A few additions and products a step.
@@ -200,7 +200,7 @@ impl Account {
         self.error += 4.0 * f64::EPSILON * self.steps as f64 * light;
     }
 
-    /// Opacity.
+    /// Returns the opacity of the ray.
     pub(super) fn opacity(&self) -> f64 {
         1.0 - self.transmittance
     }

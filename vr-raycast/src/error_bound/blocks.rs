@@ -8,11 +8,11 @@ use super::optics::{Extremes, Optics};
 /// Cells along the edge of a block: large enough that all blocks together are a few hundredths of a volume of bytes.
 pub(super) const EDGE: usize = 8;
 
-/// The range of the field in every block, and what of it is clear under the current transfer function.
+/// Range of the field in every block, and its content under the current transfer function.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
     counts: [usize; 3],
-    /// Stored numbers; low above high: all vacuum.
+    /// Range of stored numbers of each block; low above high if the block is all vacuum.
     ranges: Vec<[f32; 2]>,
     states: Vec<State>,
 }
@@ -20,11 +20,11 @@ pub(super) struct Blocks {
 /// Content of a block, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum State {
-    /// Nothing to see.
+    /// Nothing that can be seen.
     Clear,
-    /// Something, everywhere in it a field.
+    /// Something that can be seen, and no vacuum.
     Filled,
-    /// Something, and some vacuum.
+    /// Something that can be seen, and some vacuum.
     Holed,
 }
 
@@ -69,7 +69,7 @@ impl Blocks {
     }
 }
 
-/// A bound with room for where knots may lie.
+/// Returns a bound with room for the error of the knots' places.
 fn widened(bound: f32, sign: f64, optics: &Optics) -> f64 {
     f64::from(bound) + sign * optics.knot_error
 }

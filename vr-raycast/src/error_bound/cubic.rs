@@ -1,13 +1,13 @@
-//! A cubic along a piece of a ray, by its Bernstein coefficients.
+//! Cubic along a piece of a ray, by its Bernstein coefficients.
 
 use vr_core::Real;
 
-/// A cubic over t ∈ [0, 1] in the Bernstein basis: the coefficients' hull holds the curve, and the first and the last are its ends.
+/// Cubic over t ∈ [0, 1] in the Bernstein basis: the coefficients' hull holds the curve, and the first and the last are its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cubic<R>(pub(super) [R; 4]);
 
 impl<R: Real> Cubic<R> {
-    /// A trilinear function on the straight way from one corner of a box to the opposite one.
+    /// Returns a trilinear function on the straight way from one corner of a box to the opposite one.
     ///
     /// `corners` are its values at the box's corners, x fastest, seen from the point where the way begins. The blossom of the cubic
     /// is the mean of the trilinear function over the orders of its three arguments (Ramshaw 1989, *Blossoms are polar forms*); so
@@ -22,7 +22,7 @@ impl<R: Real> Cubic<R> {
         ])
     }
 
-    /// Bounds of its values.
+    /// Returns bounds of the values.
     pub(super) fn hull(&self) -> (f64, f64) {
         let [a, b, c, d] = self.0;
         (a.min(b).min(c.min(d)).to_f64(), a.max(b).max(c.max(d)).to_f64())
@@ -34,7 +34,7 @@ impl<R: Real> Cubic<R> {
         (a <= b && b <= c && c <= d) || (a >= b && b >= c && c >= d)
     }
 
-    /// The parts before and behind a parameter (de Casteljau 1959).
+    /// Returns the parts before and behind a parameter (de Casteljau 1959).
     pub(super) fn split(&self, t: R) -> (Self, Self) {
         let mix = |a: R, b: R| a + t * (b - a);
         let [a, b, c, d] = self.0;
@@ -44,12 +44,12 @@ impl<R: Real> Cubic<R> {
         (Self([a, ab, abc, middle]), Self([middle, bcd, cd, d]))
     }
 
-    /// Its value.
+    /// Returns the value at a parameter.
     pub(super) fn at(&self, t: R) -> R {
         self.split(t).0.0[3]
     }
 
-    /// Its derivative by t.
+    /// Returns the derivative by t.
     pub(super) fn slope(&self, t: R) -> R {
         let [a, b, c, d] = self.0;
         let (p, q, r) = (b - a, c - b, d - c);
@@ -57,7 +57,7 @@ impl<R: Real> Cubic<R> {
         R::from_f64(3.0) * mix(mix(p, q), mix(q, r))
     }
 
-    /// Coefficients of the powers of x = 2t − 1 ∈ [−1, 1], the constant first.
+    /// Returns the coefficients of the powers of x = 2t − 1 ∈ [−1, 1], the constant first.
     pub(super) fn about_middle(&self) -> [R; 4] {
         let [a, b, c, d] = self.0;
         let (three, eighth) = (R::from_f64(3.0), R::from_f64(0.125));

@@ -1,4 +1,4 @@
-//! Steps that keep a bound of the error: see the README beside this file for what it promises, and why it holds.
+//! Steps that keep a bound of the error; the README beside this file says what the bound means, and proves it.
 
 mod account;
 mod blocks;
@@ -108,7 +108,7 @@ impl Tracer for BoundedRays<'_> {
     }
 }
 
-/// Success of a group's rays in f32 so far.
+/// Counts of a group's rays in f32 so far.
 #[derive(Default)]
 struct Stages {
     tried: u32,
@@ -116,7 +116,7 @@ struct Stages {
 }
 
 impl Stages {
-    /// True unless most rays have to be done again: f32 is a waste then.
+    /// False if most rays have to be done again, so that f32 is a waste.
     fn is_single_worth_while(&self) -> bool {
         self.tried < 8 || 2 * self.failed < self.tried
     }
@@ -176,11 +176,11 @@ impl BoundedRays<'_> {
     }
 }
 
-/// One ray in one precision.
+/// Integration of one ray in one precision.
 struct Job<'a, R> {
     error_bound: &'a ErrorBound,
     vacuum: Option<&'a VacuumCells>,
-    /// True if each sample stands for all that is nearest to it; trilinear if not.
+    /// True under the filter nearest, false under trilinear.
     nearest: bool,
     ray: IndexRay,
     backdrop: f64,

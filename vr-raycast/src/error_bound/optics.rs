@@ -1,9 +1,9 @@
-//! The transfer function in stored units, and its exact ranges.
+//! Transfer function in stored units, and its exact ranges.
 
 use vr_core::transfer::{Optical, Segment};
 use vr_core::{Calibration, OpacityRule, TransferFunction};
 
-/// The transfer function as the error bound needs it: pieces over *stored* numbers, in which opacity and source are linear.
+/// Transfer function as the error bound needs it: pieces over *stored* numbers, in which opacity and source are linear.
 ///
 /// The *source* is the colour of a density emitter, or the emission per world unit where that is given on its own.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub(crate) struct Optics {
     pub(crate) emits: bool,
     /// The largest component of the source.
     pub(crate) brightest: f64,
-    /// Largest distance of a knot from where calibration puts it, in stored units.
+    /// Largest error of a knot's place by the calibration's rounding, in stored units.
     pub(crate) knot_error: f64,
     /// True if knots need no conversion to stored numbers, and so are exact: the calibration is the identity.
     pub(crate) knots_are_exact: bool,
@@ -24,7 +24,7 @@ pub(crate) struct Optics {
     calibration: Calibration,
 }
 
-/// A range of stored numbers in which opacity and source are linear.
+/// Range of stored numbers in which opacity and source are linear.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     pub(crate) from: f64,
@@ -36,11 +36,11 @@ pub(crate) struct Piece {
     /// Largest slopes of opacity and of the source's components, here and on both sides.
     pub(crate) steepest_opacity: f64,
     pub(crate) steepest_source: f64,
-    /// α = 1 throughout under the power rule: a wall.
+    /// True for a wall: α = 1 throughout under the power rule.
     pub(crate) opaque: bool,
-    /// Nothing absorbs and nothing shines.
+    /// True if nothing absorbs and nothing shines.
     pub(crate) clear: bool,
-    /// At the lower and the upper end: how far the neighbour reaches that joins without a jump and is no wall; 0 where none does.
+    /// Reach, at the lower and the upper end, of the neighbour that joins without a jump and is no wall; 0 where none does.
     pub(crate) joined: [f64; 2],
     emits: bool,
 }
@@ -48,18 +48,18 @@ pub(crate) struct Piece {
 /// Extremes of a medium over a range of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extremes {
-    /// Optical depth per unit distance: least and most. +∞ where α = 1 under the power rule.
+    /// Smallest and largest optical depth per unit distance; +∞ where α = 1 under the power rule.
     pub(crate) rate: [f64; 2],
-    /// The same, walls left aside: what absorbs before a wall begins.
+    /// Smallest and largest optical depth per unit distance without walls: of the medium before a wall begins.
     pub(crate) before_wall: f64,
-    /// Least and most of every component of the source.
+    /// Smallest and largest value of every component of the source.
     pub(crate) source: [[f64; 2]; 3],
-    /// True if a wall is among it.
+    /// True if there is a wall in the range.
     pub(crate) wall: bool,
 }
 
 impl Extremes {
-    /// The largest difference of two values of a component of the source.
+    /// Returns the largest difference of two values of a component of the source.
     pub(crate) fn source_width(&self) -> f64 {
         self.source.iter().map(|s| s[1] - s[0]).fold(0.0, f64::max)
     }
@@ -97,13 +97,13 @@ impl Piece {
         if self.emits { self.ends[end].emission } else { self.ends[end].color }
     }
 
-    /// The end from which values are reckoned, of two: the finite one, or the one named.
+    /// Returns the end from which values are reckoned: the one named, or the other where that is not finite.
     fn anchor(&self, wanted: usize) -> (usize, f64) {
         let at = [self.from, self.to];
         if at[wanted].is_finite() { (wanted, at[wanted]) } else { (1 - wanted, at[1 - wanted]) }
     }
 
-    /// The line of the opacity at a stored number.
+    /// Returns the opacity at a stored number, on the piece's line.
     pub(crate) fn opacity_at(&self, stored: f64) -> f64 {
         if self.opacity_slope == 0.0 {
             return self.ends[0].opacity;
@@ -113,7 +113,7 @@ impl Piece {
         self.ends[end].opacity + self.opacity_slope * (stored - at)
     }
 
-    /// 1 − opacity, with its digits near 0.
+    /// Returns 1 − opacity, with all digits near 0.
     pub(crate) fn clearness_at(&self, stored: f64) -> f64 {
         if self.opacity_slope == 0.0 {
             return 1.0 - self.ends[0].opacity;
@@ -122,7 +122,7 @@ impl Piece {
         (1.0 - self.ends[end].opacity) - self.opacity_slope * (stored - at)
     }
 
-    /// The line of the source at a stored number.
+    /// Returns the source at a stored number, on the piece's line.
     pub(crate) fn source_at(&self, stored: f64) -> [f64; 3] {
         let (end, at) = self.anchor(0);
         let source = self.source_of(end);
@@ -132,7 +132,7 @@ impl Piece {
         })
     }
 
-    /// The largest slope of a component of the source.
+    /// Returns the largest slope of a component of the source.
     pub(crate) fn source_steepness(&self) -> f64 {
         self.source_slope.iter().fold(0.0, |m, s| m.max(s.abs()))
     }
@@ -184,20 +184,20 @@ impl Optics {
         }
     }
 
-    /// The piece of a stored number.
+    /// Returns the piece of a stored number.
     pub(crate) fn piece_at(&self, stored: f64) -> &Piece {
         let i = self.pieces.partition_point(|p| p.from <= stored);
         &self.pieces[i.max(1) - 1]
     }
 
-    /// The knot in the middle of those inside the open range.
+    /// Returns the knot in the middle of those inside the open range.
     pub(crate) fn knot_between(&self, low: f64, high: f64) -> Option<f64> {
         let first = self.pieces.partition_point(|p| p.from <= low);
         let end = self.pieces.partition_point(|p| p.from < high);
         (first < end).then(|| self.pieces[usize::midpoint(first, end)].from)
     }
 
-    /// The pieces that the closed range meets.
+    /// Returns the pieces that the closed range meets.
     fn meeting(&self, low: f64, high: f64) -> &[Piece] {
         let first = self.pieces.partition_point(|p| p.to < low).min(self.pieces.len() - 1);
         let end = self.pieces.partition_point(|p| p.from <= high).max(first + 1);
@@ -215,7 +215,7 @@ impl Optics {
         })
     }
 
-    /// Extremes of the medium over a closed range of stored numbers.
+    /// Returns the extremes of the medium over a closed range of stored numbers.
     pub(crate) fn extremes(&self, low: f64, high: f64) -> Extremes {
         let (inf, none) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut e = Extremes { rate: [inf, 0.0], before_wall: 0.0, source: [[inf, none]; 3], wall: false };
@@ -236,7 +236,7 @@ impl Optics {
         e
     }
 
-    /// Dependence of κ·unit and the source on the value over a closed range of finite numbers: for each, the slope of a linear function, and a
+    /// Returns how κ·unit and the source depend on the value over a closed range of finite numbers: for each, the slope of a linear function, and a
     /// bound on how far it is from that.
     ///
     /// The linear function is the chord of the range. Between knots −ln(1 − α) is convex, and so at most (b − a)/4 times the difference of
@@ -273,7 +273,7 @@ impl Optics {
         [[slope.abs(), off], [steepest, source_off]]
     }
 
-    /// Optical depth per unit distance of an opacity, of which the complement is given, too.
+    /// Returns the optical depth per unit distance of an opacity, of which the complement is given, too.
     pub(crate) fn rate(&self, opacity: f64, clearness: f64) -> f64 {
         match self.rule {
             OpacityRule::Extinction => opacity,
@@ -282,7 +282,7 @@ impl Optics {
         }
     }
 
-    /// A bound on the optical depth of a part of a cubic in which α reaches 1 at points, but not over a length.
+    /// Returns a bound of the optical depth of a part of a cubic in which α reaches 1 at points, but not over a length.
     ///
     /// On the pieces that end at such a knot v, 1 − α = |slope|·|f − v|. With |f − v| ≥ W somewhere on the whole cubic, which is
     /// `whole` long, each of its three roots adds at most l (1 + ln(whole/l)) to ∫ −ln(|f − v|/W) ds over a part of length l = `part`,
@@ -322,7 +322,7 @@ impl Optics {
         part / self.unit * (roots - libm::log(least.min(1.0)) + others)
     }
 
-    /// The medium at one stored number, exactly as the transfer function gives it: depth per unit distance (+∞: a wall) and source.
+    /// Returns the medium at one stored number, as the transfer function gives it: depth per unit distance (+∞ in a wall) and source.
     pub(crate) fn exactly(&self, stored: f64) -> (f64, [f64; 3]) {
         let o = self.transfer.at(self.calibration.value(stored));
         let source = if self.emits { o.emission } else { o.color };

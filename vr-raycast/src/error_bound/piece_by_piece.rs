@@ -1,4 +1,4 @@
-//! From a cubic along a piece of the ray to steps: as long as the error allows, cut where the transfer function has a knot.
+//! Division of a cubic along a piece of the ray into steps: as long as the error allows, cut where the transfer function has a knot.
 
 use vr_core::Real;
 
@@ -8,14 +8,14 @@ use super::optics::{Extremes, Optics, Piece};
 use super::step::{Step, coarse, constant, smooth};
 use crate::root::monotone_root;
 
-/// Halvings of a cell after which a step is taken as it is.
+/// Largest number of halvings of a cell, after which a step is taken as it is.
 const MAX_HALVINGS: u32 = 44;
-/// Steps of a ray after which they are taken as they are: no scene may hang the renderer.
+/// Number of steps of a ray after which all are taken as they are: no scene may hang the renderer.
 const MAX_STEPS: u64 = 1 << 16;
-/// Steps after which a ray is better done again in higher precision.
+/// Number of steps after which a ray is better done again in higher precision.
 const MAX_STEPS_FIRST: u64 = 1 << 13;
 
-/// A ray that is being integrated.
+/// Ray that is being integrated.
 pub(super) struct Integral<'a> {
     pub(super) optics: &'a Optics,
     pub(super) account: Account,
@@ -23,7 +23,7 @@ pub(super) struct Integral<'a> {
     pub(super) gives_up: bool,
 }
 
-/// A cell that a ray crosses: the range of its samples, and how well positions in it are known.
+/// Cell that a ray crosses: the range of its voxels, and the error of positions in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// Sample at the first corner, from which the cubic is counted.
@@ -36,14 +36,14 @@ pub(super) struct Place {
     pub(super) misplaced: f64,
 }
 
-/// A field along a cell: what does not change while it is cut.
+/// Field along a cell: the part that does not change while the cell is cut.
 struct Cell<R> {
     place: Place,
     whole: Cubic<R>,
     length: f64,
 }
 
-/// A part of a cell.
+/// Part of a cell.
 #[derive(Clone, Copy)]
 struct Part<R> {
     cubic: Cubic<R>,
@@ -69,7 +69,7 @@ impl<'a> Integral<'a> {
         !(too_long || self.account.is_over())
     }
 
-    /// A stretch of one stored number.
+    /// Integrates a stretch of one stored number.
     pub(super) fn constant(&mut self, stored: f64, s: f64, length: f64) {
         let (rate, source) = self.optics.exactly(stored);
         if rate == f64::INFINITY {
@@ -80,7 +80,7 @@ impl<'a> Integral<'a> {
         }
     }
 
-    /// Takes a step over all values of a range if that will do; true if so.
+    /// Takes a step over all values of a range if that is good enough; returns true if so.
     pub(super) fn coarse(&mut self, extremes: &Extremes, s: f64, length: f64) -> bool {
         if extremes.wall {
             return false;
@@ -93,7 +93,7 @@ impl<'a> Integral<'a> {
         fits
     }
 
-    /// A cell, along which the field is the place's base + `cubic`.
+    /// Integrates a cell, along which the field is the place's base + `cubic`.
     pub(super) fn cell<R: Real>(&mut self, cubic: Cubic<R>, place: Place, s: f64, length: f64) {
         let cell = Cell { place, whole: cubic, length };
         self.part(&cell, Part { cubic, s, length, cuts: 0 });
@@ -149,7 +149,7 @@ impl<'a> Integral<'a> {
         self.part(cell, Part { cubic: back, s: part.s + half, length: half, cuts });
     }
 
-    /// Range of the values that a part may hold if its computed range, off by up to `noise`, is `low` to `high`.
+    /// Returns the range of the values that a part may hold if its computed range, off by up to `noise`, is `low` to `high`.
     fn possible(&self, place: &Place, [low, high]: [f64; 2], noise: f64) -> [f64; 2] {
         let range = [low - noise, high + noise];
         let Some([min, max]) = place.limits.filter(|_| self.optics.knots_are_exact) else { return range };
@@ -157,7 +157,7 @@ impl<'a> Integral<'a> {
         if inside[0] <= inside[1] { inside } else { range }
     }
 
-    /// Error of values: the corners' differences, three rounds of interpolation and what each cut adds, all of numbers up to
+    /// Returns the error of values: the corners' differences, three rounds of interpolation and what each cut adds, all of numbers up to
     /// `reach`; the place; and the knots that they are compared with.
     fn noise<R: Real>(&self, cell: &Cell<R>, cuts: u32) -> f64 {
         let u = 2.0 * R::ROUNDOFF;
@@ -174,7 +174,7 @@ impl<'a> Integral<'a> {
         coarse(self.optics, extremes, part.length, deepest)
     }
 
-    /// A bound on the optical depth of a part, walls left aside.
+    /// Returns a bound of the optical depth of a part, without walls.
     fn deepest<R: Real>(&self, extremes: &Extremes, cell: &Cell<R>, part: &Part<R>, noise: f64) -> f64 {
         if extremes.before_wall.is_finite() {
             return extremes.before_wall * part.length / self.optics.unit;
@@ -188,7 +188,7 @@ impl<'a> Integral<'a> {
         self.optics.depth_at_touch(low, high, farthest, part.length, cell.length)
     }
 
-    /// True if a part is not to be cut any more, whatever its error.
+    /// True if a part must not be cut any more, whatever its error.
     fn is_enough<R: Real>(&self, part: &Part<R>) -> bool {
         part.cuts >= MAX_HALVINGS || self.account.steps >= MAX_STEPS
     }
@@ -208,7 +208,7 @@ impl<'a> Integral<'a> {
         self.account.doubt(PendingWall { step, before, spread });
     }
 
-    /// Cuts a monotone part where it crosses a knot; false where the place cannot be told well.
+    /// Cuts a monotone part where it crosses a knot; returns false where that place is too uncertain.
     ///
     /// The crossing is known up to a short part, which is taken with all that the medium can be in it. Before and behind it, the
     /// Bernstein coefficients themselves prove on which side of the knot the field is.
@@ -252,7 +252,7 @@ impl<'a> Integral<'a> {
         false
     }
 
-    /// The short part across a knot.
+    /// Integrates the short part across a knot.
     fn across<R: Real>(&mut self, cell: &Cell<R>, part: Part<R>) {
         if self.is_done() || part.length <= 0.0 {
             return;

@@ -1,4 +1,4 @@
-//! One step of a ray, with a bound on what it misses.
+//! Step of a ray, with a bound of its error.
 //!
 //! A step takes the radiance B behind it to light + (1 − A)·B. What it is off by is told as two numbers that do not depend on B:
 //! `opacity_error` bounds |Â − A|, and `light_error` bounds what is wrong with the light *apart* from that, so that the whole error is
@@ -11,12 +11,12 @@ use vr_core::{OpacityRule, Real};
 use super::cubic::Cubic;
 use super::optics::{Extremes, Optics, Piece};
 
-/// A step of a ray.
+/// Step of a ray, with bounds of its errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Step {
     /// World length.
     pub(super) length: f64,
-    /// 1 − e^(−τ).
+    /// Opacity 1 − e^(−τ).
     pub(super) opacity: f64,
     /// Light at its front.
     pub(super) light: [f64; 3],
@@ -24,21 +24,21 @@ pub(super) struct Step {
     pub(super) opacity_error: f64,
     /// Bound on the error of `light` that is not the opacity's.
     pub(super) light_error: f64,
-    /// The largest difference between two sources in it: what a cut inside it can cost per opacity.
+    /// Largest difference between two sources in the step: the cost per opacity of a cut inside it.
     pub(super) variation: f64,
-    /// The parts of the two errors that shorter steps would not make smaller, taken together: rounding.
+    /// Sum of the parts of the two errors that shorter steps would not make smaller: rounding.
     pub(super) rounding: [f64; 2],
 }
 
 /// Rounding of one step in f64: a few operations.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// 1 − e^(−τ) for any τ up to +∞.
+/// Returns 1 − e^(−τ) for any τ up to +∞.
 fn opacity(tau: f64) -> f64 {
     -libm::expm1(-tau)
 }
 
-/// A step through a medium of which only the extremes are known: the middle, and half the width. `deepest` bounds its optical depth
+/// Returns the step through a medium of which only the extremes are known: the middle, and half the width. `deepest` bounds its optical depth
 /// where the extremes do not.
 pub(super) fn coarse(optics: &Optics, extremes: &Extremes, length: f64, deepest: f64) -> Step {
     let per_rate = length / optics.unit;
@@ -63,7 +63,7 @@ pub(super) fn coarse(optics: &Optics, extremes: &Extremes, length: f64, deepest:
     Step { length, opacity: middle, light, opacity_error, light_error, variation, rounding: [0.0; 2] }
 }
 
-/// A step through one stored number.
+/// Returns the step through one stored number.
 pub(super) fn constant(optics: &Optics, rate: f64, source: [f64; 3], length: f64) -> Step {
     let depth = rate * length / optics.unit;
     let a = opacity(depth);
@@ -80,7 +80,7 @@ pub(super) fn constant(optics: &Optics, rate: f64, source: [f64; 3], length: f64
     }
 }
 
-/// A step along a cubic that lies in one piece of the transfer function, by power series about its middle; `None` where they do not
+/// Returns the step along a cubic that lies in one piece of the transfer function, by power series about its middle; `None` where they do not
 /// converge well enough to say anything.
 ///
 /// `base` is what the cubic's values are reckoned from; `noise` bounds how far they are off. Where a cruder estimate misses no more than
@@ -245,7 +245,7 @@ mod tests {
     use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestRunner};
     use vr_core::{Calibration, ControlPoint, TransferFunction};
 
-    /// Opacity and light of a step by 4000 midpoints: good to 10⁻⁸ or so on these smooth functions.
+    /// Returns opacity and light of a step by 4000 midpoints: good to 10⁻⁸ or so on these smooth functions.
     fn exact(optics: &Optics, piece: &Piece, cubic: &Cubic<f64>, length: f64) -> (f64, [f64; 3]) {
         const N: usize = 4000;
         let (mut depth, mut light) = (0.0f64, [0.0; 3]);

@@ -1,4 +1,4 @@
-//! Along a ray through the blocks and cells of a grid.
+//! Walk along a ray through the blocks and cells of a grid.
 
 use vr_core::filter::{Lattice, Nearest, Reconstruction};
 use vr_core::{IndexRay, Real, VacuumCells, Voxel};
@@ -7,11 +7,11 @@ use super::blocks::{Blocks, EDGE, State};
 use super::cubic::Cubic;
 use super::piece_by_piece::{Integral, Place};
 
-/// The field that rays go through.
+/// Field that rays go through.
 pub(super) struct Medium<'a, T> {
     pub(super) lattice: Lattice<'a, T>,
     pub(super) vacuum: Option<&'a VacuumCells>,
-    /// True if each sample stands for all that is nearest to it; trilinear if not.
+    /// True under the filter nearest, false under trilinear.
     pub(super) nearest: bool,
     pub(super) blocks: &'a Blocks,
 }
@@ -115,7 +115,7 @@ fn trilinear<R: Real, T: Voxel>(
     integral.cell(Cubic::of_trilinear(&v), Place { base, reach, limits, misplaced }, from, to - from);
 }
 
-/// Largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.
+/// Returns the largest error of positions along a ray, in cells: a few units in the last place of the largest numbers that they are made of.
 fn misplaced(ray: &IndexRay, dims: [usize; 3]) -> f64 {
     let max_size = dims.iter().fold(1.0f64, |m, &n| m.max(n as f64));
     let far = ray.start.abs().max(ray.end.abs());
@@ -123,7 +123,7 @@ fn misplaced(ray: &IndexRay, dims: [usize; 3]) -> f64 {
     4.0 * f64::EPSILON * max_size.max(size)
 }
 
-/// Distance at which a ray leaves a block.
+/// Returns the distance at which a ray leaves a block.
 fn end_of_block(ray: &IndexRay, block: [usize; 3], cells: [usize; 3]) -> f64 {
     let mut end = f64::INFINITY;
     for a in 0..3 {
@@ -137,18 +137,18 @@ fn end_of_block(ray: &IndexRay, block: [usize; 3], cells: [usize; 3]) -> f64 {
     end
 }
 
-/// The planes that a ray crosses next, per axis and family.
+/// Planes that a ray crosses next, per axis and family.
 struct Planes {
     families: [Family; 6],
     count: usize,
 }
 
-/// Parallel planes at unit distance.
+/// Family of parallel planes at unit distance.
 #[derive(Clone, Copy, Default)]
 struct Family {
     origin: f64,
     inverse: f64,
-    /// The next plane.
+    /// Next plane.
     plane: f64,
     /// Distance at which the ray crosses it.
     s: f64,
@@ -177,7 +177,7 @@ impl Planes {
         planes
     }
 
-    /// The first crossing behind `s`.
+    /// Returns the first crossing behind `s`.
     fn next(&mut self, s: f64) -> f64 {
         let mut first = f64::INFINITY;
         for f in &mut self.families[..self.count] {

@@ -1,4 +1,4 @@
-//! A beam's way through blocks.
+//! Walk of a beam through blocks.
 
 use vr_core::IndexRay;
 
@@ -6,26 +6,26 @@ use super::visible_blocks::BlockGrid;
 
 /// Structure over blocks that tells which of them are visible.
 pub(crate) trait Regions: Send + Sync {
-    /// True if the block at an index can be seen.
+    /// True if the block at an index is visible.
     fn is_visible(&self, index: usize) -> bool;
 
-    /// Region around a block, at an index, in which all blocks are as visible, or as clear, as this one.
+    /// Returns a region around the block at an index in which all blocks are visible, or clear, like this one.
     fn around(&self, block: [usize; 3], index: usize) -> Region;
 }
 
-/// A region all of whose blocks are visible, or all of whose blocks are clear. It may reach beyond the grid.
+/// Region all of whose blocks are visible, or all of whose blocks are clear. It may reach beyond the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Region {
-    /// The blocks `low .. high` along each axis.
+    /// Blocks `low .. high` along each axis.
     Cube { low: [usize; 3], high: [usize; 3] },
-    /// Everything nearer than this to any point of the block, in block edges; and the block itself.
+    /// All points nearer than this to any point of the block, in block edges, and the block itself.
     Ball(f64),
 }
 
-/// √3, rounded up: the diagonal of a block.
+/// Diagonal of a block in its edges: √3, rounded up.
 const DIAGONAL: f64 = 1.7321;
 
-/// A ray with a thickness on its way through blocks.
+/// Ray with a thickness on its way through blocks.
 ///
 /// Everything is mirrored so that the beam flies towards larger coordinates along each axis; coordinates are in block edges. At a distance s
 /// the beam covers, along each axis, what lies between its rear, `rear + s·speed`, and its front, which is ahead by twice the reach. So it
@@ -52,7 +52,7 @@ pub(crate) struct Place {
     front: [usize; 3],
 }
 
-/// The first interval behind `from` in which the beam touches a visible block.
+/// Returns the first interval behind `from` in which the beam touches a visible block.
 pub(crate) fn next_interval<R: Regions>(grid: BlockGrid, regions: &R, ray: &IndexRay, from: f64) -> Option<(f64, f64)> {
     let beam = Beam::new(grid, ray);
     let from = from.max(ray.start);
@@ -89,34 +89,34 @@ impl Beam {
         }
     }
 
-    /// Position of the beam at a distance.
+    /// Returns the position of the beam at a distance.
     fn place(&self, s: f64) -> Place {
         let rear = std::array::from_fn(|a| self.block(a, self.rear[a], s, 0, self.grid.blocks[a]));
         let front = std::array::from_fn(|a| self.block(a, self.front[a], s, rear[a], self.grid.blocks[a]));
         Place { s, rear, front }
     }
 
-    /// The block in which an edge of the beam is, held in `low .. high`.
+    /// Returns the block in which an edge of the beam is, held in `low .. high`.
     #[inline(always)]
     fn block(&self, axis: usize, edge: f64, s: f64, low: usize, high: usize) -> usize {
         // The cast turns negative coordinates into 0.
         ((edge + s * self.speed[axis]) as i32 as usize).max(low).min(high - 1)
     }
 
-    /// Distance at which an edge of the beam reaches the plane before a block that is ahead of it; +∞, if there is no such block or the beam does not
+    /// Returns the distance at which an edge of the beam reaches the plane before a block that is ahead of it; +∞ if there is no such block or the beam does not
     /// move along the axis (an edge that does not move lies in its block and not on a plane ahead: the product is +∞).
     #[inline(always)]
     fn reaches(&self, axis: usize, edge: f64, plane: usize) -> f64 {
         if plane < self.grid.blocks[axis] { (plane as i32 as f64 - edge) * self.pace[axis] } else { f64::INFINITY }
     }
 
-    /// A mirrored block as it lies in the grid.
+    /// Returns the block of the grid that a mirrored block is.
     #[inline(always)]
     fn unmirrored(&self, block: [usize; 3]) -> [usize; 3] {
         std::array::from_fn(|a| if self.flipped[a] { self.grid.blocks[a] - 1 - block[a] } else { block[a] })
     }
 
-    /// Goes on for as long as the beam touches something visible (`visible`), or touches nothing visible. Says where that ends; `None` if
+    /// Goes on for as long as the beam touches something visible (`visible`), or touches nothing visible. Returns the distance at which that ends; `None` if
     /// it does not before the ray does.
     fn cross<R: Regions>(&self, regions: &R, place: &mut Place, visible: bool) -> Option<f64> {
         while place.s < self.end {
@@ -146,7 +146,7 @@ impl Beam {
         })
     }
 
-    /// To the next event.
+    /// Goes on to the next event.
     fn step(&self, place: &mut Place) {
         let (mut s, mut axis) = (f64::INFINITY, 0);
         for a in 0..3 {
@@ -170,7 +170,7 @@ impl Beam {
         }
     }
 
-    /// To where the front leaves a region that holds all of the beam; or the rear, if what is looked for is the end of a `visible` stretch.
+    /// Goes on to the point where the front leaves a region that holds all of the beam; or the rear, in search of the end of a `visible` stretch.
     #[inline(always)]
     fn leave(&self, region: Region, visible: bool, place: &mut Place) {
         let here = place.front;

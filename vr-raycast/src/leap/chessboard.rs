@@ -1,6 +1,6 @@
-//! Distances as a king moves.
+//! Chessboard distances: as a king moves.
 
-/// Per block, x fastest: 0 stays 0, and all others become the chessboard distance max(|Δx|, |Δy|, |Δz|) to the nearest block that is 0; 255
+/// Computes distances in place, x fastest: 0 stays 0, and all other blocks get the chessboard distance max(|Δx|, |Δy|, |Δz|) to the nearest block that is 0; 255
 /// where that is farther than 254, or where none is.
 ///
 /// Two sweeps over rows, each from the rows before it (Borgefors 1986, "Distance transformations in digital images"): exact for this distance.
@@ -33,7 +33,7 @@ pub(crate) fn chessboard_distances([nx, ny, nz]: [usize; 3], distance: &mut [u8]
     }
 }
 
-/// Each of some bytes, or the other one and so much more, where that is less.
+/// Replaces each byte by the other one plus an amount, where that is less.
 fn least(to: &mut [u8], from: &[u8], more: u8) {
     for (to, &from) in to.iter_mut().zip(from) {
         *to = from.saturating_add(more).min(*to);

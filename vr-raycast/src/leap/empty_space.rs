@@ -9,8 +9,8 @@ use super::{EDGE, ExactCloud, Leaper, Visibility, VisibleBlocks};
 use crate::caster::{EmptySpace, RayCaster};
 use crate::classify::Classifier;
 
-/// Finds where nothing is visible, when the scene is prepared and again when its transfer function changes: as a caster asks for it, which
-/// `classifier` is made for; `None` where all is sampled. `last`: what was made when only the transfer function, or the compositing, was
+/// Finds the empty space of a scene, when it is prepared and again when its transfer function changes, in the structure of a caster, which
+/// `classifier` is made for; `None` where all is sampled. `last` is the structure of the same scene when only the transfer function, or the compositing, was
 /// another one.
 #[cfg_attr(not(feature = "classics"), expect(unused_variables, reason = "the exact cloud keeps nothing"))]
 pub(crate) fn empty_space<R: Real>(

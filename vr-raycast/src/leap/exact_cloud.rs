@@ -1,11 +1,11 @@
-//! Proximity clouds in the Euclidean metric, exact.
+//! Proximity clouds in the exact Euclidean metric.
 
 use rayon::prelude::*;
 use vr_core::IndexRay;
 
 use super::{BlockGrid, Leaper, Region, Regions, VisibleBlocks, next_interval};
 
-/// Each block stores the Euclidean distance, in block edges, between itself and the nearest block of the other kind: from surface to surface,
+/// Proximity cloud: each block stores the Euclidean distance, in block edges, to the nearest block of the other kind, from surface to surface,
 /// so that a ball of that radius around *any* point of the block is all of the block's own kind (Cohen & Sheffer 1994, "Proximity clouds",
 /// with an exact distance in place of their city block; 0 where the two touch).
 ///
@@ -16,21 +16,21 @@ use super::{BlockGrid, Leaper, Region, Regions, VisibleBlocks, next_interval};
 #[derive(Clone, Debug)]
 pub(crate) struct ExactCloud {
     grid: BlockGrid,
-    /// A block's distance, [`PER_BLOCK`] to a block's edge, rounded down, and [`VISIBLE`] where it can be seen.
+    /// Distance of each block, [`PER_BLOCK`] to a block's edge, rounded down, and [`VISIBLE`] where it can be seen.
     distances: Vec<u16>,
 }
 
-/// Set in what is stored for a block that can be seen.
+/// Bit that is set for a block that can be seen.
 const VISIBLE: u16 = 0x8000;
-/// Distances end here: 255.99 blocks.
+/// Largest distance that is stored: 255.99 blocks.
 const FAR: u16 = 0x7fff;
-/// Stored numbers per block edge.
+/// Number of stored units per block edge.
 const PER_BLOCK: f32 = 128.0;
 /// Square of a distance that is larger than any: whole numbers up to 2²⁴ are exact in f32.
 const NONE: f32 = (1 << 24) as f32;
 
 impl ExactCloud {
-    /// Over visible and clear blocks.
+    /// Computes the distances between visible and clear blocks.
     pub(crate) fn new(blocks: &VisibleBlocks) -> Self {
         let grid = blocks.grid();
         let clear = blocks.inverted();
@@ -41,7 +41,7 @@ impl ExactCloud {
     }
 }
 
-/// Numbers stored for squares of distances.
+/// Returns the numbers that are stored for squares of distances.
 fn stored(squares: &[f32], flag: u16) -> Vec<u16> {
     // Rounded down twice over: by the cast, and by a unit that makes up for the root's rounding up.
     let of = |&square: &f32| {
@@ -51,7 +51,7 @@ fn stored(squares: &[f32], flag: u16) -> Vec<u16> {
     squares.iter().map(of).collect()
 }
 
-/// The square of each block's Euclidean distance from the nearest one of a set, centre to centre; [`NONE`] if the set is empty.
+/// Returns the square of each block's Euclidean distance from the nearest one of a set, centre to centre; [`NONE`] if the set is empty.
 fn squares(set: &VisibleBlocks) -> Vec<f32> {
     let BlockGrid { blocks: [w, h, d], .. } = set.grid();
     let mut along_x = vec![NONE; w * h * d];
@@ -132,7 +132,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
-        /// Against every pair of blocks.
+        /// Distances agree with those of every pair of blocks.
         #[test]
         fn distances_are_the_least_gaps(
             dims in prop::array::uniform3(2usize..9),

@@ -1,4 +1,4 @@
-//! Empty-space leaping: where along a ray something can be visible.
+//! Empty-space leaping: the parts of a ray in which something can be visible.
 //!
 //! The field's range is known per block of cells ([`vr_kernels::ranges::RangeBlocks`], made once). When the transfer function changes,
 //! [`Visibility`] says of each block whether anything in it can be visible ([`VisibleBlocks`]), and from those one structure is
@@ -12,7 +12,7 @@
 //! fast as what is clear throughout, and so it costs next to nothing in a fog that it cannot help. The structures that it beat are in
 //! `classics`.
 //!
-//! # What is promised
+//! # Guarantee
 //! Kernels round positions: a sample that lies in a clear block may be taken on the other side of its face. So a ray is a beam, a
 //! little thicker than that rounding ([`reach`]), and all of the ray where the beam touches a visible block lies in an interval. A ray that
 //! lies in a face touches the blocks on both sides, one that runs through a corner all eight.
@@ -38,21 +38,21 @@ pub(crate) use vr_kernels::ranges::Visibility;
 /// grow by, and rays would ask more often.
 pub(crate) const EDGE: usize = 8;
 
-/// Finds the intervals of a ray in which something can be visible.
+/// Structure that finds the intervals of a ray in which something can be visible.
 pub(crate) trait Leaper: Any + Send + Sync {
-    /// The first interval of the ray, in world distances like the ray's own, that ends behind `from` and may hold something visible; cut
-    /// off at `from` and at the ray's end. `None`: all the rest is clear.
+    /// Returns the first interval of the ray, in world distances like the ray's own, that ends behind `from` and may hold something visible; cut
+    /// off at `from` and at the ray's end. `None` if all the rest is clear.
     ///
     /// Asked again from the end of the last answer on, it gives disjoint intervals in order, and all that is visible lies in
     /// them, ends included.
     fn next(&self, ray: &IndexRay, from: f64) -> Option<(f64, f64)>;
 
-    /// Bytes that it takes, beyond the ranges of the blocks.
+    /// Returns the memory of the structure in bytes, without the ranges of the blocks.
     #[cfg(test)]
     fn bytes(&self) -> usize;
 }
 
-/// Half the width of the beam that stands for a ray, in cells: how far from the ray a kernel may take its sample, per axis.
+/// Returns half the width of the beam that stands for a ray, in cells: the largest distance, per axis, of a kernel's sample from the ray.
 ///
 /// Positions found as x₀ + j·δ in f32 suffer three roundings of numbers up to the largest index, a relative 2⁻²⁴ each: at most 2⁻²² of that
 /// index. The result is twice that, so that roundings of the leapers themselves, in f64, are covered many times over.

@@ -6,11 +6,11 @@ use vr_kernels::ranges::RangeBlocks;
 
 use super::{Visibility, reach};
 
-/// A bit per block: whether anything in it can be visible.
+/// Set of the blocks in which anything can be visible, a bit for each.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct VisibleBlocks {
     grid: BlockGrid,
-    /// Row after row, x fastest; each row begins a new word, lowest bit first. Bits beyond a row's end are 0.
+    /// Words, row after row, x fastest; each row begins a new word, lowest bit first. Bits beyond a row's end are 0.
     words: Vec<u64>,
 }
 
@@ -26,17 +26,17 @@ pub(crate) struct BlockGrid {
 }
 
 impl BlockGrid {
-    /// The blocks of a volume with the given samples along x, y, z.
+    /// Lays blocks over a volume with the given voxels along x, y, z.
     pub(crate) fn new(dims: [usize; 3], edge: usize) -> Self {
         Self { blocks: dims.map(|n| (n - 1).div_ceil(edge)), edge, reach: reach(dims) / edge as f64 }
     }
 
-    /// Number of blocks.
+    /// Returns the number of blocks.
     pub(crate) fn len(&self) -> usize {
         self.blocks.iter().product()
     }
 
-    /// Position of a block in an array of all of them, x fastest.
+    /// Returns the position of a block in an array of all of them, x fastest.
     #[inline(always)]
     pub(crate) fn index(&self, [x, y, z]: [usize; 3]) -> usize {
         (z * self.blocks[1] + y) * self.blocks[0] + x
@@ -44,7 +44,7 @@ impl BlockGrid {
 }
 
 impl VisibleBlocks {
-    /// Asks for each block of a volume with the given samples along x, y, z.
+    /// Tests each block of a volume with the given voxels along x, y, z.
     pub(crate) fn new<R: Real>(dims: [usize; 3], ranges: &RangeBlocks, visibility: &Visibility<R>) -> Self {
         let grid = BlockGrid::new(dims, ranges.edge());
         debug_assert_eq!(grid.blocks, ranges.blocks());
@@ -61,7 +61,7 @@ impl VisibleBlocks {
         Self { grid, words }
     }
 
-    /// From a function of the block.
+    /// Makes the set from a function of the block.
     pub(crate) fn from_fn(dims: [usize; 3], edge: usize, visible: impl Fn([usize; 3]) -> bool) -> Self {
         let grid = BlockGrid::new(dims, edge);
         let mut made = Self::clear(grid);
@@ -76,12 +76,12 @@ impl VisibleBlocks {
         made
     }
 
-    /// None of them visible.
+    /// Makes the empty set.
     pub(crate) fn clear(grid: BlockGrid) -> Self {
         Self { grid, words: vec![0; grid.blocks[0].div_ceil(64) * grid.blocks[1] * grid.blocks[2]] }
     }
 
-    /// From bytes, x fastest, of blocks of half the edge, those visible whose bytes are below `limit`: visible where any of its parts is.
+    /// Makes the set from bytes, x fastest, of blocks of half the edge, of which those below `limit` are visible: a block is visible where any of its parts is.
     pub(crate) fn of_halves(dims: [usize; 3], half: usize, bytes: &[u8], limit: u8) -> Self {
         let [nx, ny, nz] = BlockGrid::new(dims, half).blocks;
         let mut made = Self::clear(BlockGrid::new(dims, 2 * half));
@@ -104,7 +104,7 @@ impl VisibleBlocks {
         made
     }
 
-    /// Blocks of twice the edge, in a volume with the given samples along x, y, z: visible where any of their parts is.
+    /// Returns the blocks of twice the edge, in a volume with the given voxels along x, y, z, that are visible: where any of their parts is.
     pub(crate) fn coarser(&self, dims: [usize; 3]) -> Self {
         let parts = |b: usize, a: usize| 2 * b..(2 * b + 2).min(self.grid.blocks[a]);
         Self::from_fn(dims, 2 * self.grid.edge, |[x, y, z]| {
@@ -112,12 +112,12 @@ impl VisibleBlocks {
         })
     }
 
-    /// Layout of the blocks.
+    /// Returns the layout of the blocks.
     pub(crate) fn grid(&self) -> BlockGrid {
         self.grid
     }
 
-    /// Words of a row.
+    /// Returns the number of words of a row.
     pub(crate) fn words_per_row(&self) -> usize {
         self.grid.blocks[0].div_ceil(64)
     }
@@ -126,7 +126,7 @@ impl VisibleBlocks {
         (z * self.grid.blocks[1] + y) * self.words_per_row()
     }
 
-    /// The bits of a row.
+    /// Returns the bits of a row.
     pub(crate) fn row(&self, y: usize, z: usize) -> &[u64] {
         let start = self.row_start(y, z);
         &self.words[start..start + self.words_per_row()]
@@ -138,14 +138,14 @@ impl VisibleBlocks {
         self.words[self.row_start(y, z) + x / 64] >> (x % 64) & 1 == 1
     }
 
-    /// The blocks that are not visible.
+    /// Returns the blocks that are not visible.
     pub(crate) fn inverted(&self) -> Self {
         let mut made = Self { grid: self.grid, words: self.words.iter().map(|w| !w).collect() };
         made.trim();
         made
     }
 
-    /// The blocks that are visible or have a visible neighbour, across faces, edges and corners.
+    /// Returns the blocks that are visible or have a visible neighbour, across faces, edges and corners.
     pub(crate) fn dilated(&self) -> Self {
         let Self { grid, words } = self;
         let per_row = self.words_per_row();
@@ -180,7 +180,7 @@ impl VisibleBlocks {
         }
     }
 
-    /// Calls `each` with the index of every block that is in `self` and not in `other`; says whether there was one.
+    /// Calls `each` with the index of every block that is in `self` and not in `other`; returns true if there was one.
     pub(crate) fn for_each_beyond(&self, other: &Self, mut each: impl FnMut(usize)) -> bool {
         let (per_row, across) = (self.words_per_row(), self.grid.blocks[0]);
         let mut any = false;

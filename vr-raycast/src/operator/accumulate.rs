@@ -10,7 +10,7 @@ use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
-/// The over integral up to the point where 1 − e^(−τ) reaches `level`.
+/// Operator of the over integral up to the point where 1 − e^(−τ) reaches `level`.
 ///
 /// That point lies inside a step, and only the step's part before it counts: the part of opacity (level − A)/(1 − A), with
 /// light in proportion to it. The sum is kept in f64 step by step, since where it ends must not hang on a rounding.

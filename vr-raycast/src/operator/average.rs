@@ -1,4 +1,4 @@
-//! The mean of the field.
+//! Mean of the field.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -10,14 +10,14 @@ use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
-/// ∫ f ds over the part of the chord that is not vacuum, divided by its length, classified without length correction.
+/// Operator that classifies the mean ∫ f ds / ∫ ds over the part of the chord that is not vacuum, without length correction.
 ///
 /// It lies nowhere in particular: the depth is +∞.
 #[derive(Clone, Debug)]
 pub(crate) struct Average {
     pub(crate) transfer: Arc<TransferFunction>,
     pub(crate) calibration: Calibration,
-    /// ∫ f ds and ∫ ds so far.
+    /// Integrals ∫ f ds and ∫ ds so far.
     integral: f64,
     length: f64,
 }

@@ -1,4 +1,4 @@
-//! The largest or smallest value of the field.
+//! Largest or smallest value of the field.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -10,22 +10,22 @@ use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
-/// The extreme of the samples and of the two ends of the chord, classified without length correction; as deep as it lies.
+/// Operator that classifies the extreme of the samples and of the two ends of the chord, without length correction; its depth is where it lies.
 ///
 /// Between samples the field can go further: by max|f″|·h²/8, where it is smooth.
 #[derive(Clone, Debug)]
 pub(crate) struct Extreme {
     transfer: Arc<TransferFunction>,
     calibration: Calibration,
-    /// 1 for the largest stored number, −1 for the smallest.
+    /// Sign of the search: 1 for the largest stored number, −1 for the smallest.
     sign: f64,
-    /// sign·stored; −∞ before the first one.
+    /// Largest sign·stored so far; −∞ before the first sample.
     best: f64,
     distance: f64,
 }
 
 impl Extreme {
-    /// The largest calibrated value (`largest`) or the smallest.
+    /// Makes the operator of the largest calibrated value (`largest`) or of the smallest.
     pub(crate) fn new(transfer: Arc<TransferFunction>, calibration: Calibration, largest: bool) -> Self {
         // A negative slope turns the order of the stored numbers round.
         let sign = if largest == (calibration.slope > 0.0) { 1.0 } else { -1.0 };

@@ -1,4 +1,4 @@
-//! The first point where the field reaches a value.
+//! First point where the field reaches a value.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use crate::chord::{Chord, Crossing};
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
-/// The first point where the field reaches a threshold: found between two samples, or at the entry point, then refined on the
+/// Operator that shows the first point where the field reaches a threshold: found between two samples, or at the entry point, then refined on the
 /// field itself by bisection. The pixel is (c, 1), c the transfer function's colour of the field there: that of the threshold,
 /// or of what lies above it where the field jumps or the ray enters.
 ///
@@ -19,11 +19,11 @@ use crate::run::Run;
 pub(crate) struct First {
     transfer: Arc<TransferFunction>,
     calibration: Calibration,
-    /// In stored units.
+    /// Threshold in stored units.
     threshold: f64,
-    /// −1 where larger values have smaller stored numbers.
+    /// Sign of the calibration's slope: −1 where larger values have smaller stored numbers.
     sign: f64,
-    /// The last sample that was below, or vacuum.
+    /// Distance of the last sample that was below, or vacuum.
     below: Option<f64>,
     hit: Option<Crossing>,
 }

@@ -1,4 +1,4 @@
-//! Compositing operators: what the samples of a ray add up to. One small file each.
+//! Compositing operators, which make one value of the samples of a ray. One small file each.
 //!
 //! | operator | consumes | sees the ends of the chord | order of the runs |
 //! |---|---|---|---|
@@ -42,15 +42,15 @@ use crate::run::Run;
 /// Input that an operator asks for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Needs {
-    /// True if it composites light; if not, values are all that it needs.
+    /// True if the operator composites light, false if it needs values alone.
     pub(crate) light: bool,
     /// True if the runs come from the far end.
     pub(crate) backwards: bool,
-    /// True if it also takes the two end points of the chord, as runs of one sample and no length.
+    /// True if the operator also takes the two end points of the chord, as runs of one sample and no length.
     pub(crate) ends: bool,
-    /// True if it goes back from a sample to the one before, even if that one is not visible.
+    /// True if the operator goes back from a sample to the one before, even if that one is not visible.
     pub(crate) brackets: bool,
-    /// True if it finds a surface, shaded once found.
+    /// True if the operator finds a surface, which is shaded once found.
     pub(crate) surface: bool,
 }
 
@@ -59,17 +59,17 @@ impl Needs {
     const LIGHT: Self = Self { light: true, ..Self::VALUES };
 }
 
-/// A compositing operator, holding the state of one ray.
+/// Compositing operator, with the state of one ray.
 ///
 /// Called once a run, through a pointer: so that the pipeline is compiled for each precision and not for each operator as well.
 pub(crate) trait Operator<R: Real> {
-    /// Returns what it asks for, the same for every ray.
+    /// Returns the input that the operator asks for, the same for every ray.
     fn needs(&self) -> Needs;
 
     /// Forgets the last ray.
     fn begin(&mut self, chord: &Chord<'_>);
 
-    /// Takes the next run; `Break` if what follows cannot matter.
+    /// Takes the next run; returns `Break` if nothing that follows can matter.
     fn take(&mut self, run: &Run<R>, chord: &Chord<'_>) -> ControlFlow<()>;
 
     /// Returns the value of the ray.
@@ -96,10 +96,10 @@ pub(crate) fn operator<R: Real>(
     }
 }
 
-/// Opacity at which the eye's depth is.
+/// Opacity that defines the depth of a pixel.
 const HALF: f64 = 0.5;
 
-/// The distance at which opacity reaches a level, within consecutive homogeneous steps (opacity, begin, length), from the opacity
+/// Returns the distance at which opacity reaches a level, within consecutive homogeneous steps (opacity, begin, length), from the opacity
 /// that lies before them on; `None` if it does not.
 fn distance_of_opacity(level: f64, before: f64, steps: impl Iterator<Item = (f64, f64, f64)>) -> Option<f64> {
     let mut clear = 1.0 - before;
@@ -114,12 +114,12 @@ fn distance_of_opacity(level: f64, before: f64, steps: impl Iterator<Item = (f64
     None
 }
 
-/// The steps of a run as [`distance_of_opacity`] wants them.
+/// Returns the steps of a run in the form that [`distance_of_opacity`] takes.
 fn steps_of<R: Real>(run: &Run<R>) -> impl DoubleEndedIterator<Item = (f64, f64, f64)> + '_ {
     (0..run.len()).map(|j| (run.light[j][3].to_f64(), run.steps.begin[j], run.steps.length[j]))
 }
 
-/// End of the last step of a run that has any opacity. (The end of a run without such a step depends on what was left out.)
+/// Returns the end of the last step of a run that has any opacity. (The end of a run without such a step depends on what was left out.)
 fn end_of_opacity<R: Real>(run: &Run<R>) -> f64 {
     let last = (0..run.len()).rfind(|&j| run.light[j][3] > R::ZERO).unwrap_or(run.len() - 1);
     run.steps.begin[last] + run.steps.length[last]

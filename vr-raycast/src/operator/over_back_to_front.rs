@@ -1,4 +1,4 @@
-//! Emission and absorption, from the depth to the eye.
+//! Emission and absorption, back to front.
 
 use std::ops::ControlFlow;
 
@@ -9,13 +9,13 @@ use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
-/// C ← c + (1 − α)·C, A ← α + (1 − α)·A, from the last step to the first.
+/// Operator over, from the last step to the first: C ← c + (1 − α)·C, A ← α + (1 − α)·A.
 ///
 /// Runs are summed in the kernel's precision and joined in f64, as in [`super::OverFrontToBack`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OverBackToFront {
     rgba: [f64; 4],
-    /// (opacity, begin, length) of all steps, last first: only the whole ray tells how deep the eye sees.
+    /// Opacity, begin and length of all steps, last first: the depth follows from the whole ray alone.
     steps: Vec<(f64, f64, f64)>,
 }
 

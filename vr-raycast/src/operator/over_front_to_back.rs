@@ -1,4 +1,4 @@
-//! Emission and absorption, from the eye into the depth.
+//! Emission and absorption, front to back.
 
 use std::ops::ControlFlow;
 
@@ -9,17 +9,17 @@ use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
-/// C ← C + (1 − A)·c, A ← A + (1 − A)·α, from the first step to the last.
+/// Operator over, from the first step to the last: C ← C + (1 − A)·c, A ← A + (1 − A)·α.
 ///
 /// A run is summed in the kernel's precision, starting from zero, and joins the ray's sum in f64. So thousands of steps of
 /// α = 10⁻⁷ add up: none is ever added to a sum large enough to swallow it.
 #[derive(Clone, Debug)]
 pub(crate) struct OverFrontToBack {
-    /// The ray ends when no more than this could be added to any component.
+    /// Amount at which the ray ends: no more than this could be added to any component.
     negligible: f64,
     max_radiance: MaxRadiance,
     // The ray:
-    /// Largest component that its medium can add.
+    /// Largest component that the medium can add.
     max_light: f64,
     rgba: [f64; 4],
     depth: f64,

@@ -1,4 +1,4 @@
-//! Another operator, watched.
+//! Record of the steps that another operator takes.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use crate::chord::Chord;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 
-/// Hands everything to another operator, and notes the steps that it takes: nothing is computed in any other way for being watched.
+/// Operator that hands everything to another one and notes the steps that it takes: the other computes as it does without.
 pub(crate) struct Recording<R> {
     operator: Box<dyn Operator<R>>,
     calibration: Calibration,
@@ -27,14 +27,14 @@ impl<R: Real> Recording<R> {
         Self { operator, calibration, fractions, steps: Vec::new() }
     }
 
-    /// The steps of the last ray, front to back.
+    /// Returns the steps of the last ray, front to back.
     pub(crate) fn into_steps(mut self) -> Vec<ProbedStep> {
         // Runs from the far end come in the wrong order.
         self.steps.sort_by(|a, b| a.begin.total_cmp(&b.begin));
         self.steps
     }
 
-    /// The samples of a step of the run.
+    /// Returns the samples of a step of the run.
     fn samples(&self, run: &Run<R>, chord: &Chord<'_>, j: usize, fractions: Option<&[f64]>) -> Vec<ProbedSample> {
         let sample = |at: f64, index: [R; 3], stored: R| ProbedSample {
             at: at + chord.ray.offset,

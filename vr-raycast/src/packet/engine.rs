@@ -1,4 +1,4 @@
-//! The vector engine behind the seam that both engines stand behind.
+//! Vector engine, as a tracer of rays.
 
 use std::sync::Arc;
 
@@ -39,13 +39,13 @@ pub(crate) struct PacketEngine {
     pub(crate) steps: PacketSteps,
     /// Hull of the visible blocks; `None` without leaping.
     pub(crate) hull: Option<Hull>,
-    /// For steps of any length, in units of `step`.
+    /// Table for steps of any length, in units of `step`.
     optics: OpticsTable,
     /// Length of a step in world units; with steps that follow the data, the unit of their lengths.
     step: f64,
-    /// From a step's begin to its sample, as a fraction of the step.
+    /// Place of a step's sample, as a fraction of the step.
     offset: f64,
-    /// A ray ends when no more than this could be added to any component.
+    /// Amount at which a ray ends: no more than this could be added to any component.
     negligible: f64,
     max_radiance: MaxRadiance,
     shading: Option<PacketShading>,
@@ -54,23 +54,23 @@ pub(crate) struct PacketEngine {
 /// Steps of the packets' rays.
 #[derive(Clone, Debug)]
 pub(crate) enum PacketSteps {
-    /// In steps of one length.
+    /// Steps of one length.
     Lattice {
-        /// For whole steps.
+        /// Table for whole steps.
         table: Arc<BakedTransfer<f32>>,
-        /// `None`: nothing is leaped over.
+        /// Distances to the nearest visible blocks; `None` if nothing is leaped over.
         distances: Option<Distances>,
     },
-    /// In steps of the length that each place asks for.
+    /// Steps of the length that each place asks for.
     Local {
         map: Arc<StepMap>,
-        /// See [`by_byte`].
+        /// Step by the byte of the map; see [`by_byte`].
         by_byte: Box<[f32; 256]>,
     },
 }
 
 impl PacketSteps {
-    /// Blocks in which something is visible, as far as rays know.
+    /// Returns the blocks in which something may be visible.
     fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
         match self {
             Self::Lattice { distances: Some(distances), .. } => distances.visible(dims),
@@ -80,7 +80,7 @@ impl PacketSteps {
     }
 }
 
-/// Steps of a ray that f32 still counts one by one, with room to spare.
+/// Largest number of steps of a ray: f32 counts them one by one, with room to spare.
 const MAX_STEPS: f64 = (1 << 22) as f64;
 
 /// Cells along the edge of a block that is leaped over. With 8, opaque scenes took 1.2 times as long (mni, step 1: 18.8 and 15.5 ms).
@@ -150,7 +150,7 @@ impl PacketEngine {
         })
     }
 
-    /// Distances to what is visible, in blocks of `edge`³ cells; `None` where all is.
+    /// Returns the distances to the nearest visible blocks of `edge`³ cells; `None` where all are visible.
     pub(crate) fn distances(
         volume: &GridVolume,
         scene: &Scene,
@@ -165,7 +165,7 @@ impl PacketEngine {
     }
 }
 
-/// True if the scene's shading, if it has any, is of the kind that packets know.
+/// True if the scene is unshaded, or shaded in the way that packets know.
 fn shadable(scene: &Scene) -> bool {
     scene
         .shading
@@ -173,16 +173,16 @@ fn shadable(scene: &Scene) -> bool {
         .is_none_or(|s| s.gradient == GradientMethod::CentralDifferences && s.gradient_opacity.is_empty())
 }
 
-/// The vector engine with a view.
+/// Vector engine with a view.
 pub(crate) struct PacketFrame<'a> {
     engine: &'a PacketEngine,
     volume: &'a GridVolume,
     rays: Rays,
     view: &'a View,
     layer: Option<&'a Layer>,
-    /// `None`: rays may meet something wherever they go.
+    /// Depths before which nothing can be seen; `None` if they are not known.
     near: Option<NearDepths>,
-    /// The view's, a unit vector.
+    /// Direction of the view, a unit vector.
     forward: DVec3,
 }
 
@@ -210,7 +210,7 @@ impl Tracer for PacketFrame<'_> {
     }
 }
 
-/// A call of [`Tracer::trace`], once the voxel type is known.
+/// Arguments of [`Tracer::trace`], for the visit of the voxel type.
 struct Trace<'a, 'f, T> {
     frame: &'a PacketFrame<'f>,
     medium: &'a Medium<'a, T>,
@@ -305,7 +305,7 @@ impl PacketFrame<'_> {
         }
     }
 
-    /// Per ray the largest light, or opacity, that can come from behind, by what is left clear.
+    /// Returns, for each ray, the largest light or opacity that can come from behind, per transmittance left.
     fn max_light(&self, packet: &Packet) -> Lanes {
         Lanes(packet.length.map(|length| self.engine.max_radiance.over(length) as f32))
     }

@@ -1,4 +1,4 @@
-//! Blocks in which nothing can be seen, and how far a ray leaps over them.
+//! Leaps of rays over blocks in which nothing can be seen.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -9,7 +9,7 @@ use vr_kernels::vector::{Cells, LANES, pick, splat};
 use super::setup::Packet;
 use crate::leap::{Visibility, VisibleBlocks, chessboard_distances};
 
-/// Per block the chessboard distance, in blocks, to the nearest one in which something is visible: 0 in that one.
+/// Chessboard distance of each block, in blocks, to the nearest one in which something is visible: 0 in that one.
 ///
 /// All blocks nearer than that are invisible, so a ray in the middle of them moves on freely: a proximity cloud (Cohen & Sheffer
 /// 1994, "Proximity clouds, an acceleration technique for 3D grid traversal").
@@ -31,7 +31,7 @@ impl Distances {
         Self::spread(ranges.edge(), ranges.blocks(), distance)
     }
 
-    /// The same of ranges in bytes, which must be exact: a table tells of all that there are.
+    /// Finds the distances from ranges in bytes, which must be exact: each possible range is tested once, for a table.
     pub(crate) fn of_levels(levels: &LevelRanges, visibility: &Visibility<f32>) -> Option<Self> {
         const N: usize = LevelRanges::LAST as usize + 1;
         let mut table = vec![u8::MAX; N * N];
@@ -48,7 +48,7 @@ impl Distances {
         Self::spread(LevelRanges::EDGE, levels.blocks(), distance)
     }
 
-    /// From blocks that are 0 where something is visible, and 255 elsewhere.
+    /// Makes the distances of blocks that are 0 where something is visible, and 255 elsewhere.
     fn spread(edge: usize, blocks: [usize; 3], mut distance: Vec<u8>) -> Option<Self> {
         assert!(edge.is_power_of_two(), "blocks are found by shifting");
         if distance.iter().all(|&d| d == 0) {
@@ -58,12 +58,12 @@ impl Distances {
         Some(Self { shift: edge.trailing_zeros(), blocks, distance })
     }
 
-    /// Visible blocks, of twice the edge, of a volume with the given samples along x, y, z.
+    /// Returns the visible blocks, of twice the edge, of a volume with the given voxels along x, y, z.
     pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
         VisibleBlocks::of_halves(dims, 1 << self.shift, &self.distance, 1)
     }
 
-    /// Distance to what is visible from the blocks of sixteen cells.
+    /// Returns the distances of the blocks of sixteen cells.
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&self, simd: S, cells: &Cells<S>) -> i32x16<S> {
         let index = block_index(cells, self.shift, self.blocks);
@@ -75,7 +75,7 @@ impl Distances {
     }
 }
 
-/// Index of the block of `1 << shift` cells that each cell lies in.
+/// Returns the index of the block of `1 << shift` cells that each cell lies in.
 #[inline(always)]
 pub(crate) fn block_index<S: Simd>(cells: &Cells<S>, shift: u32, blocks: [usize; 3]) -> [i32; LANES] {
     let [x, y, z] = cells.cell;
@@ -83,26 +83,26 @@ pub(crate) fn block_index<S: Simd>(cells: &Cells<S>, shift: u32, blocks: [usize;
     (((z >> shift) * ny + (y >> shift)) * nx + (x >> shift)).to_array()
 }
 
-/// Finds the points at which a packet's rays leave boxes of blocks.
+/// Solver for the points at which a packet's rays leave boxes of blocks.
 pub(crate) struct Leaper<S: Simd> {
     shift: u32,
     edge: f32,
     /// Steps per index unit, axis by axis; a large number where a ray is parallel.
     per_index: [f32x16<S>; 3],
-    /// +1 where a ray goes up the axis, −1 where it goes down.
+    /// Direction along each axis: +1 where a ray goes up, −1 where it goes down.
     sign: [f32x16<S>; 3],
-    /// From the block's number to the face that the ray leaves it by, in blocks, but for the distance.
+    /// Offset, in blocks, from the number of a block to the face by which the ray leaves it.
     face: [f32x16<S>; 3],
-    /// Kept from the face, for positions are rounded.
+    /// Margin kept from the face, since positions are rounded.
     margin: f32,
 }
 
-/// Fraction of the largest index: eight times the error of positions along a ray in f32.
+/// Margin as a fraction of the largest index: eight times the error of positions along a ray in f32.
 const MARGIN: f32 = 1.0 / (1 << 20) as f32;
 
 impl<S: Simd> Leaper<S> {
     #[inline(always)]
-    /// Out of boxes of blocks of `1 << shift` cells.
+    /// Prepares a packet for leaps out of boxes of blocks of `1 << shift` cells.
     pub(crate) fn new(simd: S, shift: u32, packet: &Packet, dims: [usize; 3]) -> Self {
         let one = splat(simd, 1.0);
         let delta = [packet.delta[0].load(simd), packet.delta[1].load(simd), packet.delta[2].load(simd)];
@@ -120,7 +120,7 @@ impl<S: Simd> Leaper<S> {
         Self { shift, edge, per_index, sign, face, margin: largest * MARGIN }
     }
 
-    /// Steps from a position to where it leaves the box of blocks nearer than `distance` to its own.
+    /// Returns the steps from a position to the point where it leaves the box of blocks nearer than `distance` to its own.
     #[inline(always)]
     pub(crate) fn exit(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: f32x16<S>) -> f32x16<S> {
         let mut steps = splat(simd, 1e6);
@@ -132,7 +132,7 @@ impl<S: Simd> Leaper<S> {
         steps.max(splat(simd, 0.0))
     }
 
-    /// Whole steps, at least one, to the first that can be beyond that box.
+    /// Returns the number of whole steps, at least one, to the first that can be beyond that box.
     #[inline(always)]
     pub(crate) fn steps(&self, simd: S, position: [f32x16<S>; 3], cells: &Cells<S>, distance: i32x16<S>) -> f32x16<S> {
         let kept = [

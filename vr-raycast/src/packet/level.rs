@@ -1,10 +1,10 @@
-//! Instructions that the kernels are made for.
+//! Vector instructions that kernels run on.
 
 use fearless_simd::Level;
 
 use crate::caster::Vector;
 
-/// The level that a caster asks for; `None`: no vectors.
+/// Returns the level that a caster asks for; `None` if it asks for no vectors.
 pub(crate) fn of(vector: Vector) -> Option<Level> {
     let best = Level::new();
     match vector {

@@ -1,4 +1,4 @@
-//! Packets in steps of the length that each place asks for.
+//! March of packets in steps of the length that each place asks for.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
@@ -9,16 +9,16 @@ use super::march::{Medium, PacketResult, Path, finish, shaded};
 use super::setup::Packet;
 use crate::step_map::{CLEAR, StepMap};
 
-/// A [`StepMap`] as packets read it. Distances are in smallest voxel edges, which are the packet's steps.
+/// Step map in the form that packets read. Distances are in smallest voxel edges, which are the packet's steps.
 #[derive(Clone, Copy)]
 pub(crate) struct LocalSteps<'a> {
     bytes: &'a [u8],
     blocks: [usize; 3],
-    /// By byte: the step to take; below 0 where a block is clear, by one more than as many blocks around as are, too.
+    /// Step to take, by the byte of the map; for clear blocks −1 − n, where n is the number of clear blocks around in each direction.
     by_byte: &'a [f32; 256],
 }
 
-/// Table in which [`LocalSteps`] looks bytes up.
+/// Returns the table in which [`LocalSteps`] looks bytes up.
 pub(crate) fn by_byte(map: &StepMap, voxel: f64) -> [f32; 256] {
     std::array::from_fn(|b| match map.steps().get(b) {
         Some(&step) => (f64::from(step) / voxel) as f32,
@@ -26,10 +26,10 @@ pub(crate) fn by_byte(map: &StepMap, voxel: f64) -> [f32; 256] {
     })
 }
 
-/// Looked ahead from where a step begins, so that it begins in the block that it leads into: beyond what rounding does to a position.
+/// Distance of the look ahead from the begin of a step, so that the step counts for the block that it leads into: beyond the rounding of a position.
 const NUDGE: f32 = 1.0 / 1024.0;
 
-/// A rest of a ray that is not worth a step: below the rounding of a position.
+/// Largest rest of a ray that is not worth a step: below the rounding of a position.
 const REST: f32 = 1e-5;
 
 impl<'a> LocalSteps<'a> {
@@ -49,7 +49,7 @@ impl<'a> LocalSteps<'a> {
     }
 }
 
-/// Each ray walks on its own: over what is clear to where it ends, and through the rest in steps of the length that the block of their
+/// Walks each ray on its own: over clear blocks to their end, and through the rest in steps of the length that the block of their
 /// begin asks for. Rays that are in clear blocks leap while those in visible ones wait, but only as long as they are more.
 #[inline(always)]
 pub(crate) fn local<S: Simd, T: Pairs>(

@@ -1,4 +1,4 @@
-//! Packets along their rays.
+//! March of packets along their rays.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
@@ -17,43 +17,43 @@ pub(crate) struct Medium<'a, T> {
     pub(crate) field: Field<'a, T>,
     pub(crate) dims: [usize; 3],
     pub(crate) steps: MarchSteps<'a>,
-    /// For steps of any length.
+    /// Table for steps of any length.
     pub(crate) optics: &'a OpticsTable,
-    /// `None`: unshaded.
+    /// Shading; `None` if unshaded.
     pub(crate) shading: Option<&'a PacketShading>,
-    /// A ray ends when no more than this could be added to any component.
+    /// Amount at which a ray ends: no more than this could be added to any component.
     pub(crate) negligible: f32,
 }
 
 /// Steps of the rays.
 #[derive(Clone, Copy)]
 pub(crate) enum MarchSteps<'a> {
-    /// In steps of one length.
+    /// Steps of one length.
     Lattice(LatticeSteps<'a>),
-    /// In steps of the length that each place asks for.
+    /// Steps of the length that each place asks for.
     Local(LocalSteps<'a>),
 }
 
 /// Steps of one length.
 #[derive(Clone, Copy)]
 pub(crate) struct LatticeSteps<'a> {
-    /// For whole steps.
+    /// Table for whole steps.
     pub(crate) rows: Rows<'a>,
-    /// `None`: nothing is leaped over.
+    /// Distances to the nearest visible blocks; `None` if nothing is leaped over.
     pub(crate) distances: Option<&'a Distances>,
 }
 
 /// Results of a packet's rays.
 pub(crate) struct PacketResult {
     pub(crate) rgba: [Lanes; 4],
-    /// Position where opacity reaches a half, in steps from the middle one's begin; +∞: nowhere.
+    /// Position where opacity reaches a half, in steps from the middle one's begin; +∞ if it does not.
     pub(crate) half: Lanes,
     pub(crate) samples: u32,
-    /// Bit i: ray i ended before its last step.
+    /// Mask of the rays that ended before their last step.
     pub(crate) terminated: u32,
 }
 
-/// Takes the packet's rays to their ends. `max_light`: the largest light, or opacity, that can come from behind, by what is left clear.
+/// Takes the packet's rays to their ends. `max_light` is the largest light or opacity that can come from behind, per transmittance left.
 ///
 /// Its own function, called once a packet: stages that the optimizer can see made are stages that it tries to keep in registers, in vain
 /// and for twice the time.
@@ -78,10 +78,10 @@ pub(crate) fn march<S: Simd, T: Pairs>(
     }
 }
 
-/// Pairs of steps between two looks for invisible blocks: a look costs a third of a sample.
+/// Number of pairs of steps between two looks for invisible blocks: a look costs a third of a sample.
 const STRIDE: u32 = 2;
 
-/// In steps of one length.
+/// Steps of one length.
 #[inline(always)]
 fn lattice<S: Simd, T: Pairs>(
     simd: S,
@@ -201,7 +201,7 @@ pub(crate) fn finish<S: Simd>(
     }
 }
 
-/// Light after shading, where something is shaded; `stage` is used up.
+/// Returns the light after shading, where something is shaded; `stage` is used up.
 #[inline(always)]
 pub(crate) fn shaded<S: Simd, T: Pairs>(
     simd: S,
@@ -243,7 +243,7 @@ impl<S: Simd> Path<S> {
         }
     }
 
-    /// Positions, and their cells, so many steps from the middle ones.
+    /// Returns the positions that are so many steps from the middle ones, and their cells.
     #[inline(always)]
     pub(crate) fn cells<T>(&self, simd: S, medium: &Medium<'_, T>, at: f32x16<S>) -> ([f32x16<S>; 3], Cells<S>) {
         let position = [

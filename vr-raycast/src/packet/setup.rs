@@ -1,4 +1,4 @@
-//! Sixteen rays at once from the image into the volume: in f64, in loops that the compiler makes vector code of.
+//! Set-up of sixteen rays at once, from the image into the volume: in f64, in loops that the compiler makes vector code of.
 
 use fearless_simd::Simd;
 use glam::DVec3;
@@ -16,9 +16,9 @@ pub(crate) struct FrameSetup<'a> {
     pub(crate) layer: Option<&'a Layer>,
     /// Length of a step in world units.
     pub(crate) step: f64,
-    /// From a step's begin to its sample, as a fraction of the step.
+    /// Place of a step's sample, as a fraction of the step.
     pub(crate) offset: f64,
-    /// A unit vector: along which depth is measured.
+    /// Unit vector along which depth is measured.
     pub(crate) forward: DVec3,
 }
 
@@ -28,15 +28,15 @@ pub(crate) struct FrameSetup<'a> {
 /// exact as they can be: what the difference was rounded by is multiplied by half as many steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Packet {
-    /// Bit i: ray i meets the volume.
+    /// Mask of the rays that meet the volume.
     pub(crate) hits: u32,
     /// Position of the sample of the middle step, axis by axis.
     pub(crate) base: [Lanes; 3],
-    /// From one sample to the next.
+    /// Vector from one sample to the next.
     pub(crate) delta: [Lanes; 3],
     /// Position of the first sample, in steps from the middle.
     pub(crate) first: Lanes,
-    /// The number of the last step, which may be a shorter one; −∞ for a ray that does not meet the volume.
+    /// Number of the last step, which may be a shorter one; −∞ for a ray that does not meet the volume.
     pub(crate) end: Lanes,
     /// Position of the sample of the last step, in steps from the middle.
     pub(crate) last: Lanes,
@@ -44,7 +44,7 @@ pub(crate) struct Packet {
     pub(crate) ratio: Lanes,
     /// End of the ray, in steps from the middle one's begin; −∞ for one that does not meet the volume.
     pub(crate) stop: Lanes,
-    /// Step number of the middle one.
+    /// Number of the middle step.
     pub(crate) middle: [f64; LANES],
     /// World distance from the ray's own origin to the begin of step 0.
     pub(crate) begin: [f64; LANES],
@@ -54,7 +54,7 @@ pub(crate) struct Packet {
     pub(crate) directions: [[f64; LANES]; 3],
 }
 
-/// Fraction of a ray's length: a last step shorter than this is rounding. As in `Lattice`.
+/// Fraction of a ray's length below which a last step is rounding, as in `Lattice`.
 const SLIVER: f64 = 1e-12;
 
 impl FrameSetup<'_> {
@@ -135,7 +135,7 @@ impl Packet {
         directions: [[0.0; LANES]; 3],
     };
 
-    /// Begins at these steps of the rays, or at their last ones.
+    /// Moves the begin of the rays to these steps, or to their last ones.
     pub(crate) fn begin_at(&mut self, starts: &[u32]) {
         for (i, &start) in starts.iter().enumerate() {
             let last = f64::from(self.end.0[i]).max(0.0 - self.middle[i]);

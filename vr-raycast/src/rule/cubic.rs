@@ -1,30 +1,30 @@
-//! Cubics along a step, and where they take given values.
+//! Cubics along a step, and the points at which they take given values.
 
 use crate::root::monotone_root;
 
-/// Σ cₖ uᵏ, u being the fraction of a step, from 0 to 1.
+/// Cubic Σ cₖ uᵏ, where u is the fraction of a step, from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cubic(pub(crate) [f64; 4]);
 
 impl Cubic {
-    /// The straight line from one value to another.
+    /// Returns the straight line from one value to another.
     pub(crate) fn line(front: f64, back: f64) -> Self {
         Self([front, back - front, 0.0, 0.0])
     }
 
-    /// The parabola through the values at 0, ½ and 1.
+    /// Returns the parabola through the values at 0, ½ and 1.
     pub(crate) fn parabola(front: f64, middle: f64, back: f64) -> Self {
         // Twice how far the middle lies above the straight line.
         let bulge = 2.0 * middle - (front + back);
         Self([front, back - front + 2.0 * bulge, -2.0 * bulge, 0.0])
     }
 
-    /// The fractions at which [`Cubic::through`] wants its values: the zeros of the fourth Chebyshev polynomial, between which and
+    /// Fractions at which [`Cubic::through`] takes its values: the zeros of the fourth Chebyshev polynomial, between which and
     /// to the ends of the step interpolation magnifies rounding least.
     pub(crate) const NODES: [f64; 4] =
         [0.038_060_233_744_356_63, 0.308_658_283_817_455_1, 0.691_341_716_182_544_9, 0.961_939_766_255_643_4];
 
-    /// The cubic through the values at [`Cubic::NODES`]; a constant to the last bit where they are equal.
+    /// Returns the cubic through the values at [`Cubic::NODES`]; a constant to the last bit where they are equal.
     pub(crate) fn through(values: [f64; 4]) -> Self {
         // Newton's divided differences, expanded.
         let x = Self::NODES;
@@ -44,7 +44,7 @@ impl Cubic {
         Self(c)
     }
 
-    /// Its value.
+    /// Returns the value at a fraction.
     #[inline]
     pub(crate) fn at(&self, u: f64) -> f64 {
         let [a, b, c, d] = self.0;
@@ -56,12 +56,12 @@ impl Cubic {
         b + u * (2.0 * c + u * 3.0 * d)
     }
 
-    /// True if it is constant to the last bit.
+    /// True if the cubic is constant to the last bit.
     pub(crate) fn is_constant(&self) -> bool {
         self.0[1..] == [0.0; 3]
     }
 
-    /// The ends of the parts of [0, 1] on which it rises or falls throughout: 0, up to two turning points, 1.
+    /// Returns the ends of the parts of [0, 1] on which it rises or falls throughout: 0, up to two turning points, 1.
     fn monotone_parts(&self) -> ([f64; 4], usize) {
         let [_, b, c, d] = self.0;
         let (mut ends, mut count) = ([0.0; 4], 1);
@@ -105,7 +105,7 @@ impl Cubic {
         }
     }
 
-    /// Point where it passes `value` between two ends between which it is monotone.
+    /// Returns the point where it passes `value`, between two ends between which it is monotone.
     fn crossing(&self, value: f64, ends: [f64; 2], rising: bool) -> f64 {
         monotone_root(ends, rising, |u| (self.at(u) - value, self.slope(u)))
     }

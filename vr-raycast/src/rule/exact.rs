@@ -1,4 +1,4 @@
-//! The light of a step on which the value is a cubic, to rounding.
+//! Light of a step on which the value is a cubic, to rounding.
 
 use std::sync::{Arc, LazyLock};
 
@@ -7,7 +7,7 @@ use vr_core::{OpacityRule, TransferFunction};
 
 use super::cubic::Cubic;
 
-/// Integrates the equation of transfer over a step on which the calibrated value is a given polynomial.
+/// Integrator of the equation of transfer over a step on which the calibrated value is a given polynomial.
 ///
 /// The step is cut where the polynomial passes a knot of the transfer function; on each piece κ and q are smooth, and Gauss and
 /// Legendre's rule with 8 points integrates both, the optical depth in front of each point by the same polynomial. A piece is halved
@@ -18,7 +18,7 @@ use super::cubic::Cubic;
 #[derive(Clone, Debug)]
 pub(crate) struct ExactIntegral {
     transfer: Arc<TransferFunction>,
-    /// Calibrated values at which it has a kink or jumps, ascending.
+    /// Calibrated values at which the transfer function has a kink or jumps, ascending.
     knots: Vec<f64>,
 }
 
@@ -29,9 +29,9 @@ struct Gain {
     light: [f64; 3],
 }
 
-/// Halvings of a piece: the logarithm at α = 1 is then enclosed to 10⁻¹³.
+/// Largest number of halvings of a piece: the logarithm at α = 1 is then enclosed to 10⁻¹³.
 const MAX_HALVINGS: u32 = 48;
-/// Two results that agree so far, relative to 1 or to what is larger, are the same.
+/// Largest difference of two results that count as the same, relative to 1 or the larger one.
 const AGREEMENT: f64 = 1e-13;
 /// Optical depth behind which nothing is left to see in f64.
 const BLIND: f64 = 40.0;
@@ -43,7 +43,7 @@ impl ExactIntegral {
         Self { transfer, knots }
     }
 
-    /// Transfer function that it integrates.
+    /// Returns the transfer function that it integrates.
     pub(crate) fn transfer(&self) -> &TransferFunction {
         &self.transfer
     }
@@ -58,7 +58,7 @@ impl ExactIntegral {
         walls.any(|w| high + more > w.from && low - more < w.to && !(high > w.from && low < w.to))
     }
 
-    /// Light (r, g, b) and opacity of a step of `length` world units.
+    /// Returns light (r, g, b) and opacity of a step of `length` world units.
     pub(crate) fn step(&self, value: Cubic, length: f64) -> [f64; 4] {
         if value.is_constant() {
             return self.transfer.step(value.0[0], length);
@@ -100,13 +100,13 @@ impl ExactIntegral {
     }
 }
 
-/// By how much a value must exceed the border of a wall to be in it, and not only beside it up to rounding.
+/// Returns the margin by which a value must exceed the border of a wall to be in it, and not only beside it up to rounding.
 fn touch(border: f64) -> f64 {
     if border.is_finite() { 1e-13 * border.abs() } else { 0.0 }
 }
 
 impl Gain {
-    /// Both, this one in front.
+    /// Joins two contributions, this one in front.
     fn before(self, behind: Self) -> Self {
         let clear = libm::exp(-self.depth);
         let light = std::array::from_fn(|c| self.light[c] + clear * behind.light[c]);
@@ -119,7 +119,7 @@ impl Gain {
     }
 }
 
-/// A part of a step inside one segment of the transfer function.
+/// Part of a step inside one segment of the transfer function.
 struct Piece<'a> {
     integral: &'a ExactIntegral,
     segment: &'a Segment,
@@ -132,7 +132,7 @@ impl Piece<'_> {
         self.refined(self.estimate(from, to), from, to, halvings)
     }
 
-    /// A better one than the estimate, if that is not good.
+    /// Returns a better contribution than the estimate, if that is not good.
     fn refined(&self, whole: Gain, from: f64, to: f64, halvings: u32) -> Gain {
         let middle = 0.5 * (from + to);
         let front = self.estimate(from, middle);
@@ -178,11 +178,11 @@ impl Piece<'_> {
 
 const POINTS: usize = 8;
 
-/// Gauss and Legendre's rule on [−1, 1], and the integrals from −1 to each of its points.
+/// Gauss-Legendre rule on [−1, 1], and the integrals from −1 to each of its points.
 struct GaussLegendre {
     nodes: [f64; POINTS],
     weights: [f64; POINTS],
-    /// Row j: weights of the integral of the interpolating polynomial from −1 to node j.
+    /// Weights, in row j, of the integral of the interpolating polynomial from −1 to node j.
     running: [[f64; POINTS]; POINTS],
 }
 
@@ -192,7 +192,7 @@ fn dot(a: &[f64; POINTS], b: &[f64; POINTS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// P₀ … P₉ at a point, by Bonnet's recursion.
+/// Returns the Legendre polynomials P₀ … P₉ at a point, by Bonnet's recursion.
 fn legendre(x: f64) -> [f64; POINTS + 1] {
     let mut p = [1.0; POINTS + 1];
     p[1] = x;
@@ -204,7 +204,7 @@ fn legendre(x: f64) -> [f64; POINTS + 1] {
 }
 
 impl GaussLegendre {
-    /// The nodes are the zeros of P₈, found by Newton's method from Tricomi's guess; with ℓⱼ = Σₖ (k + ½) wⱼ Pₖ(xⱼ) Pₖ, running
+    /// Makes the rule. The nodes are the zeros of P₈, found by Newton's method from Tricomi's guess; with ℓⱼ = Σₖ (k + ½) wⱼ Pₖ(xⱼ) Pₖ, running
     /// integrals follow from ∫ Pₖ = (Pₖ₊₁ − Pₖ₋₁)/(2k + 1).
     fn new() -> Self {
         let n = POINTS as f64;

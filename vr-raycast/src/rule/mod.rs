@@ -1,4 +1,4 @@
-//! Integration rules: at which points of a step the field is sampled, and what light their values make.
+//! Integration rules: the points of a step at which the field is sampled, and the light that their values make.
 //!
 //! | rule | value along a step | samples a step | order, smooth field | at kinks of the transfer function | at its jumps |
 //! |---|---|---|---|---|---|

@@ -1,4 +1,4 @@
-//! The light of steps along which the value changes.
+//! Light of steps along which the value changes.
 
 use std::sync::Arc;
 
@@ -12,17 +12,17 @@ use crate::run::Run;
 /// Course of the value along a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shape {
-    /// It is that of one sample.
+    /// Constant, the value of one sample.
     Point,
     /// Straight from front to back.
     Line,
-    /// A parabola through front, middle and back.
+    /// Parabola through front, middle and back.
     Parabola,
-    /// A cubic through four points inside.
+    /// Cubic through four points inside.
     Cubic,
 }
 
-/// Turns the values of a step into light, by integration over all values between them: from a table of antiderivatives, whatever the
+/// Integrator that turns the values of a step into light, over all values between them: from a table of antiderivatives, whatever the
 /// length of the step, or to rounding.
 ///
 /// Vacuum: between a sample and one that does not exist, the field reaches half way, at the value of the one that exists. So it ends
@@ -30,14 +30,14 @@ pub(crate) enum Shape {
 #[derive(Clone, Debug)]
 pub(crate) struct Profile<R> {
     pub(crate) shape: Shape,
-    /// `None`: everything is integrated to rounding.
+    /// Table of antiderivatives; `None` where everything is integrated to rounding.
     pub(crate) table: Option<Arc<PreIntegrated<R>>>,
     pub(crate) exact: ExactIntegral,
     pub(crate) calibration: Calibration,
 }
 
 impl<R: Real> Profile<R> {
-    /// Positions in a step at which the field is sampled, as fractions of its length; `None`: at the run's own sample of the step.
+    /// Returns the positions in a step at which the field is sampled, as fractions of its length; `None` for the run's own sample of the step.
     pub(crate) fn fractions(&self) -> Option<&'static [f64]> {
         (self.shape != Shape::Point).then(|| self.shape.fractions())
     }
@@ -49,7 +49,7 @@ impl<R: Real> Profile<R> {
         }
     }
 
-    /// Light and opacity of a step of the run, as if it were `length` long.
+    /// Returns light and opacity of a step of the run, as if it were `length` long.
     pub(crate) fn step(&self, run: &Run<R>, j: usize, length: f64) -> [R; 4] {
         match self.shape {
             Shape::Point => self.line(run.value[j], run.value[j], length),
@@ -109,11 +109,11 @@ impl<R: Real> Profile<R> {
         self.calibration.value(stored.to_f64())
     }
 
-    /// Light and opacity of a step of the run whose extinction is multiplied by `factor`.
+    /// Returns light and opacity of a step of the run whose extinction is multiplied by `factor`.
     ///
     /// κ times a factor over h is κ over h times that factor, but emission of its own must not be multiplied along.
     pub(crate) fn with_extinction_times(&self, run: &Run<R>, j: usize, factor: f64) -> [R; 4] {
-        /// Stands for none: what it absorbs is lost in rounding.
+        /// Factor that stands for 0: the absorption that it leaves is lost in rounding.
         const FAINT: f64 = 1e-7;
         let transfer: &TransferFunction = self.exact.transfer();
         let length = run.steps.length[j];

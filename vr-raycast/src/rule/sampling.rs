@@ -7,7 +7,7 @@ use super::profile::{Profile, Shape};
 use crate::chord::Chord;
 use crate::run::{RUN, Run};
 
-/// Points of a run at most, and the last one of the run before.
+/// Largest number of points of a run, and the last one of the run before.
 const POINTS: usize = 4 * RUN + 1;
 
 /// Points at which the field is sampled, and its values there.
@@ -16,7 +16,7 @@ pub(crate) struct Points<R> {
     len: usize,
     position: [[R; POINTS]; 3],
     value: [R; POINTS],
-    /// The last point of the run before, and the value there.
+    /// Last point of the run before, and the value there.
     before: ([R; 3], R),
 }
 
@@ -40,7 +40,7 @@ impl<R: Real> Points<R> {
 }
 
 impl Shape {
-    /// Positions of the samples in a step, as fractions of its length.
+    /// Returns the positions of the samples in a step, as fractions of its length.
     pub(super) fn fractions(self) -> &'static [f64] {
         match self {
             Self::Point => &[0.5],
@@ -52,7 +52,7 @@ impl Shape {
 }
 
 impl<R: Real> Profile<R> {
-    /// Fills what the shape needs of a placed run; returns how many samples it took.
+    /// Samples a placed run at the points that the shape needs; returns the number of samples.
     ///
     /// A step that begins where the one before ends shares the sample there: where both are the same point in the kernel's precision,
     /// so that nothing depends on what was sampled before.

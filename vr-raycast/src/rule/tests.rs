@@ -1,4 +1,4 @@
-//! The rules in f64, without the f32 of a frame, against the reference.
+//! Comparison of the rules in f64, without the f32 of a frame, with the reference.
 
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ fn jumping() -> TransferFunction {
     points(&[(0.4, DARK, 0.05), (0.4, BRIGHT, 0.3), (0.6, BRIGHT, 0.3), (0.6, DARK, 0.1)], OpacityRule::Power)
 }
 
-/// A ramp that only touches α = 1, and a wall.
+/// Returns a ramp that only touches α = 1, and a wall.
 fn opaque() -> TransferFunction {
     let p = [
         (0.1, DARK, 0.0),
@@ -73,7 +73,7 @@ fn view(scene: &Scene) -> View {
     View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, None), [10, 10])
 }
 
-/// The pixels of a view in f64, by the engine's passes.
+/// Returns the pixels of a view in f64, by the engine's passes.
 fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
     let volume = scene.volume.grid().unwrap();
     let TablesByPrecision::F64(tables) = TablesByPrecision::new(caster, scene, volume, None) else {

@@ -1,6 +1,6 @@
-//! The order of rays that runs fastest.
+//! Order of the points of a rectangle in which rays run fastest.
 
-/// Points along the edge of a block. Rays of a packet stay close to each other.
+/// Number of points along the edge of a block, which keeps the rays of a packet close to each other.
 const BLOCK: u32 = 4;
 
 /// Calls `each` for the points of a rectangle, `high` excluded, in blocks of 4×4. (As an iterator, this took a tenth of a frame.)

@@ -1,4 +1,4 @@
-//! Every ray of every pixel.
+//! Rays of every pixel.
 
 use rayon::prelude::*;
 use vr_core::image_order::{ImageSample, in_parallel};
@@ -17,7 +17,7 @@ pub(crate) fn every_pixel(tracer: &dyn Tracer, view: &View, control: &Control) -
     Ok(Rendered { frame, stats })
 }
 
-/// Draws pixels; returns one value for each.
+/// Function that draws pixels and returns one value for each.
 type DrawTile<'a> = &'a (dyn Fn(&[[u32; 2]]) -> (Vec<RaySample>, Counts) + Sync);
 
 /// Draws a view tile by tile on all threads: `draw` is handed the pixels of a tile and returns one value for each.
@@ -57,7 +57,7 @@ pub(crate) fn by_tiles(
     Ok(Frame::new(view.size, rgba, Some(depth)))
 }
 
-/// The pixels of a tile, block by block.
+/// Returns the pixels of a tile, block by block.
 fn pixels_of_tile(size: [u32; 2], corner: [u32; 2]) -> Vec<[u32; 2]> {
     let end = [0, 1].map(|a| (corner[a] + TILE).min(size[a]));
     let mut pixels = Vec::with_capacity((TILE * TILE) as usize);
@@ -88,7 +88,7 @@ fn push_spots(view: &View, pixel @ [x, y]: [u32; 2], spots: &mut Vec<ImageSample
     }
 }
 
-/// The n² rays of a pixel.
+/// Returns the n² rays of a pixel.
 pub(crate) fn spots_of_pixel(view: &View, pixel @ [x, y]: [u32; 2]) -> impl Iterator<Item = ImageSample> {
     let n = view.supersampling;
     let pixel = number_of(view, pixel);
@@ -96,7 +96,7 @@ pub(crate) fn spots_of_pixel(view: &View, pixel @ [x, y]: [u32; 2]) -> impl Iter
     (0..n * n).map(move |k| ImageSample { pixel, x: f64::from(x) + centre(k % n), y: f64::from(y) + centre(k / n) })
 }
 
-/// The number of a pixel, row by row. Beyond the view's, where a screen may look as well, it is that of the nearest: layers know no other.
+/// Returns the index of a pixel, row by row. Beyond the view, where rays may go as well, it is that of the nearest pixel: layers know no other.
 #[inline]
 fn number_of(view: &View, [x, y]: [u32; 2]) -> usize {
     let [w, h] = view.size;

@@ -14,7 +14,7 @@ use crate::tracer::Tracer;
 use adaptive::adaptive;
 use every_pixel::every_pixel;
 
-/// Draws a view by the rays of a screen, whatever traces them.
+/// Draws a view by the rays that an image sampling chooses, whatever traces them.
 pub(crate) fn draw(
     screen: ImageSampling,
     tracer: &dyn Tracer,

@@ -1,4 +1,4 @@
-//! The class of a step by a block's range of values: how far the medium lets it go.
+//! Classes of steps by the range of values of a block: the longest step that the medium allows.
 
 use vr_core::transfer::Optical;
 use vr_core::{Calibration, Scene, TransferFunction};
@@ -7,30 +7,30 @@ use vr_kernels::ranges::LevelRanges;
 use super::features::Features;
 use super::{CLASSES, CLEAR, LONGEST, SHORTEST, StepMap};
 
-/// Error per unit length that is allowed for an error of 1 of the picture: calibrated on ten scenes, opaque and translucent, so that their
+/// Error per unit length that is allowed for an error of 1 in the picture: calibrated on ten scenes, opaque and translucent, so that their
 /// RMSE is the error asked for or less.
 pub(super) const RATE: f64 = 5.0;
 /// Change of optical depth, per voxel, beyond which light is saturated and its error grows no more.
 const SATURATION: f64 = 0.64;
 
-/// Voxels of a step of a class.
+/// Returns the length of the steps of a class, in voxels.
 pub(super) fn step_of(class: usize) -> f64 {
     SHORTEST * libm::exp2(0.5 * class as f64)
 }
 
-/// The class of the longest step that is no longer than so many voxels.
+/// Returns the class of the longest step that is no longer than so many voxels.
 pub(super) fn class_of(voxels: f64) -> u8 {
     let class = libm::floor(2.0 * libm::log2(voxels / SHORTEST) + 1e-9);
     class.clamp(0.0, CLASSES as f64 - 1.0) as u8
 }
 
-/// The class of a block by its range of levels, for all ranges there are.
+/// Class of a block by its range of levels, for all ranges that there are.
 pub(super) struct Classes {
-    /// 256 × 256: lower level, upper level.
+    /// Table of 256 × 256 classes: lower level, upper level.
     table: Vec<u8>,
 }
 
-/// Variation of κ and the three q over a range of values (the sum of all rises and falls), and the greatest of each.
+/// Variation of κ and the three q over a range of values (the sum of all rises and falls), and the largest value of each.
 #[derive(Clone, Copy)]
 struct Variation {
     total: [f64; 4],
@@ -115,7 +115,7 @@ impl Classes {
     }
 }
 
-/// κ, and q of red, green and blue.
+/// Returns κ, and q of red, green and blue.
 fn optics(transfer: &TransferFunction, at: &Optical) -> [f64; 4] {
     let kappa = transfer.extinction(at.opacity);
     // κ·c with κ = ∞ and c = 0 would be NaN: an opaque wall that shines nowhere.

@@ -2,19 +2,19 @@
 
 use super::StepMap;
 
-/// A peak or a gap of extinction, or of emission, over values.
+/// Peak or gap of extinction, or of emission, over values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Feature {
-    /// The values between which it lies.
+    /// Values between which the feature lies.
     from: f64,
     to: f64,
     /// Width of the feature at half its height.
     width: f64,
-    /// Height above what is around it, or depth below, per world unit.
+    /// Height above its surroundings, or depth below them, per world unit.
     height: f64,
 }
 
-/// The peaks and gaps of a transfer function.
+/// Peaks and gaps of a transfer function.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Features(Vec<Feature>);
 
@@ -31,7 +31,7 @@ impl Features {
         Self(all)
     }
 
-    /// Voxels of the longest step that misses no more than `error` of a picture in a block with values between `low` and `high`, if
+    /// Returns the length in voxels of the longest step that misses no more than `error` of a picture in a block with values between `low` and `high`, if
     /// steps of `usual` voxels, which know nothing of features, are not short beside all of them. `voxel`: its world length.
     ///
     /// The field is taken to cross its range on the way through the block: a feature of width w is W = e·w/(high − low) voxels
@@ -53,10 +53,10 @@ impl Features {
     }
 }
 
-/// No step need be shorter than this part of a feature.
+/// Part of a feature than which no step need be shorter.
 const MIN_PART: f64 = 0.125;
 
-/// The peaks and gaps of one number over values.
+/// Finds the peaks and gaps of one number over values.
 fn of_one(points: &[(f64, f64)]) -> Vec<Feature> {
     // Where it turns: runs of equal numbers are one place, from their first value to their last.
     let mut turns: Vec<(f64, f64, f64)> = Vec::new();
@@ -90,7 +90,7 @@ fn of_one(points: &[(f64, f64)]) -> Vec<Feature> {
     inner.filter(|f| f.width > 0.0).collect()
 }
 
-/// The value between two others at which a piecewise linear number passes a level; `from` if it does not.
+/// Returns the value between two others at which a piecewise linear number passes a level; `from` if it does not.
 fn crossing_of(points: &[(f64, f64)], level: f64, from: f64, to: f64) -> f64 {
     for pair in points.windows(2) {
         let [(v0, x0), (v1, x1)] = [pair[0], pair[1]];

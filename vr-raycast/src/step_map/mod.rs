@@ -1,4 +1,4 @@
-//! Movement of a ray through each small block: over it, or in steps as long as what is in it allows.
+//! Map of the steps of rays: each small block is passed over, or crossed in steps as long as its content allows.
 
 mod classes;
 mod features;
@@ -10,7 +10,7 @@ use vr_kernels::ranges::LevelRanges;
 use crate::leap::{VisibleBlocks, chessboard_distances};
 use classes::{Classes, class_of, step_of};
 
-/// A byte per block of 4³ cells: the step to take in it, or how far it is from anything visible.
+/// Map with a byte per block of 4³ cells: the step to take in it, or its distance from anything visible.
 ///
 /// The error of a midpoint step of length h is h²/24 times the second derivative, along the ray, of what is integrated: extinction κ and
 /// emission q. That derivative is of the size D/e², D how much κ and q vary within a block of edge e. So the step is h = e·√(ε/D)
@@ -34,13 +34,13 @@ pub(crate) struct StepMap {
 /// Faces at which the field jumps, and steps end.
 #[derive(Clone, Debug, PartialEq)]
 enum Cuts {
-    /// Nowhere: it does not jump.
+    /// No faces: the field does not jump.
     None,
-    /// In these blocks: there are missing samples in them or next to them.
+    /// Faces in these blocks, which have missing voxels in them or next to them.
     Holes(Vec<bool>),
-    /// In all blocks: the field is constant around each sample.
+    /// Faces in all blocks: the field is constant around each voxel.
     Voxels {
-        /// True if samples are missing: cells end at faces of their own.
+        /// True if voxels are missing: vacuum cells have faces of their own.
         holes: bool,
     },
 }
@@ -48,29 +48,29 @@ enum Cuts {
 /// Movement of a ray in a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum BlockStep {
-    /// A step of this length, in world units.
+    /// Step of this length, in world units.
     Step(f32),
-    /// A step of this length, or to the next of [`StepMap::faces`].
+    /// Step of this length, or to the next of [`StepMap::faces`].
     CutStep(f32),
-    /// Nothing is visible in the blocks up to this many around: on to where the ray leaves them.
+    /// Leap to the point where the ray leaves the blocks up to this many around, in which nothing is visible.
     Leap(u8),
 }
 
-/// From this byte on, blocks are clear; the difference is how many blocks around are, too.
+/// Smallest byte of a clear block; the difference to it is the number of clear blocks around in each direction.
 pub(crate) const CLEAR: u8 = 128;
-/// Classes of steps, each longer than the one before by √2.
+/// Number of classes of steps, each longer than the one before by √2.
 const CLASSES: usize = 23;
-/// Voxels of the shortest step. No multiple of it by a power of √2 is near a small ratio of whole numbers: along an axis, samples would meet
+/// Length of the shortest step in voxels. No multiple of it by a power of √2 is near a small ratio of whole numbers: along an axis, samples would meet
 /// voxels always at the same phase, and mistake what alternates from voxel to voxel for a constant.
 const SHORTEST: f64 = 0.0577 / 8.0;
-/// Voxels of the longest step: just under four blocks.
+/// Length of the longest step in voxels: just under four blocks.
 const LONGEST: f64 = SHORTEST * 2048.0;
 
 impl StepMap {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
 
-    /// For a scene and an error of the picture to aim at. `voxel`: world length of the smallest voxel edge.
+    /// Makes the map of a scene for an error of the picture to aim at. `voxel` is the world length of the smallest voxel edge.
     pub(crate) fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
         let by_range = Classes::new(levels, scene, calibration, voxel, error);
         let blocks = levels.blocks();
@@ -95,23 +95,23 @@ impl StepMap {
         map
     }
 
-    /// Blocks along x, y, z.
+    /// Returns the numbers of blocks along x, y, z.
     pub(crate) fn blocks(&self) -> [usize; 3] {
         self.blocks
     }
 
-    /// The bytes, x fastest: below [`CLEAR`] the index of the step to take in [`StepMap::steps`]; from it on, how many blocks around are
+    /// Returns the bytes, x fastest: below [`CLEAR`] the index of the step to take in [`StepMap::steps`]; from it on, the number of blocks around that are
     /// clear, too, plus [`CLEAR`].
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// World lengths of the steps.
+    /// Returns the world lengths of the steps.
     pub(crate) fn steps(&self) -> &[f32; CLASSES] {
         &self.steps
     }
 
-    /// Visible blocks, of twice the edge, of a volume with the given samples along x, y, z.
+    /// Returns the visible blocks, of twice the edge, of a volume with the given voxels along x, y, z.
     pub(crate) fn visible(&self, dims: [usize; 3]) -> VisibleBlocks {
         VisibleBlocks::of_halves(dims, Self::EDGE, &self.bytes, CLEAR)
     }
@@ -128,7 +128,7 @@ impl StepMap {
         }
     }
 
-    /// Positions between two samples of the faces at which steps are cut.
+    /// Returns the positions, between two voxels, of the faces at which steps are cut.
     pub(crate) fn faces(&self) -> &'static [f64] {
         match self.cuts {
             Cuts::None | Cuts::Holes(_) => &[0.0],
@@ -137,7 +137,7 @@ impl StepMap {
         }
     }
 
-    /// Shortens steps to what the blocks that they lead into allow: those one block away for steps of up to a block, and so on.
+    /// Shortens steps to those that the blocks ahead allow: those one block away for steps of up to a block, and so on.
     fn look_around(&mut self) {
         let own = self.bytes.clone();
         let near = least_around(&own, self.blocks, 1);
@@ -155,7 +155,7 @@ impl StepMap {
         }
     }
 
-    /// Writes into clear blocks how many around are clear, too, from the distances to what is not.
+    /// Writes into clear blocks the number of clear blocks around, from the distances to the others.
     fn leap(&mut self, distances: &[u8]) {
         for (byte, &distance) in self.bytes.iter_mut().zip(distances) {
             if distance > 0 {
@@ -165,13 +165,13 @@ impl StepMap {
     }
 }
 
-/// True for blocks that have holes, or a neighbour that has.
+/// Marks the blocks that have holes, or a neighbour that has.
 fn beside_holes(levels: &LevelRanges) -> Vec<bool> {
     let open: Vec<u8> = (0..levels.ranges().len()).map(|i| u8::from(!levels.has_hole(i))).collect();
     least_around(&open, levels.blocks(), 1).into_iter().map(|open| open == 0).collect()
 }
 
-/// The least byte among those of each block and the blocks up to `radius` around it.
+/// Returns, for each block, the smallest byte of it and the blocks up to `radius` around it.
 fn least_around(bytes: &[u8], [nx, ny, nz]: [usize; 3], radius: usize) -> Vec<u8> {
     let slice = nx * ny;
     // Axis by axis: the least of a cube is the least of the least of its rows.

@@ -1,4 +1,4 @@
-//! A ray among blocks of cells: which one it is in, where it leaves some of them, and the steps that it has taken.
+//! Ray among blocks of cells: the block that it is in, the points where it leaves boxes of blocks, and the steps that it has taken.
 
 use vr_core::IndexRay;
 
@@ -12,43 +12,43 @@ pub(crate) struct BlockRay {
     blocks: [usize; 3],
     edge: f64,
     at: f64,
-    /// From here on, what is left of the ray is rounding.
+    /// Distance from which on the rest of the ray is rounding.
     end: f64,
     number: u32,
-    /// A distance that no one sees, and that carries a position across a face that it lies on.
+    /// Distance too small to be seen that carries a position across a face that it lies on.
     nudge: f64,
 }
 
-/// Fraction of a voxel: beyond what rounding does to a position, and far below any step.
+/// Nudge as a fraction of a voxel: beyond the rounding of a position, and far below any step.
 const NUDGE: f64 = 1e-6;
-/// Fraction of a ray's length: a rest shorter than this is rounding.
+/// Fraction of a ray's length below which a rest is rounding.
 const SLIVER: f64 = 1e-12;
 
 impl BlockRay {
-    /// At the begin of a ray whose part in the volume is not empty. `voxel`: world length of the smallest voxel edge.
+    /// Begins a walk at the begin of a ray whose part in the volume is not empty. `voxel` is the world length of the smallest voxel edge.
     pub(crate) fn new(ray: IndexRay, blocks: [usize; 3], edge: usize, voxel: f64) -> Self {
         let end = ray.end - SLIVER * ray.length();
         Self { ray, blocks, edge: edge as f64, at: ray.start, end, number: 0, nudge: NUDGE * voxel }
     }
 
-    /// True if there is room in a run, and something left of the ray.
+    /// True if there is room in a run, and a part of the ray is left.
     pub(crate) fn goes_on(&self, steps: &Steps) -> bool {
         steps.len < RUN && self.at < self.end
     }
 
-    /// The block that the ray is about to cross.
+    /// Returns the block that the ray is about to cross.
     pub(crate) fn block(&self) -> [usize; 3] {
         let position = self.ray.at(self.at + self.nudge).to_array();
         // `as` saturates: below the first block lies the first.
         std::array::from_fn(|a| ((position[a] / self.edge) as usize).min(self.blocks[a] - 1))
     }
 
-    /// Distance to the point where the ray leaves a box of blocks. `faces`: the lower and the upper one across an axis, in blocks.
+    /// Returns the distance to the point where the ray leaves a box of blocks. `faces`: the lower and the upper one across an axis, in blocks.
     pub(crate) fn to_exit(&self, faces: impl Fn(usize) -> [f64; 2]) -> f64 {
         self.exit(faces) - self.at
     }
 
-    /// Distance to the next face across any axis, of those that lie so far behind each sample.
+    /// Returns the distance to the next face across any axis, of those that lie so far behind each sample.
     pub(crate) fn to_face(&self, behind: &[f64]) -> f64 {
         let (origin, direction) = (self.ray.origin.to_array(), self.ray.direction.to_array());
         let position = self.ray.at(self.at + self.nudge).to_array();
@@ -63,7 +63,7 @@ impl BlockRay {
         (nearest - self.at).max(self.nudge)
     }
 
-    /// Goes on to where the ray leaves a box of blocks, without a step.
+    /// Goes on to the point where the ray leaves a box of blocks, without a step.
     pub(crate) fn leap(&mut self, faces: impl Fn(usize) -> [f64; 2]) {
         self.at = self.exit(faces).max(self.at + self.nudge);
     }

@@ -1,10 +1,10 @@
-//! From cell to cell: a three-dimensional DDA (Amanatides and Woo 1987, *A fast voxel traversal algorithm for ray tracing*).
+//! Walk from cell to cell: a three-dimensional DDA (Amanatides and Woo 1987, *A fast voxel traversal algorithm for ray tracing*).
 
 use vr_core::IndexRay;
 
 use super::ListedWalk;
 
-/// The cells that a ray passes through, as the distances at which it enters and leaves each.
+/// Cells that a ray passes through, as the distances at which it enters and leaves each.
 ///
 /// The distance of a cell face is computed from the face's index, not added up as in the paper: it has one rounding, however long the
 /// ray. Together the parts cover the chord, each beginning where the one before ends. What is shorter than [`SLIVER`] of the chord (a
@@ -17,19 +17,19 @@ pub(crate) struct Cells {
     sliver: f64,
 }
 
-/// The faces along one axis.
+/// Faces along one axis.
 #[derive(Clone, Copy, Debug)]
 struct Axis {
     origin: f64,
     direction: f64,
-    /// The next face, and the distance to it; +∞ where there is none inside.
+    /// Next face, and the distance to it; +∞ where there is none inside.
     face: f64,
     distance: f64,
     /// The last face inside the volume.
     last: f64,
 }
 
-/// Fraction of a ray's chord: a part shorter than this is rounding.
+/// Fraction of a ray's chord below which a part is rounding.
 const SLIVER: f64 = 1e-12;
 
 impl Axis {
@@ -61,7 +61,7 @@ impl Axis {
 }
 
 impl Cells {
-    /// The cells of a grid of `dims` samples.
+    /// Begins at the first cell of a grid of `dims` voxels.
     pub(crate) fn new(ray: &IndexRay, dims: [usize; 3]) -> Self {
         let axes = std::array::from_fn(|a| Axis::new(ray.origin[a], ray.direction[a], ray.start, dims[a]));
         Self { axes, at: ray.start, end: ray.end, sliver: SLIVER * (ray.end - ray.start) }
@@ -96,7 +96,7 @@ impl Iterator for Cells {
     }
 }
 
-/// A walk from cell to cell, each cut into equal steps no longer than `longest`.
+/// Returns the walk from cell to cell, each cut into equal steps no longer than `longest`.
 pub(crate) fn cell_walk(ray: &IndexRay, dims: [usize; 3], longest: f64, first: u32, backwards: bool) -> ListedWalk {
     let mut steps = Vec::new();
     for (from, to) in Cells::new(ray, dims) {
@@ -127,7 +127,7 @@ mod tests {
         IndexRay::new(&ray, &placement, dims, &Clip::default(), f64::INFINITY)
     }
 
-    /// In order, without gaps, of positive length, each within one cell; returns how many there are.
+    /// Asserts that the cells are in order, without gaps, of positive length, each within one cell; returns their number.
     fn check(ray: &IndexRay, dims: [usize; 3]) -> usize {
         let cells: Vec<(f64, f64)> = Cells::new(ray, dims).collect();
         assert_eq!(cells[0].0, ray.start);

@@ -1,11 +1,11 @@
-//! Steps of equal length, and one shorter one at the end.
+//! Lattice of steps of equal length, and a shorter one at the end.
 
 use std::ops::Range;
 
 use super::VisibleSteps;
 use crate::run::{RUN, Steps};
 
-/// A ray's part cut into steps of one length, from where it enters on; the last one ends where the ray does and is as long as is left.
+/// Part of a ray cut into steps of one length, from where it enters on; the last one takes the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lattice {
     pub(crate) start: f64,
@@ -15,10 +15,10 @@ pub(crate) struct Lattice {
     pub(crate) last: f64,
 }
 
-/// Fraction of a ray's length: a last step shorter than this is rounding, not a step, and falls to the one before.
+/// Fraction of a ray's length below which a last step is rounding and falls to the one before.
 const SLIVER: f64 = 1e-12;
 
-/// Steps on a ray at most: the numbers of steps are 32-bit.
+/// Largest number of steps on a ray: they are numbered in 32 bits.
 const MAX_STEPS: f64 = u32::MAX as f64;
 
 impl Lattice {
@@ -33,12 +33,12 @@ impl Lattice {
         Self { start, length, count: count as u32, last }
     }
 
-    /// Distance at which step `k` begins; `k` = count: a whole step beyond the last.
+    /// Returns the distance at which step `k` begins; for `k` = count, a whole step beyond the last.
     pub(crate) fn begin(&self, k: u32) -> f64 {
         self.start + f64::from(k) * self.length
     }
 
-    /// Length of step `k`.
+    /// Returns the length of step `k`.
     pub(crate) fn length_of(&self, k: u32) -> f64 {
         if k + 1 == self.count { self.last } else { self.length }
     }
@@ -50,7 +50,7 @@ impl Lattice {
         }
     }
 
-    /// The steps that an interval of the ray touches.
+    /// Returns the steps that an interval of the ray touches.
     pub(crate) fn steps_in(&self, begin: f64, end: f64) -> Range<u32> {
         // `as` saturates: what rounding carries below 0 is 0.
         let step = |s: f64| ((s - self.start) / self.length) as u32;
@@ -58,18 +58,18 @@ impl Lattice {
     }
 }
 
-/// Walks the steps of a lattice in which something may be visible.
+/// Walk over the steps of a lattice in which something may be visible.
 ///
 /// Runs begin at every 32nd step of the lattice, whatever is left out: sums are rounded run by run, and so a picture does not change
 /// by a bit where invisible steps are dropped. Runs of which nothing is left are passed over.
 pub(crate) struct LatticeWalk<'a> {
     lattice: Lattice,
     order: WalkOrder<'a>,
-    /// Steps before the walk's place that it has left out.
+    /// Number of steps before the walk's place that it has left out.
     skipped: u64,
 }
 
-/// In which order runs are walked.
+/// Order in which runs are walked.
 enum WalkOrder<'a> {
     Forwards {
         visible: VisibleSteps<'a>,
@@ -85,7 +85,7 @@ enum WalkOrder<'a> {
 }
 
 impl<'a> LatticeWalk<'a> {
-    /// From front to back, or from the far end.
+    /// Begins a walk from front to back, or from the far end.
     pub(crate) fn new(lattice: Lattice, mut visible: VisibleSteps<'a>, backwards: bool) -> Self {
         if backwards {
             let left: Vec<_> = std::iter::from_fn(|| visible.next()).collect();
@@ -96,12 +96,12 @@ impl<'a> LatticeWalk<'a> {
         Self { lattice, order: WalkOrder::Forwards { visible, ahead: 0..0, at: 0 }, skipped: 0 }
     }
 
-    /// Steps left out so far.
+    /// Returns the number of steps left out so far.
     pub(crate) fn skipped(&self) -> u64 {
         self.skipped
     }
 
-    /// Fills the next run; false where all are walked.
+    /// Fills the next run; returns false if all are walked.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
         steps.len = 0;
         let Self { lattice, order, skipped } = self;
@@ -174,7 +174,7 @@ mod tests {
         }
     }
 
-    /// Along a ray of one cell per world unit, in a volume of one block per cell, each visible or not.
+    /// Walks a ray of one cell per world unit, in a volume of one block per cell, each visible or not.
     fn walked(
         lattice: Lattice,
         first: u32,

@@ -1,8 +1,8 @@
-//! Steps that are found one after the other, and listed before the first is taken.
+//! List of steps that are found one after the other before the first is taken.
 
 use crate::run::{RUN, Steps};
 
-/// Walks the steps of a list, in runs of 32 from its beginning on, whichever end the walk begins at.
+/// Walk over the steps of a list, in runs of 32 from its beginning on, whichever end the walk begins at.
 #[derive(Clone, Debug)]
 pub(crate) struct ListedWalk {
     /// Begin and length of every step, in world distance.
@@ -11,19 +11,19 @@ pub(crate) struct ListedWalk {
     places: Option<Vec<[f64; 3]>>,
     /// Runs not yet walked.
     runs: std::ops::Range<usize>,
-    /// The run walked last.
+    /// Run that was walked last.
     run: usize,
     backwards: bool,
 }
 
 impl ListedWalk {
-    /// From step `first` on, before which nothing is visible, to the end; or from the far end back to it.
+    /// Begins a walk from step `first`, before which nothing is visible, to the end; or from the far end back to it.
     pub(crate) fn new(steps: Vec<(f64, f64)>, places: Option<Vec<[f64; 3]>>, first: u32, backwards: bool) -> Self {
         let runs = first as usize / RUN..steps.len().div_ceil(RUN);
         Self { steps, places, runs, run: 0, backwards }
     }
 
-    /// Fills the next run; false where all are walked.
+    /// Fills the next run; returns false if all are walked.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
         let Some(run) = (if self.backwards { self.runs.next_back() } else { self.runs.next() }) else { return false };
         self.run = run;
@@ -35,7 +35,7 @@ impl ListedWalk {
         true
     }
 
-    /// Positions of the samples of the last run, if they are not on the ray.
+    /// Returns the positions of the samples of the last run, if they are not on the ray.
     pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
         self.places.as_ref().map(|places| &places[self.numbers()])
     }

@@ -1,4 +1,4 @@
-//! Steps as long as what is in each place allows.
+//! Walk in steps as long as the medium in each place allows.
 
 use vr_core::IndexRay;
 
@@ -6,7 +6,7 @@ use super::BlockRay;
 use crate::run::Steps;
 use crate::step_map::{BlockStep, StepMap};
 
-/// Walks a ray from block to block: over what is clear, and through the rest in steps of the length that the block of their begin asks for.
+/// Walk from block to block: over clear ones, and through the rest in steps of the length that the block of their begin asks for.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalWalk<'a> {
     map: &'a StepMap,
@@ -14,12 +14,12 @@ pub(crate) struct LocalWalk<'a> {
 }
 
 impl<'a> LocalWalk<'a> {
-    /// Along a ray whose part in the volume is not empty. `voxel`: world length of the smallest voxel edge.
+    /// Begins a walk along a ray whose part in the volume is not empty. `voxel` is the world length of the smallest voxel edge.
     pub(crate) fn new(map: &'a StepMap, ray: IndexRay, voxel: f64) -> Self {
         Self { map, ray: BlockRay::new(ray, map.blocks(), StepMap::EDGE, voxel) }
     }
 
-    /// Fills the next run; false at the end of the ray.
+    /// Fills the next run; returns false at the end of the ray.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
         steps.len = 0;
         while self.ray.goes_on(steps) {
@@ -37,7 +37,7 @@ impl<'a> LocalWalk<'a> {
     }
 }
 
-/// The faces of the cube of blocks up to `radius` around one.
+/// Returns the faces of the cube of blocks up to `radius` around one.
 fn cube(block: [usize; 3], radius: u8) -> impl Fn(usize) -> [f64; 2] {
     let radius = f64::from(radius);
     move |a| [block[a] as f64 - radius, block[a] as f64 + radius + 1.0]

@@ -1,4 +1,4 @@
-//! Walks: how the part of a ray inside the volume is cut into steps. One small file each.
+//! Walks, which cut the part of a ray inside the volume into steps. One small file each.
 
 mod block_ray;
 mod cells;
@@ -24,7 +24,7 @@ use visible_steps::VisibleSteps;
 /// Steps of the rays of a frame.
 pub(crate) struct Walks<'a> {
     pub(crate) kind: WalkKind<'a>,
-    /// World length of a step, where all are alike; the longest, where steps end at cell faces; +∞: they end there only.
+    /// World length of a step where all are alike, or of the longest where steps end at cell faces; +∞ if they end there only.
     pub(crate) step: f64,
     /// World length of the smallest voxel edge.
     pub(crate) voxel: f64,
@@ -33,11 +33,11 @@ pub(crate) struct Walks<'a> {
 
 /// Rule that sets the lengths of steps.
 pub(crate) enum WalkKind<'a> {
-    /// All are alike, but for those in which nothing is visible.
+    /// Steps of one length, without those in which nothing is visible.
     Lattice(Option<&'a dyn Leaper>),
-    /// Steps as long as what is in each place allows.
+    /// Steps as long as the medium in each place allows.
     Local(&'a StepMap),
-    /// From cell to cell.
+    /// Steps from cell to cell.
     Cells,
     /// Steps that a classic acceleration sets.
     #[cfg(feature = "classics")]
@@ -63,21 +63,21 @@ impl Walks<'_> {
     }
 }
 
-/// A walk along one ray.
+/// Walk along one ray.
 pub(crate) enum Walk<'a> {
-    /// Steps of one length, but for those in which nothing is visible.
+    /// Walk in steps of one length, without those in which nothing is visible.
     Lattice(LatticeWalk<'a>),
-    /// Steps as long as what is in each place allows.
+    /// Steps as long as the medium in each place allows.
     Local(LocalWalk<'a>),
-    /// Cells or voxels, found beforehand.
+    /// Walk over cells or voxels, found beforehand.
     Listed(ListedWalk),
-    /// Long steps where the medium is nearly the same.
+    /// Walk in long steps where the medium is nearly the same.
     #[cfg(feature = "classics")]
     Homogeneous(crate::classics::HomogeneousWalk<'a>),
 }
 
 impl Walk<'_> {
-    /// Fills the next run; false where the walk is at its end.
+    /// Fills the next run; returns false if the walk is at its end.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
         match self {
             Self::Lattice(walk) => walk.next(steps),
@@ -88,12 +88,12 @@ impl Walk<'_> {
         }
     }
 
-    /// Index-space positions of the last run's samples, where they do not lie on the ray.
+    /// Returns the index-space positions of the last run's samples, where they do not lie on the ray.
     pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
         if let Self::Listed(walk) = self { walk.places() } else { None }
     }
 
-    /// Steps left out so far because nothing in them is visible; 0 where it is not known how many there would have been.
+    /// Returns the number of steps left out so far because nothing in them is visible; 0 where it is not known.
     pub(crate) fn skipped(&self) -> u64 {
         if let Self::Lattice(walk) = self { walk.skipped() } else { 0 }
     }

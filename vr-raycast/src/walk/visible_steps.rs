@@ -1,4 +1,4 @@
-//! The steps of a lattice in which something may be visible.
+//! Steps of a lattice in which something may be visible.
 
 use std::ops::Range;
 
@@ -7,17 +7,17 @@ use vr_core::IndexRay;
 use super::Lattice;
 use crate::leap::Leaper;
 
-/// The steps of a ray's lattice in which something may be visible, as ranges that neither touch what was given out before nor are empty.
+/// Steps of a ray's lattice in which something may be visible, as ranges that are not empty and do not touch those given out before.
 pub(crate) struct VisibleSteps<'a> {
     lattice: Lattice,
     ray: IndexRay,
-    /// `None`: all steps.
+    /// Structure that finds visible intervals; `None` if all steps are visible.
     leaper: Option<&'a dyn Leaper>,
     /// World distance up to which `leaper` has been asked.
     from: f64,
-    /// Steps before each range that are given out, too.
+    /// Number of steps before each range that are given out, too.
     before: u32,
-    /// Steps from here on have not been given out.
+    /// First step that has not been given out.
     next: u32,
 }
 
@@ -33,7 +33,7 @@ impl<'a> VisibleSteps<'a> {
         Self { lattice, ray: *ray, leaper, from: lattice.begin(first), before, next: first }
     }
 
-    /// The next range; `None` behind the last one.
+    /// Returns the next range; `None` behind the last one.
     pub(crate) fn next(&mut self) -> Option<Range<u32>> {
         let Some(leaper) = self.leaper else {
             let all = self.next..self.lattice.count;

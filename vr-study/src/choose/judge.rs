@@ -1,4 +1,4 @@
-//! The standard by which pictures of one view are judged.
+//! Standard by which pictures of one view are judged.
 
 use std::time::Duration;
 
@@ -10,32 +10,32 @@ use super::rmse::RmseEstimate;
 use super::strata;
 use crate::reference::{ReferenceCache, ReferencePixels, SUBGRID};
 
-/// The standard by which pictures of one view are judged, the most certain first.
+/// Standard by which pictures of one view are judged, the most certain first.
 pub(super) enum Judge {
-    /// A picture of which every pixel is within `error` of the correct one.
+    /// Picture of which every pixel is within `error` of the correct one.
     Proven {
         /// The picture.
         frame: Frame,
-        /// Its largest error.
+        /// Largest error of the picture.
         error: f64,
     },
-    /// Reference pixels: all of the view, or an even sample where no more is needed.
+    /// Reference pixels, all of the view or an even sample where no more is needed.
     Reference(ReferencePixels),
     /// Reference pixels that are chosen for each picture.
     Strata,
 }
 
-/// The largest share of the target that a proven picture's own error may be.
+/// Largest share of the target that a proven picture's own error may be.
 const MAX_SHARE: f64 = 0.25;
-/// Parts along each side of the small picture that a pixel is taken of, where it is judged by reference pixels.
+/// Number of parts along each side of the small picture, of each of which a pixel is compared with the reference.
 const SMALL_SUBGRID: u32 = 40;
 /// Longest time in which the reference pixels of a whole picture are solved.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// Parts along each side of a picture of which a pixel is solved to time all of them.
+/// Number of parts along each side of a picture, of each of which a pixel is solved to estimate the time of all.
 const TIMED_SUBGRID: u32 = 12;
 
 impl Judge {
-    /// Judge of small pictures, which only select candidates for larger ones.
+    /// Returns the judge of small pictures, which only select candidates for larger ones.
     pub(super) fn of_small(
         target: f64,
         bounded: &[BoundedRenderer],
@@ -50,7 +50,7 @@ impl Judge {
         cache.solve((scene, small), &Model::Canonical, pixels, control).map(Self::Reference)
     }
 
-    /// Judge of whole pictures.
+    /// Returns the judge of whole pictures.
     pub(super) fn of_whole(
         target: f64,
         bounded: &[BoundedRenderer],
@@ -71,7 +71,7 @@ impl Judge {
         solve(all).map(Self::Reference)
     }
 
-    /// The picture of the first bounded renderer that draws the scene and counts no pixel as unbounded.
+    /// Returns the picture of the first bounded renderer that draws the scene and counts no pixel as unbounded.
     fn proven(
         target: f64,
         bounded: &[BoundedRenderer],
@@ -96,7 +96,7 @@ impl Judge {
         matches!(self, Self::Strata)
     }
 
-    /// The RMSE of a picture; `finer` shows where it may be wrong.
+    /// Returns the RMSE of a picture; `finer` shows where it may be wrong.
     pub(super) fn rmse(
         &self,
         frame: &Frame,

@@ -1,4 +1,4 @@
-//! The cheapest renderer and setting whose picture is within a given RMSE.
+//! Choice of the cheapest renderer and setting whose picture is within a given RMSE.
 
 mod judge;
 mod rmse;
@@ -20,7 +20,7 @@ pub use rmse::RmseEstimate;
 /// tried, some pass by chance.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// A renderer whose pixels are proven to be within an error, if it counts none as unbounded ([`vr_core::Counts::unbounded`]).
+/// Renderer whose pixels are proven to be within an error, if it counts none as unbounded ([`vr_core::Counts::unbounded`]).
 pub struct BoundedRenderer {
     /// The renderer, configured.
     pub renderer: Box<dyn Renderer>,
@@ -28,24 +28,24 @@ pub struct BoundedRenderer {
     pub max_error: f64,
 }
 
-/// A candidate on a small picture.
+/// Result of a candidate on a small picture.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// Its index.
+    /// Index of the candidate.
     pub candidate: usize,
     /// The RMSE of the small picture.
     pub error: RmseEstimate,
-    /// The time that it took.
+    /// Time of the small picture.
     pub time: Duration,
     /// Time that the whole picture would take, preparation included, if time grew with the pixels.
     pub expected: Duration,
 }
 
-/// The candidate that was chosen, and its picture.
+/// Candidate that was chosen, and its picture.
 pub struct Choice {
     /// The candidate's index.
     pub candidate: usize,
-    /// Its picture.
+    /// Picture of the candidate.
     pub rendered: Rendered,
     /// Time of the preparation.
     pub prepare: Duration,
@@ -62,17 +62,17 @@ pub struct Choice {
 /// Reason for which no candidate was chosen.
 #[derive(Debug, thiserror::Error)]
 pub enum ChoiceError {
-    /// A scene or view that makes no sense, or cancellation.
+    /// Invalid scene or view, or cancellation.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// No candidate comes so near.
+    /// No candidate reaches the target.
     #[error("target RMSE: found {target:e}; no setting reaches it here: {best} comes nearest, with {error:.2e}")]
     OutOfReach {
         /// The target.
         target: f64,
         /// The candidate that comes nearest.
         best: String,
-        /// Its RMSE.
+        /// RMSE of that candidate.
         error: f64,
     },
     /// No candidate draws such scenes.
@@ -80,13 +80,13 @@ pub enum ChoiceError {
     NoRenderer,
 }
 
-/// Pixels of the small picture, about.
+/// Approximate number of pixels of the small picture.
 const SMALL: f64 = 96.0 * 96.0;
-/// Pixels of the larger one, about.
+/// Approximate number of pixels of the larger one.
 const LARGER: f64 = 192.0 * 192.0;
 /// Largest number of candidates that draw it.
 const FINALISTS: usize = 12;
-/// No further candidate is tried after this time.
+/// Time after which no further candidate is tried.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Draws a small picture with every candidate, and a larger one with those that were within the target, to see how their time grows; then
@@ -175,7 +175,7 @@ pub fn draw_within(
 
 /// Fine pictures that others are compared with, to see where they may be wrong: those of the candidates that were nearest on the small picture.
 struct Guides<'a> {
-    /// At most two, the nearest first.
+    /// Pictures, at most two, the nearest first.
     nearest: Vec<(usize, Option<Frame>)>,
     candidates: &'a [Candidate],
 }
@@ -192,7 +192,7 @@ impl<'a> Guides<'a> {
         Self { nearest: nearest.iter().take(2).map(|r| (r.candidate, None)).collect(), candidates }
     }
 
-    /// The finest picture that is not of the same candidate.
+    /// Returns the finest picture that is not of the same candidate.
     fn beside(
         &mut self,
         candidate: usize,
@@ -207,7 +207,7 @@ impl<'a> Guides<'a> {
     }
 }
 
-/// Time of the preparation, the smaller time of two frames after one that warms up, and the frame.
+/// Draws the scene; returns the time of the preparation, the smaller time of two frames after one that warms up, and the frame.
 fn timed(
     candidate: &Candidate,
     scene: &Scene,
@@ -239,7 +239,7 @@ mod tests {
     use vr_physics::metrics::subgrid;
     use vr_raycast::RayCaster;
 
-    /// The ray caster, under a promise of an eighth of the target.
+    /// Returns the ray caster under an error bound of an eighth of the target.
     pub(super) fn bounded(target: f64) -> Vec<BoundedRenderer> {
         let max_error = (target / 8.0).max(1e-6);
         let renderer = RayCaster::default().with_max_error(max_error).unwrap().unwrap();

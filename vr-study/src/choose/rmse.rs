@@ -1,27 +1,27 @@
-//! The RMSE of a picture, and an upper bound of it.
+//! RMSE of a picture, and an upper bound of it.
 
 use vr_core::Frame;
 
 use crate::reference::ReferencePixels;
 
-/// The RMSE of a picture, known or estimated.
+/// RMSE of a picture, known or estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RmseEstimate {
     /// RMSE of the pixels that were compared, weighted so that it stands for all.
     pub rmse: f64,
     /// Largest RMSE that the whole picture may have: proven, or with a confidence of [`CONFIDENCE`](super::CONFIDENCE).
     pub upper: f64,
-    /// Pixels that were compared.
+    /// Number of pixels that were compared.
     pub pixels: usize,
     /// True if `upper` is proven: every pixel was compared with one of which the error is bounded.
     pub proven: bool,
 }
 
-/// The quantile of the normal distribution for a confidence of 95 %.
+/// Quantile of the normal distribution for a confidence of 95 %.
 const QUANTILE: f64 = 1.645;
 
 impl RmseEstimate {
-    /// Estimates it from the reference at a sample of a frame's pixels that is spread evenly, by the normal distribution of means: good enough to
+    /// Estimates the RMSE from the reference at a sample of a frame's pixels that is spread evenly, by the normal distribution of means: good enough to
     /// choose what is worth a closer look. Errors in a few pixels alone, none of them in the sample, go unseen. If the sample holds all pixels, the
     /// bound is proven.
     pub fn of_sample(reference: &ReferencePixels, frame: &Frame) -> Self {
@@ -35,7 +35,7 @@ impl RmseEstimate {
         Self::new(mean, mean + spread, reference, left == 0.0)
     }
 
-    /// Makes it from a mean of squares and an upper bound of that mean; the error of the reference itself is added.
+    /// Makes the estimate from a mean of squares and an upper bound of that mean; the error of the reference itself is added.
     pub(super) fn new(mean: f64, upper: f64, reference: &ReferencePixels, proven: bool) -> Self {
         let upper = upper.sqrt() + reference.certainty.value() / reference.scale();
         Self {
@@ -47,7 +47,7 @@ impl RmseEstimate {
         }
     }
 
-    /// Estimates it from a picture of the same view of which every pixel is within `error` of the correct one, in units of max(1, the largest
+    /// Estimates the RMSE from a picture of the same view of which every pixel is within `error` of the correct one, in units of max(1, the largest
     /// magnitude): the triangle inequality of root mean squares, over all pixels.
     pub fn against(frame: &Frame, proven: &Frame, error: f64) -> Self {
         let peak = proven.pixels().iter().flatten().map(|c| f64::from(c.abs())).fold(1.0, f64::max);
@@ -62,12 +62,12 @@ impl RmseEstimate {
     }
 }
 
-/// The mean square of the components' errors, of each pixel that was solved.
+/// Returns the mean square of the components' errors, for each pixel that was solved.
 pub(super) fn squares(reference: &ReferencePixels, frame: &Frame) -> Vec<f64> {
     reference.signed(frame).into_iter().map(mean_square).collect()
 }
 
-/// Mean square of a pixel's errors; infinite if one is NaN.
+/// Returns the mean square of a pixel's errors; infinite if one is NaN.
 fn mean_square(errors: [f64; 4]) -> f64 {
     let square = errors.iter().map(|c| c * c).sum::<f64>() / 4.0;
     if square.is_nan() { f64::INFINITY } else { square }

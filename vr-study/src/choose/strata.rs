@@ -1,4 +1,4 @@
-//! A sample of a picture's pixels in which those that may be wrong are not rare.
+//! Stratified sample of a picture's pixels, in which those that may be wrong are not rare.
 //!
 //! The mean of squared errors over a picture may be made by few pixels: single bright voxels that a coarse setting misses, silhouettes of thin
 //! shells. An even sample of some thousand pixels may hold none of them. Here pixels are ranked by two pictures, without the reference: by the
@@ -14,7 +14,7 @@ use crate::reference::{ReferenceCache, SUBGRID};
 
 /// Ends of the strata, as shares of all pixels, the most suspicious first.
 const ENDS: [f64; 5] = [1.0 / 1024.0, 1.0 / 128.0, 1.0 / 16.0, 0.25, 1.0];
-/// Pixels of each that are solved, beside those of the even subgrid.
+/// Number of pixels of each stratum that are solved, beside those of the even subgrid.
 const SAMPLES: usize = 1024;
 
 /// Bounds the RMSE of a frame by reference pixels of strata that a finer frame of the same view suggests.
@@ -55,7 +55,7 @@ pub(super) fn bound(
     Ok(RmseEstimate::new(mean, upper, &reference, chosen.len() == stratum_of.len()))
 }
 
-/// Mean of a sample of `size` numbers in [0, `range`], and a bound that the mean of all of them exceeds with the probability `delta` at most.
+/// Returns the mean of a sample of `size` numbers in [0, `range`], and a bound that the mean of all of them exceeds with the probability `delta` at most.
 fn bernstein(sample: &[f64], size: usize, range: f64, delta: f64) -> [f64; 2] {
     if sample.is_empty() {
         return if size == 0 { [0.0; 2] } else { [range; 2] };
@@ -74,7 +74,7 @@ fn bernstein(sample: &[f64], size: usize, range: f64, delta: f64) -> [f64; 2] {
     [mean, upper.min(range)]
 }
 
-/// Suspicion of each pixel: its distance from a finer picture, and the largest distance of its neighbours from it in either.
+/// Returns the suspicion of each pixel: its distance from a finer picture, and the largest distance of its neighbours from it in either.
 fn suspicion(frame: &Frame, finer: &Frame) -> Vec<f32> {
     let [w, h] = frame.size().map(|side| side as usize);
     let apart = |a: [f32; 4], b: [f32; 4]| {
@@ -102,7 +102,7 @@ fn suspicion(frame: &Frame, finer: &Frame) -> Vec<f32> {
     (0..w * h).map(score).collect()
 }
 
-/// The stratum of each pixel, by its rank.
+/// Returns the stratum of each pixel, by its rank.
 fn strata(suspicion: &[f32]) -> Vec<u8> {
     let mut ranked: Vec<usize> = (0..suspicion.len()).collect();
     ranked.sort_by(|&a, &b| suspicion[b].total_cmp(&suspicion[a]).then(a.cmp(&b)));
@@ -114,7 +114,7 @@ fn strata(suspicion: &[f32]) -> Vec<u8> {
     stratum_of
 }
 
-/// Pixels of each stratum at random, and those of an even grid; in ascending order, each once.
+/// Returns pixels of each stratum at random, and those of an even grid; in ascending order, each once.
 fn sample(stratum_of: &[u8], even: impl Iterator<Item = usize>) -> Vec<usize> {
     let mut chosen: Vec<usize> = even.collect();
     for h in 0..ENDS.len() as u8 {
@@ -128,7 +128,7 @@ fn sample(stratum_of: &[u8], even: impl Iterator<Item = usize>) -> Vec<usize> {
     chosen
 }
 
-/// A number that looks random (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators").
+/// Returns the next pseudorandom number of SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators").
 fn scrambled(i: u64) -> u64 {
     let z = (i + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -216,7 +216,7 @@ mod tests {
         assert!(all >= 40 && 20 * failed <= all, "{failed} of {all}");
     }
 
-    /// Single bright voxels in the dark.
+    /// Returns a scene of single bright voxels in the dark.
     fn starry(stars: usize, seed: u64, size: [u32; 2]) -> crate::subject::Subject {
         use vr_core::{Camera, ControlPoint, OpacityRule, Scene, TransferFunction, UniformGrid, View};
         let mut voxels = vec![0u8; 40 * 40 * 40];

@@ -11,7 +11,7 @@ use vr_physics::{Certainty, DEFAULT_TOLERANCE, Pixel, Reference, Solution};
 use super::ReferencePixels;
 use super::fingerprint::fingerprint;
 
-/// A folder of reference pixels, by the hash of all that they depend on. Without a folder, nothing is kept.
+/// Folder of reference pixels, by the hash of all that they depend on. Without a folder, nothing is kept.
 ///
 /// A file that is damaged, or that disagrees with a few of its pixels solved again, is not believed: it is solved anew, and replaced.
 #[derive(Clone, Debug, Default)]
@@ -21,23 +21,23 @@ pub struct ReferenceCache {
 
 const MAGIC: &[u8; 8] = b"VREXACT1";
 const KEY: usize = 32;
-/// r, g, b, a, error, and 1 where the error is proven.
+/// Record of a pixel: r, g, b, a, error, and 1 where the error is proven.
 const NUMBERS: usize = 6;
-/// Pixels that are solved again before a file is believed.
+/// Number of pixels that are solved again before a file is trusted.
 const CHECKED: usize = 4;
 
 impl ReferenceCache {
-    /// Keeps nothing.
+    /// Returns a cache that keeps nothing.
     pub fn none() -> Self {
         Self::default()
     }
 
-    /// Keeps solutions in a folder, which is made when first written to.
+    /// Returns a cache in a folder, which is made when first written to.
     pub fn in_folder(folder: PathBuf) -> Self {
         Self { folder: Some(folder) }
     }
 
-    /// Solves pixels of a view, or takes what was solved before.
+    /// Returns the pixels of a view, solved before or now.
     ///
     /// # Errors
     /// Same as for [`ReferencePixels::solve`]. A folder that cannot be read or written is no error; it only costs time.
@@ -71,7 +71,7 @@ impl ReferenceCache {
     }
 }
 
-/// Pixels that are solved again: the most opaque one, since background agrees with any version, and others here and there.
+/// Returns the pixels that are solved again: the most opaque one, since background agrees with any version, and others here and there.
 fn checked(kept: &[Pixel]) -> Vec<usize> {
     let opaque = (0..kept.len()).max_by(|&a, &b| kept[a].rgba[3].total_cmp(&kept[b].rgba[3]));
     // By the golden ratio: no row or column of a picture has all of them.
@@ -100,7 +100,7 @@ fn encode(key: &[u8; KEY], pixels: &[Pixel]) -> Vec<u8> {
     bytes
 }
 
-/// The pixels of a file that is whole and about what is asked; depths are not kept.
+/// Reads the pixels of a file that is whole and about the pixels asked for; depths are not kept.
 fn read(path: &Path, key: &[u8; KEY], count: usize) -> Option<Vec<Pixel>> {
     let bytes = fs::read(path).ok()?;
     let (content, sum) = bytes.split_at_checked(bytes.len().checked_sub(32)?)?;

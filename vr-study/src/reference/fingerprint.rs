@@ -1,4 +1,4 @@
-//! Everything that reference pixels depend on, in 32 bytes.
+//! Fingerprint, in 32 bytes, of everything that reference pixels depend on.
 
 use sha2::{Digest, Sha256};
 use vr_core::{Control, Model, Scene, View, with_grid};
@@ -6,7 +6,7 @@ use vr_core::{Control, Model, Scene, View, with_grid};
 /// Version of the cache: raised with every change of the file format, of the hash, or of the reference's results.
 const VERSION: u32 = 4;
 
-/// The hash of everything that pixels of a view depend on: values and their placement, filter, transfer function, shading and
+/// Returns the hash of everything that pixels of a view depend on: values and their placement, filter, transfer function, shading and
 /// lights, surfaces, compositing, view, and which pixels; `None` for models that cannot be told apart.
 pub(crate) fn fingerprint(
     (scene, view): (&Scene, &View),

@@ -16,10 +16,10 @@ use crate::error_colors;
 pub use cache::ReferenceCache;
 pub(crate) use fingerprint::fingerprint;
 
-/// Parts along each side of a picture of which a pixel each is compared, where not every pixel is.
+/// Number of parts along each side of a picture, of each of which a pixel is compared, where not every pixel is.
 pub const SUBGRID: u32 = 64;
 
-/// The reference of some pixels of a view.
+/// Reference of some pixels of a view.
 #[derive(Clone, Debug)]
 pub struct ReferencePixels {
     pixels: Vec<[u32; 2]>,
@@ -56,7 +56,7 @@ impl ReferencePixels {
         pixels: Vec<[u32; 2]>,
         control: &Control,
     ) -> Result<Self, RenderError> {
-        /// Ten thousand times below what can be seen.
+        /// Tolerance of the reference: ten thousand times below what can be seen.
         const TOLERANCE: f64 = 1e-7;
         let start = Instant::now();
         let solution = Reference::new(TOLERANCE).solve_phantom(phantom, (scene, view), &pixels, control)?;
@@ -72,18 +72,18 @@ impl ReferencePixels {
         }
     }
 
-    /// The error of a frame of the same view.
+    /// Returns the error of a frame of the same view.
     pub fn judge(&self, frame: &Frame) -> Metrics {
         let drawn: Vec<[f32; 4]> = self.pixels.iter().map(|&[x, y]| frame.pixel(x, y)).collect();
         Metrics::of(&self.rgba, &drawn)
     }
 
-    /// The divisor of errors: max(1, largest magnitude of the reference).
+    /// Returns the divisor of errors: max(1, largest magnitude of the reference).
     pub fn scale(&self) -> f64 {
         self.rgba.iter().flatten().fold(1.0, |peak, c| peak.max(c.abs()))
     }
 
-    /// Frame − reference per component of each pixel, in units of [`scale`](Self::scale).
+    /// Returns frame − reference per component of each pixel, in units of [`scale`](Self::scale).
     pub fn signed(&self, frame: &Frame) -> Vec<[f64; 4]> {
         let scale = self.scale();
         let error = |(&[x, y], exact): (&[u32; 2], &[f64; 4])| {
@@ -93,13 +93,13 @@ impl ReferencePixels {
         self.pixels.iter().zip(&self.rgba).map(error).collect()
     }
 
-    /// Largest error of any component of each pixel, in the same units; infinite where the frame has no number.
+    /// Returns the largest error of any component of each pixel, in the same units; infinite where the frame has no number.
     pub fn errors(&self, frame: &Frame) -> Vec<f64> {
         let size = |e: f64| if e.is_nan() { f64::INFINITY } else { e.abs() };
         self.signed(frame).into_iter().map(|e| e.into_iter().map(size).fold(0.0, f64::max)).collect()
     }
 
-    /// The error of every pixel, row by row, where one pixel of each part of the [`subgrid`](vr_physics::metrics::subgrid) of `parts` was
+    /// Returns the error of every pixel, row by row, where one pixel of each part of the [`subgrid`](vr_physics::metrics::subgrid) of `parts` was
     /// solved: interpolated on the logarithmic scale that errors are drawn in.
     pub fn error_map(&self, frame: &Frame, parts: u32) -> Vec<f64> {
         let (low, high) = error_colors::DECADES;
@@ -109,7 +109,7 @@ impl ReferencePixels {
         spread(parts, frame.size(), &exponents).into_iter().map(|[e]| 10f64.powf(e)).collect()
     }
 
-    /// `within 1e-10`, or that it is an estimate.
+    /// Returns the certainty in words: `within 1e-10`, or that it is an estimate.
     pub fn certainty_text(&self) -> String {
         match self.certainty {
             Certainty::Bound(e) => format!("itself proven within {e:.2e}"),
@@ -117,17 +117,17 @@ impl ReferencePixels {
         }
     }
 
-    /// The pixels that were solved.
+    /// Returns the pixels that were solved.
     pub fn pixels(&self) -> &[[u32; 2]] {
         &self.pixels
     }
 
-    /// Their premultiplied linear RGBA, in the same order.
+    /// Returns their premultiplied linear RGBA, in the same order.
     pub fn rgba(&self) -> &[[f64; 4]] {
         &self.rgba
     }
 
-    /// Number of pixels that were solved.
+    /// Returns the number of pixels that were solved.
     pub fn count(&self) -> usize {
         self.pixels.len()
     }

@@ -1,4 +1,4 @@
-//! A chart with logarithmic axes, as an SVG that takes its ink from the page around it.
+//! Chart with logarithmic axes, as an SVG that takes its ink from the page around it.
 
 use std::ops::Range;
 
@@ -20,32 +20,32 @@ const COLORS: [RGBColor; 6] = [
 const INK: RGBColor = RGBColor(1, 2, 3);
 const INK_TEXT: &str = "#010203";
 
-/// The look of a series.
+/// Look of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Look {
     /// Single points.
     Points,
     /// Points joined by a line.
     Line,
-    /// A thin line alone: what is expected, not measured.
+    /// Thin line alone: what is expected, not measured.
     Guide,
 }
 
-/// One series.
+/// Series of points of a chart.
 pub(super) struct Series {
-    /// Name in the legend; empty: none.
+    /// Name in the legend; empty if it is not listed.
     pub(super) name: String,
-    /// Its points; those that are not positive and finite have no place on such axes.
+    /// Points of the series; those that are not positive and finite have no place on such axes.
     pub(super) points: Vec<(f64, f64)>,
-    /// A word beside each point; may be fewer.
+    /// Words beside the points; may be fewer.
     pub(super) labels: Vec<String>,
     /// Number of its colour and of its marker: up to six, the marker alone tells series apart, too.
     pub(super) color: usize,
-    /// Its look.
+    /// Look of the series.
     pub(super) look: Look,
 }
 
-/// A chart.
+/// Chart with logarithmic axes.
 pub(super) struct Chart<'a> {
     pub(super) title: &'a str,
     pub(super) x: &'a str,
@@ -61,14 +61,14 @@ fn plottable(&(x, y): &(f64, f64)) -> bool {
 }
 
 impl Chart<'_> {
-    /// The SVG, to stand within a page: text and axes are drawn in the page's `currentColor`.
+    /// Returns the SVG, to stand within a page: text and axes are drawn in the page's `currentColor`.
     pub(super) fn svg(&self) -> Result<String, StudyError> {
         let mut svg = String::new();
         self.draw(&mut svg).map_err(|e| StudyError::Plot(e.to_string()))?;
         Ok(svg.replace(INK_TEXT, "currentColor"))
     }
 
-    /// The SVG as a file of its own: dark ink on white.
+    /// Returns the SVG as a file of its own: dark ink on white.
     pub(super) fn standalone_svg(&self) -> Result<String, StudyError> {
         let svg = self.svg()?.replace("currentColor", "#24292f");
         let (w, h) = self.size;
@@ -78,7 +78,7 @@ impl Chart<'_> {
         Ok(format!("{}{paper}{}", &svg[..open], &svg[open..]))
     }
 
-    /// The smallest ranges around all points, and a little more.
+    /// Returns the smallest ranges around all points, with a margin.
     fn ranges(&self) -> (Range<f64>, Range<f64>) {
         let points = || self.series.iter().flat_map(|s| s.points.iter().copied().filter(plottable));
         let around = |values: &mut dyn Iterator<Item = f64>| {
@@ -93,7 +93,7 @@ impl Chart<'_> {
         (around(&mut points().map(|p| p.0)), around(&mut points().map(|p| p.1)))
     }
 
-    /// The corner with the fewest points, for the legend.
+    /// Returns the corner with the fewest points, for the legend.
     fn emptiest_corner(&self) -> SeriesLabelPosition {
         let (x, y) = self.ranges();
         // Where on an axis a point lies, from 0 to 1.
@@ -215,7 +215,7 @@ fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyl
     Ok(())
 }
 
-/// `0.001`, `1`, `250`, `1e-6`: as short as it can be.
+/// Formats a number as short as it can be: `0.001`, `1`, `250`, `1e-6`.
 fn number(x: f64) -> String {
     if (1e-3..1e5).contains(&x) {
         let text = format!("{x:.4}");

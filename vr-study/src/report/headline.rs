@@ -1,4 +1,4 @@
-//! The plot and the table of a study on a front page.
+//! Plot and table of a study for a front page.
 
 use crate::error::StudyError;
 use crate::front::{THRESHOLDS, fastest_within, pareto_front};
@@ -7,7 +7,7 @@ use crate::study::SubjectResult;
 use super::chart::{Chart, Look, Series};
 use super::plots::place;
 
-/// The fronts of all subjects, all renderers together, as an SVG file.
+/// Returns the fronts of all subjects, all renderers together, as an SVG file.
 ///
 /// # Errors
 /// A plot that cannot be drawn.
@@ -36,14 +36,14 @@ fn chart(
     finish(&Chart {
         title: "what nothing beats in both time and error",
         x: "milliseconds a frame",
-        y: "RMSE against the exact solution",
+        y: "RMSE against the reference",
         size: (860, 440),
         series: &series,
         levels: &THRESHOLDS,
     })
 }
 
-/// The shortest time to reach each error on each subject, and its candidate, as a table in Markdown.
+/// Returns the shortest time to reach each error on each subject, and its candidate, as a table in Markdown.
 pub fn headline_table(results: &[SubjectResult]) -> String {
     let mut text = String::from("| scene |");
     for (_, name) in THRESHOLDS {
@@ -62,7 +62,7 @@ pub fn headline_table(results: &[SubjectResult]) -> String {
     text
 }
 
-/// The shortest time to reach each threshold, and its candidate.
+/// Returns the shortest time to reach each threshold, and its candidate.
 pub(super) fn reaching(result: &SubjectResult) -> Vec<Option<(f64, String)>> {
     let pairs: Vec<(f64, f64)> = result.points.iter().map(crate::point::Point::pair).collect();
     let timed: Vec<(f64, f64)> =
@@ -72,7 +72,7 @@ pub(super) fn reaching(result: &SubjectResult) -> Vec<Option<(f64, String)>> {
     THRESHOLDS.iter().map(cell).collect()
 }
 
-/// Three digits.
+/// Formats a number to three digits.
 pub(super) fn milliseconds(ms: f64) -> String {
     match ms {
         _ if ms < 10.0 => format!("{ms:.2}"),

@@ -1,4 +1,4 @@
-//! The page: one file that needs nothing else.
+//! Page of a report: one file that needs nothing else.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use time::OffsetDateTime;
@@ -20,7 +20,7 @@ use super::plots;
 
 const STYLE: &str = include_str!("style.css");
 
-/// A report as an HTML page with everything in it: plots, pictures, tables.
+/// Returns a report as an HTML page with everything in it: plots, pictures, tables.
 ///
 /// # Errors
 /// A plot that cannot be drawn.
@@ -160,7 +160,7 @@ fn certainty(s: &SubjectResult) -> String {
         let all = u64::from(s.size[0]) * u64::from(s.size[1]);
         let between = if (e.pixels as u64) < all { " Maps are interpolated between them." } else { "" };
         format!(
-            "Errors are over {} of {all} pixels, against an exact solution {proven} to within {}.{between}",
+            "Errors are over {} of {all} pixels, against a reference {proven} to within {}.{between}",
             e.pixels,
             small(e.reference_error)
         )
@@ -176,7 +176,7 @@ fn picture(p: &Picture, what: &str) -> Markup {
     }
 }
 
-/// The colours of error maps.
+/// Returns the bar of the colours of error maps.
 fn scale() -> Markup {
     let (low, high) = error_colors::DECADES;
     let stop = |k: i32| {
@@ -350,7 +350,7 @@ fn how() -> Markup {
             h2 { "How this was measured" }
             ul {
                 li { "Errors are frame − exact pixel, over red, green, blue and opacity of premultiplied linear light, divided by max(1, the largest magnitude of the picture). 1/255 ≈ 0.0039 is what 8 bits can show." }
-                li { "The exact solution integrates the equation of transfer in f64 with a bound on its own error. " b { "own model" } ": RMSE against what the renderer itself integrates, another reconstruction filter say, done exactly. " b { "function" } ": against the phantom as the function that it is, without samples." }
+                li { "The reference integrates the equation of transfer in f64 with a bound on its own error. " b { "own model" } ": RMSE against what the renderer itself integrates, another reconstruction filter say, done exactly. " b { "function" } ": against the phantom as the function that it is, without samples." }
                 li { "Times are of frames after preparation. In each round every candidate prepares a copy of the scene, and draws two views of a turning camera in turns after a frame that counts nowhere; the shortest time of each view counts, and the mean of the two; of frames that take 40 ms or more, one is drawn each round, the first after preparation. Given is the median of the rounds, and the shortest and longest, corrected for how fast the machine was at the moment: a small computation, always the same, is timed before and after. Candidates take turns, so that a machine that slows down slows all." }
                 li { "Memory is what preparation and frames need at once beyond the scene." }
             }

@@ -1,4 +1,4 @@
-//! The plots of a report.
+//! Plots of a report.
 
 use crate::convergence::{Convergence, Refined};
 use crate::error::StudyError;
@@ -12,13 +12,13 @@ use super::chart::{Chart, Look, Series};
 /// Smallest error in a plot; smaller ones are drawn here: a logarithmic axis has no zero, and frames are f32.
 const MIN_ERROR: f64 = 1e-9;
 
-/// The place of a point in a plot.
+/// Returns the place of a point in a plot.
 pub(super) fn place(point: &Point) -> (f64, f64) {
     let (time, error) = point.pair();
     (time, error.max(MIN_ERROR))
 }
 
-/// Renderers in the order in which they appear.
+/// Returns the renderers in the order in which they appear.
 pub(super) fn renderers(points: &[Point]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for p in points {
@@ -29,7 +29,7 @@ pub(super) fn renderers(points: &[Point]) -> Vec<String> {
     names
 }
 
-/// Time against error: every point, and each renderer's front with the numbers of its rows in the table.
+/// Plots time against error: every point, and each renderer's front with the numbers of its rows in the table.
 pub(super) fn speed_against_error(result: &SubjectResult) -> Result<String, StudyError> {
     let mut series = Vec::new();
     for (k, name) in renderers(&result.points).iter().enumerate() {
@@ -47,7 +47,7 @@ pub(super) fn speed_against_error(result: &SubjectResult) -> Result<String, Stud
         .svg()
 }
 
-/// Errors of every claim of a renderer as one thing is refined, beside the documented slope.
+/// Plots the errors of every claim of a renderer as one quantity is refined, beside the documented slope.
 pub(super) fn orders(results: &[&Convergence], refined: Refined) -> Result<String, StudyError> {
     let shown: Vec<&&Convergence> =
         results.iter().filter(|c| c.refined == refined && c.errors.len() > 1 && c.measured.is_some()).collect();
@@ -69,7 +69,7 @@ pub(super) fn orders(results: &[&Convergence], refined: Refined) -> Result<Strin
     Chart { title: refined.word(), x, y: "RMSE", size: (560, 400), series: &series, levels: &[] }.svg()
 }
 
-/// Times as something grows.
+/// Plots times as a quantity grows.
 pub(super) fn growth(results: &[Growth], grown: Grown) -> Result<String, StudyError> {
     let series: Vec<Series> = results
         .iter()

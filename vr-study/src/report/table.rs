@@ -1,4 +1,4 @@
-//! Every point as a row of a table that other programs read.
+//! Table of all points that other programs read.
 
 use crate::error::StudyError;
 use crate::figures::ErrorFigures;
@@ -33,7 +33,7 @@ const HEADER: [&str; 26] = [
     "function_max",
 ];
 
-/// Points as comma-separated values, one row each below a header; figures that were not measured are empty.
+/// Returns points as comma-separated values, one row each below a header; figures that were not measured are empty.
 ///
 /// # Errors
 /// No failure is known: memory takes everything.

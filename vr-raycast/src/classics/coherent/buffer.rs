@@ -1,4 +1,4 @@
-//! The coherence buffer: what can be seen first, kept from picture to picture.
+//! Coherence buffer: the cells that can be seen first, kept from picture to picture.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -23,31 +23,31 @@ pub(crate) struct CoherenceBuffer {
     blocks: [usize; 3],
     kinds: Vec<Kind>,
     groups: Vec<[usize; 3]>,
-    /// Per block, the place of its mask, or [`UNKNOWN`].
+    /// Index of each block's mask, or [`UNKNOWN`].
     known: Vec<u32>,
     masks: Vec<CellMask>,
     /// Blocks that the last picture met first, and of which no more is known yet.
     met: Vec<u32>,
 }
 
-/// A block that no picture has looked into.
+/// Index of a block that no picture has looked into.
 const UNKNOWN: u32 = u32::MAX;
 
 /// Part of a block that can be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// Nothing.
+    /// No part of it.
     Clear,
-    /// Something, behind six solid neighbours.
+    /// Some part, hidden behind six solid neighbours.
     Buried,
-    /// Everything, as far as its largest and smallest number tell; or it cannot be told. Never looked into.
+    /// All of it, as far as its largest and smallest number tell, or nothing is known. Such blocks are never looked into.
     Solid,
-    /// Something.
+    /// Some part of it.
     Partial,
 }
 
 impl CoherenceBuffer {
-    /// A buffer that knows the ranges of the blocks alone. It holds as long as volume and sight do.
+    /// Makes a buffer that knows the ranges of the blocks alone. It holds as long as volume and visibility do.
     pub(crate) fn new(volume: &GridVolume, sight: Sight) -> Self {
         let ranges = RangeBlocks::of_volume(volume, EDGE);
         let blocks = ranges.blocks();
@@ -85,7 +85,7 @@ impl CoherenceBuffer {
         Self { sight, cells, blocks, kinds, groups, known, masks: Vec::new(), met: Vec::new() }
     }
 
-    /// Projects what can be seen: the near depths of a view.
+    /// Projects the visible cells of a view; returns its near depths.
     ///
     /// Whatever the buffer knows, every point that can be seen lies at or behind the depth of its tile; the more it knows, the nearer.
     ///
@@ -134,7 +134,7 @@ impl CoherenceBuffer {
         [i % self.blocks[0], i / self.blocks[0] % self.blocks[1], i / (self.blocks[0] * self.blocks[1])]
     }
 
-    /// Centre and half edges of the box of some cells, widened by the margin.
+    /// Returns centre and half edges of the box of some cells, widened by the margin.
     fn box_of(&self, first: [usize; 3], count: [usize; 3]) -> (DVec3, DVec3) {
         let low: [f64; 3] = first.map(|i| i as f64);
         let high: [f64; 3] = std::array::from_fn(|a| (first[a] + count[a]).min(self.cells[a]) as f64);
@@ -142,7 +142,7 @@ impl CoherenceBuffer {
         (0.5 * (low + high), 0.5 * (high - low) + MARGIN)
     }
 
-    /// The groups that the picture may show, nearer ones rather before farther ones.
+    /// Returns the groups that the picture may show, roughly from near to far.
     fn groups_front_to_back(&self, projection: &Projection) -> Vec<([usize; 3], Footprint)> {
         let edge = GROUP * EDGE;
         let mut seen: Vec<_> = self

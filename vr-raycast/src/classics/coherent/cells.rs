@@ -5,7 +5,7 @@ use std::sync::Arc;
 use vr_core::filter::Lattice;
 use vr_core::{LatticeVisitor, Voxel};
 
-/// Returns true if anything between two stored numbers, ends included, can be seen, by the kernels that the picture is drawn with.
+/// Test that returns true if anything between two stored numbers, ends included, can be seen, by the kernels that the picture is drawn with.
 pub(crate) type Sight = Arc<dyn Fn(f32, f32) -> bool + Send + Sync>;
 
 /// Cells along the edge of a block.
@@ -21,11 +21,11 @@ const KNOWN: usize = EDGE + 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CellMask([u128; KNOWN]);
 
-/// From which sides rays come: per axis, whether from below and whether from above.
+/// Sides that rays come from: per axis, true if from below and true if from above.
 pub(crate) type Sides = [[bool; 2]; 3];
 
 impl CellMask {
-    /// The cells that a ray from some sides may meet first: those that can be seen, but for those where all neighbours on these sides
+    /// Returns the cells that a ray from some sides may meet first: those that can be seen, but for those where all neighbours on these sides
     /// can be, too. A ray that meets such a cell has met one of these neighbours before.
     ///
     /// Cells are given as steps along x, y and z from the block's first cell.
@@ -77,7 +77,7 @@ impl LatticeVisitor for LookInto<'_> {
     }
 }
 
-/// The cells in and around a block that can be seen. What is vacuum counts as the samples that stand in for the missing ones.
+/// Finds the cells in and around a block that can be seen. Vacuum counts as the voxels that stand in for the missing ones.
 fn visible_cells<T: Voxel>(lattice: &Lattice<'_, T>, block: [usize; 3], sight: &Sight) -> CellMask {
     // The first cell that is there and the one behind the last, counted from the one before the block.
     let ends: [(usize, usize); 3] = std::array::from_fn(|a| {

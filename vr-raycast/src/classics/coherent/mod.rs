@@ -54,7 +54,7 @@ use crate::screen::{by_tiles, spots_of_pixel};
 use crate::tracer::{RaySample, Tracer};
 
 impl CoherenceBuffer {
-    /// Makes what the coherent screen knows before its first picture; `None` for other screens.
+    /// Makes the state of the coherent screen before its first picture; `None` for other screens.
     pub(crate) fn of(caster: &RayCaster, volume: &GridVolume, engine: &Engine) -> Option<Self> {
         if caster.image_sampling != ImageSampling::Coherent {
             return None;
@@ -66,7 +66,7 @@ impl CoherenceBuffer {
         Some(Self::new(volume, sight))
     }
 
-    /// True if a buffer made for one scene tells of another one, too. Compositing decides what a table is needed for, and so what can be
+    /// True if a buffer made for one scene holds for another one, too. Compositing decides what a table is needed for, and so what can be
     /// seen.
     pub(crate) fn holds_for(then: &Scene, now: &Scene) -> bool {
         let same_light = then.transfer == now.transfer && then.compositing == now.compositing;
@@ -74,7 +74,7 @@ impl CoherenceBuffer {
     }
 }
 
-/// Tells what can be seen of a field.
+/// Returns the test for the values of a field that can be seen.
 fn sight<R: Real>(tables: &RenderTables<R>) -> Sight {
     let classifier = &tables.classifier;
     let table = classifier.table.as_ref().map(|(table, _)| table);

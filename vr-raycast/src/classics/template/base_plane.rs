@@ -1,4 +1,4 @@
-//! The plane that the rays start from, and what they meet on their way.
+//! Base plane: the plane that the rays start from, and the part of the volume that they pass.
 
 use glam::DVec3;
 use vr_core::{Clip, ParameterError, Placement, Ray, View};
@@ -10,7 +10,7 @@ use vr_core::{Clip, ParameterError, Placement, Ray, View};
 /// which voxels, is the template of all.
 #[derive(Clone, Debug)]
 pub(crate) struct BasePlane {
-    /// The axes u, v and w.
+    /// Index axes of u, v and w.
     pub(crate) axes: [usize; 3],
     /// Samples along u, v and w.
     pub(crate) dims: [usize; 3],
@@ -29,7 +29,7 @@ pub(crate) struct BasePlane {
     direction: DVec3,
 }
 
-/// Points where at + along·(i, j, t) is not negative.
+/// Half space of the points where at + along·(i, j, t) is not negative.
 #[derive(Clone, Copy, Debug)]
 struct HalfSpace {
     at: f64,
@@ -37,7 +37,7 @@ struct HalfSpace {
 }
 
 impl BasePlane {
-    /// For a grid and an orthographic view.
+    /// Makes the base plane of a grid for an orthographic view.
     ///
     /// # Errors
     /// Same as for [`vr_core::Camera::frame`].
@@ -75,7 +75,7 @@ impl BasePlane {
         Ok(plane)
     }
 
-    /// Half spaces of the clip, and of what lies before the eye.
+    /// Returns the half spaces of the clip, and that before the eye.
     fn kept_by(&self, clip: &Clip, eye: DVec3, forward: DVec3, placement: &Placement) -> Vec<HalfSpace> {
         let mut planes = vec![(forward, forward.dot(eye))];
         planes.extend(clip.planes.iter().map(|p| (p.normal, p.offset)));
@@ -95,12 +95,12 @@ impl BasePlane {
         planes.into_iter().map(in_index).collect()
     }
 
-    /// Slice t as an index along w.
+    /// Returns the index along w of slice t.
     pub(crate) fn slice_index(&self, t: usize) -> usize {
         if self.reversed { self.dims[2] - 1 - t } else { t }
     }
 
-    /// The pixels of a row whose rays are inside volume and clip at `t`, where they have moved by `moved`.
+    /// Returns the pixels of a row whose rays are inside volume and clip at `t`, where they have moved by `moved`.
     pub(crate) fn pixels_inside(&self, row: i64, t: f64, moved: [f64; 2]) -> std::ops::Range<i64> {
         let v = row as f64 + moved[1];
         if !(0.0..=(self.dims[1] - 1) as f64).contains(&v) {
@@ -122,7 +122,7 @@ impl BasePlane {
         first..(last + 1).max(first)
     }
 
-    /// Point where a ray of the view meets the plane, in pixels from the first one, and its world distance.
+    /// Returns the point where a ray of the view meets the plane, in pixels from the first one, and its world distance.
     pub(crate) fn meet(&self, ray: &Ray, placement: &Placement) -> ([f64; 2], f64) {
         let origin = placement.to_index(ray.origin);
         let w = self.axes[2];

@@ -19,14 +19,14 @@ use tile::{ACROSS, DOWN, TemplateRays, TemplateStep};
 /// Samples that a ray template is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
-    /// Voxels that touch by a face, an edge or a corner (26-connected), one in each slice: their own values, not interpolated.
+    /// 26-connected voxels, which touch by a face, an edge or a corner, one in each slice: their own values, not interpolated.
     Discrete,
     /// Points at equal distances, between the voxels: trilinear samples, with the same weights on all rays.
     Continuous,
 }
 
 impl Connectivity {
-    /// The screen's, as options name it.
+    /// Returns the name of the screen in options.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Discrete => "template-discrete",
@@ -35,7 +35,7 @@ impl Connectivity {
     }
 }
 
-/// Draws a view of a scene, which the caster can draw, by a template.
+/// Draws a view of a scene by a template; the caster can draw both.
 ///
 /// # Errors
 /// The error of a camera that makes no sense, or [`RenderError::Cancelled`].
@@ -71,7 +71,7 @@ struct Template<'a> {
 }
 
 impl Template<'_> {
-    /// Draws an orthographic view without a layer (Yagel and Kaufman, *Template-based volume viewing*, Computer Graphics Forum 11(3),
+    /// Draws an orthographic view without surfaces (Yagel and Kaufman, *Template-based volume viewing*, Computer Graphics Forum 11(3),
     /// 1992). `bake` makes the table for steps of a world length.
     ///
     /// 1. The **base plane** is the face of the volume that looks at the eye most: the one across the axis along which rays go on
@@ -110,7 +110,7 @@ impl Template<'_> {
         Ok(Rendered { frame, stats })
     }
 
-    /// The template, and the world lengths that its steps have.
+    /// Returns the template, and the world lengths of its steps.
     fn steps(&self, plane: &BasePlane) -> (Vec<TemplateStep>, Vec<f64>) {
         let last = plane.dims[2] - 1;
         match self.connectivity {
@@ -137,7 +137,7 @@ impl Template<'_> {
         }
     }
 
-    /// The base plane's picture.
+    /// Casts the rays of the base plane; returns its picture.
     fn cast(
         &self,
         plane: &BasePlane,
@@ -173,7 +173,7 @@ impl Template<'_> {
         Ok(picture)
     }
 
-    /// From the base plane to the screen.
+    /// Warps the picture from the base plane to the screen.
     fn warp(
         &self,
         plane: &BasePlane,
@@ -210,7 +210,7 @@ struct BasePicture {
 }
 
 impl BasePicture {
-    /// The colour between pixels, bilinear; nothing beyond the edges.
+    /// Returns the colour between pixels, bilinear; clear beyond the edges.
     fn between(&self, at: [f64; 2]) -> [f32; 4] {
         let whole = at.map(f64::floor);
         let [tu, tv] = [0, 1].map(|a| (at[a] - whole[a]) as f32);
@@ -227,7 +227,7 @@ impl BasePicture {
         })
     }
 
-    /// The depth of the nearest pixel: depths of two sides of an edge have no mean.
+    /// Returns the depth of the nearest pixel: the mean of depths on two sides of an edge means nothing.
     fn nearest_depth(&self, at: [f64; 2]) -> f32 {
         let [u, v] = at.map(|x| (x + 0.5).floor());
         let inside = u >= 0.0 && v >= 0.0 && u < self.size[0] as f64 && v < self.size[1] as f64;

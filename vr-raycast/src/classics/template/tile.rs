@@ -19,15 +19,15 @@ const HEIGHT: usize = DOWN + BEYOND;
 /// Steps summed in f32 before they join the sums in f64, as in the plain engine.
 const RUN: usize = 32;
 
-/// A step of the template, for all rays: where its sample is, in slices from the face, and how light it is looked up.
+/// Step of the template, the same for all rays.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TemplateStep {
     /// Position of the sample.
     pub(crate) t: f64,
-    /// Begin of the step, and its length, in slices.
+    /// Begin and length of the step, in slices.
     pub(crate) begin: f64,
     pub(crate) length: f64,
-    /// Index of the table for its length.
+    /// Index of the table for the length.
     pub(crate) table: usize,
 }
 
@@ -137,7 +137,7 @@ impl TemplateRays<'_> {
         }
     }
 
-    /// Distance that rays have moved along u and v in slice t.
+    /// Returns the distance that rays have moved along u and v in slice t.
     fn moved(&self, t: f64) -> [f64; 2] {
         match self.connectivity {
             Connectivity::Continuous => self.plane.slope.map(|s| s * t),
@@ -195,7 +195,7 @@ impl TemplateRays<'_> {
         }
     }
 
-    /// Gets a slice from the volume, unless it is there.
+    /// Reads a slice from the volume, unless it is there.
     fn fetch(&self, t: usize, first: [i64; 2], slices: &mut [Slice; 2]) {
         let slice = &mut slices[t % 2];
         if slice.t != t {

@@ -1,4 +1,4 @@
-//! The vector engine against the plain one, and against itself.
+//! Comparison of the vector engine with the plain one, and with itself.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use super::*;
 use crate::caster::Vector;
 use crate::render_tables::TablesByPrecision;
 
-/// Every level that the machine has.
+/// Returns every level that the machine has.
 fn levels() -> Vec<Level> {
     let best = Level::new();
     let mut all = vec![best];
@@ -25,7 +25,7 @@ fn levels() -> Vec<Level> {
     all
 }
 
-/// A grid of one of the five types from numbers in [0, 1].
+/// Makes a grid of one of the five types from numbers in [0, 1].
 fn grid(kind: usize, dims: [usize; 3], samples: &[f64], placement: Placement) -> Volume {
     fn of<T: vr_core::Voxel>(
         dims: [usize; 3],
@@ -81,7 +81,7 @@ fn volumes() -> impl Strategy<Value = Volume> {
     )
 }
 
-/// A transfer function whose ramps are at least a tenth of the range wide; clear below the first.
+/// Strategy of transfer functions whose ramps are at least a tenth of the range wide; clear below the first.
 fn transfers(max_opacity: f64) -> impl Strategy<Value = TransferFunction> {
     let point = (
         0.1f64..0.3,
@@ -143,7 +143,7 @@ fn scenes(max_opacity: f64) -> impl Strategy<Value = (Scene, View)> {
     )
 }
 
-/// The engine that a caster makes for a scene, if it can draw it.
+/// Returns the engine that a caster makes for a scene, if it can draw it.
 fn engine(caster: &RayCaster, scene: &Scene) -> Option<PacketEngine> {
     let volume = scene.volume.grid().unwrap();
     match TablesByPrecision::new(caster, scene, volume, None) {

@@ -1,4 +1,4 @@
-//! The picture as far as it is known.
+//! Picture as far as it is known.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -10,16 +10,16 @@ use crate::screen::blocks::in_blocks;
 use crate::screen::every_pixel::traced;
 use crate::tracer::Tracer;
 
-/// Pixels that one task traces.
+/// Number of pixels that one task traces.
 const BATCH: usize = 256;
 
-/// Points at a distance of one pixel. They begin with the view's pixels, and go on to the right and below until the coarse grid ends: all
+/// Picture at points one pixel apart. They begin with the view's pixels, and go on to the right and below until the coarse grid ends: all
 /// cells are whole.
 pub(super) struct Canvas<'a> {
     view: &'a View,
     layer: Option<&'a Layer>,
     control: &'a Control,
-    /// Points across.
+    /// Number of points across.
     across: usize,
     rows: Vec<Row>,
     done: AtomicUsize,
@@ -28,15 +28,15 @@ pub(super) struct Canvas<'a> {
 
 #[derive(Clone, Debug, Default)]
 struct Row {
-    /// Premultiplied.
+    /// Premultiplied colours.
     rgba: Vec<[f32; 4]>,
-    /// +∞: nothing is seen.
+    /// World distances to what is seen; +∞ where nothing is.
     depth: Vec<f32>,
     traced: Vec<bool>,
 }
 
 impl<'a> Canvas<'a> {
-    /// For a grid of points `coarse` pixels apart, and all finer ones.
+    /// Makes a canvas for a grid of points `coarse` pixels apart, and all finer ones.
     pub(super) fn new((view, layer): (&'a View, Option<&'a Layer>), control: &'a Control, coarse: usize) -> Self {
         let [across, down] = view.size.map(|n| (n as usize - 1).div_ceil(coarse).max(1) * coarse + 1);
         let row = Row { rgba: vec![[0.0; 4]; across], depth: vec![f32::INFINITY; across], traced: vec![false; across] };
@@ -55,18 +55,18 @@ impl<'a> Canvas<'a> {
         self.counts
     }
 
-    /// Numbers of points that are so many pixels apart, across and down.
+    /// Returns the numbers of points that are so many pixels apart, across and down.
     pub(super) fn points(&self, spacing: usize) -> [usize; 2] {
         [self.across, self.rows.len()].map(|n| (n - 1) / spacing + 1)
     }
 
-    /// Takes a point, of those so many pixels apart, if no ray has gone through it and none is about to.
+    /// Claims a point, of those so many pixels apart; returns it unless a ray has gone through it or is about to.
     pub(super) fn claim(&mut self, at: [u32; 2], spacing: usize) -> bool {
         let [x, y] = at.map(|i| i as usize * spacing);
         !std::mem::replace(&mut self.rows[y].traced[x], true)
     }
 
-    /// Takes all of them, in blocks of 4×4.
+    /// Claims all points so many pixels apart, in blocks of 4×4.
     pub(super) fn claim_all(&mut self, spacing: usize) -> Vec<[u32; 2]> {
         let mut points = Vec::new();
         in_blocks([0; 2], self.points(spacing).map(|n| n as u32), |at| {
@@ -124,7 +124,7 @@ impl<'a> Canvas<'a> {
         self.control.run(|| (0..ny).into_par_iter().with_min_len(8).map(bent).collect())
     }
 
-    /// The cells between points so many pixels apart in which an opaque layer shows.
+    /// Returns the cells between points so many pixels apart in which an opaque layer shows.
     pub(super) fn cells_with_layer(&self, spacing: usize) -> Vec<[usize; 2]> {
         let Some(layer) = self.layer else { return Vec::new() };
         let [w, h] = self.view.size.map(|n| n as usize);
@@ -157,7 +157,7 @@ impl<'a> Canvas<'a> {
         });
     }
 
-    /// The view's own part.
+    /// Returns the pixels of the view.
     pub(super) fn into_frame(self) -> Frame {
         let [w, h] = self.view.size.map(|n| n as usize);
         let (mut rgba, mut depth) = (vec![[0.0; 4]; w * h], vec![0.0; w * h]);
@@ -197,12 +197,12 @@ impl Row {
     }
 }
 
-/// Twice the distance of the middle one of three colours from the straight line through the others.
+/// Returns twice the distance of the middle one of three colours from the straight line through the others.
 fn bend(a: &[f32; 4], middle: &[f32; 4], b: &[f32; 4]) -> [f32; 4] {
     std::array::from_fn(|c| (a[c] + b[c] - 2.0 * middle[c]).abs())
 }
 
-/// The neighbours whose mean tells of a bend: those beside `i`, of so many; at the ends, where there is none, those of the next point's do.
+/// Returns the neighbours whose mean shows a bend: those beside `i`, of so many; at the ends, where there is none, those of the next point's do.
 /// With only two points, any difference is a bend.
 fn neighbours(i: usize, count: usize) -> [usize; 2] {
     match () {
@@ -212,7 +212,7 @@ fn neighbours(i: usize, count: usize) -> [usize; 2] {
     }
 }
 
-/// The colour midway between `k` and `k + 1`, of so many at equal distances: on the cubic through those and the next on both sides. Beyond
+/// Returns the colour midway between `k` and `k + 1`, of so many at equal distances: on the cubic through those and the next on both sides. Beyond
 /// the ends, it goes on straight.
 ///
 /// From the mean of the two it is away by a sixteenth of the sum of the second differences there, so where nothing bends by more than
@@ -227,15 +227,15 @@ fn midway(at: impl Fn(usize) -> [f32; 4], k: usize, count: usize) -> [f32; 4] {
     })
 }
 
-/// Light has no limit; opacity is 1 at the most, but for rounding.
+/// Upper bounds of a colour: opacity is 1 at the most, but for rounding; light has no bound.
 const MOST: [f32; 4] = [f32::INFINITY, f32::INFINITY, f32::INFINITY, 1.0];
 
-/// The next of an arithmetic series.
+/// Returns the next term of an arithmetic series.
 fn straight_on(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
     std::array::from_fn(|c| 2.0 * b[c] - a[c])
 }
 
-/// The mean of two depths, or the first.
+/// Returns the mean of two depths, or the first.
 fn depth_midway(a: f32, b: f32) -> f32 {
     if a.is_finite() && b.is_finite() { 0.5 * (a + b) } else { a }
 }

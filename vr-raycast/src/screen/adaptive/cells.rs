@@ -1,18 +1,18 @@
-//! Cells of a screen that are refined.
+//! Cells of the picture that are refined.
 
 use crate::screen::blocks::in_blocks;
 
-/// Some of the cells between the points of a grid.
+/// Set of cells between the points of a grid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Cells {
     across: usize,
     down: usize,
-    /// Row by row.
+    /// Marks of the cells, row by row.
     chosen: Vec<bool>,
 }
 
 impl Cells {
-    /// All cells between so many points across and down.
+    /// Returns all cells between so many points across and down.
     pub(super) fn all(points: [usize; 2]) -> Self {
         let [across, down] = points.map(|n| n - 1);
         Self { across, down, chosen: vec![true; across * down] }
@@ -50,7 +50,7 @@ impl Cells {
         }
     }
 
-    /// These and all that touch them, as far as they are among others.
+    /// Returns these cells and all that touch them, as far as they are among others.
     pub(super) fn grown(&self, among: &Self) -> Self {
         let mut wide = self.clone();
         for (y, row) in wide.rows_mut() {
@@ -71,7 +71,7 @@ impl Cells {
         grown
     }
 
-    /// Each in four.
+    /// Divides each cell into four.
     pub(super) fn quartered(&self) -> Self {
         let (across, down) = (2 * self.across, 2 * self.down);
         let mut quarters = Self { across, down, chosen: vec![false; across * down] };
@@ -83,7 +83,7 @@ impl Cells {
         quarters
     }
 
-    /// The points of the grid twice as fine in these cells and on their sides that `claim` accepts; neighbours together.
+    /// Returns the points of the grid twice as fine, in these cells and on their sides, that `claim` accepts; neighbours stay together.
     pub(super) fn points(&self, mut claim: impl FnMut([u32; 2]) -> bool) -> Vec<[u32; 2]> {
         let mut points = Vec::new();
         in_blocks([0; 2], [self.across as u32, self.down as u32], |[x, y]| {

@@ -1,4 +1,4 @@
-//! Sparse rays, refined where the colours bend; the rest interpolated.
+//! Adaptive rays: sparse ones, refined where the colours bend; the rest is interpolated.
 
 mod canvas;
 mod cells;
@@ -10,7 +10,7 @@ use crate::tracer::Tracer;
 use canvas::Canvas;
 use cells::Cells;
 
-/// Pixels between the first rays. What is smaller than this and lies between them is missed, whatever the threshold. With 8 instead, 3 % of
+/// Distance of the first rays in pixels. A detail that is smaller and lies between them is missed, whatever the threshold. With 8 instead, 3 % of
 /// the pixels' rays were saved at most, and more was missed.
 const COARSE: usize = 4;
 
