@@ -30,6 +30,8 @@ pub(crate) fn unsupported(head: &[u8]) -> Option<&'static str> {
         Content::Legacy(kind) => match kind.as_str() {
             "RECTILINEAR_GRID" => "VTK RECTILINEAR_GRID (a grid whose planes are not evenly spaced)",
             "STRUCTURED_GRID" => "VTK STRUCTURED_GRID (a grid whose points each have a position of their own)",
+            // Where it is read, this comes out of a compressed file.
+            "STRUCTURED_POINTS" | "POLYDATA" | "UNSTRUCTURED_GRID" => PACKED,
             _ => return None,
         },
         Content::Xml(kind) => match kind.as_str() {
@@ -44,13 +46,14 @@ pub(crate) fn unsupported(head: &[u8]) -> Option<&'static str> {
             }
             "Collection" => "VTK Collection (.pvd: a list of files, each of which may be read)",
             "PImageData" => "VTK PImageData (.pvti: a list of .vti files, each of which can be read)",
-            kind if kind.starts_with('P') && kind != "PolyData" => {
-                "VTK parallel file (a list of files, each of which may be read)"
-            }
+            "ImageData" | "PolyData" | "UnstructuredGrid" => PACKED,
+            kind if kind.starts_with('P') => "VTK parallel file (a list of files, each of which may be read)",
             _ => "VTK (XML)",
         },
     })
 }
+
+const PACKED: &str = "VTK in a compressed file (it can be read when unpacked)";
 
 fn data_set(head: &[u8]) -> Option<String> {
     let lines = head.split(|&c| c == b'\n').take(12).filter_map(|line| str::from_utf8(line).ok());
