@@ -70,6 +70,8 @@ impl Lattice {
             notes.push("the file states no spacing: 1, 1, 1 is assumed".to_owned());
         }
         let axes = self.direction.unwrap_or(DMat3::IDENTITY) * DMat3::from_diagonal(self.spacing.unwrap_or(DVec3::ONE));
+        // Said of the axes before they move the origin.
+        Placement::new(DVec3::ZERO, axes)?;
         let first = self.extent.first();
         let mut index = DVec3::from_array(first.map(|i| i as f64));
         if first != [0; 3] {

@@ -48,8 +48,16 @@ pub(crate) struct Attribute {
     pub array: Array,
     pub components: usize,
     pub of_cells: bool,
-    /// True if it was announced as SCALARS.
+    /// True if it was announced as SCALARS or COLOR_SCALARS.
     pub is_scalars: bool,
+}
+
+/// The word that announces an array.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Scalars,
+    Colors,
+    Other,
 }
 
 impl Legacy {
@@ -141,17 +149,16 @@ impl Legacy {
             "SCALARS" => {
                 let components = words.get(3).map_or(Ok(1), |_| size(3))?;
                 scan.line_of("LOOKUP_TABLE")?;
-                self.attribute(word(1)?, word(2)?, components, scan)?;
-                self.attributes.last_mut().into_iter().for_each(|a| a.is_scalars = true);
+                self.attribute(Kind::Scalars, word(1)?, word(2)?, components, scan)?;
             }
-            "VECTORS" | "NORMALS" => self.attribute(word(1)?, word(2)?, 3, scan)?,
-            "TENSORS" => self.attribute(word(1)?, word(2)?, 9, scan)?,
-            "TENSORS6" => self.attribute(word(1)?, word(2)?, 6, scan)?,
-            "GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS" => self.attribute(word(1)?, word(2)?, 1, scan)?,
-            "TEXTURE_COORDINATES" => self.attribute(word(1)?, word(3)?, size(2)?, scan)?,
+            "VECTORS" | "NORMALS" => self.attribute(Kind::Other, word(1)?, word(2)?, 3, scan)?,
+            "TENSORS" => self.attribute(Kind::Other, word(1)?, word(2)?, 9, scan)?,
+            "TENSORS6" => self.attribute(Kind::Other, word(1)?, word(2)?, 6, scan)?,
+            "GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS" => self.attribute(Kind::Other, word(1)?, word(2)?, 1, scan)?,
+            "TEXTURE_COORDINATES" => self.attribute(Kind::Other, word(1)?, word(3)?, size(2)?, scan)?,
             "COLOR_SCALARS" => {
                 let scalar = if scan.binary { "unsigned_char" } else { "float" };
-                self.attribute(word(1)?, scalar, size(2)?, scan)?;
+                self.attribute(Kind::Colors, word(1)?, scalar, size(2)?, scan)?;
             }
             "LOOKUP_TABLE" => {
                 let scalar = if scan.binary { "unsigned_char" } else { "float" };
@@ -174,12 +181,19 @@ impl Legacy {
     }
 
     /// An array with so many numbers for each point or cell.
-    fn attribute(&mut self, name: &str, scalar: &str, components: usize, scan: &mut Scan) -> Result<(), FileErrorKind> {
+    fn attribute(
+        &mut self,
+        kind: Kind,
+        name: &str,
+        scalar: &str,
+        components: usize,
+        scan: &mut Scan,
+    ) -> Result<(), FileErrorKind> {
         let numbers = self.count.checked_mul(components);
         let numbers =
             numbers.ok_or_else(|| FileErrorKind::field(scan.place(), components, "must have fewer components"))?;
         let array = scan.array(name, scalar, numbers)?;
-        self.keep(array, components);
+        self.keep(kind, array, components);
         Ok(())
     }
 
@@ -204,14 +218,16 @@ impl Legacy {
         let (name, scalar, components, numbers) =
             parsed.ok_or_else(|| FileErrorKind::field(scan.place(), &line, allowed))?;
         let array = scan.array(name, scalar, numbers)?;
-        self.keep(array, components);
+        self.keep(Kind::Other, array, components);
         Ok(())
     }
 
-    fn keep(&mut self, array: Array, components: usize) {
+    fn keep(&mut self, kind: Kind, array: Array, components: usize) {
         // Without a count it is of a field of the whole file.
         if self.count > 0 {
-            self.attributes.push(Attribute { array, components, of_cells: self.of_cells, is_scalars: false });
+            let array = if kind == Kind::Colors { array.of_shares() } else { array };
+            let is_scalars = kind != Kind::Other;
+            self.attributes.push(Attribute { array, components, of_cells: self.of_cells, is_scalars });
         }
     }
 }

@@ -32,6 +32,8 @@ enum Form {
     Binary,
     /// Eight in a byte, the highest bit first.
     Bits,
+    /// Words from 0 to 1, for bytes from 0 to 255.
+    Shares,
 }
 
 /// A place in the file.
@@ -134,12 +136,12 @@ impl Scan {
         let begin = self.here;
         let left = self.length.saturating_sub(begin.at);
         let length = match form {
-            Form::Text => None,
+            Form::Text | Form::Shares => None,
             Form::Binary => (numbers as u64).checked_mul(scalar.bytes() as u64),
             Form::Bits => Some((numbers as u64).div_ceil(8)),
         };
         let whole = match (form, length.filter(|&length| length <= left)) {
-            (Form::Text, _) => self.pass_words(numbers)?,
+            (Form::Text | Form::Shares, _) => self.pass_words(numbers)?,
             (_, None) => false,
             (_, Some(length)) => {
                 self.file.seek(SeekFrom::Start(begin.at + length))?;
@@ -198,7 +200,12 @@ impl Array {
 
     /// The encoding in a word: `ascii` or `raw`.
     pub fn encoding(&self) -> &'static str {
-        if self.form == Form::Text { "ascii" } else { "raw" }
+        if matches!(self.form, Form::Text | Form::Shares) { "ascii" } else { "raw" }
+    }
+
+    /// This array, of which the words are shares of 255 (`vtkDataReader::ReadCoScalarData`).
+    pub(super) fn of_shares(self) -> Self {
+        if self.form == Form::Text { Self { form: Form::Shares, scalar: ScalarType::U8, ..self } } else { self }
     }
 
     /// All its numbers.
@@ -216,6 +223,11 @@ impl Array {
         match self.form {
             Form::Binary => Ok(bytes),
             Form::Text => words::bytes(&bytes, self.scalar, Endian::Big).map_err(|e| self.bad_word(&bytes, &e)),
+            Form::Shares => {
+                let shares = words::numbers(&bytes, |word| word.parse::<f64>().ok());
+                let shares = shares.map_err(|e| self.bad_word(&bytes, &e))?;
+                Ok(shares.into_iter().map(|share| (share * 255.0 + 0.5) as u8).collect())
+            }
             Form::Bits => {
                 let bits = bytes.iter().flat_map(|byte| (0..8).rev().map(move |i| byte >> i & 1));
                 Ok(bits.take(self.numbers).collect())
