@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 
-use crate::scalar::Endian;
+use crate::scalar::{Endian, ScalarType};
 
 /// A number type of a file.
 pub(crate) trait Scalar: Pod + PartialOrd + Send + Sync + 'static {
@@ -52,6 +52,16 @@ macro_rules! with_scalar {
     }};
 }
 pub(crate) use with_scalar;
+
+/// The numbers that whole groups of bytes stand for. Integers beyond 2⁵³ are rounded.
+#[allow(clippy::unnecessary_cast, reason = "one of the ten types is f64")]
+pub(crate) fn numbers_as_f64(bytes: &[u8], scalar: ScalarType, endian: Endian) -> Vec<f64> {
+    with_scalar!(scalar, S => {
+        let mut stored: Vec<S> = Vec::with_capacity(bytes.len() / size_of::<S>());
+        S::append(bytes, endian, &mut stored);
+        stored.into_iter().map(|x| x as f64).collect()
+    })
+}
 
 #[cfg(test)]
 mod tests {

@@ -7,6 +7,7 @@ use crate::encoding::Encoding;
 use crate::error::{FileError, FileErrorKind, VOLUMES};
 use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
+use crate::vtk::{self, ImageFormat};
 
 /// The formats that are read.
 #[derive(Debug, PartialEq)]
@@ -16,7 +17,15 @@ pub(crate) enum Format {
     Nifti,
     /// No header; what the name says.
     Raw(RawDescription),
+    VtkImage(ImageFormat),
     Points(PointFormat),
+}
+
+impl Format {
+    /// True if files of this format hold arrays under names, of which [`crate::ReadOptions::array`] chooses one.
+    pub fn has_named_arrays(&self) -> bool {
+        matches!(self, Self::VtkImage(_))
+    }
 }
 
 /// The format of a file of which the first bytes are given.
@@ -31,6 +40,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     }
     if let Some(format) = points::by_content(head) {
         return Ok(Format::Points(format));
+    }
+    if let Some(format) = vtk::by_content(head) {
+        return Ok(Format::VtkImage(format));
     }
     if let Some(format) = unsupported_by_content(&unpacked) {
         return Err(FileError::new(path, FileErrorKind::Unsupported { format }));
@@ -52,6 +64,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
             // A compressed text has another ending.
             if let Some(format) = points::by_extension(extension).filter(|_| plain == name) {
                 return Ok(Format::Points(format));
+            }
+            if let Some(format) = vtk::by_extension(extension).filter(|_| plain == name) {
+                return Ok(Format::VtkImage(format));
             }
             if let Some(format) = unsupported_by_extension(extension).or_else(|| bare_dicom(&unpacked)) {
                 return Err(FileError::new(path, FileErrorKind::Unsupported { format }));
@@ -104,10 +119,10 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
     let begins = |magic: &[u8]| head.starts_with(magic);
     let at = |offset: usize, magic: &[u8]| head.get(offset..).is_some_and(|rest| rest.starts_with(magic));
     let contains = |text: &[u8]| head.windows(text.len()).any(|w| w == text);
-    if begins(b"# vtk DataFile") {
+    if let Some(kind) = vtk::unsupported(head) {
+        Some(kind)
+    } else if begins(b"# vtk DataFile") {
         Some("VTK (legacy)")
-    } else if begins(b"<") && contains(b"<VTKFile") {
-        Some("VTK (XML)")
     } else if begins(b"<") && contains(b"<VolumeData") {
         Some("Voreen (.vvd)")
     } else if at(128, b"DICM") {
@@ -141,7 +156,7 @@ fn bare_dicom(head: &[u8]) -> Option<&'static str> {
 fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
     Some(match extension {
         "dcm" | "ima" => "DICOM",
-        "vtk" | "vti" | "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" => "VTK",
+        "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" => "VTK",
         "h5" | "hdf5" | "nc" => "HDF5/netCDF",
         "zarr" => "Zarr",
         "vdb" | "nvdb" => "OpenVDB",
@@ -186,9 +201,12 @@ mod tests {
         assert_eq!(points("x.vtk", legacy("POLYDATA").as_bytes()), Format::Points(PointFormat::VtkLegacy));
         let xml = |kind| format!("<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\">\n");
         assert_eq!(points("x", xml("UnstructuredGrid").as_bytes()), Format::Points(PointFormat::VtkXml));
-        for grid in [legacy("STRUCTURED_POINTS"), xml("ImageData")] {
+        let image = |head: String| detect(Path::new("x"), head.as_bytes()).unwrap();
+        assert_eq!(image(legacy("STRUCTURED_POINTS")), Format::VtkImage(ImageFormat::Legacy));
+        assert_eq!(image(xml("ImageData")), Format::VtkImage(ImageFormat::Xml));
+        for grid in [legacy("STRUCTURED_GRID"), xml("RectilinearGrid")] {
             let message = detect(Path::new("x.vtk"), grid.as_bytes()).unwrap_err().to_string();
-            assert!(message.contains("unsupported format VTK"), "{message}");
+            assert!(message.contains("unsupported format VTK") && message.contains("a grid whose"), "{message}");
         }
     }
 

@@ -59,11 +59,14 @@
 //! | NRRD 1 to 5 | attached, detached, lists and patterns of files | raw, gzip, bzip2, hex, ascii |
 //! | MetaImage | `.mha`, `.mhd`, lists and patterns of files | raw, zlib, ascii |
 //! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
+//! | VTK ImageData, XML | `.vti`, pieces of one file | text, base64, appended (base64 or raw), zlib, LZ4 |
+//! | VTK STRUCTURED_POINTS, legacy | `.vtk` up to version 5.1 | text, raw |
 //!
 //! Integers and floats of 8 to 64 bits, in both byte orders. Memory holds u8, i8, u16, i16 and f32; of the others, integers that
 //! fit one of these exactly become that one, and everything else becomes f32, which is said where it rounds. Uncompressed
 //! voxels that memory can hold as they are stay in the file, mapped. One frame of a series and one component of several are
-//! picked by [`ReadOptions`].
+//! picked by [`ReadOptions`], and so is one array of a file that holds several under names: else it is the one that VTK calls the active
+//! scalars, the first with one component, or the first. VTK's numbers of cells are placed at the centres of the cells.
 //!
 //! # Scattered points that are read
 //!
@@ -98,6 +101,7 @@
 //!   nothing about the axes, so the file's own frame is kept.
 //! * **MetaImage** with a `TransformMatrix`, an `Offset` or an `AnatomicalOrientation` is taken as ITK writes it, LPS, and
 //!   turned to RAS; without any of them it keeps its own frame.
+//! * **VTK** knows no patients: its origin, spacing and direction are kept as they are.
 //!
 //! # Bad files
 //!
@@ -107,8 +111,8 @@
 //!
 //! # What is not here yet
 //!
-//! DICOM, VTK's grids, OME-Zarr and OpenVDB are recognised and refused by name. Of VTK's points, blocks packed with LZMA are; so are parallel
-//! files (`.pvtp`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical) colours are refused.
+//! DICOM, VTK's uneven grids (`.vtr`, `.vts`), OME-Zarr and OpenVDB are recognised and refused by name. Of VTK's points and images, blocks packed
+//! with LZMA are; so are parallel files (`.pvtp`, `.pvti`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical) colours are refused.
 //!
 //! # Features
 //! * `hdf5`, off by default: points in HDF5, through a reader in Rust alone.
@@ -126,6 +130,7 @@ mod layout;
 mod mapped;
 mod mesh;
 mod metaimage;
+mod names;
 mod nifti;
 mod nrrd;
 mod paraview;
@@ -140,6 +145,7 @@ mod scalar;
 mod scene;
 mod source;
 mod voxels;
+mod vtk;
 mod world;
 
 pub use atomic::write_bytes;

@@ -24,6 +24,8 @@ pub(crate) enum Skip {
     Bytes(u64),
     /// All bytes but those of the voxels, which are the last.
     AllButVoxels,
+    /// None; the voxels lie among other data of the file, so that bytes behind them are worth no note.
+    Inside,
 }
 
 /// A file with voxels in it.
@@ -155,6 +157,7 @@ impl Payload {
         let skip = match segment.skip {
             Skip::Bytes(n) => n,
             Skip::AllButVoxels => rest.saturating_sub(claimed),
+            Skip::Inside => 0,
         };
         let found = rest.saturating_sub(skip);
         self.check_length(segment, claimed, found, notes)?;
@@ -172,7 +175,7 @@ impl Payload {
         if found < claimed || (found > claimed && self.excess_is_error) {
             return Err(FileError::new(&segment.path, FileErrorKind::Length { claimed, found, hint: self.hint }));
         }
-        if found > claimed {
+        if found > claimed && segment.skip != Skip::Inside {
             notes.push(format!("{} bytes after the voxels are left unread", found - claimed));
         }
         Ok(())
@@ -198,6 +201,7 @@ impl Payload {
         } else {
             let skip = match segment.skip {
                 Skip::Bytes(n) => n,
+                Skip::Inside => 0,
                 // Where the end is, only the decoder knows: it runs twice.
                 Skip::AllButVoxels => {
                     let all = io::copy(&mut self.encoding.reader(self.open(header, segment)?), &mut io::sink())

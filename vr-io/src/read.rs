@@ -19,7 +19,7 @@ use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::voxels::{Stored, Voxels};
 use crate::world::Space;
-use crate::{metaimage, nifti, nrrd, raw};
+use crate::{metaimage, nifti, nrrd, raw, vtk};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
@@ -28,6 +28,9 @@ pub struct ReadOptions {
     pub frame: Option<usize>,
     /// Component of a file with several values per voxel, from 0; not needed where there is one.
     pub component: Option<usize>,
+    /// Array of a file that holds several under names; not needed where the file says which one is meant, or has one. Of scattered points,
+    /// that of the values ([`PointOptions::value`], which comes first).
+    pub array: Option<String>,
     /// Transform of a NIfTI file that places the volume.
     pub transform: Transform,
     /// Description of a file without a header. Where this is given, the file counts as raw, whatever it looks like.
@@ -44,6 +47,7 @@ impl Default for ReadOptions {
         Self {
             frame: None,
             component: None,
+            array: None,
             transform: Transform::Auto,
             raw: None,
             map: true,
@@ -68,9 +72,9 @@ pub struct Loaded {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FileInfo {
-    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2` or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
+    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2`, `VTK ImageData`, `VTK (legacy)` or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
     pub format: &'static str,
-    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of points also `base64` or `lz4`.
+    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of VTK's also `base64` or `lz4`.
     pub encoding: &'static str,
     /// Type of the voxels, or of the positions of points, in the file; in memory it may be another ([`vr_core::GridVolume::voxel_type`]).
     pub scalar: ScalarType,
@@ -113,7 +117,7 @@ pub(crate) struct Description {
     pub notes: Vec<String>,
 }
 
-/// Reads a volume of any supported format: NRRD, MetaImage, NIfTI-1 and -2, raw, or those of scattered points ([`crate::read_points`]). The
+/// Reads a volume of any supported format: NRRD, MetaImage, NIfTI-1 and -2, VTK images, raw, or those of scattered points ([`crate::read_points`]). The
 /// format is told by the content first, by the name second.
 ///
 /// # Errors
@@ -175,11 +179,18 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         };
         (format, head)
     };
+    if let Some(name) = &options.array
+        && !format.has_named_arrays()
+        && !matches!(format, Format::Points(_))
+    {
+        return Err(FieldError::new("array", name, "files of this format hold one array, without a name").in_file(path));
+    }
     let description = match format {
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
+        Format::VtkImage(format) => vtk::describe(format, path, options)?,
         Format::Points(format) => return Ok(Described::Points(format)),
     };
     Ok(Described::Grid(Box::new(description)))
@@ -199,7 +210,9 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
             return Err(FieldError::new(field, choice, "scattered points have none to choose").in_file(path));
         }
     }
-    let LoadedPoints { points, info, notes } = points::read_as(format, path, &options.points)?;
+    let mut choices = options.points.clone();
+    choices.value = choices.value.or_else(|| options.array.clone());
+    let LoadedPoints { points, info, notes } = points::read_as(format, path, &choices)?;
     Ok(Loaded { volume: points.into(), info, notes })
 }
 

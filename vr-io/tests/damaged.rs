@@ -1,6 +1,7 @@
 //! Files with bytes changed, put in, taken out and cut off, thousands of them: each is read or refused in one line, never a
 //! panic. The random numbers are the same on every run.
 
+mod small_images;
 mod small_meshes;
 mod small_points;
 mod tiny;
@@ -160,6 +161,13 @@ fn nifti_headers() {
     survive_reading("x.nii.gz", &one, 352, gzip);
     survive_reading("y.nii", &join(nifti_2(true), &i16_bytes(true)), 544, as_it_is);
     survive_reading("z.nii.gz", &gzip(&one), usize::MAX, as_it_is);
+}
+
+#[test]
+fn vtk_images() {
+    for (name, file) in small_images::few() {
+        survive_reading(name, &file, usize::MAX, as_it_is);
+    }
 }
 
 #[test]

@@ -148,6 +148,51 @@ fn every_encoding_of_the_ball() {
     assert_eq!(read_ones, 9);
 }
 
+/// The numbers are those that VTK 9.7 reads.
+#[test]
+fn images_of_vtk() {
+    use VoxelType::{F32, U8};
+    let at = |loaded: &Loaded, [x, y, z]: [usize; 3]| {
+        let [nx, ny, _] = uniform(loaded).dims();
+        stored(loaded)[x + nx * (y + ny * z)]
+    };
+    for (name, format) in [("vtk/heart.vtk", "VTK (legacy)"), ("vtk/heart.vti", "VTK ImageData")] {
+        expect(name, [32, 32, 12], F32, [1.0, 1.0, 4.0], |l, i| {
+            assert_eq!((i.format, i.encoding, i.space, i.mapped), (format, "ascii", Space::Own, false));
+            assert_eq!([[3, 1, 0], [31, 0, 5], [10, 20, 11]].map(|p| at(l, p)), [16.0, 0.0, 159.0]);
+            assert_eq!(stored(l).iter().sum::<f32>(), 832_283.0);
+        });
+    }
+    expect("vtk/hydrogen.vti", [64; 3], F32, [1.0; 3], |l, i| {
+        assert_eq!((i.encoding, i.scalar), ("zlib", ScalarType::F32));
+        let places = [[32, 32, 32], [32, 32, 22], [30, 35, 40], [32, 40, 31]];
+        assert_eq!(places.map(|p| at(l, p)), [0.0, 1.0, 0.622418, 0.270586]);
+    });
+    expect("vtk/ironProt.vtk", [68; 3], U8, [1.0; 3], |l, i| {
+        assert!(i.mapped && l.notes.is_empty(), "{:?}", l.notes);
+        assert_eq!((at(l, [34; 3]), stored(l).iter().sum::<f32>()), (131.0, 4_131_089.0));
+    });
+    let Some(path) = data("vtk/vase_4comp.vti") else { return };
+    let refused = read(&path, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("holds 4 components") && refused.contains("choose a component, 0 to 3"), "{refused}");
+    let vase = read(&path, &ReadOptions { component: Some(2), ..Default::default() }).unwrap();
+    assert_eq!((uniform(&vase).dims(), vase.info.components), ([115, 101, 75], 4));
+    assert_eq!(stored(&vase).iter().sum::<f32>(), 10_723_131.0);
+    // Cell data, appended as they are.
+    let array = |name: &str| ReadOptions { array: Some(name.to_owned()), ..Default::default() };
+    let name = "amr/vthb/HierarchicalBoxDataset.v1.1/HierarchicalBoxDataset.v1.1_0.vti";
+    let amr = load_with(name, &array("Fractal Volume Fraction")).unwrap();
+    let f32s = [0.17115964387592517f64, 0.30560021651418584, 0.05766468926479942].map(|x| x as f32);
+    assert_eq!([[0, 0, 0], [1, 0, 0], [3, 1, 2]].map(|p| at(&amr, p)), f32s);
+    let first = uniform(&amr).placement().origin();
+    let expected = [-1.75 + 0.83333331347 / 2.0, -1.25 + 0.83333331347 / 2.0, 0.66666668653 / 2.0];
+    assert!((first - glam::DVec3::from_array(expected)).length() < 1e-12, "{first}");
+    let refused = read(data(name).unwrap(), &array("heat")).unwrap_err().to_string();
+    assert!(refused.contains("one of VectorXYZ, TestX, BlockId, Depth, Fractal Volume Fraction"), "{refused}");
+    let refused = read(data("vtk/cth.vtr").unwrap(), &ReadOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("unsupported format VTK RectilinearGrid (.vtr: a grid whose planes"), "{refused}");
+}
+
 #[test]
 fn one_frame_of_four_dimensions() {
     let Some(path) = data("nifti/example4d.nii.gz") else { return };
@@ -213,7 +258,7 @@ const BROKEN: [(&str, &str); 40] = [
     ("not_compressed.mha", "zlib data are damaged"),
     ("fuel_plus_one_64x64x64_uint8.raw", "claims 262144 bytes of voxels, found 262145"),
     ("lies_128x128x128_uint8.raw", "claims 2097152 bytes of voxels, found 68921"),
-    ("hydrogen_truncated.vti", "unsupported format VTK (XML); supported are NRRD"),
+    ("hydrogen_truncated.vti", "must be well-formed and whole"),
     ("tets_no_scalars.vtk", ""),
     ("tets_bad_index.vtk", ""),
     ("tets_nan_scalar.vtk", ""),

@@ -21,6 +21,7 @@ use crate::detect::{Format, detect};
 use crate::error::{FileError, FileErrorKind};
 use crate::read::{FileInfo, file_head};
 use crate::scalar::{Endian, ScalarType};
+use crate::vtk::{self, Content};
 use crate::world::Space;
 
 use roles::Roles;
@@ -138,12 +139,11 @@ pub(crate) fn by_content(head: &[u8]) -> Option<PointFormat> {
         Some(PointFormat::Npy)
     } else if head.starts_with(b"\x89HDF\r\n\x1a\n") {
         Some(PointFormat::Hdf5)
-    } else if vtk_legacy::holds_points(head) {
-        Some(PointFormat::VtkLegacy)
-    } else if vtk_xml::holds_points(head) {
-        Some(PointFormat::VtkXml)
     } else {
-        None
+        match vtk::content(head)? {
+            Content::Legacy(kind) => vtk_legacy::DATA_SETS.contains(&kind.as_str()).then_some(PointFormat::VtkLegacy),
+            Content::Xml(kind) => vtk_xml::KINDS.contains(&kind.as_str()).then_some(PointFormat::VtkXml),
+        }
     }
 }
 
@@ -169,8 +169,8 @@ pub(crate) fn read_as(format: PointFormat, path: &Path, options: &PointOptions) 
     let found = match format {
         PointFormat::Delimited => delimited::read(&bytes()?, options),
         PointFormat::Npy => npy::read(&bytes()?),
-        PointFormat::VtkLegacy => vtk_legacy::read(&bytes()?, options),
-        PointFormat::VtkXml => vtk_xml::read(&bytes()?, options),
+        PointFormat::VtkLegacy => vtk_legacy::read(path, options),
+        PointFormat::VtkXml => vtk_xml::read(path, options),
         #[cfg(feature = "hdf5")]
         PointFormat::Hdf5 => hdf5::read(path, options),
         #[cfg(not(feature = "hdf5"))]

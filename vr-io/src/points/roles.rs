@@ -1,6 +1,7 @@
 //! Roles of a file's columns.
 
 use crate::error::FieldError;
+use crate::names::{missing, named, plain};
 
 use super::PointOptions;
 
@@ -128,32 +129,9 @@ fn role(field: &str, chosen: Option<&str>, names: &[String], usually: &[&str]) -
     }
 }
 
-/// The column of a name, spelled as it is, or else but for case and punctuation.
-fn named(names: &[String], name: &str) -> Option<usize> {
-    let same = |n: &String| n == name;
-    names.iter().position(same).or_else(|| names.iter().position(|n| plain(n) == plain(name)))
-}
-
 /// The column with the first of the names.
 fn usual(names: &[String], usually: &[&str]) -> Option<usize> {
     usually.iter().find_map(|u| names.iter().position(|n| plain(n) == *u))
-}
-
-fn missing(field: &str, name: &str, names: &[String]) -> FieldError {
-    FieldError::new(field, name, format!("must be one of {}", listed(names)))
-}
-
-fn listed(names: &[String]) -> String {
-    match names {
-        [] => "no column".to_owned(),
-        names => crate::error::shown(&names.join(", ")),
-    }
-}
-
-/// Lower case, letters and digits alone, units in brackets left out.
-fn plain(name: &str) -> String {
-    let name = name.split(['[', '(']).next().unwrap_or_default();
-    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 #[cfg(test)]

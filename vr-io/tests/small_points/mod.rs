@@ -89,9 +89,15 @@ pub enum Packed {
 
 /// An array as VTK packs it: pieces of 8 bytes where it is compressed, so that there are several, and a smaller one at the end. The header
 /// apart from the data.
-fn packed(bytes: &[u8], how: Packed, wide: bool) -> (Vec<u8>, Vec<u8>) {
+pub fn packed(bytes: &[u8], how: Packed, wide: bool, big: bool) -> (Vec<u8>, Vec<u8>) {
     const BLOCK: usize = 8;
-    let word = |n: usize| if wide { (n as u64).to_le_bytes().to_vec() } else { (n as u32).to_le_bytes().to_vec() };
+    let word = |n: usize| {
+        let mut word = if wide { (n as u64).to_le_bytes().to_vec() } else { (n as u32).to_le_bytes().to_vec() };
+        if big {
+            word.reverse();
+        }
+        word
+    };
     if how == Packed::No {
         return (word(bytes.len()), bytes.to_vec());
     }
@@ -105,7 +111,7 @@ fn packed(bytes: &[u8], how: Packed, wide: bool) -> (Vec<u8>, Vec<u8>) {
     (header, blocks.concat())
 }
 
-fn base64(header: &[u8], data: &[u8], how: Packed) -> String {
+pub fn base64(header: &[u8], data: &[u8], how: Packed) -> String {
     // Only a header with sizes of blocks is a run of its own.
     match how {
         Packed::No => STANDARD.encode([header, data].concat()),
@@ -118,7 +124,7 @@ pub fn vtp(stored: Stored, how: Packed, wide: bool) -> Vec<u8> {
     let mut appended: Vec<u8> = Vec::new();
     let mut array = |name: &str, components: usize, numbers: &[f32]| {
         let bytes = little(numbers);
-        let (header, data) = packed(&bytes, how, wide);
+        let (header, data) = packed(&bytes, how, wide, false);
         let begin = format!("<DataArray type=\"Float32\" Name=\"{name}\" NumberOfComponents=\"{components}\"");
         match stored {
             Stored::Ascii => format!("{begin} format=\"ascii\">\n {}\n</DataArray>\n", words(numbers)),

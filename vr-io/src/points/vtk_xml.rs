@@ -3,35 +3,25 @@
 //! Own code over a parser of XML: `vtkio`, the crate at hand, reads no raw appended data, which is how ParaView writes, panics on offsets beyond the
 //! end, and allocates what headers claim.
 
-mod arrays;
+use std::path::Path;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
-use crate::error::{FieldError, FileErrorKind, shown};
+use crate::error::{FieldError, FileErrorKind};
+use crate::vtk::{DataArray, XmlFile, named_arrays, root};
 
 use super::roles::Roles;
 use super::{Column, Found, Numbering, PointOptions, Table, numbers};
 
-use arrays::{Appended, Coding, DataArray};
+/// The kinds of data that have points of their own.
+pub(super) const KINDS: [&str; 2] = ["PolyData", "UnstructuredGrid"];
 
-/// True if the beginning of a file is that of a VTK file with a kind of data that has points of its own.
-pub(super) fn holds_points(head: &[u8]) -> bool {
-    let contains = |text: &[u8]| head.windows(text.len()).any(|w| w == text);
-    head.trim_ascii_start().starts_with(b"<")
-        && contains(b"<VTKFile")
-        && (contains(b"type=\"PolyData\"") || contains(b"type=\"UnstructuredGrid\""))
-}
-
-pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileErrorKind> {
-    let (text, appended) = Appended::split(bytes)?;
-    let document = Document::parse(&text).map_err(|e| FileErrorKind::field("XML", e, "must be well-formed"))?;
-    let root = document.root_element();
-    let kind = root.attribute("type").unwrap_or_default();
-    if !root.has_tag_name("VTKFile") || !matches!(kind, "PolyData" | "UnstructuredGrid") {
-        return Err(FileErrorKind::field("VTKFile type", kind, "must be PolyData or UnstructuredGrid"));
-    }
+pub(super) fn read(path: &Path, options: &PointOptions) -> Result<Found, FileErrorKind> {
+    let file = XmlFile::open(path)?;
+    let document = file.document()?;
+    let (root, kind) = root(&document, &KINDS)?;
     // Find the pieces that hold points.
-    let coding = Coding::of(root)?;
+    let store = file.store(root)?;
     let pieces: Vec<Piece<'_, '_>> = root
         .children()
         .filter(|n| n.has_tag_name(kind))
@@ -46,21 +36,21 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileEr
     };
 
     // Choose columns by the first piece, and append every piece to them.
-    let names: Vec<String> = first.scalars().map(name_of).collect();
+    let names: Vec<String> = first.scalars().map(|(name, _)| name).collect();
     let mut positions = Vec::new();
     let mut columns = Roles::choose(&names, options)?
         .try_map(|i| Ok::<_, FileErrorKind>(Column { name: names[i].clone(), numbers: Vec::new() }))?;
     let place = first.positions()?;
-    let (scalar, encoding) = (place.scalar, place.encoding(&coding, &appended));
+    let (scalar, encoding) = (place.scalar, place.encoding(&store));
     for piece in filled {
-        let all = piece.positions()?.numbers(piece.count * 3, &coding, &appended)?;
+        let all = piece.positions()?.numbers(piece.count * 3, &store)?;
         positions.extend(numbers::positions(&all));
         columns = columns.try_map(|mut column| {
-            let array = piece.scalars().find(|&n| name_of(n) == column.name).ok_or_else(|| {
+            let (_, array) = piece.scalars().find(|(name, _)| *name == column.name).ok_or_else(|| {
                 let place = format!("Piece, array {}", column.name);
                 FieldError::new(place, "nothing", "every piece must have it, as the first one has")
             })?;
-            column.numbers.extend(DataArray::new(array)?.numbers(piece.count, &coding, &appended)?);
+            column.numbers.extend(DataArray::new(array)?.numbers(piece.count, &store)?);
             Ok::<_, FileErrorKind>(column)
         })?;
     }
@@ -69,22 +59,16 @@ pub(super) fn read(bytes: &[u8], options: &PointOptions) -> Result<Found, FileEr
         format: if kind == "PolyData" { "VTK PolyData" } else { "VTK UnstructuredGrid" },
         encoding,
         scalar,
-        endian: coding.endian,
+        endian: store.endian,
         names,
         notes,
     })
 }
 
-/// Fit for a line, as all that messages may quote.
-fn name_of(array: Node<'_, '_>) -> String {
-    shown(array.attribute("Name").unwrap_or_default())
-}
-
 /// Notes on cells, which are left out.
 fn left_out(pieces: &[Piece<'_, '_>]) -> Vec<String> {
     let cells: u64 = pieces.iter().map(Piece::cells).fold(0, u64::saturating_add);
-    let cell_arrays =
-        pieces.iter().map(|p| p.children("CellData").filter(|n| n.has_tag_name("DataArray")).count()).max();
+    let cell_arrays = pieces.iter().map(|p| p.sections("CellData").flat_map(named_arrays).count()).max();
     let mut notes = Vec::new();
     if cells > 0 {
         notes.push(format!("{cells} cells are left out: their points are taken"));
@@ -110,20 +94,19 @@ impl<'d, 't> Piece<'d, 't> {
         Ok(Self { node, count: count.ok_or_else(wrong)? })
     }
 
-    fn children(&self, section: &'static str) -> impl Iterator<Item = Node<'d, 't>> {
-        self.node.children().filter(move |n| n.has_tag_name(section)).flat_map(|n| n.children())
+    fn sections(&self, name: &'static str) -> impl Iterator<Item = Node<'d, 't>> {
+        self.node.children().filter(move |n| n.has_tag_name(name))
     }
 
-    /// The arrays with one number for each point.
-    fn scalars(&self) -> impl Iterator<Item = Node<'d, 't>> {
+    /// The arrays with one number for each point, by name.
+    fn scalars(&self) -> impl Iterator<Item = (String, Node<'d, 't>)> {
         let single =
             |n: &Node<'_, '_>| n.attribute("NumberOfComponents").is_none_or(|c| matches!(c.trim(), "1" | "0" | ""));
-        let is_number = |n: &Node<'_, '_>| n.attribute("type") != Some("String");
-        self.children("PointData").filter(move |n| n.has_tag_name("DataArray") && single(n) && is_number(n))
+        self.sections("PointData").flat_map(named_arrays).filter(move |(_, n)| single(n))
     }
 
-    fn positions(&self) -> Result<DataArray<'d, 't>, FileErrorKind> {
-        let array = self.children("Points").find(|n| n.has_tag_name("DataArray"));
+    fn positions(&self) -> Result<DataArray, FileErrorKind> {
+        let array = self.sections("Points").flat_map(|n| n.children()).find(|n| n.has_tag_name("DataArray"));
         DataArray::new(
             array
                 .ok_or_else(|| FileErrorKind::field("Piece", "no Points with a DataArray", "points have positions"))?,

@@ -1,0 +1,18 @@
+//! VTK's files, XML and legacy: what points and images have in common, and images.
+//!
+//! The formats are those of the VTK User's Guide (11th edition, 2010, "VTK file formats"), and where it is silent those of VTK 9's readers and
+//! writers: `vtkXMLDataElement`, `vtkXMLWriter`, `vtkDataReader`, `vtkDataWriter`.
+
+mod coded;
+mod content;
+mod data_array;
+mod image;
+mod legacy;
+mod words;
+mod xml;
+
+pub(crate) use content::{Content, content, unsupported};
+pub(crate) use data_array::{DataArray, named_arrays};
+pub(crate) use image::{ImageFormat, by_content, by_extension, describe};
+pub(crate) use legacy::{Array, Legacy};
+pub(crate) use xml::{Store, XmlFile, root};
