@@ -17,7 +17,7 @@ use crate::raw::RawDescription;
 use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::world::Space;
-use crate::{metaimage, nifti, nrrd, raw};
+use crate::{metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, voreen};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
@@ -66,9 +66,9 @@ pub struct Loaded {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FileInfo {
-    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2` or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
+    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2`, `MRC`, `PVM`, `SLC`, `NumPy`, `OpenDX`, …, or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
     pub format: &'static str,
-    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of points also `base64` or `lz4`.
+    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex`, `ascii`, or a coding of the format; of points also `base64` or `lz4`.
     pub encoding: &'static str,
     /// Type of the voxels, or of the positions of points, in the file; in memory it may be another ([`vr_core::GridVolume::voxel_type`]).
     pub scalar: ScalarType,
@@ -146,6 +146,14 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
+        Format::Mrc => mrc::describe(path, options)?,
+        Format::Pvm => pvm::describe(path, options)?,
+        Format::Slc => slc::describe(path, options)?,
+        Format::Npy => npy::describe(path, options)?,
+        Format::DxGeneral => opendx::describe_general(path, options)?,
+        Format::DxNative => opendx::describe_native(path, options)?,
+        Format::Vvd => voreen::describe_vvd(path, options)?,
+        Format::Dat => voreen::describe_dat(path, options)?,
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
         Format::Points(format) => return Ok(Described::Points(format)),
     };
