@@ -236,7 +236,8 @@ mod tests {
         assert_eq!(told("x", b"ObjectFileName: x.raw\n"), Format::Dat);
         assert_eq!(told("x", b"# dx\nobject 1 class gridpositions counts 2 2 2\n"), Format::DxNative);
         assert_eq!(told("x.general", b"grid = 2x2x2\n"), Format::DxGeneral);
-        let array = |shape| format!("\x01\0\x46\0{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}{:30}", "");
+        let array =
+            |shape| format!("\x01\0\x46\0{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}{:30}", "");
         let npy = |shape| told("x", &[b"\x93NUMPY", array(shape).as_bytes()].concat());
         assert_eq!(npy("(9, 3)"), Format::Points(PointFormat::Npy));
         assert_eq!(npy("(9, 3, 3)"), Format::Npy);

@@ -76,7 +76,11 @@ impl Header {
         words.next("magic")?;
         let mut size = |field| {
             let found = words.next(field)?;
-            found.parse().ok().filter(|&n: &usize| n > 0).ok_or_else(|| FieldError::new(field, found, "must be 1 or more"))
+            found
+                .parse()
+                .ok()
+                .filter(|&n: &usize| n > 0)
+                .ok_or_else(|| FieldError::new(field, found, "must be 1 or more"))
         };
         let dims = [size("size along x")?, size("size along y")?, size("size along z")?];
         let bits = words.next("bits per voxel")?;

@@ -78,8 +78,7 @@ impl Header {
                 .ok_or_else(|| FieldError::new(["NX", "NY", "NZ"][axis], found, "must be 1 or more"))?;
         }
         let extended = fields.int(92);
-        let extended =
-            u64::try_from(extended).map_err(|_| FieldError::new("NSYMBT", extended, "must be 0 or more"))?;
+        let extended = u64::try_from(extended).map_err(|_| FieldError::new("NSYMBT", extended, "must be 0 or more"))?;
         const IMOD: i32 = 0x444f_4d49;
         let imod = fields.int(152) == IMOD;
         Ok(Self {
@@ -102,7 +101,9 @@ impl Header {
 /// MAPC, MAPR, MAPS, from 0.
 fn axes(found: [i32; 3], notes: &mut Vec<String>) -> Result<[usize; 3], FieldError> {
     if found == [0; 3] {
-        notes.push("no MAPC, MAPR, MAPS in the header: columns along X, rows along Y, sections along Z are assumed".into());
+        notes.push(
+            "no MAPC, MAPR, MAPS in the header: columns along X, rows along Y, sections along Z are assumed".into(),
+        );
         return Ok([0, 1, 2]);
     }
     let mut sorted = found;

@@ -110,7 +110,8 @@ fn axes(header: &Header, notes: &mut Vec<String>) -> Result<Vec<Axis>, FieldErro
     let sections = match header.space_group {
         401..=630 => {
             let depth = usize::try_from(header.intervals[2]).ok().filter(|&n| n > 0 && sections.is_multiple_of(n));
-            let allowed = format!("must divide the {sections} sections (NZ) of a stack of volumes (ISPG {})", header.space_group);
+            let allowed =
+                format!("must divide the {sections} sections (NZ) of a stack of volumes (ISPG {})", header.space_group);
             let depth = depth.ok_or_else(|| FieldError::new("MZ", header.intervals[2], allowed))?;
             vec![(depth, Role::Space), (sections / depth, Role::Frame)]
         }
@@ -176,7 +177,9 @@ mod tests {
     }
 
     fn shorts(endian: Endian, count: i16) -> Vec<u8> {
-        (0..count).flat_map(|i| if endian == Endian::Big { (i - 5).to_be_bytes() } else { (i - 5).to_le_bytes() }).collect()
+        (0..count)
+            .flat_map(|i| if endian == Endian::Big { (i - 5).to_be_bytes() } else { (i - 5).to_le_bytes() })
+            .collect()
     }
 
     #[test]

@@ -40,9 +40,13 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let header = Header::parse(&packed.head(HEAD)?).map_err(in_file)?;
     let roles = roles(&header).map_err(in_file)?;
     let axis = |(&size, &role): (&u64, &Role)| Ok(Axis { size: usize::try_from(size).map_err(|_| size)?, role });
-    let mut axes: Vec<Axis> = header.shape.iter().zip(roles).map(axis).collect::<Result<_, u64>>().map_err(|size| {
-        in_file(FileErrorKind::field("shape", size, "must be sizes that memory can hold"))
-    })?;
+    let mut axes: Vec<Axis> = header
+        .shape
+        .iter()
+        .zip(roles)
+        .map(axis)
+        .collect::<Result<_, u64>>()
+        .map_err(|size| in_file(FileErrorKind::field("shape", size, "must be sizes that memory can hold")))?;
     // The fastest axis first.
     let layout = if header.by_column {
         Layout::new(path, &axes, options)?.reversed()
@@ -97,7 +101,11 @@ fn roles(header: &Header) -> Result<&'static [Role], FileErrorKind> {
         [_, _, _, last] if last <= MAX_COMPONENTS => Ok(&[Space, Space, Space, Component]),
         [_, _, _, _] => Ok(&[Frame, Space, Space, Space]),
         [_, _, _, _, _] => Ok(&[Frame, Space, Space, Space, Component]),
-        _ => Err(FileErrorKind::field("shape", header.shape_text(), "a volume has three axes; four or five with frames or components")),
+        _ => Err(FileErrorKind::field(
+            "shape",
+            header.shape_text(),
+            "a volume has three axes; four or five with frames or components",
+        )),
     }
 }
 

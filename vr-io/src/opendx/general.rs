@@ -33,8 +33,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         notes.push("no positions in the header: the origin 0, 0, 0 and steps of 1, 1, 1 are its default".into());
     }
     let (origin, steps) = positions.unwrap_or((DVec3::ZERO, DVec3::ONE));
-    let placement =
-        Placement::new(origin, DMat3::from_diagonal(steps)).map_err(|e| FileError::new(path, e))?;
+    let placement = Placement::new(origin, DMat3::from_diagonal(steps)).map_err(|e| FileError::new(path, e))?;
 
     let endian = form.endian.unwrap_or_else(|| {
         if form.binary && values.scalar.bytes() > 1 {
@@ -72,8 +71,22 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
 
 /// The keywords that are understood.
 const KEYWORDS: [&str; 16] = [
-    "block", "dependency", "field", "file", "format", "grid", "header", "interleaving", "layout", "majority", "points",
-    "positions", "recordseparator", "series", "structure", "type",
+    "block",
+    "dependency",
+    "field",
+    "file",
+    "format",
+    "grid",
+    "header",
+    "interleaving",
+    "layout",
+    "majority",
+    "points",
+    "positions",
+    "recordseparator",
+    "series",
+    "structure",
+    "type",
 ];
 
 /// Keywords and their values, as text.
@@ -201,7 +214,10 @@ impl Header {
             .map(|text| {
                 let length = match text.to_lowercase().as_str() {
                     "scalar" => Some(1),
-                    other => other.strip_suffix("-vector").and_then(|n| n.trim().parse().ok()).filter(|n| (1..=9).contains(n)),
+                    other => other
+                        .strip_suffix("-vector")
+                        .and_then(|n| n.trim().parse().ok())
+                        .filter(|n| (1..=9).contains(n)),
                 };
                 length.ok_or_else(|| FieldError::new("structure", text, "must be scalar, or 2-vector to 9-vector"))
             })
@@ -320,9 +336,8 @@ fn after_marker(header: &Path, data: &Path, marker: &[u8]) -> Result<u64, FileEr
     // Where the header is in the same file, it names the marker too: that one does not count.
     let own = format!("marker \"{}", String::from_utf8_lossy(marker));
     let found = (!marker.is_empty()).then(|| {
-        (0..head.len().saturating_sub(marker.len() - 1)).find(|&i| {
-            head[i..].starts_with(marker) && !head[..i + marker.len()].ends_with(own.as_bytes())
-        })
+        (0..head.len().saturating_sub(marker.len() - 1))
+            .find(|&i| head[i..].starts_with(marker) && !head[..i + marker.len()].ends_with(own.as_bytes()))
     });
     match found.flatten() {
         Some(at) => Ok((at + marker.len()) as u64),
@@ -397,7 +412,12 @@ mod tests {
         let common = "# made here\nfile = a.data\ngrid = 4 x 3x2\ntype = short\n";
         let positions = "positions = regular, regular, regular,\n 1, 2, 3\n 4 5, 6\nend\n";
         let column: Vec<u8> = expected.iter().flat_map(|v| v.to_be_bytes()).collect();
-        let text: Vec<u8> = row_major().as_chunks::<2>().0.iter().flat_map(|b| format!("{}\n", i16::from_be_bytes(*b)).into_bytes()).collect();
+        let text: Vec<u8> = row_major()
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .flat_map(|b| format!("{}\n", i16::from_be_bytes(*b)).into_bytes())
+            .collect();
         for (form, data) in [
             ("format = msb binary\n", row_major()),
             ("format = binary msb\nmajority = column\n", column),
@@ -415,7 +435,8 @@ mod tests {
 
     #[test]
     fn numbers_after_the_header() {
-        let numbers: String = row_major().as_chunks::<2>().0.iter().map(|b| format!("{} ", i16::from_be_bytes(*b))).collect();
+        let numbers: String =
+            row_major().as_chunks::<2>().0.iter().map(|b| format!("{} ", i16::from_be_bytes(*b))).collect();
         let (description, found) = load(&format!("grid = 4x3x2\ntype = short\nend\n{numbers}"), &[]).unwrap();
         assert_eq!(found, in_order(|i| i));
         assert!(description.notes[0].contains("steps of 1, 1, 1"), "{:?}", description.notes);

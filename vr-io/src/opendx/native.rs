@@ -30,10 +30,18 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     })?;
     let (grid, array) = objects.data().ok_or_else(|| {
         let (field, found, allowed) = match objects.grids.first() {
-            None => ("gridpositions", "none of three dimensions".to_owned(), "must be there: irregular positions are not read".to_owned()),
+            None => (
+                "gridpositions",
+                "none of three dimensions".to_owned(),
+                "must be there: irregular positions are not read".to_owned(),
+            ),
             Some(grid) => {
                 let items: Vec<String> = objects.arrays.iter().map(|a| a.items.to_string()).collect();
-                ("array items", items.join(", "), format!("must be a number for each point of the grid, {:?}", grid.counts))
+                (
+                    "array items",
+                    items.join(", "),
+                    format!("must be a number for each point of the grid, {:?}", grid.counts),
+                )
             }
         };
         in_file(FieldError::new(field, found, allowed))
@@ -45,8 +53,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let axes = [Axis { size: components, role: Role::Component }, nz, ny, nx];
     let layout = Layout::new(path, &axes, options)?.reversed();
     let [x, y, z] = grid.deltas;
-    let placement =
-        Placement::new(grid.origin, DMat3::from_cols(x, y, z)).map_err(|e| FileError::new(path, e))?;
+    let placement = Placement::new(grid.origin, DMat3::from_cols(x, y, z)).map_err(|e| FileError::new(path, e))?;
 
     let folder = path.parent().unwrap_or(Path::new(""));
     let (data, offset) = match &array.place {
@@ -208,7 +215,7 @@ mod tests {
             (GRID.replace("4 3 2\norigin", "4 3\norigin"), "gridpositions: found none of three dimensions"),
             (GRID.replace("delta 0 3 0\n", ""), "gridpositions: found 2 lines of delta"),
             (GRID.replace("delta 0 3 0", "delta 0 3"), "delta: found 0 3"),
-            (GRID.replace("delta 0 3 0", "delta 4 1 0") + "object 3 class array items 24 data 0\nend\n", "linearly dependent"),
+            (GRID.replace("delta 0 3 0", "delta 4 1 0") + "object 3 class array items 24 data 0\nend\n", "is singular"),
             ("object 1 class gridpositions counts 99999 99999 99999\nobject 3 class array items 999970000299999 data follows\n1\n".into(), "claims 3999880001199996 bytes of voxels, found 4"),
             ("object 1 class array items 18446744073709551615 lsb binary data follows\n....".into(), "gridpositions: found none"),
         ] {

@@ -16,8 +16,11 @@ const MAX_LINE: u64 = 1 << 20;
 pub(crate) fn is_native(head: &[u8]) -> bool {
     let lines = head.split(|&c| c == b'\n').map(<[u8]>::trim_ascii);
     let first = lines.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"#"));
-    let words: Option<Vec<&str>> = first.and_then(|line| str::from_utf8(line).ok()).map(|l| l.split_whitespace().collect());
-    words.is_some_and(|w| w.first() == Some(&"object") && w.iter().any(|w| matches!(*w, "class" | "gridpositions" | "array")))
+    let words: Option<Vec<&str>> =
+        first.and_then(|line| str::from_utf8(line).ok()).map(|l| l.split_whitespace().collect());
+    words.is_some_and(|w| {
+        w.first() == Some(&"object") && w.iter().any(|w| matches!(*w, "class" | "gridpositions" | "array"))
+    })
 }
 
 /// A `gridpositions` object of three dimensions.
@@ -199,16 +202,17 @@ fn grid(words: &[&str]) -> Result<Option<Grid>, FieldError> {
     if counts.len() != 3 && (1..9).contains(&counts.len()) {
         return Ok(None);
     }
-    let counts: [usize; 3] = counts.try_into().map_err(|_| {
-        FieldError::new("gridpositions counts", words.join(" "), "must be three sizes")
-    })?;
+    let counts: [usize; 3] = counts
+        .try_into()
+        .map_err(|_| FieldError::new("gridpositions counts", words.join(" "), "must be three sizes"))?;
     let mut origin = DVec3::ZERO;
     let mut deltas = Vec::new();
     while let Some((&key, after)) = rest.split_first() {
         let (found, after) = numbers::<f64>(after);
         let vector = <[f64; 3]>::try_from(found.as_slice()).map(DVec3::from_array);
-        let vector =
-            vector.map_err(|_| FieldError::new(key, rest[1..].join(" "), "must be three numbers, of a grid of three dimensions"))?;
+        let vector = vector.map_err(|_| {
+            FieldError::new(key, rest[1..].join(" "), "must be three numbers, of a grid of three dimensions")
+        })?;
         match key {
             "origin" => origin = vector,
             "delta" => deltas.push(vector),
@@ -219,7 +223,13 @@ fn grid(words: &[&str]) -> Result<Option<Grid>, FieldError> {
     let deltas: [DVec3; 3] = match deltas.as_slice() {
         [] => [DVec3::X, DVec3::Y, DVec3::Z],
         &[x, y, z] => [x, y, z],
-        _ => return Err(FieldError::new("gridpositions", format_args!("{} lines of delta", deltas.len()), "must have 3")),
+        _ => {
+            return Err(FieldError::new(
+                "gridpositions",
+                format_args!("{} lines of delta", deltas.len()),
+                "must have 3",
+            ));
+        }
     };
     Ok(Some(Grid { counts, origin, deltas }))
 }
@@ -255,7 +265,12 @@ fn array(words: &[&str], default: &mut Form) -> Result<Option<Array>, FieldError
             }
             ("items", after) => {
                 let (found, after) = after.split_at(1.min(after.len()));
-                items = Some(found.first().and_then(|n| n.parse().ok()).ok_or_else(|| wrong("items", found, "must be a number"))?);
+                items = Some(
+                    found
+                        .first()
+                        .and_then(|n| n.parse().ok())
+                        .ok_or_else(|| wrong("items", found, "must be a number"))?,
+                );
                 after
             }
             ("data", after) => {
@@ -275,12 +290,15 @@ fn array(words: &[&str], default: &mut Form) -> Result<Option<Array>, FieldError
                     [offset] => number(offset).map(Place::Section),
                     _ => None,
                 };
-                let place = place.ok_or_else(|| wrong("data", after, "must be follows, an offset, or file and name"))?;
+                let place =
+                    place.ok_or_else(|| wrong("data", after, "must be follows, an offset, or file and name"))?;
                 let (Some(scalar), Some(items)) = (scalar, items) else { return Ok(None) };
                 return Ok(Some(Array { scalar, items, components, form, place }));
             }
             (word, after) if form.set(word) => after,
-            (word, _) => return Err(FieldError::new("array", word, "must be type, category, rank, shape, items or data")),
+            (word, _) => {
+                return Err(FieldError::new("array", word, "must be type, category, rank, shape, items or data"));
+            }
         };
     }
     Ok(None)

@@ -58,8 +58,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let space = header.dims.map(|size| Axis { size, role: Role::Space });
     let axes: Vec<Axis> = [Axis { size: components, role: Role::Component }].into_iter().chain(space).collect();
     let layout = Layout::new(path, &axes, options)?;
-    let placement =
-        Placement::from_spacing(header.spacing.unwrap_or([1.0; 3])).map_err(|e| FileError::new(path, e))?;
+    let placement = Placement::from_spacing(header.spacing.unwrap_or([1.0; 3])).map_err(|e| FileError::new(path, e))?;
     let source: Source = if is_dds {
         unpack(packed, whole, header.length, layout.total, scalar).into()
     } else {
@@ -159,9 +158,10 @@ impl Header {
         })?;
         let mut line = |field: &str| loop {
             let rest = &head[length..];
-            let end = rest.iter().position(|&c| c == b'\n').ok_or_else(|| {
-                FieldError::new(field, "no end of its line", format!("must be within {HEAD} bytes"))
-            })?;
+            let end = rest
+                .iter()
+                .position(|&c| c == b'\n')
+                .ok_or_else(|| FieldError::new(field, "no end of its line", format!("must be within {HEAD} bytes")))?;
             length += end + 1;
             if !rest.starts_with(b"#") {
                 return Ok::<_, FieldError>(String::from_utf8_lossy(&rest[..end]).trim().to_owned());
@@ -247,7 +247,8 @@ mod tests {
             (pack(b"PVM\n99999 99999 99999\n1\nshort"), "claims 999970000299999 bytes of voxels, found 5"),
             (pack(b"PVM\n4294967295 4294967295 4294967295\n1\n"), "dims"),
             (pack(b"no volume"), "magic: found no vo"),
-            (b"DDS v3d\n\0".to_vec(), "DDS data are damaged"),
+            (b"DDS v3d\n".to_vec(), "DDS data are damaged"),
+            (b"DDS v3d\n\0".to_vec(), "magic: found nothing"),
         ] {
             let message = load(&file).map(|_| ()).unwrap_err();
             assert!(message.contains(word), "no {word:?} in {message}");

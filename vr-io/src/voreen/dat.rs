@@ -182,7 +182,8 @@ impl Header {
     fn matrix(&self) -> Result<DMat4, FieldError> {
         let mut rows = [DVec4::X, DVec4::Y, DVec4::Z, DVec4::W];
         for text in &self.rows {
-            let wrong = || FieldError::new("TransformMatrix", text, "must be row0 to row3 and 4 numbers; the last row 0 0 0 1");
+            let wrong =
+                || FieldError::new("TransformMatrix", text, "must be row0 to row3 and 4 numbers; the last row 0 0 0 1");
             let (name, rest) = text.split_once(char::is_whitespace).ok_or_else(wrong)?;
             let index: usize = name.strip_prefix("row").and_then(|n| n.parse().ok()).ok_or_else(wrong)?;
             let numbers: [f64; 4] = numbers(rest).and_then(|n| n.try_into().ok()).ok_or_else(wrong)?;

@@ -32,18 +32,19 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let mut text = String::new();
     let file = File::open(path).map_err(|e| FileError::new(path, e))?;
     file.take(LONGEST).read_to_string(&mut text).map_err(|e| FileError::new(path, e))?;
-    let document =
-        Document::parse(&text).map_err(|e| in_file(FieldError::new("XML", e, "must be well-formed")))?;
+    let document = Document::parse(&text).map_err(|e| in_file(FieldError::new("XML", e, "must be well-formed")))?;
     let volumes: Vec<Node<'_, '_>> = document.descendants().filter(|n| n.has_tag_name("Volume")).collect();
     let volume = choose(path, &volumes, options)?;
-    let data = child(volume, "RawData").ok_or_else(|| in_file(FieldError::new("RawData", "nothing", "the element is required")))?;
+    let data = child(volume, "RawData")
+        .ok_or_else(|| in_file(FieldError::new("RawData", "nothing", "the element is required")))?;
 
     let (scalar, components) = format(required(data, "format").map_err(in_file)?).map_err(in_file)?;
     let mut axes = vec![Axis { size: components, role: Role::Component }];
     for name in ["x", "y", "z"] {
         let found = required(data, name).map_err(in_file)?;
         let size = found.parse().ok().filter(|&n: &usize| n > 0);
-        let size = size.ok_or_else(|| in_file(FieldError::new(format!("RawData {name}"), found, "must be 1 or more")))?;
+        let size =
+            size.ok_or_else(|| in_file(FieldError::new(format!("RawData {name}"), found, "must be 1 or more")))?;
         axes.push(Axis { size, role: Role::Space });
     }
     // The frame is chosen already.
@@ -102,7 +103,11 @@ fn format(text: &str) -> Result<(ScalarType, usize), FieldError> {
     let (count, name) = vector.unwrap_or(("1", text));
     let count = count.parse().ok().filter(|n| (1..=4).contains(n));
     count.and_then(|count| Some((ScalarType::from_name(name)?, count))).ok_or_else(|| {
-        FieldError::new("RawData format", text, "must be int8 to uint64, float or double, or Vector2(…) to Vector4(…) of these")
+        FieldError::new(
+            "RawData format",
+            text,
+            "must be int8 to uint64, float or double, or Vector2(…) to Vector4(…) of these",
+        )
     })
 }
 
@@ -111,7 +116,11 @@ fn data_file(path: &Path, data: Node<'_, '_>) -> Result<PathBuf, FieldError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let names: Vec<&str> = match data.attribute("filename") {
         Some(name) => vec![name],
-        None => child(data, "Paths").into_iter().flat_map(|p| p.descendants()).filter_map(|n| n.attribute("value")).collect(),
+        None => child(data, "Paths")
+            .into_iter()
+            .flat_map(|p| p.descendants())
+            .filter_map(|n| n.attribute("value"))
+            .collect(),
     };
     let paths = || names.iter().map(|name| folder.join(name.replace('\\', "/")));
     let first = paths().find(|p| p.is_file()).or_else(|| paths().next());
@@ -143,7 +152,8 @@ impl<'a, 'i> Meta<'a, 'i> {
         let mut rows = [DVec4::ZERO; 4];
         for (i, row) in rows.iter_mut().enumerate() {
             let tag = format!("row{i}");
-            let found = child(value, &tag).ok_or_else(|| FieldError::new(name, "no such row", format!("must have {tag}")))?;
+            let found =
+                child(value, &tag).ok_or_else(|| FieldError::new(name, "no such row", format!("must have {tag}")))?;
             let [x, y, z, w] = ["x", "y", "z", "w"].map(|axis| number(name, found, axis));
             *row = DVec4::new(x?, y?, z?, w?);
         }
@@ -190,7 +200,9 @@ mod tests {
     fn load(raw: &str, meta: &str, data: &[u8]) -> Result<(Description, Vec<u16>), String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.vvd");
-        let text = format!("<?xml version=\"1.0\" ?>\n<VoreenData version=\"1\"><Volumes><Volume>{raw}<MetaData>{meta}</MetaData></Volume></Volumes></VoreenData>");
+        let text = format!(
+            "<?xml version=\"1.0\" ?>\n<VoreenData version=\"1\"><Volumes><Volume>{raw}<MetaData>{meta}</MetaData></Volume></Volumes></VoreenData>"
+        );
         assert!(is_vvd(text.as_bytes()));
         std::fs::write(&path, text).unwrap();
         std::fs::write(folder.path().join("a.raw"), data).unwrap();
@@ -249,7 +261,11 @@ mod tests {
             (RAW.replace("uint16", "quaternion"), String::new(), "RawData format: found quaternion"),
             (RAW.to_owned(), item("Spacing", r#"<value x="0" y="1" z="1" />"#), "spacing of axis 0"),
             (RAW.to_owned(), item("Spacing", r#"<value x="one" y="1" z="1" />"#), "Spacing x: found one"),
-            (RAW.to_owned(), item("Transformation", "<value><row0 x=\"1\" y=\"1\" z=\"1\" w=\"1\"/></value>"), "must have row1"),
+            (
+                RAW.to_owned(),
+                item("Transformation", "<value><row0 x=\"1\" y=\"1\" z=\"1\" w=\"1\"/></value>"),
+                "must have row1",
+            ),
             (String::new(), String::new(), "RawData: found nothing"),
             ("<RawData".to_owned(), String::new(), "XML: found"),
         ] {
