@@ -103,7 +103,8 @@ fn unpack(head: &[u8]) -> Vec<u8> {
 
 /// The format of one of the smaller families that the beginning of a file shows.
 fn by_content(head: &[u8]) -> Option<Format> {
-    let tests: [(fn(&[u8]) -> bool, Format); 7] = [
+    type Test = fn(&[u8]) -> bool;
+    let tests: [(Test, Format); 7] = [
         (npy::holds_volume, Format::Npy),
         (mrc::is_mrc, Format::Mrc),
         (pvm::is_pvm, Format::Pvm),
