@@ -8,6 +8,7 @@ use crate::error::{FileError, FileErrorKind, VOLUMES};
 use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
 use crate::vtk::{self, ImageFormat};
+use crate::{mrc, npy, opendx, pvm, slc, voreen};
 
 /// The formats that are read.
 #[derive(Debug, PartialEq)]
@@ -15,6 +16,16 @@ pub(crate) enum Format {
     Nrrd,
     MetaImage,
     Nifti,
+    Mrc,
+    Pvm,
+    Slc,
+    Npy,
+    /// The header of a raw file.
+    DxGeneral,
+    /// Data Explorer's own files.
+    DxNative,
+    Vvd,
+    Dat,
     /// No header; what the name says.
     Raw(RawDescription),
     VtkImage(ImageFormat),
@@ -38,6 +49,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     if is_nifti(&unpacked) {
         return Ok(Format::Nifti);
     }
+    if let Some(format) = by_content(&unpacked) {
+        return Ok(format);
+    }
     if let Some(format) = points::by_content(head) {
         return Ok(Format::Points(format));
     }
@@ -60,6 +74,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
         extension => {
             if let Some(described) = RawDescription::from_name(path) {
                 return described.map(Format::Raw).map_err(|e| e.in_file(path));
+            }
+            if let Some(format) = by_extension(extension) {
+                return Ok(format);
             }
             // A compressed text has another ending.
             if let Some(format) = points::by_extension(extension).filter(|_| plain == name) {
@@ -99,6 +116,35 @@ fn unpack(head: &[u8]) -> Vec<u8> {
     out
 }
 
+/// The format of one of the smaller families that the beginning of a file shows.
+fn by_content(head: &[u8]) -> Option<Format> {
+    type Test = fn(&[u8]) -> bool;
+    let tests: [(Test, Format); 7] = [
+        (npy::holds_volume, Format::Npy),
+        (mrc::is_mrc, Format::Mrc),
+        (pvm::is_pvm, Format::Pvm),
+        (slc::is_slc, Format::Slc),
+        (voreen::is_vvd, Format::Vvd),
+        (voreen::is_dat, Format::Dat),
+        (opendx::is_native, Format::DxNative),
+    ];
+    tests.into_iter().find(|(is, _)| is(head)).map(|(_, format)| format)
+}
+
+/// The format of one of the smaller families that the end of a name tells, in lower case.
+fn by_extension(extension: &str) -> Option<Format> {
+    Some(match extension {
+        "mrc" | "map" | "ccp4" => Format::Mrc,
+        "pvm" => Format::Pvm,
+        "slc" => Format::Slc,
+        "general" => Format::DxGeneral,
+        "dx" => Format::DxNative,
+        "vvd" => Format::Vvd,
+        "dat" => Format::Dat,
+        _ => return None,
+    })
+}
+
 fn is_nifti(head: &[u8]) -> bool {
     let size = head.first_chunk().map(|b| (i32::from_le_bytes(*b), i32::from_be_bytes(*b)));
     match size {
@@ -123,20 +169,14 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
         Some(kind)
     } else if begins(b"# vtk DataFile") {
         Some("VTK (legacy)")
-    } else if begins(b"<") && contains(b"<VolumeData") {
-        Some("Voreen (.vvd)")
+    } else if begins(b"<") && contains(b"<VTKFile") {
+        Some("VTK (XML)")
     } else if at(128, b"DICM") {
         Some("DICOM")
     } else if begins(b"CDF\x01") || begins(b"CDF\x02") || begins(b"CDF\x05") {
         Some("netCDF")
     } else if begins(&[0x20, 0x42, 0x44, 0x56]) {
         Some("OpenVDB")
-    } else if begins(b"PVM\n") || begins(b"PVM2\n") || begins(b"PVM3\n") || begins(b"DDS v3") {
-        Some("PVM")
-    } else if begins(b"11111\n") || begins(b"11111 ") {
-        Some("SLC")
-    } else if at(208, b"MAP ") {
-        Some("MRC/CCP4")
     } else if begins(b"II*\0") || begins(b"MM\0*") {
         Some("TIFF")
     } else if begins(b"\x89PNG") {
@@ -160,13 +200,8 @@ fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
         "h5" | "hdf5" | "nc" => "HDF5/netCDF",
         "zarr" => "Zarr",
         "vdb" | "nvdb" => "OpenVDB",
-        "pvm" => "PVM",
-        "slc" => "SLC",
-        "mrc" | "map" => "MRC/CCP4",
         "tif" | "tiff" => "TIFF",
         "mgz" | "mgh" => "MGH",
-        "vvd" => "Voreen (.vvd)",
-        "general" | "dx" => "OpenDX",
         "ex2" | "exo" => "ExodusII",
         "stl" | "obj" | "ply" => "mesh (a surface, not a volume)",
         _ => return None,
@@ -208,6 +243,25 @@ mod tests {
             let message = detect(Path::new("x.vtk"), grid.as_bytes()).unwrap_err().to_string();
             assert!(message.contains("unsupported format VTK") && message.contains("a grid whose"), "{message}");
         }
+    }
+
+    #[test]
+    fn smaller_families_are_told_by_content_and_by_name() {
+        let told = |name, head: &[u8]| detect(Path::new(name), head).unwrap();
+        assert_eq!(told("x.raw", b"PVM3\n1 2 3\n"), Format::Pvm);
+        assert_eq!(told("x", b"DDS v3e\n...."), Format::Pvm);
+        assert_eq!(told("x", b"11111\n2 2 2 8\n"), Format::Slc);
+        assert_eq!(told("x.map", &[[0; 208].as_slice(), b"MAP DA"].concat()), Format::Mrc);
+        assert_eq!(told("x.mrc.gz", b"...."), Format::Mrc);
+        assert_eq!(told("x", b"<?xml version=\"1.0\" ?>\n<VoreenData version=\"1\">"), Format::Vvd);
+        assert_eq!(told("x", b"ObjectFileName: x.raw\n"), Format::Dat);
+        assert_eq!(told("x", b"# dx\nobject 1 class gridpositions counts 2 2 2\n"), Format::DxNative);
+        assert_eq!(told("x.general", b"grid = 2x2x2\n"), Format::DxGeneral);
+        let array =
+            |shape| format!("\x01\0\x46\0{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}{:30}", "");
+        let npy = |shape| told("x", &[b"\x93NUMPY", array(shape).as_bytes()].concat());
+        assert_eq!(npy("(9, 3)"), Format::Points(PointFormat::Npy));
+        assert_eq!(npy("(9, 3, 3)"), Format::Npy);
     }
 
     #[test]

@@ -73,6 +73,12 @@ impl Layout {
         Ok(Self { dims, strides, offset, total, frames, components })
     }
 
+    /// The same numbers with the axes of space in reverse: for files in which the last of the axes that they name is the fastest.
+    pub fn reversed(self) -> Self {
+        let reverse = |[a, b, c]: [usize; 3]| [c, b, a];
+        Self { dims: reverse(self.dims), strides: reverse(self.strides), ..self }
+    }
+
     /// Voxels of the volume.
     pub fn count(&self) -> usize {
         self.dims.iter().product()
@@ -121,6 +127,17 @@ mod tests {
         let l = Layout::new(Path::new("x"), &axes, &o).unwrap();
         assert!(!l.is_contiguous());
         assert_eq!(l.pick(&all), (0..8).map(|i| 24 + 2 + 3 * i).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn reversed_axes_pick_the_same_numbers_in_another_order() {
+        // z runs fastest: 2 of them, then 3 of y, then 4 of x.
+        let axes = axes(&[(2, Role::Space), (3, Role::Space), (4, Role::Space)]);
+        let l = Layout::new(Path::new("x"), &axes, &ReadOptions::default()).unwrap().reversed();
+        assert_eq!(l.dims, [4, 3, 2]);
+        let picked = l.pick(&(0..24).collect::<Vec<_>>());
+        let at = |x: usize, y: usize, z: usize| picked[x + 4 * (y + 3 * z)];
+        assert_eq!((at(0, 0, 1), at(0, 1, 0), at(1, 0, 0), at(3, 2, 1)), (1, 2, 6, 23));
     }
 
     #[test]

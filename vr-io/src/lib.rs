@@ -61,6 +61,12 @@
 //! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
 //! | VTK ImageData, XML | `.vti`, pieces of one file | text, base64, appended (base64 or raw), zlib, LZ4 |
 //! | VTK STRUCTURED_POINTS, legacy | `.vtk` up to version 5.1 | text, raw |
+//! | MRC, CCP4 | `.mrc`, `.map`; modes 0, 1, 2, 6 and 12, cells with any angles | raw, gzip, bzip2 |
+//! | PVM 1 to 3 | `.pvm` | raw, gzip, bzip2, Differential Data Streams v3d and v3e |
+//! | SLC | `.slc`, 8 bits | raw, runs |
+//! | NumPy | `.npy` of three to five axes, `[z, y, x]`, in C and Fortran order | raw, gzip, bzip2 |
+//! | OpenDX | `.general` headers, `.dx` with regular grids | raw, gzip, bzip2, ascii |
+//! | Voreen | `.vvd`, `.dat` with a raw file; `.dat` of three 16-bit sizes and 16-bit voxels | raw, gzip, bzip2 |
 //!
 //! Integers and floats of 8 to 64 bits, in both byte orders. Memory holds u8, i8, u16, i16 and f32; of the others, integers that
 //! fit one of these exactly become that one, and everything else becomes f32, which is said where it rounds. Uncompressed
@@ -102,6 +108,8 @@
 //! * **MetaImage** with a `TransformMatrix`, an `Offset` or an `AnatomicalOrientation` is taken as ITK writes it, LPS, and
 //!   turned to RAS; without any of them it keeps its own frame.
 //! * **VTK** knows no patients: its origin, spacing and direction are kept as they are.
+//! * **MRC** is placed by its cell, in Å: ORIGIN where it is not 0, else the first column, row and section.
+//!   Columns, rows and sections stay what they are in memory, whichever axes of the cell they run along.
 //!
 //! # Bad files
 //!
@@ -124,6 +132,7 @@ mod encoding;
 mod error;
 mod exr;
 mod file_pattern;
+mod float16;
 mod framing;
 mod header_text;
 mod layout;
@@ -131,19 +140,26 @@ mod mapped;
 mod mesh;
 mod metaimage;
 mod names;
+mod mrc;
 mod nifti;
+mod npy;
 mod nrrd;
+mod opendx;
+mod packed;
 mod paraview;
 mod payload;
 mod picture;
 mod picture_read;
 mod png;
 mod points;
+mod pvm;
 mod raw;
 mod read;
 mod scalar;
 mod scene;
+mod slc;
 mod source;
+mod voreen;
 mod voxels;
 mod vtk;
 mod world;

@@ -20,6 +20,7 @@ use crate::source::Source;
 use crate::voxels::{Stored, Voxels};
 use crate::world::Space;
 use crate::{metaimage, nifti, nrrd, raw, vtk};
+use crate::{metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, voreen};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
@@ -75,6 +76,9 @@ pub struct FileInfo {
     /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2`, `VTK ImageData`, `VTK (legacy)` or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
     pub format: &'static str,
     /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of VTK's also `base64` or `lz4`.
+    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2`, `MRC`, `PVM`, `SLC`, `NumPy`, `OpenDX`, …, or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
+    pub format: &'static str,
+    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex`, `ascii`, or a coding of the format; of points also `base64` or `lz4`.
     pub encoding: &'static str,
     /// Type of the voxels, or of the positions of points, in the file; in memory it may be another ([`vr_core::GridVolume::voxel_type`]).
     pub scalar: ScalarType,
@@ -189,6 +193,14 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
+        Format::Mrc => mrc::describe(path, options)?,
+        Format::Pvm => pvm::describe(path, options)?,
+        Format::Slc => slc::describe(path, options)?,
+        Format::Npy => npy::describe(path, options)?,
+        Format::DxGeneral => opendx::describe_general(path, options)?,
+        Format::DxNative => opendx::describe_native(path, options)?,
+        Format::Vvd => voreen::describe_vvd(path, options)?,
+        Format::Dat => voreen::describe_dat(path, options)?,
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
         Format::VtkImage(format) => vtk::describe(format, path, options)?,
         Format::Points(format) => return Ok(Described::Points(format)),

@@ -127,6 +127,50 @@ fn as_it_is(bytes: &[u8]) -> Vec<u8> {
     bytes.to_vec()
 }
 
+/// Files of 4×3×2 numbers in the smaller families, with the length of what tells how to read them.
+fn smaller_families() -> Vec<(&'static str, Vec<u8>, usize)> {
+    let mut map = vec![0u8; 1024];
+    for (i, n) in [4i32, 3, 2, 1, 0, 0, 0, 4, 3, 2].into_iter().enumerate() {
+        map[4 * i..4 * i + 4].copy_from_slice(&n.to_le_bytes());
+    }
+    for i in 0..3 {
+        map[40 + 4 * i..][..4].copy_from_slice(&9f32.to_le_bytes());
+        map[52 + 4 * i..][..4].copy_from_slice(&80f32.to_le_bytes());
+        map[64 + 4 * i] = i as u8 + 1;
+    }
+    map[208..216].copy_from_slice(b"MAP \x44\x44\0\0");
+    let npy = "{'descr': '<i2', 'fortran_order': True, 'shape': (2, 3, 4), }\n";
+    let npy = [b"\x93NUMPY\x01\0", (npy.len() as u16).to_le_bytes().as_slice(), npy.as_bytes()].concat();
+    let grid = "object 1 class gridpositions counts 4 3 2\norigin 0 0 0\ndelta 1 0 0\ndelta 0 1 0\ndelta 0 0 1\n\
+                object 3 class array type float rank 0 items 24 data follows\n";
+    let numbers: String = (0..24).map(|i| format!("{i}.5 ")).collect();
+    let vvd = "<VoreenData version=\"1\"><Volumes><Volume><RawData filename=\"a.raw\" format=\"int16\" x=\"4\" y=\"3\" z=\"2\" />\
+               <MetaData><MetaItem name=\"Spacing\"><value x=\"1\" y=\"2\" z=\"3\" /></MetaItem></MetaData></Volume></Volumes></VoreenData>";
+    let dat = "ObjectFileName: a.raw\nResolution: 4 3 2\nSliceThickness: 1 2 3\nFormat: SHORT\n";
+    // 24 steps of 0 after the header's own bytes would do; this one ends in its middle.
+    let dds = b"DDS v3d\n\x00\x00\x00\x2a\x75\x28\x13\x77\x91\x3b\x5c\x00".to_vec();
+    let slices = [b"7 X\x0c\x09\x00....".as_slice(), b"15 X\x8cabcdefghijkl\x00."].concat();
+    let all = [
+        ("a.mrc", join(map, &i16_bytes(false)), 1024),
+        ("a.pvm", join(b"PVM2\n4 3 2\n1 2 3\n2\n".to_vec(), &i16_bytes(true)), 20),
+        ("b.pvm", dds, 20),
+        ("a.slc", join(b"11111\n4 3 2 8\n1 1 1\n0 0 0 1\n1 1 Xpic".to_vec(), &slices), 70),
+        ("a.npy", join(npy.clone(), &i16_bytes(false)), npy.len()),
+        ("a.general", join(b"grid = 4x3x2\nformat = lsb binary\ntype = short\nend\n".to_vec(), &i16_bytes(false)), 51),
+        ("a.dx", join(grid.into(), numbers.as_bytes()), 500),
+        ("a.vvd", vvd.into(), 500),
+        ("a.dat", dat.into(), 500),
+    ];
+    all.into()
+}
+
+#[test]
+fn headers_of_the_smaller_families() {
+    for (name, file, header) in smaller_families() {
+        survive_reading(name, &file, header, as_it_is);
+    }
+}
+
 #[test]
 fn nrrd_headers() {
     let fields = "type: short\nendian: little\nencoding: raw\nspace: left-posterior-superior\n\

@@ -135,7 +135,7 @@ pub(crate) enum PointFormat {
 
 /// The format of points that the beginning of a file shows.
 pub(crate) fn by_content(head: &[u8]) -> Option<PointFormat> {
-    if head.starts_with(npy::MAGIC) {
+    if crate::npy::is_npy(head) {
         Some(PointFormat::Npy)
     } else if head.starts_with(b"\x89HDF\r\n\x1a\n") {
         Some(PointFormat::Hdf5)

@@ -1,50 +1,27 @@
-//! NumPy's `.npy` with N×3 positions (NEP 1, "A simple file format for NumPy arrays").
-//!
-//! Own code: the header is one line, and the crates at hand bring a parser of Python for it.
+//! NumPy's `.npy` with N×3 positions (NEP 1, "A simple file format for NumPy arrays"); [`crate::npy`] reads volumes.
 
 use glam::DVec3;
-
-use crate::scalar::{Endian, ScalarType};
 
 use super::roles::Roles;
 use super::{Found, Numbering, Table, numbers};
 use crate::error::FileErrorKind;
-
-pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
+use crate::npy::{Element, Header};
 
 pub(super) fn read(bytes: &[u8]) -> Result<Found, FileErrorKind> {
-    // Split the header from the data.
-    let cut = || FileErrorKind::field("header", format!("{} bytes", bytes.len()), "the header must be whole");
-    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
-        FileErrorKind::field(
-            "magic",
-            String::from_utf8_lossy(&bytes[..bytes.len().min(MAGIC.len())]),
-            "must be \\x93NUMPY",
-        )
-    })?;
-    let (version, rest) = rest.split_first_chunk::<2>().ok_or_else(cut)?;
-    let (length, rest) = match version[0] {
-        1 => rest.split_first_chunk().map(|(n, rest)| (usize::from(u16::from_le_bytes(*n)), rest)),
-        2 | 3 => rest.split_first_chunk().map(|(n, rest)| (u32::from_le_bytes(*n) as usize, rest)),
-        other => return Err(FileErrorKind::field("version", other, "must be 1, 2 or 3")),
-    }
-    .ok_or_else(cut)?;
-    let (header, data) = rest.split_at_checked(length).ok_or_else(cut)?;
-    let header = String::from_utf8_lossy(header);
+    let header = Header::parse(bytes)?;
+    let data = bytes.get(header.length..).unwrap_or_default();
+    let (endian, by_column) = (header.endian, header.by_column);
 
-    // Read type and shape, and hold them against the length of the data.
-    let (scalar, endian) = element(entry(&header, "descr")?)?;
-    let by_column = match entry(&header, "fortran_order")? {
-        "True" => true,
-        "False" => false,
-        other => return Err(FileErrorKind::field("fortran_order", other, "must be True or False")),
+    // Hold type and shape against the length of the data.
+    let Element::Number(scalar) = header.element else {
+        return Err(FileErrorKind::field("descr", "16-bit floats", "positions must be i1 … u8, f4 or f8"));
     };
-    let shape = entry(&header, "shape")?;
-    let sizes: Option<Vec<u64>> =
-        shape.split(',').map(str::trim).filter(|n| !n.is_empty()).map(|n| n.parse().ok()).collect();
-    let count = match sizes.as_deref() {
-        Some(&[count, 3]) => count,
-        _ => return Err(FileErrorKind::field("shape", shape, "must be (N, 3): a position in each row")),
+    let count = match *header.shape.as_slice() {
+        [count, 3] => count,
+        _ => {
+            let allowed = "must be (N, 3): a position in each row; or three axes and more: a volume";
+            return Err(FileErrorKind::field("shape", header.shape_text(), allowed));
+        }
     };
     let claimed = u128::from(count) * 3 * scalar.bytes() as u128;
     if claimed != data.len() as u128 {
@@ -69,47 +46,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Found, FileErrorKind> {
     })
 }
 
-/// Value of a key of the header's dictionary: a word, or the text in quotes or brackets.
-fn entry<'h>(header: &'h str, key: &str) -> Result<&'h str, FileErrorKind> {
-    let missing =
-        || FileErrorKind::field(key, header.trim(), "the header must hold 'descr', 'fortran_order' and 'shape'");
-    let (_, after) = header.split_once(&format!("'{key}'")).ok_or_else(missing)?;
-    let value = after.trim_start().strip_prefix(':').ok_or_else(missing)?.trim_start();
-    let end = |value: &'h str, stop: &[char]| value.find(stop).map(|end| &value[..end]);
-    match value.chars().next() {
-        Some('\'') => end(&value[1..], &['\'']),
-        Some('(') => end(&value[1..], &[')']),
-        _ => end(value, &[',', '}']).map(str::trim_end),
-    }
-    .ok_or_else(missing)
-}
-
-/// `<f4`.
-fn element(descr: &str) -> Result<(ScalarType, Endian), FileErrorKind> {
-    let endian = match descr.chars().next() {
-        Some('>') => Endian::Big,
-        Some('<' | '|') => Endian::Little,
-        _ => Endian::NATIVE,
-    };
-    let scalar = match descr.trim_start_matches(['<', '>', '|', '=']) {
-        "f4" => ScalarType::F32,
-        "f8" => ScalarType::F64,
-        "i1" => ScalarType::I8,
-        "u1" => ScalarType::U8,
-        "i2" => ScalarType::I16,
-        "u2" => ScalarType::U16,
-        "i4" => ScalarType::I32,
-        "u4" => ScalarType::U32,
-        "i8" => ScalarType::I64,
-        "u8" => ScalarType::U64,
-        _ => return Err(FileErrorKind::field("descr", descr, "must be a real number type: f4, f8, i1 … u8")),
-    };
-    Ok((scalar, endian))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const MAGIC: &[u8] = b"\x93NUMPY";
 
     fn file(descr: &str, by_column: &str, shape: &str, data: &[u8]) -> Vec<u8> {
         let header = format!("{{'descr': '{descr}', 'fortran_order': {by_column}, 'shape': {shape}, }}\n");
