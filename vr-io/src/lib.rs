@@ -59,6 +59,9 @@
 //! | NRRD 1 to 5 | attached, detached, lists and patterns of files | raw, gzip, bzip2, hex, ascii |
 //! | MetaImage | `.mha`, `.mhd`, lists and patterns of files | raw, zlib, ascii |
 //! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
+//! | TIFF, BigTIFF | pages of one file; ImageJ's and OME-TIFF's stacks | raw, PackBits, LZW, Deflate, JPEG |
+//! | slices | a folder of TIFF, PNG, JPEG, BMP or PNM files, or a pattern such as `slice_%03d.png` | theirs |
+//! | Zarr 2 and 3, OME-Zarr | local folders, shards among them | raw, gzip, zlib, bzip2, zstd, lz4, blosc |
 //!
 //! Integers and floats of 8 to 64 bits, in both byte orders. Memory holds u8, i8, u16, i16 and f32; of the others, integers that
 //! fit one of these exactly become that one, and everything else becomes f32, which is said where it rounds. Uncompressed
@@ -98,6 +101,10 @@
 //!   nothing about the axes, so the file's own frame is kept.
 //! * **MetaImage** with a `TransformMatrix`, an `Offset` or an `AnatomicalOrientation` is taken as ITK writes it, LPS, and
 //!   turned to RAS; without any of them it keeps its own frame.
+//! * **TIFF** has the resolution that its tags say, and from ImageJ or OME-XML the distance of slices. Slices in files of their own, and
+//!   plain Zarr arrays, say nothing of it.
+//! * **OME-Zarr** is placed by `coordinateTransformations`. Of its resolutions the finest of at most 2²⁷ voxels is read unless
+//!   [`ReadOptions::level`] chooses.
 //!
 //! # Bad files
 //!
@@ -107,13 +114,14 @@
 //!
 //! # What is not here yet
 //!
-//! DICOM, VTK's grids, OME-Zarr and OpenVDB are recognised and refused by name. Of VTK's points, blocks packed with LZMA are; so are parallel
+//! DICOM, VTK's grids and OpenVDB are recognised and refused by name. Of VTK's points, blocks packed with LZMA are; so are parallel
 //! files (`.pvtp`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical) colours are refused.
 //!
 //! # Features
 //! * `hdf5`, off by default: points in HDF5, through a reader in Rust alone.
 
 mod atomic;
+mod claim;
 mod decode;
 mod detect;
 mod encoding;
@@ -123,6 +131,7 @@ mod file_pattern;
 mod framing;
 mod header_text;
 mod layout;
+mod length_unit;
 mod mapped;
 mod mesh;
 mod metaimage;
@@ -138,9 +147,12 @@ mod raw;
 mod read;
 mod scalar;
 mod scene;
+mod slices;
 mod source;
+mod tiff;
 mod voxels;
 mod world;
+mod zarr;
 
 pub use atomic::write_bytes;
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};

@@ -17,7 +17,7 @@ use crate::raw::RawDescription;
 use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::world::Space;
-use crate::{metaimage, nifti, nrrd, raw};
+use crate::{metaimage, nifti, nrrd, raw, slices, tiff, zarr};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
@@ -26,6 +26,8 @@ pub struct ReadOptions {
     pub frame: Option<usize>,
     /// Component of a file with several values per voxel, from 0; not needed where there is one.
     pub component: Option<usize>,
+    /// Resolution of an OME-Zarr image, from 0, the finest; `None` takes the finest of at most 2²⁷ voxels. Other files have none.
+    pub level: Option<usize>,
     /// Transform of a NIfTI file that places the volume.
     pub transform: Transform,
     /// Description of a file without a header. Where this is given, the file counts as raw, whatever it looks like.
@@ -42,6 +44,7 @@ impl Default for ReadOptions {
         Self {
             frame: None,
             component: None,
+            level: None,
             transform: Transform::Auto,
             raw: None,
             map: true,
@@ -66,9 +69,9 @@ pub struct Loaded {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FileInfo {
-    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2` or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
+    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2`, `TIFF`, `OME-TIFF`, `PNG slices`, …, `Zarr`, `OME-Zarr` or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
     pub format: &'static str,
-    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of points also `base64` or `lz4`.
+    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of pictures and chunks the name of their coding; of points also `base64` or `lz4`.
     pub encoding: &'static str,
     /// Type of the voxels, or of the positions of points, in the file; in memory it may be another ([`vr_core::GridVolume::voxel_type`]).
     pub scalar: ScalarType,
@@ -111,7 +114,7 @@ pub(crate) struct Description {
     pub notes: Vec<String>,
 }
 
-/// Reads a volume of any supported format: NRRD, MetaImage, NIfTI-1 and -2, raw, or those of scattered points ([`crate::read_points`]). The
+/// Reads a volume of any supported format: NRRD, MetaImage, NIfTI-1 and -2, TIFF, a folder or pattern of pictures, Zarr, raw, or those of scattered points ([`crate::read_points`]). The
 /// format is told by the content first, by the name second.
 ///
 /// # Errors
@@ -134,6 +137,8 @@ enum Described {
 fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> {
     let (format, head) = if path.is_dir() {
         (detect_folder(path)?, Vec::new())
+    } else if slices::is_pattern(path) {
+        (Format::Slices, Vec::new())
     } else {
         let head = file_head(path).map_err(|e| FileError::new(path, e))?;
         let format = match &options.raw {
@@ -146,6 +151,9 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
+        Format::Tiff => tiff::describe(path, options)?,
+        Format::Slices => slices::describe(path, options)?,
+        Format::Zarr => zarr::describe(path, options)?,
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
         Format::Points(format) => return Ok(Described::Points(format)),
     };
@@ -188,7 +196,9 @@ fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Lo
             notes.push(format!("{} of {count} voxels are infinite and count as NaN", stats.infinite));
         }
     }
-    let files = each_once([path.to_path_buf(), header].into_iter().chain(data_files.iter().cloned()));
+    // A folder or a pattern is no file.
+    let named = [path.to_path_buf(), header].into_iter().filter(|path| path.is_file());
+    let files = each_once(named.chain(data_files.iter().cloned()));
     let info = FileInfo {
         format,
         encoding,
