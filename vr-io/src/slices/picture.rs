@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 
+use image::codecs::bmp::BmpDecoder;
 use image::codecs::pnm::PnmDecoder;
 use image::error::ImageError;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -87,6 +88,8 @@ pub(super) struct Picture {
     alpha: bool,
     /// Largest number of a PNM file, to which its decoder stretches the others.
     maximum: Option<u32>,
+    /// The greys that a BMP's numbers stand for.
+    greys: Option<Vec<u8>>,
 }
 
 impl Picture {
@@ -103,22 +106,40 @@ impl Picture {
                 let alpha = page.component(&ReadOptions::default(), &mut Vec::new()).is_some();
                 let (samples, planar) = (page.samples, page.planar);
                 let (size, scalar, spacing) = (page.size, page.scalar, page.resolution);
-                Self { kind: Kind::Tiff, size, samples, scalar, spacing, stored, planar, alpha, maximum: None }
+                Self {
+                    kind: Kind::Tiff,
+                    size,
+                    samples,
+                    scalar,
+                    spacing,
+                    stored,
+                    planar,
+                    alpha,
+                    maximum: None,
+                    greys: None,
+                }
             }
             kind => {
                 let decoder = open(path, kind)?.into_decoder().map_err(|e| refuse(path, kind, e))?;
                 let (width, height) = decoder.dimensions();
-                let (samples, scalar) = numbers(path, decoder.color_type())?;
+                let greys = if kind == Kind::Bmp { bmp(path)?.1 } else { None };
+                let (samples, scalar) =
+                    if greys.is_some() { (1, ScalarType::U8) } else { numbers(path, decoder.color_type())? };
                 let size = [width as usize, height as usize];
                 let (spacing, planar) = (Spacing::default(), false);
                 let maximum = if kind == Kind::Pnm { Some(pnm_maximum(path)?) } else { None };
-                Self { kind, size, samples, scalar, spacing, stored, planar, alpha: samples == 2, maximum }
+                Self { kind, size, samples, scalar, spacing, stored, planar, alpha: samples == 2, maximum, greys }
             }
         };
         let [width, height] = picture.size.map(|n| n as u64);
         let pixel = (picture.samples * picture.scalar.bytes()) as u64;
         check_claim(path, "size of the picture", (width * height).saturating_mul(pixel), stored)?;
         Ok(picture)
+    }
+
+    /// Bytes of all numbers; held against the length of the file in `describe`.
+    fn bytes(&self) -> usize {
+        self.size[0] * self.size[1] * self.samples * self.scalar.bytes()
     }
 
     /// True if both may be slices of one volume.
@@ -157,13 +178,24 @@ pub(super) fn decode(path: &Path, like: &Picture, component: usize) -> Result<Ve
     if found.kind == Kind::Tiff {
         let mut out = Vec::new();
         let (offset, step) = if like.planar { (component * count, 1) } else { (component, like.samples) };
-        decode_page(path, &mut tiff::open(path)?, offset, step, count, &mut out)?;
+        decode_page(path, &mut tiff::open(path, like.bytes())?, offset, step, count, &mut out)?;
         return Ok(out);
     }
     let kind = found.kind;
+    if let Some(greys) = &found.greys {
+        let mut decoder = bmp(path)?.0;
+        decoder.set_indexed_color(true);
+        let mut pixels = vec![0; like.bytes()];
+        if decoder.total_bytes() != pixels.len() as u64 {
+            return Err(FieldError::new("slice", "another size", format!("must be {like}")).in_file(path));
+        }
+        decoder.read_image(&mut pixels).map_err(|e| refuse(path, kind, e))?;
+        // An index beyond the palette is black, as in other programs.
+        pixels.iter_mut().for_each(|p| *p = greys.get(usize::from(*p)).copied().unwrap_or(0));
+        return Ok(pixels);
+    }
     let decoder = open(path, kind)?.into_decoder().map_err(|e| refuse(path, kind, e))?;
-    // Held against the length of the file in `describe`.
-    let mut pixels = vec![0; count * like.samples * like.scalar.bytes()];
+    let mut pixels = vec![0; like.bytes()];
     if decoder.total_bytes() != pixels.len() as u64 {
         return Err(FieldError::new("slice", "another size", format!("must be {like}")).in_file(path));
     }
@@ -177,6 +209,15 @@ pub(super) fn decode(path: &Path, like: &Picture, component: usize) -> Result<Ve
     let bytes = like.scalar.bytes();
     let of_pixel = pixels.chunks_exact(like.samples * bytes);
     Ok(of_pixel.flat_map(|p| p[component * bytes..][..bytes].iter().copied()).collect())
+}
+
+/// The decoder of a BMP file, and the greys of its palette, if there is one and nothing in it has a colour.
+fn bmp(path: &Path) -> Result<(BmpDecoder<BufReader<File>>, Option<Vec<u8>>), FileError> {
+    let file = File::open(path).map_err(|e| FileError::new(path, e))?;
+    let decoder = BmpDecoder::new(BufReader::new(file)).map_err(|e| refuse(path, Kind::Bmp, e))?;
+    let grey = |&[r, g, b]: &[u8; 3]| (r == g && g == b).then_some(r);
+    let greys = decoder.get_palette().and_then(|palette| palette.iter().map(grey).collect());
+    Ok((decoder, greys))
 }
 
 /// The largest number that a PNM file states.

@@ -20,6 +20,8 @@ pub(super) struct Stack {
     step: usize,
     /// Chosen numbers of a page.
     count: usize,
+    /// Bytes of all numbers of a page.
+    page_bytes: usize,
 }
 
 impl Stack {
@@ -33,6 +35,7 @@ impl Stack {
             offset: layout.offset % numbers,
             step: layout.strides[0],
             count: nx * ny,
+            page_bytes: usize::try_from(pages[0].page_bytes()).unwrap_or(usize::MAX),
         }
     }
 
@@ -41,7 +44,8 @@ impl Stack {
         // Each thread walks the chain of directories once, from front to back.
         let threads = rayon::current_num_threads().clamp(1, self.pages.len().max(1));
         const RUN: usize = 4;
-        let mut files: Vec<TiffFile> = (0..threads).map(|_| open(&self.path)).collect::<Result<_, _>>()?;
+        let mut files: Vec<TiffFile> =
+            (0..threads).map(|_| open(&self.path, self.page_bytes)).collect::<Result<_, _>>()?;
         let mut out = Vec::new();
         for batch in self.pages.chunks(threads * RUN) {
             let parts: Vec<Result<Vec<u8>, FileError>> = files

@@ -40,8 +40,8 @@ const MAX_PAGES: usize = 1 << 20;
 
 pub(crate) type TiffFile = Decoder<BufReader<File>>;
 
-/// Opens a file at its first page.
-pub(crate) fn open(path: &Path) -> Result<TiffFile, FileError> {
+/// Opens a file at its first page; `page_bytes` are those of a page to decode, or 0 where headers alone are read.
+pub(crate) fn open(path: &Path, page_bytes: usize) -> Result<TiffFile, FileError> {
     let file = File::open(path).map_err(|e| FileError::new(path, e))?;
     let length = file.metadata().map_err(|e| FileError::new(path, e))?.len();
     let decoder = Decoder::new(BufReader::new(file)).map_err(|e| refuse(path, e))?;
@@ -49,8 +49,8 @@ pub(crate) fn open(path: &Path) -> Result<TiffFile, FileError> {
     // Descriptions in XML and tables of strips may be long, but not longer than the file.
     limits.ifd_value_size = usize::try_from(length).unwrap_or(usize::MAX);
     limits.intermediate_buffer_size = limits.ifd_value_size.max(1 << 20);
-    // Held against the file's length in `describe`.
-    limits.decoding_buffer_size = isize::MAX as usize;
+    // The decoder holds a value of a table in 32 bytes, of which the file has two at least.
+    limits.decoding_buffer_size = limits.ifd_value_size.saturating_mul(16).max(1 << 20).max(page_bytes);
     Ok(decoder.with_limits(limits))
 }
 
@@ -69,7 +69,7 @@ pub(crate) fn refuse(path: &Path, error: TiffError) -> FileError {
 
 /// Everything that the pages' headers say.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
-    let mut file = open(path)?;
+    let mut file = open(path, 0)?;
     let mut notes = Vec::new();
     let (pages, text) = read_pages(path, &mut file, &mut notes)?;
     let first = &pages[0];
@@ -121,7 +121,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         }
         None => {
             let bytes = (layout.count() as u64).saturating_mul(first.scalar.bytes() as u64);
-            check_claim(path, "size of the pages", bytes, length)?;
+            check_claim(path, "size of the pages", bytes.max(first.page_bytes()), length)?;
             let job = decode::Stack::new(path, &pages, &layout);
             let decoded = Decoded {
                 decode: Box::new(move |_| job.decode()),

@@ -39,7 +39,7 @@ pub(crate) struct Page {
 
 /// The header of the first page, and whether there are more.
 pub(crate) fn first_page(path: &Path) -> Result<(Page, bool), FileError> {
-    let mut file = open(path)?;
+    let mut file = open(path, 0)?;
     Ok((Page::read(path, &mut file, 0)?, file.more_images()))
 }
 

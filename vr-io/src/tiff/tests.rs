@@ -11,7 +11,7 @@ use vr_core::{Voxel, with_grid};
 use crate::{Loaded, ReadOptions, read};
 
 fn numbers(loaded: &Loaded) -> Vec<f32> {
-    with_grid!(loaded.volume.grid().unwrap().values(), g => g.samples().iter().map(|s| s.to_f32()).collect())
+    with_grid!(loaded.volume.grid().unwrap().values(), g => g.samples().iter().map(|s| g.calibration().value(f64::from(s.to_f32())) as f32).collect())
 }
 
 /// Pixels of page `z`: 3×2.

@@ -202,7 +202,8 @@ impl Selection {
         let checksum = if shard.table_has_checksum { 4 } else { 0 };
         let table = entries.saturating_mul(16).saturating_add(checksum);
         let cut_off = || crate::encoding::invalid("the shard is cut off".into());
-        let start = if shard.table_at_end { length.checked_sub(table).ok_or_else(cut_off)? } else { 0 };
+        let at_end = length.checked_sub(table).ok_or_else(cut_off)?;
+        let start = if shard.table_at_end { at_end } else { 0 };
         file.seek(SeekFrom::Start(start + entry * 16))?;
         let mut bytes = [0; 16];
         file.read_exact(&mut bytes)?;

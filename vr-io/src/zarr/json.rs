@@ -54,7 +54,11 @@ fn parse(path: &Path) -> Result<Value, FileError> {
 
 /// A value, for messages.
 pub(super) fn shown(value: Option<&Value>) -> String {
-    value.map_or_else(String::new, Value::to_string)
+    match value {
+        None => String::new(),
+        Some(Value::String(text)) => text.clone(),
+        Some(other) => other.to_string(),
+    }
 }
 
 /// A list of positive sizes.

@@ -208,7 +208,7 @@ fn fill_values_that_no_number_of_json_can_be() {
     }
     header["fill_value"] = json!("much");
     folder.put("zarr.json", header.to_string());
-    assert!(folder.error().contains("fill_value: found \"much\""), "{}", folder.error());
+    assert!(folder.error().contains("fill_value: found much"), "{}", folder.error());
 }
 
 /// An image of two channels and levels of 2×4×4 and 2×2×2, whose channels are filled with their number; in nanometres along x.
@@ -308,13 +308,13 @@ fn headers_that_lie_or_ask_too_much() {
     for (key, value, message) in [
         ("shape", json!([0, 4, 5]), "shape: found [0,4,5]; must be a list of positive integers"),
         ("shape", json!([-3, 4, 5]), "shape"),
-        ("shape", json!([1 << 40, 1 << 40, 1 << 40]), "1099511627776"),
+        ("shape", json!([1u64 << 40, 1u64 << 40, 1u64 << 40]), "1099511627776"),
         ("shape", json!([1 << 20, 1 << 10, 1 << 10]), "must be at most"),
         ("shape", json!([1, 4, 5]), "1"),
         ("chunks", json!([0, 1, 1]), "chunks"),
         ("chunks", json!([2, 2]), "must be the 3 axes"),
         ("chunks", json!([1 << 30, 1 << 30, 1 << 30]), "must be at most 4294967296 bytes each"),
-        ("dtype", json!("<c8"), "dtype: found \"<c8\"; must be bool"),
+        ("dtype", json!("<c8"), "dtype: found <c8; must be bool"),
         ("dtype", json!([["r", "<u1"]]), "dtype"),
         ("order", json!("Z"), "must be C or F"),
         ("compressor", json!({"id": "lzma"}), "compressor: found lzma; must be gzip"),
