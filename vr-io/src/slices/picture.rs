@@ -211,8 +211,10 @@ pub(super) fn decode(path: &Path, like: &Picture, component: usize) -> Result<Ve
     Ok(of_pixel.flat_map(|p| p[component * bytes..][..bytes].iter().copied()).collect())
 }
 
+type BmpFile = BmpDecoder<BufReader<File>>;
+
 /// The decoder of a BMP file, and the greys of its palette, if there is one and nothing in it has a colour.
-fn bmp(path: &Path) -> Result<(BmpDecoder<BufReader<File>>, Option<Vec<u8>>), FileError> {
+fn bmp(path: &Path) -> Result<(BmpFile, Option<Vec<u8>>), FileError> {
     let file = File::open(path).map_err(|e| FileError::new(path, e))?;
     let decoder = BmpDecoder::new(BufReader::new(file)).map_err(|e| refuse(path, Kind::Bmp, e))?;
     let grey = |&[r, g, b]: &[u8; 3]| (r == g && g == b).then_some(r);

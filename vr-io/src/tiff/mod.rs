@@ -173,7 +173,7 @@ fn read_pages(
             file.next_image().map_err(|e| refuse(path, e))?;
         }
         // A page that is no slice may be of a kind that is not read.
-        let reduced = pages.first().is_some() && is_reduced(file).unwrap_or(false);
+        let reduced = !pages.is_empty() && is_reduced(file).unwrap_or(false);
         match Page::read(path, file, index) {
             Ok(page) if !reduced && pages.first().is_none_or(|first| first.is_like(&page)) => pages.push(page),
             Err(e) if pages.is_empty() => return Err(e),
