@@ -8,7 +8,7 @@ use crate::error::{FileError, FileErrorKind, VOLUMES};
 use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
 use crate::vtk::{self, ImageFormat};
-use crate::{mrc, npy, opendx, pvm, slc, voreen};
+use crate::{mrc, npy, opendx, pvm, slc, slices, voreen, zarr};
 
 /// The formats that are read.
 #[derive(Debug, PartialEq)]
@@ -26,6 +26,12 @@ pub(crate) enum Format {
     DxNative,
     Vvd,
     Dat,
+    /// A stack of pages in one file.
+    Tiff,
+    /// A stack of pictures, one a file.
+    Slices,
+    /// A folder of chunks.
+    Zarr,
     /// No header; what the name says.
     Raw(RawDescription),
     VtkImage(ImageFormat),
@@ -58,6 +64,12 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     if let Some(format) = vtk::by_content(head) {
         return Ok(Format::VtkImage(format));
     }
+    if is_tiff(head) {
+        return Ok(Format::Tiff);
+    }
+    if head.starts_with(b"\x89PNG") || head.starts_with(&[0xff, 0xd8, 0xff]) {
+        return Ok(Format::Slices);
+    }
     if let Some(format) = unsupported_by_content(&unpacked) {
         return Err(FileError::new(path, FileErrorKind::Unsupported { format }));
     }
@@ -71,7 +83,11 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
         "nrrd" | "nhdr" => return Ok(Format::Nrrd),
         "mha" | "mhd" => return Ok(Format::MetaImage),
         "nii" | "hdr" | "img" => return Ok(Format::Nifti),
+        "tif" | "tiff" => return Ok(Format::Tiff),
         extension => {
+            if slices::is_slice(Path::new(plain)) {
+                return Ok(Format::Slices);
+            }
             if let Some(described) = RawDescription::from_name(path) {
                 return described.map(Format::Raw).map_err(|e| e.in_file(path));
             }
@@ -95,12 +111,14 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
 
 /// The format of a folder: of one that is a volume by itself, or of the files in it.
 pub(crate) fn detect_folder(path: &Path) -> Result<Format, FileError> {
-    let has = |name: &str| path.join(name).exists();
+    if zarr::is_zarr(path) {
+        return Ok(Format::Zarr);
+    }
     let is_dicom = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm"));
-    let format = if has(".zgroup") || has(".zarray") || has(".zattrs") || has("zarr.json") {
-        "Zarr (a folder)"
-    } else if path.read_dir().is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(|e| is_dicom(&e.path())))) {
+    let format = if path.read_dir().is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(|e| is_dicom(&e.path())))) {
         "DICOM (a folder)"
+    } else if slices::is_folder_of_slices(path) {
+        return Ok(Format::Slices);
     } else {
         "folder of files"
     };
@@ -161,6 +179,11 @@ fn is_metaimage(head: &[u8]) -> bool {
         .any(|(key, _)| matches!(key.trim(), "ObjectType" | "NDims" | "DimSize"))
 }
 
+/// TIFF and BigTIFF.
+fn is_tiff(head: &[u8]) -> bool {
+    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| head.starts_with(*magic))
+}
+
 fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
     let begins = |magic: &[u8]| head.starts_with(magic);
     let at = |offset: usize, magic: &[u8]| head.get(offset..).is_some_and(|rest| rest.starts_with(magic));
@@ -177,10 +200,6 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
         Some("netCDF")
     } else if begins(&[0x20, 0x42, 0x44, 0x56]) {
         Some("OpenVDB")
-    } else if begins(b"II*\0") || begins(b"MM\0*") {
-        Some("TIFF")
-    } else if begins(b"\x89PNG") {
-        Some("PNG")
     } else if begins(b"PK\x03\x04") {
         Some("ZIP")
     } else {
@@ -198,9 +217,8 @@ fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
         "dcm" | "ima" => "DICOM",
         "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" => "VTK",
         "h5" | "hdf5" | "nc" => "HDF5/netCDF",
-        "zarr" => "Zarr",
+        "zarr" => "Zarr (a folder)",
         "vdb" | "nvdb" => "OpenVDB",
-        "tif" | "tiff" => "TIFF",
         "mgz" | "mgh" => "MGH",
         "ex2" | "exo" => "ExodusII",
         "stl" | "obj" | "ply" => "mesh (a surface, not a volume)",

@@ -39,6 +39,22 @@ pub(crate) fn expand(field: &str, text: &str, max_count: usize) -> Result<Vec<St
         .collect())
 }
 
+/// The names among these that a pattern without numbers stands for, any number in its place, by that number.
+pub(crate) fn matching(field: &str, pattern: &str, names: &[String]) -> Result<Vec<String>, FieldError> {
+    let wrong = || FieldError::new(field, pattern, "must be a name with one %d (or %03d)");
+    let (before, width, zeros, after) = split_pattern(pattern).ok_or_else(wrong)?;
+    let number = |name: &str| -> Option<u64> {
+        let digits = name.strip_prefix(before.as_str())?.strip_suffix(after.as_str())?;
+        let bare = digits.trim_start_matches(' ');
+        let n: u64 = bare.parse().ok().filter(|_| bare.bytes().all(|b| b.is_ascii_digit()))?;
+        let printed = if zeros { format!("{n:0width$}") } else { format!("{n:width$}") };
+        (printed == digits).then_some(n)
+    };
+    let mut found: Vec<(u64, &String)> = names.iter().filter_map(|name| Some((number(name)?, name))).collect();
+    found.sort_unstable();
+    Ok(found.into_iter().map(|(_, name)| name.clone()).collect())
+}
+
 /// Splits a pattern into the text before the conversion, its width, true if it pads with zeros, and the text after.
 fn split_pattern(pattern: &str) -> Option<(String, usize, bool, String)> {
     const WIDEST: usize = 64;
@@ -69,6 +85,15 @@ mod tests {
         assert_eq!(names("q.%d 1 3 1"), ["q.1", "q.2", "q.3"]);
         assert_eq!(names("a b%03d.raw 10 1 -4 2"), ["a b010.raw", "a b006.raw", "a b002.raw"]);
         assert_eq!(names("100%%_%2d 9 10"), ["100%_ 9", "100%_10"]);
+    }
+
+    #[test]
+    fn names_match_as_printf_would_write_them() {
+        let names = ["a_002.png", "a_1000.png", "a_010.png", "a_3.png", "a_.png", "b_001.png", "a_0004.png"];
+        let names = names.map(String::from);
+        assert_eq!(matching("", "a_%03d.png", &names).unwrap(), ["a_002.png", "a_010.png", "a_1000.png"]);
+        assert_eq!(matching("", "a_%d.png", &names).unwrap(), ["a_3.png", "a_1000.png"]);
+        assert!(matching("", "a_%s.png", &names).is_err());
     }
 
     #[test]

@@ -84,6 +84,12 @@ impl Layout {
         self.dims.iter().product()
     }
 
+    /// The same volume where a decoder gives the chosen numbers alone, x fastest.
+    pub fn dense(self) -> Self {
+        let [nx, ny, _] = self.dims;
+        Self { strides: [1, nx, nx * ny], offset: 0, total: self.count(), ..self }
+    }
+
     /// True if the volume is one run of numbers, from `offset` on.
     pub fn is_contiguous(&self) -> bool {
         self.strides == [1, self.dims[0], self.dims[0] * self.dims[1]]

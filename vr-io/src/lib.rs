@@ -67,6 +67,9 @@
 //! | NumPy | `.npy` of three to five axes, `[z, y, x]`, in C and Fortran order | raw, gzip, bzip2 |
 //! | OpenDX | `.general` headers, `.dx` with regular grids | raw, gzip, bzip2, ascii |
 //! | Voreen | `.vvd`, `.dat` with a raw file; `.dat` of three 16-bit sizes and 16-bit voxels | raw, gzip, bzip2 |
+//! | TIFF, BigTIFF | pages of one file; ImageJ's and OME-TIFF's stacks | raw, PackBits, LZW, Deflate, JPEG |
+//! | slices | a folder of TIFF, PNG, JPEG, BMP or PNM files, or a pattern such as `slice_%03d.png` | theirs |
+//! | Zarr 2 and 3, OME-Zarr | local folders, shards among them | raw, gzip, zlib, bzip2, zstd, lz4, blosc |
 //!
 //! Integers and floats of 8 to 64 bits, in both byte orders. Memory holds u8, i8, u16, i16 and f32; of the others, integers that
 //! fit one of these exactly become that one, and everything else becomes f32, which is said where it rounds. Uncompressed
@@ -110,6 +113,10 @@
 //! * **VTK** knows no patients: its origin, spacing and direction are kept as they are.
 //! * **MRC** is placed by its cell, in Å: ORIGIN where it is not 0, else the first column, row and section.
 //!   Columns, rows and sections stay what they are in memory, whichever axes of the cell they run along.
+//! * **TIFF** has the resolution that its tags say, and from ImageJ or OME-XML the distance of slices. Slices in files of their own, and
+//!   plain Zarr arrays, say nothing of it.
+//! * **OME-Zarr** is placed by `coordinateTransformations`. Of its resolutions the finest of at most 2²⁷ voxels is read unless
+//!   [`ReadOptions::level`] chooses.
 //!
 //! # Bad files
 //!
@@ -119,13 +126,15 @@
 //!
 //! # What is not here yet
 //!
-//! DICOM, VTK's uneven grids (`.vtr`, `.vts`), OME-Zarr and OpenVDB are recognised and refused by name. Of VTK's points and images, blocks packed
-//! with LZMA are; so are parallel files (`.pvtp`, `.pvti`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical) colours are refused.
+//! VTK's uneven grids (`.vtr`, `.vts`) and OpenVDB are recognised and refused by name. Of VTK's points and images, blocks packed with LZMA are;
+//! so are parallel files (`.pvtp`, `.pvti`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical)
+//! colours are refused.
 //!
 //! # Features
 //! * `hdf5`, off by default: points in HDF5, through a reader in Rust alone.
 
 mod atomic;
+mod claim;
 mod decode;
 mod detect;
 mod encoding;
@@ -136,11 +145,12 @@ mod float16;
 mod framing;
 mod header_text;
 mod layout;
+mod length_unit;
 mod mapped;
 mod mesh;
 mod metaimage;
-mod names;
 mod mrc;
+mod names;
 mod nifti;
 mod npy;
 mod nrrd;
@@ -158,11 +168,15 @@ mod read;
 mod scalar;
 mod scene;
 mod slc;
+mod slices;
 mod source;
+mod source;
+mod tiff;
 mod voreen;
 mod voxels;
 mod vtk;
 mod world;
+mod zarr;
 
 pub use atomic::write_bytes;
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};

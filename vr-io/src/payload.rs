@@ -22,10 +22,10 @@ use crate::voxels::{Remember, Stored, Voxels};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Skip {
     Bytes(u64),
+    /// Bytes of a file that goes on after the voxels: what follows them is no excess.
+    Part(u64),
     /// All bytes but those of the voxels, which are the last.
     AllButVoxels,
-    /// None; the voxels lie among other data of the file, so that bytes behind them are worth no note.
-    Inside,
 }
 
 /// A file with voxels in it.
@@ -155,9 +155,8 @@ impl Payload {
         let start = file.stream_position().map_err(io)?;
         let rest = file.get_ref().metadata().map_err(io)?.len().saturating_sub(start);
         let skip = match segment.skip {
-            Skip::Bytes(n) => n,
+            Skip::Bytes(n) | Skip::Part(n) => n,
             Skip::AllButVoxels => rest.saturating_sub(claimed),
-            Skip::Inside => 0,
         };
         let found = rest.saturating_sub(skip);
         self.check_length(segment, claimed, found, notes)?;
@@ -175,7 +174,7 @@ impl Payload {
         if found < claimed || (found > claimed && self.excess_is_error) {
             return Err(FileError::new(&segment.path, FileErrorKind::Length { claimed, found, hint: self.hint }));
         }
-        if found > claimed && segment.skip != Skip::Inside {
+        if found > claimed && !matches!(segment.skip, Skip::Part(_)) {
             notes.push(format!("{} bytes after the voxels are left unread", found - claimed));
         }
         Ok(())
@@ -200,8 +199,7 @@ impl Payload {
             Box::new(file)
         } else {
             let skip = match segment.skip {
-                Skip::Bytes(n) => n,
-                Skip::Inside => 0,
+                Skip::Bytes(n) | Skip::Part(n) => n,
                 // Where the end is, only the decoder knows: it runs twice.
                 Skip::AllButVoxels => {
                     let all = io::copy(&mut self.encoding.reader(self.open(header, segment)?), &mut io::sink())

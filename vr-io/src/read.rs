@@ -19,8 +19,7 @@ use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::voxels::{Stored, Voxels};
 use crate::world::Space;
-use crate::{metaimage, nifti, nrrd, raw, vtk};
-use crate::{metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, voreen};
+use crate::{metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, voreen, vtk, zarr};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
@@ -32,6 +31,8 @@ pub struct ReadOptions {
     /// Array of a file that holds several under names; not needed where the file says which one is meant, or has one. Of scattered points,
     /// that of the values ([`PointOptions::value`], which comes first).
     pub array: Option<String>,
+    /// Resolution of an OME-Zarr image, from 0, the finest; `None` takes the finest of at most 2²⁷ voxels. Other files have none.
+    pub level: Option<usize>,
     /// Transform of a NIfTI file that places the volume.
     pub transform: Transform,
     /// Description of a file without a header. Where this is given, the file counts as raw, whatever it looks like.
@@ -49,6 +50,7 @@ impl Default for ReadOptions {
             frame: None,
             component: None,
             array: None,
+            level: None,
             transform: Transform::Auto,
             raw: None,
             map: true,
@@ -73,12 +75,10 @@ pub struct Loaded {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FileInfo {
-    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2`, `VTK ImageData`, `VTK (legacy)` or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
+    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2`, `DICOM`, `VTK ImageData`, `MRC`, `OME-TIFF`, `PNG slices`, `Zarr`, … or `raw`; of points `CSV`,
+    /// `VTK PolyData`, `NumPy`, …
     pub format: &'static str,
-    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex` or `ascii`; of VTK's also `base64` or `lz4`.
-    /// `NRRD`, `MetaImage`, `NIfTI-1`, `NIfTI-2`, `MRC`, `PVM`, `SLC`, `NumPy`, `OpenDX`, …, or `raw`; of points `CSV`, `VTK PolyData`, `NumPy`, …
-    pub format: &'static str,
-    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex`, `ascii`, or a coding of the format; of points also `base64` or `lz4`.
+    /// `raw`, `gzip`, `bzip2`, `zlib`, `hex`, `ascii`, or the name of the format's own coding; of VTK's also `base64` or `lz4`.
     pub encoding: &'static str,
     /// Type of the voxels, or of the positions of points, in the file; in memory it may be another ([`vr_core::GridVolume::voxel_type`]).
     pub scalar: ScalarType,
@@ -121,7 +121,7 @@ pub(crate) struct Description {
     pub notes: Vec<String>,
 }
 
-/// Reads a volume of any supported format: NRRD, MetaImage, NIfTI-1 and -2, VTK images, raw, or those of scattered points ([`crate::read_points`]). The
+/// Reads a volume of any supported format, from a file, a folder or a pattern of names; the crate's page lists them. The
 /// format is told by the content first, by the name second.
 ///
 /// # Errors
@@ -175,6 +175,8 @@ enum Described {
 fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> {
     let (format, head) = if path.is_dir() {
         (detect_folder(path)?, Vec::new())
+    } else if slices::is_pattern(path) {
+        (Format::Slices, Vec::new())
     } else {
         let head = file_head(path).map_err(|e| FileError::new(path, e))?;
         let format = match &options.raw {
@@ -201,6 +203,9 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::DxNative => opendx::describe_native(path, options)?,
         Format::Vvd => voreen::describe_vvd(path, options)?,
         Format::Dat => voreen::describe_dat(path, options)?,
+        Format::Tiff => tiff::describe(path, options)?,
+        Format::Slices => slices::describe(path, options)?,
+        Format::Zarr => zarr::describe(path, options)?,
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
         Format::VtkImage(format) => vtk::describe(format, path, options)?,
         Format::Points(format) => return Ok(Described::Points(format)),
@@ -257,7 +262,9 @@ fn assemble(
             notes.push(format!("{} of {count} voxels are infinite and count as NaN", stats.infinite));
         }
     }
-    let files = each_once([path.to_path_buf(), header].into_iter().chain(data_files.iter().cloned()));
+    // A folder or a pattern is no file.
+    let named = [path.to_path_buf(), header].into_iter().filter(|path| path.is_file());
+    let files = each_once(named.chain(data_files.iter().cloned()));
     let info = FileInfo {
         format,
         encoding,

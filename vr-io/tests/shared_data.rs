@@ -446,3 +446,42 @@ fn nothing_panics() {
     });
     println!("{} read, {} refused", results[0], results[1]);
 }
+
+#[test]
+fn zarr_arrays_equal_the_raw_files_that_they_were_made_of() {
+    let nucleon = ReadOptions { raw: Some(RawDescription::new([41; 3], ScalarType::U8)), ..Default::default() };
+    let pairs = [
+        ("zarr/nucleon_v2.zarr", "zlib", "raw/nucleon.raw", nucleon),
+        ("zarr/fuel_v3.zarr", "gzip", "raw/fuel_64x64x64_uint8.raw", ReadOptions::default()),
+    ];
+    for (name, encoding, raw, options) in pairs {
+        let (Some(zarr), Some(raw)) = (load(name), load_with(raw, &options)) else { return };
+        assert_eq!(uniform(&zarr).dims(), uniform(&raw).dims(), "{name}");
+        assert_eq!(stored(&zarr), stored(&raw), "{name}");
+        assert_eq!((zarr.info.format, zarr.info.encoding), ("Zarr", encoding));
+    }
+}
+
+/// Files that other programs wrote, with the voxels that they hold as f32 in `NAME.f32` beside each: `VR_STACK_DATA` names the folder.
+#[test]
+fn stacks_of_other_programs() {
+    let Some(folder) = std::env::var_os("VR_STACK_DATA").map(PathBuf::from) else {
+        println!("skipped: VR_STACK_DATA names no folder");
+        return;
+    };
+    let mut wrong = Vec::new();
+    for entry in folder.read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        let Ok(bytes) = std::fs::read(folder.join(format!("{name}.f32"))) else { continue };
+        let expected: Vec<f32> = bytes.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+        match read(&path, &ReadOptions::default()) {
+            Ok(loaded) if stored(&loaded) == expected => println!("{name}: {:?} {:?}", loaded.info.units, loaded.notes),
+            Ok(_) => wrong.push(format!("{name}: other voxels")),
+            Err(e) => wrong.push(e.to_string()),
+        }
+    }
+    let refused = |message: &String| message.contains("BloscLZ is not read");
+    wrong.retain(|message| !refused(message));
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -59,7 +59,7 @@ impl Numbers for Array {
     fn source(self, path: &Path, _: usize) -> Result<Source, FileErrorKind> {
         let (scalar, endian) = (self.scalar, Endian::Big);
         if let Some(start) = self.place_in_file() {
-            let segment = Segment { path: path.into(), start, lines: 0, skip: Skip::Inside };
+            let segment = Segment { path: path.into(), start, lines: 0, skip: Skip::Part(0) };
             let payload = Payload {
                 segments: vec![segment],
                 encoding: Encoding::Raw,

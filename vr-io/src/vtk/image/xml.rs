@@ -117,7 +117,7 @@ impl Numbers for PieceArrays {
         if let [(_, array)] = &pieces[..]
             && let Some(start) = array.place_in_file(count, &store)?
         {
-            let segment = Segment { path: path.into(), start, lines: 0, skip: Skip::Inside };
+            let segment = Segment { path: path.into(), start, lines: 0, skip: Skip::Part(0) };
             let payload = Payload {
                 segments: vec![segment],
                 encoding: Encoding::Raw,
