@@ -7,6 +7,7 @@ use crate::encoding::Encoding;
 use crate::error::{FileError, FileErrorKind, VOLUMES};
 use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
+use crate::read::file_head;
 
 /// The formats that are read.
 #[derive(Debug, PartialEq)]
@@ -14,6 +15,7 @@ pub(crate) enum Format {
     Nrrd,
     MetaImage,
     Nifti,
+    Dicom,
     /// No header; what the name says.
     Raw(RawDescription),
     Points(PointFormat),
@@ -25,6 +27,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     // What no other file begins with.
     if head.starts_with(b"NRRD") {
         return Ok(Format::Nrrd);
+    }
+    if is_dicom(head) {
+        return Ok(Format::Dicom);
     }
     if is_nifti(&unpacked) {
         return Ok(Format::Nifti);
@@ -45,6 +50,7 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
         "nrrd" | "nhdr" => return Ok(Format::Nrrd),
         "mha" | "mhd" => return Ok(Format::MetaImage),
         "nii" | "hdr" | "img" => return Ok(Format::Nifti),
+        "dcm" | "ima" => return Ok(Format::Dicom),
         extension => {
             if let Some(described) = RawDescription::from_name(path) {
                 return described.map(Format::Raw).map_err(|e| e.in_file(path));
@@ -53,8 +59,11 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
             if let Some(format) = points::by_extension(extension).filter(|_| plain == name) {
                 return Ok(Format::Points(format));
             }
-            if let Some(format) = unsupported_by_extension(extension).or_else(|| bare_dicom(&unpacked)) {
+            if let Some(format) = unsupported_by_extension(extension) {
                 return Err(FileError::new(path, FileErrorKind::Unsupported { format }));
+            }
+            if is_bare_dicom(head) {
+                return Ok(Format::Dicom);
             }
         }
     }
@@ -64,11 +73,10 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
 /// The format of a folder: of one that is a volume by itself, or of the files in it.
 pub(crate) fn detect_folder(path: &Path) -> Result<Format, FileError> {
     let has = |name: &str| path.join(name).exists();
-    let is_dicom = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm"));
     let format = if has(".zgroup") || has(".zarray") || has(".zattrs") || has("zarr.json") {
         "Zarr (a folder)"
-    } else if path.read_dir().is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(|e| is_dicom(&e.path())))) {
-        "DICOM (a folder)"
+    } else if holds_dicom(path) {
+        return Ok(Format::Dicom);
     } else {
         "folder of files"
     };
@@ -111,7 +119,7 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
     } else if begins(b"<") && contains(b"<VolumeData") {
         Some("Voreen (.vvd)")
     } else if at(128, b"DICM") {
-        Some("DICOM")
+        Some("DICOM in a compressed file")
     } else if begins(b"CDF\x01") || begins(b"CDF\x02") || begins(b"CDF\x05") {
         Some("netCDF")
     } else if begins(&[0x20, 0x42, 0x44, 0x56]) {
@@ -133,14 +141,29 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// A DICOM file without preamble begins with an element of group 0008. So may other files: this comes last.
-fn bare_dicom(head: &[u8]) -> Option<&'static str> {
-    matches!(head, [8, 0, 0 | 1 | 5 | 8, 0, ..]).then_some("DICOM")
+/// DICOM's prefix, after 128 bytes of anything.
+fn is_dicom(head: &[u8]) -> bool {
+    head.get(128..132) == Some(b"DICM")
+}
+
+/// A DICOM data set without meta information. Its first bytes may begin other files, too: this comes last.
+fn is_bare_dicom(head: &[u8]) -> bool {
+    matches!(head, [8, 0, 0 | 1 | 5 | 8, 0, ..])
+}
+
+/// True if there are DICOM files in a folder, as far as names and some beginnings tell.
+fn holds_dicom(folder: &Path) -> bool {
+    // Files are opened one by one: a folder of something else may hold many.
+    const MAX_OPENED: usize = 256;
+    let Ok(entries) = folder.read_dir() else { return false };
+    let paths: Vec<_> = entries.flatten().map(|e| e.path()).collect();
+    let named = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm") || e.eq_ignore_ascii_case("ima"));
+    paths.iter().any(|p| named(p))
+        || paths.iter().take(MAX_OPENED).filter(|p| p.is_file()).any(|p| file_head(p).is_ok_and(|head| is_dicom(&head)))
 }
 
 fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
     Some(match extension {
-        "dcm" | "ima" => "DICOM",
         "vtk" | "vti" | "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" => "VTK",
         "h5" | "hdf5" | "nc" => "HDF5/netCDF",
         "zarr" => "Zarr",

@@ -116,6 +116,8 @@
 mod atomic;
 mod decode;
 mod detect;
+#[cfg(feature = "dicom")]
+mod dicom;
 mod encoding;
 mod error;
 mod exr;

@@ -17,6 +17,10 @@ use crate::raw::RawDescription;
 use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::world::Space;
+#[cfg(feature = "dicom")]
+use crate::dicom;
+#[cfg(not(feature = "dicom"))]
+use crate::error::FileErrorKind;
 use crate::{metaimage, nifti, nrrd, raw};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
@@ -26,6 +30,8 @@ pub struct ReadOptions {
     pub frame: Option<usize>,
     /// Component of a file with several values per voxel, from 0; not needed where there is one.
     pub component: Option<usize>,
+    /// Series of a DICOM folder: its SeriesInstanceUID, or its SeriesNumber where no other series has it; not needed where there is one.
+    pub series: Option<String>,
     /// Transform of a NIfTI file that places the volume.
     pub transform: Transform,
     /// Description of a file without a header. Where this is given, the file counts as raw, whatever it looks like.
@@ -42,6 +48,7 @@ impl Default for ReadOptions {
         Self {
             frame: None,
             component: None,
+            series: None,
             transform: Transform::Auto,
             raw: None,
             map: true,
@@ -93,6 +100,17 @@ pub struct FileInfo {
     pub files: Vec<PathBuf>,
     /// True if the voxels stay in the file, mapped into memory.
     pub mapped: bool,
+    /// Kind of the scanner, as DICOM names it: `CT`, `MR`, `PT`, …; `None` for other formats.
+    pub modality: Option<String>,
+    /// Lower and upper end of the values that a DICOM file wants shown, of its middle slice: the window's centre less and plus half its width.
+    pub window: Option<[f64; 2]>,
+}
+
+/// What DICOM alone says beyond a description.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Scan {
+    pub modality: Option<String>,
+    pub window: Option<[f64; 2]>,
 }
 
 /// Everything that a header describes: all but the voxels.
@@ -119,14 +137,14 @@ pub(crate) struct Description {
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, FileError> {
     let path = path.as_ref();
     match describe(path, options)? {
-        Described::Grid(description) => load(path, *description, options),
+        Described::Grid(description, scan) => load(path, *description, scan, options),
         Described::Points(format) => load_points(path, format, options),
     }
 }
 
 /// What a file turned out to hold.
 enum Described {
-    Grid(Box<Description>),
+    Grid(Box<Description>, Scan),
     Points(PointFormat),
 }
 
@@ -142,14 +160,26 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         };
         (format, head)
     };
+    #[cfg_attr(not(feature = "dicom"), allow(unused_mut))]
+    let mut scan = Scan::default();
     let description = match format {
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
+        #[cfg(feature = "dicom")]
+        Format::Dicom => {
+            let (description, found) = dicom::describe(path, options)?;
+            scan = found;
+            description
+        }
+        #[cfg(not(feature = "dicom"))]
+        Format::Dicom => {
+            return Err(FileError::new(path, FileErrorKind::Feature { format: "DICOM", feature: "dicom" }));
+        }
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
         Format::Points(format) => return Ok(Described::Points(format)),
     };
-    Ok(Described::Grid(Box::new(description)))
+    Ok(Described::Grid(Box::new(description), scan))
 }
 
 /// The first few thousand bytes of a file: enough to tell every format.
@@ -170,10 +200,10 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
     Ok(Loaded { volume: points.into(), info, notes })
 }
 
-fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Loaded, FileError> {
+fn load(path: &Path, described: Description, scan: Scan, options: &ReadOptions) -> Result<Loaded, FileError> {
     let Description { format, header, source, layout, placement, placed_by, calibration, space, units, mut notes } =
         described;
-    let (encoding, scalar, endian, data_files) = (source.encoding(), source.scalar(), source.endian(), source.files());
+    let (encoding, scalar, endian, data_files) = (source.encoding(), source.scalar(), source.endian(), each_once(source.files()));
     let samples = source.load(path, &layout, options, &mut notes)?;
     let mapped = samples.is_mapped();
     let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
@@ -203,6 +233,8 @@ fn load(path: &Path, described: Description, options: &ReadOptions) -> Result<Lo
         data_files,
         files,
         mapped,
+        modality: scan.modality,
+        window: scan.window,
     };
     Ok(Loaded { volume, info, notes })
 }
