@@ -157,7 +157,8 @@ fn holds_dicom(folder: &Path) -> bool {
     const MAX_OPENED: usize = 256;
     let Ok(entries) = folder.read_dir() else { return false };
     let paths: Vec<_> = entries.flatten().map(|e| e.path()).collect();
-    let named = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm") || e.eq_ignore_ascii_case("ima"));
+    let named =
+        |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm") || e.eq_ignore_ascii_case("ima"));
     paths.iter().any(|p| named(p))
         || paths.iter().take(MAX_OPENED).filter(|p| p.is_file()).any(|p| file_head(p).is_ok_and(|head| is_dicom(&head)))
 }

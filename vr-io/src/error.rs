@@ -99,7 +99,7 @@ pub enum FileErrorKind {
 }
 
 /// The formats of volumes, as messages list them.
-pub(crate) const VOLUMES: &str = "NRRD, MetaImage, NIfTI-1 and -2; raw, with dims and a type or a name like \
+pub(crate) const VOLUMES: &str = "NRRD, MetaImage, NIfTI-1 and -2, DICOM; raw, with dims and a type or a name like \
                                   foo_256x256x256_uint8.raw; points as CSV, VTK, NumPy or HDF5";
 
 impl FileErrorKind {

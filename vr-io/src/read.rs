@@ -8,7 +8,11 @@ use std::path::{Path, PathBuf};
 use vr_core::{Calibration, Placement, Volume};
 
 use crate::detect::{Format, detect, detect_folder};
+#[cfg(feature = "dicom")]
+use crate::dicom;
 use crate::encoding::Encoding;
+#[cfg(not(feature = "dicom"))]
+use crate::error::FileErrorKind;
 use crate::error::{FieldError, FileError};
 use crate::layout::Layout;
 use crate::nifti::Transform;
@@ -17,10 +21,6 @@ use crate::raw::RawDescription;
 use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::world::Space;
-#[cfg(feature = "dicom")]
-use crate::dicom;
-#[cfg(not(feature = "dicom"))]
-use crate::error::FileErrorKind;
 use crate::{metaimage, nifti, nrrd, raw};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
@@ -203,7 +203,8 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
 fn load(path: &Path, described: Description, scan: Scan, options: &ReadOptions) -> Result<Loaded, FileError> {
     let Description { format, header, source, layout, placement, placed_by, calibration, space, units, mut notes } =
         described;
-    let (encoding, scalar, endian, data_files) = (source.encoding(), source.scalar(), source.endian(), each_once(source.files()));
+    let (encoding, scalar, endian, data_files) =
+        (source.encoding(), source.scalar(), source.endian(), each_once(source.files()));
     let samples = source.load(path, &layout, options, &mut notes)?;
     let mapped = samples.is_mapped();
     let grid = samples.into_grid(layout.dims, placement, calibration).map_err(|e| FileError::new(path, e))?;

@@ -187,7 +187,9 @@ impl Elements {
         let Some(bytes) = self.bytes(tag) else { return Ok(None) };
         match bytes.first_chunk() {
             Some(b) => Ok(Some(if self.big_endian { u16::from_be_bytes(*b) } else { u16::from_le_bytes(*b) })),
-            None => Err(FieldError::new(name(tag), format_args!("{} byte", bytes.len()), "must be an integer of 16 bits")),
+            None => {
+                Err(FieldError::new(name(tag), format_args!("{} byte", bytes.len()), "must be an integer of 16 bits"))
+            }
         }
     }
 
@@ -355,7 +357,10 @@ impl<R: Skip> DataSetReader<R> {
             let value_end = self.position + u64::from(length);
             if value_end > end.bound() {
                 let found = format_args!("a length of {length} bytes");
-                let allowed = format!("only {} bytes are left there: the file is cut off or damaged", end.bound() - self.position);
+                let allowed = format!(
+                    "only {} bytes are left there: the file is cut off or damaged",
+                    end.bound() - self.position
+                );
                 return Err(FileErrorKind::field(name(tag), found, allowed));
             }
             if keep && header.vr() == VR::SQ {

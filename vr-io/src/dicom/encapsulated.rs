@@ -32,7 +32,8 @@ pub(super) fn frames(path: &Path, offset: u64, count: usize) -> Result<Vec<Vec<F
     };
     let (mut at, mut items) = (offset, Vec::new());
     loop {
-        let header = ExplicitVRLittleEndianDecoder::default().decode_item_header(&mut source).map_err(|_| cut_off(at))?;
+        let header =
+            ExplicitVRLittleEndianDecoder::default().decode_item_header(&mut source).map_err(|_| cut_off(at))?;
         let length = match header {
             SequenceItemHeader::SequenceDelimiter => break,
             SequenceItemHeader::ItemDelimiter => return Err(cut_off(at).into()),
@@ -63,7 +64,8 @@ pub(super) fn frames(path: &Path, offset: u64, count: usize) -> Result<Vec<Vec<F
 /// Fragments by the offsets of the first one of each frame, which count from the first item after the table.
 fn by_table(fragments: &[Fragment], offsets: &[u64], count: usize) -> Result<Vec<Vec<Fragment>>, FieldError> {
     let wrong = |found: String| {
-        let allowed = format!("must be one for each of {count} frames, or a table of offsets must tell which belong together");
+        let allowed =
+            format!("must be one for each of {count} frames, or a table of offsets must tell which belong together");
         FieldError::new("fragments", found, allowed)
     };
     if offsets.len() != count || fragments.is_empty() {

@@ -102,7 +102,8 @@ fn read_meta(source: &mut BufReader<File>, length: u64) -> Result<(TransferSynta
         uid = found.or(uid);
     }
     let allowed = "the field is required: it tells how the data set is coded";
-    let uid = uid.ok_or_else(|| FileErrorKind::field(super::elements::name(tags::TRANSFER_SYNTAX_UID), "nothing", allowed))?;
+    let uid =
+        uid.ok_or_else(|| FileErrorKind::field(super::elements::name(tags::TRANSFER_SYNTAX_UID), "nothing", allowed))?;
     Ok((TransferSyntax::from_uid(&uid), start))
 }
 

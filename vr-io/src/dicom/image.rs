@@ -20,9 +20,8 @@ use crate::scalar::{Endian, ScalarType};
 pub(super) struct Image {
     pub path: PathBuf,
     pub syntax: TransferSyntax,
-    /// Offset of the data set in the file, and bytes of the file.
+    /// Offset of the data set in the file.
     pub start: u64,
-    pub length: u64,
     pub pixels: PixelElement,
     pub shape: Shape,
     pub frames: Vec<Frame>,
@@ -124,7 +123,7 @@ impl Image {
         });
         let is_dose = elements.has(tags::DOSE_GRID_SCALING);
         let frames = frames(&elements, count)?;
-        Ok(Self { path, syntax, start, length, pixels, shape, frames, photometric, padding, has_modality_table, is_dose })
+        Ok(Self { path, syntax, start, pixels, shape, frames, photometric, padding, has_modality_table, is_dose })
     }
 }
 
@@ -172,7 +171,11 @@ fn numbers(elements: &Elements, tag: Tag) -> Result<Numbers, FieldError> {
     };
     let bits = elements.u16(tags::BITS_STORED)?.unwrap_or(allocated);
     if !(1..=allocated).contains(&bits) {
-        return Err(FieldError::new(name(tags::BITS_STORED), bits, format!("must be 1 to {allocated} (BitsAllocated)")));
+        return Err(FieldError::new(
+            name(tags::BITS_STORED),
+            bits,
+            format!("must be 1 to {allocated} (BitsAllocated)"),
+        ));
     }
     let high = elements.u16(tags::HIGH_BIT)?.unwrap_or(bits - 1);
     if !(bits - 1..allocated).contains(&high) {
@@ -272,7 +275,8 @@ fn frame(groups: &Groups<'_>) -> Result<Frame, FieldError> {
         None => detector.numbers(tag, Some(count)),
         some => Ok(some),
     };
-    let position = place(tags::PLANE_POSITION_SEQUENCE, tags::IMAGE_POSITION_PATIENT, 3)?.map(|p| DVec3::from_slice(&p));
+    let position =
+        place(tags::PLANE_POSITION_SEQUENCE, tags::IMAGE_POSITION_PATIENT, 3)?.map(|p| DVec3::from_slice(&p));
     let orientation = place(tags::PLANE_ORIENTATION_SEQUENCE, tags::IMAGE_ORIENTATION_PATIENT, 6)?;
     let orientation = orientation.map(|o| directions(&o)).transpose()?;
 

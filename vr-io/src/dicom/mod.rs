@@ -122,7 +122,9 @@ fn one_shape(path: &Path, images: &[Image]) -> Result<(), FileError> {
 fn note_values(images: &[Image], notes: &mut Vec<String>) {
     let first = &images[0];
     match first.photometric.as_str() {
-        "MONOCHROME1" => notes.push("MONOCHROME1: large values are shown dark elsewhere; values are kept as they are".into()),
+        "MONOCHROME1" => {
+            notes.push("MONOCHROME1: large values are shown dark elsewhere; values are kept as they are".into())
+        }
         "PALETTE COLOR" => notes.push("PALETTE COLOR: values are indices of a palette, which is left out".into()),
         "YBR_FULL" if first.syntax.frames != FrameCoding::Jpeg => {
             notes.push("YBR_FULL: components are luma, blue and red difference".into());
@@ -131,10 +133,15 @@ fn note_values(images: &[Image], notes: &mut Vec<String>) {
     }
     if let Some(padding) = first.padding {
         let place = name(tags::PIXEL_PADDING_VALUE);
-        notes.push(format!("{place} is {padding}: voxels with that stored number hold no value, and are kept as they are"));
+        notes.push(format!(
+            "{place} is {padding}: voxels with that stored number hold no value, and are kept as they are"
+        ));
     }
     if images.iter().any(|i| i.has_modality_table) {
-        notes.push("ModalityLUTSequence, a table from stored numbers to values, is left out: values are the stored numbers".into());
+        notes.push(
+            "ModalityLUTSequence, a table from stored numbers to values, is left out: values are the stored numbers"
+                .into(),
+        );
     }
     if images.iter().any(|i| i.is_dose) {
         notes.push("values are doses: stored numbers times DoseGridScaling".into());

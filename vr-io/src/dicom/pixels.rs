@@ -36,7 +36,8 @@ pub(super) fn source(images: Vec<Image>, slices: &[SliceId], notes: &mut Vec<Str
             "RescaleSlope and RescaleIntercept differ between slices (slopes from {low} to {high}): applied to each, values are held as f32"
         ));
     }
-    let calibration = if uniform { Calibration { slope: first[0], intercept: first[1] } } else { Calibration::default() };
+    let calibration =
+        if uniform { Calibration { slope: first[0], intercept: first[1] } } else { Calibration::default() };
 
     let shape = images[0].shape;
     let as_they_are = |image: &Image| {
@@ -109,8 +110,8 @@ impl SliceDecoder {
                 .par_iter()
                 .map(|(slice, rescale)| {
                     let image = &self.images[slice.image];
-                    let bytes = frame(image, &found[slice.image], slice.frame)
-                        .map_err(|e| FileError::new(&image.path, e))?;
+                    let bytes =
+                        frame(image, &found[slice.image], slice.frame).map_err(|e| FileError::new(&image.path, e))?;
                     Ok(convert(bytes, image, *rescale))
                 })
                 .collect::<Result<_, FileError>>()?;

@@ -30,7 +30,8 @@ pub(super) fn images_of_folder(folder: &Path, notes: &mut Vec<String>) -> Result
     // Nothing depends on names, but that the same folder gives the same errors.
     paths.sort();
     paths.retain(|path| path.is_file());
-    let opened: Vec<Option<DicomFile>> = paths.par_iter().map(|p| DicomFile::open_if_dicom(p)).collect::<Result<_, _>>()?;
+    let opened: Vec<Option<DicomFile>> =
+        paths.par_iter().map(|p| DicomFile::open_if_dicom(p)).collect::<Result<_, _>>()?;
     let count = opened.len();
     let mut files: Vec<DicomFile> = opened.into_iter().flatten().collect();
     if files.len() < count {
@@ -111,7 +112,10 @@ pub(super) fn without_strays(mut files: Vec<DicomFile>, notes: &mut Vec<String>)
         None => true,
     });
     if files.len() < count {
-        notes.push(format!("{} files with the SOPInstanceUID of another one are copies and are left out", count - files.len()));
+        notes.push(format!(
+            "{} files with the SOPInstanceUID of another one are copies and are left out",
+            count - files.len()
+        ));
     }
     files
 }

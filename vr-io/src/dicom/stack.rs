@@ -42,7 +42,11 @@ impl Stack {
             n if n == frames.len() => placed_stack(frames, notes),
             n => {
                 let found = format_args!("in {n} of {} images", frames.len());
-                Err(FileErrorKind::field(name(tags::IMAGE_POSITION_PATIENT), found, "must be in all of them, or in none"))
+                Err(FileErrorKind::field(
+                    name(tags::IMAGE_POSITION_PATIENT),
+                    found,
+                    "must be in all of them, or in none",
+                ))
             }
         }
     }
@@ -82,12 +86,17 @@ fn placed_stack(frames: &[&Frame], notes: &mut Vec<String>) -> Result<Stack, Fil
     let times = groups.iter().map(Vec::len).min().unwrap_or(0);
     if let Some(group) = groups.iter().find(|g| g.len() != times) {
         let found = format_args!("{} images at {} mm along the normal", group.len(), rounded(group[0].along));
-        let allowed = format!("must be {times} there, as at other positions: a slice is there twice, or one is missing");
+        let allowed =
+            format!("must be {times} there, as at other positions: a slice is there twice, or one is missing");
         return Err(FileErrorKind::field(name(tags::IMAGE_POSITION_PATIENT), found, allowed));
     }
     if groups.len() < 2 {
         let found = format_args!("{} images at one position", frames.len());
-        return Err(FileErrorKind::field(name(tags::IMAGE_POSITION_PATIENT), found, "a volume has 2 positions or more"));
+        return Err(FileErrorKind::field(
+            name(tags::IMAGE_POSITION_PATIENT),
+            found,
+            "a volume has 2 positions or more",
+        ));
     }
     for group in &mut groups {
         group.sort_by_key(|slice| (slice.frame.order, slice.index));
@@ -104,7 +113,9 @@ fn placed_stack(frames: &[&Frame], notes: &mut Vec<String>) -> Result<Stack, Fil
     // What rounded positions and directions make of a straight stack.
     const STRAIGHT: f64 = 0.1;
     if lean > STRAIGHT {
-        notes.push(format!("slices are shifted along the stack, by {lean:.1} degrees (gantry tilt): the grid is sheared"));
+        notes.push(format!(
+            "slices are shifted along the stack, by {lean:.1} degrees (gantry tilt): the grid is sheared"
+        ));
     }
     let [between_rows, between_columns] = pixel_spacing(frames, notes)?;
     let axes = DMat3::from_cols(row * between_columns, column * between_rows, step);
@@ -128,7 +139,11 @@ fn one_orientation(frames: &[&Frame]) -> Result<[DVec3; 2], FieldError> {
     let other = all.iter().filter(|o| (o[0] - first[0]).length() > SAME || (o[1] - first[1]).length() > SAME).count();
     if other > 0 {
         let found = format_args!("{other} of {} images turned against the first", all.len());
-        return Err(FieldError::new(name(tags::IMAGE_ORIENTATION_PATIENT), found, "must be one for all slices of a volume"));
+        return Err(FieldError::new(
+            name(tags::IMAGE_ORIENTATION_PATIENT),
+            found,
+            "must be one for all slices of a volume",
+        ));
     }
     Ok(first)
 }
@@ -166,7 +181,11 @@ fn step(slices: &[&Placed<'_>]) -> Result<DVec3, FieldError> {
         Some(i) => {
             let at = rounded(slices[i].along);
             let found = format!("a slice at {at} mm that is {} mm off the line of the others", rounded(off(i)));
-            Err(FieldError::new(name(tags::IMAGE_POSITION_PATIENT), found, "all steps from slice to slice must be equal"))
+            Err(FieldError::new(
+                name(tags::IMAGE_POSITION_PATIENT),
+                found,
+                "all steps from slice to slice must be equal",
+            ))
         }
     }
 }
@@ -200,12 +219,15 @@ fn unplaced(frames: &[&Frame], numbered: bool, notes: &mut Vec<String>) -> Resul
     if numbered {
         order.sort_by_key(|&i| frames[i].order[2]);
         if order.windows(2).any(|pair| frames[pair[0]].order[2] == frames[pair[1]].order[2]) {
-            let allowed = "without ImagePositionPatient and ImageOrientationPatient, it must be another number in each image";
+            let allowed =
+                "without ImagePositionPatient and ImageOrientationPatient, it must be another number in each image";
             return Err(FileErrorKind::field(name(tags::INSTANCE_NUMBER), "nothing, or one number twice", allowed));
         }
     }
     let by = if numbered { "InstanceNumber" } else { "frame" };
-    notes.push(format!("no ImagePositionPatient with ImageOrientationPatient: slices in order of {by}, placed in a frame of their own"));
+    notes.push(format!(
+        "no ImagePositionPatient with ImageOrientationPatient: slices in order of {by}, placed in a frame of their own"
+    ));
     let known = frames[0].spacing.is_some();
     let [between_rows, between_columns] = pixel_spacing(frames, notes)?;
     let between = match (frames[0].between_slices, frames[0].thickness) {

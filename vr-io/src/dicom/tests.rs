@@ -8,7 +8,7 @@ use glam::DVec3;
 use tempfile::TempDir;
 use vr_core::{Voxel, with_grid};
 
-use super::sample::{EXPLICIT, Sample, element, encapsulated, item, meta};
+use super::sample::{Sample, element, encapsulated, item, meta};
 use crate::{FileError, Loaded, ReadOptions, Space, orientation, read};
 
 /// A folder of these files; the file of slice i is not the i-th by name.
@@ -72,7 +72,10 @@ fn a_folder_is_a_volume_sorted_by_position() {
     assert_eq!(grid.placement().to_world(DVec3::new(2.0, 1.0, 2.0)), DVec3::new(-11.0, -20.75, 4.0));
     assert_eq!(orientation(grid.placement()), "LPS");
     let info = &loaded.info;
-    assert_eq!((info.format, info.encoding, info.space, info.units.as_deref()), ("DICOM", "raw", Space::Lps, Some("mm")));
+    assert_eq!(
+        (info.format, info.encoding, info.space, info.units.as_deref()),
+        ("DICOM", "raw", Space::Lps, Some("mm"))
+    );
     assert_eq!((info.modality.as_deref(), info.window, info.data_files.len()), (Some("CT"), None, 3));
     assert!(loaded.notes.is_empty(), "{:?}", loaded.notes);
 }
@@ -100,7 +103,10 @@ fn several_series_are_listed_to_choose_from() {
     files.extend(bytes([other(0.0), other(3.0)]));
     let message = refusal(&files);
     assert!(message.contains("series: found 2 in the folder; choose a series"), "{message}");
-    assert!(message.contains("7 (CT, 3x2, 3 files, UID 1.2.3); 12 (MR, 3x2, 2 files, T1\\nnice, UID 9.9)"), "{message}");
+    assert!(
+        message.contains("7 (CT, 3x2, 3 files, UID 1.2.3); 12 (MR, 3x2, 2 files, T1\\nnice, UID 9.9)"),
+        "{message}"
+    );
     for choice in ["12", "9.9"] {
         let options = ReadOptions { series: Some(choice.into()), ..ReadOptions::default() };
         assert_eq!(read_with(&files, &options).unwrap().info.modality.as_deref(), Some("MR"));
@@ -135,7 +141,8 @@ fn mixed_sizes_and_damaged_slices_are_refused() {
     let message = refusal(&files);
     assert!(message.contains("3x2 of 1 i16 (16 bits) in 3 files") && message.contains("3x1 of 1 i16"), "{message}");
     let mut files = bytes(three());
-    files[1].truncate(files[1].len() - 2);
+    let length = files[1].len();
+    files[1].truncate(length - 2);
     let message = refusal(&files);
     assert!(message.contains("claims 12 bytes of voxels, found 10"), "{message}");
     files[1].truncate(200);
@@ -144,7 +151,9 @@ fn mixed_sizes_and_damaged_slices_are_refused() {
 
 #[test]
 fn calibration_is_one_or_applied_to_each_slice() {
-    let scaled = |z, first, slope: &str| Sample::slice(z, first).text(tags::RESCALE_SLOPE, slope).text(tags::RESCALE_INTERCEPT, "-10");
+    let scaled = |z, first, slope: &str| {
+        Sample::slice(z, first).text(tags::RESCALE_SLOPE, slope).text(tags::RESCALE_INTERCEPT, "-10")
+    };
     let loaded = read_all(&bytes([scaled(0.0, 1, "2"), scaled(1.0, 7, "2")])).unwrap();
     assert_eq!(loaded.volume.grid().unwrap().calibration(), vr_core::Calibration { slope: 2.0, intercept: -10.0 });
     assert_eq!(loaded.info.scalar, crate::ScalarType::I16);
@@ -157,10 +166,12 @@ fn calibration_is_one_or_applied_to_each_slice() {
 
 #[test]
 fn unused_bits_are_cleared_or_repeat_the_sign() {
-    let stored = |sign: u16| move |s: Sample| {
-        let voxels = [0x0fffu16, 0x0800, 0x07ff, 0xf001, 0, 1].map(u16::to_le_bytes).concat();
-        let s = s.short(tags::BITS_STORED, 12).short(tags::HIGH_BIT, 11).short(tags::PIXEL_REPRESENTATION, sign);
-        s.set(tags::PIXEL_DATA, b"OW", voxels)
+    let stored = |sign: u16| {
+        move |s: Sample| {
+            let voxels = [0x0fffu16, 0x0800, 0x07ff, 0xf001, 0, 1].map(u16::to_le_bytes).concat();
+            let s = s.short(tags::BITS_STORED, 12).short(tags::HIGH_BIT, 11).short(tags::PIXEL_REPRESENTATION, sign);
+            s.set(tags::PIXEL_DATA, b"OW", voxels)
+        }
     };
     let loaded = read_all(&pair(stored(1))).unwrap();
     assert_eq!(values(&loaded)[..6], [-1.0, -2048.0, 2047.0, 1.0, 0.0, 1.0]);
@@ -190,11 +201,13 @@ fn window_padding_and_inversion_are_told() {
 
 #[test]
 fn colours_have_components_together_or_in_planes() {
-    let colours = |planar: u16| move |s: Sample| {
-        let s = s.short(tags::SAMPLES_PER_PIXEL, 3).text(tags::PHOTOMETRIC_INTERPRETATION, "RGB");
-        let s = s.short(tags::BITS_ALLOCATED, 8).short(tags::BITS_STORED, 8).short(tags::HIGH_BIT, 7);
-        let s = s.short(tags::PIXEL_REPRESENTATION, 0).short(tags::PLANAR_CONFIGURATION, planar);
-        s.set(tags::PIXEL_DATA, b"OB", (0..18).collect())
+    let colours = |planar: u16| {
+        move |s: Sample| {
+            let s = s.short(tags::SAMPLES_PER_PIXEL, 3).text(tags::PHOTOMETRIC_INTERPRETATION, "RGB");
+            let s = s.short(tags::BITS_ALLOCATED, 8).short(tags::BITS_STORED, 8).short(tags::HIGH_BIT, 7);
+            let s = s.short(tags::PIXEL_REPRESENTATION, 0).short(tags::PLANAR_CONFIGURATION, planar);
+            s.set(tags::PIXEL_DATA, b"OB", (0..18).collect())
+        }
     };
     assert!(refusal(&pair(colours(0))).contains("choose a component, 0 to 2"));
     let green = ReadOptions { component: Some(1), ..ReadOptions::default() };
@@ -206,7 +219,11 @@ fn colours_have_components_together_or_in_planes() {
 fn enhanced() -> Sample {
     let shared = [
         element(tags::PIXEL_MEASURES_SEQUENCE, b"SQ", &item(&element(tags::PIXEL_SPACING, b"DS", b"3\\2"))),
-        element(tags::PLANE_ORIENTATION_SEQUENCE, b"SQ", &item(&element(tags::IMAGE_ORIENTATION_PATIENT, b"DS", b"0\\1\\0\\0\\0\\-1"))),
+        element(
+            tags::PLANE_ORIENTATION_SEQUENCE,
+            b"SQ",
+            &item(&element(tags::IMAGE_ORIENTATION_PATIENT, b"DS", b"0\\1\\0\\0\\0\\-1")),
+        ),
         element(tags::PIXEL_VALUE_TRANSFORMATION_SEQUENCE, b"SQ", &item(&element(tags::RESCALE_SLOPE, b"DS", b"4"))),
     ];
     let voxels: Vec<u8> = (0..18i16).flat_map(i16::to_le_bytes).collect();
@@ -218,9 +235,11 @@ fn enhanced() -> Sample {
         let position = element(tags::IMAGE_POSITION_PATIENT, b"DS", format!("{x}\\2\\5").as_bytes());
         item(&element(tags::PLANE_POSITION_SEQUENCE, b"SQ", &item(&position)))
     });
-    sample
-        .set(tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE, b"SQ", item(&shared.concat()))
-        .set(tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE, b"SQ", per_frame.concat())
+    sample.set(tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE, b"SQ", item(&shared.concat())).set(
+        tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE,
+        b"SQ",
+        per_frame.concat(),
+    )
 }
 
 #[test]
@@ -239,7 +258,10 @@ fn enhanced_files_keep_places_in_functional_groups() {
     assert!(refusal(&[fewer.bytes()]).contains("must be one for each of 2 frames"));
     let many = enhanced().text(tags::NUMBER_OF_FRAMES, "2000000000");
     assert!(refusal(&[many.bytes()]).contains("claims 24000000000 bytes of voxels, found 36"));
-    assert!(refusal(&[enhanced().text(tags::NUMBER_OF_FRAMES, "1A").bytes()]).contains("NumberOfFrames (0028,0008): found 1A"));
+    assert!(
+        refusal(&[enhanced().text(tags::NUMBER_OF_FRAMES, "1A").bytes()])
+            .contains("NumberOfFrames (0028,0008): found 1A")
+    );
 }
 
 #[test]
@@ -247,7 +269,7 @@ fn classic_frames_lie_behind_each_other() {
     let voxels: Vec<u8> = (0..18i16).flat_map(i16::to_le_bytes).collect();
     let frames = Sample::slice(1.0, 0).text(tags::NUMBER_OF_FRAMES, "3").set(tags::PIXEL_DATA, b"OW", voxels);
     let file = |s: Sample| read_all(&[s.bytes()]);
-    let offsets = file(Sample { transfer_syntax: EXPLICIT.into(), ..frames }.text(tags::GRID_FRAME_OFFSET_VECTOR, "0\\-2.5\\-5")).unwrap();
+    let offsets = file(frames.text(tags::GRID_FRAME_OFFSET_VECTOR, "0\\-2.5\\-5")).unwrap();
     // Downwards in the file, upwards in the volume.
     assert_eq!(values(&offsets)[..6], [12.0, 13.0, 14.0, 15.0, 16.0, 17.0]);
     let place = offsets.volume.grid().unwrap().placement();

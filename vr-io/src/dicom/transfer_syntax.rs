@@ -42,10 +42,9 @@ impl TransferSyntax {
             EXPLICIT_BIG_ENDIAN => Self::native(Headers::ExplicitBig),
             uids::DEFLATED_EXPLICIT_VR_LITTLE_ENDIAN => Self { deflated: true, ..Self::native(Headers::Explicit) },
             uids::RLE_LOSSLESS => Self::encapsulated(FrameCoding::Rle),
-            uids::JPEG_BASELINE8_BIT
-            | uids::JPEG_EXTENDED12_BIT
-            | uids::JPEG_LOSSLESS
-            | uids::JPEG_LOSSLESS_SV1 => Self::encapsulated(FrameCoding::Jpeg),
+            uids::JPEG_BASELINE8_BIT | uids::JPEG_EXTENDED12_BIT | uids::JPEG_LOSSLESS | uids::JPEG_LOSSLESS_SV1 => {
+                Self::encapsulated(FrameCoding::Jpeg)
+            }
             _ => Self::encapsulated(FrameCoding::Unread(name_of(uid))),
         }
     }
