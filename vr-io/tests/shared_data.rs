@@ -181,7 +181,7 @@ fn transforms_can_be_chosen() {
 }
 
 /// Every broken file of these formats, and a word of the message that it must give; `""` for files that are odd but right.
-const BROKEN: [(&str, &str); 40] = [
+const BROKEN: [(&str, &str); 48] = [
     ("nan_be_f32.nii", ""),
     ("complex64.nii.gz", "datatype: found 32 (complex numbers"),
     ("header_only.hdr.gz", "bad/header_only.img.gz: "),
