@@ -24,6 +24,7 @@ use crate::voxels::{Remember, Stored, Voxels};
 pub(crate) enum Skip {
     Bytes(u64),
     /// As many bytes, and no word on what follows the voxels, since it belongs to the file.
+    #[cfg_attr(not(feature = "dicom"), allow(dead_code))]
     Within(u64),
     /// All bytes but those of the voxels, which are the last.
     AllButVoxels,
