@@ -7,6 +7,7 @@ use crate::encoding::Encoding;
 use crate::error::{FileError, FileErrorKind, VOLUMES};
 use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
+use crate::read::file_head;
 use crate::vtk::{self, ImageFormat};
 use crate::{mrc, npy, opendx, pvm, slc, slices, voreen, zarr};
 
@@ -32,6 +33,7 @@ pub(crate) enum Format {
     Slices,
     /// A folder of chunks.
     Zarr,
+    Dicom,
     /// No header; what the name says.
     Raw(RawDescription),
     VtkImage(ImageFormat),
@@ -51,6 +53,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     // What no other file begins with.
     if head.starts_with(b"NRRD") {
         return Ok(Format::Nrrd);
+    }
+    if is_dicom(head) {
+        return Ok(Format::Dicom);
     }
     if is_nifti(&unpacked) {
         return Ok(Format::Nifti);
@@ -84,6 +89,7 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
         "mha" | "mhd" => return Ok(Format::MetaImage),
         "nii" | "hdr" | "img" => return Ok(Format::Nifti),
         "tif" | "tiff" => return Ok(Format::Tiff),
+        "dcm" | "ima" => return Ok(Format::Dicom),
         extension => {
             if slices::is_slice(Path::new(plain)) {
                 return Ok(Format::Slices);
@@ -101,8 +107,11 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
             if let Some(format) = vtk::by_extension(extension).filter(|_| plain == name) {
                 return Ok(Format::VtkImage(format));
             }
-            if let Some(format) = unsupported_by_extension(extension).or_else(|| bare_dicom(&unpacked)) {
+            if let Some(format) = unsupported_by_extension(extension) {
                 return Err(FileError::new(path, FileErrorKind::Unsupported { format }));
+            }
+            if is_bare_dicom(head) {
+                return Ok(Format::Dicom);
             }
         }
     }
@@ -114,10 +123,10 @@ pub(crate) fn detect_folder(path: &Path) -> Result<Format, FileError> {
     if zarr::is_zarr(path) {
         return Ok(Format::Zarr);
     }
-    let is_dicom = |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm"));
-    let format = if path.read_dir().is_ok_and(|mut entries| entries.any(|e| e.is_ok_and(|e| is_dicom(&e.path())))) {
-        "DICOM (a folder)"
-    } else if slices::is_folder_of_slices(path) {
+    if holds_dicom(path) {
+        return Ok(Format::Dicom);
+    }
+    let format = if slices::is_folder_of_slices(path) {
         return Ok(Format::Slices);
     } else {
         "folder of files"
@@ -195,7 +204,7 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
     } else if begins(b"<") && contains(b"<VTKFile") {
         Some("VTK (XML)")
     } else if at(128, b"DICM") {
-        Some("DICOM")
+        Some("DICOM in a compressed file")
     } else if begins(b"CDF\x01") || begins(b"CDF\x02") || begins(b"CDF\x05") {
         Some("netCDF")
     } else if begins(&[0x20, 0x42, 0x44, 0x56]) {
@@ -207,14 +216,30 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// A DICOM file without preamble begins with an element of group 0008. So may other files: this comes last.
-fn bare_dicom(head: &[u8]) -> Option<&'static str> {
-    matches!(head, [8, 0, 0 | 1 | 5 | 8, 0, ..]).then_some("DICOM")
+/// DICOM's prefix, after 128 bytes of anything.
+fn is_dicom(head: &[u8]) -> bool {
+    head.get(128..132) == Some(b"DICM")
+}
+
+/// A DICOM data set without meta information. Its first bytes may begin other files, too: this comes last.
+fn is_bare_dicom(head: &[u8]) -> bool {
+    matches!(head, [8, 0, 0 | 1 | 5 | 8, 0, ..])
+}
+
+/// True if there are DICOM files in a folder, as far as names and some beginnings tell.
+fn holds_dicom(folder: &Path) -> bool {
+    // Files are opened one by one: a folder of something else may hold many.
+    const MAX_OPENED: usize = 256;
+    let Ok(entries) = folder.read_dir() else { return false };
+    let paths: Vec<_> = entries.flatten().map(|e| e.path()).collect();
+    let named =
+        |p: &Path| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("dcm") || e.eq_ignore_ascii_case("ima"));
+    paths.iter().any(|p| named(p))
+        || paths.iter().take(MAX_OPENED).filter(|p| p.is_file()).any(|p| file_head(p).is_ok_and(|head| is_dicom(&head)))
 }
 
 fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
     Some(match extension {
-        "dcm" | "ima" => "DICOM",
         "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" => "VTK",
         "h5" | "hdf5" | "nc" => "HDF5/netCDF",
         "zarr" => "Zarr (a folder)",

@@ -58,6 +58,7 @@
 //! | raw | described by [`RawDescription`] or by the name | raw, gzip, bzip2 |
 //! | NRRD 1 to 5 | attached, detached, lists and patterns of files | raw, gzip, bzip2, hex, ascii |
 //! | MetaImage | `.mha`, `.mhd`, lists and patterns of files | raw, zlib, ascii |
+//! | DICOM, feature `dicom` | a folder of slices, one of them with its siblings, files of many frames | raw, deflate, RLE, JPEG (8 bits, lossless) |
 //! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
 //! | VTK ImageData, XML | `.vti`, pieces of one file | text, base64, appended (base64 or raw), zlib, LZ4 |
 //! | VTK STRUCTURED_POINTS, legacy | `.vtk` up to version 5.1 | text, raw |
@@ -106,6 +107,8 @@
 //!
 //! The world is RAS (right, anterior, superior) for files that declare a patient space, and the file's own frame otherwise.
 //! * **NIfTI** is RAS. The sform places it if its code is above 0, else the qform, else spacing alone; [`Transform`] chooses.
+//! * **DICOM** is LPS, turned to RAS. Slices are sorted along their normal, and the distance between them comes from their positions; a
+//!   tilted gantry shears the grid. Without positions the slices keep a frame of their own.
 //! * **NRRD** with a `space` of RAS, LAS or LPS *and* `space directions` is turned to RAS. A space without directions says
 //!   nothing about the axes, so the file's own frame is kept.
 //! * **MetaImage** with a `TransformMatrix`, an `Offset` or an `AnatomicalOrientation` is taken as ITK writes it, LPS, and
@@ -129,14 +132,18 @@
 //! VTK's uneven grids (`.vtr`, `.vts`) and OpenVDB are recognised and refused by name. Of VTK's points and images, blocks packed with LZMA are;
 //! so are parallel files (`.pvtp`, `.pvti`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical)
 //! colours are refused.
+//! In DICOM, frames in JPEG 2000, JPEG-LS, JPEG XL and JPEG of 12 bits are, and images of single bits.
 //!
 //! # Features
+//! * `dicom`, on by default: scans in DICOM, through `dicom-encoding` and `jpeg-decoder`, in Rust alone.
 //! * `hdf5`, off by default: points in HDF5, through a reader in Rust alone.
 
 mod atomic;
 mod claim;
 mod decode;
 mod detect;
+#[cfg(feature = "dicom")]
+mod dicom;
 mod encoding;
 mod error;
 mod exr;
@@ -169,7 +176,6 @@ mod scalar;
 mod scene;
 mod slc;
 mod slices;
-mod source;
 mod source;
 mod tiff;
 mod voreen;

@@ -7,6 +7,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
 use vr_core::GridError;
 
 use crate::decode::with_scalar;
@@ -100,6 +101,11 @@ impl Payload {
             }
         }
 
+        // Slices in files of their own are read side by side.
+        if self.segments.len() > 1 && self.encoding == Encoding::Raw && layout.is_contiguous() {
+            return self.load_slices::<S>(header, layout, samples, bytes, notes);
+        }
+
         // One run is taken out of the stream as it goes by; scattered voxels are picked out of all at the end.
         let contiguous = layout.is_contiguous();
         let mut kept = if contiguous {
@@ -114,6 +120,54 @@ impl Payload {
             }
         }
         let out = if contiguous { kept.out } else { layout.pick(&kept.out) };
+        Ok(S::remember(Stored::Owned(out), notes))
+    }
+
+    /// Reads the run of a layout from raw segments in parallel, each straight to its place in memory.
+    fn load_slices<S: Remember>(
+        &self,
+        header: &Path,
+        layout: &Layout,
+        samples: usize,
+        bytes: u64,
+        notes: &mut Vec<String>,
+    ) -> Result<Voxels, FileError> {
+        // All lengths are checked before there is room for the voxels.
+        let checked: Vec<(u64, Vec<String>)> = self
+            .segments
+            .par_iter()
+            .map(|segment| {
+                let mut notes = Vec::new();
+                let (_, offset) = self.locate(header, segment, bytes, &mut notes)?;
+                Ok((offset, notes))
+            })
+            .collect::<Result<_, FileError>>()?;
+        let run = layout.offset..layout.offset + layout.count();
+        let mut out = vec![S::zeroed(); layout.count()];
+        let mut left = out.as_mut_slice();
+        let mut reads = Vec::new();
+        for (i, (segment, (offset, found))) in self.segments.iter().zip(checked).enumerate() {
+            notes.extend(found);
+            // The part of this segment that the run covers.
+            let (first, end) = ((i * samples).max(run.start), ((i + 1) * samples).min(run.end));
+            if first < end {
+                let (part, rest) = left.split_at_mut(end - first);
+                left = rest;
+                reads.push((segment, offset + ((first - i * samples) * size_of::<S>()) as u64, part));
+            }
+        }
+        reads.into_par_iter().try_for_each(|(segment, offset, part)| {
+            let part = bytemuck::cast_slice_mut::<S, u8>(part);
+            let claimed = part.len() as u64;
+            let found = read_at(&segment.path, offset, part).map_err(|e| FileError::new(&segment.path, e))? as u64;
+            if found < claimed {
+                return Err(FileError::new(&segment.path, FileErrorKind::Length { claimed, found, hint: self.hint }));
+            }
+            if self.endian != Endian::NATIVE && size_of::<S>() > 1 {
+                part.chunks_exact_mut(size_of::<S>()).for_each(<[u8]>::reverse);
+            }
+            Ok(())
+        })?;
         Ok(S::remember(Stored::Owned(out), notes))
     }
 
@@ -158,7 +212,10 @@ impl Payload {
             Skip::Bytes(n) | Skip::Part(n) => n,
             Skip::AllButVoxels => rest.saturating_sub(claimed),
         };
-        let found = rest.saturating_sub(skip);
+        let mut found = rest.saturating_sub(skip);
+        if matches!(segment.skip, Skip::Part(_)) {
+            found = found.min(claimed);
+        }
         self.check_length(segment, claimed, found, notes)?;
         file.seek(SeekFrom::Start(start + skip)).map_err(io)?;
         Ok((file, start + skip))
@@ -174,7 +231,7 @@ impl Payload {
         if found < claimed || (found > claimed && self.excess_is_error) {
             return Err(FileError::new(&segment.path, FileErrorKind::Length { claimed, found, hint: self.hint }));
         }
-        if found > claimed && !matches!(segment.skip, Skip::Part(_)) {
+        if found > claimed {
             notes.push(format!("{} bytes after the voxels are left unread", found - claimed));
         }
         Ok(())
@@ -316,6 +373,13 @@ fn skip_line(file: &mut impl BufRead) -> io::Result<usize> {
             return Ok(passed);
         }
     }
+}
+
+/// Reads from an offset of a file until the buffer is full or the file ends.
+fn read_at(path: &Path, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut file = File::open(path)?;
+    file.seek(SeekFrom::Start(offset))?;
+    read_full(&mut file, buffer)
 }
 
 /// Reads until the buffer is full or the data end.

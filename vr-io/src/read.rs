@@ -9,7 +9,11 @@ use glam::DMat3;
 use vr_core::{Calibration, GridError, Placement, Volume};
 
 use crate::detect::{Format, detect, detect_folder};
+#[cfg(feature = "dicom")]
+use crate::dicom;
 use crate::encoding::Encoding;
+#[cfg(not(feature = "dicom"))]
+use crate::error::FileErrorKind;
 use crate::error::{FieldError, FileError};
 use crate::layout::Layout;
 use crate::nifti::Transform;
@@ -33,6 +37,8 @@ pub struct ReadOptions {
     pub array: Option<String>,
     /// Resolution of an OME-Zarr image, from 0, the finest; `None` takes the finest of at most 2²⁷ voxels. Other files have none.
     pub level: Option<usize>,
+    /// Series of a DICOM folder: its SeriesInstanceUID, or its SeriesNumber where no other series has it; not needed where there is one.
+    pub series: Option<String>,
     /// Transform of a NIfTI file that places the volume.
     pub transform: Transform,
     /// Description of a file without a header. Where this is given, the file counts as raw, whatever it looks like.
@@ -51,6 +57,7 @@ impl Default for ReadOptions {
             component: None,
             array: None,
             level: None,
+            series: None,
             transform: Transform::Auto,
             raw: None,
             map: true,
@@ -103,6 +110,17 @@ pub struct FileInfo {
     pub files: Vec<PathBuf>,
     /// True if the voxels stay in the file, mapped into memory.
     pub mapped: bool,
+    /// Kind of the scanner, as DICOM names it: `CT`, `MR`, `PT`, …; `None` for other formats.
+    pub modality: Option<String>,
+    /// Lower and upper end of the values that a DICOM file wants shown, of its middle slice: the window's centre less and plus half its width.
+    pub window: Option<[f64; 2]>,
+}
+
+/// What DICOM alone says beyond a description.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Scan {
+    pub modality: Option<String>,
+    pub window: Option<[f64; 2]>,
 }
 
 /// Everything that a header describes: all but the voxels.
@@ -129,7 +147,7 @@ pub(crate) struct Description {
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, FileError> {
     let path = path.as_ref();
     match describe(path, options)? {
-        Described::Grid(description) => load(path, *description, options),
+        Described::Grid(description, scan) => load(path, *description, scan, options),
         Described::Points(format) => load_points(path, format, options),
     }
 }
@@ -143,7 +161,7 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, Fil
 /// A [`FileError`] about the header.
 pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<Loaded>, FileError> {
     let path = path.as_ref();
-    let Described::Grid(mut description) = describe(path, options)? else { return Ok(None) };
+    let Described::Grid(mut description, scan) = describe(path, options)? else { return Ok(None) };
     let Layout { dims, .. } = description.layout;
     if description.layout.count() < 1 << 24 {
         return Ok(None);
@@ -162,12 +180,12 @@ pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<L
         ScalarType::I16 => Voxels::I16(Stored::Owned(vec![0; count])),
         _ => Voxels::F32(Stored::Owned(vec![0.0; count])),
     };
-    assemble(path, *description, few, |_, _, _| Ok(voxels)).map(Some)
+    assemble(path, *description, scan, few, |_, _, _| Ok(voxels)).map(Some)
 }
 
 /// What a file turned out to hold.
 enum Described {
-    Grid(Box<Description>),
+    Grid(Box<Description>, Scan),
     Points(PointFormat),
 }
 
@@ -191,6 +209,8 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
     {
         return Err(FieldError::new("array", name, "files of this format hold one array, without a name").in_file(path));
     }
+    #[cfg_attr(not(feature = "dicom"), allow(unused_mut))]
+    let mut scan = Scan::default();
     let description = match format {
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
@@ -206,11 +226,21 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::Tiff => tiff::describe(path, options)?,
         Format::Slices => slices::describe(path, options)?,
         Format::Zarr => zarr::describe(path, options)?,
+        #[cfg(feature = "dicom")]
+        Format::Dicom => {
+            let (description, found) = dicom::describe(path, options)?;
+            scan = found;
+            description
+        }
+        #[cfg(not(feature = "dicom"))]
+        Format::Dicom => {
+            return Err(FileError::new(path, FileErrorKind::Feature { format: "DICOM", feature: "dicom" }));
+        }
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
         Format::VtkImage(format) => vtk::describe(format, path, options)?,
         Format::Points(format) => return Ok(Described::Points(format)),
     };
-    Ok(Described::Grid(Box::new(description)))
+    Ok(Described::Grid(Box::new(description), scan))
 }
 
 /// The first few thousand bytes of a file: enough to tell every format.
@@ -233,21 +263,23 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
     Ok(Loaded { volume: points.into(), info, notes })
 }
 
-fn load(path: &Path, description: Description, options: &ReadOptions) -> Result<Loaded, FileError> {
+fn load(path: &Path, description: Description, scan: Scan, options: &ReadOptions) -> Result<Loaded, FileError> {
     let dims = description.layout.dims;
-    assemble(path, description, dims, |source, layout, notes| source.load(path, layout, options, notes))
+    assemble(path, description, scan, dims, |source, layout, notes| source.load(path, layout, options, notes))
 }
 
 /// The volume of that many of a description's voxels.
 fn assemble(
     path: &Path,
     description: Description,
+    scan: Scan,
     dims: [usize; 3],
     voxels: impl FnOnce(Source, &Layout, &mut Vec<String>) -> Result<Voxels, FileError>,
 ) -> Result<Loaded, FileError> {
     let Description { format, header, source, layout, placement, placed_by, calibration, space, units, mut notes } =
         description;
-    let (encoding, scalar, endian, data_files) = (source.encoding(), source.scalar(), source.endian(), source.files());
+    let (encoding, scalar, endian, data_files) =
+        (source.encoding(), source.scalar(), source.endian(), each_once(source.files()));
     let samples = voxels(source, &layout, &mut notes)?;
     let mapped = samples.is_mapped();
     let grid = samples.into_grid(dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
@@ -279,6 +311,8 @@ fn assemble(
         data_files,
         files,
         mapped,
+        modality: scan.modality,
+        window: scan.window,
     };
     Ok(Loaded { volume, info, notes })
 }

@@ -283,7 +283,7 @@ fn transforms_can_be_chosen() {
 }
 
 /// Every broken file of these formats, and a word of the message that it must give; `""` for files that are odd but right.
-const BROKEN: [(&str, &str); 40] = [
+const BROKEN: [(&str, &str); 48] = [
     ("nan_be_f32.nii", ""),
     ("complex64.nii.gz", "datatype: found 32 (complex numbers"),
     ("header_only.hdr.gz", "bad/header_only.img.gz: "),
@@ -321,8 +321,19 @@ const BROKEN: [(&str, &str); 40] = [
     ("tets_nan_scalar.vtk", ""),
     ("Bucky_truncated.pvm", "claims 32768 bytes of voxels, found 1"),
     ("sph_zero_h.h5", SPH_ZERO_H),
-    ("no_meta.dcm", "unsupported format DICOM"),
-    ("JPEG2000.dcm", "unsupported format DICOM"),
+    ("no_meta.dcm", "prefix: found neither DICM nor a data set; must be DICM after 128 bytes"),
+    ("JPEG2000.dcm", "found JPEG 2000 (1.2.840.10008.1.2.4.91); must be uncompressed"),
+    ("emri_j2k_too_short.dcm", "found JPEG 2000 lossless (1.2.840.10008.1.2.4.90); must be uncompressed"),
+    ("MR_truncated.dcm", "claims 8192 bytes of voxels, found 8130"),
+    ("badVR.dcm", "NumberOfFrames (0028,0008): found 1A; must be an integer"),
+    ("SC_rgb_small_odd.dcm", "slices: found 1 image; a volume has 2 slices or more"),
+    ("liver_1frame.dcm", "BitsAllocated (0028,0100): found 1; must be 8, 16 or 32: images of single bits"),
+    ("rtdose.dcm", ""),
+    (
+        "dicom_missing_slice",
+        "found a gap of 6.75 mm between -439.334 and -432.584 mm; all gaps along the normal must be",
+    ),
+    ("dicom_mixed", "series: found 2 in the folder; choose a series by its UID"),
     ("amrex_missing_levels", "unsupported format folder of files"),
 ];
 
@@ -390,6 +401,45 @@ fn points_of_phantom() {
     let (densities, ..) = points_of("particles/phantom_adiabatic_00000.h5", &options).unwrap();
     let told = f64::from(densities.points.values()[k]);
     assert!((sum / told - 1.0).abs() < 0.02, "{sum} {told}");
+}
+
+/// Reference: pydicom 3, on the same files.
+#[cfg(feature = "dicom")]
+#[test]
+fn scans_in_dicom() {
+    let Some(loaded) = load("dicom/pet_head") else { return };
+    let (grid, info) = (uniform(&loaded), &loaded.info);
+    assert_eq!((grid.dims(), grid.voxel_type()), ([128, 128, 48], VoxelType::I16));
+    assert_eq!((info.modality.as_deref(), info.space, info.data_files.len()), (Some("PT"), Space::Lps, 48));
+    assert_eq!(info.window, Some([8431.0 - 7587.5, 8431.0 + 7587.5]));
+    let spacing = grid.placement().spacing().to_array();
+    assert!(spacing.iter().zip([3.5378182, 3.5378182, 3.375]).all(|(a, b)| (a - b).abs() < 1e-9), "{spacing:?}");
+    assert_eq!(grid.placement().origin().to_array(), [226.13246, 425.88375, -446.084]);
+    // Index axes towards left, posterior and the head.
+    assert_eq!(orientation(grid.placement()), "LPS");
+    let numbers = stored(&loaded);
+    let at = |[x, y, z]: [usize; 3]| numbers[x + 128 * (y + 128 * z)];
+    assert_eq!([[64, 64, 24], [40, 70, 10], [90, 50, 40], [60, 30, 5]].map(at), [2209.0, 118.0, 34.0, 24.0]);
+    assert_eq!(numbers.iter().map(|&v| f64::from(v)).sum::<f64>(), 324_397_186.0);
+    let (low, high) = loaded.volume.value_range().unwrap();
+    assert!(low == 0.0 && (high - 24477.2099056).abs() < 1e-2, "{low} {high}");
+    let by_file = load("dicom/pet_head/000283.dcm").unwrap();
+    assert!(stored(&by_file) == numbers && by_file.notes[0].contains("all 48 of its files"), "{:?}", by_file.notes);
+
+    let frames = load("dicom/single/emri_small.dcm").unwrap();
+    let numbers = stored(&frames);
+    assert_eq!((uniform(&frames).dims(), frames.info.mapped), ([64, 64, 10], true));
+    assert_eq!((numbers[20 + 64 * (10 + 64 * 3)], numbers[33 + 64 * (40 + 64 * 9)]), (180.0, 79.0));
+    assert!(frames.notes.iter().any(|n| n.contains("no PixelSpacing: 1, 1 is assumed")), "{:?}", frames.notes);
+    let dose = load("bad/rtdose.dcm").unwrap();
+    assert_eq!(uniform(&dose).placement().spacing().to_array(), [10.0, 10.0, 5.0]);
+    let (low, high) = dose.volume.value_range().unwrap();
+    assert!((low - 0.795).abs() < 1e-6 && (high - 1.254).abs() < 1e-6, "{low} {high}");
+    for one in ["CT_small.dcm", "DICOM_KNEE.dcm"] {
+        // Each is one slice of a series of its own.
+        let refused = read(data("dicom/single").unwrap().join(one), &ReadOptions::default()).unwrap_err().to_string();
+        assert!(refused.contains("slices: found 1 image"), "{refused}");
+    }
 }
 
 #[test]

@@ -194,6 +194,8 @@ pub(crate) fn read_as(format: PointFormat, path: &Path, options: &PointOptions) 
         data_files: vec![path.into()],
         files: vec![path.into()],
         mapped: false,
+        modality: None,
+        window: None,
     };
     Ok(LoadedPoints { points, info, notes })
 }
