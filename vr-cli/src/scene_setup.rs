@@ -317,8 +317,6 @@ impl Origin {
 /// Returns the flag that supplies what a file leaves open.
 fn flag_for(error: &FileError) -> Option<&'static str> {
     match error.kind {
-        FileErrorKind::Choose { what: "frame", .. } => Some("--frame N"),
-        FileErrorKind::Choose { .. } => Some("--component N"),
         FileErrorKind::Unsupported { .. } if vr_io::is_mesh(&error.path) => Some("--mesh FILE draws it among a volume"),
         _ => None,
     }

@@ -59,14 +59,6 @@ pub enum FileErrorKind {
         /// The decoder's error.
         source: io::Error,
     },
-    /// Several frames or components, of which a volume has one.
-    #[error("holds {count} {what}s, a volume has one: choose a {what}, 0 to {}", count - 1)]
-    Choose {
-        /// `frame` or `component`: the field of [`ReadOptions`](crate::ReadOptions) that chooses.
-        what: &'static str,
-        /// Number of frames or components in the file.
-        count: usize,
-    },
     /// A format that is known and not read.
     #[error("unsupported format {format}; supported are {VOLUMES}")]
     Unsupported {

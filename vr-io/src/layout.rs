@@ -4,7 +4,7 @@ use std::path::Path;
 
 use vr_core::{GridError, sample_count};
 
-use crate::error::{FieldError, FileError, FileErrorKind};
+use crate::error::{FieldError, FileError};
 use crate::read::ReadOptions;
 
 /// Role of an axis of a file: what its index counts.
@@ -107,8 +107,8 @@ impl Layout {
 fn pick(path: &Path, what: &'static str, chosen: Option<usize>, count: usize) -> Result<usize, FileError> {
     match chosen {
         _ if count == 0 => Err(FieldError::new(format!("number of {what}s"), 0, "must be at least 1").in_file(path)),
-        None if count == 1 => Ok(0),
-        None => Err(FileError::new(path, FileErrorKind::Choose { what, count })),
+        // The first of several, which the reader says.
+        None => Ok(0),
         Some(i) if i < count => Ok(i),
         Some(i) => {
             Err(FieldError::new(what, i, format!("the file has {count} {what}(s), 0 to {}", count - 1)).in_file(path))
@@ -147,12 +147,12 @@ mod tests {
     }
 
     #[test]
-    fn says_how_to_pick() {
+    fn takes_the_first_of_several() {
         let axes = axes(&[(2, Role::Space), (2, Role::Space), (2, Role::Space), (5, Role::Frame)]);
         let at = |frame| Layout::new(Path::new("x"), &axes, &ReadOptions { frame, ..Default::default() });
-        let message = at(None).unwrap_err().to_string();
-        assert!(message.contains("5 frames") && message.contains("choose a frame, 0 to 4"), "{message}");
-        assert!(at(Some(5)).is_err());
+        assert_eq!(at(None).unwrap().offset, 0);
+        let message = at(Some(5)).unwrap_err().to_string();
+        assert!(message.contains("5 frame(s), 0 to 4"), "{message}");
         let last = at(Some(4)).unwrap();
         assert!(last.is_contiguous());
         assert_eq!(last.offset, 32);

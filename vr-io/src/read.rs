@@ -28,9 +28,9 @@ use crate::{metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tif
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
-    /// Frame of a 4-D file, from 0; not needed where there is one.
+    /// Frame of a 4-D file, from 0; the first if absent, which is said.
     pub frame: Option<usize>,
-    /// Component of a file with several values per voxel, from 0; not needed where there is one.
+    /// Component of a file with several values per voxel, from 0; the first if absent, which is said.
     pub component: Option<usize>,
     /// Array of a file that holds several under names; not needed where the file says which one is meant, or has one. Of scattered points,
     /// that of the values ([`PointOptions::value`], which comes first).
@@ -180,7 +180,7 @@ pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<L
         ScalarType::I16 => Voxels::I16(Stored::Owned(vec![0; count])),
         _ => Voxels::F32(Stored::Owned(vec![0.0; count])),
     };
-    assemble(path, *description, scan, few, |_, _, _| Ok(voxels)).map(Some)
+    assemble(path, *description, scan, options, few, |_, _, _| Ok(voxels)).map(Some)
 }
 
 /// What a file turned out to hold.
@@ -265,7 +265,7 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
 
 fn load(path: &Path, description: Description, scan: Scan, options: &ReadOptions) -> Result<Loaded, FileError> {
     let dims = description.layout.dims;
-    assemble(path, description, scan, dims, |source, layout, notes| source.load(path, layout, options, notes))
+    assemble(path, description, scan, options, dims, |source, layout, notes| source.load(path, layout, options, notes))
 }
 
 /// The volume of that many of a description's voxels.
@@ -273,6 +273,7 @@ fn assemble(
     path: &Path,
     description: Description,
     scan: Scan,
+    options: &ReadOptions,
     dims: [usize; 3],
     voxels: impl FnOnce(Source, &Layout, &mut Vec<String>) -> Result<Voxels, FileError>,
 ) -> Result<Loaded, FileError> {
@@ -280,6 +281,10 @@ fn assemble(
         description;
     let (encoding, scalar, endian, data_files) =
         (source.encoding(), source.scalar(), source.endian(), each_once(source.files()));
+    let chosen = [("frame", layout.frames, options.frame), ("component", layout.components, options.component)];
+    for (what, count, _) in chosen.into_iter().filter(|&(_, count, chosen)| count > 1 && chosen.is_none()) {
+        notes.push(format!("{what} 0 is taken, of 0 to {}", count - 1));
+    }
     let samples = voxels(source, &layout, &mut notes)?;
     let mapped = samples.is_mapped();
     let grid = samples.into_grid(dims, placement, calibration).map_err(|e| FileError::new(path, e))?;

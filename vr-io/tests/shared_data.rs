@@ -230,8 +230,8 @@ fn images_of_vtk() {
         assert_eq!((at(l, [34; 3]), stored(l).iter().sum::<f32>()), (131.0, 4_131_089.0));
     });
     let Some(path) = data("vtk/vase_4comp.vti") else { return };
-    let refused = read(&path, &ReadOptions::default()).unwrap_err().to_string();
-    assert!(refused.contains("holds 4 components") && refused.contains("choose a component, 0 to 3"), "{refused}");
+    let first = read(&path, &ReadOptions::default()).unwrap();
+    assert!(first.notes.iter().any(|n| n == "component 0 is taken, of 0 to 3"), "{:?}", first.notes);
     let vase = read(&path, &ReadOptions { component: Some(2), ..Default::default() }).unwrap();
     assert_eq!((uniform(&vase).dims(), vase.info.components), ([115, 101, 75], 4));
     assert_eq!(stored(&vase).iter().sum::<f32>(), 10_723_131.0);
@@ -253,22 +253,18 @@ fn images_of_vtk() {
 #[test]
 fn one_frame_of_four_dimensions() {
     let Some(path) = data("nifti/example4d.nii.gz") else { return };
-    let refused = read(&path, &ReadOptions::default()).unwrap_err();
-    assert!(refused.to_string().contains("choose a frame, 0 to 1"), "{refused}");
     let frame = |n| read(&path, &ReadOptions { frame: Some(n), ..Default::default() }).unwrap();
     let (first, second) = (frame(0), frame(1));
     assert_eq!(uniform(&first).dims(), [128, 96, 24]);
+    assert_eq!(stored(&first), stored(&read(&path, &ReadOptions::default()).unwrap()));
     assert_ne!(stored(&first), stored(&second));
 }
 
 #[test]
 fn one_component_of_colours() {
     let Some(path) = data("bad/rgb24.nii.gz") else { return };
-    let refused = read(&path, &ReadOptions::default()).unwrap_err();
-    assert!(
-        refused.to_string().contains("3 components") && refused.to_string().contains("choose a component, 0 to 2"),
-        "{refused}"
-    );
+    let red = read(&path, &ReadOptions::default()).unwrap();
+    assert!(red.notes.iter().any(|n| n == "component 0 is taken, of 0 to 2"), "{:?}", red.notes);
     let green = read(&path, &ReadOptions { component: Some(1), ..Default::default() }).unwrap();
     assert_eq!(uniform(&green).dims(), [256, 286, 15]);
     assert!(matches!(uniform(&green).values(), AnyGrid::U8(_)));

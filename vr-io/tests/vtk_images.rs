@@ -176,7 +176,6 @@ fn arrays_are_chosen_by_name() {
     let file = vti(Stored::Inline, Packed::Lz4, false, false);
     refused_with(&file, &array("heat"), &["array: found heat; must be one of velocity, density stored"]);
     refused_with(&vtk(true), &array("heat"), &["must be one of velocity, density stored, index, even, level"]);
-    refused_with(&file, &array("velocity"), &["holds 3 components", "choose a component, 0 to 2"]);
     // Where there is one array, it has no name to choose.
     let nrrd = tiny::nrrd("type: uchar\nencoding: raw", &[7; COUNT]);
     refused_with(&nrrd, &array("heat"), &["array: found heat", "one array, without a name"]);

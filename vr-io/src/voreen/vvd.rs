@@ -8,7 +8,7 @@ use glam::{DMat4, DVec3, DVec4};
 use roxmltree::{Document, Node};
 use vr_core::Calibration;
 
-use crate::error::{FieldError, FileError, FileErrorKind};
+use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Layout, Role};
 use crate::read::{Description, ReadOptions};
 use crate::scalar::ScalarType;
@@ -78,10 +78,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
 /// The volume of the frame that the options name.
 fn choose<'a, 'i>(path: &Path, volumes: &[Node<'a, 'i>], options: &ReadOptions) -> Result<Node<'a, 'i>, FileError> {
     let count = volumes.len();
-    let chosen = match options.frame {
-        None if count > 1 => return Err(FileError::new(path, FileErrorKind::Choose { what: "frame", count })),
-        frame => frame.unwrap_or(0),
-    };
+    let chosen = options.frame.unwrap_or(0);
     volumes.get(chosen).copied().ok_or_else(|| {
         let field = if count == 0 { "Volume" } else { "frame" };
         FieldError::new(field, chosen, format!("the file has {count} volumes")).in_file(path)
