@@ -4,6 +4,7 @@ use serde::Serialize;
 use vr_core::transfer::Preset;
 use vr_core::{Calibration, GridVolume, VoxelType};
 use vr_io::{FileInfo, LoadedVolume};
+use vr_look::{Hints, Look, Survey};
 
 use crate::args::InfoArgs;
 use crate::console::Console;
@@ -31,6 +32,8 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
     let uniform = volume
         .grid()
         .ok_or_else(|| Failure::failed(format!("{title}: a {} cannot be described yet", volume.kind())))?;
+    let patient = info.as_ref().is_some_and(|file| file.space.is_patient());
+    let hints = Hints { patient, ..Hints::default() };
     let suggest = |range| Preset::suggest(range, uniform.voxel_type().is_integer());
     let description = Description {
         title: &title,
@@ -38,6 +41,7 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         uniform,
         histogram: Histogram::of(uniform, DRAWN.0),
         presets: volume.value_range().map_or_else(Vec::new, suggest),
+        look: Survey::new(&volume).look(&hints),
         notes: &notes,
     };
     console.result(&description.text(), &description.json())
@@ -50,6 +54,7 @@ struct Description<'a> {
     uniform: &'a GridVolume,
     histogram: Option<Histogram>,
     presets: Vec<Preset>,
+    look: Look,
     notes: &'a [String],
 }
 
@@ -105,6 +110,7 @@ impl Description<'_> {
                 format!("{} NaN, {} infinite; cells with such a corner are vacuum", stats.nan, stats.infinite),
             );
         }
+        line("look", self.look.reason.trim_start_matches("look: ").to_owned());
         if !self.presets.is_empty() {
             let names: Vec<&str> = self.presets.iter().map(|p| p.name()).collect();
             line("try", format!("--transfer {}", names.join(" | ")));

@@ -10,8 +10,8 @@ use tiny::{
 };
 use vr_core::{AnyGrid, Calibration, Placement, UniformGrid, Volume, VoxelType};
 use vr_io::{
-    Endian, FileErrorKind, Loaded, NrrdEncoding, NrrdOptions, NrrdValues, RawDescription, ReadOptions, ScalarType,
-    Space, Transform, read, write_nrrd,
+    Endian, Loaded, NrrdEncoding, NrrdOptions, NrrdValues, RawDescription, ReadOptions, ScalarType, Space, Transform,
+    read, write_nrrd,
 };
 
 /// A folder with files in it.

@@ -7,6 +7,7 @@ mod diff;
 mod error_bounds;
 mod harness;
 mod inputs;
+mod look;
 mod mesh;
 mod points;
 mod ray;
