@@ -107,11 +107,17 @@ mod tests {
     #[test]
     fn flags_change_what_they_name() {
         let radius = 3.0f64.sqrt();
-        let whole = camera("", None).unwrap();
+        let visible = camera("", None).unwrap();
+        let whole = camera("--fit box", None).unwrap();
+        let height = |camera: Camera| match camera.projection {
+            Projection::Orthographic { height } => height,
+            Projection::Perspective { .. } => f64::NAN,
+        };
+        assert!(height(visible) < height(whole));
         assert_eq!(whole.projection, Projection::Orthographic { height: 2.0 * radius });
         let side = camera("--azimuth 90 --elevation 0", None).unwrap();
         assert!((side.eye.normalize() - DVec3::X).length() < 1e-12);
-        let near = camera("--fov 60", None).unwrap();
+        let near = camera("--fov 60 --fit box", None).unwrap();
         assert!((near.eye.length() - 2.0 * radius).abs() < 1e-12, "farther for a narrower angle");
         let moved = camera("--eye 0,0,-9 --height 4", Some(near)).unwrap();
         assert_eq!((moved.eye, moved.projection), (DVec3::Z * -9.0, Projection::Orthographic { height: 4.0 }));

@@ -195,8 +195,15 @@ fn scene_files_that_cannot_be() {
 }
 
 /// Files under `bad/` that hold a volume all the same, or one of several.
-const VALID: [&str; 5] =
-    ["constant.nrrd", "nan_inf.nrrd", "nan_be_f32.nii", "nifti_slope_zero.nii", "nan_spacing.nrrd"];
+const VALID: [&str; 7] = [
+    "constant.nrrd",
+    "nan_inf.nrrd",
+    "nan_be_f32.nii",
+    "nifti_slope_zero.nii",
+    "nan_spacing.nrrd",
+    "rgb24.nii.gz",
+    "rtdose.dcm",
+];
 
 #[test]
 fn broken_files_of_every_kind_are_refused() {

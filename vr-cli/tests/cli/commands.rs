@@ -184,7 +184,7 @@ fn what_was_assumed_is_said() {
     vr.write("cube_2x2x2_uint8.raw", [0, 10, 20, 30, 40, 50, 60, 70]);
     let run = vr.run("render cube_2x2x2_uint8.raw --size 8").succeeded();
     assert!(run.stderr.lines().all(|l| l.starts_with("note: ")), "{}", run.stderr);
-    for word in ["no spacing", "preset", "unit_distance"] {
+    for word in ["no spacing", "look: "] {
         assert!(run.stderr.contains(word), "no {word:?} in\n{}", run.stderr);
     }
 }

@@ -270,8 +270,8 @@ mod tests {
             let picture = ImageBuffer::from_fn(2, 2, |x, y| Rgb([z, 10 + x as u8, 20 + y as u8]));
             picture.save(folder.path().join(format!("{z}.png"))).unwrap();
         }
-        let message = read(folder.path(), &ReadOptions::default()).unwrap_err().to_string();
-        assert!(message.contains("3 components"), "{message}");
+        let red = read(folder.path(), &ReadOptions::default()).unwrap();
+        assert!(red.notes.contains(&"component 0 is taken, of 0 to 2".to_owned()), "{:?}", red.notes);
         let green = ReadOptions { component: Some(1), ..Default::default() };
         assert_eq!(numbers(&read(folder.path(), &green).unwrap()), [10., 11., 10., 11., 10., 11., 10., 11.]);
     }

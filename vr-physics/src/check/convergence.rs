@@ -51,7 +51,7 @@ impl Refinement {
 /// The measured convergence of a renderer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
-    /// The fitted order.
+    /// The fitted order; +∞ where every error is rounding, below the floor.
     pub order: f64,
     /// The values of the step's option.
     pub steps: Vec<f64>,
@@ -78,7 +78,7 @@ impl std::fmt::Display for Convergence {
 /// wrong by even more, if there is one.
 ///
 /// # Errors
-/// Another order than documented, errors that do not leave the floor, an option that does not exist.
+/// Another order than documented, errors that are too small to fit one and larger than rounding, an option that does not exist.
 ///
 /// # Panics
 /// Panics if there are fewer than 4 halvings.
@@ -119,6 +119,10 @@ pub fn converges(
         return Err(failure(format!("not one scene was judged: {refused} refused"), None));
     }
     let errors: Vec<f64> = squares.iter().map(|s| (s / f64::from(judged)).sqrt()).collect();
+    // Nothing but rounding: there is no order to see, and nothing wrong.
+    if errors.iter().all(|&e| e <= refinement.floor) {
+        return Ok(Convergence { order: f64::INFINITY, steps, errors, refused });
+    }
     let Some(order) = fit_order_above(refinement.floor, MIN_ERRORS, &steps, &errors) else {
         let reason = format!("errors {errors:.2?} at steps {steps:?}: five above {:.1e} are needed", refinement.floor);
         return Err(failure(reason, None));

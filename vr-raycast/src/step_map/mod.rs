@@ -3,8 +3,10 @@
 mod classes;
 mod features;
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
-use vr_core::{Calibration, Filter, Scene};
+use vr_core::{Calibration, Filter, GradientMethod, Scene, Shading};
 use vr_kernels::ranges::LevelRanges;
 
 use crate::leap::{VisibleBlocks, chessboard_distances};
@@ -42,6 +44,8 @@ enum Cuts {
     Voxels {
         /// True if voxels are missing: vacuum cells have faces of their own.
         holes: bool,
+        /// World length of the longest step between faces.
+        length: f32,
     },
 }
 
@@ -66,6 +70,14 @@ const SHORTEST: f64 = 0.0577 / 8.0;
 /// Length of the longest step in voxels: just under four blocks.
 const LONGEST: f64 = SHORTEST * 2048.0;
 
+/// Returns the longest step inside a voxel of a field that is constant there: all of the voxel, unless what is reflected changes with normals that are
+/// interpolated. A quarter of a voxel then keeps the error of the midpoint rule, of the second order, near that of the other steps (a ball of one label,
+/// 30³ voxels at 256×256 pixels: RMSE 9.9·10⁻³ with whole voxels).
+fn length_in_voxels(scene: &Scene, voxel: f64) -> f32 {
+    let interpolated = |shading: &Arc<Shading>| shading.gradient == GradientMethod::CentralDifferences;
+    if scene.reflection().is_some_and(interpolated) { (0.25 * voxel) as f32 } else { f32::INFINITY }
+}
+
 impl StepMap {
     /// Cells along the edge of a block.
     pub(crate) const EDGE: usize = LevelRanges::EDGE;
@@ -85,7 +97,7 @@ impl StepMap {
             holes.for_each(|(_, b)| *b = (*b).min(of_block));
         }
         let cuts = match scene.volume.filter() {
-            Some(Filter::Nearest) => Cuts::Voxels { holes: levels.has_holes() },
+            Some(Filter::Nearest) => Cuts::Voxels { holes: levels.has_holes(), length: length_in_voxels(scene, voxel) },
             _ if levels.has_holes() => Cuts::Holes(beside_holes(levels)),
             _ => Cuts::None,
         };
@@ -121,8 +133,7 @@ impl StepMap {
         let block = (z * self.blocks[1] + y) * self.blocks[0] + x;
         match (self.bytes[block], &self.cuts) {
             (leap @ CLEAR.., _) => BlockStep::Leap(leap - CLEAR),
-            // One sample stands for all of a voxel.
-            (_, Cuts::Voxels { .. }) => BlockStep::CutStep(f32::INFINITY),
+            (_, Cuts::Voxels { length, .. }) => BlockStep::CutStep(*length),
             (class, Cuts::Holes(cut)) if cut[block] => BlockStep::CutStep(self.steps[usize::from(class)]),
             (class, _) => BlockStep::Step(self.steps[usize::from(class)]),
         }
@@ -132,8 +143,8 @@ impl StepMap {
     pub(crate) fn faces(&self) -> &'static [f64] {
         match self.cuts {
             Cuts::None | Cuts::Holes(_) => &[0.0],
-            Cuts::Voxels { holes: false } => &[0.5],
-            Cuts::Voxels { holes: true } => &[0.0, 0.5],
+            Cuts::Voxels { holes: false, .. } => &[0.5],
+            Cuts::Voxels { holes: true, .. } => &[0.0, 0.5],
         }
     }
 
