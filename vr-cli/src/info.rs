@@ -75,6 +75,9 @@ impl Description<'_> {
                 );
             }
         }
+        if let Some(modality) = self.file.and_then(|f| f.modality.as_deref()) {
+            line("modality", modality.to_owned());
+        }
         line(
             "size",
             format!(
@@ -103,6 +106,9 @@ impl Description<'_> {
                 |(low, high)| format!("{} to {}", number::value(low), number::value(high)),
             ),
         );
+        if let Some([low, high]) = self.file.and_then(|f| f.window) {
+            line("window", format!("{} to {}; --range takes it", number::value(low), number::value(high)));
+        }
         let stats = u.value_stats();
         if stats.nan + stats.infinite > 0 {
             line(
@@ -203,6 +209,10 @@ struct FileJson<'a> {
     frames: usize,
     components: usize,
     mapped: bool,
+    /// Kind of the scanner; `null` but for DICOM.
+    modality: Option<&'a str>,
+    /// Lower and upper end of the values that a DICOM file wants shown.
+    window: Option<[f64; 2]>,
 }
 
 impl<'a> FileJson<'a> {
@@ -218,6 +228,8 @@ impl<'a> FileJson<'a> {
             frames: file.frames,
             components: file.components,
             mapped: file.mapped,
+            modality: file.modality.as_deref(),
+            window: file.window,
         }
     }
 }

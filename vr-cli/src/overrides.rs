@@ -103,6 +103,8 @@ impl Overrides {
             Some(VolumeSource::File(file)) => {
                 self.set_some("volume.frame", args.frame, &mut file.frame);
                 self.set_some("volume.component", args.component, &mut file.component);
+                self.set_some("volume.series", args.series.clone(), &mut file.series);
+                self.set_some("volume.level", args.volume_level, &mut file.level);
                 self.set_some("volume.transform", args.transform, &mut file.transform);
                 self.set_some("volume.endian", args.endian, &mut file.endian);
                 self.set_some("volume.skip", args.skip, &mut file.skip);
@@ -275,6 +277,8 @@ fn given(args: &VolumeArgs) -> impl Iterator<Item = (&'static str, String)> {
         ("volume.count", shown(&args.points_count)),
         ("volume.frame", shown(&args.frame)),
         ("volume.component", shown(&args.component)),
+        ("volume.series", shown(&args.series)),
+        ("volume.level", shown(&args.volume_level)),
         ("volume.transform", shown(&args.transform)),
         ("volume.dims", shown(&args.dims)),
         ("volume.type", shown(&args.voxel_type)),

@@ -316,7 +316,13 @@ impl Origin {
 
 /// Returns the flag that supplies what a file leaves open.
 fn flag_for(error: &FileError) -> Option<&'static str> {
-    match error.kind {
+    match &error.kind {
+        FileErrorKind::Field(field) => match field.field.as_str() {
+            "array" => Some("--value NAME"),
+            "series" => Some("--series UID|NUMBER"),
+            "level" => Some("--volume-level N"),
+            _ => None,
+        },
         FileErrorKind::Unsupported { .. } if vr_io::is_mesh(&error.path) => Some("--mesh FILE draws it among a volume"),
         _ => None,
     }

@@ -58,7 +58,7 @@
 //! | raw | described by [`RawDescription`] or by the name | raw, gzip, bzip2 |
 //! | NRRD 1 to 5 | attached, detached, lists and patterns of files | raw, gzip, bzip2, hex, ascii |
 //! | MetaImage | `.mha`, `.mhd`, lists and patterns of files | raw, zlib, ascii |
-//! | DICOM, feature `dicom` | a folder of slices, one of them with its siblings, files of many frames | raw, deflate, RLE, JPEG (8 bits, lossless) |
+//! | DICOM | a folder of slices, one of them with its siblings, files of many frames | raw, deflate, RLE, JPEG (8 bits, lossless) |
 //! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
 //! | VTK ImageData, XML | `.vti`, pieces of one file | text, base64, appended (base64 or raw), zlib, LZ4 |
 //! | VTK STRUCTURED_POINTS, legacy | `.vtk` up to version 5.1 | text, raw |
@@ -75,7 +75,7 @@
 //! Integers and floats of 8 to 64 bits, in both byte orders. Memory holds u8, i8, u16, i16 and f32; of the others, integers that
 //! fit one of these exactly become that one, and everything else becomes f32, which is said where it rounds. Uncompressed
 //! voxels that memory can hold as they are stay in the file, mapped. One frame of a series and one component of several are
-//! picked by [`ReadOptions`], and so is one array of a file that holds several under names: else it is the one that VTK calls the active
+//! picked by [`ReadOptions`], and so are one series of DICOM, one resolution of OME-Zarr, and one array of a file that holds several under names: else it is the one that VTK calls the active
 //! scalars, the first with one component, or the first. VTK's numbers of cells are placed at the centres of the cells.
 //!
 //! # Scattered points that are read
@@ -135,14 +135,12 @@
 //! In DICOM, frames in JPEG 2000, JPEG-LS, JPEG XL and JPEG of 12 bits are, and images of single bits.
 //!
 //! # Features
-//! * `dicom`, on by default: scans in DICOM, through `dicom-encoding` and `jpeg-decoder`, in Rust alone.
 //! * `hdf5`, off by default: points in HDF5, through a reader in Rust alone.
 
 mod atomic;
 mod claim;
 mod decode;
 mod detect;
-#[cfg(feature = "dicom")]
 mod dicom;
 mod encoding;
 mod error;

@@ -109,6 +109,7 @@ pub(crate) fn describe(
         calibration: raw.calibration,
         space: Space::Own,
         units: None,
+        scan: None,
         notes,
     })
 }

@@ -9,11 +9,7 @@ use glam::DMat3;
 use vr_core::{Calibration, GridError, Placement, Volume};
 
 use crate::detect::{Format, detect, detect_folder};
-#[cfg(feature = "dicom")]
-use crate::dicom;
 use crate::encoding::Encoding;
-#[cfg(not(feature = "dicom"))]
-use crate::error::FileErrorKind;
 use crate::error::{FieldError, FileError};
 use crate::layout::Layout;
 use crate::nifti::Transform;
@@ -23,7 +19,7 @@ use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::voxels::{Stored, Voxels};
 use crate::world::Space;
-use crate::{metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, voreen, vtk, zarr};
+use crate::{dicom, metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, voreen, vtk, zarr};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
@@ -136,6 +132,8 @@ pub(crate) struct Description {
     pub calibration: Calibration,
     pub space: Space,
     pub units: Option<String>,
+    /// `None` for every format but DICOM.
+    pub scan: Option<Scan>,
     pub notes: Vec<String>,
 }
 
@@ -147,7 +145,7 @@ pub(crate) struct Description {
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, FileError> {
     let path = path.as_ref();
     match describe(path, options)? {
-        Described::Grid(description, scan) => load(path, *description, scan, options),
+        Described::Grid(description) => load(path, *description, options),
         Described::Points(format) => load_points(path, format, options),
     }
 }
@@ -161,7 +159,7 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, Fil
 /// A [`FileError`] about the header.
 pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<Loaded>, FileError> {
     let path = path.as_ref();
-    let Described::Grid(mut description, scan) = describe(path, options)? else { return Ok(None) };
+    let Described::Grid(mut description) = describe(path, options)? else { return Ok(None) };
     let Layout { dims, .. } = description.layout;
     if description.layout.count() < 1 << 24 {
         return Ok(None);
@@ -180,12 +178,12 @@ pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<L
         ScalarType::I16 => Voxels::I16(Stored::Owned(vec![0; count])),
         _ => Voxels::F32(Stored::Owned(vec![0.0; count])),
     };
-    assemble(path, *description, scan, options, few, |_, _, _| Ok(voxels)).map(Some)
+    assemble(path, *description, options, few, |_, _, _| Ok(voxels)).map(Some)
 }
 
 /// What a file turned out to hold.
 enum Described {
-    Grid(Box<Description>, Scan),
+    Grid(Box<Description>),
     Points(PointFormat),
 }
 
@@ -203,14 +201,27 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         };
         (format, head)
     };
-    if let Some(name) = &options.array
-        && !format.has_named_arrays()
-        && !matches!(format, Format::Points(_))
-    {
-        return Err(FieldError::new("array", name, "files of this format hold one array, without a name").in_file(path));
+    let is_points = matches!(format, Format::Points(_));
+    let choices = [
+        (
+            "array",
+            options.array.clone(),
+            is_points || format.has_named_arrays(),
+            "files of this format hold one array, without a name",
+        ),
+        ("series", options.series.clone(), matches!(format, Format::Dicom), "only DICOM files belong to series"),
+        (
+            "level",
+            options.level.map(|n| n.to_string()),
+            matches!(format, Format::Zarr),
+            "only OME-Zarr images have levels",
+        ),
+    ];
+    for (field, choice, is_there, otherwise) in choices {
+        if let Some(found) = choice.filter(|_| !is_there) {
+            return Err(FieldError::new(field, found, otherwise).in_file(path));
+        }
     }
-    #[cfg_attr(not(feature = "dicom"), allow(unused_mut))]
-    let mut scan = Scan::default();
     let description = match format {
         Format::Nrrd => nrrd::describe(path, options)?,
         Format::MetaImage => metaimage::describe(path, options)?,
@@ -226,21 +237,12 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::Tiff => tiff::describe(path, options)?,
         Format::Slices => slices::describe(path, options)?,
         Format::Zarr => zarr::describe(path, options)?,
-        #[cfg(feature = "dicom")]
-        Format::Dicom => {
-            let (description, found) = dicom::describe(path, options)?;
-            scan = found;
-            description
-        }
-        #[cfg(not(feature = "dicom"))]
-        Format::Dicom => {
-            return Err(FileError::new(path, FileErrorKind::Feature { format: "DICOM", feature: "dicom" }));
-        }
+        Format::Dicom => dicom::describe(path, options)?,
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
         Format::VtkImage(format) => vtk::describe(format, path, options)?,
         Format::Points(format) => return Ok(Described::Points(format)),
     };
-    Ok(Described::Grid(Box::new(description), scan))
+    Ok(Described::Grid(Box::new(description)))
 }
 
 /// The first few thousand bytes of a file: enough to tell every format.
@@ -263,22 +265,33 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
     Ok(Loaded { volume: points.into(), info, notes })
 }
 
-fn load(path: &Path, description: Description, scan: Scan, options: &ReadOptions) -> Result<Loaded, FileError> {
+fn load(path: &Path, description: Description, options: &ReadOptions) -> Result<Loaded, FileError> {
     let dims = description.layout.dims;
-    assemble(path, description, scan, options, dims, |source, layout, notes| source.load(path, layout, options, notes))
+    assemble(path, description, options, dims, |source, layout, notes| source.load(path, layout, options, notes))
 }
 
 /// The volume of that many of a description's voxels.
 fn assemble(
     path: &Path,
     description: Description,
-    scan: Scan,
     options: &ReadOptions,
     dims: [usize; 3],
     voxels: impl FnOnce(Source, &Layout, &mut Vec<String>) -> Result<Voxels, FileError>,
 ) -> Result<Loaded, FileError> {
-    let Description { format, header, source, layout, placement, placed_by, calibration, space, units, mut notes } =
-        description;
+    let Description {
+        format,
+        header,
+        source,
+        layout,
+        placement,
+        placed_by,
+        calibration,
+        space,
+        units,
+        scan,
+        mut notes,
+    } = description;
+    let Scan { modality, window } = scan.unwrap_or_default();
     let (encoding, scalar, endian, data_files) =
         (source.encoding(), source.scalar(), source.endian(), each_once(source.files()));
     let chosen = [("frame", layout.frames, options.frame), ("component", layout.components, options.component)];
@@ -316,8 +329,8 @@ fn assemble(
         data_files,
         files,
         mapped,
-        modality: scan.modality,
-        window: scan.window,
+        modality,
+        window,
     };
     Ok(Loaded { volume, info, notes })
 }

@@ -57,6 +57,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         space: Space::Own,
         // The codes of units are not described anywhere that we know.
         units: None,
+        scan: None,
         notes: Vec::new(),
     })
 }

@@ -131,6 +131,7 @@ fn sections_come_back_as_they_were() {
         "path = \"x.raw\"\ndims = [2, 3, 4]\ntype = \"uint16\"\nendian = \"big\"\nskip = 9\nspacing = [1, 2, 3]\norigin = [0, 1, 2]\n\
          direction = [[0, 1, 0], [1, 0, 0], [0, 0, 1]]\nslope = 2\nintercept = -1\nfilter = \"gaussian\"",
         "path = \"x.nii\"\nframe = 1\ncomponent = 2\ntransform = \"qform\"",
+        "path = \"scan\"\nseries = \"1.2.3\"\nlevel = 2",
         "path = \"x.csv\"\nkernel = \"cone\"\nradius = 1\nradius_scale = 2\nvalue = \"T\"\ncolumns = {position = [\"a\", \"b\", \"c\"], mass = \"m\"}",
         "phantom = \"fog\"\nsize = 9",
         "phantom = \"plummer\"\ncount = 7",
@@ -147,6 +148,37 @@ fn sections_come_back_as_they_were() {
         let keys = (keys(&format!("[volume]\n{volume}")), keys(&text));
         assert_eq!(keys.0.len(), keys.1.len(), "{text}");
         assert!(keys.0.keys().all(|key| keys.1.contains_key(key)), "{text}");
+    }
+}
+
+#[test]
+fn files_of_several_volumes_give_the_one_that_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let array = |name: &str, voxels: &str| {
+        format!("<DataArray type=\"Float32\" Name=\"{name}\" format=\"ascii\">{voxels}</DataArray>")
+    };
+    let extent = "Extent=\"0 1 0 1 0 1\"";
+    let image = format!(
+        "<VTKFile type=\"ImageData\"><ImageData Whole{extent} Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece {extent}><PointData>{}{}\
+         </PointData></Piece></ImageData></VTKFile>",
+        array("heat", "0 1 2 3 4 5 6 7"),
+        array("flow", "1 1 1 1 1 1 1 9"),
+    );
+    std::fs::write(folder.path().join("x.vti"), image).unwrap();
+    let path = folder.path().join("s.toml");
+    let resolved = |keys: &str| {
+        let file = parse_scene(&format!("[volume]\npath = \"x.vti\"\n{keys}"), &path).unwrap();
+        resolve_scene(&file, &path).map(|loaded| loaded.scene.volume.value_range()).map_err(|e| e.to_string())
+    };
+    assert_eq!(resolved("value = \"flow\""), Ok(Some((1.0, 9.0))));
+    for (keys, word) in [
+        ("value = \"mass\"", "must be one of heat, flow"),
+        ("series = 7", "series: found 7; only DICOM files belong to series"),
+        ("level = 1", "level: found 1; only OME-Zarr images have levels"),
+        ("radius = 1", "volume.radius: found 1.0; only scattered points have one"),
+    ] {
+        let message = resolved(keys).unwrap_err();
+        assert!(message.contains(word), "{message}");
     }
 }
 

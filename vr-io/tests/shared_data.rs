@@ -400,7 +400,6 @@ fn points_of_phantom() {
 }
 
 /// Reference: pydicom 3, on the same files.
-#[cfg(feature = "dicom")]
 #[test]
 fn scans_in_dicom() {
     let Some(loaded) = load("dicom/pet_head") else { return };

@@ -1,123 +1,20 @@
 //! The data set of a file: elements of tag, length and value, some of them sequences of further data sets (DICOM PS3.5 2024, section 7).
 //!
-//! Headers of elements are decoded by `dicom-encoding`. Which of them are entered, skipped or kept is decided here, for three reasons: lengths
-//! are held against the end of what encloses them before anything is allocated, nesting has a bound, and values that are not needed (the
-//! patient's among them) are passed over unread.
+//! Lengths are held against the end of what encloses them before anything is allocated, nesting has a bound, and values that are not needed
+//! (the patient's among them) are passed over unread.
 
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 
-use dicom_core::Tag;
-use dicom_core::dictionary::{DataDictionary, DataDictionaryEntry};
-use dicom_core::header::{DataElementHeader, HasLength, Header, SequenceItemHeader, VR};
-use dicom_dictionary_std::{StandardDataDictionary, tags};
-use dicom_encoding::decode::explicit_be::ExplicitVRBigEndianDecoder;
-use dicom_encoding::decode::explicit_le::ExplicitVRLittleEndianDecoder;
-use dicom_encoding::decode::implicit_le::StandardImplicitVRLittleEndianDecoder;
-use dicom_encoding::decode::{self, Decode};
-
+use super::element_header::{ElementHeader, Headers, ItemHeader, ValueType};
+use super::tags::{self, Tag};
 use crate::error::{FieldError, FileErrorKind};
 
 /// Sequences within sequences; real files have four.
 const MAX_DEPTH: usize = 32;
 /// Bytes of a value that is kept: more than 40,000 numbers in text.
 const MAX_VALUE: u64 = 1 << 20;
-
-/// Elements whose values are kept. None of them says who the patient is.
-const KEPT: [Tag; 43] = [
-    tags::TRANSFER_SYNTAX_UID,
-    tags::IMAGE_TYPE,
-    tags::SOP_INSTANCE_UID,
-    tags::MODALITY,
-    tags::SERIES_DESCRIPTION,
-    tags::SLICE_THICKNESS,
-    tags::SPACING_BETWEEN_SLICES,
-    tags::IMAGER_PIXEL_SPACING,
-    tags::SERIES_INSTANCE_UID,
-    tags::SERIES_NUMBER,
-    tags::ACQUISITION_NUMBER,
-    tags::INSTANCE_NUMBER,
-    tags::IMAGE_POSITION_PATIENT,
-    tags::IMAGE_ORIENTATION_PATIENT,
-    tags::TEMPORAL_POSITION_IDENTIFIER,
-    tags::TEMPORAL_POSITION_INDEX,
-    tags::SAMPLES_PER_PIXEL,
-    tags::PHOTOMETRIC_INTERPRETATION,
-    tags::PLANAR_CONFIGURATION,
-    tags::NUMBER_OF_FRAMES,
-    tags::ROWS,
-    tags::COLUMNS,
-    tags::PIXEL_SPACING,
-    tags::BITS_ALLOCATED,
-    tags::BITS_STORED,
-    tags::HIGH_BIT,
-    tags::PIXEL_REPRESENTATION,
-    tags::PIXEL_PADDING_VALUE,
-    tags::WINDOW_CENTER,
-    tags::WINDOW_WIDTH,
-    tags::RESCALE_INTERCEPT,
-    tags::RESCALE_SLOPE,
-    tags::GRID_FRAME_OFFSET_VECTOR,
-    tags::DOSE_GRID_SCALING,
-    tags::MODALITY_LUT_SEQUENCE,
-    tags::SHARED_FUNCTIONAL_GROUPS_SEQUENCE,
-    tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE,
-    tags::PIXEL_MEASURES_SEQUENCE,
-    tags::PLANE_POSITION_SEQUENCE,
-    tags::PLANE_ORIENTATION_SEQUENCE,
-    tags::PIXEL_VALUE_TRANSFORMATION_SEQUENCE,
-    tags::FRAME_CONTENT_SEQUENCE,
-    tags::FRAME_VOILUT_SEQUENCE,
-];
-
-/// Ends an item of unknown length.
-const ITEM_END: Tag = Tag(0xfffe, 0xe00d);
-
-fn is_kept(tag: Tag) -> bool {
-    KEPT.contains(&tag) || tag == tags::DETECTOR_INFORMATION_SEQUENCE || is_overlay_position(tag)
-}
-
-/// Overlays come in groups 6000, 6002, … 601E.
-fn is_overlay_position(Tag(group, element): Tag) -> bool {
-    element == 0x0102 && (0x6000..=0x601e).contains(&group)
-}
-
-/// Keyword and number of an element, as in `Rows (0028,0010)`.
-pub(super) fn name(tag: Tag) -> String {
-    match StandardDataDictionary.by_tag(tag) {
-        Some(entry) => format!("{} {tag}", entry.alias()),
-        None => format!("element {tag}"),
-    }
-}
-
-/// Coding of elements' headers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Headers {
-    /// Little endian, types from the dictionary.
-    Implicit,
-    /// Little endian with types.
-    Explicit,
-    /// Big endian with types; retired in 2006.
-    ExplicitBig,
-}
-
-impl Headers {
-    fn element<S: Read + ?Sized>(self, source: &mut S) -> decode::Result<(DataElementHeader, usize)> {
-        match self {
-            Self::Implicit => StandardImplicitVRLittleEndianDecoder::default().decode_header(source),
-            Self::Explicit => ExplicitVRLittleEndianDecoder::default().decode_header(source),
-            Self::ExplicitBig => ExplicitVRBigEndianDecoder::default().decode_header(source),
-        }
-    }
-
-    fn item<S: Read + ?Sized>(self, source: &mut S) -> decode::Result<SequenceItemHeader> {
-        match self {
-            Self::ExplicitBig => ExplicitVRBigEndianDecoder::default().decode_item_header(source),
-            _ => ExplicitVRLittleEndianDecoder::default().decode_item_header(source),
-        }
-    }
-}
 
 /// Elements of a data set, in the order of the file.
 #[derive(Debug, Default)]
@@ -164,9 +61,9 @@ impl Elements {
         let numbers: Option<Vec<f64>> =
             text.split('\\').map(|w| w.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
         let wrong = || match count {
-            Some(1) => FieldError::new(name(tag), &text, "must be a finite number"),
-            Some(n) => FieldError::new(name(tag), &text, format!("must be {n} finite numbers")),
-            None => FieldError::new(name(tag), &text, "must be finite numbers"),
+            Some(1) => FieldError::new(tag.name(), &text, "must be a finite number"),
+            Some(n) => FieldError::new(tag.name(), &text, format!("must be {n} finite numbers")),
+            None => FieldError::new(tag.name(), &text, "must be finite numbers"),
         };
         numbers.filter(|n| count.is_none_or(|c| c == n.len())).map(Some).ok_or_else(wrong)
     }
@@ -179,7 +76,7 @@ impl Elements {
     /// Integer in text (type IS).
     pub fn integer(&self, tag: Tag) -> Result<Option<i64>, FieldError> {
         let Some(text) = self.text(tag) else { return Ok(None) };
-        text.parse().map(Some).map_err(|_| FieldError::new(name(tag), &text, "must be an integer"))
+        text.parse().map(Some).map_err(|_| FieldError::new(tag.name(), &text, "must be an integer"))
     }
 
     /// Unsigned 16-bit integer.
@@ -188,7 +85,7 @@ impl Elements {
         match bytes.first_chunk() {
             Some(b) => Ok(Some(if self.big_endian { u16::from_be_bytes(*b) } else { u16::from_le_bytes(*b) })),
             None => {
-                Err(FieldError::new(name(tag), format_args!("{} byte", bytes.len()), "must be an integer of 16 bits"))
+                Err(FieldError::new(tag.name(), format_args!("{} byte", bytes.len()), "must be an integer of 16 bits"))
             }
         }
     }
@@ -201,7 +98,7 @@ impl Elements {
 
     /// True if an overlay lies in the bits of the voxels that these do not use.
     pub fn has_overlay_in_voxels(&self) -> bool {
-        let placed = self.list.iter().map(|&(tag, _)| tag).filter(|&tag| is_overlay_position(tag));
+        let placed = self.list.iter().map(|&(tag, _)| tag).filter(|&tag| tag.is_overlay_position());
         placed.into_iter().any(|tag| self.u16(tag).is_ok_and(|bit| bit.unwrap_or(0) > 0))
     }
 
@@ -293,13 +190,13 @@ impl<R: Skip> DataSetReader<R> {
     /// Reads one element, which is no sequence.
     pub fn read_one(&mut self, headers: Headers, end: u64) -> Result<Elements, FileErrorKind> {
         let at = self.position;
-        let (header, size) = headers.element(&mut self.source).map_err(|e| damaged(at, &e))?;
-        self.position += size as u64;
-        let length = header.length().get().map(u64::from).filter(|length| self.position + length <= end);
+        let ElementHeader { tag, length, size, .. } = headers.element(&mut self.source).map_err(|_| cut_off(at))?;
+        self.position += size;
+        let length = length.map(u64::from).filter(|length| self.position + length <= end);
         let length = length.ok_or_else(|| cut_off(at))?;
         let mut elements = Elements::default();
-        if is_kept(header.tag()) {
-            elements.list.push((header.tag(), Value::Bytes(self.value(header.tag(), length)?)));
+        if tag.is_kept() {
+            elements.list.push((tag, Value::Bytes(self.value(tag, length)?)));
         } else {
             self.skip(length)?;
         }
@@ -325,13 +222,13 @@ impl<R: Skip> DataSetReader<R> {
         let mut elements = Elements { big_endian: headers == Headers::ExplicitBig, list: Vec::new() };
         while self.position < end.bound() {
             let at = self.position;
-            let (header, size) = headers.element(&mut self.source).map_err(|e| damaged(at, &e))?;
-            self.position += size as u64;
-            let (tag, length) = (header.tag(), header.length());
-            if tag == ITEM_END && matches!(end, End::Delimiter(_)) {
+            let ElementHeader { tag, value_type, length, size } =
+                headers.element(&mut self.source).map_err(|_| cut_off(at))?;
+            self.position += size;
+            if tag == tags::ITEM_END && matches!(end, End::Delimiter(_)) {
                 return Ok((elements, None));
             }
-            if tag.group() == 0xfffe {
+            if tag.0 == tags::ITEM.0 {
                 return Err(FileErrorKind::field(
                     format!("byte {at}"),
                     format_args!("a delimiter {tag}"),
@@ -340,14 +237,14 @@ impl<R: Skip> DataSetReader<R> {
             }
             let is_pixels = [tags::PIXEL_DATA, tags::FLOAT_PIXEL_DATA, tags::DOUBLE_FLOAT_PIXEL_DATA].contains(&tag);
             if depth == 0 && is_pixels {
-                let words = header.vr() == VR::OW;
-                let pixels = PixelElement { tag, words, offset: self.position, length: length.get() };
+                let words = value_type == ValueType::Words;
+                let pixels = PixelElement { tag, words, offset: self.position, length };
                 return Ok((elements, Some(pixels)));
             }
-            let keep = keep && is_kept(tag);
+            let keep = keep && tag.is_kept();
             // Where a sequence is called unknown, its content is implicit (PS3.5, 6.2.2, note 2).
-            let inner = if header.vr() == VR::UN { Headers::Implicit } else { headers };
-            let Some(length) = length.get() else {
+            let inner = if value_type == ValueType::Unknown { Headers::Implicit } else { headers };
+            let Some(length) = length else {
                 let items = self.sequence(tag, inner, None, end.bound(), keep, depth)?;
                 if keep {
                     elements.list.push((tag, Value::Items(items)));
@@ -361,9 +258,9 @@ impl<R: Skip> DataSetReader<R> {
                     "only {} bytes are left there: the file is cut off or damaged",
                     end.bound().saturating_sub(self.position)
                 );
-                return Err(FileErrorKind::field(name(tag), found, allowed));
+                return Err(FileErrorKind::field(tag.name(), found, allowed));
             }
-            if keep && header.vr() == VR::SQ {
+            if keep && value_type == ValueType::Sequence {
                 let items = self.sequence(tag, inner, Some(value_end), value_end, true, depth)?;
                 elements.list.push((tag, Value::Items(items)));
             } else if keep {
@@ -391,24 +288,28 @@ impl<R: Skip> DataSetReader<R> {
         let mut items = Vec::new();
         while end.is_none_or(|end| self.position < end) {
             let at = self.position;
-            let header = headers.item(&mut self.source).map_err(|e| damaged(at, &e))?;
+            let header = headers.item(&mut self.source).map_err(|_| cut_off(at))?;
             self.position += 8;
             if self.position > bound {
                 return Err(cut_off(at));
             }
             match header {
-                SequenceItemHeader::SequenceDelimiter => break,
-                SequenceItemHeader::ItemDelimiter => {
-                    return Err(FileErrorKind::field(name(tag), "the end of an item", "must be an item, or the end"));
+                ItemHeader::SequenceEnd => break,
+                ItemHeader::ItemEnd => {
+                    return Err(FileErrorKind::field(tag.name(), "the end of an item", "must be an item, or the end"));
                 }
-                SequenceItemHeader::Item { len } => {
-                    let item_end = len.get().map(|len| self.position + u64::from(len));
+                ItemHeader::NoItem => {
+                    let allowed = "must be an item or the end of a sequence: the file is damaged";
+                    return Err(FileErrorKind::field(format!("byte {at}"), "no item", allowed));
+                }
+                ItemHeader::Item(length) => {
+                    let item_end = length.map(|length| self.position + u64::from(length));
                     if item_end.is_some_and(|end| end > bound) {
                         return Err(cut_off(at));
                     }
                     match item_end {
                         // Not needed, or a fragment of a picture.
-                        Some(_) if !keep => self.skip(len.get().unwrap_or(0).into())?,
+                        Some(_) if !keep => self.skip(length.unwrap_or(0).into())?,
                         Some(item_end) => items.push(self.data_set(headers, End::At(item_end), keep, depth + 1)?.0),
                         None => {
                             let item = self.data_set(headers, End::Delimiter(bound), keep, depth + 1)?.0;
@@ -426,7 +327,7 @@ impl<R: Skip> DataSetReader<R> {
     fn value(&mut self, tag: Tag, length: u64) -> Result<Vec<u8>, FileErrorKind> {
         if length > MAX_VALUE {
             let allowed = format!("must be at most {MAX_VALUE} bytes");
-            return Err(FileErrorKind::field(name(tag), format_args!("{length} bytes"), allowed));
+            return Err(FileErrorKind::field(tag.name(), format_args!("{length} bytes"), allowed));
         }
         let mut bytes = Vec::new();
         self.source.by_ref().take(length).read_to_end(&mut bytes)?;
@@ -446,17 +347,6 @@ impl<R: Skip> DataSetReader<R> {
 
 fn cut_off(at: u64) -> FileErrorKind {
     FileErrorKind::field("data set", format_args!("its end at byte {at}"), "the file is cut off or damaged there")
-}
-
-fn damaged(at: u64, error: &decode::Error) -> FileErrorKind {
-    match error {
-        decode::Error::BadSequenceHeader { .. } => FileErrorKind::field(
-            format!("byte {at}"),
-            "no item",
-            "must be an item or the end of a sequence: the file is damaged",
-        ),
-        _ => cut_off(at),
-    }
 }
 
 #[cfg(test)]

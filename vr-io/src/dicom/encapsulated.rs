@@ -4,13 +4,8 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use dicom_dictionary_std::tags;
-use dicom_encoding::decode::Decode;
-use dicom_encoding::decode::explicit_le::ExplicitVRLittleEndianDecoder;
-
-use dicom_core::header::SequenceItemHeader;
-
-use super::elements::name;
+use super::element_header::{Headers, ItemHeader};
+use super::tags;
 use crate::error::{FieldError, FileErrorKind};
 
 /// A run of coded bytes in a file.
@@ -28,16 +23,14 @@ pub(super) fn frames(path: &Path, offset: u64, count: usize) -> Result<Vec<Vec<F
     source.seek(SeekFrom::Start(offset))?;
     let cut_off = |at: u64| {
         let allowed = "must be an item or the end of the sequence: the file is cut off or damaged";
-        FieldError::new(name(tags::PIXEL_DATA), format_args!("no item at byte {at}"), allowed)
+        FieldError::new(tags::PIXEL_DATA.name(), format_args!("no item at byte {at}"), allowed)
     };
     let (mut at, mut items) = (offset, Vec::new());
     loop {
-        let header =
-            ExplicitVRLittleEndianDecoder::default().decode_item_header(&mut source).map_err(|_| cut_off(at))?;
-        let length = match header {
-            SequenceItemHeader::SequenceDelimiter => break,
-            SequenceItemHeader::ItemDelimiter => return Err(cut_off(at).into()),
-            SequenceItemHeader::Item { len } => len.get().map(u64::from).ok_or_else(|| cut_off(at))?,
+        let length = match Headers::Explicit.item(&mut source).map_err(|_| cut_off(at))? {
+            ItemHeader::SequenceEnd => break,
+            ItemHeader::Item(Some(length)) => u64::from(length),
+            ItemHeader::Item(None) | ItemHeader::ItemEnd | ItemHeader::NoItem => return Err(cut_off(at).into()),
         };
         let fragment = Fragment { offset: at + 8, length };
         at = fragment.offset + length;

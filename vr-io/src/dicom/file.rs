@@ -4,10 +4,11 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use dicom_dictionary_std::tags;
 use flate2::read::DeflateDecoder;
 
-use super::elements::{DataSetReader, Elements, Forward, Headers, PixelElement};
+use super::element_header::Headers;
+use super::elements::{DataSetReader, Elements, Forward, PixelElement};
+use super::tags;
 use super::transfer_syntax::TransferSyntax;
 use crate::error::{FileError, FileErrorKind};
 
@@ -102,8 +103,7 @@ fn read_meta(source: &mut BufReader<File>, length: u64) -> Result<(TransferSynta
         uid = found.or(uid);
     }
     let allowed = "the field is required: it tells how the data set is coded";
-    let uid =
-        uid.ok_or_else(|| FileErrorKind::field(super::elements::name(tags::TRANSFER_SYNTAX_UID), "nothing", allowed))?;
+    let uid = uid.ok_or_else(|| FileErrorKind::field(tags::TRANSFER_SYNTAX_UID.name(), "nothing", allowed))?;
     Ok((TransferSyntax::from_uid(&uid), start))
 }
 

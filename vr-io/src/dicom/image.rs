@@ -5,12 +5,11 @@
 
 use std::path::PathBuf;
 
-use dicom_core::Tag;
-use dicom_dictionary_std::tags;
 use glam::DVec3;
 
-use super::elements::{Elements, PixelElement, name};
+use super::elements::{Elements, PixelElement};
 use super::file::DicomFile;
+use super::tags::{self, Tag};
 use super::transfer_syntax::{FrameCoding, TransferSyntax};
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::scalar::{Endian, ScalarType};
@@ -95,22 +94,22 @@ impl Image {
     fn of(file: DicomFile) -> Result<Self, FileErrorKind> {
         let DicomFile { path, syntax, start, length, elements, pixels } = file;
         let Some(pixels) = pixels else {
-            return Err(FieldError::new(name(tags::PIXEL_DATA), "nothing", "the object holds no image").into());
+            return Err(FieldError::new(tags::PIXEL_DATA.name(), "nothing", "the object holds no image").into());
         };
-        if let FrameCoding::Unread(found) = &syntax.frames {
+        if syntax.frames == FrameCoding::Unread {
             let allowed = "must be uncompressed, deflated, RLE, or JPEG (baseline, extended of 8 bits, lossless)";
-            return Err(FieldError::new(name(tags::TRANSFER_SYNTAX_UID), found, allowed).into());
+            return Err(FieldError::new(tags::TRANSFER_SYNTAX_UID.name(), &syntax.name, allowed).into());
         }
         let photometric = elements.text(tags::PHOTOMETRIC_INTERPRETATION).unwrap_or_default().into_owned();
         let shape = shape(&elements, &pixels)?;
         let native = syntax.frames == FrameCoding::Native;
         if native && ["YBR_FULL_422", "YBR_PARTIAL_422", "YBR_PARTIAL_420"].contains(&photometric.as_str()) {
             let allowed = "colours with fewer samples than pixels are read from JPEG alone";
-            return Err(FieldError::new(name(tags::PHOTOMETRIC_INTERPRETATION), photometric, allowed).into());
+            return Err(FieldError::new(tags::PHOTOMETRIC_INTERPRETATION.name(), photometric, allowed).into());
         }
         if pixels.words && native && syntax.endian() == Endian::Big && shape.numbers.scalar.bytes() == 1 {
             let allowed = "bytes in big-endian words of 16 bits are not read";
-            return Err(FieldError::new(name(tags::BITS_ALLOCATED), 8, allowed).into());
+            return Err(FieldError::new(tags::BITS_ALLOCATED.name(), 8, allowed).into());
         }
         let count = frame_count(&elements)?;
         let file = Claim { syntax: &syntax, length, pixels: &pixels };
@@ -130,8 +129,8 @@ impl Image {
 fn required(elements: &Elements, tag: Tag) -> Result<u16, FieldError> {
     let allowed = "must be 1 to 65535";
     match elements.u16(tag)? {
-        None => Err(FieldError::new(name(tag), "nothing", allowed)),
-        Some(0) => Err(FieldError::new(name(tag), 0, allowed)),
+        None => Err(FieldError::new(tag.name(), "nothing", allowed)),
+        Some(0) => Err(FieldError::new(tag.name(), 0, allowed)),
         Some(n) => Ok(n),
     }
 }
@@ -140,7 +139,7 @@ fn shape(elements: &Elements, pixels: &PixelElement) -> Result<Shape, FieldError
     let (rows, columns) = (required(elements, tags::ROWS)?, required(elements, tags::COLUMNS)?);
     let samples = elements.u16(tags::SAMPLES_PER_PIXEL)?.unwrap_or(1);
     if !(1..=4).contains(&samples) {
-        return Err(FieldError::new(name(tags::SAMPLES_PER_PIXEL), samples, "must be 1 to 4"));
+        return Err(FieldError::new(tags::SAMPLES_PER_PIXEL.name(), samples, "must be 1 to 4"));
     }
     let planar = elements.u16(tags::PLANAR_CONFIGURATION)?.unwrap_or(0) == 1;
     let numbers = numbers(elements, pixels.tag)?;
@@ -162,17 +161,17 @@ fn numbers(elements: &Elements, tag: Tag) -> Result<Numbers, FieldError> {
         (tags::PIXEL_DATA, 32, true) => ScalarType::I32,
         (tags::PIXEL_DATA, 1, _) => {
             let allowed = "must be 8, 16 or 32: images of single bits (segmentations) are not read";
-            return Err(FieldError::new(name(tags::BITS_ALLOCATED), 1, allowed));
+            return Err(FieldError::new(tags::BITS_ALLOCATED.name(), 1, allowed));
         }
         _ => {
             let allowed = "must be 8, 16 or 32; 32 for float pixel data, 64 for double float pixel data";
-            return Err(FieldError::new(name(tags::BITS_ALLOCATED), allocated, allowed));
+            return Err(FieldError::new(tags::BITS_ALLOCATED.name(), allocated, allowed));
         }
     };
     let bits = elements.u16(tags::BITS_STORED)?.unwrap_or(allocated);
     if !(1..=allocated).contains(&bits) {
         return Err(FieldError::new(
-            name(tags::BITS_STORED),
+            tags::BITS_STORED.name(),
             bits,
             format!("must be 1 to {allocated} (BitsAllocated)"),
         ));
@@ -180,7 +179,7 @@ fn numbers(elements: &Elements, tag: Tag) -> Result<Numbers, FieldError> {
     let high = elements.u16(tags::HIGH_BIT)?.unwrap_or(bits - 1);
     if !(bits - 1..allocated).contains(&high) {
         let allowed = format!("must be {} to {} (BitsStored, BitsAllocated)", bits - 1, allocated - 1);
-        return Err(FieldError::new(name(tags::HIGH_BIT), high, allowed));
+        return Err(FieldError::new(tags::HIGH_BIT.name(), high, allowed));
     }
     let shift = high + 1 - bits;
     let spare = bits < allocated;
@@ -194,7 +193,7 @@ fn frame_count(elements: &Elements) -> Result<usize, FieldError> {
         Some(n) => usize::try_from(n)
             .ok()
             .filter(|&n| n > 0)
-            .ok_or_else(|| FieldError::new(name(tags::NUMBER_OF_FRAMES), n, "must be 1 or more")),
+            .ok_or_else(|| FieldError::new(tags::NUMBER_OF_FRAMES.name(), n, "must be 1 or more")),
     }
 }
 
@@ -212,7 +211,7 @@ impl Claim<'_> {
             let claimed = frame_bytes.saturating_mul(frames as u64);
             let Some(value) = self.pixels.length else {
                 let allowed = "must be known, since the transfer syntax is uncompressed";
-                return Err(FileErrorKind::field(format!("length of {}", name(self.pixels.tag)), "unknown", allowed));
+                return Err(FileErrorKind::field(format!("length of {}", self.pixels.tag.name()), "unknown", allowed));
             };
             let there = if self.syntax.deflated { u64::MAX } else { self.length.saturating_sub(self.pixels.offset) };
             let found = there.min(value.into());
@@ -223,13 +222,13 @@ impl Claim<'_> {
         }
         if self.pixels.length.is_some() {
             let allowed = "must be unknown, since the transfer syntax encapsulates frames";
-            return Err(FileErrorKind::field(format!("length of {}", name(self.pixels.tag)), "known", allowed));
+            return Err(FileErrorKind::field(format!("length of {}", self.pixels.tag.name()), "known", allowed));
         }
         // A fragment has at least the eight bytes that say how long it is.
         let most = self.length.saturating_sub(self.pixels.offset) / 8;
         if frames as u64 > most {
             let allowed = format!("the file has room for {most} at most");
-            return Err(FileErrorKind::field(name(tags::NUMBER_OF_FRAMES), frames, allowed));
+            return Err(FileErrorKind::field(tags::NUMBER_OF_FRAMES.name(), frames, allowed));
         }
         Ok(())
     }
@@ -255,7 +254,7 @@ fn frames(all: &Elements, count: usize) -> Result<Vec<Frame>, FieldError> {
     if !per_frame.is_empty() && per_frame.len() != count {
         let allowed = format!("must be one for each of {count} frames");
         let found = format_args!("{} items", per_frame.len());
-        return Err(FieldError::new(name(tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE), found, allowed));
+        return Err(FieldError::new(tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE.name(), found, allowed));
     }
     let mut frames = Vec::new();
     for i in 0..count {
@@ -288,7 +287,7 @@ fn frame(groups: &Groups<'_>) -> Result<Frame, FieldError> {
     }
     let spacing = spacing.map(|s| [s[0], s[1]]);
     if let Some(found) = spacing.and_then(|s| s.into_iter().find(|&x| x <= 0.0)) {
-        return Err(FieldError::new(name(tags::PIXEL_SPACING), found, "must be above 0"));
+        return Err(FieldError::new(tags::PIXEL_SPACING.name(), found, "must be above 0"));
     }
     let thickness = measures.number(tags::SLICE_THICKNESS)?.filter(|&t| t > 0.0);
     let between_slices = match measures.number(tags::SPACING_BETWEEN_SLICES)? {
@@ -302,7 +301,7 @@ fn frame(groups: &Groups<'_>) -> Result<Frame, FieldError> {
         some => some,
     };
     if slope == Some(0.0) {
-        return Err(FieldError::new(name(tags::RESCALE_SLOPE), 0, "must not be 0"));
+        return Err(FieldError::new(tags::RESCALE_SLOPE.name(), 0, "must not be 0"));
     }
     let rescale = [slope.unwrap_or(1.0), values.number(tags::RESCALE_INTERCEPT)?.unwrap_or(0.0)];
     let shown = groups.of(tags::FRAME_VOILUT_SEQUENCE);
@@ -341,7 +340,7 @@ fn directions(o: &[f64]) -> Result<[DVec3; 2], FieldError> {
     if !is_unit(row) || !is_unit(column) || row.dot(column).abs() > ROUNDED {
         let found = o.iter().map(f64::to_string).collect::<Vec<_>>().join("\\");
         let allowed = "must be two unit vectors at right angles";
-        return Err(FieldError::new(name(tags::IMAGE_ORIENTATION_PATIENT), found, allowed));
+        return Err(FieldError::new(tags::IMAGE_ORIENTATION_PATIENT.name(), found, allowed));
     }
     Ok([row.normalize(), column.normalize()])
 }
@@ -358,7 +357,7 @@ fn spread(all: &Elements, frames: &mut [Frame]) -> Result<(), FieldError> {
         Some(offsets) => {
             let found = format_args!("{} numbers", offsets.len());
             let allowed = format!("must be one for each of {count} frames");
-            return Err(FieldError::new(name(tags::GRID_FRAME_OFFSET_VECTOR), found, allowed));
+            return Err(FieldError::new(tags::GRID_FRAME_OFFSET_VECTOR.name(), found, allowed));
         }
         None => frames[0].between_slices.or(frames[0].thickness).map(|s| (0..count).map(|i| i as f64 * s).collect()),
     };

@@ -5,6 +5,7 @@
 //! never from SliceThickness. Patient space is left, posterior, superior, turned to RAS. Nothing that tells who the patient is (name, number,
 //! dates, institution) is kept, noted or put into a message.
 
+mod element_header;
 mod elements;
 mod encapsulated;
 mod file;
@@ -16,20 +17,19 @@ mod rle;
 mod sample;
 mod series;
 mod stack;
+mod tags;
 #[cfg(test)]
 mod tests;
 mod transfer_syntax;
 
 use std::path::Path;
 
-use dicom_dictionary_std::tags;
 use rayon::prelude::*;
 
 use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Layout, Role};
 use crate::read::{Description, ReadOptions, Scan};
 
-use elements::name;
 use file::DicomFile;
 use image::{Image, Shape};
 use pixels::SliceId;
@@ -37,7 +37,7 @@ use stack::Stack;
 use transfer_syntax::FrameCoding;
 
 /// Everything that the headers say.
-pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<(Description, Scan), FileError> {
+pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let mut notes = Vec::new();
     let files = files(path, options, &mut notes)?;
     let header = files[0].path.clone();
@@ -59,7 +59,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<(Descriptio
 
     let layout = Layout::new(path, &axes(&images[0], &stack), options)?;
     let (source, calibration) = pixels::source(images, &slices, &mut notes);
-    let description = Description {
+    Ok(Description {
         format: "DICOM",
         header,
         source,
@@ -69,9 +69,9 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<(Descriptio
         calibration,
         space: stack.space,
         units: stack.has_spacing.then(|| "mm".to_owned()),
+        scan: Some(Scan { modality, window }),
         notes,
-    };
-    Ok((description, Scan { modality, window }))
+    })
 }
 
 /// The files of the series that a path names.
@@ -132,7 +132,7 @@ fn note_values(images: &[Image], notes: &mut Vec<String>) {
         _ => {}
     }
     if let Some(padding) = first.padding {
-        let place = name(tags::PIXEL_PADDING_VALUE);
+        let place = tags::PIXEL_PADDING_VALUE.name();
         notes.push(format!(
             "{place} is {padding}: voxels with that stored number hold no value, and are kept as they are"
         ));

@@ -1,7 +1,6 @@
 //! Small files for tests, written by hand.
 
-use dicom_core::Tag;
-use dicom_dictionary_std::tags;
+use super::tags::{self, Tag};
 
 /// An element in explicit little endian, padded to an even length.
 pub fn element(tag: Tag, vr: &[u8; 2], value: &[u8]) -> Vec<u8> {

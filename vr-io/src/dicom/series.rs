@@ -4,11 +4,11 @@
 
 use std::path::{Path, PathBuf};
 
-use dicom_dictionary_std::tags;
 use rayon::prelude::*;
 
 use super::elements::Elements;
 use super::file::DicomFile;
+use super::tags;
 use crate::error::{FieldError, FileError, shown};
 
 /// Series that a message lists.

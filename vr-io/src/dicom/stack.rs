@@ -3,12 +3,11 @@
 //! Rows run along the first direction of ImageOrientationPatient and columns along the second; the third axis is the step from slice to slice
 //! that the positions give. Where that leans from the normal, as it does behind a tilted gantry, the grid is sheared.
 
-use dicom_dictionary_std::tags;
 use glam::{DMat3, DVec3};
 use vr_core::Placement;
 
-use super::elements::name;
 use super::image::Frame;
+use super::tags;
 use crate::error::{FieldError, FileErrorKind};
 use crate::world::Space;
 
@@ -43,7 +42,7 @@ impl Stack {
             n => {
                 let found = format_args!("in {n} of {} images", frames.len());
                 Err(FileErrorKind::field(
-                    name(tags::IMAGE_POSITION_PATIENT),
+                    tags::IMAGE_POSITION_PATIENT.name(),
                     found,
                     "must be in all of them, or in none",
                 ))
@@ -88,12 +87,12 @@ fn placed_stack(frames: &[&Frame], notes: &mut Vec<String>) -> Result<Stack, Fil
         let found = format_args!("{} images at {} mm along the normal", group.len(), rounded(group[0].along));
         let allowed =
             format!("must be {times} there, as at other positions: a slice is there twice, or one is missing");
-        return Err(FileErrorKind::field(name(tags::IMAGE_POSITION_PATIENT), found, allowed));
+        return Err(FileErrorKind::field(tags::IMAGE_POSITION_PATIENT.name(), found, allowed));
     }
     if groups.len() < 2 {
         let found = format_args!("{} images at one position", frames.len());
         return Err(FileErrorKind::field(
-            name(tags::IMAGE_POSITION_PATIENT),
+            tags::IMAGE_POSITION_PATIENT.name(),
             found,
             "a volume has 2 positions or more",
         ));
@@ -140,7 +139,7 @@ fn one_orientation(frames: &[&Frame]) -> Result<[DVec3; 2], FieldError> {
     if other > 0 {
         let found = format_args!("{other} of {} images turned against the first", all.len());
         return Err(FieldError::new(
-            name(tags::IMAGE_ORIENTATION_PATIENT),
+            tags::IMAGE_ORIENTATION_PATIENT.name(),
             found,
             "must be one for all slices of a volume",
         ));
@@ -171,7 +170,7 @@ fn step(slices: &[&Placed<'_>]) -> Result<DVec3, FieldError> {
         for &i in wrong.iter().skip(1).take(SHOWN) {
             allowed += &format!("; another between {}", between(i));
         }
-        return Err(FieldError::new(name(tags::IMAGE_POSITION_PATIENT), found, allowed));
+        return Err(FieldError::new(tags::IMAGE_POSITION_PATIENT.name(), found, allowed));
     }
     let (first, last) = (slices[0].position, slices[slices.len() - 1].position);
     let step = (last - first) / gaps.len() as f64;
@@ -182,7 +181,7 @@ fn step(slices: &[&Placed<'_>]) -> Result<DVec3, FieldError> {
             let at = rounded(slices[i].along);
             let found = format!("a slice at {at} mm that is {} mm off the line of the others", rounded(off(i)));
             Err(FieldError::new(
-                name(tags::IMAGE_POSITION_PATIENT),
+                tags::IMAGE_POSITION_PATIENT.name(),
                 found,
                 "all steps from slice to slice must be equal",
             ))
@@ -205,7 +204,7 @@ fn pixel_spacing(frames: &[&Frame], notes: &mut Vec<String>) -> Result<[f64; 2],
     if let Some(other) = frames.iter().find(differs) {
         let found = other.spacing.map_or_else(|| "nothing in one image".to_owned(), |s| format!("{}\\{}", s[0], s[1]));
         let allowed = format!("must be {}\\{}, as in the first image", first[0], first[1]);
-        return Err(FieldError::new(name(tags::PIXEL_SPACING), found, allowed));
+        return Err(FieldError::new(tags::PIXEL_SPACING.name(), found, allowed));
     }
     if frames[0].spacing_is_detectors {
         notes.push("no PixelSpacing: ImagerPixelSpacing, that at the detector, is taken".into());
@@ -221,7 +220,7 @@ fn unplaced(frames: &[&Frame], numbered: bool, notes: &mut Vec<String>) -> Resul
         if order.windows(2).any(|pair| frames[pair[0]].order[2] == frames[pair[1]].order[2]) {
             let allowed =
                 "without ImagePositionPatient and ImageOrientationPatient, it must be another number in each image";
-            return Err(FileErrorKind::field(name(tags::INSTANCE_NUMBER), "nothing, or one number twice", allowed));
+            return Err(FileErrorKind::field(tags::INSTANCE_NUMBER.name(), "nothing, or one number twice", allowed));
         }
     }
     let by = if numbered { "InstanceNumber" } else { "frame" };

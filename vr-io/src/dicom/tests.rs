@@ -2,13 +2,12 @@
 
 use std::path::PathBuf;
 
-use dicom_core::Tag;
-use dicom_dictionary_std::tags;
 use glam::DVec3;
 use tempfile::TempDir;
 use vr_core::{Voxel, with_grid};
 
 use super::sample::{Sample, element, encapsulated, item, meta};
+use super::tags::{self, Tag};
 use crate::{FileError, Loaded, ReadOptions, Space, orientation, read};
 
 /// A folder of these files; the file of slice i is not the i-th by name.
@@ -325,6 +324,20 @@ fn other_codings_of_the_same_voxels() {
     let mut cut = rle(a);
     cut.truncate(cut.len() - 12);
     assert!(read_all(&[cut, rle(b)]).is_err());
+
+    // JPEG of flat grey, which it keeps.
+    let jpeg = |(z, grey): (f64, u8)| {
+        let mut frame = Vec::new();
+        image::codecs::jpeg::JpegEncoder::new_with_quality(&mut frame, 100)
+            .encode(&[grey; 6], 3, 2, image::ExtendedColorType::L8)
+            .unwrap();
+        let sample = Sample::slice(z, 0).without(tags::PIXEL_DATA).short(tags::PIXEL_REPRESENTATION, 0);
+        let mut sample = sample.short(tags::BITS_ALLOCATED, 8).short(tags::BITS_STORED, 8).short(tags::HIGH_BIT, 7);
+        sample.transfer_syntax = "1.2.840.10008.1.2.4.50".into();
+        [sample.bytes(), encapsulated(&[frame])].concat()
+    };
+    let loaded = read_all(&[jpeg((2.0, 200)), jpeg((0.0, 80))]).unwrap();
+    assert_eq!((values(&loaded), loaded.info.encoding), ([[80.0; 6], [200.0; 6]].concat(), "JPEG"));
 
     // Without preamble and meta information.
     let bare = |(z, first): (f64, i16)| Sample::slice(z, first).text(tags::IMAGE_TYPE, "ORIGINAL").data_set();

@@ -52,6 +52,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         space: frame.space,
         // The format knows no other.
         units: frame.space.is_patient().then(|| "mm".to_owned()),
+        scan: None,
         notes,
     })
 }

@@ -64,6 +64,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         calibration: Calibration::default(),
         space: Space::Own,
         units: (placed.by == "cell").then(|| "Å".to_owned()),
+        scan: None,
         notes,
     })
 }

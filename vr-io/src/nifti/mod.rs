@@ -81,6 +81,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         calibration,
         space: Space::Ras,
         units: header.units().map(str::to_owned),
+        scan: None,
         notes,
     })
 }

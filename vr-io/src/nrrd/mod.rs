@@ -49,6 +49,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         calibration,
         space: world.space,
         units: world.units,
+        scan: None,
         notes,
     })
 }

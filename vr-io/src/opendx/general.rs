@@ -65,6 +65,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         calibration: Calibration::default(),
         space: Space::Own,
         units: None,
+        scan: None,
         notes,
     })
 }

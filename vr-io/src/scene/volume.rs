@@ -98,6 +98,9 @@ fn from_file(
     let options = ReadOptions {
         frame: file.frame,
         component: file.component,
+        array: file.points.value.clone(),
+        series: file.series.clone(),
+        level: file.level,
         transform: file.transform.unwrap_or_default(),
         raw: raw_description(file, path).map_err(in_file)?,
         points: file.points.clone(),
@@ -107,7 +110,9 @@ fn from_file(
     if file.transform.is_some() && !loaded.info.format.starts_with("NIfTI") {
         return Err(in_file(wrong("volume.transform", loaded.info.format, "only NIfTI files have a choice")));
     }
-    if let (Volume::Grid(_), Some((key, found))) = (&loaded.volume, first_key(&file.points)) {
+    // The array of a grid has its name from the same key.
+    let choices_of_points = PointOptions { value: None, ..file.points.clone() };
+    if let (Volume::Grid(_), Some((key, found))) = (&loaded.volume, first_key(&choices_of_points)) {
         let allowed = "only scattered points have one; this is a grid";
         return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
     }

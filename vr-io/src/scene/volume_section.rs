@@ -67,6 +67,10 @@ pub struct FileSource {
     pub frame: Option<usize>,
     /// Number of a component of several.
     pub component: Option<usize>,
+    /// UID or number of a DICOM series.
+    pub series: Option<String>,
+    /// Number of a resolution of an OME-Zarr image, 0 the finest.
+    pub level: Option<usize>,
     /// The transform that places a NIfTI file.
     pub transform: Option<Transform>,
     /// Byte order of a raw file.
@@ -75,7 +79,7 @@ pub struct FileSource {
     pub skip: Option<u64>,
     /// The grid in a raw file.
     pub grid: GridDescription,
-    /// Choices about scattered points.
+    /// Choices about scattered points; `value` also names the array of a grid whose file holds several.
     pub points: PointOptions,
 }
 
@@ -173,6 +177,8 @@ struct Keys {
     intercept: Option<f64>,
     frame: Option<usize>,
     component: Option<usize>,
+    series: Option<Series>,
+    level: Option<usize>,
     transform: Option<Transform>,
     points: Option<Vec<[f64; 6]>>,
     count: Option<usize>,
@@ -182,6 +188,23 @@ struct Keys {
     value: Option<String>,
     columns: Option<PointColumns>,
     filter: Option<Filter>,
+}
+
+/// UID or number of a series: text, or a number without quotes.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(untagged)]
+enum Series {
+    Text(String),
+    Number(i64),
+}
+
+impl Series {
+    fn into_text(self) -> String {
+        match self {
+            Self::Text(text) => text,
+            Self::Number(number) => number.to_string(),
+        }
+    }
 }
 
 impl Keys {
@@ -214,6 +237,8 @@ impl TryFrom<Keys> for VolumeSection {
                 path,
                 frame: keys.frame.take(),
                 component: keys.component.take(),
+                series: keys.series.take().map(Series::into_text),
+                level: keys.level.take(),
                 transform: keys.transform.take(),
                 endian: keys.endian.take(),
                 skip: keys.skip.take(),
@@ -258,13 +283,26 @@ impl From<VolumeSection> for Keys {
         let mut keys = Self { filter, ..Self::default() };
         match source {
             Some(VolumeSource::File(file)) => {
-                let FileSource { path, frame, component, transform, endian, skip, grid, points } = file;
+                let FileSource { path, frame, component, series, level, transform, endian, skip, grid, points } = file;
                 let PointOptions { kernel, radius, radius_scale, value, columns } = points;
                 keys.put_grid(grid);
                 keys = Self {
                     path: Some(path),
                     columns: (!columns.is_empty()).then_some(columns),
-                    ..Self { frame, component, transform, endian, skip, kernel, radius, radius_scale, value, ..keys }
+                    series: series.map(Series::Text),
+                    ..Self {
+                        frame,
+                        component,
+                        level,
+                        transform,
+                        endian,
+                        skip,
+                        kernel,
+                        radius,
+                        radius_scale,
+                        value,
+                        ..keys
+                    }
                 };
             }
             Some(VolumeSource::Phantom { name, size }) => (keys.phantom, keys.size) = (Some(name), size),

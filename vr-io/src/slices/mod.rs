@@ -110,6 +110,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         calibration: Calibration::default(),
         space: Space::Own,
         units,
+        scan: None,
         notes,
     })
 }

@@ -146,6 +146,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         calibration: arrangement.calibration.unwrap_or_default(),
         space: Space::Own,
         units,
+        scan: None,
         notes,
     })
 }

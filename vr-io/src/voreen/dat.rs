@@ -67,6 +67,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         calibration: Calibration::default(),
         space: Space::Own,
         units: header.get("Unit").filter(|u| !u.is_empty()).map(str::to_owned),
+        scan: None,
         notes,
     })
 }
@@ -100,6 +101,7 @@ fn describe_sizes(path: &Path, head: &[u8], options: &ReadOptions) -> Result<Des
         calibration: Calibration::default(),
         space: Space::Own,
         units: None,
+        scan: None,
         notes: vec![
             "three 16-bit sizes and as many 16-bit numbers, little-endian: the length of the file fits".into(),
             "such files state no spacing: 1, 1, 1 is assumed".into(),

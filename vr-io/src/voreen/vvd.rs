@@ -71,6 +71,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         calibration,
         space: Space::Own,
         units: None,
+        scan: None,
         notes,
     })
 }

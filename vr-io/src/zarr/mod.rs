@@ -254,6 +254,7 @@ fn describe_array(
         calibration: Calibration::default(),
         space: Space::Own,
         units,
+        scan: None,
         notes,
     })
 }

@@ -92,6 +92,7 @@ impl<A: Numbers> Header<A> {
             calibration: Calibration::default(),
             space: Space::Own,
             units: None,
+            scan: None,
             notes,
         })
     }
