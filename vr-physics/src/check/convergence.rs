@@ -51,7 +51,7 @@ impl Refinement {
 /// The measured convergence of a renderer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convergence {
-    /// The fitted order; +∞ where every error is rounding, below the floor.
+    /// The fitted order; +∞ where errors reach the floor of rounding before an order can be fitted.
     pub order: f64,
     /// The values of the step's option.
     pub steps: Vec<f64>,
@@ -119,11 +119,11 @@ pub fn converges(
         return Err(failure(format!("not one scene was judged: {refused} refused"), None));
     }
     let errors: Vec<f64> = squares.iter().map(|s| (s / f64::from(judged)).sqrt()).collect();
-    // Nothing but rounding: there is no order to see, and nothing wrong.
-    if errors.iter().all(|&e| e <= refinement.floor) {
-        return Ok(Convergence { order: f64::INFINITY, steps, errors, refused });
-    }
     let Some(order) = fit_order_above(refinement.floor, MIN_ERRORS, &steps, &errors) else {
+        // Rounding ended the fall before an order can be seen: nothing is wrong.
+        if errors.last().is_some_and(|&e| e <= refinement.floor) {
+            return Ok(Convergence { order: f64::INFINITY, steps, errors, refused });
+        }
         let reason = format!("errors {errors:.2?} at steps {steps:?}: five above {:.1e} are needed", refinement.floor);
         return Err(failure(reason, None));
     };
