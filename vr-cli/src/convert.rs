@@ -18,11 +18,11 @@ use crate::{number, volume_setup};
 /// # Errors
 /// Any fault of the command line, the file that is read, or the place that is written to.
 pub fn run(args: &ConvertArgs, console: Console) -> Result<(), Failure> {
-    // One name alone is the output's.
-    if args.volume.path.is_none() && args.volume.phantom.is_none() {
-        let message = "convert takes a volume and the file to write, as in vr convert scan.nii.gz scan.nrrd; or --phantom NAME and the file";
+    let is_named = args.volume.path.is_some() || args.volume.phantom.is_some();
+    let Some(output) = args.place().filter(|_| is_named) else {
+        let message = "convert takes a volume and the file to write, as in vr convert scan.nii.gz scan.nrrd; or --phantom NAME -o FILE";
         return Err(Failure::usage(message));
-    }
+    };
     let (title, LoadedVolume { volume, info, mut notes, .. }) = volume_setup::load(&args.volume, console)?;
     let grid = volume.grid().ok_or_else(|| {
         Failure::failed(format!(
@@ -33,17 +33,17 @@ pub fn run(args: &ConvertArgs, console: Console) -> Result<(), Failure> {
     let (changed, said) = change(grid, &args.changes)?;
     let volume = changed.map_or_else(|| volume.clone(), |grid| Volume::Grid(Arc::new(grid)));
     let options = info.as_ref().map_or_else(WriteVolumeOptions::default, WriteVolumeOptions::of_file);
-    let files = vr_io::volume_files(&args.output, &volume).map_err(wrong_place)?;
+    let files = vr_io::volume_files(output, &volume).map_err(wrong_place)?;
     let inputs = Inputs::new("a file that is read", info.into_iter().flat_map(|info| info.files));
     files.iter().try_for_each(|place| inputs.protect("OUT", place))?;
-    let written = vr_io::write_volume(&args.output, &volume, &options).map_err(Failure::failed)?;
+    let written = vr_io::write_volume(output, &volume, &options).map_err(Failure::failed)?;
     for note in said.iter().chain(&written.notes) {
         console.note(note);
     }
     notes.extend(said.into_iter().chain(written.notes));
     let json = Json {
         volume: &title,
-        output: args.output.display().to_string(),
+        output: output.display().to_string(),
         format: written.format,
         dims: volume.grid().map_or([0; 3], |grid| grid.dims()),
         voxel_type: written.scalar.name(),

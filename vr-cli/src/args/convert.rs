@@ -1,6 +1,6 @@
 //! Flags of `vr convert`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
@@ -11,17 +11,26 @@ use super::value;
 
 /// `vr convert`.
 #[derive(Debug, Args)]
-#[command(allow_missing_positional = true)]
 pub struct ConvertArgs {
     /// The volume.
     #[command(flatten)]
     pub volume: VolumeArgs,
     /// Volume to write: .nrrd, .nii, .nii.gz, .mha, .mhd (and .raw), .vti, .raw, or PNG slices for a pattern (out_%03d.png) or a folder (out/)
-    #[arg(value_name = "OUT", required = true)]
-    pub output: PathBuf,
+    #[arg(value_name = "OUT")]
+    pub output: Option<PathBuf>,
+    /// The same by a flag, which --phantom needs
+    #[arg(long = "output", short, value_name = "FILE", conflicts_with = "output")]
+    pub named_output: Option<PathBuf>,
     /// Changes on the way.
     #[command(flatten)]
     pub changes: ChangeArgs,
+}
+
+impl ConvertArgs {
+    /// Returns the place that is written to, if it is given.
+    pub fn place(&self) -> Option<&Path> {
+        self.output.as_deref().or(self.named_output.as_deref())
+    }
 }
 
 /// Changes on the way, in this order.

@@ -33,14 +33,14 @@ fn other_formats_hold_the_same_volume() {
     let json = vr.run("convert a.mhd b_%03d.png --json").succeeded().json();
     assert_eq!((json["format"].as_str(), json["files"][1].as_str()), (Some("PNG slices"), Some("b_001.png")));
     assert_eq!(vr.picture("b_001.png").to_luma8().into_raw(), (22..34).collect::<Vec<u8>>());
-    let run = vr.run("convert --phantom blobs --phantom-size 8 blobs.nrrd").succeeded();
+    let run = vr.run("convert --phantom blobs --phantom-size 8 -o blobs.nrrd").succeeded();
     assert!(run.stdout.contains("blobs.nrrd: NRRD, 8×8×8"), "{}", run.stdout);
 }
 
 #[test]
 fn changes_are_made_and_said() {
     let vr = scan();
-    let run = vr.run("convert scan.nrrd x.raw --crop 1:3,:,: --flip x --to i16").succeeded();
+    let run = vr.run("convert scan.nrrd --crop 1:3,:,: --flip x x.raw --to i16").succeeded();
     assert!(
         run.stderr.contains("stays where it is") && run.stderr.contains("--dims 2x3x2 --type i16"),
         "{}",
