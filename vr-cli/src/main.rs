@@ -11,6 +11,7 @@ mod canvas;
 mod compare;
 mod console;
 mod contact_sheet;
+mod convert;
 mod diff;
 mod digits;
 mod error_bound;
@@ -76,6 +77,7 @@ fn run() -> Result<(), Failure> {
         Command::Verify(args) => verify::run(args, console, &control),
         Command::Diff(args) => diff::run(args, console),
         Command::Info(args) => info::run(args, console),
+        Command::Convert(args) => convert::run(args, console),
         Command::Ray(args) => ray::run(args, console, &control),
     })
 }

@@ -2,7 +2,7 @@
 //!
 //! [`read()`] takes a volume of any supported format, told by its content first and by its name second, and gives a
 //! [`vr_core::Volume`], what the file said about it, and notes on what had to be assumed. [`load_scene`] takes a scene file with
-//! everything that it names, [`read_points`] scattered points, and [`read_mesh`] an opaque surface. [`write()`](write()), [`write_nrrd`] and [`write_scene`] go the other way. [`read_picture`] takes
+//! everything that it names, [`read_points`] scattered points, and [`read_mesh`] an opaque surface. [`write()`](write()), [`write_volume`] and [`write_scene`] go the other way. [`read_picture`] takes
 //! pictures of other programs, and our own, for comparison.
 //!
 //! ```
@@ -78,6 +78,21 @@
 //! picked by [`ReadOptions`], and so are one series of DICOM, one resolution of OME-Zarr, and one array of a file that holds several under names: else it is the one that VTK calls the active
 //! scalars, the first with one component, or the first. VTK's numbers of cells are placed at the centres of the cells.
 //!
+//! # Volumes that are written
+//!
+//! | format | files | placement | calibration |
+//! |---|---|---|---|
+//! | NRRD | `.nrrd`, gzip | any | applied ([`write_nrrd`] can keep it as keys) |
+//! | NIfTI-1 | `.nii`, `.nii.gz` | any, in 32 bits: sform, and qform but of sheared grids; always a patient's | kept, in 32 bits; applied where that is off by a millionth of the range |
+//! | MetaImage | `.mha`, `.mhd` with `.raw` | any, as ITK writes it; a patient's, but for spacing alone | applied |
+//! | VTK ImageData | `.vti`, appended raw | perpendicular axes; no patients | applied |
+//! | raw | `.raw`, little-endian | none: a note tells the flags that read it | applied |
+//! | PNG slices | `out_%03d.png`, or a folder `out/`; whole values from 0 to 255 or 65535 | none | applied |
+//!
+//! A calibration is applied to integers where all values are whole and fit, to 32-bit floats otherwise, or 64-bit ones where 32 bits would lose
+//! digits. [`WriteVolumeOptions`] say whether the world is a patient's, and [`WrittenVolume`] what the format does not hold. [`crop_grid`],
+//! [`flip_grid`], [`resample_grid`] and [`convert_grid`] change a grid before.
+//!
 //! # Scattered points that are read
 //!
 //! | format | files | what is taken |
@@ -142,6 +157,7 @@ mod claim;
 mod decode;
 mod detect;
 mod dicom;
+mod edit;
 mod encoding;
 mod error;
 mod exr;
@@ -180,15 +196,16 @@ mod voreen;
 mod voxels;
 mod vtk;
 mod world;
+mod write;
 mod zarr;
 
 pub use atomic::write_bytes;
+pub use edit::{Rounding, convert_grid, crop_grid, flip_grid, resample_grid};
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};
 pub use exr::write_exr;
 pub use framing::{default_angles, framing};
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;
-pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
 pub use paraview::{ColorMap, parse_color_maps, read_color_maps};
 pub use picture::write;
 pub use picture_read::{MAX_PIXELS, Picture, PictureError, SampleKind, read_picture};
@@ -204,6 +221,9 @@ pub use scene::{
     read_scene, resolve_scene, scene_text, write_scene,
 };
 pub use world::{Space, orientation};
+pub use write::{
+    NrrdEncoding, NrrdOptions, NrrdValues, WriteVolumeOptions, WrittenVolume, volume_files, write_nrrd, write_volume,
+};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod choices;
+mod convert;
 mod diff;
 mod ray;
 mod report;
@@ -15,6 +16,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use vr_io::{PngDepth, PngOptions};
 
 pub use choices::{Bits, Curve, ErrorMeasure};
+pub use convert::{ChangeArgs, ConvertArgs, CropBox};
 pub use diff::DiffArgs;
 pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
@@ -26,7 +28,7 @@ use crate::renderers;
 
 /// Pictures of volumes, and how far they are from the correct ones.
 ///
-/// Every command but `diff` works without arguments, on an embedded scene.
+/// Every command but `diff` and `convert` works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
 #[command(name = "vr", version, args_override_self = true, after_help = EXIT_CODES)]
 pub struct Cli {
@@ -78,6 +80,8 @@ pub enum Command {
     Diff(Box<DiffArgs>),
     /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try; or a mesh
     Info(Box<InfoArgs>),
+    /// Write a volume in another format, or a part of it, resampled, or with voxels of another type
+    Convert(Box<ConvertArgs>),
     /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the reference
     Ray(Box<RayArgs>),
 }

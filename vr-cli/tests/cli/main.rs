@@ -3,6 +3,7 @@
 mod bad_input;
 mod bench;
 mod commands;
+mod convert;
 mod diff;
 mod error_bounds;
 mod harness;

@@ -4,7 +4,6 @@ mod axes;
 mod data;
 mod geometry;
 mod header;
-mod write;
 
 use std::path::Path;
 
@@ -15,13 +14,11 @@ use crate::layout::Layout;
 use crate::read::{Description, ReadOptions};
 use crate::scalar::ScalarType;
 
-pub use write::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
-
 use header::Header;
 
 /// Keys of ours for what NRRD has no field for; other readers show them and go on.
-const SLOPE_KEY: &str = "vr slope";
-const INTERCEPT_KEY: &str = "vr intercept";
+pub(crate) const SLOPE_KEY: &str = "vr slope";
+pub(crate) const INTERCEPT_KEY: &str = "vr intercept";
 
 /// Everything that a header says.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {

@@ -1,20 +1,22 @@
 //! Volumes as NRRD files.
 
 use std::fmt::Write as _;
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use glam::DVec3;
-use vr_core::{AnyGrid, Calibration, GridVolume, Volume, with_grid};
+use vr_core::{Calibration, GridVolume, Volume};
 
 use crate::atomic::write_whole;
 use crate::error::WriteError;
-use crate::scalar::{Endian, ScalarType};
+use crate::nrrd::{INTERCEPT_KEY, SLOPE_KEY};
+use crate::scalar::ScalarType;
 use crate::world::Space;
 
-use super::{INTERCEPT_KEY, SLOPE_KEY};
+use super::numbers::Numbers;
+use super::{Job, grid_of};
 
 /// Options of an NRRD file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +49,8 @@ pub enum NrrdEncoding {
 /// Numbers that go into an NRRD file, which has no field for a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NrrdValues {
-    /// Calibrated values: the stored numbers in their type where slope is 1 and intercept 0, else 32-bit floats. Every
-    /// reader understands them.
+    /// Calibrated values: the stored numbers in their type where slope is 1 and intercept 0; else integers of 8 or 16 bits where all values
+    /// are whole and fit, 32-bit floats, or 64-bit ones where 32 bits would lose digits. Every reader understands them.
     #[default]
     Calibrated,
     /// The stored numbers in their type; slope and intercept follow as keys, which [`crate::read()`] honours and others do not.
@@ -61,34 +63,41 @@ pub enum NrrdValues {
 /// A [`WriteError`] naming the file, also for a volume that is no uniform grid; no part of it is left behind then.
 pub fn write_nrrd(path: impl AsRef<Path>, volume: &Volume, options: &NrrdOptions) -> Result<(), WriteError> {
     let path = path.as_ref();
-    let Some(uniform) = volume.grid() else {
-        let message = format!("a {} is no NRRD: it must be a uniform grid", volume.kind());
-        return Err(WriteError::Encode { path: path.into(), message });
-    };
+    write_grid(path, grid_of(path, volume)?, options).map(drop)
+}
+
+pub(super) fn write(job: &mut Job<'_>) -> Result<ScalarType, WriteError> {
+    // Says what becomes of the calibration.
+    job.values("NRRD");
+    let space = if job.options.patient { Space::Ras } else { Space::Own };
+    write_grid(job.path, job.grid, &NrrdOptions { space, ..NrrdOptions::default() })
+}
+
+fn write_grid(path: &Path, grid: &GridVolume, options: &NrrdOptions) -> Result<ScalarType, WriteError> {
     let failed = |source: io::Error| WriteError::Io { path: path.into(), source };
-    let as_floats = options.values == NrrdValues::Calibrated && uniform.calibration() != Calibration::default();
-    let header = header(uniform, options, as_floats);
+    let numbers = Numbers::new(grid, options.values == NrrdValues::Calibrated);
+    let header = header(grid, options, numbers.scalar());
     write_whole(path, |mut out| {
         out.write_all(header.as_bytes()).map_err(failed)?;
         match options.encoding {
-            NrrdEncoding::Raw => write_voxels(&mut out, uniform, as_floats).map_err(failed),
+            NrrdEncoding::Raw => numbers.write(&mut out).map_err(failed),
             NrrdEncoding::Gzip => {
                 let mut packed = GzEncoder::new(&mut out, Compression::default());
-                write_voxels(&mut packed, uniform, as_floats).map_err(failed)?;
-                packed.finish().map_err(failed)?;
-                Ok(())
+                numbers.write(&mut packed).map_err(failed)?;
+                packed.finish().map(drop).map_err(failed)
             }
         }
-    })
+    })?;
+    Ok(numbers.scalar())
 }
 
-fn header(uniform: &GridVolume, options: &NrrdOptions, as_floats: bool) -> String {
-    let scalar = if as_floats { ScalarType::F32 } else { uniform.voxel_type().into() };
+fn header(uniform: &GridVolume, options: &NrrdOptions, scalar: ScalarType) -> String {
     let type_name = match scalar {
         ScalarType::U8 => "uint8",
         ScalarType::I8 => "int8",
         ScalarType::U16 => "uint16",
         ScalarType::I16 => "int16",
+        ScalarType::F64 => "double",
         _ => "float",
     };
     let space = match options.space {
@@ -118,33 +127,13 @@ fn header(uniform: &GridVolume, options: &NrrdOptions, as_floats: bool) -> Strin
         vector(placement.origin()),
     );
     if scalar.bytes() > 1 {
-        text.push_str(if Endian::NATIVE == Endian::Little { "endian: little\n" } else { "endian: big\n" });
+        text.push_str("endian: little\n");
     }
     let Calibration { slope, intercept } = uniform.calibration();
-    if !as_floats && (slope, intercept) != (1.0, 0.0) {
+    if options.values == NrrdValues::Stored && (slope, intercept) != (1.0, 0.0) {
         // Writing into a string cannot fail.
         let _ = write!(text, "{SLOPE_KEY}:={slope}\n{INTERCEPT_KEY}:={intercept}\n");
     }
     text.push('\n');
     text
-}
-
-/// Writes the voxels in the machine's byte order.
-fn write_voxels(out: &mut impl Write, uniform: &GridVolume, as_floats: bool) -> io::Result<()> {
-    if as_floats {
-        let calibration = uniform.calibration();
-        return with_grid!(uniform.values(), g => {
-            g.samples().chunks(1 << 14).try_for_each(|chunk| {
-                let values: Vec<f32> = chunk.iter().map(|&s| calibration.value(f64::from(s)) as f32).collect();
-                out.write_all(bytemuck::cast_slice(&values))
-            })
-        });
-    }
-    match uniform.values() {
-        AnyGrid::U8(g) => out.write_all(g.samples()),
-        AnyGrid::I8(g) => out.write_all(bytemuck::cast_slice(g.samples())),
-        AnyGrid::U16(g) => out.write_all(bytemuck::cast_slice(g.samples())),
-        AnyGrid::I16(g) => out.write_all(bytemuck::cast_slice(g.samples())),
-        AnyGrid::F32(g) => out.write_all(bytemuck::cast_slice(g.samples())),
-    }
 }

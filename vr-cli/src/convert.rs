@@ -1,0 +1,127 @@
+//! `vr convert`.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use serde::Serialize;
+use vr_core::{GridVolume, Volume};
+use vr_io::{FieldError, LoadedVolume, Rounding, WriteError, WriteVolumeOptions};
+
+use crate::args::{ChangeArgs, ConvertArgs, CropBox};
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::inputs::Inputs;
+use crate::{number, volume_setup};
+
+/// Writes a volume in another format, changed if flags ask for it.
+///
+/// # Errors
+/// Any fault of the command line, the file that is read, or the place that is written to.
+pub fn run(args: &ConvertArgs, console: Console) -> Result<(), Failure> {
+    let is_named = args.volume.path.is_some() || args.volume.phantom.is_some();
+    let Some(output) = args.place().filter(|_| is_named) else {
+        let message = "convert takes a volume and the file to write, as in vr convert scan.nii.gz scan.nrrd; or --phantom NAME -o FILE";
+        return Err(Failure::usage(message));
+    };
+    let (title, LoadedVolume { volume, info, mut notes, .. }) = volume_setup::load(&args.volume, console)?;
+    let grid = volume.grid().ok_or_else(|| {
+        Failure::failed(format!(
+            "{title}: {} cannot be converted: there are no voxels in it, which every format here holds",
+            volume.kind()
+        ))
+    })?;
+    let (changed, said) = change(grid, &args.changes)?;
+    let volume = changed.map_or_else(|| volume.clone(), |grid| Volume::Grid(Arc::new(grid)));
+    let options = info.as_ref().map_or_else(WriteVolumeOptions::default, WriteVolumeOptions::of_file);
+    let files = vr_io::volume_files(output, &volume).map_err(wrong_place)?;
+    let inputs = Inputs::new("a file that is read", info.into_iter().flat_map(|info| info.files));
+    files.iter().try_for_each(|place| inputs.protect("OUT", place))?;
+    let written = vr_io::write_volume(output, &volume, &options).map_err(Failure::failed)?;
+    for note in said.iter().chain(&written.notes) {
+        console.note(note);
+    }
+    notes.extend(said.into_iter().chain(written.notes));
+    let json = Json {
+        volume: &title,
+        output: output.display().to_string(),
+        format: written.format,
+        dims: volume.grid().map_or([0; 3], |grid| grid.dims()),
+        voxel_type: written.scalar.name(),
+        files: written.files,
+        notes: &notes,
+    };
+    console.result(&json.text(), &json)
+}
+
+/// Returns the grid that flags make of a grid, if they change it, and notes on how.
+fn change(grid: &GridVolume, args: &ChangeArgs) -> Result<(Option<GridVolume>, Vec<String>), Failure> {
+    let wrong = |e: FieldError| Failure::usage(format!("--{e}"));
+    let mut notes = Vec::new();
+    let mut changed = None;
+    if let Some(CropBox(ends)) = args.crop {
+        let dims = grid.dims();
+        let ranges = [0, 1, 2].map(|a| ends[a][0].unwrap_or(0)..ends[a][1].unwrap_or(dims[a]));
+        changed = Some(vr_io::crop_grid(grid, ranges).map_err(wrong)?);
+    }
+    for &axis in &args.flip {
+        changed = Some(vr_io::flip_grid(changed.as_ref().unwrap_or(grid), axis as usize).map_err(wrong)?);
+    }
+    if !args.flip.is_empty() {
+        notes.push(
+            "flipped: order and direction are reversed, so that each voxel stays where it is in the world".to_owned(),
+        );
+    }
+    if let Some(dims) = args.resample {
+        let before = changed.as_ref().unwrap_or(grid);
+        let [from, to] = [before.dims(), dims].map(|dims| number::triple(dims, "×"));
+        notes.push(format!(
+            "resampled from {from} to {to} by linear interpolation over the same box, without smoothing"
+        ));
+        changed = Some(vr_io::resample_grid(before, dims).map_err(wrong)?);
+    }
+    if let Some(to) = args.to {
+        let before = changed.as_ref().unwrap_or(grid);
+        let (converted, Rounding { rounded, clamped, missing }) =
+            vr_io::convert_grid(before, to, args.rescale).map_err(wrong)?;
+        let count = before.dims().iter().product::<usize>();
+        if let Some([low, high]) = args.rescale {
+            let (low, high) = (number::value(low), number::value(high));
+            notes.push(format!("values from {low} to {high} are stretched over the range of {to}"));
+        }
+        if rounded + clamped + missing > 0 {
+            let became = if missing > 0 { format!(", {missing} that are missing become 0") } else { String::new() };
+            notes.push(format!("of {count} voxels, {rounded} are rounded and {clamped} clamped to {to}{became}"));
+        }
+        changed = Some(converted);
+    }
+    Ok((changed, notes))
+}
+
+/// A name of no format is wrong usage; what the disk says is not.
+fn wrong_place(error: WriteError) -> Failure {
+    match error {
+        WriteError::Encode { .. } => Failure::usage(error),
+        _ => Failure::failed(error),
+    }
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    volume: &'a str,
+    output: String,
+    format: &'static str,
+    dims: [usize; 3],
+    #[serde(rename = "type")]
+    voxel_type: &'static str,
+    files: Vec<PathBuf>,
+    notes: &'a [String],
+}
+
+impl Json<'_> {
+    fn text(&self) -> String {
+        let Self { volume, output, format, dims, voxel_type, files, .. } = self;
+        let dims = number::triple(*dims, "×");
+        let files = if files.len() > 1 { format!(", {} files", files.len()) } else { String::new() };
+        format!("volume   {volume}\nwrote    {output}: {format}, {dims} {voxel_type}{files}")
+    }
+}
