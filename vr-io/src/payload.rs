@@ -56,6 +56,18 @@ pub(crate) struct Payload {
 }
 
 impl Payload {
+    /// Numbers as they are, from an offset on in a file that holds other things, too.
+    pub fn part(path: &Path, start: u64, scalar: ScalarType, endian: Endian) -> Self {
+        Self {
+            segments: vec![Segment { path: path.into(), start: 0, lines: 0, skip: Skip::Part(start) }],
+            encoding: Encoding::Raw,
+            scalar,
+            endian,
+            excess_is_error: false,
+            hint: " (is the file whole?)",
+        }
+    }
+
     /// Reads the voxels that `layout` picks; `header` is the file that errors about the whole belong to.
     pub fn load(
         &self,

@@ -79,7 +79,6 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         Axis { size: first.size[1], role: Role::Space },
         Axis { size: files.len(), role: Role::Space },
     ];
-    let options = &ReadOptions { component: first.component(options, &mut notes), ..options.clone() };
     let layout = Layout::new(path, &axes, options)?;
     check_claim(
         path,
@@ -265,7 +264,7 @@ mod tests {
         }
         let loaded = read(folder.path(), &ReadOptions::default()).unwrap();
         assert_eq!(numbers(&loaded), [0., 1., 10., 11., 1000., 1001., 1010., 1011.]);
-        assert!(loaded.notes.iter().any(|n| n.contains("grey with opacity")));
+        assert!(loaded.notes.iter().any(|n| n == "component 0 is taken, of 0 to 1"));
         let folder = tempfile::tempdir().unwrap();
         for z in 0..2u8 {
             let picture = ImageBuffer::from_fn(2, 2, |x, y| Rgb([z, 10 + x as u8, 20 + y as u8]));

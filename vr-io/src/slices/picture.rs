@@ -12,7 +12,6 @@ use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use crate::claim::check_claim;
 use crate::error::{FieldError, FileError, FileErrorKind};
-use crate::read::ReadOptions;
 use crate::scalar::ScalarType;
 use crate::tiff::{self, Spacing, decode_page, first_page};
 
@@ -85,7 +84,6 @@ pub(super) struct Picture {
     pub stored: u64,
     /// True if all first numbers come before all second ones.
     planar: bool,
-    alpha: bool,
     /// Largest number of a PNM file, to which its decoder stretches the others.
     maximum: Option<u32>,
     /// The greys that a BMP's numbers stand for.
@@ -103,21 +101,9 @@ impl Picture {
                     let allowed = "a slice has one; a stack in one file is named by itself";
                     return Err(FieldError::new("pages", "several", allowed).in_file(path));
                 }
-                let alpha = page.component(&ReadOptions::default(), &mut Vec::new()).is_some();
                 let (samples, planar) = (page.samples, page.planar);
                 let (size, scalar, spacing) = (page.size, page.scalar, page.resolution);
-                Self {
-                    kind: Kind::Tiff,
-                    size,
-                    samples,
-                    scalar,
-                    spacing,
-                    stored,
-                    planar,
-                    alpha,
-                    maximum: None,
-                    greys: None,
-                }
+                Self { kind: Kind::Tiff, size, samples, scalar, spacing, stored, planar, maximum: None, greys: None }
             }
             kind => {
                 let decoder = open(path, kind)?.into_decoder().map_err(|e| refuse(path, kind, e))?;
@@ -128,7 +114,7 @@ impl Picture {
                 let size = [width as usize, height as usize];
                 let (spacing, planar) = (Spacing::default(), false);
                 let maximum = if kind == Kind::Pnm { Some(pnm_maximum(path)?) } else { None };
-                Self { kind, size, samples, scalar, spacing, stored, planar, alpha: samples == 2, maximum, greys }
+                Self { kind, size, samples, scalar, spacing, stored, planar, maximum, greys }
             }
         };
         let [width, height] = picture.size.map(|n| n as u64);
@@ -146,15 +132,6 @@ impl Picture {
     pub fn is_like(&self, other: &Self) -> bool {
         let kind = |p: &Self| (p.size, p.samples, p.scalar, p.planar);
         kind(self) == kind(other)
-    }
-
-    /// The component to take: where the second of two is opacity, the first, unless the caller chose.
-    pub fn component(&self, options: &ReadOptions, notes: &mut Vec<String>) -> Option<usize> {
-        if self.alpha && options.component.is_none() {
-            notes.push("grey with opacity: the grey values are taken (component 0)".into());
-            return Some(0);
-        }
-        options.component
     }
 }
 

@@ -21,10 +21,9 @@ use tiff::{TiffError, TiffResult};
 use vr_core::Placement;
 
 use crate::claim::check_claim;
-use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
-use crate::payload::{Payload, Segment, Skip};
+use crate::payload::Payload;
 use crate::read::{Description, ReadOptions};
 use crate::scalar::Endian;
 use crate::source::{Decoded, Source};
@@ -99,7 +98,6 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     arrangement.mend(&mut notes);
 
     let axes = page_axes(first, &arrangement.axes);
-    let options = &ReadOptions { component: first.component(options, &mut notes), ..options.clone() };
     let layout = Layout::new(path, &axes, options)?;
     first.note(&mut notes);
     let endian = match file.byte_order() {
@@ -108,15 +106,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     };
     let (source, layout): (Source, Layout) = match contiguous {
         Some(start) => {
-            let segment = Segment { path: path.into(), start: 0, lines: 0, skip: Skip::Part(start) };
-            let payload = Payload {
-                segments: vec![segment],
-                encoding: Encoding::Raw,
-                scalar: first.scalar,
-                endian,
-                excess_is_error: false,
-                hint: " (is the stack whole?)",
-            };
+            let payload = Payload::part(path, start, first.scalar, endian);
             (payload.into(), layout)
         }
         None => {

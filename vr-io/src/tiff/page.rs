@@ -11,7 +11,6 @@ use tiff::tags::{CompressionMethod, Tag};
 
 use crate::error::{FieldError, FileError};
 use crate::length_unit::{LengthUnit, MILLIMETRE};
-use crate::read::ReadOptions;
 use crate::scalar::ScalarType;
 
 use super::{Spacing, TiffFile, open, refuse};
@@ -31,8 +30,6 @@ pub(crate) struct Page {
     /// Offset of the numbers, where they are one run of the file, as they are.
     pub start: Option<u64>,
     pub resolution: Spacing,
-    /// True if the second of two numbers is opacity.
-    alpha: bool,
     palette: bool,
     white_is_zero: bool,
 }
@@ -87,7 +84,6 @@ impl Page {
                 );
             }
         };
-        let extra = file.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).map_err(tiff)?.unwrap_or_default();
         let method = file.find_tag_unsigned::<u16>(Tag::Compression).map_err(tiff)?.unwrap_or(1);
         let photometric = file.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(tiff)?.unwrap_or(1);
         let planar = file.find_tag_unsigned::<u16>(Tag::PlanarConfiguration).map_err(tiff)?.unwrap_or(1) == 2;
@@ -101,7 +97,6 @@ impl Page {
             compression: compression(method),
             start: None,
             resolution: resolution(file).map_err(tiff)?,
-            alpha: samples == 2 && matches!(extra.first(), Some(1 | 2)),
             palette: matches!(color, ColorType::Palette(_)),
             white_is_zero,
         };
@@ -122,15 +117,6 @@ impl Page {
     pub fn is_like(&self, other: &Self) -> bool {
         let kind = |p: &Self| (p.size, p.samples, p.scalar, p.planar, p.white_is_zero);
         kind(self) == kind(other)
-    }
-
-    /// The component to take: where the second of two is opacity, the first, unless the caller chose.
-    pub fn component(&self, options: &ReadOptions, notes: &mut Vec<String>) -> Option<usize> {
-        if self.alpha && options.component.is_none() {
-            notes.push("grey with opacity: the grey values are taken (component 0)".into());
-            return Some(0);
-        }
-        options.component
     }
 
     /// Adds what is worth knowing about the numbers.

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::encoding::Encoding;
 use crate::error::{FileError, FileErrorKind};
-use crate::payload::{Payload, Segment, Skip};
+use crate::payload::Payload;
 use crate::scalar::Endian;
 use crate::source::{Decoded, Source};
 use crate::vtk::{Array, Legacy};
@@ -59,15 +58,7 @@ impl Numbers for Array {
     fn source(self, path: &Path, _: usize) -> Result<Source, FileErrorKind> {
         let (scalar, endian) = (self.scalar, Endian::Big);
         if let Some(start) = self.place_in_file() {
-            let segment = Segment { path: path.into(), start, lines: 0, skip: Skip::Part(0) };
-            let payload = Payload {
-                segments: vec![segment],
-                encoding: Encoding::Raw,
-                scalar,
-                endian,
-                excess_is_error: false,
-                hint: " (is the file whole?)",
-            };
+            let payload = Payload::part(path, start, scalar, endian);
             return Ok(payload.into());
         }
         let (encoding, file) = (self.encoding(), path.to_path_buf());

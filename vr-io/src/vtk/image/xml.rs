@@ -5,9 +5,8 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 use roxmltree::Node;
 
-use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError, FileErrorKind, shown};
-use crate::payload::{Payload, Segment, Skip};
+use crate::payload::Payload;
 use crate::source::{Decoded, Source};
 use crate::vtk::words::exactly;
 use crate::vtk::{DataArray, Store, XmlFile, named_arrays, root};
@@ -117,15 +116,7 @@ impl Numbers for PieceArrays {
         if let [(_, array)] = &pieces[..]
             && let Some(start) = array.place_in_file(count, &store)?
         {
-            let segment = Segment { path: path.into(), start, lines: 0, skip: Skip::Part(0) };
-            let payload = Payload {
-                segments: vec![segment],
-                encoding: Encoding::Raw,
-                scalar,
-                endian,
-                excess_is_error: false,
-                hint: " (is the file whole?)",
-            };
+            let payload = Payload::part(path, start, scalar, endian);
             return Ok(payload.into());
         }
         let (encoding, file) = (first.encoding(&store), path.to_path_buf());
