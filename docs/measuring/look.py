@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """First pictures of volumes: `vr render FILE` without a flag, on one sheet, with figures for each.
 
-    look.py --vr target/release/vr --data ../shared/data --sheet docs/look.png --table docs/figures/look.md
+    look.py --vr target/release/vr --data ../shared/data --sheet docs/look.jpg --table docs/figures/look.md
 
 Needs Python 3 with numpy and Pillow. Figures, of what is not black: the larger of the filled parts of width and height; mean and standard
 deviation of luma, of 255; parts within 5 % of black and of white; mean difference of neighbouring pixels (detail); and the RMSE of the
@@ -42,7 +42,7 @@ def figures(picture):
         return {"fills": 0.0, "luma": 0.0, "spread": 0.0, "black": 1.0, "white": 0.0, "detail": 0.0}
     rows, columns = np.flatnonzero(seen.any(1)), np.flatnonzero(seen.any(0))
     fills = max(np.ptp(rows) + 1, np.ptp(columns) + 1) / SIDE
-    change = np.abs(np.diff(luma, axis=1))[:, :][seen[:, 1:]].mean()
+    change = np.abs(np.diff(luma, axis=1))[seen[:, 1:]].mean()
     values = luma[seen]
     return {"fills": fills, "luma": values.mean(), "spread": values.std(), "black": (values <= 13).mean(),
             "white": (values >= 242).mean(), "detail": change}
@@ -81,12 +81,12 @@ def main():
             at = (i % COLUMNS * SIDE, i // COLUMNS * SIDE)
             sheet.paste(Image.fromarray(picture), at)
             ImageDraw.Draw(sheet).text((at[0] + 4, at[1] + 3), name[:42], fill=(255, 224, 96))
-        sheet.save(options.sheet, optimize=True)
+        sheet.save(options.sheet, optimize=True, quality=86)
     if options.table:
         head = "| volume | kind | fills | luma | spread | near black | near white | detail | RMSE |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n"
         line = "| {} | {} | {fills:.2f} | {luma:.0f} | {spread:.0f} | {black:.2f} | {white:.2f} | {detail:.1f} | {:.1e} |\n"
         body = "".join(line.format(name, kind, error, **found) for name, kind, found, error in rows)
-        options.table.write_text("# First pictures\n\nMade by `docs/measuring/look.py`, which says what the columns are; the pictures are [look.png](../look.png).\n\n" + head + body)
+        options.table.write_text("# First pictures\n\nMade by `docs/measuring/look.py`, which says what the columns are; the pictures are [look.jpg](../look.jpg).\n\n" + head + body)
 
 
 if __name__ == "__main__":
