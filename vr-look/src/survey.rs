@@ -188,24 +188,27 @@ impl Survey {
         const FAINT: f64 = 4.0 / 255.0;
         let [nx, ny, nz] = self.lattice.dims;
         let cell = libm::cbrt(self.lattice.axes.determinant().abs());
-        let shows: Vec<bool> = self
-            .lattice
-            .values
-            .iter()
-            .map(|&value| {
-                if value.is_nan() {
-                    return false;
-                }
-                let light = if compositing.integrates_light() {
-                    let [r, g, b, a] = transfer.step(value, cell);
-                    r.max(g).max(b).max(a)
-                } else {
-                    let [r, g, b, _] = transfer.at(value).pixel();
-                    r.max(g).max(b)
-                };
-                light > FAINT
-            })
-            .collect();
+        let shows_value = |value: f64| {
+            let light = if compositing.integrates_light() {
+                let [r, g, b, a] = transfer.step(value, cell);
+                r.max(g).max(b).max(a)
+            } else {
+                let [r, g, b, _] = transfer.at(value).pixel();
+                r.max(g).max(b)
+            };
+            light > FAINT
+        };
+        // By steps of the range, each asked for at its ends and in its middle.
+        const STEPS: usize = 1024;
+        let finite = || self.lattice.values.iter().copied().filter(|v| !v.is_nan());
+        let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let width = (high - low).max(f64::MIN_POSITIVE) / STEPS as f64;
+        let at_step = |k: usize, t: f64| low + (k as f64 + t) * width;
+        let steps: Vec<bool> =
+            (0..STEPS).map(|k| [0.0, 0.5, 1.0].into_iter().any(|t| shows_value(at_step(k, t)))).collect();
+        // NaN and what is below are 0 by the cast.
+        let step_of = |value: f64| (((value - low) / width) as usize).min(STEPS - 1);
+        let shows: Vec<bool> = self.lattice.values.iter().map(|&v| !v.is_nan() && steps[step_of(v)]).collect();
         let at = |x: usize, y: usize, z: usize| shows[(z * ny + y) * nx + x];
         // Noise is alone; of what is not, two of the neighbours show, too.
         let among = |x: usize, y: usize, z: usize| {

@@ -19,7 +19,7 @@ pub struct ConvertArgs {
     #[arg(value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// The same by a flag, which --phantom needs
-    #[arg(long = "output", short, value_name = "FILE", conflicts_with = "output")]
+    #[arg(long = "output", short = 'o', value_name = "FILE", conflicts_with = "output")]
     pub named_output: Option<PathBuf>,
     /// Changes on the way.
     #[command(flatten)]
