@@ -141,11 +141,18 @@ fn errors_of(
     test: &TestScene,
     effort: &Effort,
 ) -> Result<Option<Vec<f64>>, RenderError> {
-    let Some(expected) = ReferencePixels::solve(&effort.reference, test, &Model::Canonical)? else {
+    // A renderer with a filter of its own draws that field, and is judged by it; any other model is towards the scene itself.
+    let control = Control::default();
+    let model = match refined.last() {
+        Some(finest) => finest.prepare(&test.scene, &control)?.model(&test.view)?,
+        None => return Ok(None),
+    };
+    let model = if matches!(model, Model::Filtered(_)) { model } else { Model::Canonical };
+    let Some(expected) = ReferencePixels::solve(&effort.reference, test, &model)? else {
         return Ok(None);
     };
     let error = |r: &dyn Renderer| {
-        let frame = draw(r, test, &Control::default())?;
+        let frame = draw(r, test, &control)?;
         Ok(Metrics::of(&expected.pixels, frame.pixels()).rmse)
     };
     refined.iter().map(|r| error(&**r)).collect::<Result<Vec<_>, _>>().map(Some)
