@@ -1,11 +1,11 @@
-//! Samples of a volume on a lattice of at most half a million places.
+//! Samples of a volume on a lattice of at most a million places.
 
 use glam::{DMat3, DVec3};
 use vr_core::parallel::collect;
 use vr_core::{Field, GridVolume, UniformGrid, Volume, Voxel, with_grid};
 
 /// Largest number of voxels that are looked at.
-const MAX_SAMPLES: usize = 1 << 19;
+const MAX_SAMPLES: usize = 1 << 20;
 /// Places along each axis of a volume that is no grid: its values are computed.
 const FIELD_SIDE: usize = 48;
 

@@ -198,17 +198,20 @@ impl Survey {
             };
             light > FAINT
         };
-        // By steps of the range, each asked for at its ends and in its middle.
+        // By steps of the range: where both ends and the middle of one agree, so do the values between; elsewhere each is asked for.
         const STEPS: usize = 1024;
         let finite = || self.lattice.values.iter().copied().filter(|v| !v.is_nan());
         let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let width = (high - low).max(f64::MIN_POSITIVE) / STEPS as f64;
-        let at_step = |k: usize, t: f64| low + (k as f64 + t) * width;
-        let steps: Vec<bool> =
-            (0..STEPS).map(|k| [0.0, 0.5, 1.0].into_iter().any(|t| shows_value(at_step(k, t)))).collect();
+        let step = |k: usize| {
+            let [first, middle, last] = [0.0, 0.5, 1.0].map(|t| shows_value(low + (k as f64 + t) * width));
+            (first == middle && middle == last).then_some(first)
+        };
+        let steps: Vec<Option<bool>> = (0..STEPS).map(step).collect();
         // NaN and what is below are 0 by the cast.
         let step_of = |value: f64| (((value - low) / width) as usize).min(STEPS - 1);
-        let shows: Vec<bool> = self.lattice.values.iter().map(|&v| !v.is_nan() && steps[step_of(v)]).collect();
+        let shown = |&v: &f64| !v.is_nan() && steps[step_of(v)].unwrap_or_else(|| shows_value(v));
+        let shows: Vec<bool> = self.lattice.values.iter().map(shown).collect();
         let at = |x: usize, y: usize, z: usize| shows[(z * ny + y) * nx + x];
         // Noise is alone; of what is not, two of the neighbours show, too.
         let among = |x: usize, y: usize, z: usize| {
