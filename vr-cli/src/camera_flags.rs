@@ -10,15 +10,15 @@ use crate::args::{CameraArgs, Fit};
 /// Vertical angle in degrees of a perspective camera that was given none.
 const FOV: f64 = 30.0;
 
-/// What there is to be seen, for a camera that is not placed.
+/// Things in the scene that an automatic camera has to show.
 pub struct Sight<'a> {
-    /// Bounds of all there is.
+    /// Bounds of volume and mesh.
     pub bounds: (DVec3, DVec3),
     /// World positions that enclose what is visible.
     pub visible: &'a dyn Fn() -> Vec<DVec3>,
     /// Width of the picture over its height.
     pub aspect: f64,
-    /// What the volume's file says.
+    /// Header of the volume's file, which tells a patient's orientation.
     pub info: Option<&'a FileInfo>,
 }
 

@@ -66,8 +66,8 @@ impl Setup {
         Self::around(args, &file, loaded, origin, console)
     }
 
-    /// As [`Self::new`], for a renderer that is chosen already: where the volume is large, the renderer is asked first whether it draws
-    /// what the header tells of it.
+    /// Reads the scene for a chosen renderer. If the volume is large, the renderer first says whether it supports the scene that the header
+    /// describes, so that a refusal does not wait for gigabytes.
     ///
     /// # Errors
     /// Errors of [`Self::new`] and of [`Self::renderer`]; a scene that the renderer does not draw.

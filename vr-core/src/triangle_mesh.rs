@@ -6,7 +6,7 @@ use crate::error::MeshError;
 
 /// A surface of triangles in the world, open or closed; only its numbers are checked, not its topology.
 ///
-/// There is at least one triangle. A triangle may have no area: it is not seen then.
+/// A mesh has at least one triangle. A triangle without area is allowed and invisible.
 ///
 /// # Examples
 /// ```

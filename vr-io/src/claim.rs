@@ -1,4 +1,4 @@
-//! What a compressed file may claim to hold.
+//! Limit on the size that a compressed file may claim.
 
 use std::path::Path;
 
@@ -11,8 +11,8 @@ const ALWAYS: u64 = 1 << 24;
 
 /// Refuses a claim that no decoder could make good from what is stored, before memory is asked for.
 pub(crate) fn check_claim(path: &Path, field: &str, claimed: u64, stored: u64) -> Result<(), FileError> {
-    let most = stored.saturating_mul(MAX_RATIO).max(ALWAYS);
-    if claimed <= most {
+    let limit = stored.saturating_mul(MAX_RATIO).max(ALWAYS);
+    if claimed <= limit {
         return Ok(());
     }
     let found = format_args!("{claimed} bytes behind {stored} bytes of coded data").to_string();

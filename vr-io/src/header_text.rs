@@ -35,7 +35,7 @@ impl<'p> HeaderText<'p> {
         Ok(())
     }
 
-    /// All that was read, byte for byte.
+    /// Returns all that was read, byte for byte.
     pub fn into_bytes(self) -> Vec<u8> {
         self.text
     }

@@ -112,7 +112,7 @@ pub struct FileInfo {
     pub window: Option<[f64; 2]>,
 }
 
-/// What DICOM alone says beyond a description.
+/// Attributes that only DICOM has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Scan {
     pub modality: Option<String>,
@@ -181,7 +181,7 @@ pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<L
     assemble(path, *description, options, few, |_, _, _| Ok(voxels)).map(Some)
 }
 
-/// What a file turned out to hold.
+/// Content of a file.
 enum Described {
     Grid(Box<Description>),
     Points(PointFormat),

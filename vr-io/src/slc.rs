@@ -26,7 +26,7 @@ pub(crate) fn is_slc(head: &[u8]) -> bool {
     head.strip_prefix(b"11111").is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_whitespace))
 }
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     const HEAD: u64 = 4096;
     let packed = Packed::new(path)?;

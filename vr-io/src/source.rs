@@ -10,7 +10,7 @@ use crate::read::ReadOptions;
 use crate::scalar::{Endian, ScalarType};
 use crate::voxels::{Remember, Stored, Voxels};
 
-/// Where the voxels come from. Nothing of them is read before [`Source::load`].
+/// Source of the voxels. None of them is read before [`Source::load`].
 pub(crate) enum Source {
     /// Numbers in files, one after another.
     Files(Payload),

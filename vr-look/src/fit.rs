@@ -63,7 +63,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Where points are seen: (−1, −1) to (1, 1) is the picture.
+    /// Bounds of points in the picture, which spans (−1, −1) to (1, 1).
     fn seen(camera: &Camera, points: &[DVec3], aspect: f64) -> (DVec3, DVec3) {
         let frame = camera.frame().unwrap();
         let at = |p: &DVec3| {

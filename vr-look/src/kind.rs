@@ -39,7 +39,7 @@ impl Kind {
 /// Largest number of labels.
 const MAX_LABELS: usize = 256;
 
-/// What the finite samples, sorted, tell of a volume.
+/// Statistics of a volume's finite samples.
 pub(crate) struct Values {
     /// Ascending.
     sorted: Vec<f64>,

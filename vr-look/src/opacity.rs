@@ -1,4 +1,4 @@
-//! How much of each value is shown, before the exposure: a number from 0 to 1 for each bin of a scale.
+//! Share of each value that is shown, before the exposure: a number from 0 to 1 for each bin of a scale.
 
 use crate::lattice::Lattice;
 use crate::scale::{BINS, Scale};
@@ -96,7 +96,7 @@ impl Histogram {
         Shares { of_bins: of_bins.collect(), begin }
     }
 
-    /// How fast the field changes where it is shown: the mean change in a voxel, as a part of the scale.
+    /// Mean change of the field per voxel where it is shown, as a part of the scale.
     pub fn sharpness(&self, shares: &[f64], scale: Scale) -> f64 {
         let width = (scale.value(1.0) - scale.value(0.0)).abs();
         let sum: f64 = (0..BINS).map(|i| shares[i] * self.changes[i]).sum();

@@ -12,7 +12,7 @@ use crate::palette;
 use crate::polyline::simplified;
 use crate::scale::{BINS, Scale};
 
-/// What is known of a volume besides its values.
+/// Facts about a volume besides its values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hints {
     /// True if the file places the volume in a patient: it is a scan then, whatever its numbers are stored as.

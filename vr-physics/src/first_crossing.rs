@@ -23,7 +23,7 @@ pub struct Hit {
     pub gradient_error: f64,
 }
 
-/// All that is known about a first crossing.
+/// Result of the search for a first crossing.
 #[derive(Clone, Copy, Debug)]
 pub struct First {
     /// The crossing, if there is one.

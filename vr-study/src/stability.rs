@@ -22,7 +22,7 @@ pub enum Verdict {
         /// Number of these rays.
         rays: u64,
     },
-    /// There is no documented bound.
+    /// No bound is documented.
     Undocumented,
     /// The reference is less certain than the bound.
     Unjudged,

@@ -44,7 +44,7 @@ pub struct SceneArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Transfer function")]
 pub struct TransferArgs {
-    /// Where no transfer function is named: auto finds one from the volume, with shading; flat spreads a preset over the values
+    /// Look without a transfer function: auto finds one from the volume, with shading; flat spreads a preset over the values
     #[arg(long, value_name = "LOOK", value_parser = value::word::<LookName>, conflicts_with_all = ["transfer", "point"])]
     pub look: Option<LookName>,
     /// A preset (vr info suggests some), or a ParaView colour map (.json)
@@ -114,10 +114,10 @@ pub struct MeshArgs {
     pub mesh_color: Option<[f64; 3]>,
 }
 
-/// What a camera that is not placed shows.
+/// Extent that an automatic camera shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Fit {
-    /// All that can be seen.
+    /// The visible part of the volume.
     Visible,
     /// The whole volume.
     Box,
@@ -127,7 +127,7 @@ pub enum Fit {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArgs {
-    /// What fills the picture where the camera is not placed: visible, or box for the whole volume
+    /// Extent that fills the picture: visible (what can be seen) or box (the whole volume)
     #[arg(long, value_name = "WHAT", default_value = "visible", conflicts_with_all = ["eye", "target", "up"])]
     pub fit: Fit,
     /// See everything from this many degrees to the right of the volume's front: the +z side, a patient's face

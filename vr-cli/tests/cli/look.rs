@@ -6,7 +6,7 @@ use vr_io::NrrdOptions;
 
 use crate::harness::Vr;
 
-/// What a picture shows, as a person sees it.
+/// Extent and brightness of a picture.
 struct Seen {
     /// Parts of the picture's width and height that are not black.
     filled: [f64; 2],

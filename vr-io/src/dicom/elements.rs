@@ -136,7 +136,7 @@ impl Skip for BufReader<File> {
     }
 }
 
-/// What can only be read on.
+/// Reader without `Seek`: it skips by reading.
 pub(super) struct Forward<R>(pub R);
 
 impl<R: Read> Read for Forward<R> {

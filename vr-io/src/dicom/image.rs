@@ -33,7 +33,7 @@ pub(super) struct Image {
     pub is_dose: bool,
 }
 
-/// What the images of a volume must have in common.
+/// Attributes that all images of a volume share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
     pub rows: usize,
@@ -197,7 +197,7 @@ fn frame_count(elements: &Elements) -> Result<usize, FieldError> {
     }
 }
 
-/// What there is of bytes, against which a header's claim is held before anything is allocated.
+/// Claim of a header on the pixel data, checked against the bytes that are there before anything is allocated.
 struct Claim<'a> {
     syntax: &'a TransferSyntax,
     length: u64,
@@ -242,7 +242,7 @@ struct Groups<'a> {
 }
 
 impl<'a> Groups<'a> {
-    /// Where to look for the attributes of a functional group.
+    /// Elements that hold the attributes of a functional group.
     fn of(&self, sequence: Tag) -> &'a Elements {
         [self.own, self.shared].into_iter().flatten().find_map(|g| g.items(sequence).first()).unwrap_or(self.all)
     }

@@ -36,7 +36,7 @@ use pixels::SliceId;
 use stack::Stack;
 use transfer_syntax::FrameCoding;
 
-/// Everything that the headers say.
+/// Describes the volume of the headers.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let mut notes = Vec::new();
     let files = files(path, options, &mut notes)?;

@@ -92,7 +92,7 @@ struct SliceDecoder {
     slices: Vec<(SliceId, Option<[f64; 2]>)>,
 }
 
-/// Where the frames of a file are found.
+/// Layout of the frames in a file.
 enum Frames {
     Native,
     Inflated(Vec<u8>),

@@ -1,6 +1,6 @@
 //! The series of a folder, and the choice of one of them.
 //!
-//! What names a series in a message is SeriesNumber, Modality, size, SeriesDescription and SeriesInstanceUID: nothing of the patient.
+//! Messages name a series by SeriesNumber, Modality, size, SeriesDescription and SeriesInstanceUID: no attribute of the patient.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Whole files and folders, from their bytes to voxels.
+//! Tests of whole files and folders, from their bytes to voxels.
 
 use std::path::PathBuf;
 

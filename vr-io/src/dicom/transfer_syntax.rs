@@ -57,7 +57,7 @@ const KNOWN: [(&str, &str, Headers, FrameCoding); 18] = {
 };
 
 impl TransferSyntax {
-    /// That of files without meta information.
+    /// Transfer syntax of files without meta information.
     pub fn native(headers: Headers) -> Self {
         Self { name: "without meta information".into(), headers, deflated: false, frames: FrameCoding::Native }
     }

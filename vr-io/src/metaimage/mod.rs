@@ -21,7 +21,7 @@ use crate::world::Space;
 
 use header::Header;
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let header = Header::read(path)?;
     let in_file = |e: FieldError| e.in_file(path);

@@ -27,7 +27,7 @@ pub(crate) fn is_mrc(head: &[u8]) -> bool {
     head.get(208..).is_some_and(|rest| rest.starts_with(b"MAP "))
 }
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     let mut notes = Vec::new();

@@ -21,7 +21,7 @@ pub use transform::Transform;
 
 use header::Header;
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let path = &header_of_image(path);
     let in_file = |e: FieldError| e.in_file(path);

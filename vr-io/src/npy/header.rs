@@ -10,7 +10,7 @@ pub(crate) fn is_npy(head: &[u8]) -> bool {
     head.starts_with(MAGIC)
 }
 
-/// What the dictionary says.
+/// Entries of the dictionary.
 #[derive(Debug)]
 pub(crate) struct Header {
     /// Type of the numbers.

@@ -31,7 +31,7 @@ pub(crate) fn holds_volume(head: &[u8]) -> bool {
     is_npy(head) && Header::parse(head).is_ok_and(|header| header.shape.len() >= 3)
 }
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     // Beyond the longest header of the first version; the later ones are for arrays of records.
     const HEAD: u64 = 1 << 17;

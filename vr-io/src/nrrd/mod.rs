@@ -20,7 +20,7 @@ use header::Header;
 pub(crate) const SLOPE_KEY: &str = "vr slope";
 pub(crate) const INTERCEPT_KEY: &str = "vr intercept";
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let header = Header::read(path)?;
     let in_file = |e: FieldError| e.in_file(path);

@@ -19,7 +19,7 @@ use crate::world::Space;
 
 use super::keyword::{Form, TYPES, scalar_type};
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     let header = Header::read(path)?;

@@ -53,7 +53,7 @@ pub(super) enum Place {
     File(String, u64),
 }
 
-/// What the objects of a file are.
+/// Objects of a file.
 #[derive(Debug, Default)]
 pub(super) struct Objects {
     pub grids: Vec<Grid>,

@@ -29,7 +29,7 @@ pub(crate) fn is_pvm(head: &[u8]) -> bool {
     dds::is_dds(head) || Version::of(head).is_some()
 }
 
-/// Everything that a header says. Of a packed volume with more than one byte a voxel, all is unpacked for that: the header is spread
+/// Describes the volume of a header. Of a packed volume with more than one byte a voxel, all is unpacked for that: the header is spread
 /// over the stream.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let packed = Packed::new(path)?;

@@ -6,7 +6,7 @@ use vr_core::{
     Camera, Compositing, ControlPoint, GradientMethod, Light, OpacityRule, Options, ParameterError, Projection, Shading,
 };
 
-/// What is drawn where a scene file names no transfer function.
+/// Look of a scene without a transfer function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LookName {

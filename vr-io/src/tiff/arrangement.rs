@@ -56,7 +56,7 @@ pub(crate) fn spacing_notes(
     }
 }
 
-/// What the pages of a file stand for.
+/// Meaning of the pages of a file: slices, frames, channels.
 #[derive(Debug, Default)]
 pub(super) struct Arrangement {
     /// Axes over the pages, fastest first.
@@ -65,7 +65,7 @@ pub(super) struct Arrangement {
     pub calibration: Option<Calibration>,
     pub is_imagej: bool,
     pub is_ome: bool,
-    /// What says so.
+    /// Name of the metadata that this comes from.
     pub by: &'static str,
 }
 

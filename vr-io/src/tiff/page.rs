@@ -154,7 +154,7 @@ pub(super) fn description(file: &mut TiffFile) -> TiffResult<Option<String>> {
     }))
 }
 
-/// Where the strips lie, if they are one run of `bytes`.
+/// Offset of the strips, if they are one run of `bytes`.
 fn run(file: &mut TiffFile, bytes: u64) -> TiffResult<Option<u64>> {
     let offsets = file.get_tag_u64_vec(Tag::StripOffsets)?;
     let Some(counts) = file.find_tag_unsigned_vec::<u64>(Tag::StripByteCounts)? else { return Ok(None) };

@@ -24,7 +24,7 @@ pub(crate) fn is_dat(head: &[u8]) -> bool {
         .any(|(key, _)| key.trim() == "ObjectFileName")
 }
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let head = file_head(path).map_err(|e| FileError::new(path, e))?;
     if !is_dat(&head) {

@@ -25,7 +25,7 @@ pub(crate) fn is_vvd(head: &[u8]) -> bool {
     head.trim_ascii_start().starts_with(b"<") && head.windows(mark.len()).any(|w| w == mark)
 }
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     let mut notes = Vec::new();

@@ -1,7 +1,7 @@
 //! Chunks of Blosc 1 (<https://github.com/Blosc/c-blosc>, README_CHUNK_FORMAT.rst): blocks of which the bytes, or the bits, of the numbers
 //! were sorted by significance before another coding packed them.
 //!
-//! Of the codings, LZ4, zlib and Zstandard are read; BloscLZ and Snappy are refused.
+//! LZ4, zlib and Zstandard are read; BloscLZ and Snappy are refused.
 
 use std::io;
 

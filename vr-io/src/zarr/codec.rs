@@ -51,7 +51,7 @@ impl Codec {
         }
     }
 
-    /// What the bytes stand for; more than `max_bytes` of it is an error.
+    /// Decodes `coded`; more than `max_bytes` of output is an error.
     pub fn decode(self, coded: &[u8], max_bytes: usize) -> io::Result<Vec<u8>> {
         match self {
             Self::Gzip => read(Encoding::Gzip.reader(coded), max_bytes),

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::error::{FieldError, FileError};
 
-/// What a folder is.
+/// Kind of a folder.
 pub(super) enum Node {
     Array { file: PathBuf, json: Value, attributes: Value },
     Group { file: PathBuf, attributes: Value },

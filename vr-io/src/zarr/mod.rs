@@ -190,7 +190,7 @@ fn inside(group: &Path, path: &str) -> Result<PathBuf, FieldError> {
     Ok(group.join(inner))
 }
 
-/// Where the voxels lie, for each axis of the array.
+/// Placement of the voxels, for each axis of the array.
 struct Placed {
     scale: Vec<f64>,
     translation: Vec<f64>,

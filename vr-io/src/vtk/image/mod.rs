@@ -49,7 +49,7 @@ pub(crate) fn by_extension(extension: &str) -> Option<ImageFormat> {
     }
 }
 
-/// Everything that a header says.
+/// Describes the volume of a header.
 pub(crate) fn describe(format: ImageFormat, path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |kind| FileError::new(path, kind);
     match format {
@@ -67,7 +67,7 @@ struct Header<A> {
 
 /// An array of which the numbers can be found.
 trait Numbers {
-    /// Where its numbers are, `count` of them in all.
+    /// Source of its `count` numbers.
     fn source(self, path: &Path, count: usize) -> Result<Source, FileErrorKind>;
 }
 
