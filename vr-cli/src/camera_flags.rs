@@ -15,7 +15,7 @@ pub struct Sight<'a> {
     /// Bounds of volume and mesh.
     pub bounds: (DVec3, DVec3),
     /// World positions that enclose what is visible.
-    pub visible: &'a dyn Fn() -> Vec<DVec3>,
+    pub visible: &'a dyn Fn() -> &'a [DVec3],
     /// Width of the picture over its height.
     pub aspect: f64,
     /// Header of the volume's file, which tells a patient's orientation.
@@ -81,7 +81,7 @@ fn whole_volume(args: &CameraArgs, fov: Option<f64>, sight: &Sight<'_>) -> Resul
     let whole = vr_io::framing(bounds, info, (azimuth, elevation), fov);
     Ok(match args.fit {
         Fit::Box => whole,
-        Fit::Visible => fit(&whole, &visible(), aspect),
+        Fit::Visible => fit(&whole, visible(), aspect),
     })
 }
 
@@ -99,8 +99,8 @@ mod tests {
 
     fn camera(flags: &str, own: Option<Camera>) -> Result<Camera, ParameterError> {
         let flags = Flags::parse_from(std::iter::once("vr").chain(flags.split_whitespace()));
-        let visible = || vec![DVec3::NEG_ONE, DVec3::ONE];
-        let sight = Sight { bounds: (DVec3::NEG_ONE, DVec3::ONE), visible: &visible, aspect: 1.0, info: None };
+        let visible = [DVec3::NEG_ONE, DVec3::ONE];
+        let sight = Sight { bounds: (DVec3::NEG_ONE, DVec3::ONE), visible: &|| &visible, aspect: 1.0, info: None };
         apply(&flags.camera, own, &sight)
     }
 

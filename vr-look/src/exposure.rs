@@ -3,6 +3,7 @@
 use glam::DVec3;
 use vr_core::Camera;
 use vr_core::optics::opacity_of_depth;
+use vr_core::parallel::collect;
 
 use crate::lattice::Lattice;
 
@@ -15,7 +16,7 @@ const FAINT: f64 = 0.01;
 
 /// The factor on extinctions `shares / unit` at which the mean opacity of the visible rays of an oblique view is `target`; `share` gives the
 /// share of a place of the lattice. `None` where nothing is visible.
-pub(crate) fn solve(lattice: &Lattice, unit: f64, target: f64, share: impl Fn(usize) -> f64) -> Option<f64> {
+pub(crate) fn solve(lattice: &Lattice, unit: f64, target: f64, share: impl Fn(usize) -> f64 + Sync) -> Option<f64> {
     let depths = depths(lattice, unit, share);
     let thickest = depths.iter().fold(0.0, |a: f64, &b| a.max(b));
     let visible: Vec<f64> = depths.into_iter().filter(|&d| d > FAINT * thickest).collect();
@@ -33,7 +34,7 @@ pub(crate) fn solve(lattice: &Lattice, unit: f64, target: f64, share: impl Fn(us
 }
 
 /// Optical depths of rays over the whole picture, for a factor of 1.
-fn depths(lattice: &Lattice, unit: f64, share: impl Fn(usize) -> f64) -> Vec<f64> {
+fn depths(lattice: &Lattice, unit: f64, share: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
     let corners = lattice.corners();
     let (low, high) = corners.iter().fold((corners[0], corners[0]), |(l, h), &c| (l.min(c), h.max(c)));
     let radius = (0.5 * (high - low).length()).max(f64::MIN_POSITIVE);
@@ -47,7 +48,7 @@ fn depths(lattice: &Lattice, unit: f64, share: impl Fn(usize) -> f64) -> Vec<f64
         let places = (0..STEPS).filter_map(|s| lattice.nearest(inverse, start + frame.z_axis * at(s, STEPS)));
         places.map(&share).sum::<f64>() * step / unit
     };
-    (0..RAYS * RAYS).map(ray).collect()
+    collect(RAYS * RAYS, ray)
 }
 
 #[cfg(test)]

@@ -123,14 +123,27 @@ fn widened(low: f64, high: f64, values: &Values) -> Scale {
     Scale::Linear { low: low - half, high: low + half }
 }
 
-/// The labels, where values are few, neighbours mostly equal, and differences not those of one step of a measured value.
+/// Returns the labels, if values are few, neighbours mostly equal, and differences not those of one step of a measured value.
 fn labels(lattice: &Lattice) -> Option<Vec<f64>> {
     if lattice.next.is_empty() {
         return None;
     }
+    // Of many places every fifth rules out nearly all that is measured.
+    let step = if lattice.values.len() > 1 << 17 { 5 } else { 1 };
+    let some = distinct(lattice, step)?;
+    if some.len() > 2 && !name_regions(&some, lattice, step) {
+        return None;
+    }
+    let values = distinct(lattice, 1)?;
+    let are_labels = values.len() == 2 || values.len() > 2 && name_regions(&values, lattice, step);
+    are_labels.then_some(values)
+}
+
+/// Returns the values of every `step`-th place, ascending, if they are no more than labels may be.
+fn distinct(lattice: &Lattice, step: usize) -> Option<Vec<f64>> {
     let mut values: Vec<f64> = Vec::new();
     let mut last = f64::NAN;
-    for &value in lattice.values.iter().filter(|v| !v.is_nan()) {
+    for &value in lattice.values.iter().step_by(step).filter(|v| !v.is_nan()) {
         // Neighbours are mostly equal, where this matters.
         if value == last {
             continue;
@@ -144,21 +157,20 @@ fn labels(lattice: &Lattice) -> Option<Vec<f64>> {
             }
         }
     }
-    if values.len() < 3 {
-        return (values.len() == 2).then_some(values);
-    }
+    Some(values)
+}
+
+/// True if neighbours are mostly equal, and many of the others more than one level apart.
+fn name_regions(values: &[f64], lattice: &Lattice, step: usize) -> bool {
     let rank = |v: f64| values.partition_point(|&x| x < v);
-    // Of many places every fifth is enough for shares.
-    let step = if lattice.values.len() > 1 << 17 { 5 } else { 1 };
-    let mut counts = vec![0usize; values.len()];
+    let mut counts = vec![0usize; values.len() + 1];
     for &value in lattice.values.iter().step_by(step).filter(|v| !v.is_nan()) {
         counts[rank(value)] += 1;
     }
-    let most = (0..values.len()).max_by_key(|&i| counts[i]).map(|i| values[i]);
-    // Of neighbours that are not both background: how many are equal, and how many are more than one level apart.
+    let background = (0..values.len()).max_by_key(|&i| counts[i]).map(|i| values[i]);
     let (mut pairs, mut equal, mut jumps) = (0usize, 0usize, 0usize);
     for (&a, &b) in lattice.values.iter().zip(&lattice.next).step_by(step).filter(|(a, b)| !a.is_nan() && !b.is_nan()) {
-        if a == b && Some(a) == most {
+        if a == b && Some(a) == background {
             continue;
         }
         pairs += 1;
@@ -167,7 +179,7 @@ fn labels(lattice: &Lattice) -> Option<Vec<f64>> {
     }
     // What is measured differs from voxel to voxel by noise, and by one level at slopes.
     let unequal = pairs - equal;
-    (unequal > 0 && equal as f64 > 0.6 * pairs as f64 && jumps as f64 > 0.3 * unequal as f64).then_some(values)
+    unequal > 0 && equal as f64 > 0.6 * pairs as f64 && jumps as f64 > 0.3 * unequal as f64
 }
 
 #[cfg(test)]

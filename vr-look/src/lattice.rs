@@ -24,8 +24,13 @@ pub(crate) struct Lattice {
     pub axes: DMat3,
 }
 
-/// One place's value, its neighbour's, and the gradient's magnitude.
-type Sample = [f64; 3];
+/// Samples of one slice, in the order of the lattice's own.
+#[derive(Default)]
+struct Slice {
+    values: Vec<f64>,
+    next: Vec<f64>,
+    changes: Vec<f64>,
+}
 
 impl Lattice {
     pub fn new(volume: &Volume) -> Self {
@@ -60,12 +65,6 @@ impl Lattice {
         }
         Some((index.z as usize * ny + index.y as usize) * nx + index.x as usize)
     }
-
-    fn from_slices(slices: Vec<Vec<Sample>>, dims: [usize; 3], has_next: bool, origin: DVec3, axes: DMat3) -> Self {
-        let all = || slices.iter().flatten();
-        let next = if has_next { all().map(|s| s[1]).collect() } else { Vec::new() };
-        Self { dims, values: all().map(|s| s[0]).collect(), next, changes: all().map(|s| s[2]).collect(), origin, axes }
-    }
 }
 
 fn of_grid(grid: &GridVolume) -> Lattice {
@@ -74,8 +73,18 @@ fn of_grid(grid: &GridVolume) -> Lattice {
     let dims = [0, 1, 2].map(|a| full[a].div_ceil(strides[a]));
     let slices = with_grid!(grid.values(), g => collect(dims[2], |z| slice(g, strides, dims, z * strides[2])));
     let steps = DVec3::from_array(strides.map(|s| s as f64));
-    let axes = placement.axes() * DMat3::from_diagonal(steps);
-    Lattice::from_slices(slices, dims, grid.voxel_type().is_integer(), placement.origin(), axes)
+    Lattice {
+        dims,
+        values: together(&slices, |s| &s.values),
+        next: together(&slices, |s| &s.next),
+        changes: together(&slices, |s| &s.changes),
+        origin: placement.origin(),
+        axes: placement.axes() * DMat3::from_diagonal(steps),
+    }
+}
+
+fn together(slices: &[Slice], part: impl Fn(&Slice) -> &Vec<f64>) -> Vec<f64> {
+    slices.iter().map(|s| part(s).as_slice()).collect::<Vec<_>>().concat()
 }
 
 /// Voxels from one sample to the next, so that there are no more than [`MAX_SAMPLES`].
@@ -90,32 +99,45 @@ fn strides(full: [usize; 3]) -> [usize; 3] {
     at(side.max(1))
 }
 
-fn slice<T: Voxel>(grid: &UniformGrid<T>, strides: [usize; 3], dims: [usize; 3], z: usize) -> Vec<Sample> {
-    let full = grid.dims();
-    let samples = grid.samples();
+fn slice<T: Voxel>(grid: &UniformGrid<T>, strides: [usize; 3], dims: [usize; 3], z: usize) -> Slice {
+    let [nx, ny, nz] = grid.dims();
     let calibration = grid.calibration();
-    let value = |[x, y, z]: [usize; 3]| {
-        let value = calibration.value(f64::from(samples[(z * full[1] + y) * full[0] + x].to_f32()));
-        if value.is_finite() { value } else { f64::NAN }
+    let is_integer = T::TYPE.is_integer();
+    let value = |sample: T| {
+        let value = calibration.value(f64::from(sample.to_f32()));
+        if is_integer || value.is_finite() { value } else { f64::NAN }
     };
-    let mut out = Vec::with_capacity(dims[0] * dims[1]);
+    // Squared change per voxel between two neighbours that are one voxel apart, or two.
+    let square = |low: T, high: T, per_voxel: f64| {
+        let change = (value(high) - value(low)) * per_voxel;
+        if change.is_nan() { 0.0 } else { change * change }
+    };
+    let row = |y: usize, z: usize| &grid.samples()[(z * ny + y) * nx..][..nx];
+    let around = |i: usize, n: usize| {
+        let (low, high) = (i.saturating_sub(1), (i + 1).min(n - 1));
+        (low, high, if high - low == 2 { 0.5 } else { 1.0 })
+    };
+
+    let count = dims[0] * dims[1];
+    let [mut values, mut next, mut changes] = [(); 3].map(|()| Vec::with_capacity(count));
+    let (z_low, z_high, per_z) = around(z, nz);
     for y in (0..dims[1]).map(|y| y * strides[1]) {
-        for x in (0..dims[0]).map(|x| x * strides[0]) {
-            let at = [x, y, z];
-            let mut square = 0.0;
-            for axis in 0..3 {
-                let (mut low, mut high) = (at, at);
-                low[axis] = at[axis].saturating_sub(1);
-                high[axis] = (at[axis] + 1).min(full[axis] - 1);
-                let apart = (high[axis] - low[axis]).max(1) as f64;
-                let change = (value(high) - value(low)) / apart;
-                square += if change.is_nan() { 0.0 } else { change * change };
+        let (y_low, y_high, per_y) = around(y, ny);
+        let (here, below, above) = (row(y, z), row(y_low, z), row(y_high, z));
+        let (before, behind) = (row(y, z_low), row(y, z_high));
+        for x in (0..nx).step_by(strides[0]) {
+            let (x_low, x_high, per_x) = around(x, nx);
+            let squares = square(here[x_low], here[x_high], per_x)
+                + square(below[x], above[x], per_y)
+                + square(before[x], behind[x], per_z);
+            values.push(value(here[x]));
+            if is_integer {
+                next.push(if x + 1 < nx { value(here[x + 1]) } else { f64::NAN });
             }
-            let next = if x + 1 < full[0] { value([x + 1, y, z]) } else { f64::NAN };
-            out.push([value(at), next, square.sqrt()]);
+            changes.push(squares.sqrt());
         }
     }
-    out
+    Slice { values, next, changes }
 }
 
 fn of_field(field: &dyn Field) -> Lattice {
@@ -130,21 +152,20 @@ fn of_field(field: &dyn Field) -> Lattice {
     };
     let slices = collect(FIELD_SIDE, |z| {
         let row = |y| (0..FIELD_SIDE).map(move |x| [x, y, z]);
-        (0..FIELD_SIDE).flat_map(row).map(|at| [value(at), f64::NAN, 0.0]).collect::<Vec<Sample>>()
+        Slice { values: (0..FIELD_SIDE).flat_map(row).map(value).collect(), ..Slice::default() }
     });
-    let mut lattice = Lattice::from_slices(slices, dims, false, origin, DMat3::from_diagonal(step));
+    let values = together(&slices, |s| &s.values);
     // Changes from place to place, in the field's own spacing.
     let per_spacing = field.spacing() / step.min_element().max(f64::MIN_POSITIVE);
     let at = |x: usize, y: usize, z: usize| (z * FIELD_SIDE + y) * FIELD_SIDE + x;
-    lattice.changes = collect(lattice.values.len(), |i| {
+    let changes = collect(values.len(), |i| {
         let (x, y, z) = (i % FIELD_SIDE, i / FIELD_SIDE % FIELD_SIDE, i / (FIELD_SIDE * FIELD_SIDE));
         let after = |n: usize| (n + 1).min(FIELD_SIDE - 1);
         let neighbours = [at(after(x), y, z), at(x, after(y), z), at(x, y, after(z))];
-        let changes =
-            neighbours.map(|n| lattice.values[n] - lattice.values[i]).map(|c| if c.is_nan() { 0.0 } else { c });
+        let changes = neighbours.map(|n| values[n] - values[i]).map(|c| if c.is_nan() { 0.0 } else { c });
         per_spacing.min(1.0) * changes.iter().map(|c| c * c).sum::<f64>().sqrt()
     });
-    lattice
+    Lattice { dims, values, next: Vec::new(), changes, origin, axes: DMat3::from_diagonal(step) }
 }
 
 #[cfg(test)]

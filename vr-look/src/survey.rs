@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use vr_core::optics::opacity_of_depth;
+use vr_core::parallel::collect;
 use vr_core::{Clip, Compositing, ControlPoint, Filter, Shading, TransferFunction, Volume};
 
 use crate::exposure;
@@ -208,10 +209,12 @@ impl Survey {
             (first == middle && middle == last).then_some(first)
         };
         let steps: Vec<Option<bool>> = (0..STEPS).map(step).collect();
+        let per_width = 1.0 / width;
         // NaN and what is below are 0 by the cast.
-        let step_of = |value: f64| (((value - low) / width) as usize).min(STEPS - 1);
+        let step_of = |value: f64| (((value - low) * per_width) as usize).min(STEPS - 1);
         let shown = |&v: &f64| !v.is_nan() && steps[step_of(v)].unwrap_or_else(|| shows_value(v));
-        let shows: Vec<bool> = self.lattice.values.iter().map(shown).collect();
+        let slice = |z: usize| self.lattice.values[z * nx * ny..][..nx * ny].iter().map(shown).collect::<Vec<bool>>();
+        let shows = collect(nz, slice).concat();
         let at = |x: usize, y: usize, z: usize| shows[(z * ny + y) * nx + x];
         // Noise is alone; of what is not, two of the neighbours show, too.
         let among = |x: usize, y: usize, z: usize| {
@@ -231,8 +234,9 @@ impl Survey {
         let mut points = Vec::new();
         for z in 0..nz {
             for y in 0..ny {
-                let shown = |&x: &usize| at(x, y, z) && among(x, y, z) && keeps(clip, self.lattice.position([x, y, z]));
-                let ends = [(0..nx).find(shown), (0..nx).rev().find(shown)];
+                let row = &shows[(z * ny + y) * nx..][..nx];
+                let among = |x: &usize| row[*x] && among(*x, y, z) && keeps(clip, self.lattice.position([*x, y, z]));
+                let ends = [(0..nx).find(among), (0..nx).rev().find(among)];
                 points.extend(ends.into_iter().flatten().map(|x| self.lattice.position([x, y, z])));
             }
         }

@@ -1,7 +1,7 @@
 //! Conversion of a scene file's sections to the scene that they describe: volumes, phantoms, presets and colour maps by name.
 
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use glam::DVec3;
 use vr_core::transfer::{Preset, srgb_to_linear};
@@ -40,6 +40,7 @@ pub struct LoadedScene {
     pub files: Vec<PathBuf>,
     /// Notes on everything assumed, one line each.
     pub notes: Vec<String>,
+    visible: OnceLock<Vec<DVec3>>,
 }
 
 /// The surface of a scene.
@@ -57,9 +58,11 @@ impl LoadedScene {
         bounds(&self.scene, self.mesh.as_ref())
     }
 
-    /// World positions that enclose all that is visible: of the volume, and the mesh where there is one.
-    pub fn visible(&self) -> Vec<DVec3> {
-        visible(&Survey::new(&self.scene.volume), &self.scene, &self.view, self.mesh.as_ref())
+    /// World positions that enclose all that is visible of the scene as it was loaded: of the volume, and the mesh where there is one.
+    /// Found once, and kept.
+    pub fn visible(&self) -> &[DVec3] {
+        let survey = || Survey::new(&self.scene.volume);
+        self.visible.get_or_init(|| visible(&survey(), &self.scene, &self.view, self.mesh.as_ref()))
     }
 }
 
@@ -154,11 +157,13 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
         None => None,
     };
     let (scene, mut view) = file.assemble(found.volume, points).map_err(in_file)?;
+    let seen = OnceLock::new();
     if file.camera.is_none() {
         let info = found.info.as_ref();
         let whole = framing(bounds(&scene, mesh.as_ref()), info, default_angles(info), None);
         let survey = survey.unwrap_or_else(|| Survey::new(&scene.volume));
-        view.camera = fit(&whole, &visible(&survey, &scene, &view, mesh.as_ref()), view.aspect());
+        let seen = seen.get_or_init(|| visible(&survey, &scene, &view, mesh.as_ref()));
+        view.camera = fit(&whole, seen, view.aspect());
     }
     let render = file.render;
     Ok(LoadedScene {
@@ -171,6 +176,7 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
         info: found.info,
         files,
         notes,
+        visible: seen,
     })
 }
 
