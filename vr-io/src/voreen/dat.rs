@@ -205,19 +205,14 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::voxels::Voxels;
+    use crate::voreen::tests::described_and_loaded;
 
     fn load(file: &[u8], data: &[u8]) -> Result<(Description, Vec<u16>), String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.dat");
         std::fs::write(&path, file).unwrap();
         std::fs::write(folder.path().join("a b.raw"), data).unwrap();
-        let options = ReadOptions { map: false, ..ReadOptions::default() };
-        let described = || describe(&path, &options).map_err(|e| e.to_string());
-        let Description { source, layout, mut notes, .. } = described()?;
-        let voxels = source.load(&path, &layout, &options, &mut notes).map_err(|e| e.to_string())?;
-        let Voxels::U16(found) = voxels else { panic!("u16") };
-        Ok((described()?, found.as_ref().to_vec()))
+        described_and_loaded(describe, &path)
     }
 
     const TEXT: &str = "ObjectFileName: a b.raw\nTaggedFileName: ---\nResolution: 4 3 2\nSliceThickness: 1 2 3.5\n\

@@ -43,3 +43,25 @@ fn place(path: &Path, offset: DVec3, spacing: DVec3, matrix: DMat4) -> Result<Pl
     let axes = DMat3::from_mat4(matrix) * DMat3::from_diagonal(spacing);
     Space::Own.place(matrix.transform_point3(offset), axes).map_err(|e| FileError::new(path, e))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use crate::error::FileError;
+    use crate::read::{Description, ReadOptions};
+    use crate::voxels::Voxels;
+
+    /// Describes a file and loads its voxels, which are of type u16.
+    pub fn described_and_loaded(
+        describe: fn(&Path, &ReadOptions) -> Result<Description, FileError>,
+        path: &Path,
+    ) -> Result<(Description, Vec<u16>), String> {
+        let options = ReadOptions { map: false, ..ReadOptions::default() };
+        let described = || describe(path, &options).map_err(|e| e.to_string());
+        let Description { source, layout, mut notes, .. } = described()?;
+        let voxels = source.load(path, &layout, &options, &mut notes).map_err(|e| e.to_string())?;
+        let Voxels::U16(found) = voxels else { panic!("u16") };
+        Ok((described()?, found.as_ref().to_vec()))
+    }
+}

@@ -193,7 +193,7 @@ fn number(field: &str, node: Node<'_, '_>, name: &str) -> Result<f64, FieldError
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::voxels::Voxels;
+    use crate::voreen::tests::described_and_loaded;
 
     fn load(raw: &str, meta: &str, data: &[u8]) -> Result<(Description, Vec<u16>), String> {
         let folder = tempfile::tempdir().unwrap();
@@ -204,12 +204,7 @@ mod tests {
         assert!(is_vvd(text.as_bytes()));
         std::fs::write(&path, text).unwrap();
         std::fs::write(folder.path().join("a.raw"), data).unwrap();
-        let options = ReadOptions { map: false, ..ReadOptions::default() };
-        let described = || describe(&path, &options).map_err(|e| e.to_string());
-        let Description { source, layout, mut notes, .. } = described()?;
-        let voxels = source.load(&path, &layout, &options, &mut notes).map_err(|e| e.to_string())?;
-        let Voxels::U16(found) = voxels else { panic!("u16") };
-        Ok((described()?, found.as_ref().to_vec()))
+        described_and_loaded(describe, &path)
     }
 
     const RAW: &str = r#"<RawData filename="a.raw" format="uint16" x="4" y="3" z="2" />"#;
