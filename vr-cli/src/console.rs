@@ -29,13 +29,20 @@ impl Console {
     /// # Errors
     /// A full disk, say. A reader that went away (`vr info | head -1`) is no failure.
     pub fn result(self, text: &str, json: &impl Serialize) -> Result<(), Failure> {
-        let text = match (self.json, self.quiet) {
-            (true, _) => serde_json::to_string_pretty(json).map_err(Failure::failed)?,
-            (false, true) => return Ok(()),
-            (false, false) => text.trim_end().to_owned(),
-        };
+        match (self.json, self.quiet) {
+            (true, _) => Self::page(&serde_json::to_string_pretty(json).map_err(Failure::failed)?),
+            (false, true) => Ok(()),
+            (false, false) => Self::page(text),
+        }
+    }
+
+    /// Prints a text that was asked for by itself.
+    ///
+    /// # Errors
+    /// Errors of [`Self::result`].
+    pub fn page(text: &str) -> Result<(), Failure> {
         let mut out = io::stdout().lock();
-        match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        match writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush()) {
             Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Failure::failed(format!("stdout: {e}"))),
             _ => Ok(()),
         }

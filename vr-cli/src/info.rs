@@ -1,31 +1,43 @@
 //! `vr info`.
 
+use std::path::Path;
+
 use serde::Serialize;
 use vr_core::transfer::Preset;
 use vr_core::{Calibration, GridVolume, VoxelType};
-use vr_io::{FileInfo, LoadedVolume};
+use vr_io::{FileInfo, LoadedVolume, PngOptions};
 use vr_look::{Hints, Look, Survey};
 
 use crate::args::InfoArgs;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
+use crate::inputs::Inputs;
 use crate::points_info::PointsInfo;
-use crate::{mesh_info, number, volume_setup};
+use crate::{mesh_info, number, output_file, slices, volume_setup};
 
 /// Number of columns and rows of the drawn histogram.
 const DRAWN: (usize, usize) = (72, 8);
+/// Number of bins of the histogram in a picture.
+const FINE: usize = 256;
 
 /// Describes a volume: a grid or scattered points; or a mesh.
 ///
 /// # Errors
 /// Any fault of the command line or the file.
 pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
+    if let Some(place) = &args.output {
+        output_file::check(place, &["png"])?;
+    }
+    let no_slices = |what: &str| Failure::usage(format!("--output: slices are drawn of grids, not of {what}"));
     if let Some(path) = mesh_info::named(&args.volume) {
-        return mesh_info::run(path, console);
+        return if args.output.is_some() { Err(no_slices("a mesh")) } else { mesh_info::run(path, console) };
     }
     let (title, LoadedVolume { volume, info, notes, .. }) = volume_setup::load(&args.volume, console)?;
     if let Some(points) = volume.points() {
+        if args.output.is_some() {
+            return Err(no_slices("points"));
+        }
         let found = PointsInfo::new(&title, points, info.as_ref(), &notes);
         return console.result(&found.text(), &found);
     }
@@ -35,13 +47,23 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
     let patient = info.as_ref().is_some_and(|file| file.space.is_patient());
     let hints = Hints { patient, ..Hints::default() };
     let suggest = |range| Preset::suggest(range, uniform.voxel_type().is_integer());
+    let histogram = Histogram::of(uniform, DRAWN.0);
+    if let Some(place) = &args.output {
+        let files = info.iter().flat_map(|file| file.files.iter().cloned());
+        Inputs::new("a file that is read", files).protect("--output", place)?;
+        let window = info.as_ref().and_then(|file| file.window);
+        let fine = Histogram::of(uniform, FINE);
+        let picture = slices::draw(uniform, patient, window, fine.as_ref());
+        vr_io::write(place, &picture, &PngOptions::default()).map_err(Failure::failed)?;
+    }
     let description = Description {
         title: &title,
         file: info.as_ref(),
         uniform,
-        histogram: Histogram::of(uniform, DRAWN.0),
+        histogram,
         presets: volume.value_range().map_or_else(Vec::new, suggest),
         look: Survey::new(&volume).look(&hints),
+        picture: args.output.as_deref(),
         notes: &notes,
     };
     console.result(&description.text(), &description.json())
@@ -55,6 +77,8 @@ struct Description<'a> {
     histogram: Option<Histogram>,
     presets: Vec<Preset>,
     look: Look,
+    /// Place of the slices, if they were drawn.
+    picture: Option<&'a Path>,
     notes: &'a [String],
 }
 
@@ -124,6 +148,9 @@ impl Description<'_> {
         if let Some(histogram) = &self.histogram {
             text += &format!("\nhistogram (height: logarithm of the count)\n{}", histogram.draw(DRAWN.1));
         }
+        if let Some(place) = self.picture {
+            text += &format!("\nwrote        {}\n", place.display());
+        }
         text
     }
 
@@ -169,6 +196,8 @@ impl Description<'_> {
             infinite: u.value_stats().infinite,
             histogram: self.histogram.as_ref().map(|h| &*h.counts),
             presets: self.presets.iter().map(|p| p.name()).collect(),
+            look: &self.look.reason,
+            output: self.picture,
             notes: self.notes,
         }
     }
@@ -193,6 +222,8 @@ struct Json<'a> {
     /// Numbers of voxels in equal bins over `range`.
     histogram: Option<&'a [u64]>,
     presets: Vec<&'static str>,
+    look: &'a str,
+    output: Option<&'a Path>,
     notes: &'a [String],
 }
 

@@ -21,6 +21,7 @@ mod exact_cache;
 mod failure;
 mod heap;
 mod heat_map;
+mod help;
 mod histogram;
 mod info;
 mod inputs;
@@ -37,6 +38,7 @@ mod render;
 mod renderers;
 mod report;
 mod scene_setup;
+mod slices;
 mod table;
 mod target;
 mod verify;
@@ -44,6 +46,7 @@ mod volume_setup;
 
 use std::process::ExitCode;
 
+use clap::CommandFactory;
 use vr_core::Control;
 
 use crate::args::{Cli, Command};
@@ -79,5 +82,6 @@ fn run() -> Result<(), Failure> {
         Command::Info(args) => info::run(args, console),
         Command::Convert(args) => convert::run(args, console),
         Command::Ray(args) => ray::run(args, console, &control),
+        Command::Help(args) => help::run(args, Cli::command()),
     })
 }

@@ -78,25 +78,22 @@ pub fn feature_table() -> String {
     format!("Features (yes: drawn; some: in some settings; -: refused, with the reason):\n{matrix}")
 }
 
-/// Returns the options of every renderer that `--set` takes, for the help text.
-pub fn option_help() -> String {
-    let mut text = String::new();
-    for renderer in all() {
-        let _ = writeln!(text, "Options of {} (--set KEY=VALUE; here with their defaults):", renderer.name());
-        for OptionSpec { key, kind, default, help, only_with, .. } in renderer.option_specs() {
-            let only_with = only_with.map(|setting| format!("; only with {setting}")).unwrap_or_default();
-            let setting = format!("{key}={default}");
-            let mut margin = format!("  {setting:<SETTING_WIDTH$}");
-            for paragraph in [help.to_owned(), format!("{kind}{only_with}")] {
-                for line in wrapped(&paragraph, HELP_WIDTH) {
-                    let _ = writeln!(text, "{margin}  {line}");
-                    margin = " ".repeat(2 + SETTING_WIDTH);
-                }
+/// Returns the page on a renderer: the options that `--set` takes; `None` if there is no renderer of that name.
+pub fn option_help(name: &str) -> Option<String> {
+    let renderer = named(name).ok()?;
+    let mut text = format!("Options of {name} (--set KEY=VALUE; here with their defaults):\n");
+    for OptionSpec { key, kind, default, help, only_with, .. } in renderer.option_specs() {
+        let only_with = only_with.map(|setting| format!("; only with {setting}")).unwrap_or_default();
+        let setting = format!("{key}={default}");
+        let mut margin = format!("  {setting:<SETTING_WIDTH$}");
+        for paragraph in [help.to_owned(), format!("{kind}{only_with}")] {
+            for line in wrapped(&paragraph, HELP_WIDTH) {
+                let _ = writeln!(text, "{margin}  {line}");
+                margin = " ".repeat(2 + SETTING_WIDTH);
             }
         }
-        text.push('\n');
     }
-    text
+    Some(text)
 }
 
 /// Width of an option and its default in the help text, in characters.
@@ -126,12 +123,13 @@ mod tests {
 
     #[test]
     fn the_help_has_every_option_in_short_lines() {
-        let help = option_help();
-        assert!(help.lines().all(|line| line.chars().count() <= 2 + SETTING_WIDTH + 2 + HELP_WIDTH), "{help}");
         for renderer in all() {
+            let help = option_help(renderer.name()).unwrap();
+            assert!(help.lines().all(|line| line.chars().count() <= 2 + SETTING_WIDTH + 2 + HELP_WIDTH), "{help}");
             for OptionSpec { key, default, .. } in renderer.option_specs() {
                 assert!(help.contains(&format!("  {key}={default} ")), "{key}: {help}");
             }
         }
+        assert_eq!(option_help("no-such"), None);
     }
 }

@@ -24,13 +24,13 @@ pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs
 pub use volume::VolumeArgs;
 
 use crate::failure::Failure;
-use crate::renderers;
+use crate::help;
 
 /// Pictures of volumes, and how far they are from the correct ones.
 ///
 /// Every command but `diff` and `convert` works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
-#[command(name = "vr", version, args_override_self = true, after_help = EXIT_CODES)]
+#[command(name = "vr", version, args_override_self = true, disable_help_subcommand = true)]
 pub struct Cli {
     /// Options of every command.
     #[command(flatten)]
@@ -39,14 +39,6 @@ pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
 }
-
-/// Exit codes, which scripts rely on.
-const EXIT_CODES: &str = "\
-Exit codes:
-  0  done; an error bound that was asked for (--max-error) is proven for every pixel
-  1  failed: a file, the scene in it, the disk, a check that did not pass
-  2  wrong usage: the command line asks for something impossible, or for writing over a file that is read
-  3  done and written, but the error bound could not be proven for every pixel; stderr says for how many, even under --quiet";
 
 /// Options of every command.
 #[derive(Clone, Copy, Debug, Args)]
@@ -84,6 +76,15 @@ pub enum Command {
     Convert(Box<ConvertArgs>),
     /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the reference
     Ray(Box<RayArgs>),
+    /// Explain a command, a renderer and its options, or list names: renderers, presets, phantoms
+    Help(HelpArgs),
+}
+
+/// `vr help`.
+#[derive(Debug, Args)]
+pub struct HelpArgs {
+    /// A command, a renderer, or one of renderers, presets and phantoms
+    pub topic: Option<String>,
 }
 
 /// `vr render`.
@@ -113,7 +114,7 @@ pub struct RendererArgs {
     /// Renderer; if absent the scene file's, else raycast (splat for scattered points)
     #[arg(long, value_name = "NAME")]
     pub renderer: Option<String>,
-    /// Set an option of the renderer (listed below); may be repeated
+    /// Set an option of the renderer (vr help raycast lists its own); may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = value::key_value)]
     pub set: Vec<(String, String)>,
     /// Bound the error of every pixel by E; renderers that cannot do so refuse. Exit code 3 where the bound is not proven for every pixel
@@ -243,6 +244,9 @@ pub struct InfoArgs {
     /// The volume.
     #[command(flatten)]
     pub volume: VolumeArgs,
+    /// Picture to write: three slices through the middle of a grid, and the histogram (.png)
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
+    pub output: Option<PathBuf>,
 }
 
 impl Cli {
@@ -253,7 +257,7 @@ impl Cli {
     pub fn from_command_line() -> Result<Self, Failure> {
         let matches = match Self::command().try_get_matches() {
             // Renderers are asked for their features and options only where help is read.
-            Err(e) if e.kind() == ErrorKind::DisplayHelp => Self::command_with_renderers().try_get_matches(),
+            Err(e) if e.kind() == ErrorKind::DisplayHelp => help::complete(Self::command()).try_get_matches(),
             read => read,
         };
         match matches.and_then(|matches| Self::from_arg_matches(&matches)) {
@@ -263,15 +267,6 @@ impl Cli {
             }
             Err(e) => e.exit(),
         }
-    }
-
-    /// Returns the command, with the help on renderers.
-    fn command_with_renderers() -> clap::Command {
-        let (features, options) = (renderers::feature_table() + "\n", renderers::option_help());
-        Self::command()
-            .mut_subcommand("render", |render| render.after_help(features + &options + EXIT_CODES))
-            .mut_subcommand("bench", |bench| bench.after_help(options.clone() + EXIT_CODES))
-            .mut_subcommand("ray", |ray| ray.after_help(options))
     }
 }
 

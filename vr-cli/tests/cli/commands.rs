@@ -38,6 +38,16 @@ fn info_without_arguments_draws_a_histogram() {
 }
 
 #[test]
+fn info_draws_slices_of_grids() {
+    let vr = Vr::new();
+    let drawn = vr.run("info --phantom blobs --phantom-size 16 -o slices.png").succeeded().stdout;
+    assert!(drawn.contains("wrote        slices.png"), "{drawn}");
+    assert!(vr.picture("slices.png").width() > 900, "three slices side by side");
+    assert!(vr.run("info --phantom plummer --points-count 9 -o p.png").failed(2).contains("not of points"));
+    assert!(vr.run("info -o slices.exr").failed(2).contains("must be png"));
+}
+
+#[test]
 fn json_is_one_object() {
     let vr = Vr::new();
     let render = vr.run("render --size 48x32 --json --quiet").succeeded();
@@ -67,22 +77,34 @@ fn quiet_says_nothing() {
 fn help_and_version() {
     let vr = Vr::new();
     assert!(vr.run("--version").succeeded().stdout.starts_with("vr "));
-    let help = vr.run("render --help").succeeded().stdout;
-    for word in [
-        "--transfer",
-        "--crop",
-        "Options of raycast",
-        "step=",
-        "Options of shearwarp",
-        "slice-distance=",
-        "Options of texslice",
-        "proxy=",
-        "Options of splat",
-        "buffers=",
-        "Options of physics",
+    for (command, words) in [
+        ("render --help", ["--gradient-opacity", "Features", "clip planes", "vr help raycast"]),
+        ("render -h", ["--transfer", "--crop", "--output", "vr help raycast"]),
+        ("help render", ["--gradient-opacity", "Features", "Usage: vr render", "Exit codes"]),
+        ("help", ["render", "compare", "help", "Exit codes"]),
+        ("help renderers", ["Features", "raycast", "shearwarp", "vr help splat"]),
+        ("help raycast", ["Options of raycast", "step=", "leaping=", "screen="]),
+        ("help shearwarp", ["Options of shearwarp", "slice-distance=", "warp=", "encoding="]),
+        ("help texslice", ["Options of texslice", "proxy=", "format=", "brick="]),
+        ("help splat", ["Options of splat", "buffers=", "kernel=", "sigma="]),
+        ("help physics", ["Options of physics", "tolerance=", "1e-10", "largest error"]),
+        ("help presets", ["ct-bone", "viridis", "grey", "vr info"]),
+        ("help phantoms", ["marschner-lobb", "hydrogen", "plummer", "--phantom"]),
     ] {
-        assert!(help.contains(word), "no {word:?} in\n{help}");
+        let help = vr.run(command).succeeded().stdout;
+        for word in words {
+            assert!(help.contains(word), "{command}: no {word:?} in\n{help}");
+        }
     }
+    for command in ["render -h", "compare -h", "bench -h", "report -h", "ray -h"] {
+        let lines = vr.run(command).succeeded().stdout.lines().count();
+        assert!(lines <= 40, "{command}: {lines} lines");
+    }
+    let error = vr.run("help nothing").failed(2);
+    assert!(
+        error.contains("nothing") && error.contains("raycast, shearwarp") && error.contains("ray, render, report"),
+        "{error}"
+    );
 }
 
 #[test]

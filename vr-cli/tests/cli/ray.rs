@@ -124,5 +124,5 @@ fn rays_that_miss_and_pixels_that_do_not_exist() {
     vr.run("ray a 3").failed(2);
     assert!(vr.run("ray 3 3 --csv steps.txt").failed(2).contains("csv"));
     assert!(vr.run("ray 3 3 --csv no/where.csv").failed(1).contains("where.csv"));
-    assert!(vr.run("ray --help").succeeded().stdout.contains("Options of raycast"));
+    assert!(vr.run("ray --help").succeeded().stdout.contains("vr help raycast"));
 }
