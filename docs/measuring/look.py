@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """First pictures of volumes: `vr render FILE` without a flag, on one sheet, with figures for each.
 
-    look.py --vr target/release/vr --data ../shared/data --sheet docs/look.jpg --table docs/figures/look.md
+    look.py --vr target/release/vr --data ../shared/data --vtk VENV/bin/python --sheet docs/look.jpg --table docs/figures/look.md
 
-Needs Python 3 with numpy and Pillow. Figures, of what is not black: the larger of the filled parts of width and height; mean and standard
+Needs Python 3 with numpy and Pillow and, for the pictures of VTK beside ours (vtk_look.py), a Python with vtk. Figures, of what is not black: the larger of the filled parts of width and height; mean and standard
 deviation of luma, of 255; parts within 5 % of black and of white; mean difference of neighbouring pixels (detail); and the RMSE of the
 picture against the reference on a subgrid of pixels, as `vr render` measures it.
 """
@@ -18,7 +18,9 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 SIDE = 256
-COLUMNS = 7
+PATIENT = {"RAS", "LAS", "LPS"}
+# Pictures in a line; pairs, with VTK's.
+COLUMNS = 8
 PATTERNS = [
     "raw/*.raw", "raw/*.raw.gz", "raw/*.raw.bz2", "raw/nucleon.vvd", "nrrd/*.nrrd", "nrrd/*.nhdr", "nrrd/headsq/*.nhdr",
     "nrrd/ball/BallBinary30x30x30.nrrd", "nifti/*.nii", "nifti/*.nii.gz", "metaimage/*.mha", "metaimage/*.mhd", "dicom/pet_head",
@@ -33,6 +35,21 @@ def volumes(data):
         for path in sorted(data.glob(pattern)):
             if not path.name.endswith(".raw") or "x" in path.name:
                 yield path
+
+
+def vtk_picture(options, path, work):
+    """What VTK shows of the same voxels; None where there are none, or no VTK."""
+    info = subprocess.run([options.vr, "info", path, "--json", "-q"], capture_output=True, text=True)
+    described = json.loads(info.stdout) if info.returncode == 0 else {}
+    if options.vtk is None or "dims" not in described:
+        return None
+    volume, out = Path(work) / "x.vti", Path(work) / "vtk.png"
+    if subprocess.run([options.vr, "convert", path, volume, "-q"], capture_output=True).returncode != 0:
+        return None  # a shear, which VTK's images cannot have
+    kind = "patient" if (described["file"] or {}).get("space", "") in PATIENT else "other"
+    worker = Path(__file__).with_name("vtk_look.py")
+    subprocess.run([options.vtk, worker, volume, out, str(SIDE), kind], capture_output=True, check=True, timeout=600)
+    return np.asarray(Image.open(out).convert("RGB"))
 
 
 def figures(picture):
@@ -52,6 +69,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--vr", default="target/release/vr")
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
+    parser.add_argument("--vtk", help="a Python that has the module vtk")
     parser.add_argument("--sheet", type=Path)
     parser.add_argument("--table", type=Path)
     parser.add_argument("files", nargs="*", type=Path)
@@ -73,6 +91,11 @@ def main():
             found = figures(picture)
             rows.append((name, look.split(",")[0], found, error["rmse"]))
             pictures.append((name, picture.astype(np.uint8)))
+            beside = vtk_picture(options, path, work)
+            if beside is not None:
+                pictures.append(("VTK", beside))
+            elif options.vtk:
+                pictures.append(("not for VTK", np.zeros_like(pictures[-1][1])))
             print(name, {k: round(float(v), 3) for k, v in found.items()}, f"RMSE {error['rmse']:.1e}", flush=True)
     if options.sheet:
         lines = -(-len(pictures) // COLUMNS)

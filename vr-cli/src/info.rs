@@ -45,7 +45,7 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         .grid()
         .ok_or_else(|| Failure::failed(format!("{title}: a {} cannot be described yet", volume.kind())))?;
     let patient = info.as_ref().is_some_and(|file| file.space.is_patient());
-    let hints = Hints { patient, ..Hints::default() };
+    let hints = Hints { scan: info.as_ref().is_some_and(FileInfo::is_scan), ..Hints::default() };
     let suggest = |range| Preset::suggest(range, uniform.voxel_type().is_integer());
     let histogram = Histogram::of(uniform, DRAWN.0);
     if let Some(place) = &args.output {

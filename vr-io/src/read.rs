@@ -112,6 +112,13 @@ pub struct FileInfo {
     pub window: Option<[f64; 2]>,
 }
 
+impl FileInfo {
+    /// True if the file says that its values were measured: they are placed in a patient, or a map of a microscope's.
+    pub fn is_scan(&self) -> bool {
+        self.space.is_patient() || self.format == mrc::FORMAT
+    }
+}
+
 /// Attributes that only DICOM has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Scan {

@@ -79,7 +79,7 @@ fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
 const HEAVY: f64 = 100.0;
 
 /// Tells the kind, and the scale on which the values are spread.
-pub(crate) fn kind_of(lattice: &Lattice, values: &Values, integer: bool, patient: bool) -> (Kind, Scale) {
+pub(crate) fn kind_of(lattice: &Lattice, values: &Values, integer: bool, scan: bool) -> (Kind, Scale) {
     let (Some(low), Some(high)) = (values.at_share(0.0005), values.at_share(0.9995)) else {
         return (Kind::Field, Scale::Linear { low: 0.0, high: 1.0 });
     };
@@ -95,7 +95,7 @@ pub(crate) fn kind_of(lattice: &Lattice, values: &Values, integer: bool, patient
     }
     // A scanner's negative values are an offset or noise.
     let smaller = values.share_within(f64::NEG_INFINITY, 0.05 * low.min(0.0));
-    if low < 0.0 && high > 0.0 && smaller > 0.05 && -low > 0.1 * high && !patient && !integer {
+    if low < 0.0 && high > 0.0 && smaller > 0.05 && -low > 0.1 * high && !scan && !integer {
         let reach = high.max(-low);
         return (Kind::Signed, Scale::Linear { low: -reach, high: reach });
     }
@@ -107,7 +107,7 @@ pub(crate) fn kind_of(lattice: &Lattice, values: &Values, integer: bool, patient
         let floor = quantile(positive, 0.05).unwrap_or(median).max(1e-6 * largest);
         return (Kind::HeavyTail, Scale::Logarithmic { low: floor, high: largest });
     }
-    (if integer || patient { Kind::Scan } else { Kind::Field }, linear)
+    (if integer || scan { Kind::Scan } else { Kind::Field }, linear)
 }
 
 /// A scale over a range that is not a single value: rare values, if nothing else differs.
@@ -189,7 +189,7 @@ mod tests {
 
     const SIDE: usize = 24;
 
-    fn kind(value: impl Fn([f64; 3]) -> f64, integer: bool, patient: bool) -> Kind {
+    fn kind(value: impl Fn([f64; 3]) -> f64, integer: bool, scan: bool) -> Kind {
         let place = |i: usize| (i as f64 + 0.5) / SIDE as f64 * 2.0 - 1.0;
         let at = |i: usize| [place(i % SIDE), place(i / SIDE % SIDE), place(i / SIDE / SIDE)];
         let values = (0..SIDE * SIDE * SIDE).map(|i| value(at(i)));
@@ -205,7 +205,7 @@ mod tests {
                 .into()
         };
         let lattice = Lattice::new(&volume);
-        kind_of(&lattice, &Values::new(&lattice), integer, patient).0
+        kind_of(&lattice, &Values::new(&lattice), integer, scan).0
     }
 
     fn radius([x, y, z]: [f64; 3]) -> f64 {
@@ -223,6 +223,7 @@ mod tests {
         // Its range alone would be that of CT.
         assert_eq!(kind(|p| 9000.0 + 9600.0 * (5.0 * p[0]).sin() * (3.0 * p[1]).cos(), true, true), Kind::Scan);
         assert_eq!(kind(|p| p[0] * (-radius(p)).exp(), false, false), Kind::Signed);
+        assert_eq!(kind(|p| p[0] * (-radius(p)).exp(), false, true), Kind::Scan);
         assert_eq!(kind(|p| (-20.0 * radius(p)).exp(), false, false), Kind::HeavyTail);
         assert_eq!(kind(|p| 3.0 + p[0] + p[1], false, false), Kind::Field);
         assert_eq!(kind(|p| 100.0 * (1.0 + p[0]) + 10.0 * p[1], true, false), Kind::Scan);

@@ -16,8 +16,9 @@ use crate::scale::{BINS, Scale};
 /// Facts about a volume besides its values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hints {
-    /// True if the file places the volume in a patient: it is a scan then, whatever its numbers are stored as.
-    pub patient: bool,
+    /// True if the file says that the volume was measured, as one that is placed in a patient is: it is a scan then, whatever its numbers are stored as,
+    /// and what lies below zero is an offset or noise.
+    pub scan: bool,
     /// The operator that the look is for.
     pub compositing: Compositing,
 }
@@ -70,7 +71,7 @@ impl Survey {
 
     /// The look for a volume under an operator.
     pub fn look(&self, hints: &Hints) -> Look {
-        let (kind, scale) = kind_of(&self.lattice, &self.values, self.integer, hints.patient);
+        let (kind, scale) = kind_of(&self.lattice, &self.values, self.integer, hints.scan);
         if !hints.compositing.integrates_light() {
             return self.of_picked_values(kind, scale, hints.compositing);
         }

@@ -22,6 +22,9 @@ use crate::world::Space;
 
 use header::Header;
 
+/// Name of the format.
+pub(crate) const FORMAT: &str = "MRC";
+
 /// True if the beginning of a file is that of a map, from the version of 2000 on; older ones are told by their names.
 pub(crate) fn is_mrc(head: &[u8]) -> bool {
     head.get(208..).is_some_and(|rest| rest.starts_with(b"MAP "))
@@ -52,7 +55,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         hint: " (are NX, NY, NZ, MODE and NSYMBT right?)",
     };
     Ok(Description {
-        format: "MRC",
+        format: FORMAT,
         header: path.into(),
         source: match mode {
             Mode::Number(_) => payload.into(),

@@ -122,8 +122,8 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
         }
         // Nothing is asked for: the volume tells.
         (transfer, _) if transfer.as_ref().is_none_or(|t| names_no_points(t) && t.look == LookName::Auto) => {
-            let patient = found.info.as_ref().is_some_and(|info| info.space.is_patient());
-            let hints = Hints { patient, compositing: file.render.compositing().map_err(in_file)? };
+            let scan = found.info.as_ref().is_some_and(FileInfo::is_scan);
+            let hints = Hints { scan, compositing: file.render.compositing().map_err(in_file)? };
             let look = survey.get_or_insert_with(|| Survey::new(&found.volume)).look(&hints);
             notes.push(look.reason);
             if file.shading.is_none()
