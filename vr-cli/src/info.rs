@@ -11,16 +11,19 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
 use crate::points_info::PointsInfo;
-use crate::{mesh_info, number, volume_setup};
+use crate::{mesh_info, number, picture_record, volume_setup};
 
 /// Number of columns and rows of the drawn histogram.
 const DRAWN: (usize, usize) = (72, 8);
 
-/// Describes a volume: a grid or scattered points; or a mesh.
+/// Describes a volume: a grid or scattered points; or a mesh; or a picture with a record.
 ///
 /// # Errors
 /// Any fault of the command line or the file.
 pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
+    if let Some((path, record)) = picture_record::named(&args.volume)? {
+        return picture_record::show(path, &record, console);
+    }
     if let Some(path) = mesh_info::named(&args.volume) {
         return mesh_info::run(path, console);
     }
