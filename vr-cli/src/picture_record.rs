@@ -67,6 +67,10 @@ pub fn named(args: &VolumeArgs) -> Result<Option<(&Path, PictureRecord)>, Failur
         Err(vr_io::RecordError::Picture(_)) => None,
         Err(e) => return Err(Failure::failed(e)),
     };
+    if found.is_none() && extension.as_deref() == Some("exr") {
+        let message = "no volume, and a picture without a record of vr, or none that can be read";
+        return Err(Failure::failed(format!("{}: {message}", path.display())));
+    }
     Ok(found.map(|record| (path, record)))
 }
 
@@ -100,11 +104,10 @@ pub fn show(path: &Path, found: &PictureRecord, console: Console) -> Result<(), 
         let (rmse, max) = (number::small(*rmse), number::small(*max));
         line("error", format!("RMSE {rmse}, max {max} on {pixels} of {of} pixels, {method}"));
     }
-    let needs = match needed_file(scene) {
-        Some(_) => " VOLUME",
-        None => "",
-    };
-    line("again", format!("vr rerun {}{needs}", path.display()));
+    let is_of_file = matches!(scene.volume.source, Some(vr_io::VolumeSource::File(_)));
+    let volume = if is_of_file { " VOLUME" } else { "" };
+    let mesh = if scene.mesh.is_some() { " --mesh FILE" } else { "" };
+    line("again", format!("vr rerun {}{volume}{mesh}", path.display()));
     text += "\n";
     text += &vr_io::scene_text(scene).map_err(Failure::failed)?;
     #[derive(Serialize)]
@@ -114,12 +117,4 @@ pub fn show(path: &Path, found: &PictureRecord, console: Console) -> Result<(), 
         scene: &'a SceneFile,
     }
     console.result(&text, &Json { picture: path.display().to_string(), record, scene })
-}
-
-/// Returns the name of the volume file that a scene needs, if it needs one.
-pub fn needed_file(scene: &SceneFile) -> Option<&str> {
-    match &scene.volume.source {
-        Some(vr_io::VolumeSource::File(file)) => Some(&file.path),
-        _ => None,
-    }
 }
