@@ -7,7 +7,7 @@ use vr_core::{Options, Scene, View, Volume};
 use crate::read::FileInfo;
 
 use super::scene_file::SceneFile;
-use super::sections::{CameraSection, ImageSection, RenderSection, ShadingSection, TransferSection};
+use super::sections::{CameraSection, RenderSection, ShadingSection, TransferSection};
 use super::volume_section::{FileSource, VolumeSource};
 
 /// Name that stands for a DICOM series, whose files and folders may be named after the patient.
@@ -43,10 +43,11 @@ impl SceneFile {
         });
         file.camera = Some(CameraSection::from(&view.camera));
         file.clip = view.clip.clone();
-        file.image =
-            ImageSection { size: view.size, samples: view.supersampling, background: scene.background, ..file.image };
-        let RenderSection { renderer, max_error, options, .. } = std::mem::take(&mut file.render);
-        file.render = RenderSection { renderer, max_error, options, ..RenderSection::describe(scene.compositing) };
+        file.image.size = view.size;
+        file.image.samples = view.supersampling;
+        file.image.background = scene.background;
+        let RenderSection { compositing, threshold, level, .. } = RenderSection::describe(scene.compositing);
+        (file.render.compositing, file.render.threshold, file.render.level) = (compositing, threshold, level);
         file
     }
 

@@ -352,7 +352,7 @@ mod tests {
         for (name, _, keys) in sections(None) {
             for KeyHelp { key, meaning, absent } in keys {
                 assert!(meaning.ends_with('.'), "{name}.{key}: {meaning}");
-                let (Absent::Usual(value) | Absent::Example(value)) = absent else { continue };
+                let (Usual(value) | Example(value)) = absent else { continue };
                 let mut table: toml::Table = toml::from_str(required).unwrap();
                 let value: toml::Table =
                     toml::from_str(&format!("{key} = {value}")).unwrap_or_else(|e| panic!("{key}: {e}"));
