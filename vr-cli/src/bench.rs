@@ -21,7 +21,7 @@ use crate::scene_setup::{Configured, Setup};
 /// Any fault of the command line, the volume, or the scene.
 pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), Failure> {
     let setup = Setup::for_renderer(&args.scene, &args.renderer, console)?;
-    let Configured { renderer, options, max_error } = setup.renderer(&args.renderer, console)?;
+    let Configured { renderer, options, max_error, .. } = setup.renderer(&args.renderer, console)?;
     let measured =
         under_bar(console, control, "timing", |progress| measure(&*renderer, &setup, args.timing, control, progress))
             .map_err(|e| setup.render_failure(e))?;

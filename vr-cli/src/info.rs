@@ -14,14 +14,14 @@ use crate::failure::Failure;
 use crate::histogram::Histogram;
 use crate::inputs::Inputs;
 use crate::points_info::PointsInfo;
-use crate::{mesh_info, number, output_file, slices, volume_setup};
+use crate::{mesh_info, number, output_file, picture_record, slices, volume_setup};
 
 /// Number of columns and rows of the drawn histogram.
 const DRAWN: (usize, usize) = (72, 8);
 /// Number of bins of the histogram in a picture.
 const FINE: usize = 256;
 
-/// Describes a volume: a grid or scattered points; or a mesh.
+/// Describes a volume: a grid or scattered points; or a mesh; or a picture with a record.
 ///
 /// # Errors
 /// Any fault of the command line or the file.
@@ -30,6 +30,10 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         output_file::check(place, &["png"])?;
     }
     let no_slices = |what: &str| Failure::usage(format!("--output: slices are drawn of grids, not of {what}"));
+    if let Some((path, record)) = picture_record::named(&args.volume)? {
+        let show = || picture_record::show(path, &record, console);
+        return if args.output.is_some() { Err(no_slices("a picture")) } else { show() };
+    }
     if let Some(path) = mesh_info::named(&args.volume) {
         return if args.output.is_some() { Err(no_slices("a mesh")) } else { mesh_info::run(path, console) };
     }

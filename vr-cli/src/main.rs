@@ -30,6 +30,7 @@ mod mesh_info;
 mod number;
 mod output_file;
 mod overrides;
+mod picture_record;
 mod points_info;
 mod process;
 mod progress;
@@ -37,6 +38,8 @@ mod ray;
 mod render;
 mod renderers;
 mod report;
+mod rerun;
+mod scene_file;
 mod scene_setup;
 mod slices;
 mod table;
@@ -81,6 +84,8 @@ fn run() -> Result<(), Failure> {
         Command::Diff(args) => diff::run(args, console),
         Command::Info(args) => info::run(args, console),
         Command::Convert(args) => convert::run(args, console),
+        Command::Scene(args) => scene_file::run(args, console, &control),
+        Command::Rerun(args) => rerun::run(args, console, &control),
         Command::Ray(args) => ray::run(args, console, &control),
         Command::Help(args) => help::run(args, Cli::command()),
     })

@@ -15,7 +15,9 @@ use crate::console::Console;
 use crate::error_bound::ErrorBound;
 use crate::error_map::ErrorMap;
 use crate::failure::Failure;
+use crate::picture_record::record_of;
 use crate::progress::under_bar;
+use crate::renderers::StatedRenderer;
 use crate::scene_setup::{Configured, Setup};
 use crate::target::Chosen;
 use crate::{error_map, exact_cache, number, output_file, target};
@@ -38,7 +40,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     };
     setup.protect(args.output.places())?;
     let (scene, view) = (&setup.scene, &setup.view);
-    // Draw, and write the pictures.
+    // Draw the picture.
     let cache = exact_cache::open(&args.cache);
     let drawn = match args.target.target_rmse {
         Some(target) => target::draw(target, &args.renderer, &setup, &cache, console, control)?,
@@ -46,9 +48,6 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     };
     let frame = &drawn.frame;
     let png = PngOptions { background: scene.background, ..args.output.png() };
-    for path in &args.output.outputs {
-        vr_io::write(path, frame, &png).map_err(Failure::failed)?;
-    }
 
     // Measure the error, unless neither output nor a map shows it.
     let unseen = console.quiet && !console.json && args.output.error_map.is_none();
@@ -62,19 +61,28 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         let solve = |control: &Control| cache.solve((scene, view), &Model::Canonical, pixels, control);
         under_bar(console, control, "measuring the error", solve)
     };
-    let exact = pixels.map(solve).transpose().map_err(|e| setup.render_failure(e))?;
-    let map = match (&args.output.error_map, &exact) {
-        (Some(path), Some(exact)) => Some(error_map::write(path, exact, frame)?),
+    let (exact, unsolved) = match pixels.map(solve).transpose() {
+        Ok(exact) => (exact, Ok(())),
+        Err(e) => (None, Err(setup.render_failure(e))),
+    };
+
+    // Write the pictures, even where their error could not be measured.
+    let error = exact.map(|exact| (exact.judge(frame), exact));
+    let record = (!args.output.no_record).then(|| record_of(&setup, &drawn.stated, error.as_ref())).transpose()?;
+    for path in &args.output.outputs {
+        match &record {
+            Some(record) => vr_io::write_with_record(path, frame, &png, record.clone()),
+            None => vr_io::write(path, frame, &png),
+        }
+        .map_err(Failure::failed)?;
+    }
+    unsolved?;
+    let map = match (&args.output.error_map, &error) {
+        (Some(path), Some((_, exact))) => Some(error_map::write(path, exact, frame)?),
         _ => None,
     };
 
-    let summary = Summary {
-        setup: &setup,
-        drawn: &drawn,
-        error: exact.map(|exact| (exact.judge(frame), exact)),
-        map,
-        outputs: &args.output.outputs,
-    };
+    let summary = Summary { setup: &setup, drawn: &drawn, error, map, outputs: &args.output.outputs };
     console.result(&summary.text(), &summary.json())?;
     drawn.error_bound.map_or(Ok(()), |bound| bound.outcome())
 }
@@ -93,13 +101,18 @@ pub struct Drawn {
     pub render: Duration,
     /// Outcome of the error bound, where one was asked for.
     pub error_bound: Option<ErrorBound>,
+    /// The renderer as the record states it.
+    pub stated: StatedRenderer,
     /// Choice of the renderer and its setting, where `--target-rmse` made it.
     pub chosen: Option<Chosen>,
 }
 
 /// Draws with the renderer that flags or the scene file ask for.
-fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control) -> Result<Drawn, Failure> {
-    let Configured { renderer, max_error, .. } = setup.renderer(args, console)?;
+///
+/// # Errors
+/// Errors of [`Setup::renderer`]; a scene that the renderer does not draw.
+pub fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control) -> Result<Drawn, Failure> {
+    let Configured { renderer, max_error, stated, .. } = setup.renderer(args, console)?;
     let start = Instant::now();
     let mut prepared = under_bar(console, control, "preparing", |control| renderer.prepare(&setup.scene, control))
         .map_err(|e| setup.render_failure(e))?;
@@ -109,7 +122,7 @@ fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Control)
         .map_err(|e| setup.render_failure(e))?;
     let (renderer, render, counts) = (renderer.name().to_owned(), start.elapsed(), stats.counts);
     let error_bound = max_error.map(|bound| ErrorBound::new(bound, &counts, setup.view.supersampling));
-    Ok(Drawn { renderer, frame, counts, prepare, render, error_bound, chosen: None })
+    Ok(Drawn { renderer, frame, counts, prepare, render, error_bound, chosen: None, stated })
 }
 
 /// Summary of a rendering, to be printed.

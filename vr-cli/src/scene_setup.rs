@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clap::{Args, FromArgMatches};
 use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
 use vr_io::{
-    FileError, FileErrorKind, FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection,
+    FileError, FileErrorKind, FileInfo, FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection,
     VolumeSource,
 };
 use vr_mesh::Surface;
@@ -17,6 +17,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
 use crate::overrides::Overrides;
+use crate::renderers::StatedRenderer;
 use crate::{number, renderers};
 
 /// Scene that is drawn where the command line names none.
@@ -36,6 +37,10 @@ pub struct Setup {
     pub inputs: Vec<PathBuf>,
     /// Phantom that the volume is made of, if it is.
     pub phantom: Option<String>,
+    /// The scene file with the flags in it, of which things may be left open.
+    pub file: SceneFile,
+    /// What the volume's file says, where there is one.
+    pub info: Option<FileInfo>,
     /// The renderer that the scene file names.
     renderer: Option<String>,
     options: Options,
@@ -51,9 +56,26 @@ pub struct Configured {
     pub options: Options,
     /// Error bound that was asked for, if any.
     pub max_error: Option<f64>,
+    /// The renderer as scene files and records state it.
+    pub stated: StatedRenderer,
 }
 
 impl Setup {
+    /// The setup of a scene file whose paths are right from here, without flags.
+    ///
+    /// # Errors
+    /// Any fault of the files, or the scene.
+    pub fn of_file(file: &SceneFile, console: Console) -> Result<Self, Failure> {
+        let loaded = vr_io::resolve_scene(file, Path::new("")).map_err(Failure::failed)?;
+        Self::around(&no_flags()?, file, loaded, Origin::default(), console)
+    }
+
+    /// The scene file with everything stated that it leaves open, the renderer included; its paths are as they were.
+    pub fn complete_file(&self, stated: &StatedRenderer) -> SceneFile {
+        let StatedRenderer { name, options, max_error } = stated.clone();
+        self.file.completed(&self.scene, &self.view, self.info.as_ref()).drawn_by(&name, options, max_error)
+    }
+
     /// Reads the scene file (or takes the embedded scene, where no volume is named either) and everything that it names,
     /// with the flags in place of what they override. Prints notes on everything assumed.
     ///
@@ -102,7 +124,7 @@ impl Setup {
             info: loaded.info.as_ref(),
         };
         let camera = camera_flags::apply(&args.camera, own, &sight).map_err(|e| origin.parameter(&e))?;
-        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, files, notes, .. } = loaded;
+        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, info, files, notes } = loaded;
         view.camera = camera;
         let inputs = args.scene.iter().cloned().chain(files).collect();
         for note in &notes {
@@ -121,7 +143,9 @@ impl Setup {
             Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => Some(name.clone()),
             _ => None,
         };
-        let setup = Self { scene, view, title, notes, inputs, phantom, renderer, options, max_error, origin };
+        let file = file.clone();
+        let setup =
+            Self { scene, view, title, notes, inputs, phantom, file, info, renderer, options, max_error, origin };
         setup.view.validate().map_err(|e| setup.render_failure(e.into()))?;
         // Surfaces are drawn here for the note alone.
         if !console.quiet {
@@ -187,14 +211,22 @@ impl Setup {
             // A bound that options set, and not the default.
             let is_asked = renderer.max_error().is_none() || bound_key.is_some_and(|key| options.0.contains_key(key));
             let max_error = configured.max_error().filter(|_| is_asked);
-            return Ok(Configured { renderer: configured, options, max_error });
+            let stated = StatedRenderer::of(&*configured, None);
+            return Ok(Configured { renderer: configured, options, max_error, stated });
         };
         let by_flag = args.max_error.is_some() || args.renderer.is_some();
+        let stated = StatedRenderer::of(&*configured, Some(max_error));
         let renderer = configured
             .with_max_error(max_error)
             .ok_or_else(|| complaint(by_flag, format!("renderer {name} cannot bound the error (max_error)")))?
             .map_err(|e| complaint(by_flag, e.to_string()))?;
-        Ok(Configured { renderer, options, max_error: Some(max_error) })
+        Ok(Configured { renderer, options, max_error: Some(max_error), stated })
+    }
+
+    /// Returns a path of the scene file as it is from here.
+    pub fn path_of(&self, path: &str) -> PathBuf {
+        let scene_file = self.origin.scene_file.as_deref();
+        scene_file.and_then(Path::parent).map_or_else(|| path.into(), |folder| folder.join(path))
     }
 
     /// Notes that the scene file's choices about a renderer have no effect, where it makes any: for commands that try several.
@@ -250,12 +282,16 @@ pub fn named_scene(args: &SceneArgs, console: Console) -> Result<Option<Setup>, 
         return Setup::new(args, console).map(Some);
     }
     // Every argument tells all that it holds.
-    let none = SceneArgs::augment_args(clap::Command::new("none")).get_matches_from(["none"]);
-    let none = SceneArgs::from_arg_matches(&none).map_err(Failure::failed)?;
-    if format!("{args:?}") != format!("{none:?}") {
+    if format!("{args:?}") != format!("{:?}", no_flags()?) {
         return Err(Failure::usage("flags about a scene need one: name a volume, --phantom or --scene"));
     }
     Ok(None)
+}
+
+/// Returns the arguments about a scene where none is given.
+fn no_flags() -> Result<SceneArgs, Failure> {
+    let none = SceneArgs::augment_args(clap::Command::new("none")).get_matches_from(["none"]);
+    SceneArgs::from_arg_matches(&none).map_err(Failure::failed)
 }
 
 /// Returns the embedded scene or, where a volume is named, an empty scene file.

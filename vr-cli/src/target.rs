@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::number;
 use crate::progress::under_bar;
 use crate::render::Drawn;
-use crate::renderers;
+use crate::renderers::{self, StatedRenderer};
 use crate::scene_setup::Setup;
 
 /// Choice of a renderer and its setting.
@@ -88,8 +88,18 @@ pub fn draw(
         sample_pixels: error.pixels,
         pixels: w * h,
     };
+    let stated = StatedRenderer::of(&*winner.configured, None);
     let (renderer, counts) = (winner.renderer.clone(), rendered.stats.counts);
-    Ok(Drawn { renderer, frame: rendered.frame, counts, prepare, render, error_bound: None, chosen: Some(chosen) })
+    Ok(Drawn {
+        renderer,
+        frame: rendered.frame,
+        counts,
+        prepare,
+        render,
+        error_bound: None,
+        chosen: Some(chosen),
+        stated,
+    })
 }
 
 impl Chosen {

@@ -69,6 +69,9 @@ pub trait StudiedRenderer: Documented {
     /// Description of each of its options.
     fn option_specs(&self) -> Vec<OptionSpec>;
 
+    /// All options, with the values that this renderer has.
+    fn option_values(&self) -> Options;
+
     /// The same renderer with options set; those not given keep the value that they have here.
     ///
     /// # Errors
@@ -79,6 +82,10 @@ pub trait StudiedRenderer: Documented {
 impl<R: Configurable + Documented> StudiedRenderer for R {
     fn option_specs(&self) -> Vec<OptionSpec> {
         R::options().specs()
+    }
+
+    fn option_values(&self) -> Options {
+        self.to_options()
     }
 
     fn with_options(&self, options: &Options) -> Result<Box<dyn StudiedRenderer>, OptionError> {

@@ -14,7 +14,11 @@ use crate::error::WriteError;
 /// # Errors
 /// A [`WriteError`] naming the file; no part of it is left behind then.
 pub fn write_exr(path: impl AsRef<Path>, frame: &Frame) -> Result<(), WriteError> {
-    let path = path.as_ref();
+    write_exr_with(path.as_ref(), frame, LayerAttributes::default())
+}
+
+/// Writes a frame as OpenEXR, with attributes.
+pub(crate) fn write_exr_with(path: &Path, frame: &Frame, attributes: LayerAttributes) -> Result<(), WriteError> {
     let [width, height] = frame.size();
     let channel = |name: &str, samples: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(samples));
     let component = |c: usize| frame.pixels().iter().map(|p| p[c]).collect();
@@ -22,7 +26,7 @@ pub fn write_exr(path: impl AsRef<Path>, frame: &Frame) -> Result<(), WriteError
     channels.extend(frame.depth().map(|depth| channel("Z", depth.to_vec())));
     let layer = Layer::new(
         Vec2(width as usize, height as usize),
-        LayerAttributes::default(),
+        attributes,
         exr::prelude::Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels.into()),
     );

@@ -51,6 +51,15 @@
 //! # }
 //! ```
 //!
+//! [`SceneFile::completed`] states what a file leaves open, and [`commented_scene`] writes it with the meaning of every key.
+//!
+//! # Records in pictures
+//!
+//! [`write_with_record`] puts a [`PictureRecord`] into a picture, from which it can be drawn again bit for bit: the complete scene, the
+//! version of the program, and hashes of volume ([`volume_hash`]) and pixels ([`StoredPixels`]). It is TOML, in PNG an iTXt chunk `vr` beside
+//! `Software` and `Description`, in EXR a text attribute `vr` beside `software` and `comments`. Folders, and names of a patient's files,
+//! are left out. [`read_record`] reads it.
+//!
 //! # Volumes that are read
 //!
 //! | format | files | encodings |
@@ -157,6 +166,7 @@ mod claim;
 mod decode;
 mod detect;
 mod dicom;
+mod digest;
 mod edit;
 mod encoding;
 mod error;
@@ -186,6 +196,7 @@ mod points;
 mod pvm;
 mod raw;
 mod read;
+mod record;
 mod scalar;
 mod scene;
 mod slc;
@@ -200,6 +211,7 @@ mod write;
 mod zarr;
 
 pub use atomic::write_bytes;
+pub use digest::{file_hash, volume_hash};
 pub use edit::{Rounding, convert_grid, crop_grid, flip_grid, resample_grid};
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};
 pub use exr::write_exr;
@@ -208,17 +220,21 @@ pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;
 pub use paraview::{ColorMap, parse_color_maps, read_color_maps};
 pub use picture::write;
-pub use picture_read::{MAX_PIXELS, Picture, PictureError, SampleKind, read_picture};
+pub use picture_read::{MAX_PIXELS, Picture, PictureError, SampleKind, StoredPixels, read_picture};
 pub use png::{Encode, PngDepth, PngOptions, encode_png, write_png};
 pub use points::{LoadedPoints, PointColumns, PointOptions, read_points};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, outline, read};
+pub use record::{
+    ErrorRecord, FileRecord, PictureFormat, PictureRecord, PixelsRecord, RecordError, RecordSection, VolumeRecord,
+    read_record, write_with_record,
+};
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
     CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LightEntry, LoadedScene,
     LoadedVolume, LookName, MeshSection, ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh,
-    ShadingSection, TransferSection, VolumeSection, VolumeSource, load_scene, load_volume, outline_scene, parse_scene,
-    read_scene, resolve_scene, scene_text, write_scene,
+    ShadingSection, TransferSection, VolumeSection, VolumeSource, commented_scene, load_scene, load_volume,
+    outline_scene, parse_scene, read_scene, resolve_scene, scene_text, write_scene,
 };
 pub use world::{Space, orientation};
 pub use write::{

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
+use serde::{Deserialize, Serialize};
 use vr_core::Frame;
 use vr_core::transfer::linear_to_srgb;
 
@@ -42,7 +43,8 @@ pub enum PngDepth {
 }
 
 /// Encoding of the numbers in a PNG.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Encode {
     /// The sRGB curve, as screens expect.
     #[default]
@@ -58,7 +60,8 @@ pub enum Encode {
 pub fn write_png(path: impl AsRef<Path>, frame: &Frame, options: &PngOptions) -> Result<(), WriteError> {
     let path = path.as_ref();
     write_whole(path, |out| {
-        encode(out, frame, options).map_err(|e| WriteError::Encode { path: path.into(), message: e.to_string() })
+        encode(out, frame.size(), &samples(frame, options))
+            .map_err(|e| WriteError::Encode { path: path.into(), message: e.to_string() })
     })
 }
 
@@ -67,26 +70,58 @@ pub fn write_png(path: impl AsRef<Path>, frame: &Frame, options: &PngOptions) ->
 /// # Panics
 /// Panics if the frame has no pixels: there is no such PNG.
 pub fn encode_png(frame: &Frame, options: &PngOptions) -> Vec<u8> {
+    encode_samples(frame.size(), &samples(frame, options))
+}
+
+/// Channels of a PNG, pixel by pixel.
+pub(crate) struct Samples {
+    /// True if α is the fourth channel.
+    pub alpha: bool,
+    /// The numbers.
+    pub numbers: Numbers,
+}
+
+/// Numbers of a PNG.
+pub(crate) enum Numbers {
+    /// In 8 bits.
+    Eight(Vec<u8>),
+    /// In 16 bits.
+    Sixteen(Vec<u16>),
+}
+
+/// Makes a PNG's numbers of a frame.
+pub(crate) fn samples(frame: &Frame, options: &PngOptions) -> Samples {
+    let channels = channels(frame, options);
+    let numbers = match options.depth {
+        PngDepth::Eight => Numbers::Eight(channels.map(|x| (x * 255.0).round() as u8).collect()),
+        PngDepth::Sixteen => Numbers::Sixteen(channels.map(|x| (x * 65535.0).round() as u16).collect()),
+    };
+    Samples { alpha: options.alpha, numbers }
+}
+
+/// The bytes of a PNG.
+///
+/// # Panics
+/// Panics if there are no pixels: there is no such PNG.
+pub(crate) fn encode_samples(size: [u32; 2], samples: &Samples) -> Vec<u8> {
     let mut bytes = Vec::new();
-    encode(&mut bytes, frame, options).expect("memory takes every picture that has pixels");
+    encode(&mut bytes, size, samples).expect("memory takes every picture that has pixels");
     bytes
 }
 
-fn encode(out: impl Write, frame: &Frame, options: &PngOptions) -> Result<(), ImageError> {
-    let [width, height] = frame.size();
-    let channels = channels(frame, options);
-    let (bytes, color) = match options.depth {
-        PngDepth::Eight => {
-            let color = if options.alpha { ExtendedColorType::Rgba8 } else { ExtendedColorType::Rgb8 };
-            (channels.map(|x| (x * 255.0).round() as u8).collect::<Vec<_>>(), color)
+fn encode(out: impl Write, [width, height]: [u32; 2], samples: &Samples) -> Result<(), ImageError> {
+    let encoder = PngEncoder::new(out);
+    match &samples.numbers {
+        Numbers::Eight(bytes) => {
+            let color = if samples.alpha { ExtendedColorType::Rgba8 } else { ExtendedColorType::Rgb8 };
+            encoder.write_image(bytes, width, height, color)
         }
-        PngDepth::Sixteen => {
-            let color = if options.alpha { ExtendedColorType::Rgba16 } else { ExtendedColorType::Rgb16 };
+        Numbers::Sixteen(numbers) => {
+            let color = if samples.alpha { ExtendedColorType::Rgba16 } else { ExtendedColorType::Rgb16 };
             // `image` takes 16-bit channels in the machine's byte order.
-            (channels.flat_map(|x| ((x * 65535.0).round() as u16).to_ne_bytes()).collect(), color)
+            encoder.write_image(bytemuck::cast_slice(numbers), width, height, color)
         }
-    };
-    PngEncoder::new(out).write_image(&bytes, width, height, color)
+    }
 }
 
 /// The numbers of the file in [0, 1], pixel by pixel; NaN counts as 0.

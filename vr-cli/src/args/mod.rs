@@ -5,7 +5,9 @@ mod convert;
 mod diff;
 mod ray;
 mod report;
+mod rerun;
 mod scene;
+mod scene_file;
 mod value;
 mod volume;
 
@@ -20,7 +22,9 @@ pub use convert::{ChangeArgs, ConvertArgs, CropBox};
 pub use diff::DiffArgs;
 pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
+pub use rerun::RerunArgs;
 pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
+pub use scene_file::SceneFileArgs;
 pub use volume::VolumeArgs;
 
 use crate::failure::Failure;
@@ -28,7 +32,7 @@ use crate::help;
 
 /// Pictures of volumes, and how far they are from the correct ones.
 ///
-/// Every command but `diff` and `convert` works without arguments, on an embedded scene.
+/// Every command but `diff`, `convert` and `rerun` works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
 #[command(name = "vr", version, args_override_self = true, disable_help_subcommand = true)]
 pub struct Cli {
@@ -70,10 +74,14 @@ pub enum Command {
     Verify(Box<VerifyArgs>),
     /// Compare two pictures from anywhere: error, similarity, heat map
     Diff(Box<DiffArgs>),
-    /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try; or a mesh
+    /// Describe a volume: size, orientation, values, histogram, transfer functions worth a try; or a mesh; or the record in a picture
     Info(Box<InfoArgs>),
     /// Write a volume in another format, or a part of it, resampled, or with voxels of another type
     Convert(Box<ConvertArgs>),
+    /// Write or print the complete scene file, with comments, of what render would draw with the same flags
+    Scene(Box<SceneFileArgs>),
+    /// Draw a picture again from the record in it, and compare the two bit for bit
+    Rerun(Box<RerunArgs>),
     /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the reference
     Ray(Box<RayArgs>),
     /// Explain a command, a renderer and its options, or list names: renderers, presets, phantoms
@@ -147,6 +155,9 @@ pub struct OutputArgs {
     /// Keep opacity in a PNG instead of blending with the background
     #[arg(long)]
     pub alpha: bool,
+    /// Leave out the record of scene, settings and hashes that each picture holds (vr info prints it, vr rerun draws from it)
+    #[arg(long)]
+    pub no_record: bool,
     /// Pixels that are compared with the reference: all, those of a 64x64 subgrid, or none
     #[arg(long, value_name = "PIXELS", default_value = "subgrid")]
     pub error: ErrorMeasure,

@@ -12,5 +12,7 @@ mod look;
 mod mesh;
 mod points;
 mod ray;
+mod records;
 mod report;
+mod scene_files;
 mod unused;

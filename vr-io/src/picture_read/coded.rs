@@ -15,6 +15,26 @@ use crate::png::Encode;
 /// Reads a picture whose first bytes are not those of EXR.
 pub(super) fn read(origin: Origin<'_>, file: BufReader<File>, encode: Encode) -> Result<Picture, PictureError> {
     let path = origin.path;
+    let (format, image) = decode(origin, file)?;
+    let color = image.color();
+    let pixels = linear(&image, encode)
+        .ok_or_else(|| PictureError::unsupported(path, format, format!("colours of type {color:?}")))?;
+    Ok(Picture {
+        frame: Frame::new([image.width(), image.height()], pixels, None),
+        alpha: color.has_alpha(),
+        samples: match color.bytes_per_pixel() / color.channel_count() {
+            1 => SampleKind::Eight,
+            2 => SampleKind::Sixteen,
+            _ => SampleKind::Float,
+        },
+        format,
+        layer: None,
+    })
+}
+
+/// Decodes a picture whose first bytes are not those of EXR; returns the name of its format, too.
+pub(super) fn decode(origin: Origin<'_>, file: BufReader<File>) -> Result<(&'static str, DynamicImage), PictureError> {
+    let path = origin.path;
     let mut reader = ImageReader::new(file)
         .with_guessed_format()
         .map_err(|source| PictureError::Io { path: path.into(), source })?;
@@ -45,20 +65,7 @@ pub(super) fn read(origin: Origin<'_>, file: BufReader<File>, encode: Encode) ->
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();
     origin.check([width.into(), height.into()], color.bytes_per_pixel().into(), BYTES_PER_BYTE)?;
-    let image = DynamicImage::from_decoder(decoder).map_err(refuse)?;
-    let pixels = linear(&image, encode)
-        .ok_or_else(|| PictureError::unsupported(path, format, format!("colours of type {color:?}")))?;
-    Ok(Picture {
-        frame: Frame::new([width, height], pixels, None),
-        alpha: color.has_alpha(),
-        samples: match color.bytes_per_pixel() / color.channel_count() {
-            1 => SampleKind::Eight,
-            2 => SampleKind::Sixteen,
-            _ => SampleKind::Float,
-        },
-        format,
-        layer: None,
-    })
+    Ok((format, DynamicImage::from_decoder(decoder).map_err(refuse)?))
 }
 
 /// Premultiplied linear RGBA of every pixel; `None` for number types that are not known here.

@@ -66,11 +66,11 @@ pub enum PictureError {
 }
 
 impl PictureError {
-    pub(super) fn damaged(path: &Path, format: &'static str, message: impl Display) -> Self {
+    pub(crate) fn damaged(path: &Path, format: &'static str, message: impl Display) -> Self {
         Self::Damaged { path: path.into(), format, message: one_line(&message) }
     }
 
-    pub(super) fn unsupported(path: &Path, format: &'static str, message: impl Display) -> Self {
+    pub(crate) fn unsupported(path: &Path, format: &'static str, message: impl Display) -> Self {
         Self::Unsupported { path: path.into(), format, message: one_line(&message) }
     }
 }

@@ -3,6 +3,7 @@
 mod coded;
 mod error;
 mod exr;
+mod stored;
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
@@ -13,6 +14,7 @@ use vr_core::Frame;
 use crate::png::Encode;
 
 pub use error::PictureError;
+pub use stored::StoredPixels;
 
 /// Pictures with more pixels than this (8192 × 8192) are refused.
 pub const MAX_PIXELS: u64 = 1 << 26;
@@ -65,7 +67,19 @@ pub enum SampleKind {
 /// A [`PictureError`] naming the file: one that cannot be opened, is of another format, damaged or cut off, claims more than it
 /// can hold or more than [`MAX_PIXELS`], or has no colours.
 pub fn read_picture(path: impl AsRef<Path>, encode: Encode) -> Result<Picture, PictureError> {
-    let path = path.as_ref();
+    match open(path.as_ref())? {
+        Opened::Exr(origin, file) => exr::read(origin, file),
+        Opened::Coded(origin, file) => coded::read(origin, file, encode),
+    }
+}
+
+/// A file that is open at its beginning, by the library that reads it.
+enum Opened<'a> {
+    Exr(Origin<'a>, BufReader<File>),
+    Coded(Origin<'a>, BufReader<File>),
+}
+
+fn open(path: &Path) -> Result<Opened<'_>, PictureError> {
     let io = |source| PictureError::Io { path: path.into(), source };
     let mut file = File::open(path).map_err(io)?;
     let length = file.metadata().map_err(io)?.len();
@@ -73,7 +87,8 @@ pub fn read_picture(path: impl AsRef<Path>, encode: Encode) -> Result<Picture, P
     (&mut file).take(4).read_to_end(&mut head).map_err(io)?;
     file.rewind().map_err(io)?;
     let (origin, file) = (Origin { path, length }, BufReader::new(file));
-    if head == ::exr::meta::magic_number::BYTES { exr::read(origin, file) } else { coded::read(origin, file, encode) }
+    let is_exr = head == ::exr::meta::magic_number::BYTES;
+    Ok(if is_exr { Opened::Exr(origin, file) } else { Opened::Coded(origin, file) })
 }
 
 /// The file that is being read, and its length.

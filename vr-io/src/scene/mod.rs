@@ -1,7 +1,10 @@
 //! Scene files: from TOML text to a scene and a view, and back.
 
+mod commented;
+mod complete;
 mod error;
 mod inline;
+mod key_help;
 mod resolve;
 mod scene_file;
 mod sections;
@@ -13,6 +16,7 @@ use std::path::Path;
 use crate::atomic::write_whole;
 use crate::error::{FileError, WriteError};
 
+pub use commented::commented_scene;
 pub use error::SceneFileError;
 pub use resolve::{LoadedScene, SceneMesh, outline_scene, resolve_scene};
 pub use scene_file::SceneFile;

@@ -1,0 +1,89 @@
+//! `vr scene`.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use vr_core::Control;
+use vr_io::{SceneFile, VolumeSource};
+
+use crate::args::SceneFileArgs;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::picture_record::VERSION;
+use crate::renderers::{self, StatedRenderer};
+use crate::scene_setup::Setup;
+use crate::{exact_cache, output_file, target};
+
+/// Writes or prints the complete scene file, with comments, of what `vr render` would draw.
+///
+/// # Errors
+/// Any fault of the command line, the volume, the scene, or the file to be written.
+pub fn run(args: &SceneFileArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    if let Some(place) = &args.output {
+        output_file::check(place, &["toml"])?;
+    }
+    let setup = Setup::new(&args.scene, console)?;
+    setup.protect(args.output.iter().map(|path| ("--output", path.as_path())))?;
+    // Only a picture tells the choice of a target.
+    let stated = match args.target.target_rmse {
+        Some(target) => {
+            let cache = exact_cache::open(&args.cache);
+            target::draw(target, &args.renderer, &setup, &cache, console, control)?.stated
+        }
+        None => setup.renderer(&args.renderer, console)?.stated,
+    };
+
+    // The paths as they are to be read from the place of the file.
+    let mut file = setup.complete_file(&stated);
+    let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    let from_there = |path: &str| path_from(folder, &setup.path_of(path));
+    if let Some(VolumeSource::File(source)) = &mut file.volume.source {
+        source.path = from_there(&source.path);
+    }
+    if let Some(mesh) = &mut file.mesh {
+        mesh.path = from_there(&mesh.path);
+    }
+    let title = format!("Scene of vr {VERSION}: {}, drawn by {}.", setup.title, stated.name);
+    let text = text(&file, &title, &stated)?;
+
+    #[derive(Serialize)]
+    struct Json<'a> {
+        output: Option<&'a PathBuf>,
+        scene: &'a SceneFile,
+        notes: &'a [String],
+    }
+    let json = Json { output: args.output.as_ref(), scene: &file, notes: &setup.notes };
+    match &args.output {
+        Some(place) => {
+            vr_io::write_bytes(place, text.as_bytes()).map_err(Failure::failed)?;
+            console.result(&format!("scene    {}\nwrote    {}", setup.title, place.display()), &json)
+        }
+        None => console.result(&text, &json),
+    }
+}
+
+fn text(file: &SceneFile, title: &str, stated: &StatedRenderer) -> Result<String, Failure> {
+    let renderer = renderers::named(&stated.name).map_err(Failure::failed)?;
+    vr_io::commented_scene(file, title, &renderer.option_specs()).map_err(Failure::failed)
+}
+
+/// Returns a path as a file in `folder` must hold it: relative to it where it leads further down, absolute otherwise.
+fn path_from(folder: &Path, path: &Path) -> String {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let place = absolute(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    let path = absolute(path);
+    path.strip_prefix(place).unwrap_or(&path).to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_relative_where_they_lead_down() {
+        let here = std::env::current_dir().unwrap();
+        assert_eq!(path_from(Path::new(""), Path::new("sub/a.raw")), "sub/a.raw");
+        assert_eq!(path_from(Path::new("sub"), Path::new("sub/a.raw")), "a.raw");
+        assert_eq!(path_from(Path::new("sub"), Path::new("a.raw")), here.join("a.raw").to_string_lossy());
+    }
+}

@@ -1,0 +1,99 @@
+//! Scene files of which nothing is left open, and such as name no folder.
+
+use std::path::Path;
+
+use vr_core::{Options, Scene, View, Volume};
+
+use crate::read::FileInfo;
+
+use super::scene_file::SceneFile;
+use super::sections::{CameraSection, RenderSection, ShadingSection, TransferSection};
+use super::volume_section::{FileSource, VolumeSource};
+
+/// Name that stands for a DICOM series, whose files and folders may be named after the patient.
+const DICOM_NAME: &str = "DICOM series";
+
+/// Largest number of digits of a DICOM series' number; UIDs have dots.
+const MAX_SERIES_DIGITS: usize = 9;
+
+impl SceneFile {
+    /// The same scene with everything stated that this file leaves open, as it came to be in `scene` and `view`: the camera as eye, target
+    /// and up, the transfer function as points, the shading that an automatic look has chosen. `info` is what the volume's file says.
+    /// The renderer is left as it is ([`Self::drawn_by`]).
+    #[must_use]
+    pub fn completed(&self, scene: &Scene, view: &View, info: Option<&FileInfo>) -> Self {
+        let mut file = self.clone();
+        match &mut file.volume.source {
+            Some(VolumeSource::File(source)) => complete_raw(source, &scene.volume, info),
+            Some(VolumeSource::Phantom { size, .. }) => *size = scene.volume.grid().map(|grid| grid.dims()[0]),
+            Some(VolumeSource::PhantomPoints { count, .. }) => *count = scene.volume.points().map(|p| p.count()),
+            _ => {}
+        }
+        let transfer = &scene.transfer;
+        file.volume.filter = scene.volume.filter();
+        file.transfer = Some(TransferSection {
+            unit_distance: Some(transfer.unit_distance()),
+            opacity_rule: transfer.rule(),
+            points: Some(transfer.points().to_vec()),
+            ..TransferSection::default()
+        });
+        file.shading = Some(match &scene.shading {
+            Some(shading) => ShadingSection::describe(shading, &scene.lights),
+            None => ShadingSection { enabled: false, ..ShadingSection::default() },
+        });
+        file.camera = Some(CameraSection::from(&view.camera));
+        file.clip = view.clip.clone();
+        file.image.size = view.size;
+        file.image.samples = view.supersampling;
+        file.image.background = scene.background;
+        let RenderSection { compositing, threshold, level, .. } = RenderSection::describe(scene.compositing);
+        (file.render.compositing, file.render.threshold, file.render.level) = (compositing, threshold, level);
+        file
+    }
+
+    /// The same scene, drawn by a renderer of this name with these options and error bound.
+    #[must_use]
+    pub fn drawn_by(mut self, renderer: &str, options: Options, max_error: Option<f64>) -> Self {
+        let renderer = Some(renderer.to_owned());
+        self.render = RenderSection { renderer, options, max_error, ..self.render };
+        self
+    }
+
+    /// The same scene without folders: files by their names alone, and a DICOM series, as `info` tells it, without even one.
+    #[must_use]
+    pub fn without_folders(mut self, info: Option<&FileInfo>) -> Self {
+        if let Some(VolumeSource::File(source)) = &mut self.volume.source {
+            if info.is_some_and(|info| info.format == "DICOM") {
+                source.path = DICOM_NAME.to_owned();
+                // A number tells series of one scan apart; a UID is found in the patient's records.
+                let is_number =
+                    |series: &String| series.len() <= MAX_SERIES_DIGITS && series.bytes().all(|c| c.is_ascii_digit());
+                source.series = source.series.take().filter(is_number);
+            } else {
+                source.path = name_of(Path::new(&source.path));
+            }
+        }
+        if let Some(mesh) = &mut self.mesh {
+            mesh.path = name_of(Path::new(&mesh.path));
+        }
+        if let Some(file) = self.transfer.as_mut().and_then(|transfer| transfer.file.as_mut()) {
+            *file = name_of(Path::new(file));
+        }
+        self
+    }
+}
+
+/// Returns a file's name without its folder.
+fn name_of(path: &Path) -> String {
+    // A folder such as `..` has no name.
+    path.file_name().map_or_else(|| "unnamed".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// States size and type of a raw file, which its name may not tell where it is renamed.
+fn complete_raw(source: &mut FileSource, volume: &Volume, info: Option<&FileInfo>) {
+    if let (Some(info), Volume::Grid(grid)) = (info.filter(|info| info.format == "raw"), volume) {
+        source.grid.dims.get_or_insert(grid.dims());
+        source.grid.scalar.get_or_insert(info.scalar);
+        source.endian.get_or_insert(info.endian);
+    }
+}
