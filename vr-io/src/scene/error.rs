@@ -54,7 +54,7 @@ pub enum SceneFileError {
 }
 
 impl SceneFileError {
-    pub(super) fn of_toml(error: &toml::de::Error, text: &str, path: &Path) -> Self {
+    pub(crate) fn of_toml(error: &toml::de::Error, text: &str, path: &Path) -> Self {
         let line =
             error.span().map(|span| text.as_bytes()[..span.start.min(text.len())].split(|&c| c == b'\n').count());
         let path = path.to_owned();
