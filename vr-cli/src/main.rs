@@ -3,6 +3,7 @@
 //! It parses, wires and prints. What it prints is found out elsewhere: `vr-io` reads and writes, the renderers draw, and
 //! `vr-physics` solves the reference.
 
+mod animation;
 mod args;
 mod bench;
 mod bench_report;
@@ -78,6 +79,8 @@ fn run() -> Result<(), Failure> {
         Command::Diff(args) => diff::run(args, console),
         Command::Info(args) => info::run(args, console),
         Command::Convert(args) => convert::run(args, console),
+        Command::Turntable(args) => animation::turntable(args, console, &control),
+        Command::Animate(args) => animation::animate(args, console, &control),
         Command::Ray(args) => ray::run(args, console, &control),
     })
 }

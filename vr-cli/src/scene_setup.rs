@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clap::{Args, FromArgMatches};
 use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
 use vr_io::{
-    FileError, FileErrorKind, FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection,
+    FileError, FileErrorKind, FileInfo, FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection,
     VolumeSource,
 };
 use vr_mesh::Surface;
@@ -36,6 +36,10 @@ pub struct Setup {
     pub inputs: Vec<PathBuf>,
     /// Phantom that the volume is made of, if it is.
     pub phantom: Option<String>,
+    /// What the volume's file says, where there is one.
+    pub info: Option<FileInfo>,
+    /// True if the scene file places the camera.
+    pub has_camera: bool,
     /// The renderer that the scene file names.
     renderer: Option<String>,
     options: Options,
@@ -61,9 +65,17 @@ impl Setup {
     /// Any fault of the flags, the files, or the scene.
     pub fn new(args: &SceneArgs, console: Console) -> Result<Self, Failure> {
         let (file, origin) = described(args)?;
+        Self::of_file(args, &file, origin, console)
+    }
+
+    /// As [`Self::new`], of a scene file in which the flags stand already, as [`described`] gives it.
+    ///
+    /// # Errors
+    /// Any fault of the flags, the files, or the scene.
+    pub fn of_file(args: &SceneArgs, file: &SceneFile, origin: Origin, console: Console) -> Result<Self, Failure> {
         let path = args.scene.as_deref().unwrap_or(Path::new(""));
-        let loaded = vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
-        Self::around(args, &file, loaded, origin, console)
+        let loaded = vr_io::resolve_scene(file, path).map_err(|e| origin.scene_failure(e))?;
+        Self::around(args, file, loaded, origin, console)
     }
 
     /// As [`Self::new`], for a renderer that is chosen already: where the volume is large, the renderer is asked first whether it draws
@@ -102,7 +114,7 @@ impl Setup {
             info: loaded.info.as_ref(),
         };
         let camera = camera_flags::apply(&args.camera, own, &sight).map_err(|e| origin.parameter(&e))?;
-        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, files, notes, .. } = loaded;
+        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, info, files, notes } = loaded;
         view.camera = camera;
         let inputs = args.scene.iter().cloned().chain(files).collect();
         for note in &notes {
@@ -121,7 +133,9 @@ impl Setup {
             Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => Some(name.clone()),
             _ => None,
         };
-        let setup = Self { scene, view, title, notes, inputs, phantom, renderer, options, max_error, origin };
+        let has_camera = own.is_some();
+        let setup =
+            Self { scene, view, title, notes, inputs, phantom, info, has_camera, renderer, options, max_error, origin };
         setup.view.validate().map_err(|e| setup.render_failure(e.into()))?;
         // Surfaces are drawn here for the note alone.
         if !console.quiet {
@@ -227,7 +241,10 @@ impl Setup {
 }
 
 /// The scene file, or the embedded scene, with the flags in place of what they override, and where each parameter came from.
-fn described(args: &SceneArgs) -> Result<(SceneFile, Origin), Failure> {
+///
+/// # Errors
+/// Any fault of the flags or the scene file.
+pub fn described(args: &SceneArgs) -> Result<(SceneFile, Origin), Failure> {
     let mut file = match &args.scene {
         Some(path) => vr_io::read_scene(path).map_err(Failure::failed)?,
         None => default_scene(args.volume.path.is_some() || args.volume.phantom.is_some())?,

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod animation;
 mod choices;
 mod convert;
 mod diff;
@@ -15,6 +16,7 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use vr_io::{PngDepth, PngOptions};
 
+pub use animation::{AnimateArgs, AnimationArgs, Axis, LookFrom, TurnArgs, TurntableArgs};
 pub use choices::{Bits, Curve, ErrorMeasure};
 pub use convert::{ChangeArgs, ConvertArgs, CropBox};
 pub use diff::DiffArgs;
@@ -28,7 +30,7 @@ use crate::renderers;
 
 /// Pictures of volumes, and how far they are from the correct ones.
 ///
-/// Every command but `diff` and `convert` works without arguments, on an embedded scene.
+/// Every command but `diff`, `convert` and `animate` works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
 #[command(name = "vr", version, args_override_self = true, after_help = EXIT_CODES)]
 pub struct Cli {
@@ -82,6 +84,10 @@ pub enum Command {
     Info(Box<InfoArgs>),
     /// Write a volume in another format, or a part of it, resampled, or with voxels of another type
     Convert(Box<ConvertArgs>),
+    /// Turn a volume about its axis: an animation, or its frames
+    Turntable(Box<TurntableArgs>),
+    /// Move camera, transfer function and clip from key to key: an animation, or its frames
+    Animate(Box<AnimateArgs>),
     /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the reference
     Ray(Box<RayArgs>),
 }
@@ -271,6 +277,8 @@ impl Cli {
         Self::command()
             .mut_subcommand("render", |render| render.after_help(features + &options + EXIT_CODES))
             .mut_subcommand("bench", |bench| bench.after_help(options.clone() + EXIT_CODES))
+            .mut_subcommand("turntable", |turntable| turntable.after_help(options.clone() + EXIT_CODES))
+            .mut_subcommand("animate", |animate| animate.after_help(options.clone() + EXIT_CODES))
             .mut_subcommand("ray", |ray| ray.after_help(options))
     }
 }
