@@ -3,6 +3,7 @@
 //! It parses, wires and prints. What it prints is found out elsewhere: `vr-io` reads and writes, the renderers draw, and
 //! `vr-physics` solves the reference.
 
+mod animation;
 mod args;
 mod bench;
 mod bench_report;
@@ -86,6 +87,8 @@ fn run() -> Result<(), Failure> {
         Command::Convert(args) => convert::run(args, console),
         Command::Scene(args) => scene_file::run(args, console, &control),
         Command::Rerun(args) => rerun::run(args, console, &control),
+        Command::Turntable(args) => animation::turntable(args, console, &control),
+        Command::Animate(args) => animation::animate(args, console, &control),
         Command::Ray(args) => ray::run(args, console, &control),
         Command::Help(args) => help::run(args, Cli::command()),
     })

@@ -39,7 +39,7 @@ pub struct Setup {
     pub phantom: Option<String>,
     /// The scene file with the flags in it, of which things may be left open.
     pub file: SceneFile,
-    /// What the volume's file says, where there is one.
+    /// Header of the volume's file, if it comes from one.
     pub info: Option<FileInfo>,
     /// The renderer that the scene file names.
     renderer: Option<String>,
@@ -83,9 +83,17 @@ impl Setup {
     /// Any fault of the flags, the files, or the scene.
     pub fn new(args: &SceneArgs, console: Console) -> Result<Self, Failure> {
         let (file, origin) = described(args)?;
+        Self::of_described(args, &file, origin, console)
+    }
+
+    /// Reads what a scene file names, in which the flags are applied already, as [`described`] does.
+    ///
+    /// # Errors
+    /// Any fault of the flags, the files, or the scene.
+    pub fn of_described(args: &SceneArgs, file: &SceneFile, origin: Origin, console: Console) -> Result<Self, Failure> {
         let path = args.scene.as_deref().unwrap_or(Path::new(""));
-        let loaded = vr_io::resolve_scene(&file, path).map_err(|e| origin.scene_failure(e))?;
-        Self::around(args, &file, loaded, origin, console)
+        let loaded = vr_io::resolve_scene(file, path).map_err(|e| origin.scene_failure(e))?;
+        Self::around(args, file, loaded, origin, console)
     }
 
     /// Reads the scene for a chosen renderer. If the volume is large, the renderer first says whether it supports the scene that the header
@@ -259,7 +267,10 @@ impl Setup {
 }
 
 /// The scene file, or the embedded scene, with the flags in place of what they override, and where each parameter came from.
-fn described(args: &SceneArgs) -> Result<(SceneFile, Origin), Failure> {
+///
+/// # Errors
+/// Any fault of the flags or the scene file.
+pub fn described(args: &SceneArgs) -> Result<(SceneFile, Origin), Failure> {
     let mut file = match &args.scene {
         Some(path) => vr_io::read_scene(path).map_err(Failure::failed)?,
         None => default_scene(args.volume.path.is_some() || args.volume.phantom.is_some())?,

@@ -95,6 +95,15 @@ impl Camera {
         Self { eye: self.target + raise * arm, up: raise * self.up, ..*self }
     }
 
+    /// The camera turned as a rigid whole about the line through `pivot` along `axis`, by degrees, counterclockwise to one who looks against
+    /// the axis: about its up vector it moves to the right, as by [`Self::orbit`]. The axis is a vector of any length but 0.
+    #[must_use]
+    pub fn turned(&self, pivot: DVec3, axis: DVec3, degrees: f64) -> Self {
+        let around = turn(axis.normalize(), degrees);
+        let moved = |p: DVec3| pivot + around * (p - pivot);
+        Self { eye: moved(self.eye), target: moved(self.target), up: around * self.up, ..*self }
+    }
+
     /// Unit vectors (right, up, forward).
     ///
     /// # Errors
@@ -191,5 +200,18 @@ mod tests {
         let raised = c.orbit(0.0, 30.0);
         assert!((raised.eye.normalize().y - 0.5).abs() < 1e-12 && raised.frame().is_ok());
         assert!(c.orbit(0.0, 90.0).frame().is_ok(), "the up vector is carried along over the pole");
+    }
+
+    #[test]
+    fn turns_as_a_whole() {
+        let c = Camera::framing((DVec3::splat(-1.0), DVec3::splat(1.0)), 0.0, 0.0, None);
+        let (around, orbit) = (c.turned(c.target, 7.0 * c.up, 40.0), c.orbit(40.0, 0.0));
+        assert!((around.eye - orbit.eye).length() < 1e-12 && (around.up - orbit.up).length() < 1e-12);
+        // About its own line of sight it rolls; about another place everything moves.
+        let rolled = c.turned(c.target, DVec3::Z, 90.0);
+        assert!((rolled.eye - c.eye).length() < 1e-12 && (rolled.up + DVec3::X).length() < 1e-12);
+        let moved = c.turned(DVec3::X, DVec3::Y, 180.0);
+        assert!((moved.target - 2.0 * DVec3::X).length() < 1e-12);
+        assert!((moved.eye.distance(moved.target) - c.eye.distance(c.target)).abs() < 1e-12);
     }
 }

@@ -1,6 +1,8 @@
 //! Numbered data files: `slice%03d.raw 1 93 1`, as NRRD and MetaImage name them.
 
-use crate::error::FieldError;
+use std::path::{Path, PathBuf};
+
+use crate::error::{FieldError, FileError};
 
 /// Largest number of files, beyond any stack of slices; a header that claims more is wrong.
 const MAX_FILES: usize = 1 << 20;
@@ -55,6 +57,36 @@ pub(crate) fn matching(field: &str, pattern: &str, names: &[String]) -> Result<V
     Ok(found.into_iter().map(|(_, name)| name.clone()).collect())
 }
 
+/// The first `count` names of a pattern such as `frame-%04d.png`, numbered from 0.
+///
+/// # Errors
+/// A [`FieldError`] for a text that has no `%d` or `%04d`, or several.
+pub fn numbered_names(pattern: &str, count: usize) -> Result<Vec<String>, FieldError> {
+    let last = count.saturating_sub(1);
+    let names = expand("pattern", &format!("{pattern} 0 {last}"), MAX_FILES);
+    names
+        .map(|names| names.into_iter().take(count).collect())
+        .map_err(|_| FieldError::new("pattern", pattern, "must be a name with one %d (or %04d)"))
+}
+
+/// The files that a pattern such as `vol-%03d.nrrd` stands for, any number in its place, by that number.
+///
+/// # Errors
+/// A [`FileError`] naming the pattern: one that has no `%d`, that no file matches, or whose folder cannot be read.
+pub fn files_of_pattern(pattern: impl AsRef<Path>) -> Result<Vec<PathBuf>, FileError> {
+    let pattern = pattern.as_ref();
+    let folder = pattern.parent().unwrap_or(Path::new(""));
+    let name = pattern.file_name().unwrap_or_default().to_string_lossy();
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = here.read_dir().map_err(|e| FileError::new(folder, e))?;
+    let names: Vec<String> = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    let found = matching("pattern", &name, &names).map_err(|e| e.in_file(pattern))?;
+    if found.is_empty() {
+        return Err(FieldError::new("pattern", &name, "no file of such a name is there").in_file(pattern));
+    }
+    Ok(found.into_iter().map(|name| folder.join(name)).collect())
+}
+
 /// Splits a pattern into the text before the conversion, its width, true if it pads with zeros, and the text after.
 fn split_pattern(pattern: &str) -> Option<(String, usize, bool, String)> {
     const WIDEST: usize = 64;
@@ -94,6 +126,22 @@ mod tests {
         assert_eq!(matching("", "a_%03d.png", &names).unwrap(), ["a_002.png", "a_010.png", "a_1000.png"]);
         assert_eq!(matching("", "a_%d.png", &names).unwrap(), ["a_3.png", "a_1000.png"]);
         assert!(matching("", "a_%s.png", &names).is_err());
+    }
+
+    #[test]
+    fn files_are_found_by_number() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["v10.nrrd", "v9.nrrd", "v9.raw", "v.nrrd"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let found = files_of_pattern(folder.path().join("v%d.nrrd")).unwrap();
+        assert_eq!(found, [folder.path().join("v9.nrrd"), folder.path().join("v10.nrrd")]);
+        for (pattern, words) in [("w%d.nrrd", "no file of such a name"), ("v.nrrd", "one %d"), ("no/%d", "no")] {
+            let error = files_of_pattern(folder.path().join(pattern)).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+        assert_eq!(numbered_names("a b-%02d.png", 2).unwrap(), ["a b-00.png", "a b-01.png"]);
+        assert!(numbered_names("%d", 0).unwrap().is_empty() && numbered_names("a.png", 2).is_err());
     }
 
     #[test]

@@ -145,6 +145,12 @@
 //! * **OME-Zarr** is placed by `coordinateTransformations`. Of its resolutions the finest of at most 2²⁷ voxels is read unless
 //!   [`ReadOptions::level`] chooses.
 //!
+//! # Animations
+//!
+//! [`write_animation`] puts frames that are PNG files together, one in memory at a time: as GIF (one palette for all frames, dithered by place so
+//! that still parts are still), animated PNG or WebP, both without loss. [`read_keys`] reads key frames, and [`KeyFile`] gives camera,
+//! control points and clip at any time between them. [`files_of_pattern`] lists the volumes of a time series.
+//!
 //! # Bad files
 //!
 //! Every error is one line that names the file, the field, what was found and what is allowed. Nothing is allocated on a
@@ -161,6 +167,7 @@
 //! # Features
 //! * `hdf5`, off by default: points in HDF5, through a reader in Rust alone.
 
+mod animation;
 mod atomic;
 mod claim;
 mod decode;
@@ -175,6 +182,7 @@ mod file_pattern;
 mod float16;
 mod framing;
 mod header_text;
+mod keys;
 mod layout;
 mod length_unit;
 mod mapped;
@@ -210,12 +218,15 @@ mod world;
 mod write;
 mod zarr;
 
+pub use animation::{AnimationFormat, AnimationOptions, write_animation};
 pub use atomic::write_bytes;
 pub use digest::{file_hash, volume_hash};
 pub use edit::{Rounding, convert_grid, crop_grid, flip_grid, resample_grid};
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};
 pub use exr::write_exr;
+pub use file_pattern::{files_of_pattern, numbered_names};
 pub use framing::{default_angles, framing};
+pub use keys::{AnglePath, Angles, CameraPath, Interpolation, Key, KeyFile, PlacedPath, parse_keys, read_keys};
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;
 pub use paraview::{ColorMap, parse_color_maps, read_color_maps};

@@ -2,7 +2,7 @@
 //!
 //! A [`Survey`] samples the volume once. [`Survey::look`] tells what kind of data it is and gives a transfer function that shows structure
 //! at first sight, with shading where there are surfaces; [`Survey::visible`] gives the places that a transfer function makes visible, and
-//! [`fit()`] a camera that they fill.
+//! [`fit()`] a camera that they fill, or [`fit_together`] all cameras of an animation.
 //!
 //! ```
 //! use vr_core::{OpacityRule, Scene, TransferFunction, Volume, phantom};
@@ -38,6 +38,7 @@
 
 mod exposure;
 mod fit;
+mod fit_together;
 mod kind;
 mod lattice;
 mod opacity;
@@ -47,5 +48,6 @@ mod scale;
 mod survey;
 
 pub use fit::fit;
+pub use fit_together::{centre_of, fit_together, pivot_of};
 pub use kind::Kind;
 pub use survey::{Hints, Look, Survey};

@@ -52,15 +52,33 @@ impl Journal {
         T: Serialize + DeserializeOwned,
         E: From<io::Error>,
     {
-        // What an older program noted in another form is made again.
-        if let Some(Ok(value)) = self.done.get(name).map(|v| serde_json::from_value(v.clone())) {
+        if let Some(value) = self.noted(name) {
             return Ok(value);
         }
         let made = make()?;
-        let value = serde_json::to_value(&made).map_err(io::Error::from)?;
+        self.note(name, &made)?;
+        Ok(made)
+    }
+
+    /// Returns the noted result of a part; `None` where there is none, or an older program noted it in another form.
+    pub fn noted<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
+        serde_json::from_value(self.done.get(name)?.clone()).ok()
+    }
+
+    /// Notes the result of a part, in place of one that was noted before.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn note(&mut self, name: &str, result: &impl Serialize) -> io::Result<()> {
+        let value = serde_json::to_value(result)?;
         write_line(&mut self.file, name, &value)?;
         self.done.insert(name.to_owned(), value);
-        Ok(made)
+        Ok(())
+    }
+
+    /// Returns the names of all parts that are noted, sorted.
+    pub fn parts(&self) -> impl Iterator<Item = &str> {
+        self.done.keys().map(String::as_str)
     }
 
     /// Removes the file: the study is done, and nothing is left to resume.
@@ -110,6 +128,12 @@ mod tests {
         fs::write(&path, &text[..text.len() - 4]).unwrap();
         assert_eq!(run(&path, "one", &["a", "b", "c"]), ["c"]);
         assert_eq!(run(&path, "other", &["a"]), ["a"]);
+        let mut journal = Journal::open(&path, "other").unwrap();
+        journal.note("a", &7).unwrap();
+        journal.note("b", &8).unwrap();
+        let journal = Journal::open(&path, "other").unwrap();
+        assert_eq!((journal.noted("a"), journal.noted::<String>("b"), journal.noted::<u8>("c")), (Some(7), None, None));
+        assert_eq!(journal.parts().collect::<Vec<_>>(), ["a", "b"]);
         Journal::open(&path, "other").unwrap().finish().unwrap();
         assert!(!path.exists());
     }

@@ -14,6 +14,7 @@
 //! | hard cases | [`stability`] |
 //! | growth with threads, volumes, pictures | [`scaling`] |
 //! | the cheapest setting within an error | [`choose`] |
+//! | parts of long work that are done, on disk | [`journal`] |
 //! | the figures that no later version may be worse than | [`baseline`] |
 //! | pages, plots, tables | [`report`] |
 //!
@@ -48,7 +49,7 @@ pub mod error_colors;
 pub mod features;
 pub mod figures;
 pub mod front;
-mod journal;
+pub mod journal;
 pub mod machine;
 pub mod memory;
 mod order_scenes;

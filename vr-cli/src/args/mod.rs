@@ -1,5 +1,6 @@
 //! The command line.
 
+mod animation;
 mod choices;
 mod convert;
 mod diff;
@@ -17,6 +18,7 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use vr_io::{PngDepth, PngOptions};
 
+pub use animation::{AnimateArgs, AnimationArgs, Axis, LookFrom, TurnArgs, TurntableArgs};
 pub use choices::{Bits, Curve, ErrorMeasure};
 pub use convert::{ChangeArgs, ConvertArgs, CropBox};
 pub use diff::DiffArgs;
@@ -32,7 +34,7 @@ use crate::help;
 
 /// Pictures of volumes, and how far they are from the correct ones.
 ///
-/// Every command but `diff`, `convert` and `rerun` works without arguments, on an embedded scene.
+/// Every command but `diff`, `convert`, `animate` and `rerun` works without arguments, on an embedded scene.
 #[derive(Debug, Parser)]
 #[command(name = "vr", version, args_override_self = true, disable_help_subcommand = true)]
 pub struct Cli {
@@ -82,6 +84,10 @@ pub enum Command {
     Scene(Box<SceneFileArgs>),
     /// Draw a picture again from the record in it, and compare the two bit for bit
     Rerun(Box<RerunArgs>),
+    /// Turn a volume about its axis: an animation, or its frames
+    Turntable(Box<TurntableArgs>),
+    /// Move camera, transfer function and clip from key to key: an animation, or its frames
+    Animate(Box<AnimateArgs>),
     /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the reference
     Ray(Box<RayArgs>),
     /// Explain a command, a renderer and its options, or list names: renderers, presets, phantoms

@@ -1,10 +1,10 @@
 //! Fingerprint, in 32 bytes, of everything that reference pixels depend on.
 
 use sha2::{Digest, Sha256};
-use vr_core::{Control, Model, Scene, View, with_grid};
+use vr_core::{Control, GridVolume, Model, Scene, View, Volume, with_grid};
 
 /// Version of the cache: raised with every change of the file format, of the hash, or of the reference's results.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// Returns the hash of everything that pixels of a view depend on: values and their placement, filter, transfer function, shading and
 /// lights, surfaces, compositing, view, and which pixels; `None` for models that cannot be told apart.
@@ -20,13 +20,58 @@ pub(crate) fn fingerprint(
         _ => return None,
     };
     let volume = scene.volume.grid()?;
-    let layer = scene.layer(view, &Control::default()).ok()?;
+    let text = format!("{VERSION} {tolerance:e} {model:?} {pixels:?} {}", described(scene, view)?);
     let mut hash = Sha256::new();
-    // The shortest digits that give a float back: two texts are equal where the numbers are.
-    let text = format!(
-        "{VERSION} {} {tolerance:e} {model:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {pixels:?}",
+    hash.update((text.len() as u64).to_le_bytes());
+    hash.update(text);
+    hash.update(grid_text(volume));
+    with_grid!(volume.values(), grid => hash.update(bytemuck::cast_slice::<_, u8>(grid.samples())));
+    Some(hash.finalize().into())
+}
+
+/// Returns a hash, in hexadecimal, of everything that a frame depends on but its volume, for which `volume` stands (a [`volume_hash`]), and
+/// its renderer, for which `renderer` does; `None` for surfaces that cannot be drawn.
+pub fn frame_fingerprint((scene, view): (&Scene, &View), volume: &str, renderer: &str) -> Option<String> {
+    let filter = scene.volume.filter();
+    let text = format!("{volume} {filter:?} {renderer:?} {:?} {}", scene.background, described(scene, view)?);
+    Some(hexadecimal(&Sha256::digest(text)))
+}
+
+/// Returns a hash, in hexadecimal, of the values of a volume and where they are; `None` for a field of another kind than grids and points.
+pub fn volume_hash(volume: &Volume) -> Option<String> {
+    let mut hash = Sha256::new();
+    match volume {
+        Volume::Grid(volume) => {
+            hash.update(grid_text(volume));
+            with_grid!(volume.values(), grid => hash.update(bytemuck::cast_slice::<_, u8>(grid.samples())));
+        }
+        Volume::Points(points) => {
+            hash.update(format!("{:?} {} ", points.kernel(), points.count()));
+            let positions = points.positions().iter().flat_map(|p| p.to_array());
+            positions.for_each(|x| hash.update(x.to_le_bytes()));
+            for numbers in [points.radii(), points.weights(), points.values()] {
+                hash.update(bytemuck::cast_slice::<_, u8>(numbers));
+            }
+        }
+        Volume::Field(_) => return None,
+    }
+    Some(hexadecimal(&hash.finalize()))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn grid_text(volume: &GridVolume) -> String {
+    format!("{:?}", (volume.dims(), volume.voxel_type(), volume.placement(), volume.calibration()))
+}
+
+/// Returns scene and view without the volume. The shortest digits that give a float back: two texts are equal where the numbers are.
+fn described(scene: &Scene, view: &View) -> Option<String> {
+    let layer = scene.layer(view, &Control::default()).ok()?;
+    Some(format!(
+        "{} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
-        (volume.dims(), volume.voxel_type(), volume.placement(), volume.calibration()),
         scene.transfer.points(),
         (scene.transfer.rule(), scene.transfer.unit_distance()),
         scene.shading.as_ref().map(|shading| (shading, &scene.lights)),
@@ -36,11 +81,7 @@ pub(crate) fn fingerprint(
         view.supersampling,
         view.clip,
         layer.as_ref().map(|layer| &layer.pixels),
-    );
-    hash.update((text.len() as u64).to_le_bytes());
-    hash.update(text);
-    with_grid!(volume.values(), grid => hash.update(bytemuck::cast_slice::<_, u8>(grid.samples())));
-    Some(hash.finalize().into())
+    ))
 }
 
 #[cfg(test)]
@@ -86,5 +127,21 @@ mod tests {
         seen.push(of(&scene, &view, &Model::Canonical, &all, 1e-9));
         let different: std::collections::BTreeSet<_> = seen.iter().collect();
         assert_eq!(different.len(), seen.len());
+
+        // Frames, whose volumes are told apart by a hash of their own.
+        let frame = |scene: &Scene, view: &View, renderer: &str| {
+            frame_fingerprint((scene, view), &volume_hash(&scene.volume).unwrap(), renderer).unwrap()
+        };
+        let own = frame(&scene, &view, "raycast");
+        assert_eq!(own, frame(&again.scene, &again.view, "raycast"));
+        let mut seen = vec![own, frame(&scene, &view, "splat")];
+        seen.extend(scenes.iter().map(|s| frame(s, &view, "raycast")));
+        seen.extend(views.iter().map(|v| frame(&scene, v, "raycast")));
+        seen.push(frame(&Scene { background: [0.5; 3], ..scene.clone() }, &view, "raycast"));
+        let different: std::collections::BTreeSet<_> = seen.iter().collect();
+        assert_eq!(different.len(), seen.len());
+        let points = |count| volume_hash(&vr_core::phantom::points_by_name("plummer", count).unwrap().into()).unwrap();
+        assert_eq!(points(9), points(9));
+        assert_ne!(points(9), points(10));
     }
 }
