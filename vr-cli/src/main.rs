@@ -3,6 +3,7 @@
 //! It parses, wires and prints. What it prints is found out elsewhere: `vr-io` reads and writes, the renderers draw, and
 //! `vr-physics` solves the reference.
 
+mod annotate;
 mod args;
 mod bench;
 mod bench_report;
@@ -13,7 +14,6 @@ mod console;
 mod contact_sheet;
 mod convert;
 mod diff;
-mod digits;
 mod error_bound;
 mod error_map;
 mod error_scale;
@@ -25,6 +25,7 @@ mod histogram;
 mod info;
 mod inputs;
 mod interrupt;
+mod mask;
 mod mesh_info;
 mod number;
 mod output_file;
@@ -32,13 +33,16 @@ mod overrides;
 mod points_info;
 mod process;
 mod progress;
+mod ranking;
 mod ray;
 mod render;
 mod renderers;
 mod report;
 mod scene_setup;
+mod show;
 mod table;
 mod target;
+mod text;
 mod verify;
 mod volume_setup;
 

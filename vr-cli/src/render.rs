@@ -10,7 +10,8 @@ use vr_physics::metrics::{Metrics, subgrid};
 use vr_study::figures::ErrorFigures;
 use vr_study::reference::{ReferencePixels, SUBGRID};
 
-use crate::args::{ErrorMeasure, RenderArgs, RendererArgs};
+use crate::annotate::{self, Annotations};
+use crate::args::{Background, ErrorMeasure, RenderArgs, RendererArgs};
 use crate::console::Console;
 use crate::error_bound::ErrorBound;
 use crate::error_map::ErrorMap;
@@ -18,7 +19,7 @@ use crate::failure::Failure;
 use crate::progress::under_bar;
 use crate::scene_setup::{Configured, Setup};
 use crate::target::Chosen;
-use crate::{error_map, exact_cache, number, output_file, target};
+use crate::{error_map, exact_cache, number, output_file, show, target};
 
 /// Renders, writes, measures the error, and prints all figures.
 ///
@@ -31,6 +32,13 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     }
     args.output.check_png_options()?;
     error_map::check(&args.output)?;
+    annotate::check(&args.annotations)?;
+    show::check(args.show, console)?;
+    if !args.annotations.is_empty() && !args.output.has_png() && args.show.show.is_none() {
+        let message =
+            "no picture is a PNG: OpenEXR holds data, which nothing is drawn over; must go with -o FILE.png or --show";
+        return Err(Failure::usage(format!("{}: {message}", args.annotations.flag())));
+    }
     // A target of RMSE chooses settings of its own.
     let setup = match args.target.target_rmse {
         Some(_) => Setup::new(&args.scene, console)?,
@@ -38,6 +46,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     };
     setup.protect(args.output.places())?;
     let (scene, view) = (&setup.scene, &setup.view);
+    let annotations = Annotations::new(&args.annotations, &setup, console)?;
     // Draw, and write the pictures.
     let cache = exact_cache::open(&args.cache);
     let drawn = match args.target.target_rmse {
@@ -45,9 +54,17 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         None => draw(&args.renderer, &setup, console, control)?,
     };
     let frame = &drawn.frame;
-    let png = PngOptions { background: scene.background, ..args.output.png() };
+    let transparent = args.scene.image.background == Some(Background::Transparent);
+    let png = args.output.png();
+    let png = PngOptions { background: scene.background, alpha: png.alpha || transparent, ..png };
+    let annotated = annotations.map(|annotations| annotations.over(frame, &png, console));
     for path in &args.output.outputs {
-        vr_io::write(path, frame, &png).map_err(Failure::failed)?;
+        // An EXR is data.
+        let picture = annotated.as_ref().filter(|_| output_file::is_png(path)).unwrap_or(frame);
+        vr_io::write(path, picture, &png).map_err(Failure::failed)?;
+    }
+    if let Some(protocol) = args.show.show {
+        show::print(protocol, annotated.as_ref().unwrap_or(frame), &png)?;
     }
 
     // Measure the error, unless neither output nor a map shows it.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clap::{Args, FromArgMatches};
 use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
 use vr_io::{
-    FileError, FileErrorKind, FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection,
+    FileError, FileErrorKind, FileInfo, FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection,
     VolumeSource,
 };
 use vr_mesh::Surface;
@@ -34,6 +34,8 @@ pub struct Setup {
     pub notes: Vec<String>,
     /// Files that were read for it.
     pub inputs: Vec<PathBuf>,
+    /// What the volume's file says, where there is one.
+    pub info: Option<FileInfo>,
     /// Phantom that the volume is made of, if it is.
     pub phantom: Option<String>,
     /// The renderer that the scene file names.
@@ -102,7 +104,7 @@ impl Setup {
             info: loaded.info.as_ref(),
         };
         let camera = camera_flags::apply(&args.camera, own, &sight).map_err(|e| origin.parameter(&e))?;
-        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, files, notes, .. } = loaded;
+        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, files, notes, info, .. } = loaded;
         view.camera = camera;
         let inputs = args.scene.iter().cloned().chain(files).collect();
         for note in &notes {
@@ -121,7 +123,7 @@ impl Setup {
             Some(VolumeSource::Phantom { name, .. } | VolumeSource::PhantomPoints { name, .. }) => Some(name.clone()),
             _ => None,
         };
-        let setup = Self { scene, view, title, notes, inputs, phantom, renderer, options, max_error, origin };
+        let setup = Self { scene, view, title, notes, inputs, info, phantom, renderer, options, max_error, origin };
         setup.view.validate().map_err(|e| setup.render_failure(e.into()))?;
         // Surfaces are drawn here for the note alone.
         if !console.quiet {
