@@ -1,5 +1,6 @@
 //! `vr compare`.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
@@ -10,11 +11,12 @@ use vr_study::candidate::candidates;
 use vr_study::figures::ErrorFigures;
 use vr_study::reference::ReferencePixels;
 
-use crate::args::CompareArgs;
+use crate::args::{Background, CompareArgs};
 use crate::console::Console;
 use crate::contact_sheet::{self, Entry};
 use crate::failure::Failure;
 use crate::progress::under_bar;
+use crate::ranking::{self, Rank, is_default};
 use crate::scene_setup::Setup;
 use crate::table::Table;
 use crate::{number, output_file, renderers};
@@ -25,6 +27,8 @@ const DEFAULT_SIZE: [u32; 2] = [192, 192];
 const FRAMES: usize = 3;
 /// Time after which no further frame is drawn.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Number of pictures and rows without `--all`: two rows of pictures and a table that fit a screen.
+const MAX_SHOWN: usize = 12;
 /// Rows and columns of the subgrid of pixels on which a renderer is judged against its own model.
 const SUBGRID: u32 = 16;
 
@@ -34,6 +38,10 @@ const SUBGRID: u32 = 16;
 /// Any fault of the command line, the volume, the scene, or the sheet.
 pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<(), Failure> {
     output_file::check(&args.output, &["png"])?;
+    if args.scene.image.background == Some(Background::Transparent) {
+        let message = "the sheet has no opacity; must be a colour (vr render keeps it)";
+        return Err(Failure::usage(format!("--background: found transparent, but {message}")));
+    }
     let candidates = candidates(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
     let mut setup = Setup::new(&args.scene, console)?;
     setup.protect([("--output", &*args.output)])?;
@@ -51,27 +59,60 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
 
     // Draw with every renderer and setting that can draw the scene.
     let mut results = Vec::new();
+    let mut refused: BTreeMap<&str, usize> = BTreeMap::new();
     for candidate in &candidates {
         let name = candidate.name();
         let measure = |control: &Control| measure(&*candidate.configured, &setup, &exact, control);
         match under_bar(console, control, &name, measure) {
-            Ok(measured) => results.push((name, measured)),
-            Err(e @ RenderError::Unsupported { .. }) => console.note(&format!("{name} is left out: {e}")),
+            Ok(measured) => {
+                let (rmse, seconds) = (measured.metrics.rmse, measured.render.as_secs_f64());
+                results.push(Compared {
+                    name,
+                    rank: Rank { is_default: is_default(candidate), rmse, seconds },
+                    measured,
+                });
+            }
+            Err(e @ RenderError::Unsupported { .. }) => {
+                *refused.entry(&candidate.renderer).or_default() += 1;
+                if args.all {
+                    console.note(&format!("{name} is left out: {e}"));
+                }
+            }
             Err(e) => return Err(setup.render_failure(e)),
         }
+    }
+    if !refused.is_empty() && !args.all {
+        let refused: Vec<String> = refused.iter().map(|(name, count)| format!("{name} ({count})")).collect();
+        console.note(&format!(
+            "settings that do not draw this scene are left out: {}; --all tells why",
+            refused.join(", ")
+        ));
     }
     if results.is_empty() {
         return Err(Failure::failed("no renderer can draw this scene"));
     }
+    results.sort_by(|a, b| a.rank.order(&b.rank));
     // Draw the sheet, and print the table.
-    let entries: Vec<Entry<'_>> =
-        results.iter().map(|(_, m)| Entry { frame: &m.rendered.frame, errors: &m.errors }).collect();
-    let sheet = contact_sheet::draw(&entries, scene.background);
+    let shown = &results[..if args.all { results.len() } else { results.len().min(MAX_SHOWN) }];
+    let mut entries = Vec::new();
+    for Compared { name, measured, .. } in shown {
+        let (name, caption) = (name.clone(), caption(measured));
+        entries.push(Entry { name, caption, frame: &measured.rendered.frame, errors: &measured.errors });
+    }
+    let heading = format!("{}: pictures above maps of their error", setup.title);
+    let sheet = contact_sheet::draw(&heading, &entries, scene.background);
     vr_io::write(&args.output, &sheet, &PngOptions::default()).map_err(Failure::failed)?;
     // Renderers are asked for their features only where the answers are read.
     let silent = console.json || console.quiet;
-    let text = if silent { String::new() } else { text(&setup, &exact, &results, args) };
+    let text = if silent { String::new() } else { text(&setup, &exact, shown, results.len(), args) };
     console.result(&text, &json(&setup, &exact, &results, args))
+}
+
+/// Renderer with one setting, and its place among the others.
+struct Compared {
+    name: String,
+    rank: Rank,
+    measured: Measured,
 }
 
 /// Measurements of one renderer with one setting.
@@ -130,45 +171,52 @@ fn timed(prepared: &mut dyn Prepared, view: &View, control: &Control) -> Result<
     Ok((start.elapsed(), rendered))
 }
 
-fn text(setup: &Setup, exact: &ReferencePixels, results: &[(String, Measured)], args: &CompareArgs) -> String {
-    let mut table = Table::new(&[
-        "#  renderer",
-        "prepare",
-        "render",
-        "samples",
-        "max error",
-        "RMSE",
-        "bias",
-        "p99",
-        "PSNR/dB",
-        "own model: max",
-    ]);
-    for (k, (name, m)) in results.iter().enumerate() {
+/// Returns time and error of a picture in a few words.
+fn caption(measured: &Measured) -> String {
+    format!("{}, RMSE {}", number::time(measured.render), number::small(measured.metrics.rmse))
+}
+
+/// Returns the table: a summary that fits a terminal, or all figures of all settings and the features of the renderers.
+fn text(setup: &Setup, exact: &ReferencePixels, shown: &[Compared], count: usize, args: &CompareArgs) -> String {
+    let all = args.all;
+    let header = ["renderer and setting", "prepare", "render", "RMSE", "max error"];
+    let more = ["samples", "bias", "p99", "PSNR/dB", "own model: max"];
+    let mut table = Table::new(&header.into_iter().chain(more.into_iter().filter(|_| all)).collect::<Vec<_>>());
+    for Compared { name, measured: m, .. } in shown {
         let Metrics { max, rmse, bias, p99, psnr, .. } = m.metrics;
-        table.row([
-            format!("{:<2} {name}", k + 1),
-            number::time(m.prepare),
-            number::time(m.render),
-            number::count(m.rendered.stats.counts.samples),
-            number::small(max),
-            number::small(rmse),
-            number::small(bias),
-            number::small(p99),
-            format!("{psnr:.1}"),
-            m.own.map_or_else(|| "-".to_owned(), |own| number::small(own.max)),
-        ]);
+        let row =
+            [name.clone(), number::time(m.prepare), number::time(m.render), number::small(rmse), number::small(max)];
+        let more = || {
+            [
+                number::count(m.rendered.stats.counts.samples),
+                number::small(bias),
+                number::small(p99),
+                format!("{psnr:.1}"),
+                m.own.map_or_else(|| "-".to_owned(), |own| number::small(own.max)),
+            ]
+        };
+        table.row(row.into_iter().chain(if all { more().to_vec() } else { Vec::new() }));
     }
     let [w, h] = setup.view.size;
-    format!(
-        "{}, {w}x{h} pixels; reference: {}, {}\n\n{table}\n\
-         Own model: against what the renderer itself integrates, done exactly, on {SUBGRID}x{SUBGRID} pixels.\n\
-         Wrote {}: pictures above maps of their error, numbered as above.\n\n{}",
+    let mut text = format!(
+        "{}, {w}x{h} pixels\nreference: {}, {}\n\n{table}\n\
+         Order: defaults first; then the fastest within RMSE {}; then the least wrong.\n",
         setup.title,
         exact.certainty_text(),
         number::time(exact.time),
-        args.output.display(),
-        renderers::feature_table()
-    )
+        number::small(ranking::RMSE),
+    );
+    if all {
+        text += &format!(
+            "Own model: against what the renderer itself integrates, done exactly, on {SUBGRID}x{SUBGRID} pixels.\n"
+        );
+    } else if count > shown.len() {
+        text += &format!("{} of {count} settings; --all shows the others and all figures.\n", shown.len());
+    } else {
+        text += "--all shows all figures.\n";
+    }
+    text += &format!("Wrote {}: pictures above maps of their error.\n", args.output.display());
+    if all { text + "\n" + &renderers::feature_table() } else { text }
 }
 
 #[derive(Serialize)]
@@ -183,6 +231,8 @@ struct Json<'a> {
 #[derive(Serialize)]
 struct RendererJson<'a> {
     name: &'a str,
+    #[serde(rename = "default")]
+    is_default: bool,
     prepare_seconds: f64,
     render_seconds: f64,
     samples: u64,
@@ -190,14 +240,10 @@ struct RendererJson<'a> {
     own_model_max_error: Option<f64>,
 }
 
-fn json<'a>(
-    setup: &'a Setup,
-    exact: &ReferencePixels,
-    results: &'a [(String, Measured)],
-    args: &CompareArgs,
-) -> Json<'a> {
-    let renderer = |(name, m): &'a (String, Measured)| RendererJson {
+fn json<'a>(setup: &'a Setup, exact: &ReferencePixels, results: &'a [Compared], args: &CompareArgs) -> Json<'a> {
+    let renderer = |Compared { name, rank, measured: m }: &'a Compared| RendererJson {
         name,
+        is_default: rank.is_default,
         prepare_seconds: m.prepare.as_secs_f64(),
         render_seconds: m.render.as_secs_f64(),
         samples: m.rendered.stats.counts.samples,

@@ -1,38 +1,53 @@
-//! Contact sheet of a comparison: each picture above the map of its error, numbered as in the table, and the scale of the
-//! maps below.
+//! Contact sheet of a comparison: each picture above the map of its error, below its name, and the scale of the maps at the end.
 
 use vr_core::Frame;
 use vr_study::error_colors;
 
 use crate::canvas::Canvas;
-use crate::digits;
-use crate::error_scale::{self, GAP, INK, PAPER};
+use crate::error_scale::{self, GAP, INK, LINE, PAPER};
+use crate::text;
 
-/// Numbered column of the sheet.
+/// Column of the sheet.
 pub struct Entry<'a> {
+    /// Name of the picture.
+    pub name: String,
+    /// Time and error in a few words.
+    pub caption: String,
     /// The picture.
     pub frame: &'a Frame,
     /// Largest error of any component, per pixel.
     pub errors: &'a [f64],
 }
 
-/// Largest number of entries side by side.
-const MAX_COLUMNS: usize = 4;
+/// Largest number of entries side by side: two rows of these fit a screen.
+const MAX_COLUMNS: usize = 6;
+/// Smallest width of a column, which names need.
+const MIN_WIDTH: u32 = 170;
+/// Smallest height of a line that is legible.
+const MIN_LINE: f32 = 12.0;
+/// Height of name and caption.
+const WORDS: u32 = 2 * LINE + GAP / 2;
+/// Colour of captions.
+const PALE: [f32; 3] = [0.4; 3];
 
-/// Draws the sheet. All frames have the same size; there is at least one.
-pub fn draw(entries: &[Entry<'_>], background: [f32; 3]) -> Frame {
+/// Draws the sheet below a title. All frames have the same size; there is at least one.
+pub fn draw(title: &str, entries: &[Entry<'_>], background: [f32; 3]) -> Frame {
     let [w, h] = entries[0].frame.size();
+    let column = w.max(MIN_WIDTH);
     let columns = entries.len().min(MAX_COLUMNS) as u32;
     let bands = entries.len().div_ceil(MAX_COLUMNS) as u32;
-    let band = digits::HEIGHT + 2 * h + 2 * GAP;
-    let width = columns * (w + GAP) + GAP;
-    let height = GAP + bands * band + error_scale::HEIGHT + GAP;
+    let band = WORDS + 2 * h + 2 * GAP;
+    let width = columns * (column + GAP) + GAP;
+    let top = GAP + LINE + GAP;
+    let height = top + bands * band + LINE + error_scale::HEIGHT + GAP;
     let mut canvas = Canvas::new([width, height], PAPER);
+    write(&mut canvas, title, [GAP, GAP], width - 2 * GAP, INK);
     for (k, entry) in entries.iter().enumerate() {
-        let x = GAP + (k % MAX_COLUMNS) as u32 * (w + GAP);
-        let y = GAP + (k / MAX_COLUMNS) as u32 * band;
-        digits::draw(&mut canvas, k as i32 + 1, [x, y], INK);
-        let picture = y + digits::HEIGHT + GAP / 2;
+        let x = GAP + (k % MAX_COLUMNS) as u32 * (column + GAP);
+        let y = top + (k / MAX_COLUMNS) as u32 * band;
+        write(&mut canvas, &entry.name, [x, y], column, INK);
+        write(&mut canvas, &entry.caption, [x, y + LINE], column, PALE);
+        let picture = y + WORDS;
         let map = picture + h + GAP / 2;
         let colors = entry.frame.over_background(background);
         for (i, (&color, &error)) in (0..).zip(colors.iter().zip(entry.errors)) {
@@ -41,8 +56,22 @@ pub fn draw(entries: &[Entry<'_>], background: [f32; 3]) -> Frame {
             canvas.put([px, map + py], error_colors::color(error));
         }
     }
-    error_scale::draw(&mut canvas, [GAP, GAP + bands * band], width - 2 * GAP);
+    let y = top + bands * band;
+    write(&mut canvas, "largest error of a component", [GAP, y], width - 2 * GAP, PALE);
+    error_scale::draw(&mut canvas, [GAP, y + LINE], width - 2 * GAP);
     canvas.into_frame()
+}
+
+/// Writes a line that is no wider than a column: smaller where it has to be, and cut where that does not do.
+fn write(canvas: &mut Canvas, words: &str, [x, y]: [u32; 2], width: u32, color: [f32; 3]) {
+    let (width, line) = (width as f32, LINE as f32);
+    let height = (line * width / text::width(words, line).max(1.0)).clamp(MIN_LINE, line);
+    let mut words = words.to_owned();
+    let mut cut = words.clone();
+    while text::width(&cut, height) > width && words.pop().is_some() {
+        cut = format!("{}…", words.trim_end());
+    }
+    text::draw(canvas, &cut, [x as f32, y as f32 + 0.5 * (line - height)], height, color);
 }
 
 #[cfg(test)]
@@ -50,14 +79,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_lie_above_their_errors() {
+    fn pictures_lie_above_their_errors_and_below_their_names() {
         let frame = Frame::new([40, 30], vec![[1.0; 4]; 1200], None);
         let errors = vec![1.0; 1200];
-        let entries: Vec<Entry<'_>> = (0..5).map(|_| Entry { frame: &frame, errors: &errors }).collect();
-        let sheet = draw(&entries, [0.0; 3]);
-        assert_eq!(sheet.size()[0], 4 * 48 + 8);
-        let (x, y) = (GAP + 1, GAP + digits::HEIGHT + GAP / 2);
+        let words = || "a name that is far too long for a narrow column".to_owned();
+        let entries: Vec<Entry<'_>> =
+            (0..7).map(|_| Entry { name: words(), caption: words(), frame: &frame, errors: &errors }).collect();
+        let sheet = draw("title", &entries, [0.0; 3]);
+        assert_eq!(sheet.size()[0], 6 * (MIN_WIDTH + GAP) + GAP);
+        let (x, y) = (GAP + 1, GAP + LINE + GAP + WORDS);
         assert_eq!(sheet.pixel(x, y), [1.0; 4]);
         assert_eq!(sheet.pixel(x, y + 30 + GAP / 2)[..3], error_colors::at(1.0));
+        // Words stay in their column.
+        let gap =
+            |x: u32| (0..sheet.size()[1] - error_scale::HEIGHT - LINE - GAP).all(|y| sheet.pixel(x, y)[..3] == PAPER);
+        assert!(gap(GAP + MIN_WIDTH + GAP - 1) && !gap(GAP + 5));
     }
 }

@@ -4,6 +4,7 @@
 //! `vr-physics` solves the reference.
 
 mod animation;
+mod annotate;
 mod args;
 mod bench;
 mod bench_report;
@@ -14,7 +15,6 @@ mod console;
 mod contact_sheet;
 mod convert;
 mod diff;
-mod digits;
 mod error_bound;
 mod error_map;
 mod error_scale;
@@ -27,6 +27,7 @@ mod histogram;
 mod info;
 mod inputs;
 mod interrupt;
+mod mask;
 mod mesh_info;
 mod number;
 mod output_file;
@@ -35,6 +36,7 @@ mod picture_record;
 mod points_info;
 mod process;
 mod progress;
+mod ranking;
 mod ray;
 mod render;
 mod renderers;
@@ -42,9 +44,11 @@ mod report;
 mod rerun;
 mod scene_file;
 mod scene_setup;
+mod show;
 mod slices;
 mod table;
 mod target;
+mod text;
 mod verify;
 mod volume_setup;
 

@@ -23,3 +23,8 @@ pub fn check(path: &Path, extensions: &[&str]) -> Result<(), Failure> {
     }
     Ok(())
 }
+
+/// True if a name is that of a PNG.
+pub fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+}

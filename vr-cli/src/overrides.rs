@@ -8,7 +8,9 @@ use vr_io::{
     VolumeSection, VolumeSource,
 };
 
-use crate::args::{CameraArgs, CompositingArgs, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs};
+use crate::args::{
+    Background, CameraArgs, CompositingArgs, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs,
+};
 use crate::failure::Failure;
 
 /// Writer of flags into a scene file that remembers the fields that they set: an error in one of those is about the command
@@ -208,9 +210,11 @@ impl Overrides {
         self.set("shading.specular", args.specular, &mut section.specular);
         self.set("shading.power", args.power, &mut section.power);
         self.set("shading.gradient", args.gradient, &mut section.gradient);
-        if !args.light.is_empty() {
-            let entry = |&d: &[f64; 3]| LightEntry { headlight: false, direction: Some(d.into()), color: [1.0; 3] };
-            section.lights = args.light.iter().map(entry).collect();
+        if !args.light.is_empty() || args.headlight.is_some() {
+            let from =
+                |&(d, color): &([f64; 3], [f64; 3])| LightEntry { headlight: false, direction: Some(d.into()), color };
+            let headlight = args.headlight.map(|color| LightEntry { headlight: true, direction: None, color });
+            section.lights = headlight.into_iter().chain(args.light.iter().map(from)).collect();
             self.note("shading.lights");
         }
         if !args.gradient_opacity.is_empty() {
@@ -242,7 +246,7 @@ impl Overrides {
     fn image(&mut self, args: &ImageArgs, file: &mut SceneFile) {
         self.set("image.size", args.size, &mut file.image.size);
         self.set("image.samples", args.samples, &mut file.image.samples);
-        self.set("image.background", args.background, &mut file.image.background);
+        self.set("image.background", args.background.and_then(Background::color), &mut file.image.background);
         let crop = args.crop.map(|[low, high]| (low.into(), high.into()));
         self.set_some("clip.box", crop, &mut file.clip.crop);
         if !args.clip_plane.is_empty() {

@@ -10,7 +10,8 @@ use vr_physics::metrics::{Metrics, subgrid};
 use vr_study::figures::ErrorFigures;
 use vr_study::reference::{ReferencePixels, SUBGRID};
 
-use crate::args::{ErrorMeasure, RenderArgs, RendererArgs};
+use crate::annotate::{self, Annotations};
+use crate::args::{Background, ErrorMeasure, RenderArgs, RendererArgs};
 use crate::console::Console;
 use crate::error_bound::ErrorBound;
 use crate::error_map::ErrorMap;
@@ -20,7 +21,7 @@ use crate::progress::under_bar;
 use crate::renderers::StatedRenderer;
 use crate::scene_setup::{Configured, Setup};
 use crate::target::Chosen;
-use crate::{error_map, exact_cache, number, output_file, target};
+use crate::{error_map, exact_cache, number, output_file, show, target};
 
 /// Renders, writes, measures the error, and prints all figures.
 ///
@@ -33,6 +34,13 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     }
     args.output.check_png_options()?;
     error_map::check(&args.output)?;
+    annotate::check(&args.annotations)?;
+    show::check(args.show, console)?;
+    if !args.annotations.is_empty() && !args.output.has_png() && args.show.show.is_none() {
+        let message =
+            "no picture is a PNG: OpenEXR holds data, which nothing is drawn over; must go with -o FILE.png or --show";
+        return Err(Failure::usage(format!("{}: {message}", args.annotations.flag())));
+    }
     // A target of RMSE chooses settings of its own.
     let setup = match args.target.target_rmse {
         Some(_) => Setup::new(&args.scene, console)?,
@@ -40,6 +48,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     };
     setup.protect(args.output.places())?;
     let (scene, view) = (&setup.scene, &setup.view);
+    let annotations = Annotations::new(&args.annotations, &setup, console)?;
     // Draw the picture.
     let cache = exact_cache::open(&args.cache);
     let drawn = match args.target.target_rmse {
@@ -47,7 +56,13 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         None => draw(&args.renderer, &setup, console, control)?,
     };
     let frame = &drawn.frame;
-    let png = PngOptions { background: scene.background, ..args.output.png() };
+    let transparent = args.scene.image.background == Some(Background::Transparent);
+    let png = args.output.png();
+    let png = PngOptions { background: scene.background, alpha: png.alpha || transparent, ..png };
+    let annotated = annotations.map(|annotations| annotations.over(frame, &png, console));
+    if let Some(protocol) = args.show.show {
+        show::print(protocol, annotated.as_ref().unwrap_or(frame), &png)?;
+    }
 
     // Measure the error, unless neither output nor a map shows it.
     let unseen = console.quiet && !console.json && args.output.error_map.is_none();
@@ -70,9 +85,17 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     let error = exact.map(|exact| (exact.judge(frame), exact));
     let record = (!args.output.no_record).then(|| record_of(&setup, &drawn.stated, error.as_ref())).transpose()?;
     for path in &args.output.outputs {
-        match &record {
-            Some(record) => vr_io::write_with_record(path, frame, &png, record.clone()),
-            None => vr_io::write(path, frame, &png),
+        // An EXR is data, which nothing is drawn over.
+        let over = annotated.as_ref().filter(|_| output_file::is_png(path));
+        let picture = over.unwrap_or(frame);
+        match record.clone() {
+            Some(mut record) => {
+                if over.is_some() {
+                    args.annotations.record(&mut record.record);
+                }
+                vr_io::write_with_record(path, picture, &png, record)
+            }
+            None => vr_io::write(path, picture, &png),
         }
         .map_err(Failure::failed)?;
     }

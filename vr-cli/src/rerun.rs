@@ -6,7 +6,8 @@ use serde::Serialize;
 use vr_core::{Control, Frame};
 use vr_io::{FileRecord, PictureRecord, SceneFile, StoredPixels, VolumeSource, volume_hash};
 
-use crate::args::{RendererArgs, RerunArgs};
+use crate::annotate::Annotations;
+use crate::args::{AnnotateArgs, RendererArgs, RerunArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
@@ -52,7 +53,12 @@ pub fn run(args: &RerunArgs, console: Console, control: &Control) -> Result<(), 
     let none = RendererArgs { renderer: None, set: Vec::new(), max_error: None };
     let drawn = draw(&none, &setup, console, control)?;
     let background = setup.scene.background;
-    let now = recorded.pixels(&drawn.frame, background);
+    let over = AnnotateArgs::of_record(&found.record)
+        .map_err(|what| Failure::failed(format!("{}: the record in it names {what}", picture.display())))?;
+    let annotations = Annotations::new(&over, &setup, console)?;
+    let annotated = annotations.map(|over| over.over(&drawn.frame, &recorded.png(background), console));
+    let frame = annotated.as_ref().unwrap_or(&drawn.frame);
+    let now = recorded.pixels(frame, background);
     let then = StoredPixels::read(picture).map_err(Failure::failed)?;
     let outcome = Outcome {
         as_recorded: now.hash() == recorded.hash,
@@ -61,7 +67,7 @@ pub fn run(args: &RerunArgs, console: Console, control: &Control) -> Result<(), 
         size: then.size(),
     };
     if let Some(place) = &args.output {
-        write(place, &found, &outcome, &setup, &drawn.frame)?;
+        write(place, &found, &outcome, &setup, frame)?;
     }
     let json = Json {
         picture: picture.display().to_string(),

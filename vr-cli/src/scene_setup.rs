@@ -132,7 +132,7 @@ impl Setup {
             info: loaded.info.as_ref(),
         };
         let camera = camera_flags::apply(&args.camera, own, &sight).map_err(|e| origin.parameter(&e))?;
-        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, info, files, notes } = loaded;
+        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, info, files, notes, .. } = loaded;
         view.camera = camera;
         let inputs = args.scene.iter().cloned().chain(files).collect();
         for note in &notes {

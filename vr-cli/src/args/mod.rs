@@ -1,6 +1,8 @@
 //! The command line.
 
 mod animation;
+mod annotate;
+mod background;
 mod choices;
 mod convert;
 mod diff;
@@ -9,6 +11,7 @@ mod report;
 mod rerun;
 mod scene;
 mod scene_file;
+mod show;
 mod value;
 mod volume;
 
@@ -19,6 +22,8 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use vr_io::{PngDepth, PngOptions};
 
 pub use animation::{AnimateArgs, AnimationArgs, Axis, LookFrom, TurnArgs, TurntableArgs};
+pub use annotate::{AnnotateArgs, Annotation};
+pub use background::Background;
 pub use choices::{Bits, Curve, ErrorMeasure};
 pub use convert::{ChangeArgs, ConvertArgs, CropBox};
 pub use diff::DiffArgs;
@@ -27,10 +32,11 @@ pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use rerun::RerunArgs;
 pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use scene_file::SceneFileArgs;
+pub use show::{Protocol, ShowArgs};
 pub use volume::VolumeArgs;
 
 use crate::failure::Failure;
-use crate::help;
+use crate::{help, output_file};
 
 /// Pictures of volumes, and how far they are from the correct ones.
 ///
@@ -116,6 +122,12 @@ pub struct RenderArgs {
     /// Output of the picture.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// The picture in the terminal.
+    #[command(flatten)]
+    pub show: ShowArgs,
+    /// Annotations.
+    #[command(flatten)]
+    pub annotations: AnnotateArgs,
     /// Reference pixels that are kept.
     #[command(flatten)]
     pub cache: CacheArgs,
@@ -179,13 +191,17 @@ impl OutputArgs {
         outputs.chain(self.error_map.iter().map(|path| ("--error-map", path.as_path())))
     }
 
+    /// True if one of the pictures is a PNG.
+    pub fn has_png(&self) -> bool {
+        self.outputs.iter().any(|path| output_file::is_png(path))
+    }
+
     /// Refuses options of PNGs where there is none.
     ///
     /// # Errors
     /// [`Failure::Usage`] naming the option.
     pub fn check_png_options(&self) -> Result<(), Failure> {
-        let is_png = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-        if self.outputs.iter().any(is_png) {
+        if self.has_png() {
             return Ok(());
         }
         let set =
@@ -218,6 +234,9 @@ pub struct CompareArgs {
     /// Compare only this renderer with the reference; may be repeated
     #[arg(long = "renderer", value_name = "NAME", help_heading = "Comparison")]
     pub renderers: Vec<String>,
+    /// Show every setting and all figures, not the twelve of most use: defaults, then the fastest whose error is not seen
+    #[arg(long, help_heading = "Comparison")]
+    pub all: bool,
     /// Contact sheet to write
     #[arg(long, short, value_name = "FILE", default_value = "vr-compare.png", help_heading = "Comparison")]
     pub output: PathBuf,

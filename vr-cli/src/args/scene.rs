@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use vr_core::{Filter, GradientMethod, OpacityRule};
 use vr_io::{ColorEncoding, CompositingName, LookName, ProjectionName};
 
-use super::{VolumeArgs, value};
+use super::{Background, VolumeArgs, value};
 
 /// A scene: a file, and what overrides it.
 #[derive(Debug, Args)]
@@ -76,7 +76,7 @@ pub struct ShadingArgs {
     #[arg(long)]
     pub shading: bool,
     /// Do not shade, whatever the scene file says
-    #[arg(long, conflicts_with_all = ["shading", "ambient", "diffuse", "specular", "power", "light", "gradient",
+    #[arg(long, conflicts_with_all = ["shading", "ambient", "diffuse", "specular", "power", "light", "headlight", "gradient",
           "gradient_opacity"])]
     pub no_shading: bool,
     /// Ambient coefficient
@@ -91,9 +91,13 @@ pub struct ShadingArgs {
     /// Specular exponent
     #[arg(long, value_name = "P", allow_hyphen_values = true)]
     pub power: Option<f64>,
-    /// World vector towards a white light; may be repeated
-    #[arg(long, value_name = "X,Y,Z", value_parser = value::triple::<f64>, allow_hyphen_values = true)]
-    pub light: Vec<[f64; 3]>,
+    /// World vector towards a light, and its linear RGB if it is not white; may be repeated
+    #[arg(long, value_name = "X,Y,Z[,R,G,B]", value_parser = value::light, allow_hyphen_values = true)]
+    pub light: Vec<([f64; 3], [f64; 3])>,
+    /// Keep a light along the line of sight beside those of --light, of a linear colour if it is not to be white
+    #[arg(long, value_name = "R,G,B", value_parser = value::triple::<f64>, num_args = 0..=1, require_equals = true,
+          default_missing_value = "1,1,1")]
+    pub headlight: Option<[f64; 3]>,
     /// Source of the normals: central-differences or analytic
     #[arg(long, value_name = "METHOD", value_parser = value::word::<GradientMethod>)]
     pub gradient: Option<GradientMethod>,
@@ -166,9 +170,9 @@ pub struct ImageArgs {
     /// Supersampling: a pixel is the mean of N x N rays
     #[arg(long, value_name = "N")]
     pub samples: Option<u32>,
-    /// Linear RGB behind everything
-    #[arg(long, value_name = "R,G,B", value_parser = value::triple::<f32>, allow_hyphen_values = true)]
-    pub background: Option<[f32; 3]>,
+    /// Linear RGB behind everything, #RRGGBB, white, grey or black; transparent keeps the opacity in a PNG, as --alpha does
+    #[arg(long, value_name = "COLOR", allow_hyphen_values = true)]
+    pub background: Option<Background>,
     /// Lower and upper corner of the world box that is kept
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = value::corners, allow_hyphen_values = true)]
     pub crop: Option<[[f64; 3]; 2]>,

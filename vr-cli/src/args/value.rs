@@ -53,6 +53,17 @@ pub fn point(text: &str) -> Result<[f64; 5], String> {
     list(text, ',').map_err(|_| "expected value, red, green, blue and opacity: five numbers".to_owned())
 }
 
+/// Parses a vector towards a light and its colour, white if there is none: `1,0,2` or `1,0,2,1,0.9,0.8`.
+pub fn light(text: &str) -> Result<([f64; 3], [f64; 3]), String> {
+    if let Ok(direction) = list(text, ',') {
+        return Ok((direction, [1.0; 3]));
+    }
+    let n: [f64; 6] = list(text, ',').map_err(|_| {
+        "expected the vector towards the light, or that and the light's linear RGB: three numbers or six".to_owned()
+    })?;
+    Ok(([n[0], n[1], n[2]], [n[3], n[4], n[5]]))
+}
+
 /// Parses degrees, at most a turn either way.
 pub fn angle(text: &str) -> Result<f64, String> {
     let degrees = text.trim().parse().map_err(|_| "expected a number of degrees".to_owned())?;
@@ -91,6 +102,9 @@ mod tests {
         assert_eq!(triple("-1, 0.5,2"), Ok([-1.0, 0.5, 2.0]));
         assert!(triple::<f64>("1,2").is_err());
         assert_eq!(corners("0,0,0,1,2,3"), Ok([[0.0; 3], [1.0, 2.0, 3.0]]));
+        assert_eq!(light("1,2,3"), Ok(([1.0, 2.0, 3.0], [1.0; 3])));
+        assert_eq!(light("1,2,3,0.5,0,1"), Ok(([1.0, 2.0, 3.0], [0.5, 0.0, 1.0])));
+        assert!(light("1,2,3,4").unwrap_err().contains("three numbers or six"));
         assert_eq!(plane("0,0,1,64"), Ok(([0.0, 0.0, 1.0], 64.0)));
         assert_eq!((angle("-7.5"), angle("360")), (Ok(-7.5), Ok(360.0)));
         assert!(angle("nan").is_err() && angle("360.5").is_err() && angle("-inf").is_err() && angle("x").is_err());

@@ -21,10 +21,17 @@ fn compare_without_arguments_makes_a_table_and_a_sheet() {
     let vr = Vr::new();
     let run = vr.run("compare --size 40").succeeded();
     assert_eq!(vr.files(), ["vr-compare.png"]);
-    for word in ["raycast", "physics", "max error", "RMSE", "bias", "PSNR", "samples"] {
+    for word in ["raycast", "physics", "max error", "RMSE", "12 of", "--all"] {
         assert!(run.stdout.contains(word), "no {word:?} in\n{}", run.stdout);
     }
-    assert!(vr.picture("vr-compare.png").width() > 80);
+    assert!(run.stdout.lines().count() <= 24 && run.stdout.lines().all(|l| l.chars().count() <= 100), "{}", run.stdout);
+    let summary = vr.picture("vr-compare.png");
+    assert!(summary.width() > 80);
+    let all = vr.run("compare --size 40 --all").succeeded().stdout;
+    for word in ["bias", "PSNR", "samples", "own model", "Features"] {
+        assert!(all.contains(word), "no {word:?} in\n{all}");
+    }
+    assert!(vr.picture("vr-compare.png").height() > summary.height());
 }
 
 #[test]
@@ -137,7 +144,7 @@ fn flags_for_everything_change_the_picture() {
         "--unit-distance 1",
         "--opacity-rule extinction --unit-distance 0.02",
         "--shading",
-        "--light 1,0.5,-1 --ambient 0.1 --diffuse 0.9 --specular 0.5 --power 40 --gradient analytic",
+        "--light 1,0.5,-1,1,0.5,0 --headlight --ambient 0.1 --diffuse 0.9 --specular 0.5 --power 40 --gradient analytic",
         "--gradient-opacity 0,0 --gradient-opacity 2,1",
         "--azimuth 75 --elevation -10",
         "--eye 0,0,9 --target 0.2,0,0 --up 1,0,0 --height 3",
@@ -146,6 +153,7 @@ fn flags_for_everything_change_the_picture() {
         "--clip-plane 1,1,0,0",
         "--samples 2",
         "--background 0.1,0.2,0.3",
+        "--background transparent",
         "--filter nearest",
         "--compositing maximum",
         "--compositing first --threshold 0.3",

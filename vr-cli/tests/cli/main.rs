@@ -1,6 +1,7 @@
 //! The program from end to end, as a user meets it.
 
 mod animation;
+mod annotate;
 mod bad_input;
 mod bench;
 mod commands;

@@ -62,6 +62,8 @@ impl PictureRecord {
             mesh: None,
             transfer_file: None,
             error: None,
+            annotations: Vec::new(),
+            title: None,
             picture: None,
         };
         Self { record, scene }

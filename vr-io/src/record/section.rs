@@ -19,8 +19,13 @@ pub struct RecordSection {
     pub mesh: Option<FileRecord>,
     /// The file that the points of the transfer function are from, if they are from one.
     pub transfer_file: Option<FileRecord>,
-    /// Error of the picture, if it was measured.
+    /// Error of the picture, if it was measured; of the bare picture, where annotations are drawn over it.
     pub error: Option<ErrorRecord>,
+    /// Names of the annotations that are drawn over the picture.
+    #[serde(default)]
+    pub annotations: Vec<String>,
+    /// Title that is written over the picture.
+    pub title: Option<String>,
     /// The picture; set when it is written.
     pub picture: Option<PixelsRecord>,
 }
