@@ -165,6 +165,7 @@ mod file_pattern;
 mod float16;
 mod framing;
 mod header_text;
+mod labels;
 mod layout;
 mod length_unit;
 mod mapped;
@@ -204,6 +205,7 @@ pub use edit::{Rounding, convert_grid, crop_grid, flip_grid, resample_grid};
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};
 pub use exr::write_exr;
 pub use framing::{default_angles, framing};
+pub use labels::{LabelEntry, LoadedLabels, parse_label_list, read_label_list, read_labels};
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;
 pub use paraview::{ColorMap, parse_color_maps, read_color_maps};
@@ -215,10 +217,10 @@ pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, outline, read};
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LightEntry, LoadedScene,
-    LoadedVolume, LookName, MeshSection, ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh,
-    ShadingSection, TransferSection, VolumeSection, VolumeSource, load_scene, load_volume, outline_scene, parse_scene,
-    read_scene, resolve_scene, scene_text, write_scene,
+    CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LabelLook, LabelName,
+    LabelSection, LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection, ProjectionName,
+    RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferSection, VolumeSection, VolumeSource,
+    load_scene, load_volume, outline_scene, parse_scene, read_scene, resolve_scene, scene_text, write_scene,
 };
 pub use world::{Space, orientation};
 pub use write::{

@@ -48,4 +48,5 @@ mod survey;
 
 pub use fit::fit;
 pub use kind::Kind;
+pub use palette::label_color;
 pub use survey::{Hints, Look, Survey};

@@ -2,6 +2,8 @@
 
 mod error;
 mod inline;
+mod labels;
+mod labels_section;
 mod resolve;
 mod scene_file;
 mod sections;
@@ -14,6 +16,7 @@ use crate::atomic::write_whole;
 use crate::error::{FileError, WriteError};
 
 pub use error::SceneFileError;
+pub use labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};
 pub use resolve::{LoadedScene, SceneMesh, outline_scene, resolve_scene};
 pub use scene_file::SceneFile;
 pub use sections::{
