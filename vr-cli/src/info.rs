@@ -10,6 +10,7 @@ use crate::args::InfoArgs;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
+use crate::label_table::LabelTable;
 use crate::points_info::PointsInfo;
 use crate::{mesh_info, number, volume_setup};
 
@@ -35,13 +36,16 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
     let patient = info.as_ref().is_some_and(|file| file.space.is_patient());
     let hints = Hints { patient, ..Hints::default() };
     let suggest = |range| Preset::suggest(range, uniform.voxel_type().is_integer());
+    let look = Survey::new(&volume).look(&hints);
+    let labels = LabelTable::of(args, &volume, info.as_ref(), &look.kind)?;
     let description = Description {
         title: &title,
         file: info.as_ref(),
         uniform,
         histogram: Histogram::of(uniform, DRAWN.0),
         presets: volume.value_range().map_or_else(Vec::new, suggest),
-        look: Survey::new(&volume).look(&hints),
+        look,
+        labels,
         notes: &notes,
     };
     console.result(&description.text(), &description.json())
@@ -55,6 +59,7 @@ struct Description<'a> {
     histogram: Option<Histogram>,
     presets: Vec<Preset>,
     look: Look,
+    labels: Option<LabelTable>,
     notes: &'a [String],
 }
 
@@ -121,6 +126,9 @@ impl Description<'_> {
             let names: Vec<&str> = self.presets.iter().map(|p| p.name()).collect();
             line("try", format!("--transfer {}", names.join(" | ")));
         }
+        if let Some(labels) = &self.labels {
+            text += &labels.text();
+        }
         if let Some(histogram) = &self.histogram {
             text += &format!("\nhistogram (height: logarithm of the count)\n{}", histogram.draw(DRAWN.1));
         }
@@ -169,6 +177,7 @@ impl Description<'_> {
             infinite: u.value_stats().infinite,
             histogram: self.histogram.as_ref().map(|h| &*h.counts),
             presets: self.presets.iter().map(|p| p.name()).collect(),
+            labels: self.labels.as_ref(),
             notes: self.notes,
         }
     }
@@ -193,6 +202,7 @@ struct Json<'a> {
     /// Numbers of voxels in equal bins over `range`.
     histogram: Option<&'a [u64]>,
     presets: Vec<&'static str>,
+    labels: Option<&'a LabelTable>,
     notes: &'a [String],
 }
 

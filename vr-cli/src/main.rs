@@ -25,6 +25,7 @@ mod histogram;
 mod info;
 mod inputs;
 mod interrupt;
+mod label_table;
 mod mesh_info;
 mod number;
 mod output_file;

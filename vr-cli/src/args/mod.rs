@@ -3,6 +3,7 @@
 mod choices;
 mod convert;
 mod diff;
+mod labels;
 mod ray;
 mod report;
 mod scene;
@@ -18,6 +19,7 @@ use vr_io::{PngDepth, PngOptions};
 pub use choices::{Bits, Curve, ErrorMeasure};
 pub use convert::{ChangeArgs, ConvertArgs, CropBox};
 pub use diff::DiffArgs;
+pub use labels::LabelArgs;
 pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
@@ -243,6 +245,9 @@ pub struct InfoArgs {
     /// The volume.
     #[command(flatten)]
     pub volume: VolumeArgs,
+    /// Labels: a list of their names, of ITK-SNAP, FreeSurfer or Slicer
+    #[arg(long, value_name = "FILE", help_heading = "Volume")]
+    pub label_names: Option<PathBuf>,
 }
 
 impl Cli {

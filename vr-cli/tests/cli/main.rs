@@ -8,6 +8,7 @@ mod diff;
 mod error_bounds;
 mod harness;
 mod inputs;
+mod labels;
 mod look;
 mod mesh;
 mod points;
