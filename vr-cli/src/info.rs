@@ -13,6 +13,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
 use crate::inputs::Inputs;
+use crate::label_table::LabelTable;
 use crate::points_info::PointsInfo;
 use crate::{mesh_info, number, output_file, picture_record, slices, volume_setup};
 
@@ -60,14 +61,17 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         let picture = slices::draw(uniform, patient, window, fine.as_ref());
         vr_io::write(place, &picture, &PngOptions::default()).map_err(Failure::failed)?;
     }
+    let look = Survey::new(&volume).look(&hints);
+    let labels = LabelTable::of(args, &volume, info.as_ref(), &look.kind)?;
     let description = Description {
         title: &title,
         file: info.as_ref(),
         uniform,
         histogram,
         presets: volume.value_range().map_or_else(Vec::new, suggest),
-        look: Survey::new(&volume).look(&hints),
         picture: args.output.as_deref(),
+        look,
+        labels,
         notes: &notes,
     };
     console.result(&description.text(), &description.json())
@@ -83,6 +87,7 @@ struct Description<'a> {
     look: Look,
     /// Place of the slices, if they were drawn.
     picture: Option<&'a Path>,
+    labels: Option<LabelTable>,
     notes: &'a [String],
 }
 
@@ -149,6 +154,9 @@ impl Description<'_> {
             let names: Vec<&str> = self.presets.iter().map(|p| p.name()).collect();
             line("try", format!("--transfer {}", names.join(" | ")));
         }
+        if let Some(labels) = &self.labels {
+            text += &labels.text();
+        }
         if let Some(histogram) = &self.histogram {
             text += &format!("\nhistogram (height: logarithm of the count)\n{}", histogram.draw(DRAWN.1));
         }
@@ -202,6 +210,7 @@ impl Description<'_> {
             presets: self.presets.iter().map(|p| p.name()).collect(),
             look: &self.look.reason,
             output: self.picture,
+            labels: self.labels.as_ref(),
             notes: self.notes,
         }
     }
@@ -228,6 +237,7 @@ struct Json<'a> {
     presets: Vec<&'static str>,
     look: &'a str,
     output: Option<&'a Path>,
+    labels: Option<&'a LabelTable>,
     notes: &'a [String],
 }
 

@@ -27,6 +27,7 @@ mod histogram;
 mod info;
 mod inputs;
 mod interrupt;
+mod label_table;
 mod mask;
 mod mesh_info;
 mod number;

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use vr_core::{ControlPoint, Plane};
 use vr_io::{
-    FileSource, GridDescription, LightEntry, MeshSection, PointOptions, SceneFile, ShadingSection, TransferSection,
-    VolumeSection, VolumeSource,
+    FileSource, GridDescription, LabelsSection, LightEntry, MeshSection, PointOptions, SceneFile, ShadingSection,
+    TransferSection, VolumeSection, VolumeSource,
 };
 
 use crate::args::{
-    Background, CameraArgs, CompositingArgs, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs, VolumeArgs,
+    Background, CameraArgs, CompositingArgs, ImageArgs, LabelArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs,
+    VolumeArgs,
 };
 use crate::failure::Failure;
 
@@ -33,6 +34,7 @@ impl Overrides {
         self.set_some("volume.filter", args.filter, &mut file.volume.filter);
         self.transfer(&args.transfer, file);
         self.shading(&args.shading, file);
+        self.labels(&args.labels, file)?;
         self.mesh(&args.mesh, file)?;
         self.image(&args.image, file);
         self.compositing(&args.compositing, file);
@@ -225,6 +227,33 @@ impl Overrides {
             section.enabled = true;
             file.shading = Some(section);
         }
+    }
+
+    fn labels(&mut self, args: &LabelArgs, file: &mut SceneFile) -> Result<(), Failure> {
+        if let Some(path) = args.labels.as_ref().or(args.mask.as_ref()) {
+            // Another file: what is said of single labels is not for it.
+            let section = LabelsSection {
+                file: self.path_from_here(path),
+                mask: args.mask.is_some(),
+                ..LabelsSection::default()
+            };
+            file.labels = Some(section);
+            self.note("labels");
+        }
+        let given = args.label_names.is_some() || args.labels_as.is_some() || !args.label.is_empty();
+        let Some(section) = &mut file.labels else {
+            let complaint = "labels.file: there are no labels to name or draw; --labels FILE or --mask FILE names some";
+            return if given { Err(Failure::usage(complaint)) } else { Ok(()) };
+        };
+        let names = args.label_names.as_ref().map(|path| self.path_from_here(path));
+        self.set_some("labels.names", names, &mut section.names);
+        self.set_some("labels.as", args.labels_as, &mut section.look);
+        if !args.label.is_empty() {
+            // After those of the file: the last word on a label holds.
+            section.label.extend(args.label.iter().cloned());
+            self.note("labels.label");
+        }
+        Ok(())
     }
 
     fn mesh(&mut self, args: &MeshArgs, file: &mut SceneFile) -> Result<(), Failure> {

@@ -55,6 +55,7 @@ mod frame;
 mod grid;
 mod grid_volume;
 pub mod image_order;
+pub mod labels;
 mod limits;
 mod missing;
 mod model;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::compositing::Compositing;
 use crate::control::Control;
 use crate::error::{ParameterError, RenderError};
+use crate::field::Field;
 use crate::shading::{Light, Shading};
 use crate::surfaces::{Layer, Surfaces};
 use crate::transfer::TransferFunction;
@@ -123,6 +124,10 @@ impl Scene {
     /// A [`ParameterError`] naming the field.
     pub fn validate(&self) -> Result<(), ParameterError> {
         self.compositing.validate()?;
+        if !self.compositing.integrates_light() && self.volume.field().is_some_and(Field::values_are_codes) {
+            let allowed = "volumes with labels in colours of their own have no values to compare: over or accumulate; or show them as the volume";
+            return Err(ParameterError::new("render.compositing", self.compositing.name(), allowed));
+        }
         if self.background.iter().any(|&c| !(c >= 0.0 && c.is_finite())) {
             let allowed = "must be finite and not negative";
             return Err(ParameterError::new("image.background", self.background, allowed));

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use vr_core::labels::LabelError;
 use vr_core::{GridError, MeshError, PointError};
 
 /// The reason why a file gives no volume, points, surface or colour map: one line that names the file, the place in it, what was found and
@@ -85,6 +86,9 @@ pub enum FileErrorKind {
     /// Positions, radii, weights and values that make no set of points.
     #[error(transparent)]
     Points(#[from] PointError),
+    /// Voxels that are no labels, or labels that do not fit the volume.
+    #[error(transparent)]
+    Labels(#[from] LabelError),
     /// Vertices and triangles that make no surface.
     #[error(transparent)]
     Surface(#[from] MeshError),

@@ -183,6 +183,7 @@ mod float16;
 mod framing;
 mod header_text;
 mod keys;
+mod labels;
 mod layout;
 mod length_unit;
 mod mapped;
@@ -227,6 +228,7 @@ pub use exr::write_exr;
 pub use file_pattern::{files_of_pattern, numbered_names};
 pub use framing::{default_angles, framing};
 pub use keys::{AnglePath, Angles, CameraPath, Interpolation, Key, KeyFile, PlacedPath, parse_keys, read_keys};
+pub use labels::{LabelEntry, LoadedLabels, parse_label_list, read_label_list, read_labels};
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;
 pub use paraview::{ColorMap, parse_color_maps, read_color_maps};
@@ -242,10 +244,11 @@ pub use record::{
 };
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LightEntry, LoadedScene,
-    LoadedVolume, LookName, MeshSection, ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh,
-    ShadingSection, TransferSection, VolumeSection, VolumeSource, commented_scene, load_scene, load_volume,
-    outline_scene, parse_scene, read_scene, resolve_scene, scene_text, write_scene,
+    CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LabelLook, LabelName,
+    LabelSection, LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection, ProjectionName,
+    RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferSection, VolumeSection, VolumeSource,
+    commented_scene, load_scene, load_volume, outline_scene, parse_scene, read_scene, resolve_scene, scene_text,
+    write_scene,
 };
 pub use world::{Space, orientation};
 pub use write::{

@@ -50,4 +50,5 @@ mod survey;
 pub use fit::fit;
 pub use fit_together::{centre_of, fit_together, pivot_of};
 pub use kind::Kind;
+pub use palette::label_color;
 pub use survey::{Hints, Look, Survey};

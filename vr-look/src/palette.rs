@@ -50,8 +50,9 @@ pub(crate) fn signed(place: f64) -> [f64; 3] {
     cool_warm(place)
 }
 
-/// Colour of the label of that rank: hues a golden section of the circle apart, so that neighbours differ, however many there are.
-pub(crate) fn label(rank: usize) -> [f64; 3] {
+/// Colour of the label of that rank, in linear light: hues a golden section of the circle apart, so that neighbours differ, however many there
+/// are.
+pub fn label_color(rank: usize) -> [f64; 3] {
     let hue = 6.0 * (0.08 + rank as f64 * 0.618_033_988_749_895).fract();
     let component = |shift: f64| {
         let place = (hue + shift) % 6.0;
@@ -81,7 +82,7 @@ mod tests {
             }
         }
         for i in 0..30 {
-            let (a, b) = (label(i), label(i + 1));
+            let (a, b) = (label_color(i), label_color(i + 1));
             let apart: f64 = (0..3).map(|k| (a[k] - b[k]).abs()).sum();
             assert!(apart > 0.3, "{i}: {a:?} {b:?}");
         }

@@ -119,7 +119,7 @@ impl Survey {
             } else {
                 rank += 1;
                 // A mask alone is a shape, not a region among others.
-                let color = if values.len() == 2 { palette::tissue(0.55) } else { palette::label(rank - 1) };
+                let color = if values.len() == 2 { palette::tissue(0.55) } else { palette::label_color(rank - 1) };
                 (color, opacity)
             };
             // Each holds half-way to its neighbours, where the next one begins.

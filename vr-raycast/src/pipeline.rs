@@ -13,7 +13,7 @@ use crate::run::Run;
 use crate::shade::Shader;
 use crate::source::Source;
 use crate::tracer::{RaySample, Tracer};
-use crate::walk::{Walk, Walks};
+use crate::walk::{Walk, Walks, cut_walk};
 
 /// Data that a frame's rays share.
 ///
@@ -84,7 +84,12 @@ impl<R: Real> Pipeline<'_, R> {
         let part = IndexRay::new(ray, self.source.placement(), self.source.dims(), &self.view.clip, far);
         let value = part.map_or(RaySample::NOTHING, |part| {
             let needs = scratch.operator.needs();
-            let walk = self.walks.along(part, start, u32::from(needs.brackets), needs.backwards);
+            let jumps = self.source.jumps(ray, &part);
+            let walk = if jumps.is_empty() {
+                self.walks.along(part, start, u32::from(needs.brackets), needs.backwards)
+            } else {
+                Walk::Listed(cut_walk(&part, self.walks.step, &jumps, needs.backwards))
+            };
             let chord = Chord { source: self.source, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::{Calibration, Field, GridVolume, IndexRay, Placement, Real, Volume};
+use vr_core::{Calibration, Field, GridVolume, IndexRay, Placement, Ray, Real, Volume};
 
 use crate::run::Run;
 
@@ -44,6 +44,18 @@ impl Source {
             Self::Grid(grid) => Some(grid),
             Self::Other(_) => None,
         }
+    }
+
+    /// Returns the distances along a part of a ray at which a field that is no grid's jumps, ascending.
+    pub(crate) fn jumps(&self, ray: &Ray, part: &IndexRay) -> Vec<f64> {
+        let mut jumps = Vec::new();
+        if let Self::Other(other) = self
+            && let Some(field) = other.field()
+        {
+            field.jumps(ray, [part.start, part.end].map(|s| s + part.offset), &mut jumps);
+            jumps.iter_mut().for_each(|s| *s -= part.offset);
+        }
+        jumps
     }
 
     /// Returns the placement of index space in the world.

@@ -6,6 +6,7 @@ mod background;
 mod choices;
 mod convert;
 mod diff;
+mod labels;
 mod ray;
 mod report;
 mod rerun;
@@ -27,6 +28,7 @@ pub use background::Background;
 pub use choices::{Bits, Curve, ErrorMeasure};
 pub use convert::{ChangeArgs, ConvertArgs, CropBox};
 pub use diff::DiffArgs;
+pub use labels::LabelArgs;
 pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use rerun::RerunArgs;
@@ -283,6 +285,9 @@ pub struct InfoArgs {
     /// Picture to write: three slices through the middle of a grid, and the histogram (.png)
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
+    /// Labels: a list of their names, of ITK-SNAP, FreeSurfer or Slicer
+    #[arg(long, value_name = "FILE", help_heading = "Volume")]
+    pub label_names: Option<PathBuf>,
 }
 
 impl Cli {

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use vr_core::{Filter, GradientMethod, OpacityRule};
 use vr_io::{ColorEncoding, CompositingName, LookName, ProjectionName};
 
-use super::{Background, VolumeArgs, value};
+use super::{Background, LabelArgs, VolumeArgs, value};
 
 /// A scene: a file, and what overrides it.
 #[derive(Debug, Args)]
@@ -26,6 +26,9 @@ pub struct SceneArgs {
     /// `[shading]`.
     #[command(flatten)]
     pub shading: ShadingArgs,
+    /// `[labels]`.
+    #[command(flatten)]
+    pub labels: LabelArgs,
     /// `[mesh]`.
     #[command(flatten)]
     pub mesh: MeshArgs,

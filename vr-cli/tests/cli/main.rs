@@ -10,6 +10,7 @@ mod diff;
 mod error_bounds;
 mod harness;
 mod inputs;
+mod labels;
 mod look;
 mod mesh;
 mod points;

@@ -75,6 +75,16 @@ pub trait Field: Send + Sync + fmt::Debug {
         None
     }
 
+    /// True if the values are codes, each with an entry of its own in the transfer function, that mean nothing beside each other: operators that
+    /// compare or average values are refused then ([`Scene::validate`](crate::Scene::validate)).
+    fn values_are_codes(&self) -> bool {
+        false
+    }
+
+    /// Appends the world distances along a ray, between two and ascending, at which the value jumps: a renderer in steps ends one there. None by
+    /// default.
+    fn jumps(&self, _ray: &Ray, _part: [f64; 2], _out: &mut Vec<f64>) {}
+
     /// The field along a ray, within the clip and up to the world distance `far`, with gradients if they are asked for; `None` where the ray
     /// does not meet the field there.
     fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Box<dyn FieldLine + 'a>>;

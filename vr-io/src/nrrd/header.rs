@@ -116,6 +116,11 @@ impl Header {
         self.key_values.get(key).map(String::as_str)
     }
 
+    /// The keys that begin with a word, and their values.
+    pub fn key_values_of(self, word: &str) -> BTreeMap<String, String> {
+        self.key_values.into_iter().filter(|(key, _)| key.starts_with(word)).collect()
+    }
+
     pub fn listed_files(&self) -> &[String] {
         &self.listed_files
     }

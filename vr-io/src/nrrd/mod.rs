@@ -5,13 +5,14 @@ mod data;
 mod geometry;
 mod header;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use vr_core::Calibration;
 
 use crate::error::{FieldError, FileError};
 use crate::layout::Layout;
-use crate::read::{Description, ReadOptions};
+use crate::read::{Description, ReadOptions, file_head};
 use crate::scalar::ScalarType;
 
 use header::Header;
@@ -49,6 +50,12 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         scan: None,
         notes,
     })
+}
+
+/// Keys about segments in the header of a file; `None` for a file that is no NRRD.
+pub(crate) fn segment_keys(path: &Path) -> Result<Option<BTreeMap<String, String>>, FileError> {
+    let head = if path.is_file() { file_head(path).map_err(|e| FileError::new(path, e))? } else { Vec::new() };
+    Ok(if head.starts_with(b"NRRD") { Some(Header::read(path)?.key_values_of("Segment")) } else { None })
 }
 
 fn scalar_type(name: &str) -> Result<ScalarType, FieldError> {

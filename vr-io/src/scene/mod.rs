@@ -5,6 +5,8 @@ mod complete;
 mod error;
 mod inline;
 mod key_help;
+mod labels;
+mod labels_section;
 mod resolve;
 mod scene_file;
 mod sections;
@@ -18,6 +20,7 @@ use crate::error::{FileError, WriteError};
 
 pub use commented::commented_scene;
 pub use error::SceneFileError;
+pub use labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};
 pub use resolve::{LoadedScene, SceneMesh, outline_scene, resolve_scene};
 pub use scene_file::SceneFile;
 pub use sections::{

@@ -14,6 +14,7 @@ use crate::paraview::read_color_maps;
 use crate::read::{FileInfo, each_once};
 
 use super::error::{SceneFileError, unknown_name};
+use super::labels::SceneLabels;
 use super::scene_file::SceneFile;
 use super::sections::{ColorEncoding, LookName, ShadingSection, TransferSection};
 use super::volume::{LoadedVolume, load_volume, outline_volume};
@@ -114,6 +115,10 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
     if let Some(section) = &file.transfer {
         check_transfer(section, &mut notes).map_err(in_file)?;
     }
+    let labels = file.labels.clone();
+    let labels = labels.as_ref().map(|section| SceneLabels::read(section, folder)).transpose()?;
+    let files = each_once(files.into_iter().chain(labels.iter().flat_map(|labels| labels.files().to_vec())));
+    let mut automatic = false;
     let points = match (&mut file.transfer, found.transfer) {
         // A phantom brings its own, made for one unit distance.
         (transfer, Some((points, unit_distance))) if transfer.as_ref().is_none_or(names_no_points) => {
@@ -122,6 +127,7 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
         }
         // Nothing is asked for: the volume tells.
         (transfer, _) if transfer.as_ref().is_none_or(|t| names_no_points(t) && t.look == LookName::Auto) => {
+            automatic = true;
             let scan = found.info.as_ref().is_some_and(FileInfo::is_scan);
             let hints = Hints { scan, compositing: file.render.compositing().map_err(in_file)? };
             let look = survey.get_or_insert_with(|| Survey::new(&found.volume)).look(&hints);
@@ -147,6 +153,11 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
             points
         }
     };
+    // Solids are lit, unless the file says otherwise.
+    if file.shading.is_none() && labels.as_ref().is_some_and(SceneLabels::has_solids) {
+        notes.push("labels are lit by a headlight: no shading is named".to_owned());
+        file.shading = Some(ShadingSection::default());
+    }
     // Load the mesh, and set up scene and view.
     let mesh = match &file.mesh {
         Some(section) => {
@@ -156,7 +167,11 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
         }
         None => None,
     };
-    let (scene, mut view) = file.assemble(found.volume, points).map_err(in_file)?;
+    let (mut scene, mut view) = file.assemble(found.volume, points).map_err(in_file)?;
+    if let Some(labels) = &labels {
+        scene = labels.over(scene, automatic, found.info.as_ref(), &mut notes, in_file)?;
+        survey = None;
+    }
     let seen = OnceLock::new();
     if file.camera.is_none() {
         let info = found.info.as_ref();

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use vr_core::{Camera, Clip, ControlPoint, ParameterError, Scene, TransferFunction, View, Volume};
 
 use super::inline::inline_volume;
+use super::labels_section::LabelsSection;
 use super::sections::{CameraSection, ImageSection, MeshSection, RenderSection, ShadingSection, TransferSection};
 use super::volume_section::VolumeSection;
 
@@ -27,6 +28,8 @@ pub struct SceneFile {
     pub camera: Option<CameraSection>,
     /// Absent: no opaque surface.
     pub mesh: Option<MeshSection>,
+    /// Absent: no labels beside the volume.
+    pub labels: Option<LabelsSection>,
     /// Crop box and clip planes.
     #[serde(skip_serializing_if = "cuts_nothing")]
     pub clip: Clip,
@@ -58,6 +61,7 @@ impl SceneFile {
             shading: scene.shading.as_deref().map(|shading| ShadingSection::describe(shading, &scene.lights)),
             camera: Some(CameraSection::from(&view.camera)),
             mesh: None,
+            labels: None,
             clip: view.clip.clone(),
             image: ImageSection { size: view.size, samples: view.supersampling, background: scene.background },
             render: RenderSection::describe(scene.compositing),

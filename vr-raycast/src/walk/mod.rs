@@ -2,12 +2,14 @@
 
 mod block_ray;
 mod cells;
+mod cut;
 mod lattice;
 mod listed;
 mod local;
 mod visible_steps;
 
 pub(crate) use block_ray::BlockRay;
+pub(crate) use cut::cut_walk;
 pub(crate) use lattice::Lattice;
 pub(crate) use listed::ListedWalk;
 

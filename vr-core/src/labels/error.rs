@@ -1,0 +1,63 @@
+//! Errors of labels and their styles.
+
+/// The reason why voxels are no labels, or why labels cannot be drawn beside a volume.
+///
+/// # Examples
+/// ```
+/// use vr_core::labels::{LabelError, LabelMap};
+/// use vr_core::{Calibration, Placement, UniformGrid};
+///
+/// let voxels = vec![0.0f32, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0];
+/// let grid = UniformGrid::new([2; 3], voxels, Placement::from_spacing([1.0; 3])?, Calibration::default())?;
+/// let error = LabelMap::new(&grid.into()).unwrap_err();
+/// assert_eq!(error.to_string(), "voxel (0, 1, 0) has the value 0.5: labels are whole numbers from -2147483648 to 2147483647");
+/// # Ok::<(), vr_core::GridError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LabelError {
+    /// A value that is no whole number.
+    #[error(
+        "voxel ({}, {}, {}) has the value {found}: labels are whole numbers from -2147483648 to 2147483647",
+        index[0], index[1], index[2]
+    )]
+    Value {
+        /// The voxel.
+        index: [usize; 3],
+        /// Its value.
+        found: f64,
+    },
+    /// More labels than there are numbers for.
+    #[error("there are more than {limit} different values: this is no label volume")]
+    TooMany {
+        /// Largest number of labels.
+        limit: usize,
+    },
+    /// Labels of another part of the world than the volume's.
+    #[error(
+        "the labels lie from {labels:?} to {labels_end:?} and the volume from {volume:?} to {volume_end:?}: they do not overlap, so one is in another \
+         place or patient space (units, LPS and RAS)"
+    )]
+    Apart {
+        /// Lower corner of the labels' world box.
+        labels: [f64; 3],
+        /// Upper corner of it.
+        labels_end: [f64; 3],
+        /// Lower corner of the volume's world box.
+        volume: [f64; 3],
+        /// Upper corner of it.
+        volume_end: [f64; 3],
+    },
+    /// A style with an opacity or a colour out of range.
+    #[error("label {label}: {what} is {found}, must be {allowed}")]
+    Style {
+        /// The label.
+        label: i32,
+        /// `opacity` or `colour`.
+        what: &'static str,
+        /// The value found.
+        found: String,
+        /// Values that would be right.
+        allowed: &'static str,
+    },
+}
