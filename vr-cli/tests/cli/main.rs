@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod bench;
+mod colors;
 mod commands;
 mod convert;
 mod diff;
