@@ -25,10 +25,12 @@ pub fn run(args: &ConvertArgs, console: Console) -> Result<(), Failure> {
     };
     let (title, LoadedVolume { volume, info, mut notes, .. }) = volume_setup::load(&args.volume, console)?;
     let grid = volume.grid().ok_or_else(|| {
-        Failure::failed(format!(
-            "{title}: {} cannot be converted: there are no voxels in it, which every format here holds",
-            volume.kind()
-        ))
+        let why = if volume.colors().is_some() {
+            "name one of its components, as in --component 0: formats are written with one number a voxel"
+        } else {
+            "there are no voxels in it, which every format here holds"
+        };
+        Failure::failed(format!("{title}: {} cannot be converted: {why}", volume.kind()))
     })?;
     let (changed, said) = change(grid, &args.changes)?;
     let volume = changed.map_or_else(|| volume.clone(), |grid| Volume::Grid(Arc::new(grid)));

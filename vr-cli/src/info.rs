@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use vr_core::transfer::Preset;
-use vr_core::{Calibration, GridVolume, VoxelType};
+use vr_core::{Calibration, ColorGrid, GridVolume, VoxelType};
 use vr_io::{FileInfo, LoadedVolume, PngOptions};
 use vr_look::{Hints, Look, Survey};
 
@@ -47,7 +47,7 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         return console.result(&found.text(), &found);
     }
     let uniform = volume
-        .grid()
+        .value_grid()
         .ok_or_else(|| Failure::failed(format!("{title}: a {} cannot be described yet", volume.kind())))?;
     let patient = info.as_ref().is_some_and(|file| file.space.is_patient());
     let hints = Hints { scan: info.as_ref().is_some_and(FileInfo::is_scan), ..Hints::default() };
@@ -67,8 +67,10 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         title: &title,
         file: info.as_ref(),
         uniform,
+        colors: volume.colors().map(|colors| &**colors),
         histogram,
-        presets: volume.value_range().map_or_else(Vec::new, suggest),
+        // Presets are for numbers; colours are shown as they are.
+        presets: volume.grid().and_then(|grid| grid.value_range()).map_or_else(Vec::new, suggest),
         picture: args.output.as_deref(),
         look,
         labels,
@@ -82,6 +84,8 @@ struct Description<'a> {
     /// File; `None` for a phantom.
     file: Option<&'a FileInfo>,
     uniform: &'a GridVolume,
+    /// Colours of the voxels, where they have any.
+    colors: Option<&'a ColorGrid>,
     histogram: Option<Histogram>,
     presets: Vec<Preset>,
     look: Look,
@@ -101,7 +105,13 @@ impl Description<'_> {
             let mapped = if file.mapped { ", mapped into memory" } else { "" };
             let FileInfo { format, encoding, scalar, endian, .. } = file;
             line("format", format!("{format}, {encoding} {scalar} {endian}{mapped}"));
-            if file.frames * file.components > 1 {
+            if let Some(colors) = self.colors {
+                line(
+                    "colours",
+                    format!("{} components; the value is {}", file.components, colors.value_source().name()),
+                );
+            }
+            if file.frames > 1 || file.components > 1 && self.colors.is_none() {
                 line(
                     "series",
                     format!("{} frames of {} components; one of each is shown", file.frames, file.components),
@@ -117,7 +127,7 @@ impl Description<'_> {
                 "{} voxels of {}, {}",
                 number::triple(dims, "×"),
                 u.voxel_type(),
-                number::bytes(u.sample_bytes() as u64)
+                number::bytes(self.colors.map_or(u.sample_bytes(), ColorGrid::sample_bytes) as u64)
             ),
         );
         let unit = self.file.and_then(|f| f.units.as_deref()).unwrap_or_default();

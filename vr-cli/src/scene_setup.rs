@@ -324,6 +324,10 @@ pub fn title(section: &VolumeSection, volume: &Volume) -> String {
     };
     match volume {
         Volume::Grid(u) => format!("{name}, {} {}", number::triple(u.dims(), "×"), u.voxel_type()),
+        Volume::Color(c) => {
+            let u = c.values();
+            format!("{name}, {} {} with colours", number::triple(u.dims(), "×"), u.voxel_type())
+        }
         Volume::Points(p) => format!("{name}, {} points", p.count()),
         Volume::Field(field) => format!("{name}, {}", field.kind()),
     }

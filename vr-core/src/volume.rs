@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::any_grid::AnyGrid;
+use crate::color_grid::ColorGrid;
 use crate::field::{Field, FunctionField};
 use crate::filter::Filter;
 use crate::grid::UniformGrid;
@@ -33,6 +34,8 @@ use crate::voxel::Voxel;
 pub enum Volume {
     /// Values on a uniform grid, and the filter that makes a field of them.
     Grid(Arc<GridVolume>),
+    /// Values on a uniform grid, and a colour at each voxel.
+    Color(Arc<ColorGrid>),
     /// Scattered points.
     Points(Arc<PointSet>),
     /// Any other field: a function, or a kind of volume of the caller's own.
@@ -44,31 +47,42 @@ impl Volume {
     pub fn grid(&self) -> Option<&Arc<GridVolume>> {
         match self {
             Self::Grid(grid) => Some(grid),
-            Self::Points(_) | Self::Field(_) => None,
+            Self::Color(_) | Self::Points(_) | Self::Field(_) => None,
         }
+    }
+
+    /// The grid with colours, if it is one.
+    pub fn colors(&self) -> Option<&Arc<ColorGrid>> {
+        if let Self::Color(colors) = self { Some(colors) } else { None }
+    }
+
+    /// The grid of the values, of a grid with colours or without.
+    pub fn value_grid(&self) -> Option<&Arc<GridVolume>> {
+        self.grid().or_else(|| self.colors().map(|colors| colors.values()))
     }
 
     /// The scattered points, if it is made of them.
     pub fn points(&self) -> Option<&Arc<PointSet>> {
         match self {
             Self::Points(points) => Some(points),
-            Self::Grid(_) | Self::Field(_) => None,
+            Self::Grid(_) | Self::Color(_) | Self::Field(_) => None,
         }
     }
 
-    /// The field of a volume that is no grid, which has faster ways of its own.
+    /// The field of a volume that is no grid, which has faster ways of its own, with colours or without.
     pub fn field(&self) -> Option<&dyn Field> {
         match self {
-            Self::Grid(_) => None,
+            Self::Grid(_) | Self::Color(_) => None,
             Self::Points(points) => Some(&**points),
             Self::Field(field) => Some(&**field),
         }
     }
 
-    /// Kind in messages: `uniform grid`, `scattered points`, `function`.
+    /// Kind in messages: `uniform grid`, `coloured grid`, `scattered points`, `function`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Grid(_) => "uniform grid",
+            Self::Color(_) => "coloured grid",
             Self::Points(points) => points.kind(),
             Self::Field(field) => field.kind(),
         }
@@ -76,7 +90,7 @@ impl Volume {
 
     /// The filter of a grid; `None` for volumes that have none.
     pub fn filter(&self) -> Option<Filter> {
-        self.grid().map(|grid| grid.filter())
+        self.value_grid().map(|grid| grid.filter())
     }
 
     /// The same volume under another filter; a volume that has none stays as it is.
@@ -84,6 +98,7 @@ impl Volume {
     pub fn with_filter(&self, filter: Filter) -> Self {
         match self {
             Self::Grid(grid) => Self::Grid(Arc::new(grid.with_filter(filter))),
+            Self::Color(colors) => Self::Color(Arc::new(colors.with_filter(filter))),
             other => other.clone(),
         }
     }
@@ -93,6 +108,7 @@ impl Volume {
     pub fn value_range(&self) -> Option<(f64, f64)> {
         match self {
             Self::Grid(grid) => grid.value_range(),
+            Self::Color(colors) => colors.values().value_range(),
             Self::Points(points) => Some(points.value_range()),
             Self::Field(field) => field.value_range(),
         }
@@ -102,6 +118,7 @@ impl Volume {
     pub fn bounds(&self) -> (DVec3, DVec3) {
         match self {
             Self::Grid(grid) => grid.bounds(),
+            Self::Color(colors) => colors.values().bounds(),
             Self::Points(points) => points.bounds(),
             Self::Field(field) => field.bounds(),
         }
@@ -111,7 +128,8 @@ impl Volume {
     /// transfer function.
     pub fn mean_spacing(&self) -> f64 {
         match self {
-            Self::Grid(grid) => grid.placement().spacing().element_sum() / 3.0,
+            Self::Grid(grid) => mean_spacing(grid),
+            Self::Color(colors) => mean_spacing(colors.values()),
             Self::Points(points) => points.mean_spacing(),
             Self::Field(field) => field.spacing(),
         }
@@ -121,6 +139,7 @@ impl Volume {
     pub fn prepare_derived(&self) {
         match self {
             Self::Grid(grid) => grid.prepare_derived(),
+            Self::Color(colors) => colors.values().prepare_derived(),
             Self::Points(points) => points.prepare_derived(),
             Self::Field(field) => field.prepare_derived(),
         }
@@ -130,11 +149,17 @@ impl Volume {
     pub fn same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Grid(a), Self::Grid(b)) => a.same(b),
+            (Self::Color(a), Self::Color(b)) => a.same(b),
             (Self::Points(a), Self::Points(b)) => Arc::ptr_eq(a, b),
             (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
     }
+}
+
+/// Mean of the three edges of a voxel.
+fn mean_spacing(grid: &GridVolume) -> f64 {
+    grid.placement().spacing().element_sum() / 3.0
 }
 
 impl<T: Voxel> From<UniformGrid<T>> for Volume
@@ -143,6 +168,12 @@ where
 {
     fn from(grid: UniformGrid<T>) -> Self {
         AnyGrid::from(grid).into()
+    }
+}
+
+impl From<ColorGrid> for Volume {
+    fn from(colors: ColorGrid) -> Self {
+        Self::Color(Arc::new(colors))
     }
 }
 

@@ -18,7 +18,15 @@ pub(crate) fn source(payload: Payload, header: &Path, layout: &Layout, options: 
     let encoding = payload.encoding.name();
     // All numbers as one row; what the layout picks is picked of the floats.
     let total = layout.total;
-    let row = Layout { dims: [total, 1, 1], strides: [1, total, total], offset: 0, total, frames: 1, components: 1 };
+    let row = Layout {
+        dims: [total, 1, 1],
+        strides: [1, total, total],
+        offset: 0,
+        total,
+        frames: 1,
+        components: 1,
+        is_color: false,
+    };
     let (header, options) = (header.to_path_buf(), options.clone());
     let decode = Box::new(move |notes: &mut Vec<String>| {
         Ok(match payload.load(&header, &row, &options, notes)? {

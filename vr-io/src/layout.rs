@@ -6,6 +6,7 @@ use vr_core::{GridError, sample_count};
 
 use crate::error::{FieldError, FileError};
 use crate::read::ReadOptions;
+use crate::scalar::ScalarType;
 
 /// Role of an axis of a file: what its index counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,15 @@ pub(crate) enum Role {
     Space,
     Frame,
     Component,
+    /// Components that are red, green, blue and, of four, opacity.
+    Color,
+}
+
+impl Role {
+    /// Role of the components of a voxel in a format that has no word for colours: three or four bytes are one, as every program keeps pictures.
+    pub fn of_components(count: usize, scalar: ScalarType) -> Self {
+        if scalar == ScalarType::U8 && (3..=4).contains(&count) { Self::Color } else { Self::Component }
+    }
 }
 
 /// An axis of the array in a file.
@@ -32,6 +42,8 @@ pub(crate) struct Layout {
     pub total: usize,
     pub frames: usize,
     pub components: usize,
+    /// True if the components of a voxel are a colour.
+    pub is_color: bool,
 }
 
 impl Layout {
@@ -47,7 +59,10 @@ impl Layout {
         let total = axes.iter().try_fold(1usize, |n, a| n.checked_mul(a.size)).ok_or_else(too_large)?;
 
         let count = |role| axes.iter().filter(|a| a.role == role).map(|a| a.size).product::<usize>();
-        let (frames, components) = (count(Role::Frame), count(Role::Component));
+        let (frames, others) = (count(Role::Frame), count(Role::Component));
+        let colors = count(Role::Color);
+        let is_color = others == 1 && (3..=4).contains(&colors);
+        let components = others.checked_mul(colors).ok_or_else(too_large)?;
         let mut frame = pick(path, "frame", options.frame, frames)?;
         let mut component = pick(path, "component", options.component, components)?;
 
@@ -63,20 +78,27 @@ impl Layout {
                     offset += frame % axis.size * stride;
                     frame /= axis.size;
                 }
-                Role::Component => {
+                Role::Component | Role::Color => {
                     offset += component % axis.size * stride;
                     component /= axis.size;
                 }
             }
             stride *= axis.size;
         }
-        Ok(Self { dims, strides, offset, total, frames, components })
+        Ok(Self { dims, strides, offset, total, frames, components, is_color })
     }
 
     /// The same numbers with the axes of space in reverse: for files in which the last of the axes that they name is the fastest.
     pub fn reversed(self) -> Self {
         let reverse = |[a, b, c]: [usize; 3]| [c, b, a];
         Self { dims: reverse(self.dims), strides: reverse(self.strides), ..self }
+    }
+
+    /// The rows of all components together, where these are next to each other: as a volume that many times as wide.
+    pub fn interleaved(self) -> Option<Self> {
+        let ([nx, ny, nz], n) = (self.dims, self.components);
+        let together = self.strides == [n, n * nx, n * nx * ny];
+        together.then_some(Self { dims: [n * nx, ny, nz], strides: [1, n * nx, n * nx * ny], ..self })
     }
 
     /// Voxels of the volume.

@@ -87,6 +87,10 @@
 //! picked by [`ReadOptions`], and so are one series of DICOM, one resolution of OME-Zarr, and one array of a file that holds several under names: else it is the one that VTK calls the active
 //! scalars, the first with one component, or the first. VTK's numbers of cells are placed at the centres of the cells.
 //!
+//! Voxels of three or four components that are colours become a [`vr_core::ColorGrid`]: RGB24 and RGBA32 of NIfTI, the kinds RGB-color and
+//! RGBA-color of NRRD, RGB TIFF and slices of colour, RGB of DICOM, and three or four bytes a voxel in NRRD, MetaImage, VTK, Voreen
+//! and NumPy, which have no word for colours that every writer uses. Integers are sRGB, floats are linear light.
+//!
 //! # Volumes that are written
 //!
 //! | format | files | placement | calibration |
@@ -170,6 +174,7 @@
 mod animation;
 mod atomic;
 mod claim;
+mod colors;
 mod decode;
 mod detect;
 mod dicom;

@@ -6,7 +6,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use glam::DMat3;
-use vr_core::{Calibration, GridError, Placement, Volume};
+use vr_core::{Calibration, ColorGrid, GridError, Placement, Volume};
 
 use crate::detect::{Format, detect, detect_folder};
 use crate::encoding::Encoding;
@@ -19,14 +19,15 @@ use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::voxels::{Stored, Voxels};
 use crate::world::Space;
-use crate::{dicom, metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, voreen, vtk, zarr};
+use crate::{colors, dicom, metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, voreen, vtk, zarr};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
     /// Frame of a 4-D file, from 0; the first if absent, which is said.
     pub frame: Option<usize>,
-    /// Component of a file with several values per voxel, from 0; the first if absent, which is said.
+    /// Component of a file with several values per voxel, from 0. If absent, the voxels of a file of colours are these colours
+    /// ([`Volume::Color`]), and of others the first component is taken, which is said.
     pub component: Option<usize>,
     /// Array of a file that holds several under names; not needed where the file says which one is meant, or has one. Of scattered points,
     /// that of the values ([`PointOptions::value`], which comes first).
@@ -95,7 +96,7 @@ pub struct FileInfo {
     pub units: Option<String>,
     /// Frames in the file; one of them is the volume.
     pub frames: usize,
-    /// Components per voxel in the file; one of them is the volume.
+    /// Components per voxel in the file; one of them is the volume, or all where they are a colour.
     pub components: usize,
     /// Columns or arrays of points, of which some may have been taken; none of a grid.
     pub columns: Vec<String>,
@@ -152,9 +153,35 @@ pub(crate) struct Description {
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, FileError> {
     let path = path.as_ref();
     match describe(path, options)? {
+        Described::Grid(description) if takes_colors(&description, options) => {
+            let load = |source, layout: &Layout, placement, _, notes: &mut Vec<String>| {
+                colors::load(path, source, layout, placement, options, notes).map(|colors| (colors.into(), false))
+            };
+            assemble(path, *description, options, load)
+        }
         Described::Grid(description) => load(path, *description, options),
         Described::Points(format) => load_points(path, format, options),
     }
+}
+
+/// The source and the layout of one component of a file.
+pub(crate) fn component(
+    path: &Path,
+    component: usize,
+    options: &ReadOptions,
+) -> Result<Option<(Source, Layout)>, FileError> {
+    let options = ReadOptions { component: Some(component), ..options.clone() };
+    Ok(match describe(path, &options)? {
+        Described::Grid(description) => Some((description.source, description.layout)),
+        Described::Points(_) => None,
+    })
+}
+
+/// True if the components of a file are taken together, as colours.
+fn takes_colors(description: &Description, options: &ReadOptions) -> bool {
+    let scalar = description.source.scalar();
+    let takes = matches!(scalar, ScalarType::U8 | ScalarType::U16 | ScalarType::F32 | ScalarType::F64);
+    takes && description.layout.is_color && options.component.is_none()
 }
 
 /// Reads the header alone, and stands a volume of at most two voxels along each axis, all zero, in for the one that [`read()`] gives: of its
@@ -178,6 +205,14 @@ pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<L
     let in_file = |e: GridError| FileError::new(path, e);
     description.placement = Placement::new(description.placement.origin(), axes).map_err(in_file)?;
     let count = few.iter().product();
+    if takes_colors(&description, options) {
+        let black = vec![0u8; 3 * count];
+        let stand_in = |_, _: &Layout, placement, _, _: &mut Vec<String>| {
+            let colors = ColorGrid::from_components(few, &black, 3, placement).map_err(in_file)?;
+            Ok((colors.into(), false))
+        };
+        return assemble(path, *description, options, stand_in).map(Some);
+    }
     let voxels = match description.source.scalar() {
         ScalarType::U8 => Voxels::U8(Stored::Owned(vec![0; count])),
         ScalarType::I8 => Voxels::I8(Stored::Owned(vec![0; count])),
@@ -185,7 +220,10 @@ pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<L
         ScalarType::I16 => Voxels::I16(Stored::Owned(vec![0; count])),
         _ => Voxels::F32(Stored::Owned(vec![0.0; count])),
     };
-    assemble(path, *description, options, few, |_, _, _| Ok(voxels)).map(Some)
+    assemble(path, *description, options, |_, _, placement, calibration, _| {
+        grid_of(voxels, path, few, placement, calibration)
+    })
+    .map(Some)
 }
 
 /// Content of a file.
@@ -274,17 +312,33 @@ fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Resul
 
 fn load(path: &Path, description: Description, options: &ReadOptions) -> Result<Loaded, FileError> {
     let dims = description.layout.dims;
-    assemble(path, description, options, dims, |source, layout, notes| source.load(path, layout, options, notes))
+    assemble(path, description, options, |source, layout, placement, calibration, notes| {
+        let voxels = source.load(path, layout, options, notes)?;
+        grid_of(voxels, path, dims, placement, calibration)
+    })
 }
 
-/// The volume of that many of a description's voxels.
+/// The volume of voxels, and whether they stay in their file.
+fn grid_of(
+    voxels: Voxels,
+    path: &Path,
+    dims: [usize; 3],
+    placement: Placement,
+    calibration: Calibration,
+) -> Result<(Volume, bool), FileError> {
+    let mapped = voxels.is_mapped();
+    let grid = voxels.into_grid(dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
+    Ok((grid.into(), mapped))
+}
+
+/// The volume of a description, which `make` makes of its voxels; with it, whether they stay in their file.
 fn assemble(
     path: &Path,
     description: Description,
     options: &ReadOptions,
-    dims: [usize; 3],
-    voxels: impl FnOnce(Source, &Layout, &mut Vec<String>) -> Result<Voxels, FileError>,
+    make: impl FnOnce(Source, &Layout, Placement, Calibration, &mut Vec<String>) -> Result<(Volume, bool), FileError>,
 ) -> Result<Loaded, FileError> {
+    let takes_colors = takes_colors(&description, options);
     let Description {
         format,
         header,
@@ -301,15 +355,13 @@ fn assemble(
     let Scan { modality, window } = scan.unwrap_or_default();
     let (encoding, scalar, endian, data_files) =
         (source.encoding(), source.scalar(), source.endian(), each_once(source.files()));
-    let chosen = [("frame", layout.frames, options.frame), ("component", layout.components, options.component)];
+    let components = if takes_colors { 1 } else { layout.components };
+    let chosen = [("frame", layout.frames, options.frame), ("component", components, options.component)];
     for (what, count, _) in chosen.into_iter().filter(|&(_, count, chosen)| count > 1 && chosen.is_none()) {
         notes.push(format!("{what} 0 is taken, of 0 to {}", count - 1));
     }
-    let samples = voxels(source, &layout, &mut notes)?;
-    let mapped = samples.is_mapped();
-    let grid = samples.into_grid(dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
-    let volume = Volume::from(grid);
-    if let Some(uniform) = volume.grid() {
+    let (volume, mapped) = make(source, &layout, placement, calibration, &mut notes)?;
+    if let Some(uniform) = volume.value_grid() {
         let stats = uniform.value_stats();
         let count = layout.count();
         if stats.nan > 0 {

@@ -231,7 +231,8 @@ fn images_of_vtk() {
     });
     let Some(path) = data("vtk/vase_4comp.vti") else { return };
     let first = read(&path, &ReadOptions::default()).unwrap();
-    assert!(first.notes.iter().any(|n| n == "component 0 is taken, of 0 to 3"), "{:?}", first.notes);
+    let colors = first.volume.colors().expect("four bytes are a colour and an opacity");
+    assert_eq!(colors.value_source(), vr_core::ColorValue::Opacity, "{:?}", first.notes);
     let vase = read(&path, &ReadOptions { component: Some(2), ..Default::default() }).unwrap();
     assert_eq!((uniform(&vase).dims(), vase.info.components), ([115, 101, 75], 4));
     assert_eq!(stored(&vase).iter().sum::<f32>(), 10_723_131.0);
@@ -261,13 +262,19 @@ fn one_frame_of_four_dimensions() {
 }
 
 #[test]
-fn one_component_of_colours() {
+fn colours_and_one_component_of_them() {
     let Some(path) = data("bad/rgb24.nii.gz") else { return };
-    let red = read(&path, &ReadOptions::default()).unwrap();
-    assert!(red.notes.iter().any(|n| n == "component 0 is taken, of 0 to 2"), "{:?}", red.notes);
+    let all = read(&path, &ReadOptions::default()).unwrap();
+    assert!(all.notes.iter().any(|n| n.contains("drawn in their colours")), "{:?}", all.notes);
+    let colors = all.volume.colors().expect("RGB24");
     let green = read(&path, &ReadOptions { component: Some(1), ..Default::default() }).unwrap();
     assert_eq!(uniform(&green).dims(), [256, 286, 15]);
-    assert!(matches!(uniform(&green).values(), AnyGrid::U8(_)));
+    let AnyGrid::U8(grid) = uniform(&green).values() else { panic!("bytes") };
+    assert_eq!(colors.values().placement(), grid.placement());
+    for (&encoded, &light) in grid.samples().iter().zip(colors.channels()[1].samples) {
+        let linear = vr_core::transfer::srgb_to_linear(f64::from(encoded) / 255.0);
+        assert!((linear - f64::from(light) / 65535.0).abs() <= 0.5 / 65535.0);
+    }
 }
 
 #[test]

@@ -125,7 +125,7 @@ fn components_and_frames_are_picked() {
     // Two frames of three components; component 1 of frame 1 holds the voxels.
     let at = |frame: usize, i: usize, c: usize| if (frame, c) == (1, 1) { sample(i) as u8 } else { 255 };
     let data: Vec<u8> = (0..2).flat_map(|f| (0..COUNT).flat_map(move |i| (0..3).map(move |c| at(f, i, c)))).collect();
-    let header = "NRRD0004\ntype: uchar\ndimension: 5\nsizes: 3 4 3 2 2\nkinds: vector domain domain domain time\nencoding: raw\n\n";
+    let header = "NRRD0004\ntype: uchar\ndimension: 5\nsizes: 3 4 3 2 2\nkinds: 3-vector domain domain domain time\nencoding: raw\n\n";
     let path = files.put("five.nrrd", &join(header.as_bytes().to_vec(), &data));
     let first = load_with(&path, &ReadOptions { frame: Some(1), ..Default::default() });
     assert!(

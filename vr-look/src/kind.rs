@@ -17,6 +17,8 @@ pub enum Kind {
     HeavyTail,
     /// A scan or a microscope's stack: numbers without a unit.
     Scan,
+    /// Voxels that have colours of their own.
+    Color,
     /// Anything else: a simulation's field, say.
     Field,
 }
@@ -31,6 +33,7 @@ impl Kind {
             Self::Signed => "values of both signs",
             Self::HeavyTail => "heavy tail",
             Self::Scan => "scan",
+            Self::Color => "colours as they are",
             Self::Field => "field",
         }
     }
@@ -108,6 +111,14 @@ pub(crate) fn kind_of(lattice: &Lattice, values: &Values, integer: bool, scan: b
         return (Kind::HeavyTail, Scale::Logarithmic { low: floor, high: largest });
     }
     (if integer || scan { Kind::Scan } else { Kind::Field }, linear)
+}
+
+/// The scale of values beside which there are colours: they are no labels, and no unit is known.
+pub(crate) fn scale_of_colors(values: &Values) -> Scale {
+    match (values.at_share(0.0005), values.at_share(0.9995)) {
+        (Some(low), Some(high)) => widened(low, high, values),
+        _ => Scale::Linear { low: 0.0, high: 1.0 },
+    }
 }
 
 /// A scale over a range that is not a single value: rare values, if nothing else differs.

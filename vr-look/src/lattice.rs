@@ -36,6 +36,7 @@ impl Lattice {
     pub fn new(volume: &Volume) -> Self {
         match volume {
             Volume::Grid(grid) => of_grid(grid),
+            Volume::Color(colors) => of_grid(colors.values()),
             Volume::Points(points) => of_field(&**points),
             Volume::Field(field) => of_field(&**field),
         }

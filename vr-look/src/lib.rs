@@ -29,6 +29,7 @@
 //!
 //! 1. **Kind.** Few values that jump from voxel to voxel are labels; air and tissue in their places are CT in Hounsfield units; values of
 //!    both signs about zero are signed; a median far below the largest values is a heavy tail, shown on a logarithmic scale.
+//!    Voxels with colours of their own keep them: the transfer function is white.
 //! 2. **Background.** The most common value, and the threshold that best divides the histogram in two (Otsu 1979, "A threshold selection
 //!    method from gray-level histograms"); what lies below half-way between the two is clear.
 //! 3. **Boundaries.** Above, opacity follows the mean gradient magnitude at each value, which is large where materials meet, and the

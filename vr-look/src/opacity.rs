@@ -116,6 +116,11 @@ pub(crate) fn of_magnitude() -> Shares {
     Shares { of_bins: of_bins.collect(), begin: 0.0 }
 }
 
+/// Shares of opacities: as they are.
+pub(crate) fn of_place() -> Shares {
+    Shares { of_bins: (0..BINS).map(Scale::middle).collect(), begin: 0.0 }
+}
+
 /// Mean over neighbours with the weights of a Gaussian of four bins; the ends go on as they are.
 fn smoothed(bins: &[f64]) -> Vec<f64> {
     const RADIUS: isize = 12;

@@ -3,12 +3,12 @@
 use glam::DVec3;
 use vr_core::optics::opacity_of_depth;
 use vr_core::parallel::collect;
-use vr_core::{Clip, Compositing, ControlPoint, Filter, Shading, TransferFunction, Volume};
+use vr_core::{Clip, ColorValue, Compositing, ControlPoint, Filter, Shading, TransferFunction, Volume};
 
 use crate::exposure;
-use crate::kind::{Kind, Values, kind_of};
+use crate::kind::{Kind, Values, kind_of, scale_of_colors};
 use crate::lattice::Lattice;
-use crate::opacity::{Histogram, Shares, of_magnitude};
+use crate::opacity::{Histogram, Shares, of_magnitude, of_place};
 use crate::palette;
 use crate::polyline::simplified;
 use crate::scale::{BINS, Scale};
@@ -44,6 +44,8 @@ pub struct Survey {
     values: Values,
     integer: bool,
     can_shade: bool,
+    /// Source of the values, where voxels have colours.
+    colors: Option<ColorValue>,
     spacing: f64,
 }
 
@@ -56,7 +58,7 @@ impl Survey {
         let lattice = Lattice::new(volume);
         let values = Values::new(&lattice);
         let can_shade = match volume {
-            Volume::Grid(_) => true,
+            Volume::Grid(_) | Volume::Color(_) => true,
             Volume::Points(_) => false,
             Volume::Field(field) => field.has_gradient(),
         };
@@ -64,6 +66,7 @@ impl Survey {
             values,
             integer: volume.grid().is_some_and(|grid| grid.voxel_type().is_integer()),
             can_shade,
+            colors: volume.colors().map(|colors| colors.value_source()),
             spacing: volume.mean_spacing(),
             lattice,
         }
@@ -71,7 +74,10 @@ impl Survey {
 
     /// The look for a volume under an operator.
     pub fn look(&self, hints: &Hints) -> Look {
-        let (kind, scale) = kind_of(&self.lattice, &self.values, self.integer, hints.scan);
+        let (kind, scale) = match self.colors {
+            Some(_) => (Kind::Color, scale_of_colors(&self.values)),
+            None => kind_of(&self.lattice, &self.values, self.integer, hints.scan),
+        };
         if !hints.compositing.integrates_light() {
             return self.of_picked_values(kind, scale, hints.compositing);
         }
@@ -85,6 +91,7 @@ impl Survey {
     fn of_picked_values(&self, kind: Kind, scale: Scale, compositing: Compositing) -> Look {
         let (low, high) = (scale.value(0.0), scale.value(1.0));
         let points = match (compositing, scale) {
+            _ if kind == Kind::Color => vec![ControlPoint::new(low, [1.0; 3], 1.0)],
             (Compositing::First { .. }, _) => vec![ControlPoint::new(low, palette::tissue(0.5), 1.0)],
             (_, Scale::Linear { .. }) => {
                 vec![ControlPoint::new(low, [0.0; 3], 1.0), ControlPoint::new(high, [1.0; 3], 1.0)]
@@ -96,7 +103,10 @@ impl Survey {
             }
         };
         let shading = matches!(compositing, Compositing::First { .. }) && self.can_shade;
-        let reason = format!("look: {}, the value itself from {} to {}", kind.name(), short(low), short(high));
+        let reason = match self.colors {
+            Some(source) => format!("look: {} where {} is picked", kind.name(), source.name()),
+            None => format!("look: {}, the value itself from {} to {}", kind.name(), short(low), short(high)),
+        };
         Look { kind, points, shading: shading.then(lit), filter: None, reason }
     }
 
@@ -159,6 +169,7 @@ impl Survey {
         let shares = match kind {
             Kind::Signed => of_magnitude(),
             Kind::HeavyTail => histogram.of_tail(),
+            Kind::Color if self.colors == Some(ColorValue::Opacity) => of_place(),
             _ => histogram.of_boundaries(),
         };
         // Surfaces reflect, fog does not.
@@ -174,6 +185,10 @@ impl Survey {
         let shown = match kind {
             Kind::Signed => "by magnitude".to_owned(),
             Kind::HeavyTail => format!("on a logarithmic scale from {}", short(scale.value(shares.begin))),
+            Kind::Color => {
+                let source = self.colors.map_or("the value", ColorValue::name);
+                format!("by {source} from {}", short(scale.value(shares.begin)))
+            }
             _ => {
                 let begin = short(scale.value(shares.begin));
                 format!("by value and mean gradient (Kindlmann & Durkin 1998) from {begin}")
@@ -266,6 +281,7 @@ fn control_points(kind: &Kind, scale: Scale, shares: &Shares, factor: f64) -> Ve
             Kind::Signed => palette::signed(place),
             Kind::HeavyTail => palette::density(up),
             Kind::Field => palette::field(up),
+            Kind::Color => [1.0; 3],
             _ => palette::tissue(up),
         }
     };

@@ -5,6 +5,7 @@ use vr_core::field::{FieldLine, LineModel, Poly};
 
 use crate::crossings::crossings;
 use crate::optics::Optics;
+use crate::picked_color::PickedColor;
 use crate::transport::Certainty;
 use crate::value_operators::{HALVINGS_NEAR, Stretch, rounding, stretches};
 
@@ -17,6 +18,8 @@ pub struct Hit {
     pub value: f64,
     /// Upper bound of the error of `value`: of a crossing none, for there it is the threshold.
     pub error: f64,
+    /// Colour of the place, white where it has none of its own.
+    pub color: PickedColor,
     /// World gradient there, if the line has one.
     pub gradient: Option<[f64; 3]>,
     /// Upper bound of the error of each of the gradient's components, that of the hit's place included.
@@ -68,11 +71,12 @@ pub fn first(line: &dyn FieldLine, threshold: f64) -> First {
         let value = if entered { p.at(t) } else { threshold };
         let error = if entered { doubt } else { Bound::ZERO };
         let gradient = model.gradient.map(|g| g.map(|p| p.at(t)));
+        let moved = place + (stretch.misplaced[0] / (0.5 * (to - from)));
+        let color = line.color(*from, *to).map_or(PickedColor::WHITE, |color| PickedColor::at(&color, t, moved));
         let gradient_error = model.gradient.map_or(Bound::ZERO, |g| {
             let drift = |p: &Poly| {
                 let slope = p.derivative();
                 let steepest = Bound::new(slope.at(0.0)) + slope.spread(1.0);
-                let moved = place + (stretch.misplaced[0] / (0.5 * (to - from)));
                 let moved =
                     if steepest == Bound::ZERO || moved == Bound::ZERO { Bound::ZERO } else { steepest * moved };
                 moved + rounding(p)
@@ -82,7 +86,7 @@ pub fn first(line: &dyn FieldLine, threshold: f64) -> First {
             if constant_zero { model.slope_error() } else { model.slope_error() + drifts }
         });
         let s = 0.5 * (from + to) + 0.5 * (to - from) * t;
-        let hit = Hit { s, value, error: error.value(), gradient, gradient_error: gradient_error.value() };
+        let hit = Hit { s, value, error: error.value(), color, gradient, gradient_error: gradient_error.value() };
         return First { hit: Some(hit), certain };
     }
     First { hit: None, certain }
@@ -143,6 +147,10 @@ impl First {
         let Some(hit) = self.hit else { return ([0.0; 4], Certainty::new(doubt, true)) };
         let mut color = optics.transfer.at(hit.value).color;
         let mut error = doubt + optics.color_error(hit.value, Bound::new(hit.error));
+        if hit.color != PickedColor::WHITE {
+            error += Bound::new(hit.color.error) * optics.transfer.brightest_color();
+            color = std::array::from_fn(|c| color[c] * hit.color.rgb[c]);
+        }
         if let (Some((shading, ray)), Some(g)) = (&optics.shading, hit.gradient) {
             let (factor, added) = ray.reflect(g);
             color = std::array::from_fn(|c| color[c] * factor[c] + added[c]);

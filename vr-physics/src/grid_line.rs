@@ -47,18 +47,18 @@ impl<'a, T: Voxel, F: Reconstruction> GridLine<'a, T, F> {
         let off = |a: usize| f64::EPSILON * (ray.origin[a].abs() + ray.direction[a].abs() * farthest);
         let position_error = std::array::from_fn(off);
         let chord = IndexChord { ray, position_error, end_error: [0.0; 2] };
-        Self::along(volume, &ExactPlacement::new(volume.placement(), volume.dims()), sampler, chord, gradient)
+        let placement = ExactPlacement::new(volume.placement(), volume.dims());
+        Self::along(volume.calibration(), &placement, sampler, chord, gradient)
     }
 
-    /// The field of a sampler of `volume` along a chord.
+    /// The field of a sampler along a chord, its numbers under a calibration.
     pub(crate) fn along(
-        volume: &GridVolume,
+        calibration: Calibration,
         placement: &ExactPlacement,
         sampler: Sampler<'a, T, F>,
         chord: IndexChord,
         gradient: GradientSource<'a>,
     ) -> Self {
-        let calibration = volume.calibration();
         let to_world = placement.inverse().transpose() * calibration.slope;
         let to_world_error = 4.0 * f64::EPSILON + 2.0 * placement.axes_error();
         Self { sampler, chord, calibration, to_world, to_world_error, gradient }

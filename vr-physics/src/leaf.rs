@@ -10,16 +10,17 @@
 //! * 4.2 M ρ^−(n+2)/(1 − ρ⁻²) of an integral over [−1, 1] by Clenshaw-Curtis with even n: the coefficients of T_k are at most
 //!   2 M ρ⁻ᵏ, those up to n are integrated exactly, odd ones vanish, and each other one is off by at most 2 + 2/(k² − 1).
 //!
-//! Light of a density emitter, q = κ c with c linear in f, is integrated by parts, so that κ may be as large as it likes:
+//! Light of a density emitter, q = κ c with c linear in f (times the colour of the place, another polynomial, where there is one), is integrated by parts, so that κ may be as large as it likes:
 //! ∫ κ c e^(−τ) ds = c(a) E(b) + ∫ c' (E(b) − E) ds with E = 1 − e^(−τ).
 
 use vr_core::bound::{Bound, largest};
-use vr_core::field::{LineModel, Poly};
+use vr_core::field::{LineColor, LineModel, Poly};
 use vr_core::transfer::Segment;
 use vr_core::{OpacityRule, Shading};
 
 use crate::nodes::{DEGREES, Rule, rule};
 use crate::optics::Optics;
+use crate::transport::Place;
 
 /// Light and depth of a stretch, not yet dimmed by the medium in front.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +39,8 @@ pub struct Gain {
 pub struct Leaf<'a> {
     optics: &'a Optics<'a>,
     model: &'a LineModel,
+    /// Colour of the places, by which colours and emissions are multiplied.
+    place: Option<&'a LineColor>,
     /// Half its length in world units.
     half: f64,
     shade: Option<Shade<'a>>,
@@ -111,7 +114,7 @@ pub struct Choice {
 }
 
 impl<'a> Leaf<'a> {
-    pub fn new(optics: &'a Optics<'a>, segment: &'a Segment, model: &'a LineModel, half: f64) -> Self {
+    pub fn new(optics: &'a Optics<'a>, segment: &'a Segment, (model, place): Place<'a>, half: f64) -> Self {
         let f0 = model.field.coefficients()[0];
         let (start, end) = (&segment.start, &segment.end);
         let span = segment.to - segment.from;
@@ -143,6 +146,7 @@ impl<'a> Leaf<'a> {
         Self {
             optics,
             model,
+            place,
             half,
             shade,
             alpha,
@@ -234,12 +238,18 @@ impl<'a> Leaf<'a> {
             return None;
         }
         let growth = libm::exp(growth);
+        // A bound of the colour of the places, and of its slope.
+        let (tint, tint_slope) = self.place.map_or((1.0, 0.0), |color| {
+            let slope = |p: &Poly| p.at(0.0).abs() + p.spread(a);
+            let size = largest(color.channels.iter().map(|p| p.coefficients()[0].abs() + p.spread(a)));
+            (size, largest(color.channels.iter().map(|p| slope(&p.derivative()))))
+        });
         let brightest = |l: &[Linear; 3]| largest(l.iter().map(|l| l.bound(spread)));
         let (integrand, light_per_depth) = if self.optics.transfer.has_emission() {
-            let e = brightest(&self.emission) * self.half;
+            let e = brightest(&self.emission) * self.half * tint;
             (e * growth, 2.0 * e)
         } else if self.is_shaded() {
-            let c = brightest(&self.color) * reflect.0 + reflect.1;
+            let c = brightest(&self.color) * tint * reflect.0 + reflect.1;
             (self.half * size_of_kappa * c * growth, c * 2.0 * self.half * size_of_kappa)
         } else {
             let slope = largest(self.color.iter().map(|l| l.slope));
@@ -247,7 +257,8 @@ impl<'a> Leaf<'a> {
             let run = run.at(0.0).abs() + run.spread(a);
             // |E(b) − E(z)| ≤ |τ(b) − τ(z)| times the growth.
             let apart = (self.half * size_of_kappa * (1.0 + a)).min(2.0) * growth;
-            (slope * run * apart, 3.0 * brightest(&self.color))
+            let color = brightest(&self.color);
+            ((slope * run * tint + color * tint_slope) * apart, 3.0 * color * tint)
         };
         Some(Size { extinction, integrand, light_per_depth })
     }
@@ -266,23 +277,36 @@ impl<'a> Leaf<'a> {
         let f0 = self.model.field.coefficients()[0];
         let run = self.model.field.derivative();
         let value = |l: &Linear, f: f64| l.middle + l.slope * (f - f0);
+        // Colour of the places, and its slope, at the nodes.
+        let tints = self.place.map(|color| {
+            let slopes = color.channels.each_ref().map(Poly::derivative);
+            let at = |&t: &f64| (color.at(t), slopes.each_ref().map(|slope| slope.at(t)));
+            rule.nodes.iter().map(at).collect::<Vec<_>>()
+        });
+        let tint = |j: usize, c: usize| tints.as_ref().map_or(1.0, |tints| tints[j].0[c]);
         // The light of each channel: by parts for a density emitter without shading, else by its integrand.
         let (mut light, mut magnitude) = ([0.0; 3], Bound::ZERO);
         for c in 0..3 {
             let terms = |j: usize| -> f64 {
                 if self.optics.transfer.has_emission() {
-                    self.half * value(&self.emission[c], f[j]) * (1.0 - dimmed[j])
+                    self.half * value(&self.emission[c], f[j]) * tint(j, c) * (1.0 - dimmed[j])
                 } else if let Some(r) = &reflected {
                     let (factor, added) = &r[j];
-                    self.half * kappa[j] * (value(&self.color[c], f[j]) * factor[c] + added[c]) * (1.0 - dimmed[j])
+                    let color = value(&self.color[c], f[j]) * tint(j, c);
+                    self.half * kappa[j] * (color * factor[c] + added[c]) * (1.0 - dimmed[j])
                 } else {
-                    self.color[c].slope * run.at(rule.nodes[j]) * (opacity - dimmed[j])
+                    let of_value = self.color[c].slope * run.at(rule.nodes[j]);
+                    let slope = tints.as_ref().map_or(of_value, |tints| {
+                        let (tint, tint_slope) = tints[j];
+                        of_value * tint[c] + value(&self.color[c], f[j]) * tint_slope[c]
+                    });
+                    slope * (opacity - dimmed[j])
                 }
             };
             let by_parts = !self.optics.transfer.has_emission() && reflected.is_none();
             let (mut sum, mut size) = (0.0, 0.0);
             if by_parts {
-                sum = value(&self.color[c], f[0]) * opacity;
+                sum = value(&self.color[c], f[0]) * tint(0, c) * opacity;
                 size = sum.abs();
             }
             for (j, w) in rule.weights.iter().enumerate() {
@@ -339,6 +363,15 @@ impl<'a> Leaf<'a> {
             let bright = self.optics.brightest_surface().max(color);
             light_error += product(delta, 2.0 * steepest.color * opacity) + product(depth_error, 3.0 * bright);
             light_error += 4.0 * f64::EPSILON * self.optics.transfer.brightest_color() * opacity;
+        }
+        if let Some(place) = self.place {
+            let size = largest(place.channels.iter().map(|p| p.coefficients()[0].abs() + p.spread(1.0)));
+            let off = Bound::new(place.error) + ROUNDING * size;
+            light_error += if self.optics.transfer.has_emission() {
+                product(off, length * largest(self.emission.iter().map(|l| l.bound(spread))))
+            } else {
+                product(off, 2.0 * color * self.optics.largest_color_factor() * opacity)
+            };
         }
         if let Some(s) = &self.shade {
             let off = model.slope_error();

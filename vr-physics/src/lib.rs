@@ -47,6 +47,7 @@
 pub mod cases;
 #[cfg(feature = "proptest")]
 pub mod check;
+mod colored_line;
 mod crossings;
 mod double;
 mod exact_ray;
@@ -60,6 +61,7 @@ mod nodes;
 mod optics;
 mod order;
 mod phantom_pixels;
+mod picked_color;
 mod reference;
 mod scattered;
 mod segments;

@@ -4,7 +4,7 @@ use crate::crossings::crossings;
 use crate::optics::Optics;
 use crate::transport::{Certainty, Transport, transport};
 use vr_core::bound::{Bound, largest};
-use vr_core::field::{Chord, Cut, FieldLine, LineModel};
+use vr_core::field::{Chord, Cut, FieldLine, LineColor, LineModel};
 
 /// A part of a ray between two cuts, on which the field is smooth and the transfer function has no knot.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,6 +170,10 @@ impl FieldLine for Part<'_> {
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {
         self.line.between(from, to)
+    }
+
+    fn color(&self, from: f64, to: f64) -> Option<LineColor> {
+        self.line.color(from, to)
     }
 
     fn misplaced(&self, at: f64) -> f64 {

@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use vr_core::field::FieldLine;
-use vr_core::filter::{Lattice, Reconstruction};
+use vr_core::filter::{Lattice, Nearest, Reconstruction, Trilinear};
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    Compositing, Control, Counts, Feature, Field, GradientMethod, GridVolume, IndexRay, LatticeVisitor, Layer, Model,
-    Ray, RenderError, Sampler, SamplerVisitor, Scene, Unsupported, View, Volume, Voxel, gradient_at_sample,
+    ColorGrid, Compositing, Control, Counts, Feature, Field, Filter, GradientMethod, GridVolume, IndexRay,
+    LatticeVisitor, Layer, Model, Ray, RenderError, Sampler, SamplerVisitor, Scene, Unsupported, View, Volume, Voxel,
+    gradient_at_sample,
 };
 
+use crate::colored_line::ColoredLine;
 use crate::exact_ray::{ExactPlacement, ExactRay, ExactRays, IndexChord};
 use crate::grid_line::{GradientSource, GridLine};
 use crate::model_solvers::{integrate_continuous, sum_segments};
@@ -34,7 +36,7 @@ pub(crate) struct Solver<'a> {
 // There is one for each view.
 #[expect(clippy::large_enum_variant)]
 enum Source<'a> {
-    Grid(Arc<GridVolume>, ExactPlacement),
+    Grid(Arc<GridVolume>, ExactPlacement, Option<Arc<ColorGrid>>),
     Field(&'a dyn Field),
     /// No field: the renderer's model is integrated.
     Model,
@@ -63,19 +65,22 @@ pub(crate) fn check(scene: &Scene, model: &Model) -> Result<(), RenderError> {
 impl<'a> Solver<'a> {
     pub(crate) fn new(tolerance: f64, scene: &'a Scene, view: &'a View, model: &'a Model) -> Result<Self, RenderError> {
         check(scene, model)?;
-        let grid = |volume: Arc<GridVolume>| {
+        let grid = |volume: Arc<GridVolume>, colors: Option<Arc<ColorGrid>>| {
             volume.prepare_derived();
             let placement = ExactPlacement::new(volume.placement(), volume.dims());
-            Source::Grid(volume, placement)
+            Source::Grid(volume, placement, colors)
         };
+        let colored = |colors: Arc<ColorGrid>| grid(Arc::clone(colors.values()), Some(colors));
         let field = |field: &'a dyn Field| {
             field.prepare_derived();
             Source::Field(field)
         };
         let source = match (model, &scene.volume) {
             (Model::Continuous(_) | Model::Discrete(_), _) => Source::Model,
-            (Model::Canonical, Volume::Grid(volume)) => grid(Arc::clone(volume)),
-            (Model::Filtered(filter), Volume::Grid(volume)) => grid(Arc::new(volume.with_filter(*filter))),
+            (Model::Canonical, Volume::Grid(volume)) => grid(Arc::clone(volume), None),
+            (Model::Filtered(filter), Volume::Grid(volume)) => grid(Arc::new(volume.with_filter(*filter)), None),
+            (Model::Canonical, Volume::Color(colors)) => colored(Arc::clone(colors)),
+            (Model::Filtered(filter), Volume::Color(colors)) => colored(Arc::new(colors.with_filter(*filter))),
             (Model::Canonical, Volume::Points(points)) => field(&**points),
             (Model::Canonical, Volume::Field(any)) => field(&**any),
             _ => return Err(unsupported(Feature::Model, format!("the model {model:?}"))),
@@ -98,11 +103,12 @@ impl<'a> Solver<'a> {
     /// The same for a ray and the one that it was rounded from. Scattered points bound the displacement by rounding themselves.
     fn ask_exactly(&self, ray: &Ray, exact: &ExactRay, far: f64, query: RayQuery<'_>) -> Option<(RayResult, f64)> {
         match &self.source {
-            Source::Grid(volume, placement) => {
+            Source::Grid(volume, placement, colors) => {
                 let clip = &self.view.clip;
                 let rounded = || IndexRay::new(ray, volume.placement(), volume.dims(), clip, far);
                 let chord = placement.chord(exact, clip, far, rounded)?;
-                let grid_ray = GridRay { solver: self, volume, placement, ray, chord, query };
+                let grid_ray =
+                    GridRay { solver: self, volume, colors: colors.as_deref(), placement, ray, chord, query };
                 Some((volume.with_sampler(grid_ray), chord.ray.offset))
             }
             Source::Field(field) => {
@@ -188,6 +194,7 @@ pub(crate) enum RayResult {
 struct GridRay<'a> {
     solver: &'a Solver<'a>,
     volume: &'a GridVolume,
+    colors: Option<&'a ColorGrid>,
     placement: &'a ExactPlacement,
     ray: &'a Ray,
     chord: IndexChord,
@@ -198,7 +205,7 @@ impl SamplerVisitor for GridRay<'_> {
     type Output = RayResult;
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> RayResult {
-        let Self { solver: Solver { scene, .. }, volume, placement, .. } = self;
+        let Self { solver: solver @ Solver { scene, .. }, volume, colors, placement, chord, .. } = self;
         let shading = scene.shading.as_deref();
         let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(&scene.lights, self.ray.direction))));
         let at_sample = |index: [usize; 3]| volume.with_lattice(SampleGradient(index));
@@ -207,8 +214,18 @@ impl SamplerVisitor for GridRay<'_> {
             Some(GradientMethod::Analytic) => GradientSource::Analytic,
             Some(GradientMethod::CentralDifferences) => GradientSource::Samples(&at_sample),
         };
-        let line = GridLine::along(volume, placement, sampler, self.chord, source);
-        self.solver.answer(&line, &optics, self.query)
+        let line = GridLine::along(volume.calibration(), placement, sampler, chord, source);
+        match colors {
+            None => solver.answer(&line, &optics, self.query),
+            Some(colors) if colors.color_filter() == Filter::Nearest => {
+                let line = ColoredLine::<_, _, Nearest>::new(line, colors, placement, chord);
+                solver.answer(&line, &optics, self.query)
+            }
+            Some(colors) => {
+                let line = ColoredLine::<_, _, Trilinear>::new(line, colors, placement, chord);
+                solver.answer(&line, &optics, self.query)
+            }
+        }
     }
 }
 

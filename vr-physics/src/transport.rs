@@ -5,7 +5,7 @@
 //! tolerance, else halved.
 
 use vr_core::bound::{Bound, largest};
-use vr_core::field::{FieldLine, LineModel, Poly};
+use vr_core::field::{FieldLine, LineColor, LineModel, Poly};
 use vr_core::transfer::Segment;
 
 use crate::crossings::crossings;
@@ -139,6 +139,9 @@ const MAX_SPLITS: u64 = 1 << 18;
 /// Largest number of halvings that are spent on a field which is only known roughly.
 const FIELD_HALVINGS: u32 = 8;
 
+/// The field on a part of a ray, and the colour of its places where they have one.
+pub(crate) type Place<'a> = (&'a LineModel, Option<&'a LineColor>);
+
 /// The light of a ray so far.
 pub(crate) struct Walk<'a> {
     pub(crate) optics: &'a Optics<'a>,
@@ -198,6 +201,7 @@ impl Walk<'_> {
             }
         }
         self.certain &= model.certain;
+        let color = line.color(from, to);
         self.find_cuts(&model);
         let cuts = std::mem::take(&mut self.cuts);
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
@@ -210,8 +214,15 @@ impl Walk<'_> {
                 break;
             }
             let part = if whole { model } else { model.restricted(pair[0], pair[1]) };
+            let color = if whole { color } else { color.map(|color| color.restricted(pair[0], pair[1])) };
             let s = middle + half * pair[0];
-            self.part(&part, s, 0.5 * half * (pair[1] - pair[0]), 0, Whole { half: half * longer, field: &around });
+            self.part(
+                (&part, color.as_ref()),
+                s,
+                0.5 * half * (pair[1] - pair[0]),
+                0,
+                Whole { half: half * longer, field: &around },
+            );
         }
         self.cuts = cuts;
     }
@@ -262,7 +273,7 @@ impl Walk<'_> {
     }
 
     /// A part in one segment of the transfer function, starting at `s`.
-    fn part(&mut self, model: &LineModel, s: f64, half: f64, halvings: u32, whole: Whole<'_>) {
+    fn part(&mut self, (model, color): Place<'_>, s: f64, half: f64, halvings: u32, whole: Whole<'_>) {
         // The segment of the transfer function that holds.
         let value = model.field.at(0.0);
         let in_front = libm::exp(-self.result.depth);
@@ -291,14 +302,14 @@ impl Walk<'_> {
                 // No farther in than the field's error: there may be no wall. If there is one, it goes on in the next part.
                 self.pending_wall = self.pending_wall.max(2.0 * in_front * self.brightest());
             } else {
-                self.wall(model, segment, s, in_front);
+                self.wall((model, color), segment, s, in_front);
             }
             return;
         }
         if opaque && optics.has_walls() && max > 0.0 {
             // The factor on κ may vanish in here: a wall begins where it does not.
             if halvings < MAX_HALVINGS && self.splits < MAX_SPLITS {
-                self.halve(model, s, half, halvings, whole);
+                self.halve((model, color), s, half, halvings, whole);
             } else {
                 self.pending_wall = self.pending_wall.max(2.0 * in_front * self.brightest());
             }
@@ -309,7 +320,7 @@ impl Walk<'_> {
         let budget = self.tolerance * scale / in_front.max(1e-300);
         let share = budget * (2.0 * half / self.length);
         let light = self.surface.max(self.emission * (self.end - s)).max(1.0);
-        let leaf = Leaf::new(optics, segment, model, half);
+        let leaf = Leaf::new(optics, segment, (model, color), half);
         let (light_share, depth_share) = (0.25 * share, 0.25 * share / light);
         let Some(choice) = leaf.choose(light_share, depth_share) else {
             let gain = leaf.enclosed(whole);
@@ -319,14 +330,14 @@ impl Walk<'_> {
                 self.add(gain, in_front, s);
                 return;
             }
-            self.halve(model, s, half, halvings, whole);
+            self.halve((model, color), s, half, halvings, whole);
             return;
         };
         let (gain, rule, tau) = leaf.integrate(&choice);
         // The value's error is charged as if 1 − α were small throughout: shorter stretches know better where it is.
         let heavy = !gain.light_error.within(share) || !gain.depth_error.within(share / light);
         if heavy && leaf.is_graded() && halvings < MAX_GRADED && self.splits < MAX_SPLITS {
-            self.halve(model, s, half, halvings, whole);
+            self.halve((model, color), s, half, halvings, whole);
             return;
         }
         if self.result.depth + gain.depth > self.deepest {
@@ -334,7 +345,7 @@ impl Walk<'_> {
             if gain.depth <= 1e-15 * (1.0 + self.deepest) || halvings >= MAX_HALVINGS {
                 self.reach_level(&gain, s, 2.0 * half, in_front);
             } else {
-                self.halve(model, s, half, halvings, whole);
+                self.halve((model, color), s, half, halvings, whole);
             }
             return;
         }
@@ -379,11 +390,12 @@ impl Walk<'_> {
         self.surface.max(self.emission * (self.end.max(0.0) + self.length)).max(1.0)
     }
 
-    fn halve(&mut self, model: &LineModel, s: f64, half: f64, halvings: u32, whole: Whole<'_>) {
+    fn halve(&mut self, (model, color): Place<'_>, s: f64, half: f64, halvings: u32, whole: Whole<'_>) {
         self.splits += 1;
-        self.part(&model.restricted(-1.0, 0.0), s, 0.5 * half, halvings + 1, whole);
+        let [near, far] = [(-1.0, 0.0), (0.0, 1.0)].map(|(a, b)| color.map(|color| color.restricted(a, b)));
+        self.part((&model.restricted(-1.0, 0.0), near.as_ref()), s, 0.5 * half, halvings + 1, whole);
         if !self.ended {
-            self.part(&model.restricted(0.0, 1.0), s + half, 0.5 * half, halvings + 1, whole);
+            self.part((&model.restricted(0.0, 1.0), far.as_ref()), s + half, 0.5 * half, halvings + 1, whole);
         }
     }
 

@@ -6,6 +6,7 @@ use vr_core::field::{FieldLine, LineModel, Poly};
 
 use crate::crossings::crossings;
 pub use crate::first_crossing::{First, Hit, first};
+pub use crate::picked_color::PickedColor;
 use crate::transport::Certainty;
 
 /// One value of a ray.
@@ -19,12 +20,15 @@ pub struct Pick {
     pub certain: bool,
     /// Distance along the ray; +∞ for an average.
     pub s: f64,
+    /// Colour of the place, white where it has none of its own; of an average the mean.
+    pub color: PickedColor,
 }
 
 impl Pick {
-    /// The pixel (α(v)·c(v), α(v)), with α as given.
+    /// The pixel (α(v)·c(v)·color, α(v)), with α as given.
     pub fn pixel(&self, transfer: &TransferFunction) -> ([f64; 4], Certainty) {
         let pixel = transfer.at(self.value).pixel();
+        let [red, green, blue] = self.color.rgb;
         let brightest = transfer.brightest_color().max(1.0);
         // Every segment that the true value may lie in: monotone in opacity and in colour, so its ends there tell how far.
         let (low, high) = (self.value - self.error, self.value + self.error);
@@ -54,7 +58,11 @@ impl Pick {
                 }
             }
         }
-        (pixel, Certainty::new(error + 8.0 * f64::EPSILON * brightest, self.certain))
+        if self.color != PickedColor::WHITE {
+            error = (error + Bound::new(self.color.error) * brightest).min(brightest);
+        }
+        let colored = [pixel[0] * red, pixel[1] * green, pixel[2] * blue, pixel[3]];
+        (colored, Certainty::new(error + 8.0 * f64::EPSILON * brightest, self.certain))
     }
 }
 
@@ -136,8 +144,10 @@ pub fn extreme(line: &dyn FieldLine, sign: f64) -> Option<Pick> {
     let mut surely: Option<f64> = None;
     let (mut error, mut certain) = (Bound::ZERO, true);
     let mut turns = Vec::new();
-    for stretch in stretches(line, HALVINGS, &|_| true) {
-        let Stretch { from, to, model, .. } = &stretch;
+    let stretches = stretches(line, HALVINGS, &|_| true);
+    let mut place = (0, 0.0);
+    for (i, stretch) in stretches.iter().enumerate() {
+        let Stretch { from, to, model, .. } = stretch;
         // The error of the field is one for all: the true extreme lies in no stretch beyond its own error.
         error = error.max(stretch.doubt());
         certain &= model.certain;
@@ -155,7 +165,8 @@ pub fn extreme(line: &dyn FieldLine, sign: f64) -> Option<Pick> {
             let value = model.field.at(t);
             if best.is_none_or(|b| sign * value > sign * b.value) {
                 let s = 0.5 * (from + to) + 0.5 * (to - from) * t;
-                best = Some(Pick { value, error: 0.0, certain, s });
+                best = Some(Pick { value, error: 0.0, certain, s, color: PickedColor::WHITE });
+                place = (i, t);
             }
             if exists && surely.is_none_or(|b| sign * value > sign * b) {
                 surely = Some(value);
@@ -164,20 +175,23 @@ pub fn extreme(line: &dyn FieldLine, sign: f64) -> Option<Pick> {
     }
     best.map(|b| {
         let doubtful = surely.map_or(Bound::UNKNOWN, |v| Bound::new(v - b.value));
-        Pick { error: (error + doubtful).value(), certain, ..b }
+        let error = error + doubtful;
+        let color = PickedColor::of_extreme(line, &stretches, place, (sign, b.value, error));
+        Pick { error: error.value(), certain, color, ..b }
     })
 }
 
 /// The mean over the part that is not vacuum.
 pub fn average(line: &dyn FieldLine) -> Option<Pick> {
     let stretches = stretches(line, HALVINGS, &|_| true);
+    let color = PickedColor::mean(line, &stretches);
     let constant = |s: &Stretch| s.model.field.is_constant() && s.model.error() == Bound::ZERO;
     if let Some(first) = stretches.first() {
         let value = first.model.field.at(0.0);
         // A field that is one number everywhere is its own mean, to the last bit.
         if stretches.iter().all(|s| constant(s) && s.model.field.at(0.0) == value) {
             let certain = stretches.iter().all(|s| s.model.certain);
-            return Some(Pick { value, error: 0.0, certain, s: f64::INFINITY });
+            return Some(Pick { value, error: 0.0, certain, s: f64::INFINITY, color });
         }
     }
     let (mut sum, mut length, mut count) = (0.0, 0.0, 0.0);
@@ -198,5 +212,5 @@ pub fn average(line: &dyn FieldLine) -> Option<Pick> {
         count += 1.0;
     }
     let error = (doubt + size * (f64::EPSILON * count)) / length;
-    (length > 0.0).then(|| Pick { value: sum / length, error: error.value(), certain, s: f64::INFINITY })
+    (length > 0.0).then(|| Pick { value: sum / length, error: error.value(), certain, s: f64::INFINITY, color })
 }

@@ -5,7 +5,8 @@ use vr_core::field::{FieldLine, LineModel, Poly};
 use vr_core::transfer::{Optical, Segment};
 
 use crate::optics::inside;
-use crate::transport::{HALF_DEPTH, Walk, band};
+use crate::picked_color::PickedColor;
+use crate::transport::{HALF_DEPTH, Place, Walk, band};
 
 /// A side of a place where the medium jumps.
 #[derive(Clone, Copy, Default)]
@@ -159,7 +160,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Enters opacity 1 over a length: adds the colour at the point of entry, and ends the ray.
-    pub(crate) fn wall(&mut self, model: &LineModel, segment: &Segment, s: f64, in_front: f64) {
+    pub(crate) fn wall(&mut self, (model, color): Place<'_>, segment: &Segment, s: f64, in_front: f64) {
         self.pending_wall = Bound::ZERO;
         let value = model.field.at(-1.0);
         let transfer = self.optics.transfer;
@@ -178,6 +179,11 @@ impl<'a> Walk<'a> {
                 }
             }
             off += 16.0 * f64::EPSILON * self.surface;
+            if let Some(color) = color {
+                let own = PickedColor::at(color, -1.0, Bound::ZERO);
+                light = std::array::from_fn(|c| light[c] * own.rgb[c]);
+                off += Bound::new(own.error) * (transfer.brightest_color() * self.optics.largest_color_factor());
+            }
             if let (Some((shading, ray)), Some(g)) = (&self.optics.shading, &model.gradient) {
                 let gradient = g.map(|p| p.at(-1.0));
                 let (factor, added) = ray.reflect(gradient);

@@ -61,6 +61,9 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
         check_field(caster, scene)?;
         return Ok(source);
     };
+    if scene.volume.colors().is_some() {
+        check_colors(caster)?;
+    }
     let filter = volume.filter();
     if !caster.rule.goes_with(filter) {
         return Err(unsupported(
@@ -76,6 +79,23 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
         ErrorBound::check(scene, volume)?;
     }
     Ok(source)
+}
+
+/// Checks that this caster can draw a grid whose voxels have colours of their own.
+fn check_colors(caster: &RayCaster) -> Result<(), RenderError> {
+    if matches!(caster.step, Step::ErrorBound(_)) {
+        let what = "a promised error where voxels have colours: no bound is known of those between them";
+        return Err(unsupported(Feature::MaxError, what));
+    }
+    let plain = matches!(caster.step, Step::Uniform(_) | Step::Local { .. })
+        && caster.traversal == Traversal::Samples
+        && matches!(caster.rule, Rule::Midpoint | Rule::Left)
+        && matches!(caster.image_sampling, ImageSampling::EveryPixel | ImageSampling::Adaptive { .. });
+    if !plain {
+        let what = "voxels with colours but in uniform or local steps by the rule midpoint or left, which sample a step at one place";
+        return Err(unsupported(Feature::Setting, what));
+    }
+    Ok(())
 }
 
 /// Checks that this caster can draw a field that is no grid's: it can do all that needs no more than the field's values and gradients.

@@ -2,7 +2,7 @@
 
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::{
-    GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel, gradient_between_samples,
+    ColorGrid, GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel, gradient_between_samples,
 };
 
 use crate::run::Run;
@@ -14,6 +14,8 @@ use crate::source::Source;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chord<'a> {
     pub(crate) source: &'a Source,
+    /// Colours of the voxels, where they have any.
+    pub(crate) colors: Option<&'a ColorGrid>,
     pub(crate) ray: IndexRay,
 }
 
@@ -47,6 +49,36 @@ impl Chord<'_> {
                 }
             }
         }
+    }
+
+    /// Fills the colours of the places of a run, where the voxels have any; `all` of them, or those where something shows.
+    pub(crate) fn colors<R: Real>(&self, run: &mut Run<R>, all: bool) {
+        let Some(colors) = self.colors else { return };
+        for j in 0..run.len() {
+            if all || run.light[j] != [R::ZERO; 4] {
+                run.color[j] = colors.color(run.position_of(j));
+            }
+        }
+    }
+
+    /// Multiplies the light of a run by the colours of its places, where the voxels have any.
+    pub(crate) fn tint<R: Real>(&self, run: &mut Run<R>) {
+        if self.colors.is_some() {
+            (0..run.len()).for_each(|j| self.tint_step(run, j));
+        }
+    }
+
+    /// Multiplies the light of one step by the colour of its place.
+    #[inline(always)]
+    pub(crate) fn tint_step<R: Real>(&self, run: &mut Run<R>, j: usize) {
+        if self.colors.is_some() {
+            (0..3).for_each(|c| run.light[j][c] = run.light[j][c] * run.color[j][c]);
+        }
+    }
+
+    /// Returns the colour of the place at a distance; white where voxels have none.
+    pub(crate) fn color_at(&self, distance: f64) -> [f64; 3] {
+        self.colors.map_or([1.0; 3], |colors| colors.color(self.position(distance)))
     }
 
     /// Returns the index-space position at a distance in the kernel's precision, clamped into the box like the positions of a run.

@@ -50,6 +50,8 @@ impl Engine {
         };
         let mut kernel = TablesByPrecision::new(caster, scene, volume, last);
         let packets = match &kernel {
+            // Packets know nothing of colours that voxels have.
+            _ if scene.volume.colors().is_some() => None,
             TablesByPrecision::F32(tables) => PacketEngine::new(caster, scene, volume, tables),
             TablesByPrecision::F64(_) => None,
         };

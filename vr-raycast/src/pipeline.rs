@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use vr_core::image_order::ImageSample;
-use vr_core::{Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
+use vr_core::{ColorGrid, Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
 
 use crate::caster::CompositingOrder;
 use crate::chord::Chord;
@@ -23,6 +23,7 @@ use crate::walk::{Walk, Walks, cut_walk};
 pub(crate) struct Pipeline<'a, R> {
     pub(crate) scene: &'a Scene,
     pub(crate) source: &'a Source,
+    pub(crate) colors: Option<&'a ColorGrid>,
     pub(crate) walks: Walks<'a>,
     /// Place of a step's sample, as a fraction of the step.
     pub(crate) offset: f64,
@@ -90,7 +91,7 @@ impl<R: Real> Pipeline<'_, R> {
             } else {
                 Walk::Listed(cut_walk(&part, self.walks.step, &jumps, needs.backwards))
             };
-            let chord = Chord { source: self.source, ray: part };
+            let chord = Chord { source: self.source, colors: self.colors, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });
         layer.map_or(value, |l| value.over(l, pixel))
@@ -135,9 +136,13 @@ impl<R: Real> Pipeline<'_, R> {
             };
             if needs.light {
                 self.classifier.classify(run);
-                if let Some((shader, lights)) = shader {
-                    shader.shade(lights, chord, run, self.classifier);
+                chord.colors(run, false);
+                match shader {
+                    Some((shader, lights)) => shader.shade(lights, chord, run, self.classifier),
+                    None => chord.tint(run),
                 }
+            } else if needs.colors {
+                chord.colors(run, true);
             }
             ended = operator.take(run, chord).is_break();
         }
@@ -152,6 +157,11 @@ impl<R: Real> Pipeline<'_, R> {
         // Only where something was left.
         counts.terminated += u64::from(ended && walk.next(&mut run.steps));
         let mut value = operator.finish(chord);
+        if chord.colors.is_some() && !needs.light && value.depth < f64::INFINITY {
+            // What was picked has the colour of its place.
+            let color = chord.color_at(value.depth - chord.ray.offset);
+            (0..3).for_each(|c| value.rgba[c] *= color[c]);
+        }
         if let Some((shader, lights)) = shader
             && needs.surface
             && value.depth < f64::INFINITY

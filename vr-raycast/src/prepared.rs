@@ -161,6 +161,7 @@ impl PreparedCaster {
         Ok(Pipeline {
             scene,
             source,
+            colors: scene.volume.colors().map(|colors| &**colors),
             walks: Walks {
                 kind: self.walk_kind(tables),
                 step: caster.longest_step(placement),

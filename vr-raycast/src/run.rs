@@ -59,6 +59,8 @@ pub(crate) struct Run<R> {
     pub(crate) points: Points<R>,
     /// Light (r, g, b) and opacity of each step.
     pub(crate) light: [[R; 4]; RUN],
+    /// Colours of the places of the samples; white where the volume has none.
+    pub(crate) color: [[R; 3]; RUN],
     /// Gradients per index step, filled only where a later pass needs them.
     pub(crate) gradient: [[R; 3]; RUN],
 }
@@ -73,6 +75,7 @@ impl<R: Real> Run<R> {
             profile: [[R::ZERO; RUN]; 4],
             points: Points::new(),
             light: [[R::ZERO; 4]; RUN],
+            color: [[R::ONE; 3]; RUN],
             gradient: [[R::ZERO; 3]; RUN],
         }
     }

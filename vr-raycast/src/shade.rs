@@ -54,7 +54,7 @@ impl<R: Real> Shader<R> {
         self.scale * (x * x + y * y + z * z).sqrt()
     }
 
-    /// Shades a classified run: opacity by the gradient's magnitude first, then reflection.
+    /// Shades a classified run: opacity by the gradient's magnitude first, then the colours of the places, then reflection.
     pub(crate) fn shade(
         &self,
         lights: &RayShading<R>,
@@ -66,12 +66,14 @@ impl<R: Real> Shader<R> {
         // Emission given on its own is light, not a surface.
         let reflects = !classifier.transfer.has_emission();
         if !(modulates || reflects) || run.light[..run.len()].iter().all(|l| l[3] == R::ZERO) {
+            chord.tint(run);
             return;
         }
         chord.gradients(run, self.method());
         for j in 0..run.len() {
             // Where nothing absorbs, there is no gradient to look at.
             if run.light[j][3] == R::ZERO {
+                chord.tint_step(run, j);
                 continue;
             }
             let world = self.world(run.gradient[j]);
@@ -79,6 +81,7 @@ impl<R: Real> Shader<R> {
                 let factor = self.shading.modulation(self.magnitude(world));
                 run.light[j] = classifier.with_extinction_times(run, j, factor);
             }
+            chord.tint_step(run, j);
             if reflects {
                 run.light[j] = lights.shade(run.light[j], world);
             }

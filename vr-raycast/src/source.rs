@@ -7,7 +7,7 @@ use vr_core::{Calibration, Field, GridVolume, IndexRay, Placement, Ray, Real, Vo
 
 use crate::run::Run;
 
-/// Field that rays are cast through. Grids have kernels for their voxel type and filter; other fields are asked at each place.
+/// Field that rays are cast through. Grids, with colours or without, have kernels for their voxel type and filter; other fields are asked at each place.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a prepared scene holds one: a box would save nothing")]
 pub(crate) enum Source {
@@ -26,7 +26,7 @@ pub(crate) struct FieldBox {
 impl Source {
     /// Returns the field of a volume; `None` for a box that no lattice can fill.
     pub(crate) fn of(volume: &Volume) -> Option<Self> {
-        if let Volume::Grid(grid) = volume {
+        if let Some(grid) = volume.value_grid() {
             return Some(Self::Grid(Arc::clone(grid)));
         }
         let ((low, high), spacing) = (volume.bounds(), volume.mean_spacing());

@@ -25,7 +25,7 @@ pub struct VolumeArgs {
     /// Frame of a series, from 0
     #[arg(long, value_name = "N")]
     pub frame: Option<usize>,
-    /// Component of several, from 0
+    /// Component of several, from 0; without it, RGB and RGBA are drawn as they are
     #[arg(long, value_name = "N")]
     pub component: Option<usize>,
     /// DICOM: the series, by its SeriesInstanceUID or its number

@@ -4,6 +4,7 @@ mod animation;
 mod annotate;
 mod bad_input;
 mod bench;
+mod colors;
 mod commands;
 mod convert;
 mod diff;

@@ -33,6 +33,12 @@ pub trait FieldLine {
     /// Integrators ask again for parts of an interval where the error was too large: the bound should shrink then.
     fn between(&self, from: f64, to: f64) -> Option<LineModel>;
 
+    /// The colour of the places between two distances that no breakpoint separates, by which that of the transfer function is multiplied; `None` where
+    /// all is as the transfer function has it.
+    fn color(&self, _from: f64, _to: f64) -> Option<LineColor> {
+        None
+    }
+
     /// Largest distance of a breakpoint (an end of the line, or a jump of the field) from its true place. 0 where the field is continuous,
     /// for nothing depends on it there.
     fn misplaced(&self, _at: f64) -> f64 {
@@ -130,6 +136,48 @@ pub struct LineModel {
     pub certain: bool,
 }
 
+/// A colour on an interval, stretched to [−1, 1]: linear light between 0 and 1.
+///
+/// # Examples
+/// ```
+/// use vr_core::field::{LineColor, Poly};
+///
+/// // From black to yellow.
+/// let rise = Poly::new(&[0.5, 0.5]);
+/// let color = LineColor { channels: [rise, rise, Poly::constant(0.0)], error: 0.0 };
+/// assert_eq!(color.at(0.5), [0.75, 0.75, 0.0]);
+/// assert_eq!(color.restricted(0.0, 1.0).at(0.0), [0.75, 0.75, 0.0]);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct LineColor {
+    /// Red, green and blue.
+    pub channels: [Poly; 3],
+    /// Upper bound on the interval of the distance of each channel from the true colour.
+    pub error: f64,
+}
+
+impl LineColor {
+    /// The colour at a place.
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        self.channels.each_ref().map(|channel| channel.at(t))
+    }
+
+    /// The same on a part [a, b] of [−1, 1], stretched again.
+    pub fn restricted(&self, a: f64, b: f64) -> Self {
+        let rounding = largest(self.channels.iter().map(restriction_rounding));
+        Self {
+            channels: self.channels.each_ref().map(|channel| channel.restricted(a, b)),
+            error: (Bound::new(self.error) + rounding).value(),
+        }
+    }
+}
+
+/// Rounding of the coefficients of a restricted polynomial: each is rounded again, and beside a large constant that is much.
+fn restriction_rounding(p: &Poly) -> f64 {
+    let (constant, spread) = (p.coefficients()[0].abs(), p.spread(1.0));
+    if spread == 0.0 { 0.0 } else { f64::EPSILON * (constant + p.degree() as f64 * spread) }
+}
+
 impl LineModel {
     /// The error of the field; unknown if it is NaN.
     pub fn error(&self) -> Bound {
@@ -155,15 +203,10 @@ impl LineModel {
 
     /// The same on a part [a, b] of [−1, 1], stretched again.
     pub fn restricted(&self, a: f64, b: f64) -> Self {
-        // Each coefficient is rounded again: beside a large constant that is much.
-        let rounding = |p: &Poly| {
-            let (constant, spread) = (p.coefficients()[0].abs(), p.spread(1.0));
-            if spread == 0.0 { 0.0 } else { f64::EPSILON * (constant + p.degree() as f64 * spread) }
-        };
-        let turned = self.gradient.map_or(0.0, |g| largest(g.iter().map(rounding)));
+        let turned = self.gradient.map_or(0.0, |g| largest(g.iter().map(restriction_rounding)));
         Self {
             field: self.field.restricted(a, b),
-            field_error: (self.error() + rounding(&self.field)).value(),
+            field_error: (self.error() + restriction_rounding(&self.field)).value(),
             gradient: self.gradient.map(|g| g.map(|p| p.restricted(a, b))),
             gradient_error: (self.slope_error() + turned).value(),
             ..*self

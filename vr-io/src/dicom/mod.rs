@@ -151,7 +151,9 @@ fn note_values(images: &[Image], notes: &mut Vec<String>) {
 fn axes(image: &Image, stack: &Stack) -> Vec<Axis> {
     let axis = |size, role| Axis { size, role };
     let Shape { rows, columns, samples, planar, .. } = image.shape;
-    let components = axis(samples, Role::Component);
+    // What a JPEG holds in another form, its decoder turns to RGB.
+    let is_color = samples == 3 && (image.photometric == "RGB" || image.syntax.frames == FrameCoding::Jpeg);
+    let components = axis(samples, if is_color { Role::Color } else { Role::Component });
     let (x, y) = (axis(columns, Role::Space), axis(rows, Role::Space));
     let (z, t) = (axis(stack.slices, Role::Space), axis(stack.times, Role::Frame));
     // Decoders put the numbers of a pixel together.

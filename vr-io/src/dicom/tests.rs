@@ -211,6 +211,13 @@ fn colours_have_components_together_or_in_planes() {
     let green = ReadOptions { component: Some(1), ..ReadOptions::default() };
     assert_eq!(values(&read_with(&pair(colours(0)), &green).unwrap())[..6], [1.0, 4.0, 7.0, 10.0, 13.0, 16.0]);
     assert_eq!(values(&read_with(&pair(colours(1)), &green).unwrap())[..6], [6.0, 7.0, 8.0, 9.0, 10.0, 11.0]);
+    for planar in [0, 1] {
+        let loaded = read_all(&pair(colours(planar))).unwrap();
+        let colors = loaded.volume.colors().expect("RGB").values();
+        let vr_core::AnyGrid::U8(values) = colors.values() else { panic!("bytes") };
+        let largest = if planar == 0 { [2, 5, 8, 11, 14, 17] } else { [12, 13, 14, 15, 16, 17] };
+        assert_eq!(values.samples()[..6], largest);
+    }
 }
 
 /// An enhanced file of three sagittal frames, from left to right.

@@ -32,7 +32,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     }
     let name = header.required("ElementType").map_err(in_file)?;
     let scalar = element_type(name).map_err(in_file)?;
-    let axes = axes(&header).map_err(in_file)?;
+    let axes = axes(&header, scalar).map_err(in_file)?;
     let layout = Layout::new(path, &axes, options)?;
     let frame = Frame::new(&header, &mut notes).map_err(in_file)?;
     let placement = frame.space.place(frame.origin, frame.axes).map_err(|e| FileError::new(path, e))?;
@@ -79,7 +79,7 @@ fn element_type(name: &str) -> Result<ScalarType, FieldError> {
     })
 }
 
-fn axes(header: &Header) -> Result<Vec<Axis>, FieldError> {
+fn axes(header: &Header, scalar: ScalarType) -> Result<Vec<Axis>, FieldError> {
     let text = header.required("DimSize")?;
     let sizes: Option<Vec<usize>> = text.split_whitespace().map(|w| w.parse().ok().filter(|&n| n > 0)).collect();
     let dimension = header.dimension()?;
@@ -94,7 +94,7 @@ fn axes(header: &Header) -> Result<Vec<Axis>, FieldError> {
             .filter(|&n: &usize| n > 0)
             .ok_or_else(|| FieldError::new("ElementNumberOfChannels", text, "must be 1 or more"))?,
     };
-    let mut axes = vec![Axis { size: channels, role: Role::Component }];
+    let mut axes = vec![Axis { size: channels, role: Role::of_components(channels, scalar) }];
     axes.extend(
         sizes.iter().enumerate().map(|(i, &size)| Axis { size, role: if i < 3 { Role::Space } else { Role::Frame } }),
     );

@@ -30,7 +30,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let mut notes = Vec::new();
 
     let (scalar, channels) = data_type(header.datatype).map_err(in_file)?;
-    let mut axes = vec![Axis { size: channels, role: Role::Component }];
+    let mut axes = vec![Axis { size: channels, role: if channels > 1 { Role::Color } else { Role::Component } }];
     let sizes = header.sizes().map_err(in_file)?;
     axes.extend(sizes.iter().enumerate().map(|(i, &size)| Axis {
         size,

@@ -47,6 +47,12 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         .map(axis)
         .collect::<Result<_, u64>>()
         .map_err(|size| in_file(FileErrorKind::field("shape", size, "must be sizes that memory can hold")))?;
+    // The last axis of bytes may count the parts of a colour.
+    if let (Some(last), Element::Number(scalar)) =
+        (axes.last_mut().filter(|a| a.role == Role::Component), &header.element)
+    {
+        last.role = Role::of_components(last.size, *scalar);
+    }
     // The fastest axis first.
     let layout = if header.by_column {
         Layout::new(path, &axes, options)?.reversed()

@@ -49,6 +49,10 @@ pub(super) fn axes(header: &Header, sizes: &[usize], scalar: ScalarType) -> Resu
         match kind {
             "time" | "domain" | "space" => Role::Frame,
             "" | "???" | "none" | "list" if axis > 0 => Role::Frame,
+            "RGB-color" | "3-color" if sizes[axis] == 3 => Role::Color,
+            "RGBA-color" | "4-color" if sizes[axis] == 4 => Role::Color,
+            // Kinds that say no more than that there are several.
+            "" | "???" | "none" | "list" | "vector" if axis == 0 => Role::of_components(sizes[axis], scalar),
             _ => Role::Component,
         }
     };
@@ -58,7 +62,7 @@ pub(super) fn axes(header: &Header, sizes: &[usize], scalar: ScalarType) -> Resu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Role::{Component, Frame, Space};
+    use Role::{Color, Component, Frame, Space};
 
     fn roles(fields: &str) -> Vec<Role> {
         let h = Header::parse(format!("NRRD0005\n{fields}").as_bytes()).unwrap();
@@ -69,10 +73,12 @@ mod tests {
     fn directions_then_kinds_then_order() {
         let d = "space directions: none (1,0,0) (0,1,0) (0,0,1)\n";
         let four = "dimension: 4\nsizes: 3 8 9 10\n";
-        assert_eq!(roles(&format!("{four}{d}")), [Component, Space, Space, Space]);
+        assert_eq!(roles(&format!("{four}{d}")), [Color, Space, Space, Space]);
+        assert_eq!(roles(&format!("{four}{d}kinds: 3-vector domain domain domain\n"))[0], Component);
+        assert_eq!(roles(&format!("{four}{d}kinds: RGBA-color domain domain domain\n"))[0], Component, "not of three");
         assert_eq!(roles(&format!("{four}{d}kinds: time domain domain domain\n"))[0], Frame);
-        assert_eq!(roles(&format!("{four}kinds: RGB-color domain domain domain\n")), [Component, Space, Space, Space]);
-        assert_eq!(roles(&format!("{four}spacings: nan 1 1 1\n")), [Component, Space, Space, Space]);
+        assert_eq!(roles(&format!("{four}kinds: RGB-color domain domain domain\n")), [Color, Space, Space, Space]);
+        assert_eq!(roles(&format!("{four}spacings: nan 1 1 1\n")), [Color, Space, Space, Space]);
         assert_eq!(roles(four), [Space, Space, Space, Frame]);
         assert_eq!(roles(&format!("{four}kinds: domain domain domain domain\n")), [Space, Space, Space, Frame]);
     }

@@ -249,7 +249,10 @@ fn points(
         (None, Some(name), None) => {
             let preset = Preset::from_name(name)
                 .ok_or_else(|| in_file(unknown_name("transfer.preset", name, &Preset::NAMES, &PRESETS)))?;
-            Ok(preset.points(range))
+            let points = preset.points(range);
+            // Colours of the voxels are shown as they are.
+            let white = |point: ControlPoint| ControlPoint { color: [1.0; 3], ..point };
+            Ok(if volume.colors().is_some() { points.into_iter().map(white).collect() } else { points })
         }
         (None, None, Some(name)) => {
             let path = folder.join(name);
@@ -271,7 +274,10 @@ fn points(
             let integer = volume.grid().is_some_and(|u| u.voxel_type().is_integer());
             let preset = Preset::suggest(range, integer).first().copied().unwrap_or(Preset::Grey);
             notes.push(format!("no transfer function: preset {preset} over {} to {}", range.0, range.1));
-            Ok(preset.points(range))
+            let points = preset.points(range);
+            // Colours of the voxels are shown as they are.
+            let white = |point: ControlPoint| ControlPoint { color: [1.0; 3], ..point };
+            Ok(if volume.colors().is_some() { points.into_iter().map(white).collect() } else { points })
         }
         _ => {
             let allowed = "must have one of them";

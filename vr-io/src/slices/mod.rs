@@ -74,7 +74,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     }
 
     let axes = [
-        Axis { size: first.samples, role: Role::Component },
+        Axis { size: first.samples, role: if first.is_color { Role::Color } else { Role::Component } },
         Axis { size: first.size[0], role: Role::Space },
         Axis { size: first.size[1], role: Role::Space },
         Axis { size: files.len(), role: Role::Space },
@@ -271,7 +271,7 @@ mod tests {
             picture.save(folder.path().join(format!("{z}.png"))).unwrap();
         }
         let red = read(folder.path(), &ReadOptions::default()).unwrap();
-        assert!(red.notes.contains(&"component 0 is taken, of 0 to 2".to_owned()), "{:?}", red.notes);
+        assert!(red.volume.colors().is_some(), "{:?}", red.notes);
         let green = ReadOptions { component: Some(1), ..Default::default() };
         assert_eq!(numbers(&read(folder.path(), &green).unwrap()), [10., 11., 10., 11., 10., 11., 10., 11.]);
     }

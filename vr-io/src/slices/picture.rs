@@ -80,6 +80,8 @@ pub(super) struct Picture {
     pub samples: usize,
     pub scalar: ScalarType,
     pub spacing: Spacing,
+    /// True if the numbers are red, green, blue and perhaps opacity.
+    pub is_color: bool,
     /// Bytes of the file.
     pub stored: u64,
     /// True if all first numbers come before all second ones.
@@ -101,9 +103,20 @@ impl Picture {
                     let allowed = "a slice has one; a stack in one file is named by itself";
                     return Err(FieldError::new("pages", "several", allowed).in_file(path));
                 }
-                let (samples, planar) = (page.samples, page.planar);
+                let (samples, planar, is_color) = (page.samples, page.planar, page.is_color);
                 let (size, scalar, spacing) = (page.size, page.scalar, page.resolution);
-                Self { kind: Kind::Tiff, size, samples, scalar, spacing, stored, planar, maximum: None, greys: None }
+                Self {
+                    kind: Kind::Tiff,
+                    size,
+                    samples,
+                    scalar,
+                    spacing,
+                    is_color,
+                    stored,
+                    planar,
+                    maximum: None,
+                    greys: None,
+                }
             }
             kind => {
                 let decoder = open(path, kind)?.into_decoder().map_err(|e| refuse(path, kind, e))?;
@@ -113,8 +126,9 @@ impl Picture {
                     if greys.is_some() { (1, ScalarType::U8) } else { numbers(path, decoder.color_type())? };
                 let size = [width as usize, height as usize];
                 let (spacing, planar) = (Spacing::default(), false);
+                let is_color = samples > 2;
                 let maximum = if kind == Kind::Pnm { Some(pnm_maximum(path)?) } else { None };
-                Self { kind, size, samples, scalar, spacing, stored, planar, maximum, greys }
+                Self { kind, size, samples, scalar, spacing, is_color, stored, planar, maximum, greys }
             }
         };
         let [width, height] = picture.size.map(|n| n as u64);

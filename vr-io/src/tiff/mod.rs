@@ -143,7 +143,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
 
 /// Axes of the numbers, fastest first.
 fn page_axes(page: &Page, stack: &[(usize, Role)]) -> Vec<Axis> {
-    let samples = Axis { size: page.samples, role: Role::Component };
+    let samples = Axis { size: page.samples, role: if page.is_color { Role::Color } else { Role::Component } };
     let plane = page.size.map(|size| Axis { size, role: Role::Space });
     let mut axes = if page.planar { vec![plane[0], plane[1], samples] } else { vec![samples, plane[0], plane[1]] };
     axes.extend(stack.iter().map(|&(size, role)| Axis { size, role }));

@@ -30,6 +30,8 @@ pub(crate) struct Page {
     /// Offset of the numbers, where they are one run of the file, as they are.
     pub start: Option<u64>,
     pub resolution: Spacing,
+    /// True if the numbers are red, green, blue and perhaps opacity.
+    pub is_color: bool,
     palette: bool,
     white_is_zero: bool,
 }
@@ -97,6 +99,7 @@ impl Page {
             compression: compression(method),
             start: None,
             resolution: resolution(file).map_err(tiff)?,
+            is_color: matches!(color, ColorType::RGB(_) | ColorType::RGBA(_)),
             palette: matches!(color, ColorType::Palette(_)),
             white_is_zero,
         };

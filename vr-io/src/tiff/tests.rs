@@ -215,7 +215,8 @@ fn colours_are_components_and_thumbnails_are_left_out() {
         encoder.write_image::<colortype::RGB8>(1, 1, &[1, 2, 3]).unwrap();
     }
     drop(encoder);
-    let red = read(&path, &ReadOptions::default()).unwrap();
+    assert!(read(&path, &ReadOptions::default()).unwrap().volume.colors().is_some());
+    let red = read(&path, &ReadOptions { component: Some(0), ..Default::default() }).unwrap();
     assert_eq!(numbers(&red), [0., 1., 2., 3., 4., 5., 6., 7.]);
     let loaded = read(&path, &ReadOptions { component: Some(1), ..Default::default() }).unwrap();
     assert_eq!(numbers(&loaded), [100., 101., 102., 103., 104., 105., 106., 107.]);

@@ -42,7 +42,8 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         .and_then(|s| s.try_into().ok())
         .ok_or_else(|| in_file(FieldError::new("Resolution", text, "must be 3 positive integers")))?;
     let [x, y, z] = sizes.map(|size| Axis { size, role: Role::Space });
-    let layout = Layout::new(path, &[Axis { size: components, role: Role::Component }, x, y, z], options)?;
+    let parts = Axis { size: components, role: Role::of_components(components, scalar) };
+    let layout = Layout::new(path, &[parts, x, y, z], options)?;
 
     let spacing = match header.get("SliceThickness") {
         None => None,

@@ -39,7 +39,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
         .ok_or_else(|| in_file(FieldError::new("RawData", "nothing", "the element is required")))?;
 
     let (scalar, components) = format(required(data, "format").map_err(in_file)?).map_err(in_file)?;
-    let mut axes = vec![Axis { size: components, role: Role::Component }];
+    let mut axes = vec![Axis { size: components, role: Role::of_components(components, scalar) }];
     for name in ["x", "y", "z"] {
         let found = required(data, name).map_err(in_file)?;
         let size = found.parse().ok().filter(|&n: &usize| n > 0);

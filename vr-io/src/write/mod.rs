@@ -157,7 +157,10 @@ pub fn volume_files(path: impl AsRef<Path>, volume: &Volume) -> Result<Vec<PathB
 }
 
 fn grid_of<'a>(path: &Path, volume: &'a Volume) -> Result<&'a GridVolume, WriteError> {
-    let no_grid = || refused(path, format!("{} cannot be written as voxels: it must be a uniform grid", volume.kind()));
+    let no_grid = || {
+        let hint = if volume.colors().is_some() { ", such as one component of the colours" } else { "" };
+        refused(path, format!("{} cannot be written as voxels: it must be a uniform grid{hint}", volume.kind()))
+    };
     volume.grid().map(|grid| &**grid).ok_or_else(no_grid)
 }
 

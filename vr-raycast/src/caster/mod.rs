@@ -80,7 +80,7 @@ impl RayCaster {
     /// Returns the caster that draws a scene: [`Step::Auto`] is replaced by the steps that it means there. Local steps follow what is known of a grid.
     pub(crate) fn settled_for(&self, scene: &Scene) -> Self {
         let step = match (self.step, self.traversal) {
-            (Step::Auto, _) if !self.follows_light(scene) || scene.volume.grid().is_none() => {
+            (Step::Auto, _) if !self.follows_light(scene) || scene.volume.value_grid().is_none() => {
                 Step::Uniform(Step::OTHERWISE)
             }
             (Step::Auto, Traversal::Samples) => Step::Local { error: Step::ERROR },

@@ -50,12 +50,15 @@ pub(crate) struct Needs {
     pub(crate) ends: bool,
     /// True if the operator goes back from a sample to the one before, even if that one is not visible.
     pub(crate) brackets: bool,
+    /// True if the operator, which takes values, takes the colours of all places, too.
+    pub(crate) colors: bool,
     /// True if the operator finds a surface, which is shaded once found.
     pub(crate) surface: bool,
 }
 
 impl Needs {
-    const VALUES: Self = Self { light: false, backwards: false, ends: false, brackets: false, surface: false };
+    const VALUES: Self =
+        Self { light: false, backwards: false, ends: false, brackets: false, colors: false, surface: false };
     const LIGHT: Self = Self { light: true, ..Self::VALUES };
 }
 

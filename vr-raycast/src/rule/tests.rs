@@ -87,7 +87,7 @@ fn draw(caster: &RayCaster, scene: &Scene, view: &View) -> Vec<[f64; 4]> {
             return [0.0; 4];
         };
         let source = Source::Grid(Arc::clone(volume));
-        let chord = Chord { source: &source, ray: part };
+        let chord = Chord { source: &source, colors: None, ray: part };
         let step = caster.longest_step(volume.placement());
         let kind = if caster.traversal == Traversal::Cells { WalkKind::Cells } else { WalkKind::Lattice(None) };
         let walks = Walks { kind, step, voxel: 1.0, dims };

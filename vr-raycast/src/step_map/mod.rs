@@ -70,6 +70,9 @@ const SHORTEST: f64 = 0.0577 / 8.0;
 /// Length of the longest step in voxels: just under four blocks.
 const LONGEST: f64 = SHORTEST * 2048.0;
 
+/// Length of the longest step in voxels where voxels have colours of their own.
+const LONGEST_BESIDE_COLORS: f64 = SHORTEST * 64.0;
+
 /// Returns the longest step inside a voxel of a field that is constant there: all of the voxel, unless what is reflected changes with normals that are
 /// interpolated. A quarter of a voxel then keeps the error of the midpoint rule, of the second order, near that of the other steps (a ball of one label,
 /// 30³ voxels at 256×256 pixels: RMSE 9.9·10⁻³ with whole voxels).
@@ -101,7 +104,10 @@ impl StepMap {
             _ if levels.has_holes() => Cuts::Holes(beside_holes(levels)),
             _ => Cuts::None,
         };
-        let mut map = Self { blocks, bytes, steps: std::array::from_fn(|c| (voxel * step_of(c)) as f32), cuts };
+        // Colours of the voxels change whatever the medium does.
+        let longest = if scene.volume.colors().is_some() { LONGEST_BESIDE_COLORS } else { LONGEST };
+        let steps = std::array::from_fn(|c| (voxel * step_of(c).min(longest)) as f32);
+        let mut map = Self { blocks, bytes, steps, cuts };
         map.look_around();
         map.leap(&distances);
         map

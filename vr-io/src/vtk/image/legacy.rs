@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::error::{FileError, FileErrorKind};
 use crate::payload::Payload;
-use crate::scalar::Endian;
+use crate::scalar::{Endian, ScalarType};
 use crate::source::{Decoded, Source};
 use crate::vtk::{Array, Legacy};
 
@@ -55,6 +55,10 @@ pub(super) fn header(path: &Path) -> Result<Header<Array>, FileErrorKind> {
 }
 
 impl Numbers for Array {
+    fn scalar(&self) -> Option<ScalarType> {
+        Some(self.scalar)
+    }
+
     fn source(self, path: &Path, _: usize) -> Result<Source, FileErrorKind> {
         let (scalar, endian) = (self.scalar, Endian::Big);
         if let Some(start) = self.place_in_file() {

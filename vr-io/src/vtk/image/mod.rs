@@ -16,6 +16,7 @@ use vr_core::Calibration;
 use crate::error::{FileError, FileErrorKind};
 use crate::layout::{Axis, Layout, Role};
 use crate::read::{Description, ReadOptions};
+use crate::scalar::ScalarType;
 use crate::source::Source;
 use crate::world::Space;
 
@@ -67,6 +68,9 @@ struct Header<A> {
 
 /// An array of which the numbers can be found.
 trait Numbers {
+    /// Type of the numbers; `None` where the array is faulty.
+    fn scalar(&self) -> Option<ScalarType>;
+
     /// Source of its `count` numbers.
     fn source(self, path: &Path, count: usize) -> Result<Source, FileErrorKind>;
 }
@@ -79,7 +83,8 @@ impl<A: Numbers> Header<A> {
         let Candidate { components, of_cells, .. } = candidates[chosen];
         let axis = |size, role| Axis { size, role };
         let [nx, ny, nz] = lattice.extent.dims(of_cells).map(|size| axis(size, Role::Space));
-        let layout = Layout::new(path, &[axis(components, Role::Component), nx, ny, nz], options)?;
+        let of_voxel = arrays[chosen].scalar().map_or(Role::Component, |s| Role::of_components(components, s));
+        let layout = Layout::new(path, &[axis(components, of_voxel), nx, ny, nz], options)?;
         let placement = lattice.placement(of_cells, &mut notes).map_err(|e| FileError::new(path, e))?;
         let source = arrays.swap_remove(chosen).source(path, layout.total);
         Ok(Description {

@@ -7,6 +7,7 @@ use roxmltree::Node;
 
 use crate::error::{FieldError, FileError, FileErrorKind, shown};
 use crate::payload::Payload;
+use crate::scalar::ScalarType;
 use crate::source::{Decoded, Source};
 use crate::vtk::words::exactly;
 use crate::vtk::{DataArray, Store, XmlFile, named_arrays, root};
@@ -100,6 +101,10 @@ fn array_of(piece: Node<'_, '_>, section: &str, name: &str) -> Result<DataArray,
 }
 
 impl Numbers for PieceArrays {
+    fn scalar(&self) -> Option<ScalarType> {
+        self.pieces.first().and_then(|(_, array)| array.as_ref().ok()).map(|array| array.scalar)
+    }
+
     fn source(self, path: &Path, count: usize) -> Result<Source, FileErrorKind> {
         let Self { store, whole, of_cells, pieces } = self;
         let pieces: Vec<(Extent, DataArray)> =
