@@ -40,12 +40,15 @@ mod exposure;
 mod fit;
 mod kind;
 mod lattice;
+mod number;
 mod opacity;
 mod palette;
 mod polyline;
+mod preset;
 mod scale;
 mod survey;
 
 pub use fit::fit;
 pub use kind::Kind;
+pub use preset::FittedPreset;
 pub use survey::{Hints, Look, Survey};

@@ -7,6 +7,7 @@ use vr_core::{Clip, Compositing, ControlPoint, Filter, Shading, TransferFunction
 use crate::exposure;
 use crate::kind::{Kind, Values, kind_of};
 use crate::lattice::Lattice;
+use crate::number::short;
 use crate::opacity::{Histogram, Shares, of_magnitude};
 use crate::palette;
 use crate::polyline::simplified;
@@ -38,10 +39,10 @@ pub struct Look {
 
 /// Samples of a volume, from which everything else follows.
 pub struct Survey {
-    lattice: Lattice,
-    values: Values,
-    integer: bool,
-    can_shade: bool,
+    pub(crate) lattice: Lattice,
+    pub(crate) values: Values,
+    pub(crate) integer: bool,
+    pub(crate) can_shade: bool,
     spacing: f64,
 }
 
@@ -273,18 +274,4 @@ fn control_points(kind: &Kind, scale: Scale, shares: &Shares, factor: f64) -> Ve
     let point =
         |bin: usize| ControlPoint::new(scale.value(Scale::middle(bin)), color(Scale::middle(bin)), opacity(bin));
     bins.into_iter().map(point).collect()
-}
-
-/// A number in a note: three digits.
-fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let digits = 2 - libm::floor(libm::log10(value.abs())) as i64;
-    if (-4..=6).contains(&digits) {
-        let rounded = format!("{value:.*}", digits.clamp(0, 8) as usize);
-        if rounded.contains('.') { rounded.trim_end_matches('0').trim_end_matches('.').to_owned() } else { rounded }
-    } else {
-        format!("{value:.2e}")
-    }
 }
