@@ -2,6 +2,7 @@
 
 mod error;
 mod inline;
+mod named_transfer;
 mod resolve;
 mod scene_file;
 mod sections;
@@ -14,7 +15,7 @@ use crate::atomic::write_whole;
 use crate::error::{FileError, WriteError};
 
 pub use error::SceneFileError;
-pub use resolve::{LoadedScene, SceneMesh, outline_scene, resolve_scene};
+pub use resolve::{LoadedScene, SceneMesh, outline_scene, preset_by_name, resolve_scene, resolve_scene_around};
 pub use scene_file::SceneFile;
 pub use sections::{
     CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, LookName, MeshSection, ProjectionName,
