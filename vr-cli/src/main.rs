@@ -25,11 +25,14 @@ mod histogram;
 mod info;
 mod inputs;
 mod interrupt;
+mod label;
 mod mesh_info;
 mod number;
 mod output_file;
 mod overrides;
 mod points_info;
+mod preset_sheet;
+mod presets;
 mod process;
 mod progress;
 mod ray;
@@ -39,6 +42,8 @@ mod report;
 mod scene_setup;
 mod table;
 mod target;
+mod tf;
+mod tf_picture;
 mod verify;
 mod volume_setup;
 
@@ -78,6 +83,8 @@ fn run() -> Result<(), Failure> {
         Command::Diff(args) => diff::run(args, console),
         Command::Info(args) => info::run(args, console),
         Command::Convert(args) => convert::run(args, console),
+        Command::Presets(args) => presets::run(args, console, &control),
+        Command::Tf(args) => tf::run(args, console),
         Command::Ray(args) => ray::run(args, console, &control),
     })
 }

@@ -6,6 +6,7 @@ mod diff;
 mod ray;
 mod report;
 mod scene;
+mod tf;
 mod value;
 mod volume;
 
@@ -21,6 +22,7 @@ pub use diff::DiffArgs;
 pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
+pub use tf::{PresetsArgs, TfArgs};
 pub use volume::VolumeArgs;
 
 use crate::failure::Failure;
@@ -82,6 +84,10 @@ pub enum Command {
     Info(Box<InfoArgs>),
     /// Write a volume in another format, or a part of it, resampled, or with voxels of another type
     Convert(Box<ConvertArgs>),
+    /// Draw a volume under every preset that suits it, on one sheet
+    Presets(Box<PresetsArgs>),
+    /// Print, draw or convert a transfer function: a preset, a file, or the automatic one
+    Tf(Box<TfArgs>),
     /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the reference
     Ray(Box<RayArgs>),
 }
@@ -271,6 +277,7 @@ impl Cli {
         Self::command()
             .mut_subcommand("render", |render| render.after_help(features + &options + EXIT_CODES))
             .mut_subcommand("bench", |bench| bench.after_help(options.clone() + EXIT_CODES))
+            .mut_subcommand("presets", |presets| presets.after_help(options.clone()))
             .mut_subcommand("ray", |ray| ray.after_help(options))
     }
 }

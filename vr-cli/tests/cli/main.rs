@@ -11,6 +11,7 @@ mod inputs;
 mod look;
 mod mesh;
 mod points;
+mod presets;
 mod ray;
 mod report;
 mod unused;
