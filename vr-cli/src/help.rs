@@ -24,7 +24,7 @@ const MORE: &str = "\
 All flags: --help. Renderers, their features and options: vr help renderers, vr help raycast. Names: vr help presets, vr help phantoms.";
 
 /// Commands that draw scenes: their flags are too many for a screen.
-const DRAWING: [&str; 8] = ["render", "compare", "bench", "report", "turntable", "animate", "scene", "ray"];
+const DRAWING: [&str; 9] = ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray"];
 
 /// Flags of scenes that the short help shows; those of a command's own are all shown.
 const ESSENTIAL: [&str; 24] = [

@@ -6,7 +6,7 @@ use serde::Serialize;
 use vr_core::transfer::Preset;
 use vr_core::{Calibration, ColorGrid, GridVolume, VoxelType};
 use vr_io::{FileInfo, LoadedVolume, PngOptions};
-use vr_look::{Hints, Look, Survey};
+use vr_look::{Look, Survey};
 
 use crate::args::InfoArgs;
 use crate::console::Console;
@@ -50,7 +50,7 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         .value_grid()
         .ok_or_else(|| Failure::failed(format!("{title}: a {} cannot be described yet", volume.kind())))?;
     let patient = info.as_ref().is_some_and(|file| file.space.is_patient());
-    let hints = Hints { scan: info.as_ref().is_some_and(FileInfo::is_scan), ..Hints::default() };
+    let hints = info.as_ref().map(FileInfo::hints).unwrap_or_default();
     let suggest = |range| Preset::suggest(range, uniform.voxel_type().is_integer());
     let histogram = Histogram::of(uniform, DRAWN.0);
     if let Some(place) = &args.output {

@@ -35,6 +35,8 @@ mod output_file;
 mod overrides;
 mod picture_record;
 mod points_info;
+mod preset_sheet;
+mod presets;
 mod process;
 mod progress;
 mod ranking;
@@ -50,6 +52,8 @@ mod slices;
 mod table;
 mod target;
 mod text;
+mod tf;
+mod tf_picture;
 mod verify;
 mod volume_setup;
 
@@ -94,6 +98,8 @@ fn run() -> Result<(), Failure> {
         Command::Rerun(args) => rerun::run(args, console, &control),
         Command::Turntable(args) => animation::turntable(args, console, &control),
         Command::Animate(args) => animation::animate(args, console, &control),
+        Command::Presets(args) => presets::run(args, console, &control),
+        Command::Tf(args) => tf::run(args, console),
         Command::Ray(args) => ray::run(args, console, &control),
         Command::Help(args) => help::run(args, Cli::command()),
     })

@@ -166,18 +166,22 @@ impl Overrides {
     }
 
     fn transfer(&mut self, args: &TransferArgs, file: &mut SceneFile) {
-        let TransferArgs { look, transfer, point, range, unit_distance, opacity_rule, colors } = args;
+        let TransferArgs { look, preset, transfer, point, range, unit_distance, opacity_rule, colors } = args;
         let mut section = file.transfer.clone().unwrap_or_default();
-        if let Some(transfer) = transfer {
+        if preset.is_some() || transfer.is_some() {
             let TransferSection { unit_distance, opacity_rule, .. } = section;
             section = TransferSection { unit_distance, opacity_rule, ..TransferSection::default() };
-            if Path::new(transfer).extension().is_some() {
-                section.file = Some(self.path_from_here(Path::new(transfer)));
+        }
+        match (preset, transfer) {
+            (None, Some(file)) if Path::new(file).extension().is_some() => {
+                section.file = Some(self.path_from_here(Path::new(file)));
                 self.note("transfer.file");
-            } else {
-                section.preset = Some(transfer.clone());
+            }
+            (Some(name), _) | (None, Some(name)) => {
+                section.preset = Some(name.clone());
                 self.note("transfer.preset");
             }
+            (None, None) => {}
         }
         if !point.is_empty() {
             let entry = |&[value, r, g, b, opacity]: &[f64; 5]| ControlPoint::new(value, [r, g, b], opacity);

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, FromArgMatches};
+use vr_core::transfer::Preset;
 use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
 use vr_io::{
-    FileError, FileErrorKind, FileInfo, FileSource, LoadedScene, SceneFile, SceneFileError, SceneMesh, VolumeSection,
-    VolumeSource,
+    FileError, FileErrorKind, FileInfo, FileSource, LoadedScene, LoadedVolume, SceneFile, SceneFileError, SceneMesh,
+    TransferSection, VolumeSection, VolumeSource,
 };
 use vr_mesh::Surface;
 
@@ -263,6 +264,57 @@ impl Setup {
             RenderError::Parameter(e) => self.origin.parameter(&e),
             other => Failure::failed(other),
         }
+    }
+}
+
+/// Set-ups of one volume under several presets.
+pub struct PresetSetups {
+    /// Each preset with its set-up.
+    pub setups: Vec<(Preset, Setup)>,
+    /// Notes on everything assumed.
+    pub notes: Vec<String>,
+}
+
+impl PresetSetups {
+    /// Reads the volume once, and sets up its scene under each preset that is chosen for it. Prints every note once.
+    ///
+    /// # Errors
+    /// Errors of [`Setup::new`].
+    pub fn new(
+        args: &SceneArgs,
+        choose: impl FnOnce(&LoadedVolume) -> Vec<Preset>,
+        console: Console,
+    ) -> Result<Self, Failure> {
+        let (mut file, origin) = described(args)?;
+        let path = args.scene.as_deref().unwrap_or(Path::new(""));
+        let failure = |origin: &Origin, e: SceneFileError| origin.scene_failure(e);
+        let found = vr_io::load_volume(&file.volume, path).map_err(|e| failure(&origin, e))?;
+        let section = file.transfer.take().unwrap_or_default();
+        let (mut setups, mut notes, mut known) = (Vec::new(), Vec::new(), Vec::new());
+        for preset in choose(&found) {
+            let transfer = TransferSection {
+                preset: Some(preset.name().to_owned()),
+                range: section.range,
+                unit_distance: section.unit_distance,
+                opacity_rule: section.opacity_rule,
+                ..TransferSection::default()
+            };
+            let file = SceneFile { transfer: Some(transfer), ..file.clone() };
+            let (_, origin) = described(args)?;
+            let loaded = vr_io::resolve_scene_around(&file, path, found.clone()).map_err(|e| failure(&origin, e))?;
+            let setup = Setup::around(args, &file, loaded, origin, Console { quiet: true, ..console })?;
+            // Presets say the same of themselves.
+            for note in &setup.notes {
+                let general = note.replace(preset.name(), "");
+                if !known.contains(&general) {
+                    console.note(note);
+                    notes.push(note.clone());
+                    known.push(general);
+                }
+            }
+            setups.push((preset, setup));
+        }
+        Ok(Self { setups, notes })
     }
 }
 

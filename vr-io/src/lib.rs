@@ -106,6 +106,19 @@
 //! digits. [`WriteVolumeOptions`] say whether the world is a patient's, and [`WrittenVolume`] what the format does not hold. [`crop_grid`],
 //! [`flip_grid`], [`resample_grid`] and [`convert_grid`] change a grid before.
 //!
+//! # Transfer functions that are read and written
+//!
+//! | format | files | what is taken | written |
+//! |---|---|---|---|
+//! | ParaView | `.json`; old XML with `<ColorMap>` | colours in their colour space, opacities; the first map of several | JSON |
+//! | 3D Slicer | `.vp`, `.vp.json`, `presets.xml`, scenes | colours, opacities, shading, gradient opacity, nearest filter | `.vp` |
+//! | VTK | XML of `VolumeProperty`, `ColorTransferFunction`, `PiecewiseFunction` | as above; the first component | |
+//! | ImageJ, NIH Image | `.lut`: 768 bytes, 32 before them, or text | colours; opacity grows over the range | 768 bytes |
+//! | tables | `.csv`, `.tsv`, text: value, red, green, blue, opacity, with or without names; 0 to 1 or 0 to 255 | all columns | both |
+//! | scene files | TOML with `[transfer]` points, and `[shading]` | every digit | yes |
+//!
+//! [`read_transfer`] tells them by content. ParaView's and ImageJ's are spread over the volume's values; the others stay at their own.
+//!
 //! # Scattered points that are read
 //!
 //! | format | files | what is taken |
@@ -201,7 +214,6 @@ mod npy;
 mod nrrd;
 mod opendx;
 mod packed;
-mod paraview;
 mod payload;
 mod picture;
 mod picture_read;
@@ -217,6 +229,7 @@ mod slc;
 mod slices;
 mod source;
 mod tiff;
+mod transfer;
 mod voreen;
 mod voxels;
 mod vtk;
@@ -236,7 +249,6 @@ pub use keys::{AnglePath, Angles, CameraPath, Interpolation, Key, KeyFile, Place
 pub use labels::{LabelEntry, LoadedLabels, parse_label_list, read_label_list, read_labels};
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use nifti::Transform;
-pub use paraview::{ColorMap, parse_color_maps, read_color_maps};
 pub use picture::write;
 pub use picture_read::{MAX_PIXELS, Picture, PictureError, SampleKind, StoredPixels, read_picture};
 pub use png::{Encode, PngDepth, PngOptions, encode_png, write_png};
@@ -252,8 +264,12 @@ pub use scene::{
     CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LabelLook, LabelName,
     LabelSection, LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection, ProjectionName,
     RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferSection, VolumeSection, VolumeSource,
-    commented_scene, load_scene, load_volume, outline_scene, parse_scene, read_scene, resolve_scene, scene_text,
-    write_scene,
+    commented_scene, load_scene, load_volume, outline_scene, parse_scene, preset_by_name, read_scene, resolve_scene,
+    resolve_scene_around, scene_text, write_scene,
+};
+pub use transfer::{
+    ColorMap, TRANSFER_EXTENSIONS, TransferFile, TransferSource, parse_color_maps, parse_transfer, read_color_maps,
+    read_transfer, write_transfer,
 };
 pub use world::{Space, orientation};
 pub use write::{

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DMat3;
 use vr_core::{Calibration, ColorGrid, GridError, Placement, Volume};
+use vr_look::Hints;
 
 use crate::detect::{Format, detect, detect_folder};
 use crate::encoding::Encoding;
@@ -114,9 +115,9 @@ pub struct FileInfo {
 }
 
 impl FileInfo {
-    /// True if the file says that its values were measured: they are placed in a patient, or a map of a microscope's.
-    pub fn is_scan(&self) -> bool {
-        self.space.is_patient() || self.format == mrc::FORMAT
+    /// Facts for an automatic look.
+    pub fn hints(&self) -> Hints {
+        Hints { patient: self.space.is_patient(), map: self.format == mrc::FORMAT, ..Hints::default() }
     }
 }
 

@@ -42,9 +42,11 @@ mod fit;
 mod fit_together;
 mod kind;
 mod lattice;
+mod number;
 mod opacity;
 mod palette;
 mod polyline;
+mod preset;
 mod scale;
 mod survey;
 
@@ -52,4 +54,5 @@ pub use fit::fit;
 pub use fit_together::{centre_of, fit_together, pivot_of};
 pub use kind::Kind;
 pub use palette::label_color;
+pub use preset::FittedPreset;
 pub use survey::{Hints, Look, Survey};

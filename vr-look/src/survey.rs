@@ -8,6 +8,7 @@ use vr_core::{Clip, ColorValue, Compositing, ControlPoint, Filter, Shading, Tran
 use crate::exposure;
 use crate::kind::{Kind, Values, kind_of, scale_of_colors};
 use crate::lattice::Lattice;
+use crate::number::short;
 use crate::opacity::{Histogram, Shares, of_magnitude, of_place};
 use crate::palette;
 use crate::polyline::simplified;
@@ -16,11 +17,19 @@ use crate::scale::{BINS, Scale};
 /// Facts about a volume besides its values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hints {
-    /// True if the file says that the volume was measured, as one that is placed in a patient is: it is a scan then, whatever its numbers are stored as,
-    /// and what lies below zero is an offset or noise.
-    pub scan: bool,
+    /// True if the file places the volume in a patient: it is a scan then, whatever its numbers are stored as.
+    pub patient: bool,
+    /// True if the file is a microscope's map of a density: what lies below zero is noise.
+    pub map: bool,
     /// The operator that the look is for.
     pub compositing: Compositing,
+}
+
+impl Hints {
+    /// True if the volume was measured.
+    pub(crate) fn is_scan(&self) -> bool {
+        self.patient || self.map
+    }
 }
 
 /// A first look at a volume.
@@ -40,10 +49,10 @@ pub struct Look {
 
 /// Samples of a volume, from which everything else follows.
 pub struct Survey {
-    lattice: Lattice,
-    values: Values,
-    integer: bool,
-    can_shade: bool,
+    pub(crate) lattice: Lattice,
+    pub(crate) values: Values,
+    pub(crate) integer: bool,
+    pub(crate) can_shade: bool,
     /// Source of the values, where voxels have colours.
     colors: Option<ColorValue>,
     spacing: f64,
@@ -76,7 +85,7 @@ impl Survey {
     pub fn look(&self, hints: &Hints) -> Look {
         let (kind, scale) = match self.colors {
             Some(_) => (Kind::Color, scale_of_colors(&self.values)),
-            None => kind_of(&self.lattice, &self.values, self.integer, hints.scan),
+            None => kind_of(&self.lattice, &self.values, self.integer, hints.is_scan()),
         };
         if !hints.compositing.integrates_light() {
             return self.of_picked_values(kind, scale, hints.compositing);
@@ -294,18 +303,4 @@ fn control_points(kind: &Kind, scale: Scale, shares: &Shares, factor: f64) -> Ve
     let point =
         |bin: usize| ControlPoint::new(scale.value(Scale::middle(bin)), color(Scale::middle(bin)), opacity(bin));
     bins.into_iter().map(point).collect()
-}
-
-/// A number in a note: three digits.
-fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let digits = 2 - libm::floor(libm::log10(value.abs())) as i64;
-    if (-4..=6).contains(&digits) {
-        let rounded = format!("{value:.*}", digits.clamp(0, 8) as usize);
-        if rounded.contains('.') { rounded.trim_end_matches('0').trim_end_matches('.').to_owned() } else { rounded }
-    } else {
-        format!("{value:.2e}")
-    }
 }

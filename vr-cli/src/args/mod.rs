@@ -13,6 +13,7 @@ mod rerun;
 mod scene;
 mod scene_file;
 mod show;
+mod tf;
 mod value;
 mod volume;
 
@@ -35,6 +36,7 @@ pub use rerun::RerunArgs;
 pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use scene_file::SceneFileArgs;
 pub use show::{Protocol, ShowArgs};
+pub use tf::{PresetsArgs, TfArgs};
 pub use volume::VolumeArgs;
 
 use crate::failure::Failure;
@@ -96,6 +98,10 @@ pub enum Command {
     Turntable(Box<TurntableArgs>),
     /// Move camera, transfer function and clip from key to key: an animation, or its frames
     Animate(Box<AnimateArgs>),
+    /// Draw a volume under every preset that suits it, on one sheet
+    Presets(Box<PresetsArgs>),
+    /// Print, draw or convert a transfer function: a preset, a file, or the automatic one
+    Tf(Box<TfArgs>),
     /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the reference
     Ray(Box<RayArgs>),
     /// Explain a command, a renderer and its options, or list names: renderers, presets, phantoms

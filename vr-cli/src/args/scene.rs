@@ -50,7 +50,10 @@ pub struct TransferArgs {
     /// Look without a transfer function: auto finds one from the volume, with shading; flat spreads a preset over the values
     #[arg(long, value_name = "LOOK", value_parser = value::word::<LookName>, conflicts_with_all = ["transfer", "point"])]
     pub look: Option<LookName>,
-    /// A preset (vr info suggests some), or a ParaView colour map (.json)
+    /// A preset by name, such as ct-bone, mr-angio or pet-hot; vr presets shows those that suit a volume
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["look", "transfer", "point"])]
+    pub preset: Option<String>,
+    /// A preset, or a file of ParaView (.json, .xml), 3D Slicer (.vp), VTK (.xml), ImageJ (.lut), a table (.csv) or TOML
     #[arg(long, value_name = "PRESET|FILE")]
     pub transfer: Option<String>,
     /// A control point: value, linear RGB, opacity; repeat it in order of the values

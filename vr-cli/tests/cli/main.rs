@@ -15,6 +15,7 @@ mod labels;
 mod look;
 mod mesh;
 mod points;
+mod presets;
 mod ray;
 mod records;
 mod report;

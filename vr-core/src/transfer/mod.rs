@@ -9,7 +9,7 @@ mod srgb;
 pub use colormap::{cool_warm, inferno, viridis};
 pub use lab::Lab;
 pub use msh::{Msh, diverging};
-pub use presets::{Preset, is_hounsfield};
+pub use presets::{HounsfieldScale, Preset, PresetFamily, PresetUnit, is_hounsfield};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 
 use crate::error::ParameterError;

@@ -7,6 +7,7 @@ mod inline;
 mod key_help;
 mod labels;
 mod labels_section;
+mod named_transfer;
 mod resolve;
 mod scene_file;
 mod sections;
@@ -21,7 +22,7 @@ use crate::error::{FileError, WriteError};
 pub use commented::commented_scene;
 pub use error::SceneFileError;
 pub use labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};
-pub use resolve::{LoadedScene, SceneMesh, outline_scene, resolve_scene};
+pub use resolve::{LoadedScene, SceneMesh, outline_scene, preset_by_name, resolve_scene, resolve_scene_around};
 pub use scene_file::SceneFile;
 pub use sections::{
     CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, LookName, MeshSection, ProjectionName,

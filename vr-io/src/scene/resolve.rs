@@ -5,16 +5,17 @@ use std::sync::{LazyLock, OnceLock};
 
 use glam::DVec3;
 use vr_core::transfer::{Preset, srgb_to_linear};
-use vr_core::{ControlPoint, Light, Options, ParameterError, Scene, TriangleMesh, View, Volume};
+use vr_core::{Compositing, ControlPoint, Light, Options, ParameterError, Scene, TriangleMesh, View, Volume};
 use vr_look::{Hints, Survey, fit};
 
 use crate::framing::{default_angles, framing};
 use crate::mesh::read_mesh;
-use crate::paraview::read_color_maps;
 use crate::read::{FileInfo, each_once};
+use crate::transfer::read_transfer;
 
 use super::error::{SceneFileError, unknown_name};
 use super::labels::SceneLabels;
+use super::named_transfer::NamedTransfer;
 use super::scene_file::SceneFile;
 use super::sections::{ColorEncoding, LookName, ShadingSection, TransferSection};
 use super::volume::{LoadedVolume, load_volume, outline_volume};
@@ -85,7 +86,7 @@ fn bounds(scene: &Scene, mesh: Option<&SceneMesh>) -> (DVec3, DVec3) {
 /// # Errors
 /// A [`SceneFileError`] naming the file and the field.
 pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, SceneFileError> {
-    with_volume(file, path, load_volume(&file.volume, path)?)
+    resolve_scene_around(file, path, load_volume(&file.volume, path)?)
 }
 
 /// The scene that a scene file describes around a large volume of which only the header is read ([`crate::outline`]): enough to ask a
@@ -95,15 +96,24 @@ pub fn resolve_scene(file: &SceneFile, path: &Path) -> Result<LoadedScene, Scene
 /// A [`SceneFileError`] naming the file and the field.
 pub fn outline_scene(file: &SceneFile, path: &Path) -> Result<Option<LoadedScene>, SceneFileError> {
     let outline = outline_volume(&file.volume, path)?;
-    outline.map(|outline| with_volume(file, path, outline)).transpose()
+    outline.map(|outline| resolve_scene_around(file, path, outline)).transpose()
 }
 
-fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<LoadedScene, SceneFileError> {
+/// The scene that a scene file describes around a volume that is there already, for callers that draw one in several ways. See
+/// [`resolve_scene`].
+///
+/// # Errors
+/// A [`SceneFileError`] naming the file and the field.
+pub fn resolve_scene_around(
+    file: &SceneFile,
+    path: &Path,
+    mut found: LoadedVolume,
+) -> Result<LoadedScene, SceneFileError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let in_file = |source| SceneFileError::Parameter { path: path.into(), source };
     let mut notes = Vec::new();
     // List every file that is read.
-    notes.extend(found.notes);
+    notes.append(&mut found.notes);
     let volume_files = found.info.as_ref().map_or_else(Vec::new, |info| info.files.clone());
     let named = file.mesh.as_ref().map(|mesh| &mesh.path).into_iter();
     let named = named.chain(file.transfer.as_ref().and_then(|transfer| transfer.file.as_ref()));
@@ -119,7 +129,8 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
     let labels = labels.as_ref().map(|section| SceneLabels::read(section, folder)).transpose()?;
     let files = each_once(files.into_iter().chain(labels.iter().flat_map(|labels| labels.files().to_vec())));
     let mut automatic = false;
-    let points = match (&mut file.transfer, found.transfer) {
+    let own = found.transfer.take();
+    let points = match (&mut file.transfer, own) {
         // A phantom brings its own, made for one unit distance.
         (transfer, Some((points, unit_distance))) if transfer.as_ref().is_none_or(names_no_points) => {
             transfer.get_or_insert_default().unit_distance.get_or_insert(unit_distance);
@@ -128,8 +139,7 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
         // Nothing is asked for: the volume tells.
         (transfer, _) if transfer.as_ref().is_none_or(|t| names_no_points(t) && t.look == LookName::Auto) => {
             automatic = true;
-            let scan = found.info.as_ref().is_some_and(FileInfo::is_scan);
-            let hints = Hints { scan, compositing: file.render.compositing().map_err(in_file)? };
+            let hints = hints(&found, file.render.compositing().map_err(in_file)?);
             let look = survey.get_or_insert_with(|| Survey::new(&found.volume)).look(&hints);
             notes.push(look.reason);
             if file.shading.is_none()
@@ -142,7 +152,8 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
         }
         (transfer, _) => {
             let transfer = transfer.get_or_insert_default();
-            let points = points(transfer, &found.volume, folder, in_file, &mut notes)?;
+            let named = named_transfer(transfer, &found, &mut survey, folder, in_file, &mut notes)?;
+            named.complete(transfer);
             if transfer.unit_distance.is_none() {
                 let what = match &found.volume {
                     Volume::Points(_) => "half the mean radius",
@@ -150,7 +161,7 @@ fn with_volume(file: &SceneFile, path: &Path, found: LoadedVolume) -> Result<Loa
                 };
                 notes.push(format!("unit_distance is {what}, {:.6}", found.volume.mean_spacing()));
             }
-            points
+            named.apply(&mut file, &mut notes)
         }
     };
     // Solids are lit, unless the file says otherwise.
@@ -215,28 +226,44 @@ fn check_transfer(section: &TransferSection, notes: &mut Vec<String>) -> Result<
 /// Names that a preset may have.
 static PRESETS: LazyLock<String> = LazyLock::new(|| format!("must be one of {}", Preset::NAMES.join(", ")));
 
+/// The preset of a name.
+///
+/// # Errors
+/// A [`ParameterError`] with the name most like it, and all that there are.
+pub fn preset_by_name(name: &str) -> Result<Preset, ParameterError> {
+    Preset::from_name(name).ok_or_else(|| unknown_name("transfer.preset", name, &Preset::NAMES, &PRESETS))
+}
+
 /// True if a section leaves the points to the volume.
 fn names_no_points(section: &TransferSection) -> bool {
     let TransferSection { preset, range, file, points, .. } = section;
     preset.is_none() && range.is_none() && file.is_none() && points.is_none()
 }
 
-/// The control points of a transfer function: given, by preset, from a file, or suggested by the values.
-fn points(
+/// Facts about a volume besides its values.
+fn hints(found: &LoadedVolume, compositing: Compositing) -> Hints {
+    Hints { compositing, ..found.info.as_ref().map(FileInfo::hints).unwrap_or_default() }
+}
+
+/// A transfer function: given, by preset, from a file, or suggested by the values.
+fn named_transfer(
     section: &TransferSection,
-    volume: &Volume,
+    found: &LoadedVolume,
+    survey: &mut Option<Survey>,
     folder: &Path,
     in_file: impl Fn(ParameterError) -> SceneFileError + Copy,
     notes: &mut Vec<String>,
-) -> Result<Vec<ControlPoint>, SceneFileError> {
-    let range = match section.range {
-        Some([low, high]) if low <= high && low.is_finite() && high.is_finite() => (low, high),
+) -> Result<NamedTransfer, SceneFileError> {
+    let volume = &found.volume;
+    // A volume without a single finite voxel is vacuum: any range will do.
+    let values = || volume.value_range().unwrap_or((0.0, 1.0));
+    let asked = match section.range {
+        Some([low, high]) if low <= high && low.is_finite() && high.is_finite() => Some((low, high)),
         Some(range) => {
             let allowed = "must be two finite numbers, the smaller one first";
             return Err(in_file(ParameterError::new("transfer.range", range, allowed)));
         }
-        // A volume without a single finite voxel is vacuum: any range will do.
-        None => volume.value_range().unwrap_or((0.0, 1.0)),
+        None => None,
     };
     match (&section.points, &section.preset, &section.file) {
         (Some(points), None, None) => {
@@ -244,40 +271,26 @@ fn points(
                 ColorEncoding::Linear => *p,
                 ColorEncoding::Srgb => ControlPoint { color: p.color.map(srgb_to_linear), ..*p },
             };
-            Ok(points.iter().map(decoded).collect())
+            Ok(points.iter().map(decoded).collect::<Vec<_>>().into())
         }
         (None, Some(name), None) => {
-            let preset = Preset::from_name(name)
-                .ok_or_else(|| in_file(unknown_name("transfer.preset", name, &Preset::NAMES, &PRESETS)))?;
-            let points = preset.points(range);
-            // Colours of the voxels are shown as they are.
-            let white = |point: ControlPoint| ControlPoint { color: [1.0; 3], ..point };
-            Ok(if volume.colors().is_some() { points.into_iter().map(white).collect() } else { points })
+            let preset = preset_by_name(name).map_err(in_file)?;
+            let survey = survey.get_or_insert_with(|| Survey::new(volume));
+            let mut fitted = survey.preset(preset, values(), asked, &hints(found, Compositing::default()));
+            notes.append(&mut fitted.notes);
+            Ok(NamedTransfer::from(fitted).beside(volume))
         }
         (None, None, Some(name)) => {
-            let path = folder.join(name);
-            let maps = read_color_maps(&path)?;
-            let count = maps.len();
-            let Some(map) = maps.into_iter().next() else { return Ok(Vec::new()) };
-            if count > 1 {
-                notes.push(format!(
-                    "{} holds {count} colour maps: the first one, {}, is used",
-                    path.display(),
-                    map.name
-                ));
-            }
-            let points = map.over(range);
-            notes.extend(map.notes);
-            Ok(points)
+            let mut file = read_transfer(folder.join(name))?;
+            notes.append(&mut file.notes);
+            Ok(NamedTransfer::of_file(&file, asked, values(), volume.mean_spacing()))
         }
         (None, None, None) => {
+            let range = asked.unwrap_or_else(values);
             let integer = volume.grid().is_some_and(|u| u.voxel_type().is_integer());
             let preset = Preset::suggest(range, integer).first().copied().unwrap_or(Preset::Grey);
             notes.push(format!("no transfer function: preset {preset} over {} to {}", range.0, range.1));
-            let points = preset.points(range);
-            // Colours of the voxels are shown as they are.
-            let white = |point: ControlPoint| ControlPoint { color: [1.0; 3], ..point };
-            Ok(if volume.colors().is_some() { points.into_iter().map(white).collect() } else { points })
+            Ok(NamedTransfer::from(preset.points(range)).beside(volume))
         }
         _ => {
             let allowed = "must have one of them";

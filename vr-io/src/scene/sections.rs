@@ -25,9 +25,9 @@ pub struct TransferSection {
     pub look: LookName,
     /// The name of a preset.
     pub preset: Option<String>,
-    /// The range of values that a preset or a file is stretched over; the volume's if absent.
+    /// The range of values that a preset or a file is stretched over; if absent the preset's or file's own, or the volume's.
     pub range: Option<[f64; 2]>,
-    /// Or a ParaView colour map (JSON), relative to the scene file.
+    /// Or a file of a transfer function ([`crate::read_transfer`]), relative to the scene file.
     pub file: Option<String>,
     /// World length that the opacities belong to; the volume's mean spacing if absent.
     pub unit_distance: Option<f64>,
@@ -81,7 +81,7 @@ impl Default for ShadingSection {
 
 impl ShadingSection {
     /// Describes shading, and the lights.
-    pub(super) fn describe(s: &Shading, lights: &[Light]) -> Self {
+    pub(crate) fn describe(s: &Shading, lights: &[Light]) -> Self {
         let light = |l: &Light| LightEntry { headlight: l.direction.is_none(), direction: l.direction, color: l.color };
         Self {
             enabled: true,
@@ -95,7 +95,7 @@ impl ShadingSection {
         }
     }
 
-    pub(super) fn shading(&self) -> Shading {
+    pub(crate) fn shading(&self) -> Shading {
         Shading {
             ambient: self.ambient,
             diffuse: self.diffuse,

@@ -4,17 +4,14 @@ use crate::error::FieldError;
 
 use super::polyline::{Polyline, resample};
 
-/// Reads groups of value, opacity, midpoint and sharpness; the last two shape the interval that follows.
-pub(super) fn opacities(numbers: &[f64]) -> Result<Polyline<1>, FieldError> {
-    const FIELD: &str = "Points";
-    let (points, rest) = numbers.as_chunks::<4>();
-    if points.is_empty() || !rest.is_empty() {
-        let found = format!("{} numbers", numbers.len());
-        return Err(FieldError::new(FIELD, found, "must be groups of value, opacity, midpoint, sharpness"));
-    }
+/// Opacities over values, from rows of value, opacity, midpoint and sharpness; the last two shape the interval that follows. `field` names
+/// a number of a row.
+pub(super) fn opacities(
+    points: &[[f64; 4]],
+    field: impl Fn(usize, usize) -> String,
+) -> Result<Polyline<1>, FieldError> {
     for (i, &[value, opacity, midpoint, sharpness]) in points.iter().enumerate() {
-        let wrong =
-            |k: usize, x: f64, allowed: &str| Err(FieldError::new(format!("{FIELD}[{}]", 4 * i + k), x, allowed));
+        let wrong = |k: usize, x: f64, allowed: &str| Err(FieldError::new(field(i, k), x, allowed));
         if !value.is_finite() || (i > 0 && value < points[i - 1][0]) {
             return wrong(0, value, "values must be finite and in ascending order");
         }
@@ -71,6 +68,10 @@ fn between(a: f64, b: f64, midpoint: f64, sharpness: f64, t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn opacities(numbers: &[f64]) -> Result<Polyline<1>, FieldError> {
+        super::opacities(numbers.as_chunks::<4>().0, |row, number| format!("{row}.{number}"))
+    }
 
     #[test]
     fn straight_lines_are_exact() {

@@ -1,19 +1,15 @@
 //! ParaView's colour maps: JSON files with colours, a colour space to interpolate them in, and opacities.
 
-mod color_space;
-mod opacity;
-mod polyline;
-
 use std::path::Path;
 
 use serde::Deserialize;
 use vr_core::ControlPoint;
-use vr_core::transfer::srgb_to_linear;
 
 use crate::error::{FieldError, FileError, shown};
 
-use color_space::ColorSpace;
-use polyline::{Polyline, resample};
+use super::color_space::ColorSpace;
+use super::curves::{self, growing, merge};
+use super::{opacity, stretched};
 
 /// A colour map as control points: linear-light colours, with opacity.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,16 +26,7 @@ impl ColorMap {
     /// The control points moved to another range of values, as ParaView does when it shows other data. A range of one value
     /// is widened, so that the value lies in the middle.
     pub fn over(&self, range: (f64, f64)) -> Vec<ControlPoint> {
-        let (low, high) = if range.0 < range.1 { range } else { (range.0 - 0.5, range.0 + 0.5) };
-        let (first, last) = match self.points.as_slice() {
-            [first, .., last] => (first.value, last.value),
-            _ => return self.points.clone(),
-        };
-        let moved = |p: &ControlPoint| {
-            let t = if first < last { (p.value - first) / (last - first) } else { 0.0 };
-            ControlPoint { value: low + t * (high - low), ..*p }
-        };
-        self.points.iter().map(moved).collect()
+        stretched(&self.points, range)
     }
 }
 
@@ -105,65 +92,24 @@ pub fn parse_color_maps(text: &str, path: &Path) -> Result<Vec<ColorMap>, FileEr
 fn color_map(entry: Entry) -> Result<ColorMap, FieldError> {
     let mut notes = Vec::new();
     let space = ColorSpace::from_name(&entry.color_space, &mut notes)?;
-    let colors = colors(&entry.rgb_points, space)?;
-    let (low, high) = colors.range();
+    let (rows, rest) = entry.rgb_points.as_chunks::<4>();
+    if rows.is_empty() || !rest.is_empty() {
+        let found = format!("{} numbers", entry.rgb_points.len());
+        let allowed = "must be groups of value, red, green, blue (no indexed colours)";
+        return Err(FieldError::new("RGBPoints", found, allowed));
+    }
+    let colors = curves::colors(rows, space, |row, number| format!("RGBPoints[{}]", 4 * row + number))?;
     let opacity = if entry.points.is_empty() {
-        notes.push("the colour map has no opacities: they grow from 0 to 1 over its range".to_owned());
-        Polyline(vec![(low, [0.0]), (high, [1.0])])
+        growing(&colors, &mut notes)
     } else {
-        opacity::opacities(&entry.points)?
+        let (rows, rest) = entry.points.as_chunks::<4>();
+        if !rest.is_empty() {
+            let found = format!("{} numbers", entry.points.len());
+            return Err(FieldError::new("Points", found, "must be groups of value, opacity, midpoint, sharpness"));
+        }
+        opacity::opacities(rows, |row, number| format!("Points[{}]", 4 * row + number))?
     };
     Ok(ColorMap { name: shown(&entry.name), points: merge(&colors, &opacity), notes })
-}
-
-/// Linear-light colours over values.
-fn colors(numbers: &[f64], space: ColorSpace) -> Result<Polyline<3>, FieldError> {
-    const FIELD: &str = "RGBPoints";
-    let (points, rest) = numbers.as_chunks::<4>();
-    if points.is_empty() || !rest.is_empty() {
-        let found = format!("{} numbers", numbers.len());
-        return Err(FieldError::new(FIELD, found, "must be groups of value, red, green, blue (no indexed colours)"));
-    }
-    for (i, [value, color @ ..]) in points.iter().enumerate() {
-        if !value.is_finite() || (i > 0 && *value < points[i - 1][0]) {
-            let allowed = "values must be finite and in ascending order";
-            return Err(FieldError::new(format!("{FIELD}[{}]", 4 * i), value, allowed));
-        }
-        if let Some(c) = color.iter().position(|c| !(0.0..=1.0).contains(c)) {
-            return Err(FieldError::new(format!("{FIELD}[{}]", 4 * i + 1 + c), color[c], "colours must be in [0, 1]"));
-        }
-    }
-    let linear = |[_, r, g, b]: [f64; 4]| [r, g, b].map(srgb_to_linear);
-    let mut line = vec![(points[0][0], linear(points[0]))];
-    for pair in points.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        if space == ColorSpace::Step {
-            // The whole interval has the colour of its upper end.
-            line.push((a[0], linear(b)));
-            line.push((b[0], linear(b)));
-        } else {
-            let at = |t: f64| space.between([a[1], a[2], a[3]], [b[1], b[2], b[3]], t);
-            resample(a[0], b[0], at, color_space::differ, &mut line);
-        }
-    }
-    Ok(Polyline(line))
-}
-
-/// Control points at every value where either bends; two where either jumps.
-fn merge(colors: &Polyline<3>, opacity: &Polyline<1>) -> Vec<ControlPoint> {
-    let mut values: Vec<f64> = colors.0.iter().map(|p| p.0).chain(opacity.0.iter().map(|p| p.0)).collect();
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    let mut points = Vec::new();
-    for v in values {
-        let below = ControlPoint::new(v, colors.below(v), opacity.below(v)[0]);
-        let above = ControlPoint::new(v, colors.above(v), opacity.above(v)[0]);
-        if below != above {
-            points.push(below);
-        }
-        points.push(above);
-    }
-    points
 }
 
 #[cfg(test)]
