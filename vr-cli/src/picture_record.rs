@@ -28,7 +28,7 @@ pub fn record_of(
 ) -> Result<PictureRecord, Failure> {
     let scene = setup.complete_file(stated).without_folders(setup.info.as_ref());
     let title = title(&scene.volume, &setup.scene.volume);
-    let volume = VolumeRecord { title, hash: volume_hash(&setup.scene.volume) };
+    let volume = VolumeRecord { title, hash: volume_hash(&setup.unlabelled.volume) };
     let mut record = PictureRecord::new(VERSION, scene, volume);
     let file = |path: &String| -> Result<FileRecord, Failure> {
         let path = setup.path_of(path);
@@ -36,6 +36,7 @@ pub fn record_of(
         Ok(FileRecord { name, sha256: vr_io::file_hash(&path).map_err(Failure::failed)? })
     };
     record.record.mesh = setup.file.mesh.as_ref().map(|mesh| file(&mesh.path)).transpose()?;
+    record.record.labels = setup.labels.as_ref().map(|labels| file(&labels.file)).transpose()?;
     let transfer_file = setup.file.transfer.as_ref().and_then(|transfer| transfer.file.as_ref());
     record.record.transfer_file = transfer_file.map(file).transpose()?;
     record.record.error = error.map(|(metrics, exact)| {

@@ -116,6 +116,15 @@ fn with_files(args: &RerunArgs, found: &PictureRecord) -> Result<SceneFile, Fail
         (None, Some(_)) => return Err(Failure::usage(format!("--mesh: {shown} shows no mesh; leave it out"))),
         (None, None) => {}
     }
+    match (&mut file.labels, &args.labels) {
+        (Some(labels), Some(path)) => labels.file = path.to_string_lossy().into_owned(),
+        (Some(labels), None) => {
+            let message = format!("the picture shows labels, {}: name them with --labels FILE", labels.file);
+            return Err(Failure::usage(message));
+        }
+        (None, Some(_)) => return Err(Failure::usage(format!("--labels: {shown} shows no labels; leave it out"))),
+        (None, None) => {}
+    }
     Ok(file)
 }
 
@@ -123,7 +132,7 @@ fn with_files(args: &RerunArgs, found: &PictureRecord) -> Result<SceneFile, Fail
 fn strangers(args: &RerunArgs, found: &PictureRecord, setup: &Setup) -> Result<Vec<String>, Failure> {
     let mut strangers = Vec::new();
     let recorded = &found.record.volume;
-    if volume_hash(&setup.scene.volume) != recorded.hash {
+    if volume_hash(&setup.unlabelled.volume) != recorded.hash {
         // Without folders, and without the names of a patient's files: as the record has it.
         let own = setup.file.clone().without_folders(setup.info.as_ref());
         let own = title(&own.volume, &setup.scene.volume);
@@ -137,10 +146,14 @@ fn strangers(args: &RerunArgs, found: &PictureRecord, setup: &Setup) -> Result<V
             None => format!("{own}: this version of vr makes another volume of it than the one that drew the picture"),
         });
     }
-    if let (Some(FileRecord { name, sha256 }), Some(path)) = (&found.record.mesh, &args.mesh)
-        && vr_io::file_hash(path).map_err(Failure::failed)? != *sha256
-    {
-        strangers.push(format!("{}: not the mesh of the picture: it differs from {name} in its bytes", path.display()));
+    let beside = [("mesh", &found.record.mesh, &args.mesh), ("labels", &found.record.labels, &args.labels)];
+    for (what, recorded, path) in beside {
+        if let (Some(FileRecord { name, sha256 }), Some(path)) = (recorded, path)
+            && vr_io::file_hash(path).map_err(Failure::failed)? != *sha256
+        {
+            let path = path.display();
+            strangers.push(format!("{path}: not the {what} of the picture: it differs from {name} in its bytes"));
+        }
     }
     Ok(strangers)
 }
@@ -149,7 +162,7 @@ fn strangers(args: &RerunArgs, found: &PictureRecord, setup: &Setup) -> Result<V
 fn write(place: &Path, found: &PictureRecord, outcome: &Outcome, setup: &Setup, frame: &Frame) -> Result<(), Failure> {
     let mut record = found.clone();
     VERSION.clone_into(&mut record.record.version);
-    record.record.volume.hash = volume_hash(&setup.scene.volume);
+    record.record.volume.hash = volume_hash(&setup.unlabelled.volume);
     let own = setup.file.clone().without_folders(setup.info.as_ref());
     record.record.volume.title = title(&own.volume, &setup.scene.volume);
     record.scene.volume = own.volume;

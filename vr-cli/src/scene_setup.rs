@@ -7,8 +7,8 @@ use clap::{Args, FromArgMatches};
 use vr_core::transfer::Preset;
 use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
 use vr_io::{
-    FileError, FileErrorKind, FileInfo, FileSource, LoadedScene, LoadedVolume, SceneFile, SceneFileError, SceneMesh,
-    TransferSection, VolumeSection, VolumeSource,
+    FileError, FileErrorKind, FileInfo, FileSource, LabelsSection, LoadedScene, LoadedVolume, SceneFile,
+    SceneFileError, SceneMesh, TransferSection, VolumeSection, VolumeSource,
 };
 use vr_mesh::Surface;
 
@@ -40,6 +40,10 @@ pub struct Setup {
     pub phantom: Option<String>,
     /// The scene file with the flags in it, of which things may be left open.
     pub file: SceneFile,
+    /// The scene before labels are laid over its volume, and without surfaces.
+    pub unlabelled: Scene,
+    /// The labels, if there are any, with the style of each stated.
+    pub labels: Option<LabelsSection>,
     /// Header of the volume's file, if it comes from one.
     pub info: Option<FileInfo>,
     /// The renderer that the scene file names.
@@ -74,7 +78,8 @@ impl Setup {
     /// The scene file with everything stated that it leaves open, the renderer included; its paths are as they were.
     pub fn complete_file(&self, stated: &StatedRenderer) -> SceneFile {
         let StatedRenderer { name, options, max_error } = stated.clone();
-        self.file.completed(&self.scene, &self.view, self.info.as_ref()).drawn_by(&name, options, max_error)
+        let completed = self.file.completed(&self.unlabelled, self.labels.clone(), &self.view, self.info.as_ref());
+        completed.drawn_by(&name, options, max_error)
     }
 
     /// Reads the scene file (or takes the embedded scene, where no volume is named either) and everything that it names,
@@ -133,7 +138,20 @@ impl Setup {
             info: loaded.info.as_ref(),
         };
         let camera = camera_flags::apply(&args.camera, own, &sight).map_err(|e| origin.parameter(&e))?;
-        let LoadedScene { mut scene, mut view, mesh, renderer, options, max_error, info, files, notes, .. } = loaded;
+        let LoadedScene {
+            mut scene,
+            mut view,
+            mesh,
+            renderer,
+            options,
+            max_error,
+            info,
+            files,
+            notes,
+            unlabelled,
+            labels,
+            ..
+        } = loaded;
         view.camera = camera;
         let inputs = args.scene.iter().cloned().chain(files).collect();
         for note in &notes {
@@ -153,8 +171,22 @@ impl Setup {
             _ => None,
         };
         let file = file.clone();
-        let setup =
-            Self { scene, view, title, notes, inputs, phantom, file, info, renderer, options, max_error, origin };
+        let setup = Self {
+            scene,
+            view,
+            title,
+            notes,
+            inputs,
+            phantom,
+            file,
+            unlabelled,
+            labels,
+            info,
+            renderer,
+            options,
+            max_error,
+            origin,
+        };
         setup.view.validate().map_err(|e| setup.render_failure(e.into()))?;
         // Surfaces are drawn here for the note alone.
         if !console.quiet {

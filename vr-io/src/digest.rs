@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
-use vr_core::{PointSet, Volume, parallel, with_grid};
+use vr_core::{GridVolume, PointSet, Volume, parallel, with_grid};
 
 use crate::error::FileError;
 
@@ -32,23 +32,33 @@ const BLOCK: usize = 1 << 20;
 /// ```
 pub fn volume_hash(volume: &Volume) -> Option<String> {
     match volume {
-        Volume::Grid(grid) => {
-            let (placement, calibration) = (grid.placement(), grid.calibration());
-            // The shortest digits that give a number back tell all of its bits.
-            let header = format!(
-                "grid {:?} {} {:?} {:?} {:?} {:?}",
-                grid.dims(),
-                grid.voxel_type(),
-                placement.origin().to_array(),
-                placement.axes().to_cols_array(),
-                calibration.slope,
-                calibration.intercept
-            );
-            Some(with_grid!(grid.values(), voxels => digest(&header, &[bytemuck::cast_slice(voxels.samples())])))
+        Volume::Grid(grid) => Some(grid_hash("grid", grid, &[])),
+        Volume::Color(colors) => {
+            let channels = colors.channels();
+            let parts = channels.each_ref().map(|channel| bytemuck::cast_slice(channel.samples));
+            Some(grid_hash("colours", colors.values(), &parts))
         }
         Volume::Points(points) => Some(points_hash(points)),
         Volume::Field(_) => None,
     }
+}
+
+fn grid_hash(kind: &str, grid: &GridVolume, others: &[&[u8]]) -> String {
+    let (placement, calibration) = (grid.placement(), grid.calibration());
+    // The shortest digits that give a number back tell all of its bits.
+    let header = format!(
+        "{kind} {:?} {} {:?} {:?} {:?} {:?}",
+        grid.dims(),
+        grid.voxel_type(),
+        placement.origin().to_array(),
+        placement.axes().to_cols_array(),
+        calibration.slope,
+        calibration.intercept
+    );
+    with_grid!(grid.values(), voxels => {
+        let values: &[u8] = bytemuck::cast_slice(voxels.samples());
+        digest(&header, &[&[values], others].concat())
+    })
 }
 
 fn points_hash(points: &PointSet) -> String {

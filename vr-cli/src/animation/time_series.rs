@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use vr_core::{Filter, Volume};
-use vr_io::{FileSource, LookName, SceneFile, VolumeSection, VolumeSource};
-use vr_study::reference::volume_hash;
+use vr_io::{FileSource, LookName, SceneFile, VolumeSection, VolumeSource, volume_hash};
 
 use crate::args::{AnimationArgs, LookFrom, RendererArgs, SceneArgs};
 use crate::console::Console;

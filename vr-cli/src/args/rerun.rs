@@ -17,6 +17,9 @@ pub struct RerunArgs {
     /// The mesh, if the picture shows one
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,
+    /// The labels, if the picture shows some
+    #[arg(long, value_name = "FILE")]
+    pub labels: Option<PathBuf>,
     /// DICOM: the series, by its SeriesInstanceUID or its number, where there are several
     #[arg(long, value_name = "UID|NUMBER", requires = "volume")]
     pub series: Option<String>,

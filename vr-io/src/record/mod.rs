@@ -60,6 +60,7 @@ impl PictureRecord {
             version,
             volume,
             mesh: None,
+            labels: None,
             transfer_file: None,
             error: None,
             annotations: Vec::new(),

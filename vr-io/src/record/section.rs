@@ -17,6 +17,8 @@ pub struct RecordSection {
     pub volume: VolumeRecord,
     /// The mesh, if the scene has one.
     pub mesh: Option<FileRecord>,
+    /// The labels beside the volume, if the scene has any.
+    pub labels: Option<FileRecord>,
     /// The file that the points of the transfer function are from, if they are from one.
     pub transfer_file: Option<FileRecord>,
     /// Error of the picture, if it was measured; of the bare picture, where annotations are drawn over it.

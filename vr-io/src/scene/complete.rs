@@ -6,6 +6,7 @@ use vr_core::{Options, Scene, View, Volume};
 
 use crate::read::FileInfo;
 
+use super::labels_section::LabelsSection;
 use super::scene_file::SceneFile;
 use super::sections::{CameraSection, RenderSection, ShadingSection, TransferSection};
 use super::volume_section::{FileSource, VolumeSource};
@@ -18,11 +19,18 @@ const MAX_SERIES_DIGITS: usize = 9;
 
 impl SceneFile {
     /// The same scene with everything stated that this file leaves open, as it came to be in `scene` and `view`: the camera as eye, target
-    /// and up, the transfer function as points, the shading that an automatic look has chosen. `info` is what the volume's file says.
+    /// and up, the transfer function as points, the shading that an automatic look has chosen. Of a scene with labels `scene` is the one before they are
+    /// laid over its volume, and `labels` states their styles. `info` is what the volume's file says.
     /// The renderer is left as it is ([`Self::drawn_by`]).
     #[must_use]
-    pub fn completed(&self, scene: &Scene, view: &View, info: Option<&FileInfo>) -> Self {
-        let mut file = self.clone();
+    pub fn completed(
+        &self,
+        scene: &Scene,
+        labels: Option<LabelsSection>,
+        view: &View,
+        info: Option<&FileInfo>,
+    ) -> Self {
+        let mut file = Self { labels, ..self.clone() };
         match &mut file.volume.source {
             Some(VolumeSource::File(source)) => complete_raw(source, &scene.volume, info),
             Some(VolumeSource::Phantom { size, .. }) => *size = scene.volume.grid().map(|grid| grid.dims()[0]),
@@ -75,6 +83,10 @@ impl SceneFile {
         }
         if let Some(mesh) = &mut self.mesh {
             mesh.path = name_of(Path::new(&mesh.path));
+        }
+        if let Some(labels) = &mut self.labels {
+            labels.file = name_of(Path::new(&labels.file));
+            labels.names = labels.names.as_deref().map(|names| name_of(Path::new(names)));
         }
         if let Some(file) = self.transfer.as_mut().and_then(|transfer| transfer.file.as_mut()) {
             *file = name_of(Path::new(file));

@@ -14,7 +14,7 @@ use crate::labels::{LabelEntry, LoadedLabels, read_labels};
 use crate::read::FileInfo;
 use crate::world::Space;
 
-/// Factor on the opacities of what has no label, where nobody has chosen a transfer function: labels show through it.
+/// Factor on the opacities of what has no label under an automatic transfer function: labels show through it.
 const FAINT: f64 = 0.12;
 
 /// Labels of a scene, read and ready to be laid over its volume.
@@ -41,7 +41,7 @@ impl<'a> SceneLabels<'a> {
         &self.loaded.files
     }
 
-    /// Lays the labels over the volume of a scene. `automatic` tells that the transfer function was found from the volume; `info` is what its
+    /// Lays the labels over the volume of a scene; returns that scene, and a section in which the style of every label is stated. `automatic` tells that the transfer function was found from the volume; `info` is what its
     /// file says.
     ///
     /// # Errors
@@ -53,7 +53,7 @@ impl<'a> SceneLabels<'a> {
         info: Option<&FileInfo>,
         notes: &mut Vec<String>,
         in_file: impl Fn(ParameterError) -> SceneFileError,
-    ) -> Result<Scene, SceneFileError> {
+    ) -> Result<(Scene, LabelsSection), SceneFileError> {
         let volume = match &scene.volume {
             Volume::Grid(grid) => Arc::clone(grid),
             other => {
@@ -76,7 +76,7 @@ impl<'a> SceneLabels<'a> {
         let transfer = labelled.transfer(&scene.transfer).map_err(&in_file)?;
         let scene = Scene { volume: Volume::Field(Arc::new(labelled)), transfer: Arc::new(transfer), ..scene };
         scene.validate().map_err(in_file)?;
-        Ok(scene)
+        Ok((scene, styles.stated(&self.section.file)))
     }
 
     /// True if a label is drawn as a solid, which wants shading.
@@ -149,7 +149,7 @@ impl Styles {
             let by_default =
                 if label == 0 || section.mask { LabelLook::Volume } else { section.look.unwrap_or(LabelLook::Solid) };
             let hidden_by_default = if label == 0 { section.mask } else { entry.visible == Some(false) };
-            // Whoever chooses a colour, a look or an opacity wants to see it.
+            // A label whose look or opacity is chosen is meant to be seen.
             let named = look.is_some() || opacity.is_some();
             let style = if !visible.unwrap_or(named || !hidden_by_default) {
                 LabelStyle::Hidden
@@ -170,6 +170,26 @@ impl Styles {
 
     fn of(&self, label: i32) -> LabelStyle {
         self.all.binary_search_by_key(&label, |l| l.0).map_or(LabelStyle::VOLUME, |i| self.all[i].2)
+    }
+
+    /// The section that states every style: it needs no list of names, and leaves nothing to a rule.
+    fn stated(&self, file: &str) -> LabelsSection {
+        let label = |&(label, _, style): &(i32, Option<String>, LabelStyle)| {
+            let own = LabelSection { label: LabelName::Number(label), ..LabelSection::default() };
+            match style {
+                LabelStyle::Hidden => LabelSection { visible: Some(false), ..own },
+                LabelStyle::Volume { opacity } => {
+                    LabelSection { opacity: Some(opacity), look: Some(LabelLook::Volume), ..own }
+                }
+                LabelStyle::Tinted { color, opacity } => {
+                    LabelSection { color: Some(color), opacity: Some(opacity), look: Some(LabelLook::Tinted), ..own }
+                }
+                LabelStyle::Solid { color, opacity } => {
+                    LabelSection { color: Some(color), opacity: Some(opacity), look: Some(LabelLook::Solid), ..own }
+                }
+            }
+        };
+        LabelsSection { file: file.to_owned(), label: self.all.iter().map(label).collect(), ..LabelsSection::default() }
     }
 
     /// One line on what is drawn.

@@ -15,6 +15,7 @@ use crate::transfer::read_transfer;
 
 use super::error::{SceneFileError, unknown_name};
 use super::labels::SceneLabels;
+use super::labels_section::LabelsSection;
 use super::named_transfer::NamedTransfer;
 use super::scene_file::SceneFile;
 use super::sections::{ColorEncoding, LookName, ShadingSection, TransferSection};
@@ -42,6 +43,10 @@ pub struct LoadedScene {
     pub files: Vec<PathBuf>,
     /// Notes on everything assumed, one line each.
     pub notes: Vec<String>,
+    /// The scene before labels are laid over its volume; the same where there are none.
+    pub unlabelled: Scene,
+    /// The labels, if there are any, with the style of each stated.
+    pub labels: Option<LabelsSection>,
     visible: OnceLock<Vec<DVec3>>,
 }
 
@@ -179,10 +184,16 @@ pub fn resolve_scene_around(
         None => None,
     };
     let (mut scene, mut view) = file.assemble(found.volume, points).map_err(in_file)?;
-    if let Some(labels) = &labels {
-        scene = labels.over(scene, automatic, found.info.as_ref(), &mut notes, in_file)?;
-        survey = None;
-    }
+    let unlabelled = scene.clone();
+    let labels = match &labels {
+        Some(labels) => {
+            survey = None;
+            let (labelled, stated) = labels.over(scene, automatic, found.info.as_ref(), &mut notes, in_file)?;
+            scene = labelled;
+            Some(stated)
+        }
+        None => None,
+    };
     let seen = OnceLock::new();
     if file.camera.is_none() {
         let info = found.info.as_ref();
@@ -202,6 +213,8 @@ pub fn resolve_scene_around(
         info: found.info,
         files,
         notes,
+        unlabelled,
+        labels,
         visible: seen,
     })
 }

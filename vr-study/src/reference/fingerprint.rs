@@ -1,7 +1,7 @@
 //! Fingerprint, in 32 bytes, of everything that reference pixels depend on.
 
 use sha2::{Digest, Sha256};
-use vr_core::{Control, GridVolume, Model, Scene, View, Volume, with_grid};
+use vr_core::{Control, GridVolume, Model, Scene, View, with_grid};
 
 /// Version of the cache: raised with every change of the file format, of the hash, or of the reference's results.
 const VERSION: u32 = 5;
@@ -29,33 +29,12 @@ pub(crate) fn fingerprint(
     Some(hash.finalize().into())
 }
 
-/// Returns a hash, in hexadecimal, of everything that a frame depends on but its volume, for which `volume` stands (a [`volume_hash`]), and
+/// Returns a hash, in hexadecimal, of everything that a frame depends on but its volume, for which `volume` stands (a [`vr_io::volume_hash`]), and
 /// its renderer, for which `renderer` does; `None` for surfaces that cannot be drawn.
 pub fn frame_fingerprint((scene, view): (&Scene, &View), volume: &str, renderer: &str) -> Option<String> {
     let filter = scene.volume.filter();
     let text = format!("{volume} {filter:?} {renderer:?} {:?} {}", scene.background, described(scene, view)?);
     Some(hexadecimal(&Sha256::digest(text)))
-}
-
-/// Returns a hash, in hexadecimal, of the values of a volume and where they are; `None` for a field of another kind than grids and points.
-pub fn volume_hash(volume: &Volume) -> Option<String> {
-    let mut hash = Sha256::new();
-    match volume {
-        Volume::Grid(volume) => {
-            hash.update(grid_text(volume));
-            with_grid!(volume.values(), grid => hash.update(bytemuck::cast_slice::<_, u8>(grid.samples())));
-        }
-        Volume::Points(points) => {
-            hash.update(format!("{:?} {} ", points.kernel(), points.count()));
-            let positions = points.positions().iter().flat_map(|p| p.to_array());
-            positions.for_each(|x| hash.update(x.to_le_bytes()));
-            for numbers in [points.radii(), points.weights(), points.values()] {
-                hash.update(bytemuck::cast_slice::<_, u8>(numbers));
-            }
-        }
-        Volume::Field(_) => return None,
-    }
-    Some(hexadecimal(&hash.finalize()))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
@@ -90,6 +69,7 @@ mod tests {
     use crate::subject::phantom_subject;
     use std::sync::Arc;
     use vr_core::{Compositing, Filter, TransferFunction};
+    use vr_io::volume_hash;
 
     #[test]
     fn whatever_changes_a_pixel_changes_the_fingerprint() {
@@ -140,8 +120,5 @@ mod tests {
         seen.push(frame(&Scene { background: [0.5; 3], ..scene.clone() }, &view, "raycast"));
         let different: std::collections::BTreeSet<_> = seen.iter().collect();
         assert_eq!(different.len(), seen.len());
-        let points = |count| volume_hash(&vr_core::phantom::points_by_name("plummer", count).unwrap().into()).unwrap();
-        assert_eq!(points(9), points(9));
-        assert_ne!(points(9), points(10));
     }
 }

@@ -15,7 +15,7 @@ use crate::error_colors;
 
 pub use cache::ReferenceCache;
 pub(crate) use fingerprint::fingerprint;
-pub use fingerprint::{frame_fingerprint, volume_hash};
+pub use fingerprint::frame_fingerprint;
 
 /// Number of parts along each side of a picture, of each of which a pixel is compared, where not every pixel is.
 pub const SUBGRID: u32 = 64;

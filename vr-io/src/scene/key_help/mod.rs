@@ -36,13 +36,18 @@ fn key(key: &'static str, absent: Absent, meaning: impl Into<String>) -> KeyHelp
 
 /// Sections of a scene file in the order in which they are written, each with a line on what it is; `[volume]` comes with the keys that
 /// mean something to its source.
-pub(super) fn sections(source: Option<&VolumeSource>) -> [(&'static str, &'static str, Vec<KeyHelp>); 8] {
+pub(super) fn sections(source: Option<&VolumeSource>) -> [(&'static str, &'static str, Vec<KeyHelp>); 9] {
     [
         ("volume", "Volume: numbers in space. It has one source: path, phantom, data or points.", volume(source)),
         ("transfer", "Transfer function: from the value of the volume to colour and opacity.", transfer()),
         ("shading", "Shading: how surfaces in the volume reflect light (Blinn-Phong).", shading()),
         ("camera", "Camera, in the world units of the volume.", camera()),
         ("mesh", "Opaque surface among the volume, lit as [shading] says.", mesh()),
+        (
+            "labels",
+            "Labels beside the volume: a mask or a segmentation, drawn by the ray caster and the reference.",
+            labels(),
+        ),
         ("clip", "Parts that are cut away, of volume and surface.", clip()),
         ("image", "Picture.", image()),
         ("render", "Renderer, its options, and what becomes of the values along a ray.", render()),
@@ -154,6 +159,33 @@ fn mesh() -> Vec<KeyHelp> {
     ]
 }
 
+fn labels() -> Vec<KeyHelp> {
+    vec![
+        key(
+            "file",
+            Example("\"segmentation.seg.nrrd\""),
+            "Volume of whole numbers, each the name of a region, in the world of the volume; relative to the folder of this file.",
+        ),
+        key(
+            "names",
+            Example("\"labels.txt\""),
+            "List of the names and colours of labels, of ITK-SNAP, FreeSurfer or Slicer; relative to the folder of this file.",
+        ),
+        key("mask", Usual("false"), "True to show the volume where there is a label, and nothing elsewhere."),
+        key(
+            "as",
+            Example("\"solid\""),
+            "The way in which labels are drawn: solid (one colour, a lit surface at the boundary), tinted (the opacities of the volume in the \
+             colour of the label) or volume. Absent: solid.",
+        ),
+        key(
+            "label",
+            Example("[{ label = 1, color = [1.0, 0.0, 0.0], opacity = 0.5, visible = true, as = \"solid\" }]"),
+            "Choices about single labels, by number (0 is the background) or name; the later of two about one comes first.",
+        ),
+    ]
+}
+
 fn clip() -> Vec<KeyHelp> {
     vec![
         key(
@@ -250,7 +282,8 @@ mod tests {
 
     #[test]
     fn defaults_and_examples_are_taken() {
-        let required = "[camera]\neye = [0,0,9]\ntarget = [0,0,0]\nup = [0,1,0]\n[mesh]\npath = \"x\"\n";
+        let required =
+            "[camera]\neye = [0,0,9]\ntarget = [0,0,0]\nup = [0,1,0]\n[mesh]\npath = \"x\"\n[labels]\nfile = \"x\"\n";
         for (name, _, keys) in sections(None) {
             for KeyHelp { key, meaning, absent } in keys {
                 assert!(meaning.ends_with('.'), "{name}.{key}: {meaning}");
