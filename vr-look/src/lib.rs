@@ -2,7 +2,7 @@
 //!
 //! A [`Survey`] samples the volume once. [`Survey::look`] tells what kind of data it is and gives a transfer function that shows structure
 //! at first sight, with shading where there are surfaces; [`Survey::visible`] gives the places that a transfer function makes visible, and
-//! [`fit()`] a camera that they fill, or [`fit_together`] all cameras of an animation.
+//! [`fit()`] a camera that they fill, or [`fit_together()`] all cameras of an animation.
 //!
 //! ```
 //! use vr_core::{OpacityRule, Scene, TransferFunction, Volume, phantom};

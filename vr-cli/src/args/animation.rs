@@ -29,8 +29,8 @@ pub struct TurntableArgs {
 /// `vr animate`.
 #[derive(Debug, Args)]
 pub struct AnimateArgs {
-    /// Key frames (TOML): [[keys]] with time in seconds, azimuth, elevation and zoom, or eye, target, up and height or fov; points of the
-    /// transfer function; clip. interpolation = "smooth", "linear" or "ease"
+    /// Key frames (TOML): a table `[[keys]]` for each, with time in seconds; azimuth, elevation and zoom, or eye, target, up and height or
+    /// fov; points of the transfer function; clip. interpolation = "smooth", "linear" or "ease"
     #[arg(value_name = "KEYS")]
     pub keys: PathBuf,
     /// The scene.

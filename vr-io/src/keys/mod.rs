@@ -148,7 +148,7 @@ impl KeyFile {
                 return Err(ParameterError::new(field("zoom"), zoom, "must be 0.001 to 1000"));
             }
             for (name, angle) in [("azimuth", key.azimuth), ("elevation", key.elevation)] {
-                if let Some(angle) = angle.filter(|angle| !(angle.abs() <= 1e6)) {
+                if let Some(angle) = angle.filter(|angle| !(-1e6..=1e6).contains(angle)) {
                     return Err(ParameterError::new(field(name), angle, "must be finite, 1000000 degrees at most"));
                 }
             }
