@@ -32,9 +32,12 @@ impl Survey {
         let mut notes = Vec::new();
         let points = match (preset.unit(), range) {
             (PresetUnit::Hounsfield, _) => {
-                let range = range.unwrap_or(values);
-                notes.extend(about_hounsfield(preset, HounsfieldScale::of_range(range), &kind));
-                preset.points(range)
+                let scale = HounsfieldScale::of_range(range.unwrap_or(values));
+                // A range in Hounsfield units is the user's own word on the values.
+                if range.is_none() || scale != HounsfieldScale::Calibrated {
+                    notes.extend(about_hounsfield(preset, scale, &kind));
+                }
+                preset.points(range.unwrap_or(values))
             }
             (_, Some(range)) => preset.points(range),
             (PresetUnit::Range, None) => preset.points(values),
@@ -137,7 +140,7 @@ mod tests {
         let head = fitted(900, -1000, None);
         assert!(head.notes.is_empty() && head.shading.is_some(), "{:?}", head.notes);
         assert_eq!(head.points, Preset::CtBone.points((-1024.0, 3071.0)));
-        let mr = fitted(30_000, -900, None);
+        let mr = fitted(30_000, -600, None);
         assert!(mr.notes[0].contains("may not be"), "{:?}", mr.notes);
         let stored = fitted(2000, 0, None);
         assert!(stored.notes[0].contains("1024 above"), "{:?}", stored.notes);
@@ -145,7 +148,8 @@ mod tests {
         let bytes = fitted(200, 3, None);
         assert!(bytes.notes[0].contains("which the values are not"), "{:?}", bytes.notes);
         // A range that the user gives is what counts.
-        assert_eq!(fitted(200, 3, Some((-1024.0, 3071.0))).points, head.points);
+        let told = fitted(200, 3, Some((-1024.0, 3071.0)));
+        assert!(told.points == head.points && told.notes.is_empty(), "{:?}", told.notes);
     }
 
     #[test]

@@ -14,6 +14,9 @@ pub(super) fn colors(
     space: ColorSpace,
     field: impl Fn(usize, usize) -> String,
 ) -> Result<Polyline<3>, FieldError> {
+    if points.is_empty() {
+        return Err(FieldError::new(field(0, 0), "nothing", "must have one point at least"));
+    }
     for (i, [value, color @ ..]) in points.iter().enumerate() {
         if !value.is_finite() || (i > 0 && *value < points[i - 1][0]) {
             return Err(FieldError::new(field(i, 0), value, "values must be finite and in ascending order"));

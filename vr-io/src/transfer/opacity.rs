@@ -10,6 +10,9 @@ pub(super) fn opacities(
     points: &[[f64; 4]],
     field: impl Fn(usize, usize) -> String,
 ) -> Result<Polyline<1>, FieldError> {
+    if points.is_empty() {
+        return Err(FieldError::new(field(0, 0), "nothing", "must have one point at least"));
+    }
     for (i, &[value, opacity, midpoint, sharpness]) in points.iter().enumerate() {
         let wrong = |k: usize, x: f64, allowed: &str| Err(FieldError::new(field(i, k), x, allowed));
         if !value.is_finite() || (i > 0 && value < points[i - 1][0]) {

@@ -69,19 +69,19 @@ impl VolumeProperty {
     /// The factors on the extinction; none where all are 1, as in most files.
     fn gradient_factors(&self, field: impl Fn(usize) -> String) -> Result<Vec<(f64, f64)>, FieldError> {
         let mut factors: Vec<(f64, f64)> = Vec::new();
+        let mut before = 0.0;
         for (row, &[magnitude, factor]) in self.gradient.iter().enumerate() {
-            let last = factors.last().map(|f| f.0);
-            if !(magnitude >= 0.0 && magnitude.is_finite()) || last.is_some_and(|last| magnitude < last) {
+            if !(magnitude >= before && magnitude.is_finite()) {
                 let allowed = "magnitudes must be finite, not negative and in ascending order";
                 return Err(FieldError::new(field(row), magnitude, allowed));
             }
             if !(0.0..=1.0).contains(&factor) {
                 return Err(FieldError::new(field(row), factor, "opacities must be in [0, 1]"));
             }
+            before = magnitude;
             // A jump is a steep slope here.
-            let magnitude =
-                if last == Some(magnitude) { magnitude.max(f64::MIN_POSITIVE) * (1.0 + 1e-6) } else { magnitude };
-            factors.push((magnitude, factor));
+            let after = factors.last().map_or(0.0, |last| last.0 + 1e-6 * last.0.max(1e-6));
+            factors.push((if factors.is_empty() { magnitude } else { magnitude.max(after) }, factor));
         }
         if factors.iter().all(|f| f.1 == 1.0) {
             factors.clear();

@@ -248,6 +248,7 @@ mod tests {
             (r#"<ColorMap><Point x="0" o="3" r="1" g="0" b="0"/></ColorMap>"#, "Point 1, o: found 3"),
             (r#"<ColorMap space="XYZ"><Point x="0" o="0" r="1" g="0" b="0"/></ColorMap>"#, "ColorSpace: found XYZ"),
             ("<ColorTransferFunction/>", "no Point"),
+            ("<PiecewiseFunction/>", "Point 1: found nothing; must have one point"),
             (
                 r#"<ColorTransferFunction><Point X="0" Value="1"/></ColorTransferFunction>"#,
                 "must be red, green and blue",
