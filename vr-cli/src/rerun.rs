@@ -11,10 +11,10 @@ use crate::args::{AnnotateArgs, RendererArgs, RerunArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
+use crate::output_file;
 use crate::picture_record::VERSION;
 use crate::render::draw;
 use crate::scene_setup::{Setup, title};
-use crate::{number, output_file};
 
 /// Draws a picture again from the record in it, and compares the two bit for bit.
 ///
@@ -196,10 +196,10 @@ impl Outcome {
 
     /// Returns the outcome in a few words.
     fn words(&self) -> String {
-        let all = self.size.iter().map(|&side| u64::from(side)).product();
+        let all: u64 = self.size.iter().map(|&side| u64::from(side)).product();
         match self.differing {
-            Some(0) => format!("all {} pixels are the same, bit for bit", number::count(all)),
-            Some(differing) => format!("{} of {} pixels differ", number::count(differing), number::count(all)),
+            Some(0) => format!("all {all} pixels are the same, bit for bit"),
+            Some(differing) => format!("{differing} of {all} pixels differ"),
             None => {
                 format!("the picture in the file has {}x{} pixels or other channels now", self.size[0], self.size[1])
             }
