@@ -35,7 +35,8 @@ const LAYOUT: u32 = 1;
 /// let volume = VolumeRecord { title: "fog".to_owned(), hash: volume_hash(&scene.volume) };
 /// let record = PictureRecord::new("0.1.0", SceneFile::describe(&scene, &view)?, volume);
 ///
-/// let path = tempfile::tempdir()?.keep().join("fog.png");
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("fog.png");
 /// write_with_record(&path, &frame, &PngOptions::default(), record)?;
 /// let found = read_record(&path)?.unwrap();
 /// assert_eq!(found.scene.image.size, [2, 1]);
