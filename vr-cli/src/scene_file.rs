@@ -40,6 +40,9 @@ pub fn run(args: &SceneFileArgs, console: Console, control: &Control) -> Result<
     if let Some(VolumeSource::File(source)) = &mut file.volume.source {
         source.path = from_there(&source.path);
     }
+    if let Some(labels) = &mut file.labels {
+        labels.file = from_there(&labels.file);
+    }
     if let Some(mesh) = &mut file.mesh {
         mesh.path = from_there(&mesh.path);
     }
