@@ -38,6 +38,7 @@ fn folder() -> tempfile::TempDir {
     let labels: Vec<u8> = (0..64).map(|i| [0, 1, 0, 2][i % 4]).collect();
     write("lungs.seg.nrrd", &nrrd([4; 3], [0.0; 3], NAMES, &labels));
     write("far.nrrd", &nrrd([4; 3], [100.0, 0.0, 0.0], "", &labels));
+    write("near.nrrd", &nrrd([4; 3], [3.2, 0.0, 0.0], "", &labels));
     write("names.label", b"1 0 0 255 0.5 1 1 \"vein\"\n2 255 255 255 1 0 0 \"bone\"\n");
     folder
 }
@@ -142,6 +143,8 @@ fn what_does_not_fit_is_told() {
         refused(&format!("{lungs}[render]\ncompositing = \"maximum\"\n"))
             .contains("render.compositing: found \"maximum\"")
     );
+    let near = scene(folder.path(), "[labels]\nfile = \"near.nrrd\"\n").unwrap();
+    assert!(near.notes.iter().any(|n| n.contains("no labelled voxel lies in the volume")), "{:?}", near.notes);
     assert!(refused("[labels]\nfile = \"none.nrrd\"\n").starts_with("none.nrrd: "));
 }
 

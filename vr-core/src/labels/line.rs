@@ -51,11 +51,15 @@ impl<'a> LabelledLine<'a> {
         let Some(IndexRay { start, end, offset, .. }) = inside else { return };
         let (start, end) = (start + offset, end + offset);
         let part = [from.max(start), to.min(end)];
+        if part[0] >= part[1] {
+            return;
+        }
         let first = out.len();
-        out.extend(Some(start).filter(|&s| s > from && s < to));
+        // Light may meet a label in the very face of the box.
+        out.push(part[0]);
         let labels = LatticeRay::new(ray, field.labels.placement(), 0.0, part[1].abs());
         each_jump(field, &labels, part, |face| out.push(face.distance));
-        out.extend(Some(end).filter(|&s| s > from && s < to));
+        out.push(part[1]);
         if volume.filter() == Filter::Nearest {
             let grid = LatticeRay::new(ray, volume.placement(), 0.0, part[1].abs());
             grid.each_face(0.5, part, |face| out.push(face.distance));

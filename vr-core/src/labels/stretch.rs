@@ -41,7 +41,7 @@ fn degree(filter: Filter) -> usize {
     match filter {
         Filter::Nearest | Filter::Trilinear => 3,
         Filter::BSpline | Filter::CatmullRom => 9,
-        Filter::Gaussian => 14,
+        Filter::Gaussian => 12,
     }
 }
 

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use vr_core::labels::{LabelError, LabelStyle, LabelledGrid};
+use glam::DVec3;
+use vr_core::labels::{LabelError, LabelMap, LabelStyle, LabelledGrid};
 use vr_core::{GridVolume, ParameterError, Scene, Volume};
 use vr_look::label_color;
 
@@ -14,7 +15,7 @@ use crate::labels::{LabelEntry, LoadedLabels, read_labels};
 use crate::read::FileInfo;
 use crate::world::Space;
 
-/// Factor on the opacities of what has no label under an automatic transfer function: labels show through it.
+/// Factor on the opacities of what has no label, where the transfer function is automatic: labels show through it.
 const FAINT: f64 = 0.12;
 
 /// Labels of a scene, read and ready to be laid over its volume.
@@ -102,6 +103,8 @@ impl<'a> SceneLabels<'a> {
         }
         if map.labels() == [0] {
             notes.push(format!("{path}: all voxels are 0, the background"));
+        } else if !is_any_inside(map, volume) {
+            notes.push(format!("{path}: no labelled voxel lies in the volume: one of the two is in another place or patient space (LPS, RAS)"));
         }
     }
 
@@ -114,6 +117,23 @@ impl<'a> SceneLabels<'a> {
             other => FileError::new(&self.path, other).into(),
         }
     }
+}
+
+/// True if a label other than the background lies in a volume's box, of a million voxels at most that are looked at.
+fn is_any_inside(map: &LabelMap, volume: &GridVolume) -> bool {
+    const MAX_SIDE: usize = 100;
+    let strides = map.dims().map(|n| n.div_ceil(MAX_SIDE));
+    let last = DVec3::from_array(volume.dims().map(|n| n as f64 - 1.0));
+    let along = |axis: usize| (0..map.dims()[axis]).step_by(strides[axis]).map(|i| i as f64);
+    along(2).any(|z| {
+        along(1).any(|y| {
+            along(0).any(|x| {
+                let at = map.placement().to_world(DVec3::new(x, y, z));
+                let index = volume.placement().to_index(at);
+                index.cmpge(DVec3::ZERO).all() && index.cmple(last).all() && map.label_at(at) != 0
+            })
+        })
+    })
 }
 
 /// Style of each label.
@@ -149,7 +169,7 @@ impl Styles {
             let by_default =
                 if label == 0 || section.mask { LabelLook::Volume } else { section.look.unwrap_or(LabelLook::Solid) };
             let hidden_by_default = if label == 0 { section.mask } else { entry.visible == Some(false) };
-            // A label whose look or opacity is chosen is meant to be seen.
+            // A choice of look or opacity shows what the file hides.
             let named = look.is_some() || opacity.is_some();
             let style = if !visible.unwrap_or(named || !hidden_by_default) {
                 LabelStyle::Hidden
