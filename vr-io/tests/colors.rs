@@ -101,8 +101,10 @@ fn every_format_that_says_colour() {
         );
         check(&read(files.put("a.vti", header, b"")), count, "VTI");
         let shape = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3, 4, {count}), }}");
-        let header = [b"\x93NUMPY\x01\x00".as_slice(), &(118u16).to_le_bytes(), format!("{shape:<117}\n").as_bytes()];
-        check(&read(files.put("a.npy", header.concat(), &data)), count, "NumPy");
+        let mut header = b"\x93NUMPY\x01\x00".to_vec();
+        header.extend(118u16.to_le_bytes());
+        header.extend(format!("{shape:<117}\n").into_bytes());
+        check(&read(files.put("a.npy", header, &data)), count, "NumPy");
         for ending in ["png", "tif"] {
             let folder = files.0.path().join(format!("{ending}{count}"));
             std::fs::create_dir(&folder).unwrap();

@@ -184,7 +184,12 @@ impl Survey {
         // Surfaces reflect, fog does not.
         const SHARP: f64 = 0.01;
         let surfaces = kind != Kind::HeavyTail && histogram.sharpness(&shares.of_bins, scale) > SHARP;
-        let target = if surfaces { 0.75 } else { 0.6 };
+        let target = match self.colors {
+            // Pictures are of solid things, unless they say themselves what is clear.
+            Some(source) if source != ColorValue::Opacity => 0.9,
+            _ if surfaces => 0.75,
+            _ => 0.6,
+        };
         let share = |i: usize| {
             let value = self.lattice.values[i];
             if value.is_nan() { 0.0 } else { shares.of_bins[scale.bin(value)] }

@@ -39,10 +39,12 @@ impl PickedColor {
         (index, t): (usize, f64),
         (sign, value, error): (f64, f64, Bound),
     ) -> Self {
-        let here = &stretches[index];
-        let Some(color) = line.color(here.from, here.to) else { return Self::WHITE };
+        let Some(color) = line.color(stretches[index].from, stretches[index].to) else { return Self::WHITE };
         let picked = Self::at(&color, t, Bound::ZERO);
         let exact = |s: &Stretch| s.model.field.is_constant() && s.doubt() == Bound::ZERO;
+        // A value that is known exactly, which none behind it equals: of equals the nearest is taken.
+        let near = |s: &Stretch| sign * s.model.field.at(0.0) >= sign * value - (error * 2.0).value();
+        let surely = stretches.iter().position(|s| exact(s) && near(s));
         let mut apart = Bound::new(picked.error);
         for (i, stretch) in stretches.iter().enumerate() {
             let (p, doubt) = (&stretch.model.field, stretch.doubt());
@@ -50,20 +52,18 @@ impl PickedColor {
             if sign * p.coefficients()[0] + p.spread(1.0) < limit {
                 continue;
             }
-            // Behind a value that is known exactly, only what exceeds it counts: of equals the nearest is taken.
-            if i > index && exact(here) {
-                let equal = exact(stretch) && p.at(0.0) == value;
-                let below = stretch.model.limits.is_some_and(
-                    |[low, high]| {
-                        if sign > 0.0 { high <= value } else { low >= value }
-                    },
-                );
-                if equal || below {
+            if let Some(first) = surely.filter(|&first| first < i) {
+                let level = stretches[first].model.field.at(0.0);
+                let [low, high] =
+                    if exact(stretch) { [p.at(0.0); 2] } else { stretch.model.limits.unwrap_or(UNLIMITED) };
+                let exceeds = if sign > 0.0 { high > level } else { low < level };
+                if !exceeds {
                     continue;
                 }
             }
             let Some(color) = line.color(stretch.from, stretch.to) else { return Self::WHITE };
-            for [a, b] in parts_beyond(p, sign, limit) {
+            let parts = if exact(stretch) { vec![[-1.0; 2]] } else { parts_beyond(p, sign, limit) };
+            for [a, b] in parts {
                 let part = color.restricted(a, b);
                 let far =
                     (0..3).map(|c| (part.channels[c].at(0.0) - picked.rgb[c]).abs() + part.channels[c].spread(1.0));
@@ -94,6 +94,9 @@ impl PickedColor {
         Self { rgb: sums.map(|sum| sum / length), error: error.value() }
     }
 }
+
+/// Limits of a stretch of which none are known.
+const UNLIMITED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Parts of [−1, 1] in which a polynomial times `sign` is at least `limit`, a little wider for what roots are off by.
 fn parts_beyond(p: &Poly, sign: f64, limit: f64) -> Vec<[f64; 2]> {

@@ -160,7 +160,7 @@ fn brute(scene: &Scene, view: &View, pixel: usize) -> Option<[f64; 4]> {
         let tint = colors.color::<f64>(s.0);
         for c in 0..3 {
             let light = if scene.transfer.has_emission() {
-                scene.transfer.at(s.1).emission[c] * tint[c] * h
+                scene.transfer.at(s.1).emission[c] * tint[c] * h * optics::source_weight(tau)
             } else {
                 step * color[c]
             };

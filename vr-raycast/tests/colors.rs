@@ -61,7 +61,8 @@ fn the_default_is_near_the_reference() {
         for scene in [plain, shaded] {
             let m = error(&scene, &RayCaster::default());
             println!("{filter}, shaded {}: {m}", scene.shading.is_some());
-            assert!(m.rmse < 1e-3, "{filter}: {m}");
+            // At most 2.8e-5 was measured; steps aim at 5e-4 in their own right.
+            assert!(m.rmse < 1e-4, "{filter}: {m}");
         }
     }
 }

@@ -71,7 +71,7 @@ const SHORTEST: f64 = 0.0577 / 8.0;
 const LONGEST: f64 = SHORTEST * 2048.0;
 
 /// Length of the longest step in voxels where voxels have colours of their own.
-const LONGEST_BESIDE_COLORS: f64 = SHORTEST * 64.0;
+const LONGEST_BESIDE_COLORS: f64 = SHORTEST * 45.0;
 
 /// Returns the longest step inside a voxel of a field that is constant there: all of the voxel, unless what is reflected changes with normals that are
 /// interpolated. A quarter of a voxel then keeps the error of the midpoint rule, of the second order, near that of the other steps (a ball of one label,
