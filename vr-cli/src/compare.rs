@@ -7,7 +7,6 @@ use serde::Serialize;
 use vr_core::{Control, Model, Prepared, RenderError, Rendered, Renderer, View};
 use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
-use vr_study::candidate::candidates;
 use vr_study::figures::ErrorFigures;
 use vr_study::reference::ReferencePixels;
 
@@ -16,7 +15,7 @@ use crate::console::Console;
 use crate::contact_sheet::{self, Entry};
 use crate::failure::Failure;
 use crate::progress::under_bar;
-use crate::ranking::{self, Rank, is_default};
+use crate::ranking::{self, Rank, candidates, is_default};
 use crate::scene_setup::Setup;
 use crate::table::Table;
 use crate::{number, output_file, renderers};
@@ -95,8 +94,8 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     // Draw the sheet, and print the table.
     let shown = &results[..if args.all { results.len() } else { results.len().min(MAX_SHOWN) }];
     let mut entries = Vec::new();
-    for Compared { name, measured, .. } in shown {
-        let (name, caption) = (name.clone(), caption(measured));
+    for result in shown {
+        let (name, caption, measured) = (result.title(), caption(&result.measured), &result.measured);
         entries.push(Entry { name, caption, frame: &measured.rendered.frame, errors: &measured.errors });
     }
     let heading = format!("{}: pictures above maps of their error", setup.title);
@@ -113,6 +112,14 @@ struct Compared {
     name: String,
     rank: Rank,
     measured: Measured,
+}
+
+impl Compared {
+    /// Returns the name for people.
+    fn title(&self) -> String {
+        let says_so = self.name.ends_with("default");
+        if self.rank.is_default && !says_so { format!("{} (default)", self.name) } else { self.name.clone() }
+    }
 }
 
 /// Measurements of one renderer with one setting.
@@ -182,10 +189,11 @@ fn text(setup: &Setup, exact: &ReferencePixels, shown: &[Compared], count: usize
     let header = ["renderer and setting", "prepare", "render", "RMSE", "max error"];
     let more = ["samples", "bias", "p99", "PSNR/dB", "own model: max"];
     let mut table = Table::new(&header.into_iter().chain(more.into_iter().filter(|_| all)).collect::<Vec<_>>());
-    for Compared { name, measured: m, .. } in shown {
+    for result in shown {
+        let m = &result.measured;
         let Metrics { max, rmse, bias, p99, psnr, .. } = m.metrics;
         let row =
-            [name.clone(), number::time(m.prepare), number::time(m.render), number::small(rmse), number::small(max)];
+            [result.title(), number::time(m.prepare), number::time(m.render), number::small(rmse), number::small(max)];
         let more = || {
             [
                 number::count(m.rendered.stats.counts.samples),

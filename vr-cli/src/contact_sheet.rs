@@ -22,9 +22,9 @@ pub struct Entry<'a> {
 /// Largest number of entries side by side: two rows of these fit a screen.
 const MAX_COLUMNS: usize = 6;
 /// Smallest width of a column, which names need.
-const MIN_WIDTH: u32 = 170;
+const MIN_WIDTH: u32 = 200;
 /// Smallest height of a line that is legible.
-const MIN_LINE: f32 = 12.0;
+const MIN_LINE: f32 = 11.5;
 /// Height of name and caption.
 const WORDS: u32 = 2 * LINE + GAP / 2;
 /// Colour of captions.

@@ -82,7 +82,7 @@ impl Mask {
         // Soft edges stay soft: the rim of the disc that each pixel becomes fades over a pixel.
         let offsets: Vec<(i32, i32, f32)> = (-reach..=reach)
             .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
-            .map(|(dx, dy)| (dx, dy, (radius + 0.5 - (dx as f32).hypot(dy as f32)).clamp(0.0, 1.0)))
+            .map(|(dx, dy)| (dx, dy, (radius + 1.0 - (dx as f32).hypot(dy as f32)).clamp(0.0, 1.0)))
             .filter(|offset| offset.2 > 0.0)
             .collect();
         for ([px, py], coverage) in self.covered() {
@@ -130,7 +130,7 @@ mod tests {
     fn grown_masks_hold_what_they_grew_from() {
         let mut mask = Mask::new([0.0, 0.0], [4.0, 4.0]);
         mask.add_rectangle([1.0, 1.0], [2.0, 2.0]);
-        let grown = mask.grown(2.0);
+        let grown = mask.grown(2.5);
         let at = |x, y| grown.covered().find(|(p, _)| *p == [x, y]).map_or(0.0, |(_, c)| c);
         assert_eq!([at(1, 1), at(-1, 1), at(2, 4)], [1.0; 3]);
         assert!(at(-2, 1) > 0.0 && at(-2, 1) < 1.0 && at(-3, 1) == 0.0 && at(-1, -1) < 1.0);

@@ -2,7 +2,8 @@
 
 use std::cmp::Ordering;
 
-use vr_study::candidate::Candidate;
+use vr_core::{OptionError, Options, StudiedRenderer};
+use vr_study::candidate::{self, Candidate};
 
 /// RMSE up to which a picture is right for the eye: a quarter of a step of 8 bits.
 pub const RMSE: f64 = 1e-3;
@@ -34,6 +35,23 @@ impl Rank {
     }
 }
 
+/// Returns every renderer under every setting that it names, and under its default where that is none of them.
+///
+/// # Errors
+/// A setting that the renderer itself does not take.
+pub fn candidates(renderers: &[Box<dyn StudiedRenderer>]) -> Result<Vec<Candidate>, OptionError> {
+    let mut all = candidate::candidates(renderers)?;
+    for default in renderers {
+        let name = default.name();
+        if !all.iter().any(|c| c.renderer == name && is_default(c)) {
+            let (renderer, setting, options) = (name.to_owned(), "default".to_owned(), Options::new());
+            let configured = default.with_options(&options)?;
+            all.push(Candidate { renderer, setting, options, order: None, error_floor: 0.0, configured });
+        }
+    }
+    Ok(all)
+}
+
 /// True if a candidate is its renderer as it is without options.
 pub fn is_default(candidate: &Candidate) -> bool {
     let specs = candidate.configured.option_specs();
@@ -42,8 +60,6 @@ pub fn is_default(candidate: &Candidate) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use vr_study::candidate::candidates;
-
     use super::*;
     use crate::renderers;
 
@@ -67,8 +83,10 @@ mod tests {
 
     #[test]
     fn every_renderer_has_its_default_among_its_settings() {
-        for candidate in candidates(&renderers::all()).unwrap().chunk_by(|a, b| a.renderer == b.renderer) {
-            assert_eq!(candidate.iter().filter(|c| is_default(c)).count(), 1, "{}", candidate[0].renderer);
+        let all = candidates(&renderers::all()).unwrap();
+        for renderer in renderers::all() {
+            let defaults = all.iter().filter(|c| c.renderer == renderer.name() && is_default(c));
+            assert_eq!(defaults.count(), 1, "{}", renderer.name());
         }
     }
 }

@@ -9,7 +9,7 @@ const MIN_LINE: f32 = 13.0;
 /// Height of a line of text as a share of the picture's shorter side.
 const LINE: f32 = 0.03;
 /// Opacity of the rim around what is drawn.
-const RIM_OPACITY: f32 = 0.6;
+const RIM_OPACITY: f32 = 0.75;
 
 /// Picture that is drawn on, the sizes and colours for it, and the places that are taken.
 pub struct Sheet<'a> {
@@ -59,7 +59,7 @@ impl<'a> Sheet<'a> {
 
     /// Paints the rim around a mask, below what is painted there next.
     pub fn rim(&mut self, mask: &Mask) {
-        let width = (self.line / 11.0).max(1.2);
+        let width = (self.line / 10.0).max(1.4);
         self.canvas.paint(&mask.grown(width), self.rim, RIM_OPACITY);
     }
 

@@ -1,6 +1,6 @@
 //! What is written over a picture, what is behind it, and how it gets to the terminal.
 
-use image::RgbaImage;
+use image::{GenericImageView, RgbaImage};
 
 use crate::harness::Vr;
 
@@ -69,7 +69,7 @@ fn titles_that_cannot_be_written_are_refused_and_small_pictures_say_what_is_left
     let vr = Vr::new();
     let refused = |title: &str| vr.run_with(&["render", "--title", title]).failed(2);
     assert!(refused("体").contains("'体'") && refused(" ").contains("blanks"));
-    let run = vr.run("render --phantom fog --phantom-size 8 --size 40 --error none --annotate all").succeeded();
+    let run = vr.run("render --phantom fog --phantom-size 8 --size 16 --error none --annotate all").succeeded();
     for what in ["orientation marker", "scale bar", "legend"] {
         assert!(run.stderr.contains(&format!("note: {what}: left out")), "{}", run.stderr);
     }
