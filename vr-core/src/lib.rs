@@ -55,6 +55,7 @@ mod frame;
 mod grid;
 mod grid_volume;
 pub mod image_order;
+mod lazy;
 mod limits;
 mod missing;
 mod model;
