@@ -19,7 +19,9 @@ use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::voxels::{Stored, Voxels};
 use crate::world::Space;
-use crate::{dicom, metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, voreen, vtk, zarr};
+use crate::{
+    dicom, metaimage, mrc, netcdf, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, vdb, voreen, vtk, zarr,
+};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
@@ -70,7 +72,8 @@ pub struct Loaded {
     /// Everything that the file says about it.
     pub info: FileInfo,
     /// Notes on everything assumed, chosen or changed on the way, one line each: spacing that the file lacks, the transform
-    /// used, voxels that are missing.
+    /// used, voxels that are missing (but of 2²⁴ voxels and more that stay in the file, none is read yet:
+    /// [`vr_core::GridVolume::value_stats`] counts them).
     pub notes: Vec<String>,
 }
 
@@ -150,6 +153,9 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, Fil
     }
 }
 
+/// Number of voxels from which they are worth not to be read before they are needed.
+const LARGE: usize = 1 << 24;
+
 /// Reads the header alone, and stands a volume of at most two voxels along each axis, all zero, in for the one that [`read()`] gives: of its
 /// box and, where memory holds the file's type as it is, of its type. Tells in milliseconds what a file of gigabytes is, and whether a
 /// renderer draws it ([`vr_core::Renderer::supports`]). `None` for scattered points, whose files have no header that says as much, and for
@@ -161,7 +167,7 @@ pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<L
     let path = path.as_ref();
     let Described::Grid(mut description) = describe(path, options)? else { return Ok(None) };
     let Layout { dims, .. } = description.layout;
-    if description.layout.count() < 1 << 24 {
+    if description.layout.count() < LARGE {
         return Ok(None);
     }
     let few = dims.map(|n| n.min(2));
@@ -227,6 +233,8 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
         Format::Mrc => mrc::describe(path, options)?,
+        Format::NetCdf => netcdf::describe(path, options)?,
+        Format::Vdb => vdb::describe(path, options)?,
         Format::Pvm => pvm::describe(path, options)?,
         Format::Slc => slc::describe(path, options)?,
         Format::Npy => npy::describe(path, options)?,
@@ -302,15 +310,8 @@ fn assemble(
     let mapped = samples.is_mapped();
     let grid = samples.into_grid(dims, placement, calibration).map_err(|e| FileError::new(path, e))?;
     let volume = Volume::from(grid);
-    if let Some(uniform) = volume.grid() {
-        let stats = uniform.value_stats();
-        let count = layout.count();
-        if stats.nan > 0 {
-            notes.push(format!("{} of {count} voxels are NaN: the cells around them are vacuum", stats.nan));
-        }
-        if stats.infinite > 0 {
-            notes.push(format!("{} of {count} voxels are infinite and count as NaN", stats.infinite));
-        }
+    if !has_unread_voxels(&volume, mapped) {
+        notes.extend(missing_voxels(&volume));
     }
     // A folder or a pattern is no file.
     let named = [path.to_path_buf(), header].into_iter().filter(|path| path.is_file());
@@ -333,6 +334,27 @@ fn assemble(
         window,
     };
     Ok(Loaded { volume, info, notes })
+}
+
+/// True if a volume's voxels are so many that none is read before it is asked for: opening takes milliseconds then.
+pub(crate) fn has_unread_voxels(volume: &Volume, mapped: bool) -> bool {
+    mapped && volume.grid().is_some_and(|grid| grid.dims().iter().product::<usize>() >= LARGE)
+}
+
+/// Notes on voxels that are missing; reads all of them, if they are floats.
+pub(crate) fn missing_voxels(volume: &Volume) -> Vec<String> {
+    let mut notes = Vec::new();
+    // No integer is missing.
+    if let Some(grid) = volume.grid().filter(|grid| !grid.voxel_type().is_integer()) {
+        let (stats, count) = (grid.value_stats(), grid.dims().iter().product::<usize>());
+        if stats.nan > 0 {
+            notes.push(format!("{} of {count} voxels are NaN: the cells around them are vacuum", stats.nan));
+        }
+        if stats.infinite > 0 {
+            notes.push(format!("{} of {count} voxels are infinite and count as NaN", stats.infinite));
+        }
+    }
+    notes
 }
 
 /// Paths without those that were there before.

@@ -330,7 +330,7 @@ const BROKEN: [(&str, &str); 48] = [
         "found a gap of 6.75 mm between -439.334 and -432.584 mm; all gaps along the normal must be",
     ),
     ("dicom_mixed", "series: found 2 in the folder; choose a series by its UID"),
-    ("amrex_missing_levels", "unsupported format folder of files"),
+    ("amrex_missing_levels", "folder: found files that are no slices"),
 ];
 
 const SPH_ZERO_H: &str =
