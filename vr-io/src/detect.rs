@@ -37,6 +37,9 @@ pub(crate) enum Format {
     /// NetCDF's classic formats.
     NetCdf,
     Vdb,
+    /// Grids in HDF5, NetCDF-4 among them.
+    #[cfg(feature = "hdf5")]
+    Hdf5,
     /// No header; what the name says.
     Raw(RawDescription),
     VtkImage(ImageFormat),
@@ -46,7 +49,12 @@ pub(crate) enum Format {
 impl Format {
     /// True if files of this format hold arrays under names, of which [`crate::ReadOptions::array`] chooses one.
     pub fn has_named_arrays(&self) -> bool {
-        matches!(self, Self::VtkImage(_) | Self::NetCdf | Self::Vdb)
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5 => true,
+            Self::VtkImage(_) | Self::NetCdf | Self::Vdb => true,
+            _ => false,
+        }
     }
 }
 

@@ -207,6 +207,11 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         };
         (format, head)
     };
+    #[cfg(feature = "hdf5")]
+    let format = match format {
+        Format::Points(PointFormat::Hdf5) if !points::hdf5::holds_points(path) => Format::Hdf5,
+        other => other,
+    };
     let is_points = matches!(format, Format::Points(_));
     let choices = [
         (
@@ -235,6 +240,8 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::Mrc => mrc::describe(path, options)?,
         Format::NetCdf => netcdf::describe(path, options)?,
         Format::Vdb => vdb::describe(path, options)?,
+        #[cfg(feature = "hdf5")]
+        Format::Hdf5 => crate::hdf5::describe(path, options)?,
         Format::Pvm => pvm::describe(path, options)?,
         Format::Slc => slc::describe(path, options)?,
         Format::Npy => npy::describe(path, options)?,

@@ -58,7 +58,7 @@ pub struct VolumeArgs {
     /// Number of points of a phantom that is made of points
     #[arg(long, value_name = "N", conflicts_with = "path")]
     pub points_count: Option<usize>,
-    /// VTK images, NetCDF and OpenVDB: the array or grid, by name. Points: the column or array of the values, one that vr info lists; 1 for a value of 1 at every point
+    /// VTK images, NetCDF and HDF5: the array, by name or path. Points: the column or array of the values, one that vr info lists; 1 for a value of 1 at every point
     #[arg(long, value_name = "NAME")]
     pub value: Option<String>,
     /// Points: kernel that spreads each (cubic-spline, gaussian or cone)
