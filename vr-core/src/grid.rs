@@ -1,8 +1,9 @@
 //! A uniform grid: voxels at lattice points, x fastest, with a placement and a calibration.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::error::GridError;
+use crate::lazy::computed;
 use crate::parallel::each_part;
 use crate::placement::Placement;
 use crate::voxel::Voxel;
@@ -79,7 +80,7 @@ impl ValueStats {
 /// Voxels at the points of a regular lattice.
 ///
 /// The volume fills the box from the first to the last voxel on each axis; outside is vacuum. Cloning is cheap: the voxels
-/// are shared.
+/// are shared. No voxel is looked at before it is asked for: a grid over a mapped file of gigabytes is made at once.
 ///
 /// # Examples
 /// ```
@@ -97,10 +98,33 @@ impl ValueStats {
 #[derive(Clone)]
 pub struct UniformGrid<T> {
     dims: [usize; 3],
-    samples: Arc<dyn AsRef<[T]> + Send + Sync>,
+    voxels: Arc<Voxels<T>>,
     placement: Placement,
     calibration: Calibration,
-    stats: ValueStats,
+}
+
+/// The stored numbers, and what they are found to be when it is first asked for.
+struct Voxels<T> {
+    given: Box<dyn AsRef<[T]> + Send + Sync>,
+    stats: OnceLock<ValueStats>,
+    /// The same with NaN for what is infinite; `None` where nothing is.
+    replaced: OnceLock<Option<Vec<T>>>,
+}
+
+impl<T: Voxel> Voxels<T> {
+    fn stats(&self) -> &ValueStats {
+        computed(&self.stats, || stats((*self.given).as_ref()))
+    }
+
+    fn samples(&self) -> &[T] {
+        let given = (*self.given).as_ref();
+        // No integer is infinite.
+        if T::TYPE.is_integer() {
+            return given;
+        }
+        let replace = || (self.stats().infinite > 0).then(|| T::infinite_to_nan(given));
+        computed(&self.replaced, replace).as_deref().unwrap_or(given)
+    }
 }
 
 impl<T> std::fmt::Debug for UniformGrid<T> {
@@ -109,15 +133,15 @@ impl<T> std::fmt::Debug for UniformGrid<T> {
             .field("dims", &self.dims)
             .field("placement", &self.placement)
             .field("calibration", &self.calibration)
-            .field("stats", &self.stats)
+            .field("stats", &self.voxels.stats)
             .finish_non_exhaustive()
     }
 }
 
 impl<T: Voxel> UniformGrid<T> {
-    /// A grid over stored numbers in a `Vec`, a mapped file, or any other memory. Each is read once.
+    /// A grid over stored numbers in a `Vec`, a mapped file, or any other memory. None is read yet.
     ///
-    /// Infinite ones become NaN (all are then copied).
+    /// Infinite ones become NaN when they are first asked for (all are then copied).
     ///
     /// # Errors
     /// [`GridError::Dims`] for an axis with fewer than two voxels or a product that overflows, [`GridError::Length`] where
@@ -138,10 +162,8 @@ impl<T: Voxel> UniformGrid<T> {
         if slope == 0.0 || !slope.is_finite() || !intercept.is_finite() {
             return Err(GridError::Calibration { slope, intercept });
         }
-        let stats = stats(samples.as_ref());
-        let samples: Arc<dyn AsRef<[T]> + Send + Sync> =
-            if stats.infinite > 0 { Arc::new(T::infinite_to_nan(samples.as_ref())) } else { Arc::new(samples) };
-        Ok(Self { dims, samples, placement, calibration, stats })
+        let voxels = Voxels { given: Box::new(samples), stats: OnceLock::new(), replaced: OnceLock::new() };
+        Ok(Self { dims, voxels: Arc::new(voxels), placement, calibration })
     }
 
     /// Voxels along x, y and z; at least two each.
@@ -149,9 +171,9 @@ impl<T: Voxel> UniformGrid<T> {
         self.dims
     }
 
-    /// The stored numbers, x fastest.
+    /// The stored numbers, x fastest. Of floats, all are read at the first call, for those that are infinite.
     pub fn samples(&self) -> &[T] {
-        (*self.samples).as_ref()
+        self.voxels.samples()
     }
 
     /// Placement of the grid in the world.
@@ -164,9 +186,9 @@ impl<T: Voxel> UniformGrid<T> {
         self.calibration
     }
 
-    /// Range of the stored numbers, and counts of the missing ones.
+    /// Range of the stored numbers, and counts of the missing ones. All voxels are read at the first call.
     pub fn value_stats(&self) -> &ValueStats {
-        &self.stats
+        self.voxels.stats()
     }
 }
 

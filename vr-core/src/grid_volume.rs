@@ -9,6 +9,7 @@ use crate::derived::Derived;
 use crate::filter::{BSpline, Filter, Lattice, Reconstruction, interpolation_coefficients};
 use crate::filter::{CatmullRom, Gaussian, Nearest, Trilinear};
 use crate::grid::{Calibration, UniformGrid, ValueStats};
+use crate::lazy::computed;
 use crate::missing::{VacuumCells, fill_missing};
 use crate::placement::Placement;
 use crate::sampler::Sampler;
@@ -42,7 +43,9 @@ pub struct GridVolume {
 /// The values of a grid and the structures that are derived from them: made when first asked for, then kept.
 #[derive(Debug)]
 struct Values {
-    grid: AnyGrid,
+    given: AnyGrid,
+    /// Floats in the frame that suits their range; `None` where they are best left as they are.
+    framed: OnceLock<Option<AnyGrid>>,
     /// The values with the missing ones filled in, and the cells that are vacuum; `None` where no voxel is missing.
     filled: OnceLock<Option<(UniformGrid<f32>, VacuumCells)>>,
     coefficients: OnceLock<Vec<f32>>,
@@ -50,11 +53,11 @@ struct Values {
 }
 
 impl GridVolume {
-    /// A grid under a filter. Numbers are carried in a frame that suits f32: see [`ValueFrame`](crate::ValueFrame).
+    /// A grid under a filter. Numbers are carried in a frame that suits f32: see [`ValueFrame`](crate::ValueFrame). No voxel is read yet.
     pub fn new(grid: AnyGrid, filter: Filter) -> Self {
-        let framed = if let AnyGrid::F32(g) = &grid { framed(g) } else { None };
         let values = Values {
-            grid: framed.map_or(grid, AnyGrid::F32),
+            given: grid,
+            framed: OnceLock::new(),
             filled: OnceLock::new(),
             coefficients: OnceLock::new(),
             derived: Derived::default(),
@@ -62,9 +65,11 @@ impl GridVolume {
         Self { values: Arc::new(values), filter }
     }
 
-    /// The values, as they are stored.
+    /// The values, as they are stored. Of floats, all are read at the first call, for their range; of integers none.
     pub fn values(&self) -> &AnyGrid {
-        &self.values.grid
+        let Values { given, framed: in_frame, .. } = &*self.values;
+        let AnyGrid::F32(floats) = given else { return given };
+        computed(in_frame, || framed(floats).map(AnyGrid::F32)).as_ref().unwrap_or(given)
     }
 
     /// The filter that makes a field of the values.
@@ -85,7 +90,7 @@ impl GridVolume {
 
     /// Voxels along x, y and z.
     pub fn dims(&self) -> [usize; 3] {
-        with_grid!(&self.values.grid, g => g.dims())
+        with_grid!(&self.values.given, g => g.dims())
     }
 
     /// Type of the voxels.
@@ -93,22 +98,22 @@ impl GridVolume {
         fn type_of<T: Voxel>(_: &UniformGrid<T>) -> VoxelType {
             T::TYPE
         }
-        with_grid!(&self.values.grid, g => type_of(g))
+        with_grid!(&self.values.given, g => type_of(g))
     }
 
     /// Placement of the grid in the world.
     pub fn placement(&self) -> &Placement {
-        with_grid!(&self.values.grid, g => g.placement())
+        with_grid!(&self.values.given, g => g.placement())
     }
 
     /// Map from stored numbers to values.
     pub fn calibration(&self) -> Calibration {
-        with_grid!(&self.values.grid, g => g.calibration())
+        with_grid!(self.values(), g => g.calibration())
     }
 
     /// Range of the stored numbers, and counts of the missing ones.
     pub fn value_stats(&self) -> &ValueStats {
-        with_grid!(&self.values.grid, g => g.value_stats())
+        with_grid!(self.values(), g => g.value_stats())
     }
 
     /// Memory of the voxels in bytes.
@@ -150,7 +155,7 @@ impl GridVolume {
 
     /// The voxels with missing ones replaced by the nearest finite value; `None` where none is missing.
     fn filled(&self) -> Option<&(UniformGrid<f32>, VacuumCells)> {
-        let make = || match &self.values.grid {
+        let make = || match self.values() {
             AnyGrid::F32(g) if g.value_stats().has_missing() => Some((fill_missing(g), VacuumCells::new(g))),
             _ => None,
         };
@@ -161,7 +166,7 @@ impl GridVolume {
     fn coefficients(&self) -> &[f32] {
         self.values.coefficients.get_or_init(|| match self.filled() {
             Some((g, _)) => interpolation_coefficients(&lattice(g)),
-            None => with_grid!(&self.values.grid, g => interpolation_coefficients(&lattice(g))),
+            None => with_grid!(self.values(), g => interpolation_coefficients(&lattice(g))),
         })
     }
 
@@ -182,7 +187,7 @@ impl GridVolume {
                 visitor.visit(Sampler::<f32, BSpline>::new(lattice, self.vacuum_cells()))
             }
             (_, Some((g, vacuum))) => visit(lattice(g), Some(vacuum), filter, visitor),
-            (_, None) => with_grid!(&self.values.grid, g => visit(lattice(g), None, filter, visitor)),
+            (_, None) => with_grid!(self.values(), g => visit(lattice(g), None, filter, visitor)),
         }
     }
 
@@ -190,7 +195,7 @@ impl GridVolume {
     pub fn with_lattice<V: LatticeVisitor>(&self, visitor: V) -> V::Output {
         match self.filled() {
             Some((g, _)) => visitor.visit(lattice(g)),
-            None => with_grid!(&self.values.grid, g => visitor.visit(lattice(g))),
+            None => with_grid!(self.values(), g => visitor.visit(lattice(g))),
         }
     }
 

@@ -57,6 +57,7 @@ mod grid;
 mod grid_volume;
 pub mod image_order;
 pub mod labels;
+mod lazy;
 mod limits;
 mod missing;
 mod model;

@@ -4,12 +4,12 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::encoding::Encoding;
-use crate::error::{FileError, FileErrorKind, VOLUMES};
+use crate::error::{FieldError, FileError, FileErrorKind, VOLUMES};
 use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
 use crate::read::file_head;
 use crate::vtk::{self, ImageFormat};
-use crate::{mrc, npy, opendx, pvm, slc, slices, voreen, zarr};
+use crate::{advice, mrc, netcdf, npy, opendx, pvm, slc, slices, vdb, voreen, zarr};
 
 /// The formats that are read.
 #[derive(Debug, PartialEq)]
@@ -34,6 +34,12 @@ pub(crate) enum Format {
     /// A folder of chunks.
     Zarr,
     Dicom,
+    /// NetCDF's classic formats.
+    NetCdf,
+    Vdb,
+    /// Grids in HDF5, NetCDF-4 among them.
+    #[cfg(feature = "hdf5")]
+    Hdf5,
     /// No header; what the name says.
     Raw(RawDescription),
     VtkImage(ImageFormat),
@@ -43,7 +49,12 @@ pub(crate) enum Format {
 impl Format {
     /// True if files of this format hold arrays under names, of which [`crate::ReadOptions::array`] chooses one.
     pub fn has_named_arrays(&self) -> bool {
-        matches!(self, Self::VtkImage(_))
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5 => true,
+            Self::VtkImage(_) | Self::NetCdf | Self::Vdb => true,
+            _ => false,
+        }
     }
 }
 
@@ -95,7 +106,8 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
                 return Ok(Format::Slices);
             }
             if let Some(described) = RawDescription::from_name(path) {
-                return described.map(Format::Raw).map_err(|e| e.in_file(path));
+                let wrong = |e: FieldError| advice::header_beside(path).unwrap_or_else(|| e.in_file(path));
+                return described.map(Format::Raw).map_err(wrong);
             }
             if let Some(format) = by_extension(extension) {
                 return Ok(format);
@@ -115,7 +127,8 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
             }
         }
     }
-    Err(FileError::new(path, FileErrorKind::Unrecognised { supported: VOLUMES }))
+    let unrecognised = || FileError::new(path, FileErrorKind::Unrecognised { supported: VOLUMES });
+    Err(advice::header_beside(path).unwrap_or_else(unrecognised))
 }
 
 /// The format of a folder: of one that is a volume by itself, or of the files in it.
@@ -126,12 +139,10 @@ pub(crate) fn detect_folder(path: &Path) -> Result<Format, FileError> {
     if holds_dicom(path) {
         return Ok(Format::Dicom);
     }
-    let format = if slices::is_folder_of_slices(path) {
+    if slices::is_folder_of_slices(path) {
         return Ok(Format::Slices);
-    } else {
-        "folder of files"
-    };
-    Err(FileError::new(path, FileErrorKind::Unsupported { format }))
+    }
+    Err(advice::folder_of_files(path))
 }
 
 /// The beginning of what a compressed beginning unpacks to.
@@ -146,7 +157,7 @@ fn unpack(head: &[u8]) -> Vec<u8> {
 /// The format of one of the smaller families that the beginning of a file shows.
 fn by_content(head: &[u8]) -> Option<Format> {
     type Test = fn(&[u8]) -> bool;
-    let tests: [(Test, Format); 7] = [
+    let tests: [(Test, Format); 9] = [
         (npy::holds_volume, Format::Npy),
         (mrc::is_mrc, Format::Mrc),
         (pvm::is_pvm, Format::Pvm),
@@ -154,6 +165,8 @@ fn by_content(head: &[u8]) -> Option<Format> {
         (voreen::is_vvd, Format::Vvd),
         (voreen::is_dat, Format::Dat),
         (opendx::is_native, Format::DxNative),
+        (netcdf::is_netcdf, Format::NetCdf),
+        (vdb::is_vdb, Format::Vdb),
     ];
     tests.into_iter().find(|(is, _)| is(head)).map(|(_, format)| format)
 }
@@ -205,12 +218,8 @@ fn unsupported_by_content(head: &[u8]) -> Option<&'static str> {
         Some("VTK (XML)")
     } else if at(128, b"DICM") {
         Some("DICOM in a compressed file")
-    } else if begins(b"CDF\x01") || begins(b"CDF\x02") || begins(b"CDF\x05") {
-        Some("netCDF")
-    } else if begins(&[0x20, 0x42, 0x44, 0x56]) {
-        Some("OpenVDB")
     } else if begins(b"PK\x03\x04") {
-        Some("ZIP")
+        Some("ZIP (unpack it)")
     } else {
         None
     }
@@ -241,9 +250,10 @@ fn holds_dicom(folder: &Path) -> bool {
 fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
     Some(match extension {
         "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" => "VTK",
-        "h5" | "hdf5" | "nc" => "HDF5/netCDF",
+        "h5" | "hdf5" | "nc" => "HDF5 or NetCDF (this file begins as neither)",
         "zarr" => "Zarr (a folder)",
-        "vdb" | "nvdb" => "OpenVDB",
+        "nvdb" => "NanoVDB",
+        "vdb" => "OpenVDB (this file does not begin as one)",
         "mgz" | "mgh" => "MGH",
         "ex2" | "exo" => "ExodusII",
         "stl" | "obj" | "ply" => "mesh (a surface, not a volume)",
@@ -309,8 +319,8 @@ mod tests {
 
     #[test]
     fn names_what_it_does_not_read() {
-        let message = detect(Path::new("x.raw"), b"CDF\x01....").unwrap_err().to_string();
-        assert!(message.contains("unsupported format netCDF; supported are NRRD"), "{message}");
+        let message = detect(Path::new("x.raw"), b"PK\x03\x04....").unwrap_err().to_string();
+        assert!(message.contains("unsupported format ZIP (unpack it); supported are NRRD"), "{message}");
         let message = detect(Path::new("x.unheard"), b"....").unwrap_err().to_string();
         assert!(message.contains("not recognised"), "{message}");
     }

@@ -95,7 +95,7 @@ pub enum FileErrorKind {
 }
 
 /// The formats of volumes, as messages list them.
-pub(crate) const VOLUMES: &str = "NRRD, MetaImage, NIfTI-1 and -2, DICOM, VTK images, TIFF, folders of pictures, Zarr, MRC, PVM, SLC, NumPy, \
+pub(crate) const VOLUMES: &str = "NRRD, MetaImage, NIfTI-1 and -2, DICOM, VTK images, TIFF, folders of pictures, Zarr, NetCDF, HDF5 (with a feature), MRC, OpenVDB, PVM, SLC, NumPy, \
                                   OpenDX, Voreen; raw, with dims and a type or a name like \
                                   foo_256x256x256_uint8.raw; points as CSV, VTK, NumPy or HDF5";
 

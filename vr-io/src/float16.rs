@@ -39,7 +39,7 @@ pub(crate) fn source(payload: Payload, header: &Path, layout: &Layout, options: 
 }
 
 /// The number that 16 bits stand for: sign, 5 bits of exponent, 10 of fraction.
-fn widen(bits: u16) -> f32 {
+pub(crate) fn widen(bits: u16) -> f32 {
     let sign = u32::from(bits >> 15) << 31;
     let (exponent, fraction) = (u32::from(bits >> 10 & 0x1f), u32::from(bits & 0x3ff));
     let magnitude = match exponent {

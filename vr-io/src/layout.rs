@@ -88,6 +88,23 @@ impl Layout {
         Ok(Self { dims, strides, offset, total, frames, components, is_color })
     }
 
+    /// Index of the first voxel along each axis of an array of that shape, the slowest first: 0 along those of space, and the chosen frame
+    /// and component along the others.
+    pub fn first_index(&self, shape: &[usize]) -> Vec<usize> {
+        let mut rest = self.offset;
+        let mut index: Vec<usize> = shape
+            .iter()
+            .rev()
+            .map(|&size| {
+                let at = rest % size;
+                rest /= size;
+                at
+            })
+            .collect();
+        index.reverse();
+        index
+    }
+
     /// The same numbers with the axes of space in reverse: for files in which the last of the axes that they name is the fastest.
     pub fn reversed(self) -> Self {
         let reverse = |[a, b, c]: [usize; 3]| [c, b, a];

@@ -67,7 +67,7 @@
 //! | raw | described by [`RawDescription`] or by the name | raw, gzip, bzip2 |
 //! | NRRD 1 to 5 | attached, detached, lists and patterns of files | raw, gzip, bzip2, hex, ascii |
 //! | MetaImage | `.mha`, `.mhd`, lists and patterns of files | raw, zlib, ascii |
-//! | DICOM | a folder of slices, one of them with its siblings, files of many frames | raw, deflate, RLE, JPEG (8 bits, lossless) |
+//! | DICOM | a folder of slices, one of them with its siblings, files of many frames | raw, deflate, RLE, JPEG (8 bits, lossless), JPEG 2000 with the feature `jpeg2000` |
 //! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
 //! | VTK ImageData, XML | `.vti`, pieces of one file | text, base64, appended (base64 or raw), zlib, LZ4 |
 //! | VTK STRUCTURED_POINTS, legacy | `.vtk` up to version 5.1 | text, raw |
@@ -80,12 +80,15 @@
 //! | TIFF, BigTIFF | pages of one file; ImageJ's and OME-TIFF's stacks | raw, PackBits, LZW, Deflate, JPEG |
 //! | slices | a folder of TIFF, PNG, JPEG, BMP or PNM files, or a pattern such as `slice_%03d.png` | theirs |
 //! | Zarr 2 and 3, OME-Zarr | local folders, shards among them | raw, gzip, zlib, bzip2, zstd, lz4, blosc |
+//! | NetCDF, classic | CDF-1, CDF-2 and CDF-5 | raw; packed by `scale_factor`, `add_offset`, `_FillValue`, `valid_range` |
+//! | OpenVDB | grids of floats, dense around what is active | raw, zlib, blosc, 16-bit floats |
+//! | HDF5, NetCDF-4, feature `hdf5` | datasets of three axes and more | raw, chunks with Deflate, shuffle, Fletcher-32, SZIP, n-bit, scale-offset, LZ4 |
 //!
 //! Integers and floats of 8 to 64 bits, in both byte orders. Memory holds u8, i8, u16, i16 and f32; of the others, integers that
 //! fit one of these exactly become that one, and everything else becomes f32, which is said where it rounds. Uncompressed
 //! voxels that memory can hold as they are stay in the file, mapped. One frame of a series and one component of several are
 //! picked by [`ReadOptions`], and so are one series of DICOM, one resolution of OME-Zarr, and one array of a file that holds several under names: else it is the one that VTK calls the active
-//! scalars, the first with one component, or the first. VTK's numbers of cells are placed at the centres of the cells.
+//! scalars, the first with one component, or the first; of NetCDF and HDF5 the largest of at most 2²⁷ numbers, and a note lists the others. VTK's numbers of cells are placed at the centres of the cells.
 //!
 //! Voxels of three or four components that are colours become a [`vr_core::ColorGrid`]: RGB24 and RGBA32 of NIfTI, the kinds RGB-color and
 //! RGBA-color of NRRD, RGB TIFF and slices of colour, RGB of DICOM, and three or four bytes a voxel in NRRD, MetaImage, VTK, Voreen
@@ -99,6 +102,7 @@
 //! | NIfTI-1 | `.nii`, `.nii.gz` | any, in 32 bits: sform, and qform but of sheared grids; always a patient's | kept, in 32 bits; applied where that is off by a millionth of the range |
 //! | MetaImage | `.mha`, `.mhd` with `.raw` | any, as ITK writes it; a patient's, but for spacing alone | applied |
 //! | VTK ImageData | `.vti`, appended raw | perpendicular axes; no patients | applied |
+//! | OME-Zarr 0.5 | `.zarr`, a folder: Zarr 3, chunks of 64³, gzip | along the axes of the world, in any order and direction; no patients | applied |
 //! | raw | `.raw`, little-endian | none: a note tells the flags that read it | applied |
 //! | PNG slices | `out_%03d.png`, or a folder `out/`; whole values from 0 to 255 or 65535 | none | applied |
 //!
@@ -159,6 +163,8 @@
 //!   Columns, rows and sections stay what they are in memory, whichever axes of the cell they run along.
 //! * **TIFF** has the resolution that its tags say, and from ImageJ or OME-XML the distance of slices. Slices in files of their own, and
 //!   plain Zarr arrays, say nothing of it.
+//! * **NetCDF and HDF5** are placed by coordinates along their axes where these are lengths, and by `element_size_um`. Degrees and pressures give
+//!   the directions of the axes alone: north is up.
 //! * **OME-Zarr** is placed by `coordinateTransformations`. Of its resolutions the finest of at most 2²⁷ voxels is read unless
 //!   [`ReadOptions::level`] chooses.
 //!
@@ -174,16 +180,23 @@
 //! header's word: what it claims is held against the length of the file, and what is compressed grows as it comes out. Files
 //! are written beside their place and renamed, so that they are there whole or not at all.
 //!
+//! # Large files
+//!
+//! Voxels that stay in their file are not read before they are asked for: a file of gigabytes opens in milliseconds. Floats are read once, for
+//! their range and for what is missing, when their values are first asked for.
+//!
 //! # What is not here yet
 //!
-//! VTK's uneven grids (`.vtr`, `.vts`) and OpenVDB are recognised and refused by name. Of VTK's points and images, blocks packed with LZMA are;
+//! VTK's uneven grids (`.vtr`, `.vts`) are recognised and refused by name. Of VTK's points and images, blocks packed with LZMA are;
 //! so are parallel files (`.pvtp`, `.pvti`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical)
 //! colours are refused.
-//! In DICOM, frames in JPEG 2000, JPEG-LS, JPEG XL and JPEG of 12 bits are, and images of single bits.
+//! In DICOM, frames in high-throughput JPEG 2000, JPEG-LS, JPEG XL and JPEG of 12 bits are, and images of single bits.
 //!
 //! # Features
-//! * `hdf5`, off by default: points in HDF5, through a reader in Rust alone.
+//! * `hdf5`, off by default: points and grids in HDF5, NetCDF-4 among them, through a reader in Rust alone.
+//! * `jpeg2000`, off by default: frames of DICOM in JPEG 2000.
 
+mod advice;
 mod animation;
 mod atomic;
 mod claim;
@@ -199,6 +212,8 @@ mod exr;
 mod file_pattern;
 mod float16;
 mod framing;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 mod header_text;
 mod keys;
 mod labels;
@@ -209,6 +224,7 @@ mod mesh;
 mod metaimage;
 mod mrc;
 mod names;
+mod netcdf;
 mod nifti;
 mod npy;
 mod nrrd;
@@ -230,6 +246,8 @@ mod slices;
 mod source;
 mod tiff;
 mod transfer;
+mod variables;
+mod vdb;
 mod voreen;
 mod voxels;
 mod vtk;

@@ -20,7 +20,10 @@ use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::voxels::{Stored, Voxels};
 use crate::world::Space;
-use crate::{colors, dicom, metaimage, mrc, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, voreen, vtk, zarr};
+use crate::{
+    colors, dicom, metaimage, mrc, netcdf, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, vdb, voreen, vtk,
+    zarr,
+};
 
 /// Options of reading a volume. `ReadOptions::default()` is right for nearly every file.
 #[derive(Clone, Debug)]
@@ -72,7 +75,8 @@ pub struct Loaded {
     /// Everything that the file says about it.
     pub info: FileInfo,
     /// Notes on everything assumed, chosen or changed on the way, one line each: spacing that the file lacks, the transform
-    /// used, voxels that are missing.
+    /// used, voxels that are missing (but of 2²⁴ voxels and more that stay in the file, none is read yet:
+    /// [`vr_core::GridVolume::value_stats`] counts them).
     pub notes: Vec<String>,
 }
 
@@ -184,6 +188,8 @@ fn takes_colors(description: &Description, options: &ReadOptions) -> bool {
     let takes = matches!(scalar, ScalarType::U8 | ScalarType::U16 | ScalarType::F32 | ScalarType::F64);
     takes && description.layout.is_color && options.component.is_none()
 }
+/// Number of voxels from which they are worth not to be read before they are needed.
+const LARGE: usize = 1 << 24;
 
 /// Reads the header alone, and stands a volume of at most two voxels along each axis, all zero, in for the one that [`read()`] gives: of its
 /// box and, where memory holds the file's type as it is, of its type. Tells in milliseconds what a file of gigabytes is, and whether a
@@ -196,7 +202,7 @@ pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<L
     let path = path.as_ref();
     let Described::Grid(mut description) = describe(path, options)? else { return Ok(None) };
     let Layout { dims, .. } = description.layout;
-    if description.layout.count() < 1 << 24 {
+    if description.layout.count() < LARGE {
         return Ok(None);
     }
     let few = dims.map(|n| n.min(2));
@@ -247,6 +253,11 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         };
         (format, head)
     };
+    #[cfg(feature = "hdf5")]
+    let format = match format {
+        Format::Points(PointFormat::Hdf5) if !points::hdf5::holds_points(path) => Format::Hdf5,
+        other => other,
+    };
     let is_points = matches!(format, Format::Points(_));
     let choices = [
         (
@@ -273,6 +284,10 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::MetaImage => metaimage::describe(path, options)?,
         Format::Nifti => nifti::describe(path, options)?,
         Format::Mrc => mrc::describe(path, options)?,
+        Format::NetCdf => netcdf::describe(path, options)?,
+        Format::Vdb => vdb::describe(path, options)?,
+        #[cfg(feature = "hdf5")]
+        Format::Hdf5 => crate::hdf5::describe(path, options)?,
         Format::Pvm => pvm::describe(path, options)?,
         Format::Slc => slc::describe(path, options)?,
         Format::Npy => npy::describe(path, options)?,
@@ -362,15 +377,8 @@ fn assemble(
         notes.push(format!("{what} 0 is taken, of 0 to {}", count - 1));
     }
     let (volume, mapped) = make(source, &layout, placement, calibration, &mut notes)?;
-    if let Some(uniform) = volume.value_grid() {
-        let stats = uniform.value_stats();
-        let count = layout.count();
-        if stats.nan > 0 {
-            notes.push(format!("{} of {count} voxels are NaN: the cells around them are vacuum", stats.nan));
-        }
-        if stats.infinite > 0 {
-            notes.push(format!("{} of {count} voxels are infinite and count as NaN", stats.infinite));
-        }
+    if !has_unread_voxels(&volume, mapped) {
+        notes.extend(missing_voxels(&volume));
     }
     // A folder or a pattern is no file.
     let named = [path.to_path_buf(), header].into_iter().filter(|path| path.is_file());
@@ -393,6 +401,27 @@ fn assemble(
         window,
     };
     Ok(Loaded { volume, info, notes })
+}
+
+/// True if a volume's voxels are so many that none is read before it is asked for: opening takes milliseconds then.
+pub(crate) fn has_unread_voxels(volume: &Volume, mapped: bool) -> bool {
+    mapped && volume.grid().is_some_and(|grid| grid.dims().iter().product::<usize>() >= LARGE)
+}
+
+/// Notes on voxels that are missing; reads all of them, if they are floats.
+pub(crate) fn missing_voxels(volume: &Volume) -> Vec<String> {
+    let mut notes = Vec::new();
+    // No integer is missing.
+    if let Some(grid) = volume.value_grid().filter(|grid| !grid.voxel_type().is_integer()) {
+        let (stats, count) = (grid.value_stats(), grid.dims().iter().product::<usize>());
+        if stats.nan > 0 {
+            notes.push(format!("{} of {count} voxels are NaN: the cells around them are vacuum", stats.nan));
+        }
+        if stats.infinite > 0 {
+            notes.push(format!("{} of {count} voxels are infinite and count as NaN", stats.infinite));
+        }
+    }
+    notes
 }
 
 /// Paths without those that were there before.

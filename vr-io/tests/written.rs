@@ -240,3 +240,50 @@ fn names_and_kinds_that_are_refused() {
     assert!(message.contains("must be a uniform grid"), "{message}");
     assert_eq!(folder.path().read_dir().unwrap().count(), 0);
 }
+
+#[test]
+fn zarr_keeps_the_places_of_axes_along_the_world() {
+    let folder = tempfile::tempdir().unwrap();
+    let turned_by = [
+        DMat3::from_diagonal(DVec3::new(0.5, 0.7, 3.1)),
+        DMat3::from_cols(DVec3::X * -0.5, DVec3::Y * -0.7, DVec3::Z * 3.1),
+        DMat3::from_cols(DVec3::Y * 0.5, DVec3::Z * -0.7, DVec3::X * 3.1),
+    ];
+    for (i, axes) in turned_by.into_iter().enumerate() {
+        let placement = Placement::new(DVec3::new(-120.3, 45.6, 7.0), axes).unwrap();
+        for volume in all_types(placement, Calibration::default()) {
+            let path = folder.path().join(format!("{i}_{}.zarr", grid(&volume).voxel_type()));
+            let options = WriteVolumeOptions { patient: false, units: Some("µm".into()) };
+            let (_, back) = written(&path, &volume, &options);
+            assert_eq!((back.info.format, back.info.encoding), ("OME-Zarr", "gzip"));
+            assert_eq!(back.info.units.as_deref(), Some("µm"));
+            // The same corners, in another order where axes ran backwards; each voxel where it was.
+            let world = |v: &Volume| {
+                let corner = |g: &GridVolume| g.bounds();
+                corner(grid(v))
+            };
+            let (a, b) = (world(&volume), world(&back.volume));
+            assert!((a.0 - b.0).length() < 1e-9 && (a.1 - b.1).length() < 1e-9, "{i}: {a:?} {b:?}");
+            let to_index = grid(&back.volume).placement().axes().inverse();
+            let origin = grid(&back.volume).placement().origin();
+            let [nx, ny, _] = grid(&back.volume).dims();
+            for (n, value) in values(&volume).into_iter().enumerate() {
+                let [mx, my, _] = grid(&volume).dims();
+                let at = DVec3::new((n % mx) as f64, (n / mx % my) as f64, (n / mx / my) as f64);
+                let index = (to_index * (grid(&volume).placement().to_world(at) - origin)).round();
+                let [x, y, z] = index.to_array().map(|c| c as usize);
+                assert_eq!(values(&back.volume)[(z * ny + y) * nx + x], value, "{i}: {at}");
+            }
+            let again = write_volume(&path, &volume, &options).unwrap_err().to_string();
+            assert!(again.contains("the folder holds files"), "{again}");
+        }
+    }
+    // Beyond one chunk, and oblique: spacing and the first voxel's place remain.
+    let samples: Vec<u16> = (0..70 * 66 * 65).map(|i| (i % 251) as u16).collect();
+    let oblique = Volume::from(UniformGrid::new([70, 66, 65], samples, turned(1.0), WHOLE).unwrap());
+    let (note, back) = written(&folder.path().join("o.zarr"), &oblique, &patient());
+    assert!(note.notes.iter().any(|n| n.contains("holds no rotation")), "{:?}", note.notes);
+    assert_eq!(values(&back.volume), values(&oblique));
+    let (a, b) = (grid(&oblique).placement(), grid(&back.volume).placement());
+    assert!((a.spacing() - b.spacing()).length() < 1e-12 && (a.origin() - b.origin()).length() < 1e-9);
+}

@@ -15,7 +15,7 @@ pub struct ConvertArgs {
     /// The volume.
     #[command(flatten)]
     pub volume: VolumeArgs,
-    /// Volume to write: .nrrd, .nii, .nii.gz, .mha, .mhd (and .raw), .vti, .raw, or PNG slices for a pattern (out_%03d.png) or a folder (out/)
+    /// Volume to write: .nrrd, .nii, .nii.gz, .mha, .mhd (and .raw), .vti, .zarr, .raw, or PNG slices for a pattern (out_%03d.png) or a folder (out/)
     #[arg(value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// The same by a flag, which --phantom needs

@@ -12,7 +12,7 @@ use super::value;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Volume")]
 pub struct VolumeArgs {
-    /// A volume file or folder: NRRD, MetaImage, NIfTI, DICOM, VTK, TIFF, Zarr and more, or raw with the size in its name; or scattered points: CSV, VTK (.vtp, .vtu, .vtk), NumPy or
+    /// A volume file or folder: NRRD, MetaImage, NIfTI, DICOM, VTK, TIFF, Zarr, NetCDF and more, or raw with the size in its name; or scattered points: CSV, VTK (.vtp, .vtu, .vtk), NumPy or
     /// HDF5; without it, the embedded scene
     #[arg(value_name = "VOLUME")]
     pub path: Option<PathBuf>,
@@ -58,7 +58,7 @@ pub struct VolumeArgs {
     /// Number of points of a phantom that is made of points
     #[arg(long, value_name = "N", conflicts_with = "path")]
     pub points_count: Option<usize>,
-    /// VTK images: the array. Points: the column or array of the values, one that vr info lists; 1 for a value of 1 at every point
+    /// VTK images, NetCDF and HDF5: the array, by name or path. Points: the column or array of the values, one that vr info lists; 1 for a value of 1 at every point
     #[arg(long, value_name = "NAME")]
     pub value: Option<String>,
     /// Points: kernel that spreads each (cubic-spline, gaussian or cone)

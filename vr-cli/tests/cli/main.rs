@@ -1,5 +1,6 @@
 //! The program from end to end, as a user meets it.
 
+mod anatomy;
 mod animation;
 mod annotate;
 mod bad_input;

@@ -3,7 +3,7 @@
 mod assemble;
 mod delimited;
 #[cfg(feature = "hdf5")]
-mod hdf5;
+pub(crate) mod hdf5;
 mod neighbours;
 mod npy;
 mod numbers;

@@ -7,7 +7,7 @@ use vr_core::{ControlPoint, Filter, ParameterError, Volume, phantom};
 use crate::error::FileError;
 use crate::points::PointOptions;
 use crate::raw::RawDescription;
-use crate::read::{FileInfo, Loaded, ReadOptions, outline, read};
+use crate::read::{FileInfo, Loaded, ReadOptions, has_unread_voxels, missing_voxels, outline, read};
 
 use super::error::SceneFileError;
 use super::inline;
@@ -116,7 +116,12 @@ fn from_file(
         let allowed = "only scattered points have one; this is a grid";
         return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
     }
-    Ok(Some(LoadedVolume { volume: loaded.volume, info: Some(loaded.info), transfer: None, notes: loaded.notes }))
+    let Loaded { volume, info, mut notes } = loaded;
+    // What is drawn or described is read in any case.
+    if has_unread_voxels(&volume, info.mapped) {
+        notes.extend(missing_voxels(&volume));
+    }
+    Ok(Some(LoadedVolume { volume, info: Some(info), transfer: None, notes }))
 }
 
 /// Returns one of the keys that are set.

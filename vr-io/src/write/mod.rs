@@ -1,5 +1,6 @@
 //! Volumes out, in the format that the file's name asks for.
 
+mod folder;
 mod metaimage;
 mod nifti;
 mod nrrd;
@@ -8,6 +9,7 @@ mod raw;
 mod shape;
 mod slices;
 mod vti;
+mod zarr;
 
 use std::path::{Path, PathBuf};
 
@@ -42,19 +44,18 @@ impl WriteVolumeOptions {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct WrittenVolume {
-    /// `NRRD`, `NIfTI-1`, `MetaImage`, `VTK ImageData`, `raw` or `PNG slices`.
+    /// `NRRD`, `NIfTI-1`, `MetaImage`, `VTK ImageData`, `OME-Zarr`, `raw` or `PNG slices`.
     pub format: &'static str,
     /// Type of the numbers in the file.
     pub scalar: ScalarType,
-    /// The files, a header first.
+    /// The files, a header first; of OME-Zarr the folder.
     pub files: Vec<PathBuf>,
     /// Notes on everything that the format does not hold, or holds otherwise, one line each.
     pub notes: Vec<String>,
 }
 
 /// Endings of names that [`write_volume`] knows, for messages.
-const ENDINGS: &str =
-    ".nrrd, .nii, .nii.gz, .mha, .mhd, .vti, .raw, a pattern such as out_%03d.png, or a folder for PNG slices (out/)";
+const ENDINGS: &str = ".nrrd, .nii, .nii.gz, .mha, .mhd, .vti, .zarr, .raw, a pattern such as out_%03d.png, or a folder for PNG slices (out/)";
 
 /// The format that a name asks for.
 #[derive(Clone, Debug)]
@@ -63,17 +64,22 @@ enum Target {
     Nifti { gzip: bool },
     MetaImage { data: Option<PathBuf> },
     Vti,
+    Zarr,
     Raw,
     Slices(SliceFiles),
 }
 
 impl Target {
     fn of(path: &Path, grid: &GridVolume) -> Result<Self, WriteError> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        let ending = |ending: &str| name.strip_suffix(ending).is_some_and(|stem| !stem.is_empty());
+        // Folders, too, but not of slices.
+        if ending(".zarr") {
+            return Ok(Self::Zarr);
+        }
         if let Some(slices) = SliceFiles::of(path, grid.dims()[2])? {
             return Ok(Self::Slices(slices));
         }
-        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        let ending = |ending: &str| name.strip_suffix(ending).is_some_and(|stem| !stem.is_empty());
         Ok(match () {
             () if ending(".nrrd") => Self::Nrrd,
             () if ending(".nii") => Self::Nifti { gzip: false },
@@ -118,7 +124,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Writes a volume in the format that the name asks for: `.nrrd`, `.nii`, `.nii.gz`, `.mha`, `.mhd` with a `.raw` beside it, `.vti`, `.raw`,
+/// Writes a volume in the format that the name asks for: `.nrrd`, `.nii`, `.nii.gz`, `.mha`, `.mhd` with a `.raw` beside it, `.vti`, `.zarr`, `.raw`,
 /// or PNG slices for a pattern such as `out_%03d.png`, an existing folder, or a name that ends with a separator.
 ///
 /// Voxels, placement and calibration are kept as far as the format holds them, and the notes tell what it does not. A calibration that
@@ -141,6 +147,7 @@ pub fn write_volume(
         Target::Nifti { gzip } => ("NIfTI-1", nifti::write(&mut job, *gzip)?),
         Target::MetaImage { data } => ("MetaImage", metaimage::write(&mut job, data.as_deref())?),
         Target::Vti => ("VTK ImageData", vti::write(&mut job)?),
+        Target::Zarr => ("OME-Zarr", zarr::write(&mut job)?),
         Target::Raw => ("raw", raw::write(&mut job)?),
         Target::Slices(slices) => ("PNG slices", slices.write(&mut job)?),
     };

@@ -13,7 +13,7 @@ use crate::file_pattern;
 use crate::scalar::ScalarType;
 
 use super::numbers::Numbers;
-use super::{Job, refused, shape};
+use super::{Job, folder, refused, shape};
 
 /// Places of the slices.
 #[derive(Clone, Debug)]
@@ -45,8 +45,8 @@ impl SliceFiles {
         }
         let pattern = |e: crate::FieldError| refused(path, e.to_string());
         let names = file_pattern::expand("pattern", &format!("{name} 0 {}", count - 1), count).map_err(pattern)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let there: Vec<String> = match or_here(folder).read_dir() {
+        let parent = path.parent().unwrap_or(Path::new(""));
+        let there: Vec<String> = match folder::or_here(parent).read_dir() {
             Ok(entries) => entries.flatten().filter_map(|e| e.file_name().into_string().ok()).collect(),
             Err(_) => Vec::new(),
         };
@@ -56,7 +56,7 @@ impl SliceFiles {
                 format!("{other} is there, and would be read as one of the slices; remove it, or name another pattern");
             return Err(refused(path, message));
         }
-        Ok(Some(Self { folder: folder.into(), names, whole_folder: false }))
+        Ok(Some(Self { folder: parent.into(), names, whole_folder: false }))
     }
 
     pub fn files(&self) -> Vec<PathBuf> {
@@ -69,12 +69,11 @@ impl SliceFiles {
         let scalar = depth(job, &numbers)?;
         let numbers = numbers.with_scalar(scalar);
         let failed = |source: io::Error| WriteError::Io { path: job.path.into(), source };
-        if self.whole_folder && self.folder.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
-            let message = "the folder holds files; name a new one, or a pattern such as slice_%03d.png in it";
-            return Err(refused(job.path, message));
+        if self.whole_folder {
+            folder::check_vacant(job.path, "name a new one, or a pattern such as slice_%03d.png in it")?;
         }
-        let beside = if self.whole_folder { self.folder.parent() } else { Some(&*self.folder) };
-        let temporary = temporary_folder(or_here(beside.unwrap_or(Path::new("")))).map_err(failed)?;
+        let temporary = if self.whole_folder { folder::beside(&self.folder) } else { folder::within(&self.folder) };
+        let temporary = temporary.map_err(failed)?;
         let [nx, ny, _] = job.grid.dims();
         self.names.par_iter().enumerate().try_for_each(|(z, name)| {
             let slice = nx * ny * z..nx * ny * (z + 1);
@@ -82,13 +81,7 @@ impl SliceFiles {
                 .map_err(|source| WriteError::Io { path: self.folder.join(name), source })
         })?;
         if self.whole_folder {
-            // An empty folder makes room.
-            if self.folder.is_dir() {
-                fs::remove_dir(&self.folder).map_err(failed)?;
-            }
-            fs::rename(temporary.path(), &self.folder).map_err(failed)?;
-            // It has another name now: there is nothing to remove.
-            let _ = temporary.keep();
+            folder::rename(temporary, &self.folder).map_err(failed)?;
         } else {
             for name in &self.names {
                 fs::rename(temporary.path().join(name), self.folder.join(name)).map_err(failed)?;
@@ -116,20 +109,6 @@ fn depth(job: &Job<'_>, numbers: &Numbers<'_>) -> Result<ScalarType, WriteError>
             Err(refused(job.path, message))
         }
     }
-}
-
-/// The folder, or the current one where it has no name.
-fn or_here(folder: &Path) -> &Path {
-    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
-}
-
-fn temporary_folder(beside: &Path) -> io::Result<tempfile::TempDir> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".vr-").suffix(".part");
-    // As any new folder has them, less the user's mask; temporary folders are private otherwise.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
-    builder.tempdir_in(beside)
 }
 
 fn write_slice(

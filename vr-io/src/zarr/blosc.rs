@@ -17,7 +17,7 @@ const BITS_SORTED: u8 = 0x4;
 const NOT_SPLIT: u8 = 0x10;
 
 /// The bytes of a chunk; more than `max_bytes` is an error.
-pub(super) fn decode(chunk: &[u8], max_bytes: usize) -> io::Result<Vec<u8>> {
+pub(crate) fn decode(chunk: &[u8], max_bytes: usize) -> io::Result<Vec<u8>> {
     let (header, data) = chunk.split_first_chunk::<HEADER>().ok_or_else(cut_off)?;
     let flags = header[2];
     let number = usize::from(header[3]).max(1);

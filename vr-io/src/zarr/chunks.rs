@@ -44,13 +44,7 @@ pub(super) struct Stored {
 impl Selection {
     pub fn new(array: Array, space: [usize; 3], layout: &Layout) -> Self {
         let n = array.shape.len();
-        // The layout counts all numbers of the array, its last axis fastest.
-        let mut fixed = vec![0; n];
-        let mut rest = layout.offset;
-        for axis in (0..n).rev() {
-            fixed[axis] = rest % array.shape[axis];
-            rest /= array.shape[axis];
-        }
+        let fixed = layout.first_index(&array.shape);
         let mut strides = vec![0; n];
         let mut stride = 1;
         for &axis in array.order.iter().rev() {

@@ -28,6 +28,8 @@ use crate::read::{Description, ReadOptions};
 use crate::source::Decoded;
 use crate::world::Space;
 
+pub(crate) use blosc::decode as decode_blosc;
+
 use chunks::Selection;
 use json::Node;
 use metadata::Array;

@@ -14,6 +14,12 @@ use super::{Column, Found, Numbering, PointOptions, Table, numbers};
 
 use source::Source;
 
+/// True if a file holds particles as one of these codes writes them, or cannot be read, which [`read`] explains.
+pub(crate) fn holds_points(path: &Path) -> bool {
+    let groups = Source::open(path).and_then(|source| source.groups("/"));
+    groups.map_or(true, |groups| groups.iter().any(|g| g == "particles" || g.starts_with("PartType")))
+}
+
 pub(super) fn read(path: &Path, options: &PointOptions) -> Result<Found, FileErrorKind> {
     let source = Source::open(path)?;
     let groups = source.groups("/")?;

@@ -1,10 +1,11 @@
-//! An HDF5 file through `hdf5-reader`, with what it may allocate held against the length of the file.
+//! The groups and columns of an HDF5 file.
 
 use std::path::Path;
 
-use hdf5_reader::{Datatype, Hdf5File, OpenOptions};
+use hdf5_reader::Hdf5File;
 
 use crate::error::FileErrorKind;
+use crate::hdf5::{damaged, open, scalar_of};
 use crate::points::numbers;
 use crate::scalar::{Endian, ScalarType};
 
@@ -13,17 +14,9 @@ pub(super) struct Source {
     file: Hdf5File,
 }
 
-/// Largest number of bytes that Deflate, the densest of the usual filters, packs into one.
-const DENSEST: u64 = 1032;
-
 impl Source {
     pub fn open(path: &Path) -> Result<Self, FileErrorKind> {
-        let max_bytes = std::fs::metadata(path)?.len().saturating_mul(DENSEST);
-        let max_bytes = usize::try_from(max_bytes).unwrap_or(usize::MAX);
-        let options = OpenOptions::default()
-            .with_max_read_bytes(max_bytes)
-            .with_max_chunk_bytes(max_bytes.min(hdf5_reader::DEFAULT_MAX_CHUNK_BYTES));
-        let file = Hdf5File::open_with_options(path, options).map_err(|e| damaged("HDF5", e))?;
+        let file = open(path)?;
         Ok(Self { file })
     }
 
@@ -66,27 +59,4 @@ impl Source {
         }
         self.numbers(&format!("{group}/{name}")).map(|(_, _, numbers)| Some(numbers))
     }
-}
-
-fn scalar_of(datatype: &Datatype) -> Option<ScalarType> {
-    Some(match datatype {
-        Datatype::FloatingPoint { size: 4, .. } => ScalarType::F32,
-        Datatype::FloatingPoint { size: 8, .. } => ScalarType::F64,
-        Datatype::FixedPoint { size, signed, .. } => match (size, signed) {
-            (1, false) => ScalarType::U8,
-            (1, true) => ScalarType::I8,
-            (2, false) => ScalarType::U16,
-            (2, true) => ScalarType::I16,
-            (4, false) => ScalarType::U32,
-            (4, true) => ScalarType::I32,
-            (8, false) => ScalarType::U64,
-            (8, true) => ScalarType::I64,
-            _ => return None,
-        },
-        _ => return None,
-    })
-}
-
-fn damaged(place: &str, error: hdf5_reader::error::Error) -> FileErrorKind {
-    FileErrorKind::field(place, error, "must be whole, as HDF5 describes it")
 }
