@@ -122,7 +122,7 @@ impl Film<'_> {
     ) -> Result<Drawn, Failure> {
         let count = self.shots.len();
         let png = self.png();
-        let Configured { renderer, options, max_error } = configured;
+        let Configured { renderer, options, max_error, .. } = configured;
         let described = format!("{} {options:?} {max_error:?} {:?} {}", renderer.name(), png.depth, png.alpha);
         let mut all = Drawn::default();
         let mut scene = self.setup.scene.clone();
