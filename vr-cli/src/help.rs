@@ -27,43 +27,46 @@ All flags: --help. Renderers, their features and options: vr help renderers, vr 
 const DRAWING: [&str; 9] = ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray"];
 
 /// Flags of scenes that the short help shows; those of a command's own are all shown.
-const ESSENTIAL: [&str; 24] = [
+const ESSENTIAL: [&str; 25] = [
     "path",
     "phantom",
     "scene",
+    "preset",
     "transfer",
-    "range",
     "no_shading",
+    "labels",
     "mesh",
     "azimuth",
     "elevation",
     "fov",
     "size",
-    "samples",
     "background",
     "crop",
-    "clip_plane",
     "compositing",
     "renderer",
     "set",
     "max_error",
     "target_rmse",
     "outputs",
-    "alpha",
+    "annotate",
+    "title",
+    "show",
     "error",
     "quiet",
 ];
 
 /// Headings of flags that several commands share.
-const SHARED: [&str; 10] = [
+const SHARED: [&str; 12] = [
     "Volume",
     "Scene",
     "Transfer function",
     "Shading",
+    "Labels",
     "Opaque surface",
     "Camera",
     "Image",
     "Compositing",
+    "Annotations",
     "Output",
     "Reference pixels",
 ];
@@ -130,11 +133,11 @@ fn renderer_list() -> String {
 }
 
 fn presets() -> String {
-    let mut text = "Presets (--transfer NAME); vr info VOLUME suggests some for a volume:\n".to_owned();
+    let mut text = "Presets (--preset NAME), the unit of their values, and what they show:\n".to_owned();
     for preset in Preset::ALL {
-        let _ = writeln!(text, "  {}", preset.name());
+        let _ = writeln!(text, "  {:<16} {:<20} {}", preset.name(), preset.unit().name(), preset.title());
     }
-    text
+    text + "vr presets VOLUME draws those that suit a volume; vr tf NAME prints one.\n"
 }
 
 fn phantoms() -> String {

@@ -86,7 +86,7 @@ fn help_and_version() {
     assert!(vr.run("--version").succeeded().stdout.starts_with("vr "));
     for (command, words) in [
         ("render --help", ["--gradient-opacity", "Features", "clip planes", "vr help raycast"]),
-        ("render -h", ["--transfer", "--crop", "--output", "vr help raycast"]),
+        ("render -h", ["--preset", "--crop", "--output", "vr help raycast"]),
         ("help render", ["--gradient-opacity", "Features", "Usage: vr render", "Exit codes"]),
         ("help", ["render", "compare", "help", "Exit codes"]),
         ("help renderers", ["Features", "raycast", "shearwarp", "vr help splat"]),
@@ -95,7 +95,7 @@ fn help_and_version() {
         ("help texslice", ["Options of texslice", "proxy=", "format=", "brick="]),
         ("help splat", ["Options of splat", "buffers=", "kernel=", "sigma="]),
         ("help physics", ["Options of physics", "tolerance=", "1e-10", "largest error"]),
-        ("help presets", ["ct-bone", "viridis", "grey", "vr info"]),
+        ("help presets", ["ct-bone", "viridis", "grey", "vr presets"]),
         ("help phantoms", ["marschner-lobb", "hydrogen", "plummer", "--phantom"]),
     ] {
         let help = vr.run(command).succeeded().stdout;
@@ -103,8 +103,9 @@ fn help_and_version() {
             assert!(help.contains(word), "{command}: no {word:?} in\n{help}");
         }
     }
-    for command in ["render -h", "compare -h", "bench -h", "report -h", "ray -h"] {
-        let lines = vr.run(command).succeeded().stdout.lines().count();
+    for command in ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray"] {
+        let command = format!("{command} -h");
+        let lines = vr.run(&command).succeeded().stdout.lines().count();
         assert!(lines <= 40, "{command}: {lines} lines");
     }
     let error = vr.run("help nothing").failed(2);
