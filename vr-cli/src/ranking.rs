@@ -8,7 +8,7 @@ use vr_study::candidate::{self, Candidate};
 /// RMSE up to which a picture is right for the eye: a quarter of a step of 8 bits.
 pub const RMSE: f64 = 1e-3;
 
-/// What a place in the order depends on.
+/// Key of the order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rank {
     /// True if the setting is the renderer's own default.

@@ -124,7 +124,7 @@ fn wrong_files_are_told_where_and_what() {
     }
 }
 
-/// Whatever a section says is said again in its text, and nothing else.
+/// A section and its text say the same.
 #[test]
 fn sections_come_back_as_they_were() {
     for volume in [

@@ -23,7 +23,7 @@ pub struct FrameStore {
     journal: Journal,
 }
 
-/// What the journal notes of a frame.
+/// Entry of the journal about a frame.
 #[derive(Debug, Serialize, Deserialize)]
 struct Note {
     /// Hash of everything that the frame depends on.
@@ -120,7 +120,7 @@ impl FrameStore {
         &self.place
     }
 
-    /// Removes frames that nobody asked for, when the animation is written.
+    /// Removes frames that were not asked for themselves, when the animation is written.
     pub fn finish(self, console: Console) {
         if !self.place.is_temporary {
             return;

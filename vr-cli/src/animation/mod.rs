@@ -40,7 +40,7 @@ pub fn turntable(args: &TurntableArgs, console: Console, control: &Control) -> R
 /// Draws what happens between key frames, and writes the animation.
 ///
 /// # Errors
-/// As [`turntable`]; also a fault of the keys.
+/// Errors of [`turntable`], and a fault of the keys.
 pub fn animate(args: &AnimateArgs, console: Console, control: &Control) -> Result<(), Failure> {
     let keys = vr_io::read_keys(&args.keys).map_err(Failure::failed)?;
     let places = Places::new(&args.animation)?;

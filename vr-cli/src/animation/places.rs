@@ -23,7 +23,7 @@ pub struct FramePlace {
     pub folder: PathBuf,
     /// Name with one `%d`.
     pub pattern: String,
-    /// True if nobody asked for the frames: the folder is removed when the animation is written.
+    /// True if the frames were not asked for themselves: the folder is removed when the animation is written.
     pub is_temporary: bool,
     /// True if the folder is made if it is not there.
     pub is_own_folder: bool,

@@ -8,7 +8,7 @@ use vr_look::Survey;
 use crate::args::{CameraArgs, Fit};
 use crate::scene_setup::Setup;
 
-/// What there is to see, and how free cameras are to see it.
+/// Things to be shown, and the freedom of the cameras that show them.
 pub struct Stage<'a> {
     /// The camera of a still picture.
     pub camera: Camera,

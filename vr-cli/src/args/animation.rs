@@ -124,7 +124,7 @@ pub enum LookFrom {
 /// Axis of a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Axis {
-    /// What is up in the volume, or in the picture where the camera is placed.
+    /// Up direction of the volume, or of the picture where the camera is placed.
     Up,
     /// A world vector.
     Along(DVec3),

@@ -6,7 +6,7 @@ use vr_core::transfer::srgb_to_linear;
 
 use super::value;
 
-/// What is behind everything.
+/// Background of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
     /// Nothing: the picture keeps its opacity.

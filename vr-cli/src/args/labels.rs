@@ -21,10 +21,10 @@ pub struct LabelArgs {
     /// Names and colours of the labels: a list of ITK-SNAP, FreeSurfer or Slicer
     #[arg(long, value_name = "FILE")]
     pub label_names: Option<PathBuf>,
-    /// How labels are drawn: solid, tinted (the volume in the label's colour) or volume
+    /// Style of the labels: solid, tinted (the volume in the label's colour) or volume
     #[arg(long, value_name = "LOOK", value_parser = value::word::<LabelLook>)]
     pub labels_as: Option<LabelLook>,
-    /// How one label is drawn, by its number (0 is the background) or name, as in liver:color=0.6,0.1,0.05:opacity=0.5:visible=yes:as=solid; may
+    /// Style of one label, by its number (0 is the background) or name, as in liver:color=0.6,0.1,0.05:opacity=0.5:visible=yes:as=solid; may
     /// be repeated
     #[arg(long, value_name = "LABEL:KEY=VALUE:...", value_parser = label)]
     pub label: Vec<LabelSection>,

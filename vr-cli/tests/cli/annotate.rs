@@ -1,4 +1,4 @@
-//! What is written over a picture, what is behind it, and how it gets to the terminal.
+//! Annotations, backgrounds, and pictures in the terminal.
 
 use image::{GenericImageView, RgbaImage};
 

@@ -16,7 +16,7 @@ pub(super) struct BoundaryCell {
     low: DVec3,
 }
 
-/// What lies beyond the outermost voxels of a lattice, on the low and the high side of each axis: true if background can be seen there, false
+/// Surroundings of a lattice beyond its outermost voxels, on the low and the high side of each axis: true if background can be seen there, false
 /// if the labels end where the volume does, so that the region goes on.
 pub(super) type OpenSides = [[bool; 2]; 3];
 

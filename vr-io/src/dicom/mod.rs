@@ -93,7 +93,7 @@ fn files(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) -> Result<
         return Ok(named);
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // What else lies there is nobody's concern: it is not noted.
+    // Other files there are not noted.
     let mut files = series::images_of_folder(folder, &mut Vec::new())?;
     files.retain(|f| series::uid(&f.elements) == uid);
     if files.len() < 2 {

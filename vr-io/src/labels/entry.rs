@@ -1,4 +1,4 @@
-//! What a file says of a label.
+//! Entry of a file about a label.
 
 /// Name, colour, opacity and visibility of a label, as far as a file gives them.
 ///

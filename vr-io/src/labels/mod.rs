@@ -35,7 +35,7 @@ pub struct LoadedLabels {
 /// Reads labels: a volume of whole numbers in any format of [`read()`], and 3D Slicer's segmentations (`.seg.nrrd`) with the segments' names
 /// and colours. `list` is a file of names and colours ([`read_label_list`]), which comes before the file's own.
 ///
-/// Of a segmentation in several layers, which may overlap, a later layer covers an earlier one; labels that two layers share are numbered anew.
+/// Layers of a segmentation may overlap: a later layer covers an earlier one; labels that two layers share are numbered anew.
 ///
 /// # Errors
 /// A [`FileError`] that names the file, the field, what was found and what is allowed; among them a value that is no whole number.

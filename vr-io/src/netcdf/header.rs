@@ -21,7 +21,7 @@ pub(super) struct Header {
     pub version: u8,
     /// Variables of numbers.
     pub variables: Vec<Variable>,
-    /// Where each of them lies, in the same order.
+    /// Place of each of them, in the same order.
     pub places: Vec<Place>,
 }
 

@@ -19,7 +19,7 @@ pub use section::{ErrorRecord, FileRecord, PictureFormat, PixelsRecord, RecordSe
 /// The layout of records that this version writes and reads.
 const LAYOUT: u32 = 1;
 
-/// All that it takes to draw a picture again: its scene, and the hashes by which volume and picture are known again.
+/// Record that is enough to draw a picture again: its scene, and the hashes by which volume and picture are known again.
 ///
 /// No folder is named in it, and a patient's data are not: a volume file is there by its name alone, a DICOM series without one.
 ///
@@ -46,7 +46,7 @@ const LAYOUT: u32 = 1;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureRecord {
-    /// What is known of the picture beside its scene.
+    /// Facts about the picture beside its scene.
     pub record: RecordSection,
     /// The scene, of which nothing is left open.
     pub scene: SceneFile,

@@ -60,7 +60,7 @@ fn named<'v>(variables: &'v [Variable], wanted: &str) -> Result<&'v Variable, Fi
 }
 
 impl Variable {
-    /// How many numbers it has.
+    /// Count of its numbers.
     fn count(&self) -> usize {
         self.shape.iter().fold(1, |n, &size| n.saturating_mul(size))
     }

@@ -10,7 +10,7 @@ use crate::length_unit;
 use super::axes::{Coordinates, VariableAxis, world_axis};
 use super::{Store, Variable, numbers};
 
-/// Where the voxels lie.
+/// Placement of the voxels.
 pub(super) struct Placed {
     pub placement: Placement,
     pub by: &'static str,

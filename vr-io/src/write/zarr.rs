@@ -58,7 +58,7 @@ pub(super) fn write(job: &mut Job<'_>) -> Result<ScalarType, WriteError> {
 
 /// The axis of the world that each index axis runs along, and true if it runs backwards; `None` where one runs along none.
 fn world_axes(placement: &Placement) -> Option<[(usize, bool); 3]> {
-    /// What a direction of 32 bits is off by, after a few programs.
+    /// Error of a direction of 32 bits that a few programs have passed on.
     const MAX_SINE: f64 = 1e-5;
     let directions = shape::directions(placement);
     let mut along = [(0, false); 3];

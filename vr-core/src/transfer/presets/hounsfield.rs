@@ -3,7 +3,7 @@
 /// The scale of a 12-bit CT scanner, in Hounsfield units.
 const SCANNER: (f64, f64) = (-1024.0, 3071.0);
 
-/// What scanners add so that no stored number is negative.
+/// Offset that scanners add so that no stored number is negative.
 const STORED_ABOVE: f64 = 1024.0;
 
 /// True if values in a range look like Hounsfield units (air −1000, water 0): they begin below −500, which MR and 8-bit data

@@ -171,7 +171,7 @@ impl Preset {
         Self::ALL.into_iter().find(|p| p.name() == name)
     }
 
-    /// What is seen, in one line.
+    /// Content of the picture, in one line.
     pub fn title(self) -> &'static str {
         self.recipe().title
     }

@@ -11,7 +11,7 @@ pub(super) type Row = (f64, [f64; 3], f64);
 /// Everything that tells one preset from another.
 pub(super) struct Recipe {
     pub name: &'static str,
-    /// What is seen, in one line.
+    /// Content of the picture, in one line.
     pub title: &'static str,
     pub family: PresetFamily,
     pub curve: Curve,
