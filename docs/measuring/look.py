@@ -25,7 +25,7 @@ PATTERNS = [
     "raw/*.raw", "raw/*.raw.gz", "raw/*.raw.bz2", "raw/nucleon.vvd", "nrrd/*.nrrd", "nrrd/*.nhdr", "nrrd/headsq/*.nhdr",
     "nrrd/ball/BallBinary30x30x30.nrrd", "nifti/*.nii", "nifti/*.nii.gz", "metaimage/*.mha", "metaimage/*.mhd", "dicom/pet_head",
     "dicom/single/emri_small.dcm", "vtk/*.vti", "vtk/ironProt.vtk", "vtk/heart.vtk", "mrc/*", "pvm/*.pvm", "slc/*.slc", "dx/*.general",
-    "zarr/*.zarr", "particles/*.npy",
+    "zarr/*.zarr", "vdb/bonsai*.vdb", "bad/rgb24.nii.gz", "particles/*.npy",
 ]
 
 

@@ -26,8 +26,8 @@ All flags: --help. Renderers, their features and options: vr help renderers, vr 
 /// Commands that draw scenes: their flags are too many for a screen.
 const DRAWING: [&str; 9] = ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray"];
 
-/// Flags of scenes that the short help shows; those of a command's own are all shown.
-const ESSENTIAL: [&str; 25] = [
+/// Flags of the headings below that the short help shows; flags of other headings are all shown.
+const ESSENTIAL: [&str; 30] = [
     "path",
     "phantom",
     "scene",
@@ -52,11 +52,16 @@ const ESSENTIAL: [&str; 25] = [
     "title",
     "show",
     "error",
+    "frames",
+    "turn",
+    "fps",
+    "once",
+    "time_series",
     "quiet",
 ];
 
-/// Headings of flags that several commands share.
-const SHARED: [&str; 12] = [
+/// Headings with too many flags for the short help.
+const LONG: [&str; 14] = [
     "Volume",
     "Scene",
     "Transfer function",
@@ -67,6 +72,8 @@ const SHARED: [&str; 12] = [
     "Image",
     "Compositing",
     "Annotations",
+    "Turn",
+    "Animation",
     "Output",
     "Reference pixels",
 ];
@@ -89,10 +96,10 @@ pub fn complete(command: Command) -> Command {
 fn shortened(command: Command) -> Command {
     let is_short = std::env::args().any(|arg| arg == "-h");
     command.mut_args(|arg| {
-        let is_shared = arg.get_help_heading().is_some_and(|heading| SHARED.contains(&heading));
+        let is_long = arg.get_help_heading().is_some_and(|heading| LONG.contains(&heading));
         let is_global = arg.is_global_set();
         let is_help = matches!(arg.get_action(), ArgAction::Help | ArgAction::HelpShort | ArgAction::HelpLong);
-        let is_rare = (is_shared || is_global) && !is_help && !ESSENTIAL.contains(&arg.get_id().as_str());
+        let is_rare = (is_long || is_global) && !is_help && !ESSENTIAL.contains(&arg.get_id().as_str());
         let arg = if is_rare { arg.hide_short_help(true) } else { arg };
         if is_short { arg.help_heading(None::<&str>).hide_possible_values(true) } else { arg }
     })
@@ -158,13 +165,12 @@ mod tests {
     #[test]
     fn essential_flags_exist() {
         let command = Cli::command();
-        let render = command.find_subcommand("render").unwrap();
+        let all = || DRAWING.iter().flat_map(|name| command.find_subcommand(name).unwrap().get_arguments());
         for id in ESSENTIAL {
-            let known = render.get_arguments().chain(command.get_arguments()).any(|arg| arg.get_id() == id);
-            assert!(known, "no flag {id}");
+            assert!(all().chain(command.get_arguments()).any(|arg| arg.get_id() == id), "no flag {id}");
         }
-        for heading in SHARED {
-            assert!(render.get_arguments().any(|arg| arg.get_help_heading() == Some(heading)), "no heading {heading}");
+        for heading in LONG {
+            assert!(all().any(|arg| arg.get_help_heading() == Some(heading)), "no heading {heading}");
         }
     }
 }

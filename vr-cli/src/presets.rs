@@ -62,7 +62,7 @@ pub fn run(args: &PresetsArgs, console: Console, control: &Control) -> Result<()
     vr_io::write(&args.output, &preset_sheet::draw(&entries), &PngOptions::default()).map_err(Failure::failed)?;
 
     let volume = args.scene.volume.path.as_ref().map_or_else(|| "VOLUME".to_owned(), |path| path.display().to_string());
-    let mut table = Table::new(&["preset", "values in", "shows"]);
+    let mut table = Table::of_words(&["preset", "values in", "shows"]);
     for (preset, ..) in &drawn {
         table.row([preset.name(), preset.unit().name(), preset.title()].map(str::to_owned));
     }

@@ -2,16 +2,23 @@
 
 use std::fmt::Write;
 
-/// Table of rows of cells, the first column aligned left, the others right.
+/// Table of rows of cells, the first columns aligned left, the others right.
 #[derive(Debug)]
 pub struct Table {
     rows: Vec<Vec<String>>,
+    /// Number of columns that are aligned left.
+    left: usize,
 }
 
 impl Table {
-    /// Makes a table with a header.
+    /// Makes a table of names and numbers with a header.
     pub fn new(header: &[&str]) -> Self {
-        Self { rows: vec![header.iter().map(|&h| h.to_owned()).collect()] }
+        Self { rows: vec![header.iter().map(|&h| h.to_owned()).collect()], left: 1 }
+    }
+
+    /// Makes a table of words alone with a header.
+    pub fn of_words(header: &[&str]) -> Self {
+        Self { left: header.len(), ..Self::new(header) }
     }
 
     /// Adds a row; it may be shorter than the header.
@@ -28,10 +35,11 @@ impl std::fmt::Display for Table {
         for row in &self.rows {
             let mut line = String::new();
             for (c, (cell, &width)) in row.iter().zip(&widths).enumerate() {
-                if c == 0 {
-                    write!(line, "{cell:<width$}")?;
+                let gap = if c == 0 { "" } else { "  " };
+                if c < self.left {
+                    write!(line, "{gap}{cell:<width$}")?;
                 } else {
-                    write!(line, "  {cell:>width$}")?;
+                    write!(line, "{gap}{cell:>width$}")?;
                 }
             }
             writeln!(f, "{}", line.trim_end())?;
@@ -50,5 +58,8 @@ mod tests {
         t.row(["raycast".to_owned(), "1.5".to_owned()]);
         t.row(["π".to_owned(), "120.0".to_owned()]);
         assert_eq!(t.to_string(), "renderer     ms\nraycast     1.5\nπ         120.0\n");
+        let mut words = Table::of_words(&["preset", "shows"]);
+        words.row(["ct-bone".to_owned(), "bone".to_owned()]);
+        assert_eq!(words.to_string(), "preset   shows\nct-bone  bone\n");
     }
 }

@@ -76,7 +76,9 @@ impl Survey {
             _ if hints.patient => &[Mr, Pet, Ultrasound, Any],
             _ => &[Microscopy, Mr, Ultrasound, Any],
         };
-        families.iter().flat_map(|&family| Preset::ALL.into_iter().filter(move |p| p.family() == family)).collect()
+        let of_families = families.iter().flat_map(|&f| Preset::ALL.into_iter().filter(move |p| p.family() == f));
+        // The zero of Hounsfield units is water, which nothing is below but fat and air.
+        of_families.filter(|&preset| preset != Preset::CoolWarm || families[0] != Ct).collect()
     }
 
     fn kind_and_scale(&self, hints: &Hints) -> (Kind, Scale) {

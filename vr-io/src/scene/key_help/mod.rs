@@ -70,12 +70,12 @@ fn transfer() -> Vec<KeyHelp> {
         key(
             "range",
             Example("[0.0, 255.0]"),
-            "Values that a preset or a file is stretched over; absent: those of the volume.",
+            "Values that a preset or a file is stretched over; absent: its own, or those of the volume.",
         ),
         key(
             "file",
             Example("\"map.json\""),
-            "ParaView colour map in place of points, relative to the folder of this file.",
+            "Transfer function of ParaView, 3D Slicer, VTK, ImageJ, a table or TOML in place of points, relative to the folder of this file.",
         ),
         key(
             "unit_distance",
