@@ -44,9 +44,9 @@ fn halves(vr: &Vr, arguments: &str) -> [[f64; 3]; 2] {
 }
 
 /// True if a colour is that of one channel alone, but for white highlights.
-fn is_mostly(channel: usize, [r, g, b]: [f64; 3], least: f64) -> bool {
+fn is_mostly(channel: usize, [r, g, b]: [f64; 3], min: f64) -> bool {
     let color = [r, g, b];
-    color[channel] > least && (0..3).filter(|&c| c != channel).all(|c| color[c] < 0.4 * color[channel])
+    color[channel] > min && (0..3).filter(|&c| c != channel).all(|c| color[c] < 0.4 * color[channel])
 }
 
 #[test]
