@@ -56,6 +56,7 @@ mod tf;
 mod tf_picture;
 mod verify;
 mod volume_setup;
+mod wrapping;
 
 use std::process::ExitCode;
 

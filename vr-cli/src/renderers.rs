@@ -11,6 +11,7 @@ use vr_study::features::FeatureMatrix;
 use vr_texslice::TextureSlicer;
 
 use crate::failure::Failure;
+use crate::wrapping::wrapped;
 
 /// A renderer as a scene file states it, of which nothing is left open.
 #[derive(Clone, Debug)]
@@ -112,7 +113,7 @@ pub fn option_help(name: &str) -> Option<String> {
         let setting = format!("{key}={default}");
         let mut margin = format!("  {setting:<SETTING_WIDTH$}");
         for paragraph in [help.to_owned(), format!("{kind}{only_with}")] {
-            for line in wrapped(&paragraph, HELP_WIDTH) {
+            for line in wrapped(&paragraph, |line| line.chars().count() <= HELP_WIDTH) {
                 let _ = writeln!(text, "{margin}  {line}");
                 margin = " ".repeat(2 + SETTING_WIDTH);
             }
@@ -125,22 +126,6 @@ pub fn option_help(name: &str) -> Option<String> {
 const SETTING_WIDTH: usize = 28;
 /// Width of an option's description in the help text, in characters.
 const HELP_WIDTH: usize = 78;
-
-/// Breaks a text between words into lines of a width.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let line = lines.last_mut().expect("there is one");
-        if line.is_empty() {
-            *line = word.to_owned();
-        } else if line.chars().count() + 1 + word.chars().count() <= width {
-            *line += &format!(" {word}");
-        } else {
-            lines.push(word.to_owned());
-        }
-    }
-    lines
-}
 
 #[cfg(test)]
 mod tests {

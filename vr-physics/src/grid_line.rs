@@ -6,7 +6,7 @@
 
 use glam::{DMat3, DVec3};
 use vr_core::bound::Bound;
-use vr_core::field::{Chord, Cut, FieldLine, LineModel, Poly};
+use vr_core::field::{Chord, Cut, FieldLine, LineModel, Poly, distinct_places};
 use vr_core::filter::Reconstruction;
 use vr_core::{Calibration, Filter, GridVolume, IndexRay, Real, Sampler, Voxel};
 
@@ -387,21 +387,9 @@ impl<T: Voxel, F: Reconstruction> FieldLine for GridLine<'_, T, F> {
         self.each_face(|s, axis, _| {
             faces.push((s, self.chord.position_error[axis] / direction[axis].abs() + f64::EPSILON * s.abs()));
         });
-        faces.sort_by(|a, b| a.0.total_cmp(&b.0));
         let rounded = |end: f64, off: f64| (end, off + f64::EPSILON * end.abs());
-        let end = rounded(end, self.chord.end_error[1]);
-        let mut last = rounded(start, self.chord.end_error[0]);
-        out.push(start);
-        // Faces that may be one (an edge, a corner, the box itself) are one: what would lie between them need not exist. The surer
-        // one tells: a face that is grazed must not swallow another that is crossed.
-        for face in faces {
-            let same = |other: (f64, f64)| (face.0 - other.0).abs() <= 4.0 * face.1.min(other.1);
-            if !same(last) && !same(end) {
-                out.push(face.0);
-                last = face;
-            }
-        }
-        out.push(end.0);
+        let ends = [rounded(start, self.chord.end_error[0]), rounded(end, self.chord.end_error[1])];
+        distinct_places(ends, faces, out);
     }
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {

@@ -172,6 +172,23 @@ impl LineColor {
     }
 }
 
+/// Appends the two ends of a line's chord and, in order, the faces between them, each a distance with its error. Faces that may be one (an edge, a
+/// corner, the box itself) become one: what would lie between them need not exist. The surer one tells: a face that is grazed must not
+/// swallow another that is crossed.
+pub fn distinct_places([start, end]: [(f64, f64); 2], mut faces: Vec<(f64, f64)>, out: &mut Vec<f64>) {
+    faces.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut last = start;
+    out.push(start.0);
+    for face in faces {
+        let same = |other: (f64, f64)| (face.0 - other.0).abs() <= 4.0 * face.1.min(other.1);
+        if !same(last) && !same(end) {
+            out.push(face.0);
+            last = face;
+        }
+    }
+    out.push(end.0);
+}
+
 /// Rounding of the coefficients of a restricted polynomial: each is rounded again, and beside a large constant that is much.
 fn restriction_rounding(p: &Poly) -> f64 {
     let (constant, spread) = (p.coefficients()[0].abs(), p.spread(1.0));

@@ -19,7 +19,7 @@ mod poly;
 pub use chebyshev::{Interpolation, LEBESGUE, interpolation};
 pub use function::FunctionField;
 pub use function_line::FunctionLine;
-pub use line::{Chord, Cut, FieldLine, LineColor, LineModel};
+pub use line::{Chord, Cut, FieldLine, LineColor, LineModel, distinct_places};
 pub use point_line::PointLine;
 pub use poly::{Bernstein, MAX_DEGREE, Poly, chebyshev_point};
 

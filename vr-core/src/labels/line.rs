@@ -6,7 +6,7 @@ use super::labelled_grid::{Code, LabelledGrid};
 use super::lattice_ray::{Crossed, LatticeRay};
 use super::stretch::Stretch;
 use crate::bound::{Bound, largest};
-use crate::field::{Chord, Cut, Field, FieldLine, LEBESGUE, LineModel, Poly, interpolation};
+use crate::field::{Chord, Cut, Field, FieldLine, LEBESGUE, LineModel, Poly, distinct_places, interpolation};
 use crate::filter::Filter;
 use crate::ray::{IndexRay, Ray};
 use crate::shading::GradientMethod;
@@ -246,20 +246,9 @@ impl FieldLine for LabelledLine<'_> {
     fn breakpoints(&self, out: &mut Vec<f64>) {
         let mut faces = Vec::new();
         self.each_face(|face| faces.push((face.distance, face.error)));
-        faces.sort_by(|a, b| a.0.total_cmp(&b.0));
         let Chord { start, end, .. } = self.chord;
         let rounded = |at: f64| (at, self.misplaced(at) + f64::EPSILON * at.abs());
-        let (mut last, end) = (rounded(start), rounded(end));
-        out.push(start);
-        // Faces that may be one are one: what would lie between them need not exist. The surer one tells.
-        for face in faces {
-            let same = |other: (f64, f64)| (face.0 - other.0).abs() <= 4.0 * face.1.min(other.1);
-            if !same(last) && !same(end) {
-                out.push(face.0);
-                last = face;
-            }
-        }
-        out.push(end.0);
+        distinct_places([rounded(start), rounded(end)], faces, out);
     }
 
     fn between(&self, from: f64, to: f64) -> Option<LineModel> {
