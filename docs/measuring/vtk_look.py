@@ -16,6 +16,14 @@ reader = vtk.vtkXMLImageDataReader()
 reader.SetFileName(source)
 reader.Update()
 image = reader.GetOutput()
+# The mapper knows no directions: they become the volume's own.
+place = vtk.vtkMatrix4x4()
+for row in range(3):
+    for column in range(3):
+        place.SetElement(row, column, image.GetDirectionMatrix().GetElement(row, column))
+    place.SetElement(row, 3, image.GetOrigin()[row])
+image.SetDirectionMatrix(1, 0, 0, 0, 1, 0, 0, 0, 1)
+image.SetOrigin(0, 0, 0)
 low, high = image.GetScalarRange()
 
 colors = vtk.vtkColorTransferFunction()
@@ -39,6 +47,7 @@ mapper.SetImageSampleDistance(1.0)
 volume = vtk.vtkVolume()
 volume.SetMapper(mapper)
 volume.SetProperty(look)
+volume.SetUserMatrix(place)
 
 renderer, window = vtk.vtkRenderer(), vtk.vtkRenderWindow()
 window.SetOffScreenRendering(1)

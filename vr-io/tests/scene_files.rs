@@ -233,7 +233,8 @@ fn a_mesh_belongs_to_the_scene() {
     let camera = loaded.view.camera;
     let frame = camera.frame().unwrap();
     let Projection::Orthographic { height } = camera.projection else { panic!("orthographic") };
-    let seen = loaded.visible().into_iter().map(|p| (frame.transpose() * (p - camera.target)).abs() / (0.5 * height));
+    let seen =
+        loaded.visible().iter().copied().map(|p| (frame.transpose() * (p - camera.target)).abs() / (0.5 * height));
     let most = seen.fold(DVec3::ZERO, DVec3::max);
     assert!((most.x.max(most.y) - 0.9).abs() < 1e-9, "{most}");
     let mesh = loaded.mesh.unwrap();

@@ -100,7 +100,7 @@
 //!
 //! # What it does not do yet
 //! Its vector kernels ([`Vector`] says what they draw) know neither pre-integration nor the other filters and operators: those go ray by
-//! ray, and so do voxels with colours, in steps of less than half a voxel. Volumes that are no uniform grids it draws in uniform steps alone, by the rules midpoint and left. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
+//! ray, and so do voxels with colours, in steps of a fifth of a voxel at most. Volumes that are no uniform grids it draws in uniform steps alone, by the rules midpoint and left. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 // What the modules hold for classics alone; the check for dead code is that with all features.
 #![cfg_attr(not(feature = "classics"), allow(dead_code))]

@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn what_is_clear_takes_its_neighbours_colour() {
-        let at = |i: usize| if i % 3 == 0 { [255, 0, 0, 90] } else { [0, 0, 0, 0] };
+        let at = |i: usize| if i.is_multiple_of(3) { [255, 0, 0, 90] } else { [0, 0, 0, 0] };
         let grid = grid(&(0..12).flat_map(at).collect::<Vec<u8>>(), 4);
         assert_eq!((grid.value_source(), grid.values().value_range()), (ColorValue::Opacity, Some((0.0, 90.0))));
         assert_eq!(grid.color([0.7f64, 0.5, 0.5]), [1.0, 0.0, 0.0], "beside what is red");

@@ -35,18 +35,14 @@ pub enum LabelError {
     },
     /// Labels of another part of the world than the volume's.
     #[error(
-        "the labels lie from {labels:?} to {labels_end:?} and the volume from {volume:?} to {volume_end:?}: they do not overlap, so one is in another \
-         place or patient space (units, LPS and RAS)"
+        "the labels lie from {:?} to {:?} and the volume from {:?} to {:?}: they do not overlap, so one is in another place or patient space (units, \
+         LPS and RAS)", labels[0], labels[1], volume[0], volume[1]
     )]
     Apart {
-        /// Lower corner of the labels' world box.
-        labels: [f64; 3],
-        /// Upper corner of it.
-        labels_end: [f64; 3],
-        /// Lower corner of the volume's world box.
-        volume: [f64; 3],
-        /// Upper corner of it.
-        volume_end: [f64; 3],
+        /// Lower and upper corner of the labels' world box.
+        labels: Box<[[f64; 3]; 2]>,
+        /// Lower and upper corner of the volume's world box.
+        volume: Box<[[f64; 3]; 2]>,
     },
     /// A style with an opacity or a colour out of range.
     #[error("label {label}: {what} is {found}, must be {allowed}")]

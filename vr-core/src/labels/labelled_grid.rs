@@ -105,10 +105,10 @@ impl LabelledGrid {
     ) -> Result<Self, LabelError> {
         let open = open_sides(&volume, &labels)?;
         // A band holds all values of the field, and some room, so that no rounding leads into the next one. Cubic filters overshoot.
-        let (least, most) = volume.value_range().unwrap_or((0.0, 1.0));
-        let contrast = if most > least { most - least } else { most.abs().max(1.0) };
+        let (min, max) = volume.value_range().unwrap_or((0.0, 1.0));
+        let contrast = if max > min { max - min } else { max.abs().max(1.0) };
         let room = contrast * if volume.filter().reach() == 0 { 0.25 } else { 32.0 };
-        let (low, width) = (least - room, most - least + 2.0 * room);
+        let (low, width) = (min - room, max - min + 2.0 * room);
         // Labels of one style share its band.
         let mut styles = vec![LabelStyle::VOLUME];
         let mut codes = Vec::with_capacity(labels.labels().len());
@@ -249,9 +249,8 @@ fn open_sides(volume: &GridVolume, labels: &LabelMap) -> Result<OpenSides, Label
     let labels_there = hull(label_corners.map(|c| volume.placement().to_index(c)));
     let (label_box, volume_box) = (box_of(labels.dims(), 0.5), box_of(volume.dims(), 0.0));
     if apart(volume_here, label_box) || apart(labels_there, volume_box) {
-        let ((labels, labels_end), (volume, volume_end)) = (hull(label_corners), hull(volume_corners));
-        let [labels, labels_end, volume, volume_end] = [labels, labels_end, volume, volume_end].map(|c| c.to_array());
-        return Err(LabelError::Apart { labels, labels_end, volume, volume_end });
+        let corners = |(low, high): (DVec3, DVec3)| Box::new([low.to_array(), high.to_array()]);
+        return Err(LabelError::Apart { labels: corners(hull(label_corners)), volume: corners(hull(volume_corners)) });
     }
     let tiny = 1e-6;
     Ok(std::array::from_fn(|a| [volume_here.0[a] < label_box.0[a] - tiny, volume_here.1[a] > label_box.1[a] + tiny]))
