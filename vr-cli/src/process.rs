@@ -48,10 +48,11 @@ mod tests {
         let filled = std::hint::black_box(vec![1u8; 64 << 20]);
         assert!(peak_bytes().unwrap() >= filled.len() as u64);
         let before = cpu_time().unwrap();
+        // Other tests of this process may be what the clock tells of.
         let (mut spins, deadline) = (0u64, Instant::now() + Duration::from_secs(60));
         while cpu_time().unwrap() - before < Duration::from_millis(2) && Instant::now() < deadline {
             spins = std::hint::black_box(spins + 1);
         }
-        assert!(spins > 0 && Instant::now() < deadline, "the clock stands still, or runs ahead");
+        assert!(Instant::now() < deadline, "the clock stands still after {spins} turns");
     }
 }
