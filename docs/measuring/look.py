@@ -109,7 +109,7 @@ def main():
         head = "| volume | kind | fills | luma | spread | near black | near white | detail | RMSE |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n"
         line = "| {} | {} | {fills:.2f} | {luma:.0f} | {spread:.0f} | {black:.2f} | {white:.2f} | {detail:.1f} | {:.1e} |\n"
         body = "".join(line.format(name, kind, error, **found) for name, kind, found, error in rows)
-        options.table.write_text("# First pictures\n\nMade by `docs/measuring/look.py`, which says what the columns are; the pictures are [look.jpg](../look.jpg).\n\n" + head + body)
+        options.table.write_text("# First pictures\n\nMade by `docs/measuring/look.py`, which says what the columns are; the pictures are [look.jpg](../look.jpg), with those of VTK (vtk_look.py) beside them.\n\n" + head + body)
 
 
 if __name__ == "__main__":
