@@ -97,13 +97,8 @@ impl Image {
             return Err(FieldError::new(tags::PIXEL_DATA.name(), "nothing", "the object holds no image").into());
         };
         if syntax.frames == FrameCoding::Unread {
-            let allowed =
-                "must be uncompressed, deflated, RLE, JPEG (baseline, extended of 8 bits, lossless), or JPEG 2000";
+            let allowed = "must be uncompressed, deflated, RLE, or JPEG (baseline, extended of 8 bits, lossless)";
             return Err(FieldError::new(tags::TRANSFER_SYNTAX_UID.name(), &syntax.name, allowed).into());
-        }
-        #[cfg(not(feature = "jpeg2000"))]
-        if syntax.frames == FrameCoding::Jpeg2000 {
-            return Err(FileErrorKind::Feature { format: "JPEG 2000 in DICOM", feature: "jpeg2000" });
         }
         let photometric = elements.text(tags::PHOTOMETRIC_INTERPRETATION).unwrap_or_default().into_owned();
         let shape = shape(&elements, &pixels)?;

@@ -11,8 +11,6 @@ mod encapsulated;
 mod file;
 mod image;
 mod jpeg;
-#[cfg(feature = "jpeg2000")]
-mod jpeg2000;
 mod pixels;
 mod rle;
 #[cfg(test)]

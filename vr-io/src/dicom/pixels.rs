@@ -9,8 +9,6 @@ use vr_core::Calibration;
 
 use super::encapsulated::{self, Fragment};
 use super::image::{Image, Numbers};
-#[cfg(feature = "jpeg2000")]
-use super::jpeg2000;
 use super::transfer_syntax::FrameCoding;
 use super::{jpeg, rle};
 use crate::encoding::Encoding;
@@ -51,7 +49,6 @@ pub(super) fn source(images: Vec<Image>, slices: &[SliceId], notes: &mut Vec<Str
     let encoding = match (&images[0].syntax.frames, images[0].syntax.deflated) {
         (FrameCoding::Rle, _) => "RLE",
         (FrameCoding::Jpeg, _) => "JPEG",
-        (FrameCoding::Jpeg2000, _) => "JPEG 2000",
         (_, true) => "deflate",
         _ => "raw",
     };
@@ -173,16 +170,14 @@ fn frame(image: &Image, frames: &Frames, index: usize) -> Result<Vec<u8>, FileEr
         Frames::Inflated(all) => Ok(all[start as usize..(start + bytes) as usize].to_vec()),
         Frames::Coded(fragments) => {
             let coded = encapsulated::read(&image.path, &fragments[index])?;
-            let (encoding, decoded) = match image.syntax.frames {
-                FrameCoding::Rle => {
-                    let pixels = shape.rows * shape.columns;
-                    ("RLE", rle::decode(&coded, pixels, shape.samples, shape.numbers.scalar.bytes()))
-                }
-                #[cfg(feature = "jpeg2000")]
-                FrameCoding::Jpeg2000 => ("JPEG 2000", jpeg2000::decode(&coded, shape)),
-                _ => ("JPEG", jpeg::decode(&coded, shape, &image.photometric)),
-            };
-            decoded.map_err(|source| FileErrorKind::Damaged { encoding, source })
+            if image.syntax.frames == FrameCoding::Rle {
+                let pixels = shape.rows * shape.columns;
+                rle::decode(&coded, pixels, shape.samples, shape.numbers.scalar.bytes())
+                    .map_err(|source| FileErrorKind::Damaged { encoding: "RLE", source })
+            } else {
+                jpeg::decode(&coded, shape, &image.photometric)
+                    .map_err(|source| FileErrorKind::Damaged { encoding: "JPEG", source })
+            }
         }
     }
 }

@@ -355,7 +355,8 @@ fn other_codings_of_the_same_voxels() {
         sample.transfer_syntax = uid.into();
         refusal(&[[sample.bytes(), encapsulated(&[vec![0; 8]])].concat()])
     };
-    assert!(unread("1.2.840.10008.1.2.4.80").contains("TransferSyntaxUID (0002,0010): found JPEG-LS lossless"));
+    assert!(unread("1.2.840.10008.1.2.4.90").contains("TransferSyntaxUID (0002,0010): found JPEG 2000 lossless"));
+    assert!(unread("1.2.840.10008.1.2.4.80").contains("JPEG-LS lossless"));
     assert!(unread("1.2.840.10008.1.2.4.50").contains("slices"));
 }
 
