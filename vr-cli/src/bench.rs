@@ -20,6 +20,7 @@ use crate::scene_setup::{Configured, Setup};
 /// # Errors
 /// Any fault of the command line, the volume, or the scene.
 pub fn run(args: &BenchArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    args.scene.image.check_opaque()?;
     let setup = Setup::for_renderer(&args.scene, &args.renderer, console)?;
     let Configured { renderer, options, max_error, .. } = setup.renderer(&args.renderer, console)?;
     let measured =

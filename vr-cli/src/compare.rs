@@ -10,7 +10,7 @@ use vr_physics::metrics::{Metrics, subgrid};
 use vr_study::figures::ErrorFigures;
 use vr_study::reference::ReferencePixels;
 
-use crate::args::{Background, CompareArgs};
+use crate::args::CompareArgs;
 use crate::console::Console;
 use crate::contact_sheet::{self, Entry};
 use crate::failure::Failure;
@@ -37,10 +37,7 @@ const SUBGRID: u32 = 16;
 /// Any fault of the command line, the volume, the scene, or the sheet.
 pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<(), Failure> {
     output_file::check(&args.output, &["png"])?;
-    if args.scene.image.background == Some(Background::Transparent) {
-        let message = "the sheet has no opacity; must be a colour (vr render keeps it)";
-        return Err(Failure::usage(format!("--background: found transparent, but {message}")));
-    }
+    args.scene.image.check_opaque()?;
     let candidates = candidates(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
     let mut setup = Setup::new(&args.scene, console)?;
     setup.protect([("--output", &*args.output)])?;

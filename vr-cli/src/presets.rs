@@ -23,6 +23,7 @@ const DEFAULT_SIZE: [u32; 2] = [256, 256];
 /// # Errors
 /// Any fault of the command line, the volume, the scene, or the sheet.
 pub fn run(args: &PresetsArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    args.scene.image.check_opaque()?;
     output_file::check(&args.output, &["png"])?;
     refuse_transfer(&args.scene)?;
     let choose = |found: &LoadedVolume| if args.all { Preset::ALL.to_vec() } else { suitable(found) };

@@ -29,6 +29,7 @@ const FULL_PIXELS: f64 = 320.0 * 320.0;
 /// # Errors
 /// Any fault of the command line, the volume, the scene, or the folder; figures that are worse than a baseline.
 pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    args.scene.image.check_opaque()?;
     // Read the command line, the baseline and the scene.
     let suite = match args.suite {
         SuiteName::Quick => Suite::Quick,

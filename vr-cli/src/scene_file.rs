@@ -19,6 +19,7 @@ use crate::{exact_cache, output_file, target};
 /// # Errors
 /// Any fault of the command line, the volume, the scene, or the file to be written.
 pub fn run(args: &SceneFileArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    args.scene.image.check_opaque()?;
     if let Some(place) = &args.output {
         output_file::check(place, &["toml"])?;
     }

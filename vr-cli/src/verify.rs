@@ -18,6 +18,7 @@ use crate::{exact_cache, renderers};
 /// # Errors
 /// Any fault of the command line, the volume, or the scene; an order that is not as documented.
 pub fn run(args: &VerifyArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    args.scene.image.check_opaque()?;
     // Choose the renderers that document an order.
     let chosen = renderers::chosen(&args.renderers)?;
     let chosen: Vec<Box<dyn StudiedRenderer>> = chosen.into_iter().filter(|r| !r.convergence().is_empty()).collect();

@@ -104,6 +104,10 @@ impl Film<'_> {
     /// Refuses frames that cannot be drawn, by number.
     fn check_shots(&self) -> Result<(), Failure> {
         let own = &self.setup.scene;
+        if self.setup.labels.is_some() && self.shots.iter().any(|shot| shot.points.is_some()) {
+            let message = "keys: points of the transfer function cannot go with labels, whose styles are part of it; leave one of them out";
+            return Err(Failure::failed(message));
+        }
         for (i, shot) in self.shots.iter().enumerate() {
             let named = |e: ParameterError| Failure::failed(format!("frame {i}: {e}"));
             shot.view(&self.setup.view).validate().map_err(named)?;

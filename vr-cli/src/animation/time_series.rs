@@ -50,6 +50,11 @@ pub fn set_up(
         return Ok((setup, volumes));
     }
     let (mut file, origin) = described(args)?;
+    if file.labels.is_some() {
+        return Err(Failure::usage(
+            "--time-series: labels are of one volume, and cannot go with a series; leave one of them out",
+        ));
+    }
     let scene_file = args.scene.clone().unwrap_or_default();
     let (sections, files) = series(&file.volume, &scene_file)?;
     let strongest = match animation.look_from {
@@ -137,10 +142,10 @@ fn common_range(file: &mut SceneFile, sections: &[VolumeSection], scene_file: &P
     let (mut low, mut high, mut strongest) = (f64::INFINITY, f64::NEG_INFINITY, 0);
     for (number, section) in sections.iter().enumerate() {
         let loaded = vr_io::load_volume(section, scene_file).map_err(Failure::failed)?;
-        if let Some((least, largest)) = loaded.volume.value_range() {
-            low = low.min(least);
-            if largest > high {
-                (high, strongest) = (largest, number);
+        if let Some((min, max)) = loaded.volume.value_range() {
+            low = low.min(min);
+            if max > high {
+                (high, strongest) = (max, number);
             }
         }
     }

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use glam::DVec3;
 
 use super::value;
-use super::{Bits, RendererArgs, SceneArgs};
+use super::{Background, Bits, RendererArgs, SceneArgs};
 
 /// `vr turntable`.
 #[derive(Debug, Args)]
@@ -57,7 +57,7 @@ pub struct TurnArgs {
 }
 
 /// Frames and files of an animation.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Animation")]
 pub struct AnimationArgs {
     /// Animation to write (.gif, .webp, .apng or .png), or its frames: a pattern (frame-%04d.png) or a folder (frames/); may be repeated
@@ -104,6 +104,11 @@ impl AnimationArgs {
     /// True if the animation begins again when it is over.
     pub fn repeats(&self) -> bool {
         self.repeat || !self.once
+    }
+
+    /// Returns the same flags with the opacity kept, if the background is transparent.
+    pub fn before(&self, background: Option<Background>) -> Self {
+        Self { alpha: self.alpha || background == Some(Background::Transparent), ..self.clone() }
     }
 
     /// Returns every place that is written to.

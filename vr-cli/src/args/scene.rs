@@ -7,6 +7,7 @@ use vr_core::{Filter, GradientMethod, OpacityRule};
 use vr_io::{ColorEncoding, CompositingName, LookName, ProjectionName};
 
 use super::{Background, LabelArgs, VolumeArgs, value};
+use crate::failure::Failure;
 
 /// A scene: a file, and what overrides it.
 #[derive(Debug, Args)]
@@ -185,6 +186,21 @@ pub struct ImageArgs {
     /// Keep the side of a plane where normal . x >= offset; may be repeated
     #[arg(long, value_name = "X,Y,Z,OFFSET", value_parser = value::plane, allow_hyphen_values = true)]
     pub clip_plane: Vec<([f64; 3], f64)>,
+}
+
+impl ImageArgs {
+    /// Refuses a transparent background, for commands that write no picture with opacity.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] naming the commands that keep it.
+    pub fn check_opaque(&self) -> Result<(), Failure> {
+        if self.background == Some(Background::Transparent) {
+            let message =
+                "nothing here keeps opacity; must be a colour (vr render keeps it, and so do turntable and animate)";
+            return Err(Failure::usage(format!("--background: found transparent, but {message}")));
+        }
+        Ok(())
+    }
 }
 
 /// Compositing of the field along a ray.

@@ -27,6 +27,7 @@ use crate::scene_setup::Setup;
 /// # Errors
 /// Any fault of the command line, the volume, the scene, or the file to be written; a pixel that the picture does not have.
 pub fn run(args: &RayArgs, console: Console, control: &Control) -> Result<(), Failure> {
+    args.scene.image.check_opaque()?;
     if let Some(path) = &args.csv {
         output_file::check(path, &["csv"])?;
     }

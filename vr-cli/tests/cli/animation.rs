@@ -217,3 +217,30 @@ fn what_cannot_be_written_is_refused_before_anything_is_drawn() {
     assert!(vr.run(&format!("animate keys.toml {SMALL}")).failed(1).contains("did you mean 'zoom'"));
     assert_eq!(fs::read(vr.folder().join("f-1.png")).unwrap(), b"mine");
 }
+
+#[test]
+fn a_transparent_background_is_that_of_every_frame() {
+    let vr = Vr::new();
+    let flags = "--phantom fog --phantom-size 8 --size 16x16 --frames 2 --background transparent";
+    vr.run(&format!("turntable {flags} -o f-%d.png")).succeeded();
+    assert_eq!(vr.picture("f-0.png").to_rgba8().get_pixel(0, 0).0[3], 0);
+    assert!(vr.run(&format!("turntable {flags} -o f.gif")).failed(2).contains("GIF"));
+}
+
+#[test]
+fn labels_stay_with_the_volume_and_the_colours_that_they_are_made_for() {
+    let vr = Vr::new();
+    vr.write("v.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n0 1 2 3 4 5 6 7\n");
+    vr.write("l.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n0 0 0 0 1 1 1 1\n");
+    let flags = "v.nrrd --labels l.nrrd --size 8x8 --frames 2 -o f-%d.png";
+    let error = vr.run(&format!("turntable {flags} --time-series")).failed(2);
+    assert!(error.contains("labels are of one volume"), "{error}");
+    let points = "points = [{ value = 0, color = [1, 1, 1], opacity = 0.1 }]";
+    vr.write(
+        "keys.toml",
+        format!("[[keys]]\ntime = 0\nazimuth = 0\n{points}\n[[keys]]\ntime = 1\nazimuth = 9\n{points}\n"),
+    );
+    let error = vr.run(&format!("animate keys.toml {flags}")).failed(1);
+    assert!(error.contains("cannot go with labels"), "{error}");
+    vr.run(&format!("turntable {flags}")).succeeded();
+}

@@ -88,7 +88,10 @@ fn a_transparent_background_keeps_the_opacity() {
     vr.run(&format!("{BLOBS} --size 64 --background #ff8000 -o c.png")).succeeded();
     assert_eq!(vr.picture("c.png").get_pixel(0, 0).0[..3], [255, 128, 0]);
     assert!(vr.run("render --background plaid").failed(2).contains("#RRGGBB"));
-    assert!(vr.run("compare --size 8 --background transparent").failed(2).contains("vr render keeps it"));
+    for command in ["compare", "bench", "presets", "scene", "ray 1 1"] {
+        let error = vr.run(&format!("{command} --size 8 --background transparent")).failed(2);
+        assert!(error.contains("vr render keeps it"), "{command}: {error}");
+    }
 }
 
 #[test]
