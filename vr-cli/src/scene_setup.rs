@@ -413,6 +413,7 @@ pub fn title(section: &VolumeSection, volume: &Volume) -> String {
             format!("{name}, {} {} with colours", number::triple(u.dims(), "×"), u.voxel_type())
         }
         Volume::Points(p) => format!("{name}, {} points", p.count()),
+        Volume::Cells(mesh) => format!("{name}, {} cells", mesh.cells().len()),
         Volume::Field(field) => format!("{name}, {}", field.kind()),
     }
 }

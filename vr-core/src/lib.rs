@@ -40,9 +40,12 @@
 
 mod any_grid;
 pub mod bound;
+mod box_tree;
 mod camera;
+pub mod cells;
 mod central_differences;
 mod classification;
+mod clip_error;
 mod color_grid;
 mod compositing;
 mod configurable;
@@ -68,7 +71,6 @@ pub mod parallel;
 pub mod phantom;
 mod placement;
 mod point_field;
-mod point_index;
 mod point_kernel;
 mod point_set;
 mod probe;
@@ -90,6 +92,7 @@ mod voxel;
 
 pub use any_grid::AnyGrid;
 pub use camera::{Camera, Projection};
+pub use cells::CellMesh;
 pub use central_differences::{gradient_at_sample, gradient_between_samples};
 pub use classification::Classification;
 pub use color_grid::{ColorGrid, ColorValue};

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use crate::box_tree::LocalLine;
 use crate::parallel::collect;
-use crate::point_index::LocalLine;
 use crate::point_set::PointSet;
 use crate::ray::Ray;
 

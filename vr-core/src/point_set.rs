@@ -4,9 +4,9 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
+use crate::box_tree::{Bounds, BoxTree};
 use crate::error::PointError;
 use crate::limits::MAX_COORDINATE;
-use crate::point_index::PointIndex;
 use crate::point_kernel::PointKernel;
 
 /// Points that each carry a value, spread around them by a kernel.
@@ -36,7 +36,7 @@ pub struct PointSet {
     kernel: PointKernel,
     bounds: (DVec3, DVec3),
     /// Tree of the supports, made when first asked for, then kept.
-    index: OnceLock<PointIndex>,
+    index: OnceLock<BoxTree>,
     range: OnceLock<(f64, f64)>,
 }
 
@@ -119,8 +119,15 @@ impl PointSet {
     }
 
     /// Index of the supports.
-    pub(crate) fn index(&self) -> &PointIndex {
-        self.index.get_or_init(|| PointIndex::new(&self.positions, &self.radii, self.bounds))
+    pub(crate) fn index(&self) -> &BoxTree {
+        self.index.get_or_init(|| {
+            let radius = |k: usize| f64::from(self.radii[k]);
+            let around = |k: usize| {
+                let (at, reach) = (self.positions[k], DVec3::splat(radius(k)));
+                Bounds { low: at - reach, high: at + reach }
+            };
+            BoxTree::new(self.positions.len(), self.bounds, |k| (self.positions[k], radius(k)), around)
+        })
     }
 
     /// The range of the field, once it is known.

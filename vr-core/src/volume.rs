@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::any_grid::AnyGrid;
+use crate::cells::CellMesh;
 use crate::color_grid::ColorGrid;
 use crate::field::{Field, FunctionField};
 use crate::filter::Filter;
@@ -38,6 +39,8 @@ pub enum Volume {
     Color(Arc<ColorGrid>),
     /// Scattered points.
     Points(Arc<PointSet>),
+    /// A mesh of tetrahedra.
+    Cells(Arc<CellMesh>),
     /// Any other field: a function, or a kind of volume of the caller's own.
     Field(Arc<dyn Field>),
 }
@@ -47,7 +50,7 @@ impl Volume {
     pub fn grid(&self) -> Option<&Arc<GridVolume>> {
         match self {
             Self::Grid(grid) => Some(grid),
-            Self::Color(_) | Self::Points(_) | Self::Field(_) => None,
+            Self::Color(_) | Self::Points(_) | Self::Cells(_) | Self::Field(_) => None,
         }
     }
 
@@ -65,8 +68,13 @@ impl Volume {
     pub fn points(&self) -> Option<&Arc<PointSet>> {
         match self {
             Self::Points(points) => Some(points),
-            Self::Grid(_) | Self::Color(_) | Self::Field(_) => None,
+            Self::Grid(_) | Self::Color(_) | Self::Cells(_) | Self::Field(_) => None,
         }
+    }
+
+    /// The mesh of cells, if it is one.
+    pub fn cells(&self) -> Option<&Arc<CellMesh>> {
+        if let Self::Cells(mesh) = self { Some(mesh) } else { None }
     }
 
     /// The field of a volume that is no grid, which has faster ways of its own, with colours or without.
@@ -74,16 +82,18 @@ impl Volume {
         match self {
             Self::Grid(_) | Self::Color(_) => None,
             Self::Points(points) => Some(&**points),
+            Self::Cells(mesh) => Some(&**mesh),
             Self::Field(field) => Some(&**field),
         }
     }
 
-    /// Kind in messages: `uniform grid`, `coloured grid`, `scattered points`, `function`.
+    /// Kind in messages: `uniform grid`, `coloured grid`, `scattered points`, `mesh of cells`, `function`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Grid(_) => "uniform grid",
             Self::Color(_) => "coloured grid",
             Self::Points(points) => points.kind(),
+            Self::Cells(mesh) => mesh.kind(),
             Self::Field(field) => field.kind(),
         }
     }
@@ -110,6 +120,7 @@ impl Volume {
             Self::Grid(grid) => grid.value_range(),
             Self::Color(colors) => colors.values().value_range(),
             Self::Points(points) => Some(points.value_range()),
+            Self::Cells(mesh) => Some(mesh.value_range()),
             Self::Field(field) => field.value_range(),
         }
     }
@@ -120,17 +131,19 @@ impl Volume {
             Self::Grid(grid) => grid.bounds(),
             Self::Color(colors) => colors.values().bounds(),
             Self::Points(points) => points.bounds(),
+            Self::Cells(mesh) => mesh.bounds(),
             Self::Field(field) => field.bounds(),
         }
     }
 
-    /// Mean distance between voxels in world units, half the mean radius of points, or a field's own spacing: the default `unit_distance` of a
+    /// Mean distance between voxels in world units, half the mean radius of points, the edge of a cube of six cells, or a field's own spacing: the default `unit_distance` of a
     /// transfer function.
     pub fn mean_spacing(&self) -> f64 {
         match self {
             Self::Grid(grid) => mean_spacing(grid),
             Self::Color(colors) => mean_spacing(colors.values()),
             Self::Points(points) => points.mean_spacing(),
+            Self::Cells(mesh) => mesh.mean_spacing(),
             Self::Field(field) => field.spacing(),
         }
     }
@@ -141,6 +154,7 @@ impl Volume {
             Self::Grid(grid) => grid.prepare_derived(),
             Self::Color(colors) => colors.values().prepare_derived(),
             Self::Points(points) => points.prepare_derived(),
+            Self::Cells(mesh) => mesh.prepare_derived(),
             Self::Field(field) => field.prepare_derived(),
         }
     }
@@ -151,6 +165,7 @@ impl Volume {
             (Self::Grid(a), Self::Grid(b)) => a.same(b),
             (Self::Color(a), Self::Color(b)) => a.same(b),
             (Self::Points(a), Self::Points(b)) => Arc::ptr_eq(a, b),
+            (Self::Cells(a), Self::Cells(b)) => Arc::ptr_eq(a, b),
             (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
@@ -180,6 +195,12 @@ impl From<ColorGrid> for Volume {
 impl From<PointSet> for Volume {
     fn from(points: PointSet) -> Self {
         Self::Points(Arc::new(points))
+    }
+}
+
+impl From<CellMesh> for Volume {
+    fn from(mesh: CellMesh) -> Self {
+        Self::Cells(Arc::new(mesh))
     }
 }
 

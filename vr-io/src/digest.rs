@@ -5,7 +5,8 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
-use vr_core::{GridVolume, PointSet, Volume, parallel, with_grid};
+use vr_core::cells::CellValues;
+use vr_core::{CellMesh, GridVolume, PointSet, Volume, parallel, with_grid};
 
 use crate::error::FileError;
 
@@ -39,6 +40,7 @@ pub fn volume_hash(volume: &Volume) -> Option<String> {
             Some(grid_hash("colours", colors.values(), &parts))
         }
         Volume::Points(points) => Some(points_hash(points)),
+        Volume::Cells(mesh) => Some(cells_hash(mesh)),
         Volume::Field(_) => None,
     }
 }
@@ -66,6 +68,17 @@ fn points_hash(points: &PointSet) -> String {
     let columns = [points.radii(), points.weights(), points.values()].map(bytemuck::cast_slice);
     let header = format!("points {} {:?}", points.count(), points.kernel());
     digest(&header, &[bytemuck::cast_slice(&positions), columns[0], columns[1], columns[2]])
+}
+
+fn cells_hash(mesh: &CellMesh) -> String {
+    let positions: Vec<f64> = mesh.vertices().iter().flat_map(|p| p.to_array()).collect();
+    let (kind, values) = match mesh.values() {
+        CellValues::Vertices(values) => ("vertices", values),
+        CellValues::Cells(values) => ("cells", values),
+    };
+    let header = format!("mesh of {} cells, values of {kind}", mesh.cells().len());
+    let cells = bytemuck::cast_slice(mesh.cells());
+    digest(&header, &[bytemuck::cast_slice(&positions), cells, bytemuck::cast_slice(values)])
 }
 
 /// SHA-256 of a file's bytes, in 64 hexadecimal digits, as `sha256sum` prints it.

@@ -38,6 +38,7 @@ impl Lattice {
             Volume::Grid(grid) => of_grid(grid),
             Volume::Color(colors) => of_grid(colors.values()),
             Volume::Points(points) => of_field(&**points),
+            Volume::Cells(mesh) => of_field(&**mesh),
             Volume::Field(field) => of_field(&**field),
         }
     }

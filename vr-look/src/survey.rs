@@ -3,7 +3,7 @@
 use glam::DVec3;
 use vr_core::optics::opacity_of_depth;
 use vr_core::parallel::collect;
-use vr_core::{Clip, ColorValue, Compositing, ControlPoint, Filter, Shading, TransferFunction, Volume};
+use vr_core::{Clip, ColorValue, Compositing, ControlPoint, Field, Filter, Shading, TransferFunction, Volume};
 
 use crate::exposure;
 use crate::kind::{Kind, Values, kind_of, scale_of_colors};
@@ -69,6 +69,7 @@ impl Survey {
         let can_shade = match volume {
             Volume::Grid(_) | Volume::Color(_) => true,
             Volume::Points(_) => false,
+            Volume::Cells(mesh) => mesh.has_gradient(),
             Volume::Field(field) => field.has_gradient(),
         };
         Self {

@@ -82,6 +82,7 @@ impl<'a> Solver<'a> {
             (Model::Canonical, Volume::Color(colors)) => colored(Arc::clone(colors)),
             (Model::Filtered(filter), Volume::Color(colors)) => colored(Arc::new(colors.with_filter(*filter))),
             (Model::Canonical, Volume::Points(points)) => field(&**points),
+            (Model::Canonical, Volume::Cells(mesh)) => field(&**mesh),
             (Model::Canonical, Volume::Field(any)) => field(&**any),
             _ => return Err(unsupported(Feature::Model, format!("the model {model:?}"))),
         };

@@ -74,11 +74,11 @@ fn volume_of(
             made(inline::points(points, kernel.unwrap_or_default()).map_err(in_file)?, None)
         }
     };
-    if let Volume::Points(_) = &loaded.volume
+    if loaded.volume.filter().is_none()
         && let Some(filter) = section.filter
         && filter != Filter::default()
     {
-        let allowed = "only grids have a filter; points have a kernel";
+        let allowed = "only grids have a filter; points have a kernel, and meshes are linear in each cell";
         return Err(in_file(wrong("volume.filter", filter.name(), allowed)));
     }
     Ok(Some(loaded))

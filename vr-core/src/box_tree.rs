@@ -1,17 +1,17 @@
-//! Index of the supports of scattered points: a tree of boxes.
+//! Index of things by their boxes: the supports of scattered points, the cells of a mesh.
 
 use glam::DVec3;
 
 use crate::parallel::collect;
 
-/// A balanced tree of boxes around supports.
+/// A balanced tree of boxes around items that are numbered from 0.
 ///
-/// A support is a point of four dimensions, its position and its radius; each node is cut in the middle of its points, across the longest
-/// of the four extents. So a few large supports among many small ones come into boxes of their own, and do not widen the others';
-/// whatever the distribution, there are ⌈log₂(n/8)⌉ levels. The tree depends on the points alone, not on the number of threads.
+/// An item is a point of four dimensions, its middle and its radius; each node is cut in the middle of its items, across the longest
+/// of the four extents. So a few large items among many small ones come into boxes of their own, and do not widen the others';
+/// whatever the distribution, there are ⌈log₂(n/8)⌉ levels. The tree depends on the items alone, not on the number of threads.
 #[derive(Clone)]
-pub(crate) struct PointIndex {
-    /// Points by leaf.
+pub(crate) struct BoxTree {
+    /// Items by leaf.
     order: Vec<u32>,
     /// Node j of level l is number 2ˡ + j; its children are 2j and 2j + 1 of the next level.
     boxes: Vec<Bounds>,
@@ -22,18 +22,20 @@ pub(crate) struct PointIndex {
     reach: DVec3,
 }
 
-impl std::fmt::Debug for PointIndex {
+impl std::fmt::Debug for BoxTree {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // All of it follows from the points.
-        f.debug_struct("PointIndex").field("levels", &self.levels).finish_non_exhaustive()
+        // All of it follows from the items.
+        f.debug_struct("BoxTree").field("levels", &self.levels).finish_non_exhaustive()
     }
 }
 
-/// An axis-parallel box, relative to the middle of all.
+/// An axis-parallel box.
 #[derive(Clone, Copy, Debug, Default)]
-struct Bounds {
-    low: DVec3,
-    high: DVec3,
+pub(crate) struct Bounds {
+    /// Its lowest corner.
+    pub(crate) low: DVec3,
+    /// Its highest corner.
+    pub(crate) high: DVec3,
 }
 
 impl Bounds {
@@ -41,6 +43,10 @@ impl Bounds {
 
     fn join(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    fn moved(self, by: DVec3) -> Self {
+        Self { low: self.low + by, high: self.high + by }
     }
 }
 
@@ -55,48 +61,51 @@ pub(crate) struct LocalLine {
     pub(crate) ends: [f64; 2],
 }
 
-/// The largest number of points of a leaf.
+/// The largest number of items of a leaf.
 const LEAF: usize = 8;
-/// Nodes of fewer points are arranged by one thread.
+/// Nodes of fewer items are arranged by one thread.
 const ALONE: usize = 1 << 13;
 
-/// A support while the tree is made.
+/// An item while the tree is made.
 #[derive(Clone, Copy, Default)]
-struct Support {
-    /// Position, radius.
+struct Item {
+    /// Middle, radius.
     at: [f64; 4],
-    point: u32,
+    number: u32,
 }
 
-impl PointIndex {
-    /// The tree of at least one point, all inside `bounds`.
-    pub(crate) fn new(positions: &[DVec3], radii: &[f32], (low, high): (DVec3, DVec3)) -> Self {
+impl BoxTree {
+    /// The tree of `count` items, at least one, whose boxes lie inside `all`. `key` tells the middle and the radius of an item, by which the tree
+    /// is cut, and `bounds` its box.
+    pub(crate) fn new(
+        count: usize,
+        all: (DVec3, DVec3),
+        key: impl Fn(usize) -> (DVec3, f64) + Sync + Send,
+        bounds: impl Fn(usize) -> Bounds + Sync + Send,
+    ) -> Self {
+        let (low, high) = all;
         let middle = 0.5 * low + 0.5 * high;
-        let support = |k: usize| {
-            let [x, y, z] = (positions[k] - middle).to_array();
-            Support { at: [x, y, z, f64::from(radii[k])], point: k as u32 }
+        let item = |number: usize| {
+            let (at, radius) = key(number);
+            let [x, y, z] = (at - middle).to_array();
+            Item { at: [x, y, z, radius], number: number as u32 }
         };
-        let mut supports: Vec<Support> = collect(positions.len(), support);
-        let count = supports.len();
+        let mut items: Vec<Item> = collect(count, item);
         let levels = count.div_ceil(LEAF).next_power_of_two().trailing_zeros();
-        arrange(&mut supports, count, levels, 0, 0);
+        arrange(&mut items, count, levels, 0, 0);
 
         // The boxes of the leaves, then those of the nodes above.
         let leaves = 1usize << levels;
         let mut boxes = vec![Bounds::NOTHING; leaves];
         let around = |leaf: usize| {
-            let in_leaf = &supports[first(count, levels, leaf)..first(count, levels, leaf + 1)];
-            in_leaf.iter().fold(Bounds::NOTHING, |b, s| {
-                let [x, y, z, radius] = s.at;
-                let (at, radius) = (DVec3::new(x, y, z), DVec3::splat(radius));
-                b.join(Bounds { low: at - radius, high: at + radius })
-            })
+            let in_leaf = &items[first(count, levels, leaf)..first(count, levels, leaf + 1)];
+            in_leaf.iter().fold(Bounds::NOTHING, |b, item| b.join(bounds(item.number as usize).moved(-middle)))
         };
         boxes.extend(collect(leaves, around));
         for node in (1..leaves).rev() {
             boxes[node] = boxes[2 * node].join(boxes[2 * node + 1]);
         }
-        let order = supports.into_iter().map(|s| s.point).collect();
+        let order = items.into_iter().map(|item| item.number).collect();
         Self { order, boxes, levels, middle, reach: 0.5 * (high - low) }
     }
 
@@ -110,14 +119,14 @@ impl PointIndex {
         16.0 * f64::EPSILON * (self.reach.max_element() + at.abs().max_element())
     }
 
-    /// Visits every point whose box holds a position, relative to the middle, and a few others.
+    /// Visits every item whose box holds a position, relative to the middle, and a few others.
     pub(crate) fn each_around(&self, at: DVec3, visit: impl FnMut(usize)) {
         let slack = DVec3::splat(self.slack(at));
         let (low, high) = (at - slack, at + slack);
         self.each(|b| b.low.cmple(high).all() && b.high.cmpge(low).all(), visit);
     }
 
-    /// Visits every point whose box a line meets, and a few others.
+    /// Visits every item whose box a line meets, and a few others.
     pub(crate) fn each_along(&self, line: &LocalLine, visit: impl FnMut(usize)) {
         let slack = DVec3::splat(self.slack(line.origin));
         let rate = line.direction.recip();
@@ -139,7 +148,7 @@ impl PointIndex {
         self.each(meets, visit);
     }
 
-    /// Visits the points of every leaf that can be reached through boxes that are `wanted`.
+    /// Visits the items of every leaf that can be reached through boxes that are `wanted`.
     fn each(&self, wanted: impl Fn(&Bounds) -> bool, mut visit: impl FnMut(usize)) {
         let leaves = 1usize << self.levels;
         // At most one waits at each level.
@@ -154,8 +163,8 @@ impl PointIndex {
                     continue;
                 }
                 let (count, leaf) = (self.order.len(), node - leaves);
-                for &point in &self.order[first(count, self.levels, leaf)..first(count, self.levels, leaf + 1)] {
-                    visit(point as usize);
+                for &number in &self.order[first(count, self.levels, leaf)..first(count, self.levels, leaf + 1)] {
+                    visit(number as usize);
                 }
             }
             if depth == 0 {
@@ -167,21 +176,21 @@ impl PointIndex {
     }
 }
 
-/// The first point of a leaf: all have the same number of them, give or take one.
+/// The first item of a leaf: all have the same number of them, give or take one.
 fn first(count: usize, levels: u32, leaf: usize) -> usize {
     ((count as u64 * leaf as u64) >> levels) as usize
 }
 
-/// Brings the points of the node `node` of level `level` into the order of its leaves.
-fn arrange(supports: &mut [Support], count: usize, levels: u32, level: u32, node: usize) {
+/// Brings the items of the node `node` of level `level` into the order of its leaves.
+fn arrange(items: &mut [Item], count: usize, levels: u32, level: u32, node: usize) {
     if level == levels {
         return;
     }
     let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
-    for s in &*supports {
+    for item in &*items {
         for a in 0..4 {
-            low[a] = low[a].min(s.at[a]);
-            high[a] = high[a].max(s.at[a]);
+            low[a] = low[a].min(item.at[a]);
+            high[a] = high[a].max(item.at[a]);
         }
     }
     let extent = |a: &usize| high[*a] - low[*a];
@@ -189,11 +198,11 @@ fn arrange(supports: &mut [Support], count: usize, levels: u32, level: u32, node
     let leaf = |node: usize, level: u32| node << (levels - level);
     let begin = first(count, levels, leaf(node, level));
     let half = first(count, levels, leaf(2 * node + 1, level + 1)) - begin;
-    if half < supports.len() {
-        supports.select_nth_unstable_by(half, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.point.cmp(&b.point)));
+    if half < items.len() {
+        items.select_nth_unstable_by(half, |a, b| a.at[axis].total_cmp(&b.at[axis]).then(a.number.cmp(&b.number)));
     }
-    let alone = supports.len() < ALONE;
-    let (left, right) = supports.split_at_mut(half);
+    let alone = items.len() < ALONE;
+    let (left, right) = items.split_at_mut(half);
     let go = |part, child| arrange(part, count, levels, level + 1, child);
     if alone {
         go(left, 2 * node);
