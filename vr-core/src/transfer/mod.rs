@@ -106,7 +106,7 @@ impl Optical {
         [r, g, b, self.opacity]
     }
 
-    fn lerp(t: f64, a: &Self, b: &Self) -> Self {
+    pub fn lerp(t: f64, a: &Self, b: &Self) -> Self {
         let mix = |a: f64, b: f64| a + t * (b - a);
         let mix3 = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| mix(a[i], b[i]));
         // a + t (b − a) may round past b by a bit: an opacity must not.

@@ -1,0 +1,122 @@
+//! Operators along a ray: light that is integrated, or a value that is picked.
+
+use std::ops::ControlFlow;
+
+use vr_core::{Compositing, RayShading, TransferFunction};
+
+use crate::medium::{Crossing, Light, Medium};
+use crate::walk::Part;
+
+/// Pixel of a ray, and the distance to what it shows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    pub(crate) rgba: [f64; 4],
+    pub(crate) depth: f64,
+}
+
+impl Seen {
+    pub(crate) const NOTHING: Self = Self { rgba: [0.0; 4], depth: f64::INFINITY };
+}
+
+/// What a ray has gathered so far.
+pub(crate) struct Gathered<'a> {
+    medium: &'a Medium<'a>,
+    shade: Option<&'a RayShading<f64>>,
+    /// Transparency at which a ray may end.
+    opaque: f64,
+    state: State,
+}
+
+enum State {
+    Light { light: Light, crossing: Crossing },
+    First { threshold: f64, seen: Option<Seen> },
+    Mean { sum: f64, length: f64 },
+    /// The value picked so far and its distance; `sign` is −1 for the smallest.
+    Extreme { sign: f64, best: Option<(f64, f64)> },
+}
+
+impl<'a> Gathered<'a> {
+    pub(crate) fn new(
+        compositing: Compositing,
+        medium: &'a Medium<'a>,
+        shade: Option<&'a RayShading<f64>>,
+        termination: f64,
+    ) -> Self {
+        let light = |level: f64, ends: bool| State::Light {
+            light: Light { rgb: [0.0; 3], clear: 1.0 },
+            crossing: Crossing { level, at: None, ends },
+        };
+        let state = match compositing {
+            Compositing::Over => light(0.5, false),
+            Compositing::Accumulate { level } if level >= 1.0 => light(0.5, false),
+            Compositing::Accumulate { level } => light(1.0 - level, true),
+            Compositing::First { threshold } => State::First { threshold, seen: None },
+            Compositing::Average => State::Mean { sum: 0.0, length: 0.0 },
+            Compositing::Maximum => State::Extreme { sign: 1.0, best: None },
+            Compositing::Minimum => State::Extreme { sign: -1.0, best: None },
+        };
+        Self { medium, shade, opaque: 1.0 - termination, state }
+    }
+
+    /// Takes the next part of the ray; breaks if nothing behind it counts.
+    #[inline]
+    pub(crate) fn take<const N: usize>(&mut self, part: &Part<N>) -> ControlFlow<()> {
+        let values = part.at.map(|a| a[0]);
+        match &mut self.state {
+            State::Light { light, crossing } => {
+                let gradients = (N == 4).then(|| part.at.map(|a| [a[1 % N], a[2 % N], a[3 % N]]));
+                self.medium.add(light, part.ends, values, gradients, self.shade, crossing);
+                if light.clear <= self.opaque || (crossing.ends && crossing.at.is_some()) {
+                    return ControlFlow::Break(());
+                }
+            }
+            State::First { threshold, seen } => {
+                let [a, b] = values;
+                if a.max(b) >= *threshold {
+                    let t = if a >= *threshold { 0.0 } else { (*threshold - a) / (b - a) };
+                    let at = part.mixed(t);
+                    let value = if a >= *threshold { a } else { *threshold };
+                    let color = self.medium.transfer.at(value).color;
+                    let (tint, added) = match self.shade {
+                        Some(shade) if N == 4 => shade.reflect([at[1 % N], at[2 % N], at[3 % N]]),
+                        _ => ([1.0; 3], [0.0; 3]),
+                    };
+                    let [r, g, b]: [f64; 3] = std::array::from_fn(|c| color[c] * tint[c] + added[c]);
+                    let depth = part.ends[0] + (part.ends[1] - part.ends[0]) * t;
+                    *seen = Some(Seen { rgba: [r, g, b, 1.0], depth });
+                    return ControlFlow::Break(());
+                }
+            }
+            State::Mean { sum, length } => {
+                let here = part.ends[1] - part.ends[0];
+                *sum += 0.5 * (values[0] + values[1]) * here;
+                *length += here;
+            }
+            State::Extreme { sign, best } => {
+                for (value, depth) in values.into_iter().zip(part.ends) {
+                    if best.is_none_or(|(found, _)| *sign * value > *sign * found) {
+                        *best = Some((value, depth));
+                    }
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The pixel.
+    pub(crate) fn seen(self) -> Seen {
+        let picked = |transfer: &TransferFunction, value: f64| transfer.at(value).pixel();
+        let transfer = self.medium.transfer;
+        match self.state {
+            State::Light { light, crossing } => {
+                let [r, g, b] = light.rgb;
+                Seen { rgba: [r, g, b, 1.0 - light.clear], depth: crossing.at.unwrap_or(f64::INFINITY) }
+            }
+            State::First { seen, .. } => seen.unwrap_or(Seen::NOTHING),
+            State::Mean { length: 0.0, .. } => Seen::NOTHING,
+            State::Mean { sum, length } => Seen { rgba: picked(transfer, sum / length), depth: f64::INFINITY },
+            State::Extreme { best, .. } => best
+                .map_or(Seen::NOTHING, |(value, depth)| Seen { rgba: picked(transfer, value), depth }),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! A mesh as a camera sees it, and rays that are its axis.
+
+use glam::{DMat3, DVec3};
+use vr_core::{CellMesh, ParameterError, Projection, Ray, View};
+use vr_core::cells::CellValues;
+
+/// Numbers that a ray needs at a vertex: the value, and the gradient's components where something is shaded.
+pub(crate) type Attributes<const N: usize> = [f64; N];
+
+/// A vertex in the camera's axes: to the right, up and ahead of the eye.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CameraVertex<const N: usize> {
+    pub(crate) at: [f64; 3],
+    pub(crate) attributes: Attributes<N>,
+}
+
+/// A camera's axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CameraSpace {
+    eye: DVec3,
+    to_camera: DMat3,
+    perspective: bool,
+}
+
+impl CameraSpace {
+    pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
+        let perspective = matches!(view.camera.projection, Projection::Perspective { .. });
+        Ok(Self { eye: view.camera.eye, to_camera: view.camera.frame()?.transpose(), perspective })
+    }
+
+    /// All vertices of a mesh. `N` is 1 for values alone, 4 for values and gradients.
+    pub(crate) fn vertices<const N: usize>(&self, mesh: &CellMesh) -> Vec<CameraVertex<N>> {
+        let gradients = if N == 4 { mesh.gradients() } else { None };
+        let vertex = |i: usize| {
+            let mut attributes = [0.0; N];
+            if let CellValues::Vertices(values) = mesh.values() {
+                attributes[0] = values[i];
+            }
+            if let (Some(gradients), [_, rest @ ..]) = (gradients, &mut attributes[..]) {
+                rest.copy_from_slice(&gradients[i].to_array());
+            }
+            CameraVertex { at: (self.to_camera * (mesh.vertices()[i] - self.eye)).to_array(), attributes }
+        };
+        (0..mesh.vertices().len()).map(vertex).collect()
+    }
+
+    /// The shear that makes a ray of the view the axis.
+    pub(crate) fn axis(&self, ray: &Ray) -> Axis {
+        if self.perspective {
+            let [x, y, z] = (self.to_camera * ray.direction).to_array();
+            Axis { shift: [0.0; 2], slope: [x / z, y / z], length: 1.0 / z }
+        } else {
+            let [x, y, _] = (self.to_camera * (ray.origin - self.eye)).to_array();
+            Axis { shift: [x, y], slope: [0.0; 2], length: 1.0 }
+        }
+    }
+
+    /// The place in the image's plane, at depth 1 in perspective, of a vertex; `None` beside or behind the eye.
+    pub(crate) fn projected(&self, at: [f64; 3]) -> Option<[f64; 2]> {
+        let [x, y, z] = at;
+        if !self.perspective {
+            return Some([x, y]);
+        }
+        (z > 0.0).then(|| [x / z, y / z])
+    }
+}
+
+/// A ray as the axis of sheared space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Axis {
+    shift: [f64; 2],
+    slope: [f64; 2],
+    /// World distance along the ray for each unit of depth.
+    pub(crate) length: f64,
+}
+
+/// A vertex in sheared space: the ray is where x and y are 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShearedVertex<const N: usize> {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) depth: f64,
+    pub(crate) attributes: Attributes<N>,
+}
+
+impl Axis {
+    #[inline(always)]
+    pub(crate) fn shear<const N: usize>(&self, vertex: &CameraVertex<N>) -> ShearedVertex<N> {
+        let [x, y, depth] = vertex.at;
+        ShearedVertex {
+            x: x - self.shift[0] - self.slope[0] * depth,
+            y: y - self.shift[1] - self.slope[1] * depth,
+            depth,
+            attributes: vertex.attributes,
+        }
+    }
+
+    /// The same ray, moved a little aside.
+    pub(crate) fn nudged(&self, by: [f64; 2]) -> Self {
+        Self { shift: [self.shift[0] + by[0], self.shift[1] + by[1]], ..*self }
+    }
+}
+
+/// On which side of the axis the edge from a to b passes: positive if it goes around it counterclockwise. Swapping a and b changes the sign and no digit.
+#[inline(always)]
+pub(crate) fn side<const N: usize>(a: &ShearedVertex<N>, b: &ShearedVertex<N>) -> f64 {
+    a.x * b.y - a.y * b.x
+}

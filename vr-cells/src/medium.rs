@@ -1,0 +1,195 @@
+//! Light of a stretch on which the value is linear.
+
+use vr_core::transfer::Optical;
+use vr_core::{OpacityRule, RayShading, Shading, TransferFunction};
+
+/// Nodes of Gauss's rule of three points on [0, 1], and its weights.
+const NODES: [f64; 3] = [0.112_701_665_379_258_31, 0.5, 0.887_298_334_620_741_7];
+const WEIGHTS: [f64; 3] = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
+/// Integrals from 0 to each node of the polynomial through three nodes (the collocation of Gauss, order 6).
+const UP_TO_NODE: [[f64; 3]; 3] = [
+    [0.138_888_888_888_888_9, -0.035_976_667_524_938_9, 0.009_789_444_015_308_32],
+    [0.300_263_194_980_864_6, 0.222_222_222_222_222_2, -0.022_485_417_203_086_8],
+    [0.267_988_333_762_469_5, 0.480_421_111_969_383_3, 0.138_888_888_888_888_9],
+];
+/// Optical depth of a stretch that is integrated at once: the rule's error is below 10⁻⁸ of its light.
+const AT_ONCE: f64 = 0.25;
+/// Halvings of a stretch at most: beside a wall extinction goes to infinity.
+const HALVINGS: u32 = 40;
+
+/// Light and transparency of a ray so far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Light {
+    pub(crate) rgb: [f64; 3],
+    /// Transparency of all that the ray has passed.
+    pub(crate) clear: f64,
+}
+
+/// A stretch inside one segment of the transfer function: everything is linear.
+#[derive(Clone, Copy)]
+struct Stretch<'a> {
+    /// Distances.
+    ends: [f64; 2],
+    optics: [Optical; 2],
+    gradients: Option<[[f64; 3]; 2]>,
+    shade: Option<&'a RayShading<f64>>,
+}
+
+/// A medium: a transfer function, and the shading of a scene.
+pub(crate) struct Medium<'a> {
+    pub(crate) transfer: &'a TransferFunction,
+    /// Shading by whose gradients opacity is multiplied.
+    pub(crate) modulation: Option<&'a Shading>,
+}
+
+/// A change of opacity on the way: the distance at which the transparency fell to a level.
+pub(crate) struct Crossing {
+    pub(crate) level: f64,
+    pub(crate) at: Option<f64>,
+    /// True if nothing is added behind.
+    pub(crate) ends: bool,
+}
+
+impl Medium<'_> {
+    /// Adds the light of a stretch between two distances, on which the value and the gradient are linear.
+    #[inline]
+    pub(crate) fn add(
+        &self,
+        light: &mut Light,
+        ends: [f64; 2],
+        values: [f64; 2],
+        gradients: Option<[[f64; 3]; 2]>,
+        shade: Option<&RayShading<f64>>,
+        crossing: &mut Crossing,
+    ) {
+        let segments = self.transfer.segments();
+        let [first, last] = values;
+        let mut index = segments.partition_point(|s| s.from <= first).max(1) - 1;
+        // A falling value leaves the segment below the point at which it stands.
+        if last < first && index > 0 && segments[index].from == first {
+            index -= 1;
+        }
+        let mix = |t: f64| ends[0] + (ends[1] - ends[0]) * t;
+        let mut from = 0.0;
+        loop {
+            let segment = &segments[index];
+            let leaves = if last > first && last >= segment.to {
+                Some((segment.to - first) / (last - first))
+            } else if last < first && last < segment.from {
+                Some((segment.from - first) / (last - first))
+            } else {
+                None
+            };
+            let to = leaves.map_or(1.0, |t| t.clamp(from, 1.0));
+            if to > from && !segment.is_clear() {
+                let value = |t: f64| (first + (last - first) * t).clamp(segment.from, segment.to);
+                let stretch = Stretch {
+                    ends: [mix(from), mix(to)],
+                    optics: [segment.at(value(from)), segment.at(value(to))],
+                    gradients: gradients.map(|[a, b]| [from, to].map(|t| mixed(a, b, t))),
+                    shade,
+                };
+                self.add_stretch(light, &stretch, 0, crossing);
+                if light.clear == 0.0 || (crossing.ends && crossing.at.is_some()) {
+                    return;
+                }
+            }
+            if leaves.is_none() || to >= 1.0 {
+                return;
+            }
+            from = to;
+            index = if last > first { index + 1 } else { index - 1 };
+        }
+    }
+
+    fn add_stretch(&self, light: &mut Light, stretch: &Stretch<'_>, halved: u32, crossing: &mut Crossing) {
+        let length = stretch.ends[1] - stretch.ends[0];
+        let power = self.transfer.rule() == OpacityRule::Power;
+        if power && stretch.optics.iter().all(|o| o.opacity == 1.0) && self.modulation.is_none() {
+            self.meet_wall(light, stretch, crossing);
+            return;
+        }
+        // Extinction and light at the nodes.
+        let (mut extinction, mut source) = ([0.0; 3], [[0.0; 3]; 3]);
+        for (k, &t) in NODES.iter().enumerate() {
+            let optical = Optical::lerp(t, &stretch.optics[0], &stretch.optics[1]);
+            let gradient = stretch.gradients.map(|[a, b]| mixed(a, b, t));
+            let factor = match (self.modulation, gradient) {
+                (Some(shading), Some([x, y, z])) => shading.modulation((x * x + y * y + z * z).sqrt()),
+                _ => 1.0,
+            };
+            extinction[k] = self.transfer.extinction(optical.opacity) * factor;
+            source[k] = if self.transfer.has_emission() {
+                optical.emission
+            } else {
+                let (tint, added) = match (stretch.shade, gradient) {
+                    (Some(shade), Some(gradient)) => shade.reflect(gradient),
+                    _ => ([1.0; 3], [0.0; 3]),
+                };
+                std::array::from_fn(|c| extinction[k] * (optical.color[c] * tint[c] + added[c]))
+            };
+        }
+        let depth = length * dot(WEIGHTS, extinction);
+        let steepest = length * extinction.into_iter().fold(0.0, f64::max);
+        let curved = stretch.gradients.is_some() && halved < 2 && depth > 1e-3;
+        let uneven = extinction[0].max(extinction[2]) > 4.0 * extinction[0].min(extinction[2]) && depth > 1e-3 && power;
+        let falls = light.clear * (-depth).exp() < crossing.level && crossing.at.is_none();
+        if halved < HALVINGS && light.clear > 1e-12 && (steepest > AT_ONCE || curved || (uneven && halved < 12) || (falls && halved < 30)) {
+            let middle = 0.5 * (stretch.ends[0] + stretch.ends[1]);
+            let optical = Optical::lerp(0.5, &stretch.optics[0], &stretch.optics[1]);
+            let gradient = stretch.gradients.map(|[a, b]| mixed(a, b, 0.5));
+            for half in 0..2 {
+                let mut part = *stretch;
+                part.ends[1 - half] = middle;
+                part.optics[1 - half] = optical;
+                if let (Some(gradients), Some(gradient)) = (&mut part.gradients, gradient) {
+                    gradients[1 - half] = gradient;
+                }
+                self.add_stretch(light, &part, halved + 1, crossing);
+                if light.clear == 0.0 || (crossing.ends && crossing.at.is_some()) {
+                    return;
+                }
+            }
+            return;
+        }
+        for k in 0..3 {
+            let before = length * dot(UP_TO_NODE[k], extinction);
+            let weight = light.clear * WEIGHTS[k] * length * (-before).exp();
+            for c in 0..3 {
+                light.rgb[c] += weight * source[k][c];
+            }
+        }
+        light.clear *= (-depth).exp();
+        if falls {
+            crossing.at = Some(stretch.ends[1]);
+        }
+    }
+
+    /// Adds what is seen of a range of opacity 1.
+    fn meet_wall(&self, light: &mut Light, stretch: &Stretch<'_>, crossing: &mut Crossing) {
+        if !self.transfer.has_emission() {
+            let color = stretch.optics[0].color;
+            let (tint, added) = match (stretch.shade, stretch.gradients) {
+                (Some(shade), Some([gradient, _])) => shade.reflect(gradient),
+                _ => ([1.0; 3], [0.0; 3]),
+            };
+            // Under an accumulation's level, no more than up to it.
+            let share = if crossing.ends { light.clear - crossing.level } else { light.clear };
+            for c in 0..3 {
+                light.rgb[c] += share.max(0.0) * (color[c] * tint[c] + added[c]);
+            }
+        }
+        if crossing.at.is_none() {
+            crossing.at = Some(stretch.ends[0]);
+        }
+        light.clear = if crossing.ends { crossing.level } else { 0.0 };
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn mixed(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t)
+}

@@ -1,0 +1,137 @@
+//! A mesh that has been prepared, and its pictures.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use glam::DVec3;
+use vr_core::image_order::{PixelValue, trace_view};
+use vr_core::{
+    CellMesh, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats, Rendered, Scene, View,
+};
+
+use crate::accumulators::{Gathered, Seen};
+use crate::camera_space::CameraSpace;
+use crate::capabilities::check;
+use crate::entries::{Entries, SurfaceFace, surface};
+use crate::marcher::CellMarcher;
+use crate::medium::Medium;
+use crate::walk::Walker;
+
+/// A scene, and the surface of its mesh.
+pub(crate) struct PreparedMarcher {
+    renderer: CellMarcher,
+    scene: Scene,
+    mesh: Arc<CellMesh>,
+    surface: Vec<SurfaceFace>,
+}
+
+impl PreparedMarcher {
+    pub(crate) fn new(renderer: CellMarcher, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+        let mesh = check(&renderer, scene)?;
+        control.check()?;
+        let surface = surface(&mesh);
+        Ok(Self { renderer, scene: scene.clone(), mesh, surface })
+    }
+
+    /// Draws with values alone (`N` = 1), or with gradients (`N` = 4).
+    fn draw<const N: usize>(
+        &self,
+        view: &View,
+        control: &Control,
+        layer: Option<&Layer>,
+        stats: &mut RenderStats,
+    ) -> Result<Vec<Seen>, RenderError> {
+        let scene = &self.scene;
+        let camera = CameraSpace::new(view)?;
+        let vertices = stats.time("vertices", || camera.vertices::<N>(&self.mesh));
+        let entries = stats.time("entries", || Entries::new(&self.surface, &self.mesh, &vertices, &camera, view));
+        let walker = Walker {
+            mesh: &self.mesh,
+            vertices: &vertices,
+            entries: &entries,
+            nudge: 1e-10 * self.mesh.mean_spacing(),
+        };
+        let modulation = scene.shading.as_deref().filter(|_| scene.has_gradient_opacity());
+        let medium = Medium { transfer: &scene.transfer, modulation };
+        let reflection = scene.reflection().filter(|_| N == 4);
+        type Scratch = (Vec<(f64, SurfaceFace)>, Option<(DVec3, RayShading<f64>)>);
+        let scratch = || -> Scratch { (Vec::new(), None) };
+        let trace = |(found, shading): &mut Scratch, ray: &Ray, sample: vr_core::image_order::ImageSample, counts: &mut Counts| {
+            let far = layer.map_or(f64::INFINITY, |layer| layer.depth(sample.pixel));
+            let mut seen = Seen::NOTHING;
+            if let Some([from, to]) = ray.inside(&view.clip)
+                && from < to.min(far)
+            {
+                if let Some(reflection) = reflection
+                    && shading.as_ref().is_none_or(|(direction, _)| *direction != ray.direction)
+                {
+                    *shading = Some((ray.direction, reflection.along(&scene.lights, ray.direction)));
+                }
+                let shade = shading.as_ref().map(|(_, shade)| shade);
+                let mut gathered = Gathered::new(scene.compositing, &medium, shade, self.renderer.termination);
+                let mut parts = 0u64;
+                let mut take = |part: &crate::walk::Part<N>| -> ControlFlow<()> {
+                    parts += 1;
+                    gathered.take(part)
+                };
+                walker.walk(&camera.axis(ray), [sample.x, sample.y], [from, to.min(far)], found, &mut take);
+                counts.rays += u64::from(parts > 0);
+                counts.samples += parts;
+                seen = gathered.seen();
+                if parts == 0 {
+                    seen = Seen::NOTHING;
+                }
+            }
+            layer.map_or(seen, |layer| Seen {
+                rgba: layer.under(sample.pixel, seen.rgba),
+                depth: seen.depth.min(layer.depth(sample.pixel)),
+            })
+        };
+        let start = std::time::Instant::now();
+        let (seen, counts) = trace_view(view, control, scratch, trace)?;
+        stats.stages.push(("march", start.elapsed()));
+        stats.counts += counts;
+        Ok(seen)
+    }
+}
+
+impl Prepared for PreparedMarcher {
+    fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
+        let mesh = check(&self.renderer, scene)?;
+        control.check()?;
+        if !self.scene.volume.same(&scene.volume) {
+            (self.surface, self.mesh) = (surface(&mesh), mesh);
+        }
+        self.scene = scene.clone();
+        Ok(())
+    }
+
+    fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        view.validate()?;
+        control.check()?;
+        let mut stats = RenderStats::default();
+        let layer = self.scene.layer(view, control)?;
+        let needs_gradients = self.scene.reflection().is_some() || self.scene.has_gradient_opacity();
+        let seen = if needs_gradients && self.mesh.gradients().is_some() {
+            self.draw::<4>(view, control, layer.as_ref(), &mut stats)?
+        } else {
+            self.draw::<1>(view, control, layer.as_ref(), &mut stats)?
+        };
+        let pixels = seen.iter().map(|s| s.rgba.map(|x| x as f32)).collect();
+        let depth = seen.iter().map(|s| s.depth as f32).collect();
+        Ok(Rendered { frame: Frame::new(view.size, pixels, Some(depth)), stats })
+    }
+
+    fn model(&self, _view: &View) -> Result<Model, RenderError> {
+        Ok(Model::Canonical)
+    }
+}
+
+impl PixelValue for Seen {
+    fn mean(values: &[Self]) -> Self {
+        let share = 1.0 / values.len() as f64;
+        let sum = |c: usize| values.iter().map(|v| v.rgba[c]).sum::<f64>() * share;
+        let depth = values.iter().map(|v| v.depth).fold(f64::INFINITY, f64::min);
+        Self { rgba: std::array::from_fn(sum), depth }
+    }
+}

@@ -1,0 +1,197 @@
+//! The way of a ray from cell to cell.
+
+use std::ops::ControlFlow;
+
+use vr_core::CellMesh;
+use vr_core::cells::{CellValues, FACES, NO_CELL};
+
+use crate::camera_space::{Attributes, Axis, CameraVertex, ShearedVertex, side};
+use crate::entries::{Entries, SurfaceFace};
+
+/// A part of a ray inside one cell: distances along the ray, and what there is at both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part<const N: usize> {
+    pub(crate) ends: [f64; 2],
+    pub(crate) at: [Attributes<N>; 2],
+}
+
+impl<const N: usize> Part<N> {
+    /// What there is at a fraction of the way.
+    pub(crate) fn mixed(&self, t: f64) -> Attributes<N> {
+        let [a, b] = &self.at;
+        std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t)
+    }
+
+    /// The part of it between two distances; `None` if nothing is left.
+    fn within(self, [from, to]: [f64; 2]) -> Option<Self> {
+        let [start, end] = self.ends;
+        if from <= start && end <= to {
+            return (start < end).then_some(self);
+        }
+        let ends = [start.max(from), end.min(to)];
+        let at = ends.map(|s| self.mixed(((s - start) / (end - start)).clamp(0.0, 1.0)));
+        (ends[0] < ends[1]).then_some(Self { ends, at })
+    }
+}
+
+/// A mesh in a view.
+pub(crate) struct Walker<'a, const N: usize> {
+    pub(crate) mesh: &'a CellMesh,
+    pub(crate) vertices: &'a [CameraVertex<N>],
+    pub(crate) entries: &'a Entries<'a>,
+    /// A length far below what matters, by which a ray is moved aside that rounding keeps on the spot.
+    pub(crate) nudge: f64,
+}
+
+/// A face that a ray goes through, counterclockwise around it.
+struct Gate<const N: usize> {
+    corners: [ShearedVertex<N>; 3],
+    names: [u32; 3],
+    /// Barycentric coordinates of the ray's place, not normalised.
+    weights: [f64; 3],
+}
+
+impl<const N: usize> Gate<N> {
+    /// Depth of the ray's place on the face, and what there is.
+    #[inline(always)]
+    fn place(&self) -> (f64, Attributes<N>) {
+        let [a, b, c] = &self.corners;
+        // Rounding may make one that should be 0 negative.
+        let [u, v, w] = self.weights.map(|w| w.max(0.0));
+        let sum = u + v + w;
+        // A face seen from its edge has no place of its own.
+        let [u, v, w] = if sum > 0.0 { [u / sum, v / sum, w / sum] } else { [1.0 / 3.0; 3] };
+        let depth = a.depth * u + b.depth * v + c.depth * w;
+        (depth, std::array::from_fn(|i| a.attributes[i] * u + b.attributes[i] * v + c.attributes[i] * w))
+    }
+}
+
+/// Reason for which a ray is begun again, a little aside.
+struct Stuck;
+
+/// Steps without progress after which a ray counts as stuck: more cells than meet in a vertex.
+const PATIENCE: u32 = 256;
+
+impl<const N: usize> Walker<'_, N> {
+    /// Calls `take` with every part of a ray inside a cell between two distances, in order.
+    pub(crate) fn walk(
+        &self,
+        axis: &Axis,
+        [x, y]: [f64; 2],
+        part: [f64; 2],
+        found: &mut Vec<(f64, SurfaceFace)>,
+        take: &mut dyn FnMut(&Part<N>) -> ControlFlow<()>,
+    ) {
+        // Where the ray enters, in order.
+        found.clear();
+        for face in self.entries.near(x, y) {
+            if let Some(gate) = self.gate(axis, face) {
+                found.push((gate.place().0, face));
+            }
+        }
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut reached = f64::NEG_INFINITY;
+        for &(depth, face) in found.iter() {
+            // On an edge of the surface two faces are entered at once.
+            let tolerance = 1e-12 * (depth.abs() + reached.abs());
+            if depth < reached - tolerance || (depth <= reached && reached > f64::NEG_INFINITY && depth == reached) {
+                continue;
+            }
+            let mut tries = 0u32;
+            let mut moved = *axis;
+            loop {
+                match self.run(&moved, face, part, &mut reached, take) {
+                    Ok(ControlFlow::Continue(())) => break,
+                    Ok(ControlFlow::Break(())) => return,
+                    Err(Stuck) if tries < 4 => {
+                        tries += 1;
+                        let by = self.nudge * f64::from(tries);
+                        moved = axis.nudged([by, -0.618 * by]);
+                    }
+                    Err(Stuck) => break,
+                }
+            }
+        }
+    }
+
+    /// The face as a gate into the mesh; `None` where the ray does not enter through it.
+    #[inline]
+    fn gate(&self, axis: &Axis, face: SurfaceFace) -> Option<Gate<N>> {
+        let cell = self.mesh.cells()[face.cell as usize];
+        // Counterclockwise from outside, which is where the ray comes from.
+        let names = FACES[usize::from(face.across)].map(|i| cell[i]);
+        let corners = names.map(|v| axis.shear(&self.vertices[v as usize]));
+        let [a, b, c] = &corners;
+        let weights = [side(b, c), side(c, a), side(a, b)];
+        let inside = weights.iter().all(|&w| w >= 0.0) && weights.iter().any(|&w| w > 0.0);
+        inside.then_some(Gate { corners, names, weights })
+    }
+
+    /// Walks from an entry to the next face of the surface.
+    fn run(
+        &self,
+        axis: &Axis,
+        face: SurfaceFace,
+        part: [f64; 2],
+        reached: &mut f64,
+        take: &mut dyn FnMut(&Part<N>) -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, Stuck> {
+        let Some(mut gate) = self.gate(axis, face) else { return Ok(ControlFlow::Continue(())) };
+        let (mut depth, mut at) = gate.place();
+        depth = depth.max(*reached);
+        let mut cell = face.cell as usize;
+        let mut patience = PATIENCE;
+        let of_cells = match self.mesh.values() {
+            CellValues::Cells(values) => Some(values),
+            CellValues::Vertices(_) => None,
+        };
+        loop {
+            // The vertex across, and the sides on which its edges pass.
+            let names = self.mesh.cells()[cell];
+            let [a, b, c] = gate.names;
+            let d = names[0] ^ names[1] ^ names[2] ^ names[3] ^ a ^ b ^ c;
+            let tip = axis.shear(&self.vertices[d as usize]);
+            let [pa, pb, pc] = gate.corners;
+            let (to_a, to_b, to_c) = (side(&pa, &tip), side(&pb, &tip), side(&pc, &tip));
+            // The face that is left by has the ray on the inner side of both of its new edges. The vertex that is not on it names the neighbour.
+            let left;
+            (gate, left) = if to_a <= 0.0 && to_b >= 0.0 {
+                (Gate { corners: [pa, pb, tip], names: [a, b, d], weights: [to_b, -to_a, gate.weights[2]] }, c)
+            } else if to_b <= 0.0 && to_c >= 0.0 {
+                (Gate { corners: [pb, pc, tip], names: [b, c, d], weights: [to_c, -to_b, gate.weights[0]] }, a)
+            } else {
+                (Gate { corners: [pc, pa, tip], names: [c, a, d], weights: [to_a, -to_c, gate.weights[1]] }, b)
+            };
+            let (next_depth, next_at) = gate.place();
+            if next_depth > depth {
+                patience = PATIENCE;
+                let mut here = Part { ends: [depth * axis.length, next_depth * axis.length], at: [at, next_at] };
+                if let Some(values) = of_cells {
+                    here.at[0][0] = values[cell];
+                    here.at[1][0] = values[cell];
+                }
+                if here.ends[0] >= part[1] {
+                    return Ok(ControlFlow::Break(()));
+                }
+                (depth, at, *reached) = (next_depth, next_at, next_depth);
+                if let Some(here) = here.within(part)
+                    && take(&here).is_break()
+                {
+                    return Ok(ControlFlow::Break(()));
+                }
+            } else {
+                at = next_at;
+                patience -= 1;
+                if patience == 0 {
+                    return Err(Stuck);
+                }
+            }
+            let across = names.iter().position(|&v| v == left).unwrap_or(0);
+            let next = self.mesh.neighbours()[cell][across];
+            if next == NO_CELL {
+                return Ok(ControlFlow::Continue(()));
+            }
+            cell = next as usize;
+        }
+    }
+}
