@@ -28,11 +28,23 @@ pub(crate) struct Gathered<'a> {
 }
 
 enum State {
-    Light { light: Light, crossing: Crossing },
-    First { threshold: f64, seen: Option<Seen> },
-    Mean { sum: f64, length: f64 },
+    Light {
+        light: Light,
+        crossing: Crossing,
+    },
+    First {
+        threshold: f64,
+        seen: Option<Seen>,
+    },
+    Mean {
+        sum: f64,
+        length: f64,
+    },
     /// The value picked so far and its distance; `sign` is −1 for the smallest.
-    Extreme { sign: f64, best: Option<(f64, f64)> },
+    Extreme {
+        sign: f64,
+        best: Option<(f64, f64)>,
+    },
 }
 
 impl<'a> Gathered<'a> {
@@ -115,8 +127,9 @@ impl<'a> Gathered<'a> {
             State::First { seen, .. } => seen.unwrap_or(Seen::NOTHING),
             State::Mean { length: 0.0, .. } => Seen::NOTHING,
             State::Mean { sum, length } => Seen { rgba: picked(transfer, sum / length), depth: f64::INFINITY },
-            State::Extreme { best, .. } => best
-                .map_or(Seen::NOTHING, |(value, depth)| Seen { rgba: picked(transfer, value), depth }),
+            State::Extreme { best, .. } => {
+                best.map_or(Seen::NOTHING, |(value, depth)| Seen { rgba: picked(transfer, value), depth })
+            }
         }
     }
 }

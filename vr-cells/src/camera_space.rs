@@ -1,8 +1,8 @@
 //! A mesh as a camera sees it, and rays that are its axis.
 
 use glam::{DMat3, DVec3};
-use vr_core::{CellMesh, ParameterError, Projection, Ray, View};
 use vr_core::cells::CellValues;
+use vr_core::{CellMesh, ParameterError, Projection, Ray, View};
 
 /// Numbers that a ray needs at a vertex: the value, and the gradient's components where something is shaded.
 pub(crate) type Attributes<const N: usize> = [f64; N];

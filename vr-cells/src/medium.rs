@@ -17,6 +17,14 @@ const AT_ONCE: f64 = 0.25;
 /// Halvings of a stretch at most: beside a wall extinction goes to infinity.
 const HALVINGS: u32 = 40;
 
+/// Halvings at most for a normal that turns, for a logarithm that bends, and to find the place of a level.
+const TURNS: u32 = 6;
+const BENDS: u32 = 12;
+const PLACES: u32 = 30;
+/// Optical depth of a stretch below which its light needs no second look, and transparency before which no light counts.
+const FAINT: f64 = 1e-4;
+const DARK: f64 = 1e-12;
+
 /// Light and transparency of a ray so far.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light {
@@ -131,10 +139,13 @@ impl Medium<'_> {
         }
         let depth = length * dot(WEIGHTS, extinction);
         let steepest = length * extinction.into_iter().fold(0.0, f64::max);
-        let curved = stretch.gradients.is_some() && halved < 2 && depth > 1e-3;
-        let uneven = extinction[0].max(extinction[2]) > 4.0 * extinction[0].min(extinction[2]) && depth > 1e-3 && power;
+        let curved = halved < TURNS && depth > FAINT && stretch.gradients.is_some_and(turns);
+        // The logarithm of the power rule bends where extinction rises steeply.
+        let [least, most] = [extinction[0].min(extinction[2]), extinction[0].max(extinction[2])];
+        let uneven = power && halved < BENDS && depth > FAINT && most > 4.0 * least;
         let falls = light.clear * (-depth).exp() < crossing.level && crossing.at.is_none();
-        if halved < HALVINGS && light.clear > 1e-12 && (steepest > AT_ONCE || curved || (uneven && halved < 12) || (falls && halved < 30)) {
+        let falls_here = falls && halved < PLACES;
+        if halved < HALVINGS && light.clear > DARK && (steepest > AT_ONCE || curved || uneven || falls_here) {
             let middle = 0.5 * (stretch.ends[0] + stretch.ends[1]);
             let optical = Optical::lerp(0.5, &stretch.optics[0], &stretch.optics[1]);
             let gradient = stretch.gradients.map(|[a, b]| mixed(a, b, 0.5));
@@ -184,6 +195,12 @@ impl Medium<'_> {
         }
         light.clear = if crossing.ends { crossing.level } else { 0.0 };
     }
+}
+
+/// True if the direction of a gradient changes by more than a twentieth between two ends.
+fn turns([a, b]: [[f64; 3]; 2]) -> bool {
+    let cosine = dot(a, b);
+    cosine < 0.0 || cosine * cosine < 0.9975 * dot(a, a) * dot(b, b)
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use vr_core::image_order::{PixelValue, trace_view};
 use vr_core::{
-    CellMesh, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats, Rendered, Scene, View,
+    CellMesh, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats, Rendered,
+    Scene, View,
 };
 
 use crate::accumulators::{Gathered, Seen};
@@ -56,7 +57,10 @@ impl PreparedMarcher {
         let reflection = scene.reflection().filter(|_| N == 4);
         type Scratch = (Vec<(f64, SurfaceFace)>, Option<(DVec3, RayShading<f64>)>);
         let scratch = || -> Scratch { (Vec::new(), None) };
-        let trace = |(found, shading): &mut Scratch, ray: &Ray, sample: vr_core::image_order::ImageSample, counts: &mut Counts| {
+        let trace = |(found, shading): &mut Scratch,
+                     ray: &Ray,
+                     sample: vr_core::image_order::ImageSample,
+                     counts: &mut Counts| {
             let far = layer.map_or(f64::INFINITY, |layer| layer.depth(sample.pixel));
             let mut seen = Seen::NOTHING;
             if let Some([from, to]) = ray.inside(&view.clip)

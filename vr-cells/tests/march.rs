@@ -107,7 +107,8 @@ fn shading_clips_walls_and_emission_are_exact() {
     let shaded = Scene { shading: Some(Shading::default().into()), ..plain.clone() };
     let faded = Shading { gradient_opacity: vec![(0.5, 0.2), (3.0, 1.0)], ..Shading::default() };
     let wall = Scene { transfer: transfer(1.0).into(), ..plain.clone() };
-    let glow = |v, e: f64| ControlPoint { emission: Some([e, 2.0 * e, 0.5]), ..ControlPoint::new(v, [0.0; 3], 0.3 * v) };
+    let glow =
+        |v, e: f64| ControlPoint { emission: Some([e, 2.0 * e, 0.5]), ..ControlPoint::new(v, [0.0; 3], 0.3 * v) };
     let emission = TransferFunction::new(vec![glow(0.0, 0.0), glow(1.0, 3.0)], OpacityRule::Extinction, 0.3).unwrap();
     let view = view(35.0, 25.0, Some(40.0));
     let clip = Clip {
@@ -150,7 +151,8 @@ fn a_constant_slab_is_the_same_everywhere() {
         let control = Control::default();
         for size in [8, 15, 16] {
             let view = View::new(camera.clone(), [size; 2]);
-            let frame = CellMarcher::default().prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame;
+            let frame =
+                CellMarcher::default().prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame;
             let exact = 1.0 - (-0.5f64).exp();
             for (i, pixel) in frame.pixels().iter().enumerate() {
                 assert!((f64::from(pixel[3]) - exact).abs() < 1e-6, "{direction}, {size}, pixel {i}: {pixel:?}");

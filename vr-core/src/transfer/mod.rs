@@ -106,6 +106,7 @@ impl Optical {
         [r, g, b, self.opacity]
     }
 
+    /// The properties at a fraction `t` of the way from `a` to `b`.
     pub fn lerp(t: f64, a: &Self, b: &Self) -> Self {
         let mix = |a: f64, b: f64| a + t * (b - a);
         let mix3 = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| mix(a[i], b[i]));
