@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use vr_cells::CellMarcher;
 use vr_core::{OptionSpec, OptionValue, Options, StudiedRenderer, Volume};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
@@ -45,6 +46,7 @@ pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
         Box::new(ShearWarp::default()),
         Box::new(TextureSlicer::default()),
         Box::new(Splatter::default()),
+        Box::new(CellMarcher::default()),
         Box::new(Reference::default()),
     ]
 }
@@ -67,6 +69,7 @@ pub fn usual(volume: &Volume) -> &'static str {
     match &volume {
         // No ray caster finds the few points, of all, that a ray meets.
         Volume::Points(_) => "splat",
+        Volume::Cells(_) => "march",
         _ => "raycast",
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use vr_core::field::FunctionField;
 use vr_core::{
-    Calibration, Camera, Clip, Compositing, Control, ControlPoint, Filter, GradientMethod, Layer, Light, OpacityRule,
+    Calibration, Camera, CellMesh, Clip, Compositing, Control, ControlPoint, Filter, GradientMethod, Layer, Light, OpacityRule,
     Placement, Plane, PointKernel, PointSet, RenderError, Scene, Shading, StudiedRenderer, Surfaces, TransferFunction,
     UniformGrid, View, Volume,
 };
@@ -52,7 +52,11 @@ impl FeatureMatrix {
         let mut rows: Vec<(&'static str, Vec<Support>)> = scenes()
             .into_iter()
             .map(|(name, scene, view)| {
-                let draws = |renderer: &dyn StudiedRenderer| renderer.supports(&scene, Some(&view)).is_ok();
+                let of_mesh = on_mesh(name, &scene);
+                let draws = |renderer: &dyn StudiedRenderer| {
+                    let draws = |scene: &Scene| renderer.supports(scene, Some(&view)).is_ok();
+                    draws(&scene) || of_mesh.as_ref().is_some_and(draws)
+                };
                 (name, asked_of(&draws))
             })
             .collect();
@@ -60,6 +64,13 @@ impl FeatureMatrix {
         rows.push(("a promised error", asked_of(&promises)));
         Self { renderers: renderers.iter().map(|renderer| renderer.name()).collect(), rows }
     }
+}
+
+/// Returns the scene of a feature on a mesh of cells, for renderers that draw no grids; `None` for features of a grid.
+fn on_mesh(feature: &str, scene: &Scene) -> Option<Scene> {
+    let of_grids = ["volume", "missing", "filter"].iter().any(|start| feature.starts_with(start));
+    let mesh = scene.volume.grid().filter(|_| !of_grids).and_then(|grid| CellMesh::of_grid(grid).ok())?;
+    Some(Scene { volume: mesh.into(), ..scene.clone() })
 }
 
 /// Makes a renderer at each setting that it documents.
@@ -117,6 +128,7 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     let camera = |fov| Camera::framing(plain.volume.bounds(), 30.0, 20.0, fov);
     let view = View::new(camera(None), [8, 8]);
     let points = PointSet::new(vec![DVec3::ONE], vec![1.0], vec![1.0], vec![1.0], PointKernel::CubicSpline);
+    let mesh = CellMesh::of_grid(plain.volume.grid().expect("a grid")).expect("cells");
     let function = FunctionField::new((DVec3::ZERO, DVec3::splat(2.0)), |p| 0.5 * p.x).expect("a box");
     let with_volume = |volume: Volume| Scene { volume, ..plain.clone() };
     let shaded = |shading: Shading| Scene { shading: Some(Arc::new(shading)), ..plain.clone() };
@@ -131,6 +143,7 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     vec![
         of_scene("volume: uniform grid", plain.clone()),
         of_scene("volume: scattered points", with_volume(points.expect("a point").into())),
+        of_scene("volume: mesh of cells", with_volume(mesh.into())),
         of_scene("volume: function", with_volume(function.into())),
         of_scene("missing values", with_volume(grid(true))),
         of_scene("filter: nearest", plain.with_filter(Filter::Nearest)),
@@ -183,6 +196,7 @@ mod tests {
             Box::new(vr_shearwarp::ShearWarp::default()),
             Box::new(vr_texslice::TextureSlicer::default()),
             Box::new(vr_splat::Splatter::default()),
+            Box::new(vr_cells::CellMarcher::default()),
             Box::new(vr_physics::Reference::default()),
         ];
         let control = Control::default();
@@ -200,6 +214,6 @@ mod tests {
             }
         }
         let matrix = FeatureMatrix::of(&renderers);
-        assert!(matrix.rows.iter().all(|(_, answers)| answers[4] == Support::Drawn), "{matrix}");
+        assert!(matrix.rows.iter().all(|(_, answers)| answers[5] == Support::Drawn), "{matrix}");
     }
 }
