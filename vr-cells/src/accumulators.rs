@@ -54,10 +54,8 @@ impl<'a> Gathered<'a> {
         shade: Option<&'a RayShading<f64>>,
         termination: f64,
     ) -> Self {
-        let light = |level: f64, ends: bool| State::Light {
-            light: Light { rgb: [0.0; 3], clear: 1.0 },
-            crossing: Crossing { level, at: None, ends },
-        };
+        let light =
+            |level: f64, ends: bool| State::Light { light: Light::NONE, crossing: Crossing { level, at: None, ends } };
         let state = match compositing {
             Compositing::Over => light(0.5, false),
             Compositing::Accumulate { level } if level >= 1.0 => light(0.5, false),

@@ -15,7 +15,7 @@ use crate::camera_space::CameraSpace;
 use crate::capabilities::check;
 use crate::entries::{Entries, SurfaceFace, surface};
 use crate::marcher::CellMarcher;
-use crate::medium::Medium;
+use crate::medium::{ExtinctionTable, Medium};
 use crate::walk::Walker;
 
 /// A scene, and the surface of its mesh.
@@ -53,7 +53,8 @@ impl PreparedMarcher {
             nudge: 1e-10 * self.mesh.mean_spacing(),
         };
         let modulation = scene.shading.as_deref().filter(|_| scene.has_gradient_opacity());
-        let medium = Medium { transfer: &scene.transfer, modulation };
+        let extinction = ExtinctionTable::new(&scene.transfer);
+        let medium = Medium { transfer: &scene.transfer, modulation, extinction: &extinction };
         let reflection = scene.reflection().filter(|_| N == 4);
         type Scratch = (Vec<(f64, SurfaceFace)>, Option<(DVec3, RayShading<f64>)>);
         let scratch = || -> Scratch { (Vec::new(), None) };

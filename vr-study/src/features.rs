@@ -6,9 +6,9 @@ use std::sync::Arc;
 use glam::DVec3;
 use vr_core::field::FunctionField;
 use vr_core::{
-    Calibration, Camera, CellMesh, Clip, Compositing, Control, ControlPoint, Filter, GradientMethod, Layer, Light, OpacityRule,
-    Placement, Plane, PointKernel, PointSet, RenderError, Scene, Shading, StudiedRenderer, Surfaces, TransferFunction,
-    UniformGrid, View, Volume,
+    Calibration, Camera, CellMesh, Clip, Compositing, Control, ControlPoint, Filter, GradientMethod, Layer, Light,
+    OpacityRule, Placement, Plane, PointKernel, PointSet, RenderError, Scene, Shading, StudiedRenderer, Surfaces,
+    TransferFunction, UniformGrid, View, Volume,
 };
 
 /// Answer of a renderer for a feature.
