@@ -61,7 +61,7 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         let picture = slices::draw(uniform, patient, window, fine.as_ref());
         vr_io::write(place, &picture, &PngOptions::default()).map_err(Failure::failed)?;
     }
-    let look = Survey::new(&volume).look(&hints);
+    let look = Survey::of(&volume).look(&hints);
     let labels = LabelTable::of(args, &volume, info.as_ref(), &look.kind)?;
     let description = Description {
         title: &title,

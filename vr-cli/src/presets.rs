@@ -103,7 +103,7 @@ fn suitable(found: &LoadedVolume) -> Vec<Preset> {
     let info = found.info.as_ref();
     let hints = info.map(FileInfo::hints).unwrap_or_default();
     let values = found.volume.value_range().unwrap_or((0.0, 1.0));
-    Survey::new(&found.volume).suitable_presets(values, info.and_then(|info| info.modality.as_deref()), &hints)
+    Survey::of(&found.volume).suitable_presets(values, info.and_then(|info| info.modality.as_deref()), &hints)
 }
 
 #[derive(Serialize)]

@@ -1,6 +1,7 @@
 //! Loops over parts of an array on rayon's current threads. Rayon's own code is compiled here, once, and not anew for each closure: a
 //! loop elsewhere costs the compiler a fiftieth of what a parallel iterator does.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
@@ -44,6 +45,25 @@ pub fn collect<T: Send + Default>(count: usize, make: impl Fn(usize) -> T + Sync
     made
 }
 
+/// Makes a value for each of `0 .. count`, several at a time; returns them in order.
+///
+/// # Errors
+/// Returns the error of the first of `0 .. count` that failed, whichever fails earlier in time: the same one in each run.
+pub fn try_collect<T: Send, E: Send>(count: usize, make: impl Fn(usize) -> Result<T, E> + Sync) -> Result<Vec<T>, E> {
+    let first_failure = AtomicUsize::new(usize::MAX);
+    let made = collect(count, |i| {
+        // Nothing behind a failure is needed.
+        (i < first_failure.load(Ordering::Relaxed)).then(|| {
+            let made = make(i);
+            if made.is_err() {
+                first_failure.fetch_min(i, Ordering::Relaxed);
+            }
+            made
+        })
+    });
+    made.into_iter().flatten().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,6 +75,10 @@ mod tests {
             let mut values = vec![1; count];
             each_part(values.chunks_mut(3), |part, values| values.iter_mut().for_each(|v| *v += part));
             assert!(values.iter().enumerate().all(|(i, &v)| v == 1 + i / 3));
+        }
+        for failing in [0, 5, 99, 500] {
+            let made = try_collect(100, |i| if i >= failing { Err(i) } else { Ok(i) });
+            assert_eq!(made, if failing < 100 { Err(failing) } else { Ok((0..100).collect()) });
         }
         let stopped = try_each(9, &|i| if i == 5 { Err(RenderError::Cancelled) } else { Ok(()) });
         assert!(matches!(stopped, Err(RenderError::Cancelled)));

@@ -1,10 +1,11 @@
 //! Scattered points: a volume without a grid.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
 use crate::box_tree::{Bounds, BoxTree};
+use crate::derived::Derived;
 use crate::error::PointError;
 use crate::limits::MAX_COORDINATE;
 use crate::point_kernel::PointKernel;
@@ -38,6 +39,7 @@ pub struct PointSet {
     /// Tree of the supports, made when first asked for, then kept.
     index: OnceLock<BoxTree>,
     range: OnceLock<(f64, f64)>,
+    derived: Arc<Derived>,
 }
 
 impl PointSet {
@@ -79,8 +81,8 @@ impl PointSet {
         let low = (0..positions.len()).map(|k| positions[k] - reach(k)).reduce(DVec3::min);
         let high = (0..positions.len()).map(|k| positions[k] + reach(k)).reduce(DVec3::max);
         let bounds = (low.unwrap_or_default(), high.unwrap_or_default());
-        let (index, range) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { positions, radii, weights, values, kernel, bounds, index, range })
+        let (index, range, derived) = (OnceLock::new(), OnceLock::new(), Arc::default());
+        Ok(Self { positions, radii, weights, values, kernel, bounds, index, range, derived })
     }
 
     /// Number of points; at least one.
@@ -133,6 +135,11 @@ impl PointSet {
     /// The range of the field, once it is known.
     pub(crate) fn range(&self) -> &OnceLock<(f64, f64)> {
         &self.range
+    }
+
+    /// Structures that others derive from the points and keep with them.
+    pub fn derived(&self) -> &Derived {
+        &self.derived
     }
 
     /// Makes the structures that queries of the field need beyond the points, so that the first frame does not pay for them.

@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::any_grid::AnyGrid;
 use crate::cells::CellMesh;
 use crate::color_grid::ColorGrid;
+use crate::derived::Derived;
 use crate::field::{Field, FunctionField};
 use crate::filter::Filter;
 use crate::grid::UniformGrid;
@@ -156,6 +157,18 @@ impl Volume {
             Self::Points(points) => points.prepare_derived(),
             Self::Cells(mesh) => mesh.prepare_derived(),
             Self::Field(field) => field.prepare_derived(),
+        }
+    }
+
+    /// Structures that others derive from the volume and keep with it, whatever its filter; `None` for other fields, which keep none. A grid with
+    /// colours has those of its values: a key tells apart what depends on the colours.
+    pub fn derived(&self) -> Option<&Derived> {
+        match self {
+            Self::Grid(grid) => Some(grid.derived()),
+            Self::Color(colors) => Some(colors.values().derived()),
+            Self::Points(points) => Some(points.derived()),
+            Self::Cells(mesh) => Some(mesh.derived()),
+            Self::Field(_) => None,
         }
     }
 

@@ -17,6 +17,14 @@ macro_rules! scalar {
         impl Scalar for $t {
             fn append(bytes: &[u8], endian: Endian, out: &mut Vec<Self>) {
                 let groups = bytes.as_chunks().0.iter();
+                // The machine's own order is copied as it is.
+                if endian == Endian::NATIVE {
+                    let start = out.len();
+                    out.resize(start + groups.len(), <$t>::default());
+                    let copied = bytemuck::cast_slice_mut(&mut out[start..]);
+                    copied.copy_from_slice(&bytes[..copied.len()]);
+                    return;
+                }
                 match endian {
                     Endian::Little => out.extend(groups.map(|b| <$t>::from_le_bytes(*b))),
                     Endian::Big => out.extend(groups.map(|b| <$t>::from_be_bytes(*b))),

@@ -14,7 +14,8 @@ use crate::error::FileError;
 const BLOCK: usize = 1 << 20;
 
 /// Hash, in 64 hexadecimal digits, of what a volume is, wherever it comes from: of a grid its size, type, placement, calibration and
-/// voxels; of points their kernel, positions, radii, weights and values. `None` for other volumes. The filter does not count.
+/// voxels; of points their kernel, positions, radii, weights and values. `None` for other volumes. The filter does not count. A grid keeps its
+/// hash, so that it is found once.
 ///
 /// It is the SHA-256 of a line of text and of the SHA-256 of each MiB, which takes as many threads as there are.
 ///
@@ -33,7 +34,7 @@ const BLOCK: usize = 1 << 20;
 /// ```
 pub fn volume_hash(volume: &Volume) -> Option<String> {
     match volume {
-        Volume::Grid(grid) => Some(grid_hash("grid", grid, &[])),
+        Volume::Grid(grid) => Some(grid.derived().get((), || KeptHash(grid_hash("grid", grid, &[]))).0.clone()),
         Volume::Color(colors) => {
             let channels = colors.channels();
             let parts = channels.each_ref().map(|channel| bytemuck::cast_slice(channel.samples));
@@ -44,6 +45,9 @@ pub fn volume_hash(volume: &Volume) -> Option<String> {
         Volume::Field(_) => None,
     }
 }
+
+/// Hash that is kept with a grid.
+struct KeptHash(String);
 
 fn grid_hash(kind: &str, grid: &GridVolume, others: &[&[u8]]) -> String {
     let (placement, calibration) = (grid.placement(), grid.calibration());

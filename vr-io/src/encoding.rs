@@ -39,6 +39,11 @@ impl Encoding {
 
     /// The bytes behind the encoding.
     pub fn reader<'a>(self, encoded: impl BufRead + 'a) -> Box<dyn Read + 'a> {
+        self.boxed_reader(Box::new(encoded))
+    }
+
+    /// Decoders of one kind of stream alone, lest each be compiled for several.
+    fn boxed_reader<'a>(self, encoded: Box<dyn BufRead + 'a>) -> Box<dyn Read + 'a> {
         match self {
             Self::Raw | Self::Text => Box::new(encoded),
             Self::Gzip => Box::new(GzipMembers { member: Some(GzDecoder::new(encoded)) }),

@@ -244,6 +244,7 @@ mod slc;
 mod slices;
 mod source;
 mod tiff;
+mod toml_table;
 mod transfer;
 mod variables;
 mod vdb;

@@ -7,8 +7,8 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
-use vr_core::GridError;
+use bytemuck::Zeroable;
+use vr_core::{GridError, parallel};
 
 use crate::decode::with_scalar;
 use crate::encoding::{Encoding, invalid};
@@ -76,16 +76,6 @@ impl Payload {
         options: &ReadOptions,
         notes: &mut Vec<String>,
     ) -> Result<Voxels, FileError> {
-        with_scalar!(self.scalar, S => self.load_as::<S>(header, layout, options, notes))
-    }
-
-    fn load_as<S: Remember>(
-        &self,
-        header: &Path,
-        layout: &Layout,
-        options: &ReadOptions,
-        notes: &mut Vec<String>,
-    ) -> Result<Voxels, FileError> {
         let files = self.segments.len();
         if files == 0 || !layout.total.is_multiple_of(files) {
             let allowed = format!("must divide the {} numbers of the header", layout.total);
@@ -93,94 +83,120 @@ impl Payload {
         }
         // Numbers and bytes of each file.
         let samples = layout.total / files;
+        let size = self.scalar.bytes();
         let bytes = (samples as u64)
-            .checked_mul(size_of::<S>() as u64)
+            .checked_mul(size as u64)
             .ok_or_else(|| FileError::new(header, GridError::Dims { dims: layout.dims }))?;
 
         // Map the file where its bytes are the voxels as memory holds them.
-        let as_stored = S::IS_MEMORY_TYPE && (self.endian == Endian::NATIVE || size_of::<S>() == 1);
+        let as_stored = self.endian == Endian::NATIVE || size == 1;
         if let [segment] = self.segments.as_slice()
             && options.map
             && as_stored
+            && with_scalar!(self.scalar, S => S::IS_MEMORY_TYPE)
             && self.encoding == Encoding::Raw
             && layout.is_contiguous()
         {
             let (file, offset) = self.locate(header, segment, bytes, notes)?;
-            let first = offset + (layout.offset * size_of::<S>()) as u64;
-            let mapped = MappedVoxels::new(file.get_ref(), first, layout.count());
-            if let Some(mapped) = mapped.map_err(|e| FileError::new(&segment.path, e))? {
-                return Ok(S::remember(Stored::Mapped(mapped), notes));
-            }
+            let first = offset + (layout.offset * size) as u64;
+            let io = |e| FileError::new(&segment.path, e);
+            with_scalar!(self.scalar, S => {
+                if let Some(mapped) = MappedVoxels::<S>::new(file.get_ref(), first, layout.count()).map_err(io)? {
+                    return Ok(S::remember(Stored::Mapped(mapped), notes));
+                }
+            });
         }
 
         // Slices in files of their own are read side by side.
         if self.segments.len() > 1 && self.encoding == Encoding::Raw && layout.is_contiguous() {
-            return self.load_slices::<S>(header, layout, samples, bytes, notes);
+            let places = self.slice_places(header, layout, samples, bytes, notes)?;
+            return with_scalar!(self.scalar, S => {
+                let mut out = vec![S::zeroed(); layout.count()];
+                self.load_slices(&places, bytemuck::cast_slice_mut(&mut out))?;
+                Ok(S::remember(Stored::Owned(out), notes))
+            });
         }
 
         // One run is taken out of the stream as it goes by; scattered voxels are picked out of all at the end.
         let contiguous = layout.is_contiguous();
-        let mut kept = if contiguous {
-            Kept::<S> { skip: layout.offset, take: layout.count(), out: Vec::new() }
-        } else {
-            Kept { skip: 0, take: layout.total, out: Vec::new() }
-        };
-        for segment in &self.segments {
-            match self.encoding {
-                Encoding::Text => self.load_text(header, segment, samples, &mut kept, notes)?,
-                _ => self.load_bytes(header, segment, bytes, &mut kept, notes)?,
-            }
-        }
-        let out = if contiguous { kept.out } else { layout.pick(&kept.out) };
-        Ok(S::remember(Stored::Owned(out), notes))
+        let (skip, take) = if contiguous { (layout.offset, layout.count()) } else { (0, layout.total) };
+        with_scalar!(self.scalar, S => {
+            let mut run = Run::<S> { skip, take, out: Vec::new() };
+            self.load_run(header, samples, bytes, &mut run, notes)?;
+            let out = if contiguous { run.out } else { layout.pick(&run.out) };
+            Ok(S::remember(Stored::Owned(out), notes))
+        })
     }
 
-    /// Reads the run of a layout from raw segments in parallel, each straight to its place in memory.
-    fn load_slices<S: Remember>(
+    /// Reads all segments, one after the other, and keeps a run of their numbers.
+    fn load_run(
+        &self,
+        header: &Path,
+        samples: usize,
+        bytes: u64,
+        kept: &mut dyn Kept,
+        notes: &mut Vec<String>,
+    ) -> Result<(), FileError> {
+        for segment in &self.segments {
+            match self.encoding {
+                Encoding::Text => self.load_text(header, segment, samples, kept, notes)?,
+                _ => self.load_bytes(header, segment, bytes, kept, notes)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Finds the part of each raw segment that the run of a layout covers. All lengths are checked before there is room for the voxels.
+    fn slice_places(
         &self,
         header: &Path,
         layout: &Layout,
         samples: usize,
         bytes: u64,
         notes: &mut Vec<String>,
-    ) -> Result<Voxels, FileError> {
-        // All lengths are checked before there is room for the voxels.
-        let checked: Vec<(u64, Vec<String>)> = self
-            .segments
-            .par_iter()
-            .map(|segment| {
-                let mut notes = Vec::new();
-                let (_, offset) = self.locate(header, segment, bytes, &mut notes)?;
-                Ok((offset, notes))
-            })
-            .collect::<Result<_, FileError>>()?;
+    ) -> Result<Vec<SlicePlace<'_>>, FileError> {
+        let checked = parallel::try_collect(self.segments.len(), |i| {
+            let mut notes = Vec::new();
+            let (_, offset) = self.locate(header, &self.segments[i], bytes, &mut notes)?;
+            Ok((offset, notes))
+        })?;
         let run = layout.offset..layout.offset + layout.count();
-        let mut out = vec![S::zeroed(); layout.count()];
-        let mut left = out.as_mut_slice();
-        let mut reads = Vec::new();
+        let size = self.scalar.bytes();
+        let mut places = Vec::new();
         for (i, (segment, (offset, found))) in self.segments.iter().zip(checked).enumerate() {
             notes.extend(found);
-            // The part of this segment that the run covers.
             let (first, end) = ((i * samples).max(run.start), ((i + 1) * samples).min(run.end));
             if first < end {
-                let (part, rest) = left.split_at_mut(end - first);
-                left = rest;
-                reads.push((segment, offset + ((first - i * samples) * size_of::<S>()) as u64, part));
+                let start = offset + ((first - i * samples) * size) as u64;
+                places.push(SlicePlace { path: &segment.path, start, bytes: (end - first) * size });
             }
         }
-        reads.into_par_iter().try_for_each(|(segment, offset, part)| {
-            let part = bytemuck::cast_slice_mut::<S, u8>(part);
-            let claimed = part.len() as u64;
-            let found = read_at(&segment.path, offset, part).map_err(|e| FileError::new(&segment.path, e))? as u64;
-            if found < claimed {
-                return Err(FileError::new(&segment.path, FileErrorKind::Length { claimed, found, hint: self.hint }));
+        Ok(places)
+    }
+
+    /// Reads parts of raw segments in parallel, each straight to its place in memory.
+    fn load_slices(&self, places: &[SlicePlace<'_>], mut out: &mut [u8]) -> Result<(), FileError> {
+        let mut parts: Vec<(&mut [u8], io::Result<usize>)> = Vec::new();
+        for place in places {
+            let (part, rest) = out.split_at_mut(place.bytes);
+            out = rest;
+            parts.push((part, Ok(0)));
+        }
+        let size = self.scalar.bytes();
+        parallel::each_part(&mut parts, |i, (part, found)| {
+            *found = read_at(places[i].path, places[i].start, part);
+            if self.endian != Endian::NATIVE && size > 1 {
+                part.chunks_exact_mut(size).for_each(<[u8]>::reverse);
             }
-            if self.endian != Endian::NATIVE && size_of::<S>() > 1 {
-                part.chunks_exact_mut(size_of::<S>()).for_each(<[u8]>::reverse);
+        });
+        for (place, (_, found)) in places.iter().zip(parts) {
+            let found = found.map_err(|e| FileError::new(place.path, e))?;
+            if found < place.bytes {
+                let (claimed, found) = (place.bytes as u64, found as u64);
+                return Err(FileError::new(place.path, FileErrorKind::Length { claimed, found, hint: self.hint }));
             }
-            Ok(())
-        })?;
-        Ok(S::remember(Stored::Owned(out), notes))
+        }
+        Ok(())
     }
 
     /// The file, standing where the encoded data begin.
@@ -249,12 +265,12 @@ impl Payload {
         Ok(())
     }
 
-    fn load_bytes<S: Remember>(
+    fn load_bytes(
         &self,
         header: &Path,
         segment: &Segment,
         claimed: u64,
-        kept: &mut Kept<S>,
+        kept: &mut dyn Kept,
         notes: &mut Vec<String>,
     ) -> Result<(), FileError> {
         let damaged = |source: io::Error| self.damaged(segment, source);
@@ -303,28 +319,26 @@ impl Payload {
         Ok(())
     }
 
-    fn load_text<S: Remember>(
+    fn load_text(
         &self,
         header: &Path,
         segment: &Segment,
         samples: usize,
-        kept: &mut Kept<S>,
+        kept: &mut dyn Kept,
         notes: &mut Vec<String>,
     ) -> Result<(), FileError> {
         let mut text = Vec::new();
         self.open(header, segment)?.read_to_end(&mut text).map_err(|e| FileError::new(&segment.path, e))?;
         let mut found = 0;
         for word in text.split(|c| c.is_ascii_whitespace() || *c == b',').filter(|w| !w.is_empty()) {
-            if found < samples {
-                let sample = str::from_utf8(word).ok().and_then(S::parse).ok_or_else(|| {
-                    let word = shown(&String::from_utf8_lossy(word));
-                    self.damaged(segment, invalid(format!("sample {found} is {word}, no {}", self.scalar)))
-                })?;
-                kept.samples(&[sample]);
+            if found < samples && !str::from_utf8(word).is_ok_and(|word| kept.word(word)) {
+                let word = shown(&String::from_utf8_lossy(word));
+                let message = format!("sample {found} is {word}, no {}", self.scalar);
+                return Err(self.damaged(segment, invalid(message)));
             }
             found += 1;
         }
-        let size = size_of::<S>() as u64;
+        let size = self.scalar.bytes() as u64;
         self.check_length(segment, samples as u64 * size, found as u64 * size, notes)
     }
 
@@ -333,8 +347,25 @@ impl Payload {
     }
 }
 
-/// The part of a stream of numbers that is kept.
-struct Kept<S> {
+/// The part of a raw file that is kept: slices in files of their own.
+struct SlicePlace<'a> {
+    path: &'a Path,
+    start: u64,
+    bytes: usize,
+}
+
+/// The part of a stream of numbers that is kept, whatever their type: the readers are compiled once, and not for each of ten types.
+trait Kept {
+    /// Makes room for numbers that are there.
+    fn reserve(&mut self, bytes: u64);
+    /// Takes the next numbers, as the file has them.
+    fn bytes(&mut self, bytes: &[u8], endian: Endian);
+    /// Takes the next number; false if the word is none of the type.
+    fn word(&mut self, word: &str) -> bool;
+}
+
+/// A run of numbers of one type.
+struct Run<S> {
     /// Numbers yet to be left out.
     skip: usize,
     /// Numbers yet to be kept.
@@ -342,7 +373,7 @@ struct Kept<S> {
     out: Vec<S>,
 }
 
-impl<S: Remember> Kept<S> {
+impl<S: Remember> Kept for Run<S> {
     fn reserve(&mut self, bytes: u64) {
         let samples = (bytes / size_of::<S>() as u64).saturating_sub(self.skip as u64);
         self.out.reserve_exact(samples.min(self.take as u64) as usize);
@@ -354,11 +385,16 @@ impl<S: Remember> Kept<S> {
         S::append(&bytes[at(skip)..at(skip + take)], endian, &mut self.out);
     }
 
-    fn samples(&mut self, samples: &[S]) {
-        let (skip, take) = self.advance(samples.len());
-        self.out.extend_from_slice(&samples[skip..skip + take]);
+    fn word(&mut self, word: &str) -> bool {
+        let Some(sample) = S::parse(word) else { return false };
+        if self.advance(1).1 == 1 {
+            self.out.push(sample);
+        }
+        true
     }
+}
 
+impl<S> Run<S> {
     /// Counts of the next `n` numbers to leave out and to keep.
     fn advance(&mut self, n: usize) -> (usize, usize) {
         let skip = self.skip.min(n);

@@ -109,7 +109,8 @@ pub(crate) fn encode_samples(size: [u32; 2], samples: &Samples) -> Vec<u8> {
     bytes
 }
 
-fn encode(out: impl Write, [width, height]: [u32; 2], samples: &Samples) -> Result<(), ImageError> {
+/// Writes to anything: a copy of the encoder for each kind of output would cost the compiler much.
+fn encode(out: &mut dyn Write, [width, height]: [u32; 2], samples: &Samples) -> Result<(), ImageError> {
     let encoder = PngEncoder::new(out);
     match &samples.numbers {
         Numbers::Eight(bytes) => {

@@ -11,7 +11,7 @@
 //! let blobs = phantom::by_name("blobs").expect("a phantom of that name");
 //! let volume = Volume::from(phantom::sample::<f32>(blobs.as_ref(), [32; 3])?);
 //!
-//! let survey = Survey::new(&volume);
+//! let survey = Survey::of(&volume);
 //! let look = survey.look(&Hints::default());
 //! println!("{}", look.reason);
 //! let transfer = TransferFunction::new(look.points, OpacityRule::Power, volume.mean_spacing())?;

@@ -137,7 +137,7 @@ mod tests {
         let hints = Hints { patient: true, ..Hints::default() };
         let fitted = |inside, outside, range| {
             let (volume, values) = ball(inside, outside);
-            Survey::new(&volume).preset(Preset::CtBone, values, range, &hints)
+            Survey::of(&volume).preset(Preset::CtBone, values, range, &hints)
         };
         let head = fitted(900, -1000, None);
         assert!(head.notes.is_empty() && head.shading.is_some(), "{:?}", head.notes);
@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn signals_ignore_what_is_rare() {
         let (volume, values) = ball(1000, 10);
-        let survey = Survey::new(&volume);
+        let survey = Survey::of(&volume);
         let fitted = survey.preset(Preset::MrAngio, values, None, &Hints::default());
         let transfer = TransferFunction::new(fitted.points, OpacityRule::Power, 1.0).unwrap();
         assert_eq!(transfer.at(20.0).opacity, 0.0);
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn presets_suit_the_kind_of_data() {
         let (volume, values) = ball(900, -1000);
-        let survey = Survey::new(&volume);
+        let survey = Survey::of(&volume);
         let hints = Hints { patient: true, ..Hints::default() };
         let of = |modality| survey.suitable_presets(values, modality, &hints);
         assert!(of(None).contains(&Preset::CtLung) && !of(None).contains(&Preset::PetHot));

@@ -1,5 +1,7 @@
 //! A survey of a volume, and the look that follows from it.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use vr_core::optics::opacity_of_depth;
 use vr_core::parallel::collect;
@@ -62,8 +64,17 @@ pub struct Survey {
 const MAX_OPACITY: f64 = 0.95;
 
 impl Survey {
-    /// Samples a volume: a million voxels of a grid at most, and a coarse lattice of anything else.
-    pub fn new(volume: &Volume) -> Self {
+    /// Returns the survey of a volume: of a million voxels of a grid at most, and of a coarse lattice of anything else. A grid or points keep
+    /// theirs, so that it is made once.
+    pub fn of(volume: &Volume) -> Arc<Self> {
+        let make = || Self::new(volume);
+        match volume.derived() {
+            Some(derived) => derived.get(volume.colors().map(|colors| colors.value_source()), make),
+            None => Arc::new(make()),
+        }
+    }
+
+    fn new(volume: &Volume) -> Self {
         let lattice = Lattice::new(volume);
         let values = Values::new(&lattice);
         let can_shade = match volume {

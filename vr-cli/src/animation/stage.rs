@@ -53,7 +53,7 @@ impl<'a> Stage<'a> {
         };
         // A camera of the scene file is free to follow keys with angles.
         if fits {
-            stage.visible = Survey::new(&scene.volume).visible(&scene.transfer, scene.compositing, &view.clip);
+            stage.visible = Survey::of(&scene.volume).visible(&scene.transfer, scene.compositing, &view.clip);
             let surfaces = scene.surfaces.as_ref().map(|surfaces| surfaces.bounds());
             stage.visible.extend(surfaces.into_iter().flat_map(corners));
         }

@@ -113,7 +113,7 @@ fn value_unit(setup: &Setup) -> Option<&'static str> {
         Some(modality) => modality == "CT",
         None => {
             let hints = Hints { patient: info.space.is_patient(), ..Hints::default() };
-            Survey::new(&setup.scene.volume).look(&hints).kind == Kind::Hounsfield
+            Survey::of(&setup.scene.volume).look(&hints).kind == Kind::Hounsfield
         }
     };
     is_ct.then_some("HU")

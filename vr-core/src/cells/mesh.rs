@@ -1,6 +1,6 @@
 //! A mesh of tetrahedra with values.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
@@ -9,6 +9,7 @@ use super::error::CellError;
 use super::repair::{CellRepairs, sound_cells};
 use super::vertex_gradients::vertex_gradients;
 use crate::box_tree::{Bounds, BoxTree};
+use crate::derived::Derived;
 use crate::limits::{MAX_COORDINATE, MAX_STEPS_AWAY, is_length};
 
 /// Values of a mesh of cells, in f64.
@@ -51,6 +52,7 @@ pub struct CellMesh {
     /// Tree of the cells' boxes, made when first asked for, then kept; likewise the gradients at vertices.
     tree: OnceLock<BoxTree>,
     gradients: OnceLock<Vec<DVec3>>,
+    derived: Arc<Derived>,
 }
 
 impl CellMesh {
@@ -103,6 +105,7 @@ impl CellMesh {
             repairs,
             tree: OnceLock::new(),
             gradients: OnceLock::new(),
+            derived: Arc::default(),
         };
         mesh.measure()?;
         Ok(mesh)
@@ -184,6 +187,11 @@ impl CellMesh {
             }
             CellValues::Cells(_) => None,
         }
+    }
+
+    /// Structures that others derive from the mesh and keep with it.
+    pub fn derived(&self) -> &Derived {
+        &self.derived
     }
 
     /// Positions of the four corners of a cell.

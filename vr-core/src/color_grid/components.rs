@@ -12,7 +12,7 @@ use crate::transfer::srgb_to_linear;
 use crate::voxel::{Voxel, VoxelType};
 
 /// Source of the values of a coloured grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ColorValue {
     /// Values that were given beside the colours.

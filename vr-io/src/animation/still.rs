@@ -1,8 +1,11 @@
 //! One frame of an animation, read back from its PNG.
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
-use image::{DynamicImage, ImageFormat};
+use image::DynamicImage;
+use image::codecs::png::PngDecoder;
 
 use crate::error::WriteError;
 
@@ -23,10 +26,11 @@ impl Still {
     /// # Errors
     /// A [`WriteError`] naming the file: one that is not there, or is no PNG of a frame.
     pub fn read(path: &Path) -> Result<Self, WriteError> {
-        let bytes = std::fs::read(path).map_err(|source| WriteError::Io { path: path.into(), source })?;
+        let file = File::open(path).map_err(|source| WriteError::Io { path: path.into(), source })?;
         let wrong = |message: String| WriteError::Encode { path: path.into(), message };
-        let picture =
-            image::load_from_memory_with_format(&bytes, ImageFormat::Png).map_err(|e| wrong(e.to_string()))?;
+        // The decoder of PNG alone, from a file as everywhere: each kind of reader is another copy of all that decodes.
+        let picture = PngDecoder::new(BufReader::new(file)).and_then(DynamicImage::from_decoder);
+        let picture = picture.map_err(|e| wrong(e.to_string()))?;
         let size = [picture.width(), picture.height()];
         let big_endian = |values: Vec<u16>| values.into_iter().flat_map(u16::to_be_bytes).collect();
         let (channels, bits, bytes) = match picture {

@@ -24,8 +24,6 @@ mod transfer_syntax;
 
 use std::path::Path;
 
-use rayon::prelude::*;
-
 use crate::error::{FieldError, FileError};
 use crate::layout::{Axis, Layout, Role};
 use crate::read::{Description, ReadOptions, Scan};
@@ -42,7 +40,7 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     let files = files(path, options, &mut notes)?;
     let header = files[0].path.clone();
     let modality = series::modality(&files[0].elements);
-    let images: Vec<Image> = files.into_par_iter().map(Image::new).collect::<Result<_, _>>()?;
+    let images: Vec<Image> = files.into_iter().map(Image::new).collect::<Result<_, _>>()?;
     one_shape(path, &images)?;
     note_values(&images, &mut notes);
 

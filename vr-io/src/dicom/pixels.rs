@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
 use flate2::read::DeflateDecoder;
-use rayon::prelude::*;
 use vr_core::Calibration;
+use vr_core::parallel;
 
 use super::encapsulated::{self, Fragment};
 use super::image::{Image, Numbers};
@@ -103,18 +103,16 @@ impl SliceDecoder {
     fn decode(self) -> Result<Vec<u8>, FileError> {
         // Memory grows with what comes out, a few slices at a time.
         const AT_A_TIME: usize = 64;
-        let found: Vec<Frames> = self.images.par_iter().map(Self::find).collect::<Result<_, _>>()?;
+        let found = parallel::try_collect(self.images.len(), |i| Self::find(&self.images[i]))?;
         let mut out = Vec::new();
         for slices in self.slices.chunks(AT_A_TIME) {
-            let decoded: Vec<Vec<u8>> = slices
-                .par_iter()
-                .map(|(slice, rescale)| {
-                    let image = &self.images[slice.image];
-                    let bytes =
-                        frame(image, &found[slice.image], slice.frame).map_err(|e| FileError::new(&image.path, e))?;
-                    Ok(convert(bytes, image, *rescale))
-                })
-                .collect::<Result<_, FileError>>()?;
+            let decoded = parallel::try_collect(slices.len(), |i| {
+                let (slice, rescale) = &slices[i];
+                let image = &self.images[slice.image];
+                let bytes = frame(image, &found[slice.image], slice.frame);
+                let bytes = bytes.map_err(|e| FileError::new(&image.path, e))?;
+                Ok(convert(bytes, image, *rescale))
+            })?;
             decoded.iter().for_each(|bytes| out.extend_from_slice(bytes));
         }
         Ok(out)

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
+use vr_core::parallel;
 
 use super::elements::Elements;
 use super::file::DicomFile;
@@ -30,8 +30,7 @@ pub(super) fn images_of_folder(folder: &Path, notes: &mut Vec<String>) -> Result
     // Nothing depends on names, but that the same folder gives the same errors.
     paths.sort();
     paths.retain(|path| path.is_file());
-    let opened: Vec<Option<DicomFile>> =
-        paths.par_iter().map(|p| DicomFile::open_if_dicom(p)).collect::<Result<_, _>>()?;
+    let opened = parallel::try_collect(paths.len(), |i| DicomFile::open_if_dicom(&paths[i]))?;
     let count = opened.len();
     let mut files: Vec<DicomFile> = opened.into_iter().flatten().collect();
     if files.len() < count {

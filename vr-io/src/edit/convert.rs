@@ -78,13 +78,11 @@ where
     let count = grid.dims().iter().product();
     let mut out = vec![T::default(); count];
     let mut counts = vec![Rounding::default(); count.div_ceil(PART)];
-    with_grid!(grid.values(), g => {
-        let parts = g.samples().chunks(PART).zip(out.chunks_mut(PART)).zip(&mut counts);
-        parallel::each_part(parts, |_, ((samples, out), counts)| {
-            for (out, stored) in out.iter_mut().zip(*samples) {
-                *out = convert(stored.to_f32(), counts);
-            }
-        });
+    parallel::each_part(out.chunks_mut(PART).zip(&mut counts), |part, (out, counts)| {
+        let stored = floats(grid.values(), part * PART, out.len());
+        for (out, stored) in out.iter_mut().zip(stored) {
+            *out = convert(stored, counts);
+        }
     });
     let counts = counts.iter().fold(Rounding::default(), |a, b| Rounding {
         rounded: a.rounded + b.rounded,
@@ -94,6 +92,11 @@ where
     let made = UniformGrid::new(grid.dims(), out, *grid.placement(), Calibration::default())
         .map_err(|e| FieldError::new("grid", "another one", e.to_string()))?;
     Ok((GridVolume::new(made.into(), grid.filter()), counts))
+}
+
+/// Some of the stored numbers as floats: one loop for each type that is read, and one for each that is made, instead of one for each pair.
+fn floats(values: &AnyGrid, first: usize, count: usize) -> Vec<f32> {
+    with_grid!(values, grid => grid.samples()[first..][..count].iter().map(|stored| stored.to_f32()).collect())
 }
 
 #[cfg(test)]

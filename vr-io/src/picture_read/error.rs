@@ -67,17 +67,16 @@ pub enum PictureError {
 
 impl PictureError {
     pub(crate) fn damaged(path: &Path, format: &'static str, message: impl Display) -> Self {
-        Self::Damaged { path: path.into(), format, message: one_line(&message) }
+        Self::Damaged { path: path.into(), format, message: one_line(&message.to_string()) }
     }
 
     pub(crate) fn unsupported(path: &Path, format: &'static str, message: impl Display) -> Self {
-        Self::Unsupported { path: path.into(), format, message: one_line(&message) }
+        Self::Unsupported { path: path.into(), format, message: one_line(&message.to_string()) }
     }
 }
 
 /// A library's message on one line, without control characters (it may quote the file).
-fn one_line(message: &impl Display) -> String {
-    let message = message.to_string();
+fn one_line(message: &str) -> String {
     let words: Vec<&str> = message.split_whitespace().collect();
     words.join(" ").chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
 }

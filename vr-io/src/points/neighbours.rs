@@ -2,12 +2,14 @@
 //!
 //! Own code: of the k-d trees at hand, one stops early where points coincide, one takes quadratic time there, and one four times as long.
 
-use rayon::prelude::*;
+use vr_core::parallel;
 
 type Position = [f64; 3];
 
 /// Parts of so many points are searched one by one.
 const LEAF: usize = 16;
+/// Runs of so many points are searched for on one thread.
+const RUN: usize = 1 << 10;
 /// Parts of so many points are split on another thread.
 const ALONE: usize = 1 << 14;
 
@@ -20,24 +22,20 @@ pub(super) fn distances(positions: &[Position], k: usize) -> Vec<f64> {
     };
     split(&mut tree.points, &mut tree.axes);
     // In the order of the tree: one search finds warm what the one before it left, and knows how far it has to look at most.
-    let found: Vec<(usize, f64)> = tree
-        .points
-        .par_iter()
-        .with_min_len(LEAF)
-        .map_init(
-            || (Nearest::new(k + 1), [0.0; 3], f64::INFINITY),
-            |(nearest, before, distance), &(position, id)| {
-                // A little more, lest rounding cuts off the farthest.
-                let max_distance = (*distance + squared(before, &position).sqrt()) * (1.0 + 1e-9);
-                nearest.clear(max_distance * max_distance);
-                tree.search(0..positions.len(), &position, [0.0; 3], nearest);
-                (*before, *distance) = (position, nearest.farthest().sqrt());
-                (id, *distance)
-            },
-        )
-        .collect();
+    let mut found = vec![0.0; positions.len()];
+    parallel::each_part(found.chunks_mut(RUN).zip(tree.points.chunks(RUN)), |_, (found, points)| {
+        let (mut nearest, mut before, mut distance) = (Nearest::new(k + 1), [0.0; 3], f64::INFINITY);
+        for (found, (position, _)) in found.iter_mut().zip(*points) {
+            // A little more, lest rounding cuts off the farthest.
+            let max_distance = (distance + squared(&before, position).sqrt()) * (1.0 + 1e-9);
+            nearest.clear(max_distance * max_distance);
+            tree.search(0..positions.len(), position, [0.0; 3], &mut nearest);
+            (before, distance) = (*position, nearest.farthest().sqrt());
+            *found = distance;
+        }
+    });
     let mut distances = vec![0.0; positions.len()];
-    for (id, distance) in found {
+    for (&(_, id), distance) in tree.points.iter().zip(found) {
         distances[id] = distance;
     }
     distances

@@ -13,6 +13,7 @@ use crate::exr::write_exr_with;
 use crate::picture_read::{PictureError, StoredPixels};
 use crate::png::{Encode, PngDepth, PngOptions, encode_samples, samples};
 use crate::scene::{SceneFile, SceneFileError};
+use crate::toml_table::{table_of, value_of};
 
 pub use section::{ErrorRecord, FileRecord, PictureFormat, PixelsRecord, RecordSection, VolumeRecord};
 
@@ -76,10 +77,9 @@ impl PictureRecord {
     /// # Errors
     /// [`SceneFileError::Text`] for a number that TOML cannot hold.
     pub fn text(&self) -> Result<String, SceneFileError> {
-        let failed = |e: toml::ser::Error| SceneFileError::Text { message: e.to_string() };
-        let mut table = toml::Table::try_from(&self.scene).map_err(failed)?;
-        table.insert("record".to_owned(), toml::Value::try_from(&self.record).map_err(failed)?);
-        toml::to_string(&table).map_err(failed)
+        let mut table = table_of(&self.scene)?;
+        table.insert("record".to_owned(), table_of(&self.record)?.into());
+        toml::to_string(&table).map_err(|e| SceneFileError::Text { message: e.to_string() })
     }
 
     /// Reads a record's text; `path` is the picture, which errors name.
@@ -87,9 +87,13 @@ impl PictureRecord {
     /// # Errors
     /// A [`SceneFileError`] naming the picture: a text that is no record, or one of a newer layout.
     pub fn parse(text: &str, path: &Path) -> Result<Self, SceneFileError> {
-        let wrong = |e: toml::de::Error| match SceneFileError::of_toml(&e, text, path) {
+        // A picture has no lines.
+        let wrong = |e: toml::de::Error| match SceneFileError::of_toml(&e, "", path) {
             SceneFileError::Syntax { path, message, .. } => {
                 SceneFileError::Syntax { path, line: None, message: format!("the record in it is damaged: {message}") }
+            }
+            SceneFileError::UnknownKey { path, key, nearest, known, .. } => {
+                SceneFileError::UnknownKey { path, line: None, key, nearest, known }
             }
             other => other,
         };
@@ -99,7 +103,9 @@ impl PictureRecord {
             message: format!("the record in it is damaged: {message}"),
         };
         let mut table: toml::Table = toml::from_str(text).map_err(wrong)?;
-        let section = table.remove("record").ok_or_else(|| damaged("it has no section [record]"))?;
+        let Some(toml::Value::Table(section)) = table.remove("record") else {
+            return Err(damaged("it has no section [record]"));
+        };
         // The layout first: what a newer one holds is not known here.
         let layout = section.get("layout").and_then(toml::Value::as_integer);
         match layout {
@@ -112,7 +118,7 @@ impl PictureRecord {
             Some(_) => {}
             None => return Err(damaged("[record] has no layout")),
         }
-        Ok(Self { record: section.try_into().map_err(wrong)?, scene: table.try_into().map_err(wrong)? })
+        Ok(Self { record: value_of(&section).map_err(wrong)?, scene: value_of(&table).map_err(wrong)? })
     }
 
     /// One line about the picture, for programs that show a description.

@@ -5,6 +5,8 @@ use std::fmt::Write;
 use toml::{Table, Value};
 use vr_core::{OptionSpec, OptionValue};
 
+use crate::toml_table::table_of;
+
 use super::error::SceneFileError;
 use super::key_help::{Absent, KeyHelp, sections};
 use super::scene_file::SceneFile;
@@ -33,7 +35,7 @@ const LIST_WIDTH: usize = 100;
 /// assert_eq!(vr_io::parse_scene(&text, Path::new("")).unwrap(), file);
 /// ```
 pub fn commented_scene(file: &SceneFile, title: &str, options: &[OptionSpec]) -> Result<String, SceneFileError> {
-    let table = Table::try_from(file).map_err(|e| SceneFileError::Text { message: e.to_string() })?;
+    let table = table_of(file)?;
     let mut text = String::new();
     comment(&mut text, title);
     comment(

@@ -68,13 +68,12 @@ impl LoadedScene {
     /// World positions that enclose all that is visible of the scene as it was loaded: of the volume, and the mesh where there is one.
     /// Found once, and kept.
     pub fn visible(&self) -> &[DVec3] {
-        let survey = || Survey::new(&self.scene.volume);
-        self.visible.get_or_init(|| visible(&survey(), &self.scene, &self.view, self.mesh.as_ref()))
+        self.visible.get_or_init(|| visible(&self.scene, &self.view, self.mesh.as_ref()))
     }
 }
 
-fn visible(survey: &Survey, scene: &Scene, view: &View, mesh: Option<&SceneMesh>) -> Vec<DVec3> {
-    let mut points = survey.visible(&scene.transfer, scene.compositing, &view.clip);
+fn visible(scene: &Scene, view: &View, mesh: Option<&SceneMesh>) -> Vec<DVec3> {
+    let mut points = Survey::of(&scene.volume).visible(&scene.transfer, scene.compositing, &view.clip);
     points.extend(mesh.into_iter().flat_map(|mesh| mesh.mesh.positions().iter().copied()));
     points
 }
@@ -126,7 +125,6 @@ pub fn resolve_scene_around(
 
     // Choose the transfer function: the phantom's own, or that of the section.
     let mut file = file.clone();
-    let mut survey = None;
     if let Some(section) = &file.transfer {
         check_transfer(section, &mut notes).map_err(in_file)?;
     }
@@ -145,7 +143,7 @@ pub fn resolve_scene_around(
         (transfer, _) if transfer.as_ref().is_none_or(|t| names_no_points(t) && t.look == LookName::Auto) => {
             automatic = true;
             let hints = hints(&found, file.render.compositing().map_err(in_file)?);
-            let look = survey.get_or_insert_with(|| Survey::new(&found.volume)).look(&hints);
+            let look = Survey::of(&found.volume).look(&hints);
             notes.push(look.reason);
             if file.shading.is_none()
                 && let Some(shading) = &look.shading
@@ -157,7 +155,7 @@ pub fn resolve_scene_around(
         }
         (transfer, _) => {
             let transfer = transfer.get_or_insert_default();
-            let named = named_transfer(transfer, &found, &mut survey, folder, in_file, &mut notes)?;
+            let named = named_transfer(transfer, &found, folder, in_file, &mut notes)?;
             named.complete(transfer);
             if transfer.unit_distance.is_none() {
                 let what = match &found.volume {
@@ -188,7 +186,6 @@ pub fn resolve_scene_around(
     let unlabelled = scene.clone();
     let labels = match &labels {
         Some(labels) => {
-            survey = None;
             let (labelled, stated) = labels.over(scene, automatic, found.info.as_ref(), &mut notes, in_file)?;
             scene = labelled;
             Some(stated)
@@ -199,8 +196,7 @@ pub fn resolve_scene_around(
     if file.camera.is_none() {
         let info = found.info.as_ref();
         let whole = framing(bounds(&scene, mesh.as_ref()), info, default_angles(info), None);
-        let survey = survey.unwrap_or_else(|| Survey::new(&scene.volume));
-        let seen = seen.get_or_init(|| visible(&survey, &scene, &view, mesh.as_ref()));
+        let seen = seen.get_or_init(|| visible(&scene, &view, mesh.as_ref()));
         view.camera = fit(&whole, seen, view.aspect());
     }
     let render = file.render;
@@ -263,7 +259,6 @@ fn hints(found: &LoadedVolume, compositing: Compositing) -> Hints {
 fn named_transfer(
     section: &TransferSection,
     found: &LoadedVolume,
-    survey: &mut Option<Survey>,
     folder: &Path,
     in_file: impl Fn(ParameterError) -> SceneFileError + Copy,
     notes: &mut Vec<String>,
@@ -289,8 +284,8 @@ fn named_transfer(
         }
         (None, Some(name), None) => {
             let preset = preset_by_name(name).map_err(in_file)?;
-            let survey = survey.get_or_insert_with(|| Survey::new(volume));
-            let mut fitted = survey.preset(preset, values(), asked, &hints(found, Compositing::default()));
+            let hints = hints(found, Compositing::default());
+            let mut fitted = Survey::of(volume).preset(preset, values(), asked, &hints);
             notes.append(&mut fitted.notes);
             Ok(NamedTransfer::from(fitted).beside(volume))
         }

@@ -8,6 +8,7 @@ use crate::error::FileError;
 use crate::points::PointOptions;
 use crate::raw::RawDescription;
 use crate::read::{FileInfo, Loaded, ReadOptions, has_unread_voxels, missing_voxels, outline, read};
+use crate::toml_table::table_of;
 
 use super::error::SceneFileError;
 use super::inline;
@@ -126,7 +127,7 @@ fn from_file(
 
 /// Returns one of the keys that are set.
 fn first_key(options: &PointOptions) -> Option<(String, toml::Value)> {
-    toml::Table::try_from(options).unwrap_or_default().into_iter().next()
+    table_of(options).unwrap_or_default().into_iter().next()
 }
 
 fn sampled_phantom(name: &str, size: usize) -> Result<(Volume, (Vec<ControlPoint>, f64)), ParameterError> {

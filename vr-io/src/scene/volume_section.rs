@@ -9,6 +9,7 @@ use vr_core::{Calibration, Filter, GridError, ParameterError, Placement, PointKe
 use crate::nifti::Transform;
 use crate::points::{PointColumns, PointOptions};
 use crate::scalar::{Endian, ScalarType};
+use crate::toml_table::table_of;
 
 use super::error::unknown_name;
 
@@ -266,7 +267,7 @@ impl TryFrom<Keys> for VolumeSection {
             _ => return Err(wrong("several of path, phantom, data and points", "must have one of them")),
         };
         // What nothing has taken means nothing here.
-        let left = toml::Table::try_from(&keys).unwrap_or_default();
+        let left = table_of(&keys).unwrap_or_default();
         match (source, left.iter().next()) {
             (source, None) => Ok(Self { source, filter }),
             (Some(source), Some((key, value))) => Err(source.refusal(key, value)),

@@ -8,8 +8,7 @@ mod picture;
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
-use vr_core::{Calibration, Placement};
+use vr_core::{Calibration, Placement, parallel};
 
 use crate::claim::check_claim;
 use crate::error::{FieldError, FileError};
@@ -57,8 +56,8 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
     }
 
     // Headers are read side by side, and the first fault in the order of names is told.
-    let headers: Vec<Result<Picture, FileError>> = files.par_iter().map(|file| Picture::describe(file)).collect();
-    let mut headers = headers.into_iter();
+    let headers = parallel::collect(files.len(), |i| Some(Picture::describe(&files[i])));
+    let mut headers = headers.into_iter().flatten();
     let Some(first) = headers.next() else {
         return Err(FieldError::new("slices", 0, "must be two or more pictures").in_file(path));
     };
@@ -118,11 +117,8 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
 fn decode(files: &[PathBuf], like: &Picture, component: usize) -> Result<Vec<u8>, FileError> {
     let mut out = Vec::new();
     for batch in files.chunks(4 * rayon::current_num_threads().max(1)) {
-        let slices: Vec<Result<Vec<u8>, FileError>> =
-            batch.par_iter().map(|file| picture::decode(file, like, component)).collect();
-        for slice in slices {
-            out.extend(slice?);
-        }
+        let slices = parallel::try_collect(batch.len(), |i| picture::decode(&batch[i], like, component))?;
+        slices.iter().for_each(|slice| out.extend_from_slice(slice));
     }
     Ok(out)
 }

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
 use tiff::decoder::DecodingResult;
+use vr_core::parallel;
 
 use crate::error::{FieldError, FileError};
 use crate::layout::Layout;
@@ -48,23 +48,24 @@ impl Stack {
             (0..threads).map(|_| open(&self.path, self.page_bytes)).collect::<Result<_, _>>()?;
         let mut out = Vec::new();
         for batch in self.pages.chunks(threads * RUN) {
-            let parts: Vec<Result<Vec<u8>, FileError>> = files
-                .par_iter_mut()
-                .zip(batch.par_chunks(RUN))
-                .map(|(file, run)| {
-                    let mut part = Vec::new();
-                    for &page in run {
-                        file.seek_to_image(page).map_err(|e| refuse(&self.path, e))?;
-                        decode_page(&self.path, file, self.offset, self.step, self.count, &mut part)?;
-                    }
-                    Ok(part)
-                })
-                .collect();
+            let mut parts: Vec<Result<Vec<u8>, FileError>> = batch.chunks(RUN).map(|_| Ok(Vec::new())).collect();
+            let work = files.iter_mut().zip(batch.chunks(RUN)).zip(&mut parts);
+            parallel::each_part(work, |_, ((file, run), part)| **part = self.decode_run(file, run));
             for part in parts {
                 out.extend(part?);
             }
         }
         Ok(out)
+    }
+
+    /// The chosen numbers of some pages.
+    fn decode_run(&self, file: &mut TiffFile, pages: &[usize]) -> Result<Vec<u8>, FileError> {
+        let mut part = Vec::new();
+        for &page in pages {
+            file.seek_to_image(page).map_err(|e| refuse(&self.path, e))?;
+            decode_page(&self.path, file, self.offset, self.step, self.count, &mut part)?;
+        }
+        Ok(part)
     }
 }
 

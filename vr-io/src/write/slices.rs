@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf, is_separator};
 
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
-use rayon::prelude::*;
+use vr_core::parallel;
 
 use crate::error::WriteError;
 use crate::file_pattern;
@@ -75,7 +75,8 @@ impl SliceFiles {
         let temporary = if self.whole_folder { folder::beside(&self.folder) } else { folder::within(&self.folder) };
         let temporary = temporary.map_err(failed)?;
         let [nx, ny, _] = job.grid.dims();
-        self.names.par_iter().enumerate().try_for_each(|(z, name)| {
+        parallel::try_collect(self.names.len(), |z| {
+            let name = &self.names[z];
             let slice = nx * ny * z..nx * ny * (z + 1);
             write_slice(&temporary.path().join(name), &numbers, slice, [nx, ny])
                 .map_err(|source| WriteError::Io { path: self.folder.join(name), source })
@@ -129,6 +130,7 @@ fn write_slice(
     }
     let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
     let mut out = BufWriter::new(File::create(path)?);
-    PngEncoder::new(&mut out).write_image(&bytes, side(width)?, side(height)?, color).map_err(io::Error::other)?;
+    let png: &mut dyn Write = &mut out;
+    PngEncoder::new(png).write_image(&bytes, side(width)?, side(height)?, color).map_err(io::Error::other)?;
     out.flush()
 }

@@ -9,9 +9,8 @@ use std::path::Path;
 
 use flate2::{Compression, write::GzEncoder};
 use glam::DVec3;
-use rayon::prelude::*;
 use serde_json::{Value, json};
-use vr_core::{GridVolume, Placement};
+use vr_core::{GridVolume, Placement, parallel};
 
 use crate::edit::flip_grid;
 use crate::error::WriteError;
@@ -104,8 +103,7 @@ fn write_all(
     write_json(&folder.join("zarr.json"), &group(grid.placement(), names, unit))?;
     write_json(&array.join("zarr.json"), &described(grid.dims(), numbers.scalar(), names))?;
     let counts = grid.dims().map(|n| n.div_ceil(CHUNK));
-    let chunks = (0..counts.iter().product::<usize>()).into_par_iter();
-    chunks.try_for_each(|i| {
+    parallel::try_collect(counts.iter().product(), |i| {
         let at = [i % counts[0], i / counts[0] % counts[1], i / counts[0] / counts[1]];
         let bytes = chunk(grid.dims(), numbers, at)?;
         // What is not there counts as the fill value.
@@ -117,7 +115,8 @@ fn write_all(
         let mut packed = GzEncoder::new(Vec::new(), Compression::default());
         packed.write_all(&bytes)?;
         fs::write(place.join(at[0].to_string()), packed.finish()?)
-    })
+    })?;
+    Ok(())
 }
 
 fn write_json(path: &Path, value: &Value) -> io::Result<()> {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
+use vr_core::parallel;
 
 use crate::error::{FieldError, FileError, FileErrorKind};
 use crate::layout::Layout;
@@ -140,10 +140,9 @@ impl Selection {
         }
         let mut missing = stored.missing;
         for batch in stored.places.chunks(2 * rayon::current_num_threads().max(1)) {
-            let decoded: Vec<Result<Option<Vec<u8>>, FileError>> =
-                batch.par_iter().map(|&place| self.decode_chunk(place)).collect();
+            let decoded = parallel::try_collect(batch.len(), |i| self.decode_chunk(batch[i]))?;
             for (&place, chunk) in batch.iter().zip(decoded) {
-                match chunk? {
+                match chunk {
                     Some(chunk) => self.put(place, &chunk, &mut out),
                     None => missing += 1,
                 }

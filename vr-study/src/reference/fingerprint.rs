@@ -1,10 +1,11 @@
 //! Fingerprint, in 32 bytes, of everything that reference pixels depend on.
 
 use sha2::{Digest, Sha256};
-use vr_core::{Control, GridVolume, Model, Scene, View, with_grid};
+use vr_core::{Control, Model, Scene, View};
+use vr_io::volume_hash;
 
 /// Version of the cache: raised with every change of the file format, of the hash, or of the reference's results.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// Returns the hash of everything that pixels of a view depend on: values and their placement, filter, transfer function, shading and
 /// lights, surfaces, compositing, view, and which pixels; `None` for models that cannot be told apart.
@@ -19,14 +20,10 @@ pub(crate) fn fingerprint(
         Model::Filtered(filter) => *filter,
         _ => return None,
     };
-    let volume = scene.volume.grid()?;
-    let text = format!("{VERSION} {tolerance:e} {model:?} {pixels:?} {}", described(scene, view)?);
-    let mut hash = Sha256::new();
-    hash.update((text.len() as u64).to_le_bytes());
-    hash.update(text);
-    hash.update(grid_text(volume));
-    with_grid!(volume.values(), grid => hash.update(bytemuck::cast_slice::<_, u8>(grid.samples())));
-    Some(hash.finalize().into())
+    scene.volume.grid()?;
+    let volume = volume_hash(&scene.volume)?;
+    let text = format!("{VERSION} {volume} {tolerance:e} {model:?} {pixels:?} {}", described(scene, view)?);
+    Some(Sha256::digest(text).into())
 }
 
 /// Returns a hash, in hexadecimal, of everything that a frame depends on but its volume, for which `volume` stands (a [`vr_io::volume_hash`]), and
@@ -39,10 +36,6 @@ pub fn frame_fingerprint((scene, view): (&Scene, &View), volume: &str, renderer:
 
 fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn grid_text(volume: &GridVolume) -> String {
-    format!("{:?}", (volume.dims(), volume.voxel_type(), volume.placement(), volume.calibration()))
 }
 
 /// Returns scene and view without the volume. The shortest digits that give a float back: two texts are equal where the numbers are.
@@ -69,7 +62,6 @@ mod tests {
     use crate::subject::phantom_subject;
     use std::sync::Arc;
     use vr_core::{Compositing, Filter, TransferFunction};
-    use vr_io::volume_hash;
 
     #[test]
     fn whatever_changes_a_pixel_changes_the_fingerprint() {

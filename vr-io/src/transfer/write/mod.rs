@@ -12,7 +12,8 @@ use vr_core::{Light, OpacityRule, Shading, TransferFunction};
 
 use crate::atomic::write_bytes;
 use crate::error::WriteError;
-use crate::scene::{SceneFile, ShadingSection, TransferSection, scene_text};
+use crate::scene::{SceneFile, ShadingSection, TransferSection};
+use crate::toml_table::table_of;
 
 use super::polyline::resample;
 
@@ -92,9 +93,8 @@ fn toml(source: &TransferSource<'_>) -> Result<String, crate::scene::SceneFileEr
         shading: source.shading.map(|shading| ShadingSection::describe(shading, &[Light::default()])),
         ..SceneFile::default()
     };
-    let whole: toml::Table = toml::from_str(&scene_text(&file)?)
-        .map_err(|e| crate::scene::SceneFileError::Text { message: e.message().to_owned() })?;
-    let sections: toml::Table = whole.into_iter().filter(|(key, _)| key == "transfer" || key == "shading").collect();
+    let sections: toml::Table =
+        table_of(&file)?.into_iter().filter(|(key, _)| key == "transfer" || key == "shading").collect();
     toml::to_string(&sections).map_err(|e| crate::scene::SceneFileError::Text { message: e.to_string() })
 }
 
