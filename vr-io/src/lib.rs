@@ -257,7 +257,7 @@ mod zarr;
 pub use animation::{AnimationFormat, AnimationOptions, write_animation};
 pub use atomic::write_bytes;
 pub use digest::{file_hash, volume_hash};
-pub use edit::{Rounding, convert_grid, crop_grid, flip_grid, resample_grid};
+pub use edit::{Reduction, Rounding, convert_grid, crop_grid, flip_grid, halve_grid, resample_grid};
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};
 pub use exr::write_exr;
 pub use file_pattern::{files_of_pattern, numbered_names};
@@ -290,7 +290,8 @@ pub use transfer::{
 };
 pub use world::{Space, orientation};
 pub use write::{
-    NrrdEncoding, NrrdOptions, NrrdValues, WriteVolumeOptions, WrittenVolume, volume_files, write_nrrd, write_volume,
+    Levels, NrrdEncoding, NrrdOptions, NrrdValues, WriteVolumeOptions, WrittenVolume, volume_files, write_nrrd,
+    write_volume,
 };
 
 /// The example of the README, as a test.

@@ -27,7 +27,7 @@ pub use animation::{AnimateArgs, AnimationArgs, Axis, LookFrom, TurnArgs, Turnta
 pub use annotate::{AnnotateArgs, Annotation};
 pub use background::Background;
 pub use choices::{Bits, Curve, ErrorMeasure};
-pub use convert::{ChangeArgs, ConvertArgs, CropBox};
+pub use convert::{ChangeArgs, ConvertArgs, CropBox, LevelArgs, Reduce};
 pub use diff::DiffArgs;
 pub use labels::LabelArgs;
 pub use ray::RayArgs;
