@@ -273,16 +273,16 @@ pub use points::{LoadedPoints, PointColumns, PointOptions, read_points};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, outline, read};
 pub use record::{
-    ErrorRecord, FileRecord, PictureFormat, PictureRecord, PixelsRecord, RecordError, RecordSection, VolumeRecord,
-    read_record, write_with_record,
+    ErrorRecord, FileRecord, PictureFormat, PictureRecord, PixelsRecord, RecordError, RecordSection, SheetPicture,
+    SheetRecord, VolumeRecord, encode_png_with_record, read_record, write_with_record,
 };
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LabelLook, LabelName,
-    LabelSection, LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection, ProjectionName,
-    RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferSection, VolumeSection, VolumeSource,
-    commented_scene, load_scene, load_volume, outline_scene, parse_scene, preset_by_name, read_scene, resolve_scene,
-    resolve_scene_around, scene_text, write_scene,
+    AnnotationsSection, CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection,
+    LabelLook, LabelName, LabelSection, LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection,
+    ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferSection,
+    VolumeSection, VolumeSource, commented_scene, load_scene, load_volume, outline_scene, parse_scene, preset_by_name,
+    read_scene, resolve_scene, resolve_scene_around, scene_text, write_scene,
 };
 pub use transfer::{
     ColorMap, TRANSFER_EXTENSIONS, TransferFile, TransferSource, parse_color_maps, parse_transfer, read_color_maps,
