@@ -43,7 +43,7 @@ pub(super) struct Series {
 pub(super) struct Format {
     /// Width and height in pixels; a page may make it smaller, by a tenth at most where letters are to stay legible.
     size: (u32, u32),
-    /// Height of numbers and words along the axes.
+    /// Height of numbers and words along the axes, of which an SVG has four fifths as the size of its letters: 15 is 12 px.
     text: i32,
     /// Height of words beside points and levels.
     small: i32,
@@ -51,13 +51,15 @@ pub(super) struct Format {
     numbers: usize,
     /// Room for the numbers and the name of the vertical axis.
     left: u32,
+    /// True if there is room for words beside points.
+    labels: bool,
 }
 
 impl Format {
     /// Whole width of a page on a desk.
-    pub(super) const WIDE: Self = Self { size: (860, 440), text: 13, small: 12, numbers: 10, left: 64 };
+    pub(super) const WIDE: Self = Self { size: (860, 440), text: 15, small: 14, numbers: 10, left: 70, labels: true };
     /// Width of a telephone, and of one of several charts side by side.
-    pub(super) const NARROW: Self = Self { size: (380, 340), text: 13, small: 13, numbers: 5, left: 62 };
+    pub(super) const NARROW: Self = Self { size: (380, 340), text: 15, small: 15, numbers: 5, left: 66, labels: false };
 }
 
 /// Chart with logarithmic axes.
@@ -133,7 +135,7 @@ impl Chart {
     }
 
     fn draw(&self, svg: &mut String, format: Format, alone: bool) -> Result<(), Box<dyn std::error::Error>> {
-        let Format { size, text: height, small, numbers, left } = format;
+        let Format { size, text: height, small, numbers, left, labels } = format;
         let root = SVGBackend::with_string(svg, size).into_drawing_area();
         let text = |size: i32| TextStyle::from(("sans-serif", size).into_font()).color(&INK);
         let (x, y) = self.ranges();
@@ -160,13 +162,19 @@ impl Chart {
             .bold_line_style(INK.mix(0.16))
             .light_line_style(INK.mix(0.05))
             .draw()?;
+        let pixels_apart = |a: f64, b: f64| f64::from(size.1) * libm::log(a / b) / libm::log(y.end / y.start);
+        let mut named = f64::INFINITY;
         for &(level, name) in self.levels.iter().filter(|(level, _)| y.contains(level)) {
             let line = [(x.start, level), (x.end, level)];
             chart.draw_series(DashedLineSeries::new(line, 5, 4, INK.mix(0.45).into()))?;
-            chart.draw_series([Text::new(name.to_owned(), (x.start, level), left_above(&text(small)))])?;
+            // A name needs room below the one above it.
+            if pixels_apart(named, level) > 1.3 * f64::from(small) {
+                chart.draw_series([Text::new(name.to_owned(), (x.end, level), right_above(&text(small)))])?;
+                named = level;
+            }
         }
         for series in &self.series {
-            draw_series(&mut chart, series, &text(small))?;
+            draw_series(&mut chart, series, labels.then(|| text(small)))?;
         }
         if alone && self.series.iter().any(|s| !s.name.is_empty()) {
             chart
@@ -183,14 +191,14 @@ impl Chart {
     }
 }
 
-fn left_above<'a>(style: &TextStyle<'a>) -> TextStyle<'a> {
+fn right_above<'a>(style: &TextStyle<'a>) -> TextStyle<'a> {
     use plotters::style::text_anchor::{HPos, Pos, VPos};
-    style.pos(Pos::new(HPos::Left, VPos::Bottom))
+    style.pos(Pos::new(HPos::Right, VPos::Bottom))
 }
 
 type LogLog<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
-fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyle<'_>) -> Result<(), String> {
+fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: Option<TextStyle<'_>>) -> Result<(), String> {
     let color = color(series.color);
     let points: Vec<(f64, f64)> = series.points.iter().copied().filter(plottable).collect();
     match series.look {
@@ -210,6 +218,7 @@ fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyl
     if !series.name.is_empty() {
         drawn.label(series.name.clone()).legend(move |at| sample(at, number, look));
     }
+    let Some(label) = label else { return Ok(()) };
     let labelled = series.points.iter().zip(&series.labels).filter(|(p, _)| plottable(p));
     chart
         .draw_series(labelled.map(|(&p, word)| EmptyElement::at(p) + Text::new(word.clone(), (6, -12), label.clone())))

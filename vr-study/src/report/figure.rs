@@ -56,7 +56,27 @@ pub(super) fn picture(picture: &Picture, words: &str) -> Markup {
     }
 }
 
-/// Returns a command as a block, all of which one click selects.
+/// Returns a command as a block, all of which one click selects; lines break between flags.
 pub(super) fn command(line: &str) -> Markup {
-    html! { pre.command { code { (line) } } }
+    let flags = line.match_indices(" -").map(|(at, _)| at);
+    let starts: Vec<usize> = std::iter::once(0).chain(flags).collect();
+    let ends = starts.iter().skip(1).copied().chain([line.len()]);
+    html! {
+        pre.command {
+            code { @for (k, (&start, end)) in starts.iter().zip(ends).enumerate() { @if k > 0 { " " } span { (line[start..end].trim_start()) } } }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_are_whole_and_in_parts() {
+        let block = command("vr render a-b.nrrd --size 8x8 -o 'x - y.png'").into_string();
+        let parts =
+            ["vr render a-b.nrrd", "--size 8x8", "-o 'x", "- y.png'"].map(|part| format!("<span>{part}</span>"));
+        assert!(block.contains(&format!("<code>{}</code>", parts.join(" "))), "{block}");
+    }
 }

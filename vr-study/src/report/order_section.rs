@@ -37,11 +37,19 @@ pub(super) fn section(results: &[Convergence]) -> Result<Markup, StudyError> {
 }
 
 fn table(renderer: &str, own: &[&Convergence]) -> Markup {
-    let heads = [&terms::CLAIM, &terms::REFINED, &terms::DOCUMENTED, &terms::MEASURED, &terms::TOLERANCE];
+    let words = [&terms::CLAIM, &terms::REFINED];
+    let numbers = [&terms::DOCUMENTED, &terms::MEASURED, &terms::TOLERANCE];
     html! {
         div.wide tabindex="0" role="region" aria-label={ "Orders of " (renderer) } {
             table {
-                thead { tr { @for term in heads { th { (term.word()) } } th { (terms::RMSE.called("errors, coarse to fine")) } th { "verdict" } } }
+                thead {
+                    tr {
+                        @for term in words { th.left { (term.word()) } }
+                        @for term in numbers { th { (term.word()) } }
+                        th.left { (terms::RMSE.called("errors, coarse to fine")) }
+                        th { "verdict" }
+                    }
+                }
                 tbody {
                     @for c in own {
                         tr {

@@ -8,9 +8,8 @@ use crate::study::SubjectResult;
 use super::headline::milliseconds;
 use super::terms::{self, Term};
 
-/// Columns from the second on.
-const COLUMNS: [&Term; 12] = [
-    &terms::SETTING,
+/// Columns of numbers.
+const COLUMNS: [&Term; 11] = [
     &terms::FRAME,
     &terms::SPREAD,
     &terms::PREPARE,
@@ -29,7 +28,7 @@ pub(super) fn table(s: &SubjectResult, which: &[usize]) -> Markup {
     html! {
         div.wide tabindex="0" role="region" aria-label={ "Settings on " (s.name) } {
             table {
-                thead { tr { th { "#" } @for term in COLUMNS { th { (term.word()) } } } }
+                thead { tr { th { "#" } th.left { (terms::SETTING.word()) } @for term in COLUMNS { th { (term.word()) } } } }
                 tbody { @for &i in which { (row(i + 1, &s.points[i])) } }
             }
         }

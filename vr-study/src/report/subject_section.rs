@@ -32,7 +32,7 @@ pub(super) fn section(s: &SubjectResult, timed: bool) -> Result<Markup, StudyErr
             p { (s.title) ", " (w) "×" (h) " pixels. " (certainty(s)) }
             @if timed && !s.points.is_empty() {
                 (wide(&plots::speed_against_error(s), html! {
-                    "Numbers are rows of the table below; lines are the " (terms::FRONT.word()) " of each renderer. Further left is faster, further down is nearer to the "
+                    "Numbers, on a wide screen, are rows of the table below; lines are the " (terms::FRONT.word()) " of each renderer. Further left is faster, further down is nearer to the "
                     (terms::REFERENCE.word()) "."
                 })?)
                 p { (fastest(s, &pairs)) }

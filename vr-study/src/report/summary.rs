@@ -45,7 +45,7 @@ pub(super) fn section(subjects: &[SubjectResult], timed: bool) -> Result<Markup,
                         }
                     }
                 }
-                p.note { "– : no setting reaches it." }
+                p.note { "A dash: no setting reaches it." }
             } @else {
                 p { "Nothing was timed." }
             }
