@@ -154,7 +154,7 @@ mod tests {
         // An axis of two stays: pairs along x alone, of which the first is taken where they differ.
         assert_eq!(samples(&halve_grid(&names, Reduction::Mode).unwrap()), [7., 3., 7., 3., 200., 9., 7., 3.]);
         assert_eq!(most_frequent(&[1u8, 5, 5, 2, 2, 5]), 5);
-        let missing = grid([4, 2, 2], vec![f32::NAN, 4.0, f32::NAN, f32::NAN, 1.0, 2.0, 3.0, 5.0].repeat(2));
+        let missing = grid([4, 2, 2], [f32::NAN, 4.0, f32::NAN, f32::NAN, 1.0, 2.0, 3.0, 5.0].repeat(2));
         let found = samples(&halve_grid(&missing, Reduction::Mean).unwrap());
         assert!(found[0] == 4.0 && found[1].is_nan() && found[2] == 1.5 && found[3] == 4.0, "{found:?}");
     }
