@@ -1,13 +1,15 @@
 //! `vr compare`.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use vr_core::{Control, Model, Prepared, RenderError, Rendered, Renderer, View};
-use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
+use vr_study::candidate::Candidate;
 use vr_study::figures::ErrorFigures;
+use vr_study::origin::setting_flags;
 use vr_study::reference::ReferencePixels;
 
 use crate::args::CompareArgs;
@@ -16,7 +18,9 @@ use crate::contact_sheet::{self, Entry};
 use crate::failure::Failure;
 use crate::progress::under_bar;
 use crate::ranking::{self, Rank, candidates, is_default};
+use crate::renderers::StatedRenderer;
 use crate::scene_setup::Setup;
+use crate::sheet_record::{self, SinglePicture};
 use crate::table::Table;
 use crate::{number, output_file, renderers};
 
@@ -41,7 +45,12 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     let candidates = candidates(&renderers::chosen(&args.renderers)?).map_err(Failure::failed)?;
     let mut setup = Setup::new(&args.scene, console)?;
     setup.protect([("--output", &*args.output)])?;
+    if let Some(folder) = &args.pictures {
+        let places: Vec<PathBuf> = candidates.iter().map(|c| sheet_record::place_of(folder, &c.name())).collect();
+        setup.protect(places.iter().map(|place| ("--pictures", place.as_path())))?;
+    }
     setup.note_unused_renderer("renderers are compared under settings of their own", console);
+    setup.note_unused_annotations(console);
     if args.scene.scene.is_none() && args.scene.image.size.is_none() {
         setup.view.size = DEFAULT_SIZE;
     }
@@ -64,6 +73,7 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
                 let (rmse, seconds) = (measured.metrics.rmse, measured.render.as_secs_f64());
                 results.push(Compared {
                     name,
+                    candidate,
                     rank: Rank { is_default: is_default(candidate), rmse, seconds },
                     measured,
                 });
@@ -97,21 +107,32 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     }
     let heading = format!("{}: pictures above maps of their error", setup.title);
     let sheet = contact_sheet::draw(&heading, &entries, scene.background);
-    vr_io::write(&args.output, &sheet, &PngOptions::default()).map_err(Failure::failed)?;
+    let stated: Vec<StatedRenderer> =
+        shown.iter().map(|result| StatedRenderer::of(&*result.candidate.configured, None)).collect();
+    let singles: Vec<SinglePicture<'_>> =
+        shown.iter().zip(&stated).map(|(result, stated)| result.single(&setup, stated)).collect();
+    let files = sheet_record::write((&args.output, &sheet), ("compare", true), &singles, args.pictures.as_deref())?;
     // Renderers are asked for their features only where the answers are read.
     let silent = console.json || console.quiet;
     let text = if silent { String::new() } else { text(&setup, &exact, shown, results.len(), args) };
-    console.result(&text, &json(&setup, &exact, &results, args))
+    console.result(&text, &json(&setup, &exact, &results, &files, args))
 }
 
 /// Renderer with one setting, and its place among the others.
-struct Compared {
+struct Compared<'a> {
     name: String,
+    candidate: &'a Candidate,
     rank: Rank,
     measured: Measured,
 }
 
-impl Compared {
+impl Compared<'_> {
+    /// Returns the picture as it is recorded.
+    fn single<'s>(&'s self, setup: &'s Setup, stated: &'s StatedRenderer) -> SinglePicture<'s> {
+        let flags = setting_flags(self.candidate);
+        SinglePicture { name: self.name.clone(), flags, setup, stated, frame: &self.measured.rendered.frame }
+    }
+
     /// Returns the name for people.
     fn title(&self) -> String {
         let says_so = self.name.ends_with("default");
@@ -181,7 +202,7 @@ fn caption(measured: &Measured) -> String {
 }
 
 /// Returns the table: a summary that fits a terminal, or all figures of all settings and the features of the renderers.
-fn text(setup: &Setup, exact: &ReferencePixels, shown: &[Compared], count: usize, args: &CompareArgs) -> String {
+fn text(setup: &Setup, exact: &ReferencePixels, shown: &[Compared<'_>], count: usize, args: &CompareArgs) -> String {
     let all = args.all;
     let header = ["renderer and setting", "prepare", "render", "RMSE", "max error"];
     let more = ["samples", "bias", "p99", "PSNR/dB", "own model: max"];
@@ -221,6 +242,9 @@ fn text(setup: &Setup, exact: &ReferencePixels, shown: &[Compared], count: usize
         text += "--all shows all figures.\n";
     }
     text += &format!("Wrote {}: pictures above maps of their error.\n", args.output.display());
+    if let Some(folder) = &args.pictures {
+        text += &format!("Wrote each picture into {}: vr rerun draws it again.\n", folder.display());
+    }
     if all { text + "\n" + &renderers::feature_table() } else { text }
 }
 
@@ -230,6 +254,8 @@ struct Json<'a> {
     size: [u32; 2],
     renderers: Vec<RendererJson<'a>>,
     output: String,
+    /// The sheet, and the single pictures if they were asked for.
+    files: &'a [PathBuf],
     notes: &'a [String],
 }
 
@@ -245,8 +271,14 @@ struct RendererJson<'a> {
     own_model_max_error: Option<f64>,
 }
 
-fn json<'a>(setup: &'a Setup, exact: &ReferencePixels, results: &'a [Compared], args: &CompareArgs) -> Json<'a> {
-    let renderer = |Compared { name, rank, measured: m }: &'a Compared| RendererJson {
+fn json<'a>(
+    setup: &'a Setup,
+    exact: &ReferencePixels,
+    results: &'a [Compared<'_>],
+    files: &'a [PathBuf],
+    args: &CompareArgs,
+) -> Json<'a> {
+    let renderer = |Compared { name, rank, measured: m, .. }: &'a Compared<'_>| RendererJson {
         name,
         is_default: rank.is_default,
         prepare_seconds: m.prepare.as_secs_f64(),
@@ -260,6 +292,7 @@ fn json<'a>(setup: &'a Setup, exact: &ReferencePixels, results: &'a [Compared], 
         size: setup.view.size,
         renderers: results.iter().map(renderer).collect(),
         output: args.output.display().to_string(),
+        files,
         notes: &setup.notes,
     }
 }

@@ -1,13 +1,14 @@
 //! `vr convert`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde::Serialize;
 use vr_core::{GridVolume, Volume};
-use vr_io::{FieldError, LoadedVolume, Rounding, WriteError, WriteVolumeOptions};
+use vr_io::{FieldError, FileInfo, Levels, LoadedVolume, Reduction, Rounding, WriteError, WriteVolumeOptions};
+use vr_look::{Kind, Survey};
 
-use crate::args::{ChangeArgs, ConvertArgs, CropBox};
+use crate::args::{ChangeArgs, ConvertArgs, CropBox, LevelArgs, Reduce};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
@@ -34,7 +35,8 @@ pub fn run(args: &ConvertArgs, console: Console) -> Result<(), Failure> {
     })?;
     let (changed, said) = change(grid, &args.changes)?;
     let volume = changed.map_or_else(|| volume.clone(), |grid| Volume::Grid(Arc::new(grid)));
-    let options = info.as_ref().map_or_else(WriteVolumeOptions::default, WriteVolumeOptions::of_file);
+    let mut options = info.as_ref().map_or_else(WriteVolumeOptions::default, WriteVolumeOptions::of_file);
+    options.levels = levels(&args.levels, output, &volume, info.as_ref())?;
     let files = vr_io::volume_files(output, &volume).map_err(wrong_place)?;
     let inputs = Inputs::new("a file that is read", info.into_iter().flat_map(|info| info.files));
     files.iter().try_for_each(|place| inputs.protect("OUT", place))?;
@@ -53,6 +55,29 @@ pub fn run(args: &ConvertArgs, console: Console) -> Result<(), Failure> {
         notes: &notes,
     };
     console.result(&json.text(), &json)
+}
+
+/// Returns the resolutions that flags ask for; labels are told by the volume where no flag says how they are reduced.
+fn levels(args: &LevelArgs, output: &Path, volume: &Volume, info: Option<&FileInfo>) -> Result<Levels, Failure> {
+    let is_zarr = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("zarr"));
+    let flags = [("--levels", args.levels.is_some()), ("--reduce", args.reduce.is_some())];
+    if let (Some((flag, _)), false) = (flags.iter().find(|(_, given)| *given), is_zarr) {
+        return Err(Failure::usage(format!("{flag}: only OME-Zarr (.zarr) holds several resolutions; leave it out")));
+    }
+    if !is_zarr || args.levels == Some(1) {
+        return Ok(Levels { count: args.levels, ..Levels::default() });
+    }
+    let is_labels = || {
+        let hints = info.map(FileInfo::hints).unwrap_or_default();
+        matches!(Survey::new(volume).look(&hints).kind, Kind::Labels(_))
+    };
+    let reduction = match args.reduce {
+        Some(Reduce::Mean) => Reduction::Mean,
+        Some(Reduce::Mode) => Reduction::Mode,
+        None if is_labels() => Reduction::Mode,
+        None => Reduction::Mean,
+    };
+    Ok(Levels { count: args.levels, reduction })
 }
 
 /// Returns the grid that flags make of a grid, if they change it, and notes on how.

@@ -101,7 +101,11 @@ fn shortened(command: Command) -> Command {
         let is_help = matches!(arg.get_action(), ArgAction::Help | ArgAction::HelpShort | ArgAction::HelpLong);
         let is_rare = (is_long || is_global) && !is_help && !ESSENTIAL.contains(&arg.get_id().as_str());
         let arg = if is_rare { arg.hide_short_help(true) } else { arg };
-        if is_short { arg.help_heading(None::<&str>).hide_possible_values(true) } else { arg }
+        if !is_short {
+            return arg;
+        }
+        let takes_values = arg.get_action().takes_values();
+        arg.help_heading(None::<&str>).hide_possible_values(takes_values)
     })
 }
 

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use serde::Serialize;
-use vr_io::{ErrorRecord, FileRecord, PictureFormat, PictureRecord, SceneFile, VolumeRecord, volume_hash};
+use vr_io::{
+    AnnotationsSection, ErrorRecord, FileRecord, PictureFormat, PictureRecord, SceneFile, VolumeRecord, volume_hash,
+};
 use vr_physics::Metrics;
 use vr_study::reference::ReferencePixels;
 
@@ -17,7 +19,7 @@ use crate::scene_setup::{Setup, title};
 /// Version of this program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Makes the record of a picture that a renderer has drawn of a scene, with the error that was measured, if one was.
+/// Makes the record of a picture that a renderer has drawn of a scene, without annotations, with the error that was measured, if one was.
 ///
 /// # Errors
 /// A mesh or a file of a transfer function that can no longer be read.
@@ -26,7 +28,8 @@ pub fn record_of(
     stated: &StatedRenderer,
     error: Option<&(Metrics, ReferencePixels)>,
 ) -> Result<PictureRecord, Failure> {
-    let scene = setup.complete_file(stated).without_folders(setup.info.as_ref());
+    let mut scene = setup.complete_file(stated).without_folders(setup.info.as_ref());
+    scene.annotations = AnnotationsSection::default();
     let title = title(&scene.volume, &setup.scene.volume);
     let volume = VolumeRecord { title, hash: volume_hash(&setup.unlabelled.volume) };
     let mut record = PictureRecord::new(VERSION, scene, volume);
@@ -84,7 +87,15 @@ pub fn show(path: &Path, found: &PictureRecord, console: Console) -> Result<(), 
     let mut text = format!("picture      {}\n", path.display());
     let mut line = |name: &str, what: String| text += &format!("{name:<12} {what}\n");
     line("scene", record.volume.title.clone());
-    line("drawn by", format!("vr {}, {}", record.version, scene.render.renderer.as_deref().unwrap_or("unknown")));
+    match &record.sheet {
+        Some(sheet) => {
+            line("drawn by", format!("vr {} {}, {} pictures", record.version, sheet.command, sheet.pictures.len()))
+        }
+        None => line(
+            "drawn by",
+            format!("vr {}, {}", record.version, scene.render.renderer.as_deref().unwrap_or("unknown")),
+        ),
+    }
     if let Some(picture) = &record.picture {
         let [width, height] = scene.image.size;
         let format = match picture.format {
@@ -108,7 +119,12 @@ pub fn show(path: &Path, found: &PictureRecord, console: Console) -> Result<(), 
     let is_of_file = matches!(scene.volume.source, Some(vr_io::VolumeSource::File(_)));
     let volume = if is_of_file { " VOLUME" } else { "" };
     let mesh = if scene.mesh.is_some() { " --mesh FILE" } else { "" };
-    line("again", format!("vr rerun {}{volume}{mesh}", path.display()));
+    match &record.sheet {
+        Some(sheet) => {
+            sheet.pictures.iter().for_each(|picture| line("", format!("{}: {}", picture.name, picture.flags)))
+        }
+        None => line("again", format!("vr rerun {}{volume}{mesh}", path.display())),
+    }
     text += "\n";
     text += &vr_io::scene_text(scene).map_err(Failure::failed)?;
     #[derive(Serialize)]

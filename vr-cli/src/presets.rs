@@ -1,9 +1,11 @@
 //! `vr presets`.
 
+use std::path::PathBuf;
+
 use serde::Serialize;
 use vr_core::transfer::Preset;
 use vr_core::{Control, Frame, RenderError};
-use vr_io::{FileInfo, LoadedVolume, PngOptions};
+use vr_io::{FileInfo, LoadedVolume};
 use vr_look::Survey;
 
 use crate::args::{PresetsArgs, SceneArgs};
@@ -12,7 +14,9 @@ use crate::failure::Failure;
 use crate::output_file;
 use crate::preset_sheet::{self, Entry};
 use crate::progress::under_bar;
-use crate::scene_setup::{PresetSetups, Setup};
+use crate::renderers::StatedRenderer;
+use crate::scene_setup::{Configured, PresetSetups, Setup};
+use crate::sheet_record::{self, SinglePicture};
 use crate::table::Table;
 
 /// Size of the pictures where none is given.
@@ -31,17 +35,25 @@ pub fn run(args: &PresetsArgs, console: Console, control: &Control) -> Result<()
     for (_, setup) in &setups {
         setup.protect([("--output", &*args.output)])?;
     }
+    if let Some((_, setup)) = setups.first() {
+        setup.note_unused_annotations(console);
+    }
+    if let (Some(folder), Some((_, setup))) = (&args.pictures, setups.first()) {
+        let places: Vec<PathBuf> = setups.iter().map(|(p, _)| sheet_record::place_of(folder, p.name())).collect();
+        setup.protect(places.iter().map(|place| ("--pictures", place.as_path())))?;
+    }
     let has_size = args.scene.scene.is_some() || args.scene.image.size.is_some();
-    let mut drawn: Vec<(Preset, Setup, Frame)> = Vec::new();
+    let mut drawn: Vec<(Preset, Setup, (Frame, StatedRenderer))> = Vec::new();
     for (preset, mut setup) in setups {
         if !has_size {
             setup.view.size = DEFAULT_SIZE;
         }
         let draw = |control: &Control| {
-            let renderer = setup.renderer(&args.renderer, Console { quiet: true, ..console })?.renderer;
+            let Configured { renderer, stated, .. } =
+                setup.renderer(&args.renderer, Console { quiet: true, ..console })?;
             let draw = || Ok(renderer.prepare(&setup.scene, control)?.render(&setup.view, control)?.frame);
             match draw() {
-                Ok(frame) => Ok(Some(frame)),
+                Ok(frame) => Ok(Some((frame, stated))),
                 Err(e @ RenderError::Unsupported { .. }) => {
                     console.note(&format!("{preset} is left out: {e}"));
                     Ok(None)
@@ -49,8 +61,8 @@ pub fn run(args: &PresetsArgs, console: Console, control: &Control) -> Result<()
                 Err(e) => Err(setup.render_failure(e)),
             }
         };
-        if let Some(frame) = under_bar(console, control, preset.name(), draw)? {
-            drawn.push((preset, setup, frame));
+        if let Some(picture) = under_bar(console, control, preset.name(), draw)? {
+            drawn.push((preset, setup, picture));
         }
     }
     let Some((_, first, _)) = drawn.first() else {
@@ -58,9 +70,17 @@ pub fn run(args: &PresetsArgs, console: Console, control: &Control) -> Result<()
     };
     let entries: Vec<Entry<'_>> = drawn
         .iter()
-        .map(|(preset, setup, frame)| Entry { frame, background: setup.scene.background, name: preset.name() })
+        .map(|(preset, setup, (frame, _))| Entry { frame, background: setup.scene.background, name: preset.name() })
         .collect();
-    vr_io::write(&args.output, &preset_sheet::draw(&entries), &PngOptions::default()).map_err(Failure::failed)?;
+    let singles: Vec<SinglePicture<'_>> = drawn
+        .iter()
+        .map(|(preset, setup, (frame, stated))| {
+            let flags = ["--preset", preset.name()].map(str::to_owned).to_vec();
+            SinglePicture { name: preset.name().to_owned(), flags, setup, stated, frame }
+        })
+        .collect();
+    let sheet = (&*args.output, &preset_sheet::draw(&entries));
+    let files = sheet_record::write(sheet, ("presets", false), &singles, args.pictures.as_deref())?;
 
     let volume = args.scene.volume.path.as_ref().map_or_else(|| "VOLUME".to_owned(), |path| path.display().to_string());
     let mut table = Table::of_words(&["preset", "values in", "shows"]);
@@ -69,15 +89,20 @@ pub fn run(args: &PresetsArgs, console: Console, control: &Control) -> Result<()
     }
     let more = if args.all { "" } else { "; --all draws the others, too" };
     let text = format!(
-        "scene    {}\n{table}draw one vr render {volume} --preset {}{more}\nwrote    {}\n",
+        "scene    {}\n{table}draw one vr render {volume} --preset {}{more}\nwrote    {}{}\n",
         first.title,
         drawn[0].0,
-        args.output.display()
+        args.output.display(),
+        match &args.pictures {
+            Some(folder) => format!(", {} pictures in {}", files.len() - 1, folder.display()),
+            None => String::new(),
+        }
     );
     let json = Json {
         volume: &first.title,
         presets: drawn.iter().map(|(preset, ..)| PresetJson::of(*preset)).collect(),
         output: &args.output.to_string_lossy(),
+        files: &files,
         notes: &notes,
     };
     console.result(&text, &json)
@@ -111,6 +136,8 @@ struct Json<'a> {
     volume: &'a str,
     presets: Vec<PresetJson>,
     output: &'a str,
+    /// The sheet, and the single pictures if they were asked for.
+    files: &'a [PathBuf],
     notes: &'a [String],
 }
 

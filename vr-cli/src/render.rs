@@ -36,19 +36,21 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     error_map::check(&args.output)?;
     annotate::check(&args.annotations)?;
     show::check(args.show, console)?;
-    if !args.annotations.is_empty() && !args.output.has_png() && args.show.show.is_none() {
+    if let (Some(flag), false, None) = (args.annotations.flag(), args.output.has_png(), args.show.show) {
         let message =
             "no picture is a PNG: OpenEXR holds data, which nothing is drawn over; must go with -o FILE.png or --show";
-        return Err(Failure::usage(format!("{}: {message}", args.annotations.flag())));
+        return Err(Failure::usage(format!("{flag}: {message}")));
     }
     // A target of RMSE chooses settings of its own.
-    let setup = match args.target.target_rmse {
+    let mut setup = match args.target.target_rmse {
         Some(_) => Setup::new(&args.scene, console)?,
         None => Setup::for_renderer(&args.scene, &args.renderer, console)?,
     };
     setup.protect(args.output.places())?;
+    annotate::apply(&args.annotations, &mut setup)?;
+    let setup = setup;
     let (scene, view) = (&setup.scene, &setup.view);
-    let annotations = Annotations::new(&args.annotations, &setup, console)?;
+    let annotations = Annotations::new(&setup, console)?;
     // Draw the picture.
     let cache = exact_cache::open(&args.cache);
     let drawn = match args.target.target_rmse {
@@ -91,7 +93,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
         match record.clone() {
             Some(mut record) => {
                 if over.is_some() {
-                    args.annotations.record(&mut record.record);
+                    record.scene.annotations = setup.file.annotations.clone();
                 }
                 vr_io::write_with_record(path, picture, &png, record)
             }

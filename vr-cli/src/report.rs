@@ -4,9 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vr_core::{Control, RenderError};
+use vr_core::{Control, Options, RenderError};
+use vr_io::AnnotationsSection;
 use vr_study::StudyError;
 use vr_study::baseline::Baseline;
+use vr_study::origin::{Origin, shell_line};
 use vr_study::report::{csv, headline_plot, headline_table, page};
 use vr_study::subject::{Subject, reduced};
 use vr_study::suite::{Report, Run, Suite};
@@ -16,9 +18,12 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::heap::Heap;
 use crate::inputs::Inputs;
+use crate::picture_record::record_of;
 use crate::progress::under_bar;
+use crate::renderers::StatedRenderer;
+use crate::scene_file::read_from;
 use crate::scene_setup::{Setup, named_scene};
-use crate::{exact_cache, renderers};
+use crate::{exact_cache, renderers, report_summary};
 
 /// Largest number of pixels of the pictures of a user's own scene, where no size was asked for.
 const QUICK_PIXELS: f64 = 128.0 * 128.0;
@@ -39,9 +44,10 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
     };
     let chosen = renderers::chosen(&args.renderers)?;
     let baseline = args.baseline.as_deref().map(read_baseline).transpose()?;
-    let setup = named_scene(&args.scene, console)?;
+    let mut setup = named_scene(&args.scene, console)?;
     if let Some(setup) = &setup {
         setup.note_unused_renderer("renderers are measured under settings of their own", console);
+        setup.note_unused_annotations(console);
     }
     if setup.is_some() && matches!(suite, Suite::Hard | Suite::Scaling) {
         console.note(&format!("the suite {} has scenes of its own: the one that was named is not used", suite.name()));
@@ -52,15 +58,19 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
     let inputs = Inputs::new("a file that is read", read);
     let written = FILES.iter().map(|name| args.output.join(name));
     written.chain([journal.clone()]).try_for_each(|place| inputs.protect("--output", &place))?;
+    let own = setup.as_mut().map(|setup| own_subject(setup, args, suite)).transpose()?;
     fs::create_dir_all(&args.output).map_err(|e| cannot_write(&args.output, &e))?;
     // Measure; a journal keeps what is done.
     let cache = exact_cache::open(&args.cache);
     let run = Run {
         renderers: &chosen,
-        own: setup.as_ref().map(|setup| subject(setup, args, suite)),
+        own: own.as_ref().map(|(subject, _)| subject.clone()),
         untimed: args.untimed,
         cache: &cache,
         meter: Some(&Heap),
+        command: Some(shell_line(
+            &std::iter::once("vr".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>(),
+        )),
         journal: Some(&journal),
     };
     let measured =
@@ -75,10 +85,11 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
 
     // Write the page, and compare with the baseline.
     let now = Baseline::of(&report.subjects);
-    let files = write(&report, &now, &args.output)?;
+    let scene = own.map(|(_, scene)| scene).filter(|_| !report.subjects.is_empty());
+    let files = write(&report, &now, scene, &args.output)?;
     let worse = baseline.map_or_else(Vec::new, |then| then.regressions(&now));
     console.result(
-        &text(&report, &files, &worse),
+        &report_summary::text(&report, &files, &worse, args.all),
         &Json { report: &report, files: &files, worse_than_baseline: &worse },
     )?;
     let (failed, failing) = (report.failed_cases(), report.failing_orders());
@@ -91,16 +102,32 @@ pub fn run(args: &ReportArgs, console: Console, control: &Control) -> Result<(),
     }
 }
 
-fn subject(setup: &Setup, args: &ReportArgs, suite: Suite) -> Subject {
-    let mut view = setup.view.clone();
+/// Returns the subject that flags name, and the scene file by which its pictures are made again. The view of the set-up becomes the subject's.
+fn own_subject(setup: &mut Setup, args: &ReportArgs, suite: Suite) -> Result<(Subject, String), Failure> {
     if args.scene.scene.is_none() && args.scene.image.size.is_none() {
-        view = reduced(&view, if suite == Suite::Quick { QUICK_PIXELS } else { FULL_PIXELS });
+        setup.view = reduced(&setup.view, if suite == Suite::Quick { QUICK_PIXELS } else { FULL_PIXELS });
     }
     let stem = |path: &PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let file = args.scene.volume.path.as_ref().or(args.scene.scene.as_ref()).and_then(stem);
     let name = setup.phantom.clone().or(file).unwrap_or_else(|| "scene".to_owned());
     let phantom = setup.phantom.as_deref().and_then(vr_core::phantom::by_name).map(Into::into);
-    Subject { name, title: setup.title.clone(), scene: setup.scene.clone(), view, phantom }
+
+    // Each command names the renderer and its options: the scene file is to say nothing of them.
+    let usual = renderers::named(renderers::usual(&setup.scene.volume)).map_err(Failure::failed)?;
+    let stated = StatedRenderer::of(&*usual, None);
+    let mut file = read_from(setup.complete_file(&stated), &args.output, setup);
+    file.annotations = AnnotationsSection::default();
+    (file.render.renderer, file.render.options, file.render.max_error) = (None, Options::new(), None);
+    let heading = format!("Scene of the report about {}, for any renderer.", setup.title);
+    let text = vr_io::commented_scene(&file, &heading, &[]).map_err(Failure::failed)?;
+    let origin = Origin {
+        scene: ["--scene", SCENE].map(str::to_owned).to_vec(),
+        camera: Vec::new(),
+        record: Some(record_of(setup, &stated, None)?),
+        note: Some(format!("The commands are to be run in the folder of this page, where {SCENE} is.")),
+    };
+    let (title, scene, view) = (setup.title.clone(), setup.scene.clone(), setup.view.clone());
+    Ok((Subject { name, title, scene, view, phantom, origin }, text))
 }
 
 fn read_baseline(path: &Path) -> Result<Baseline, Failure> {
@@ -114,16 +141,17 @@ fn cannot_write(path: &Path, e: &std::io::Error) -> Failure {
 }
 
 /// Names of the files that [`write()`] may make.
-const FILES: [&str; 6] = [PAGE, REPORT, POINTS, ERRORS, HEADLINE_PLOT, HEADLINE_TABLE];
+const FILES: [&str; 7] = [PAGE, REPORT, POINTS, ERRORS, HEADLINE_PLOT, HEADLINE_TABLE, SCENE];
 const PAGE: &str = "index.html";
 const REPORT: &str = "report.json";
 const POINTS: &str = "points.csv";
 const ERRORS: &str = "errors.json";
 const HEADLINE_PLOT: &str = "headline.svg";
 const HEADLINE_TABLE: &str = "headline.md";
+const SCENE: &str = "scene.toml";
 
-/// Writes everything; returns what was written, the page first.
-fn write(report: &Report, errors: &Baseline, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+/// Writes everything, the text of a scene file among it if there is one; returns what was written, the page first.
+fn write(report: &Report, errors: &Baseline, scene: Option<String>, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let mut files =
         vec![(PAGE, page(report).map_err(Failure::failed)?.into_bytes()), (REPORT, pretty(report)?.into_bytes())];
     if !report.subjects.is_empty() {
@@ -132,6 +160,7 @@ fn write(report: &Report, errors: &Baseline, folder: &Path) -> Result<Vec<PathBu
         files.push((HEADLINE_PLOT, headline_plot(&report.subjects).map_err(Failure::failed)?.into_bytes()));
         files.push((HEADLINE_TABLE, headline_table(&report.subjects).into_bytes()));
     }
+    files.extend(scene.map(|text| (SCENE, text.into_bytes())));
     let write = |(name, bytes): (&str, Vec<u8>)| {
         let path = folder.join(name);
         vr_io::write_bytes(&path, &bytes).map_err(Failure::failed)?;
@@ -150,29 +179,4 @@ struct Json<'a> {
     report: &'a Report,
     files: &'a [PathBuf],
     worse_than_baseline: &'a [String],
-}
-
-fn text(report: &Report, files: &[PathBuf], worse: &[String]) -> String {
-    let mut text = String::new();
-    if report.subjects.iter().flat_map(|s| &s.points).any(|p| p.times.is_some()) {
-        text += &headline_table(&report.subjects);
-        text += "\n";
-    }
-    if !report.orders.is_empty() {
-        let (all, failing) = (report.orders.len(), report.failing_orders());
-        text += &format!("orders     {all} measured, {failing} not as documented\n");
-    }
-    if !report.stability.is_empty() {
-        let (all, failed) = (report.stability.len(), report.failed_cases());
-        text += &format!("hard cases {all} pictures, {failed} unexplained failures\n");
-    }
-    for growth in &report.growth {
-        let exponent = growth.exponent.map_or_else(String::new, |p| format!(", exponent {p:.2}"));
-        text += &format!("growth     {} with {}{exponent}\n", growth.renderer, growth.grown.word());
-    }
-    for line in worse {
-        text += &format!("worse      {line}\n");
-    }
-    let names: Vec<String> = files.iter().map(|p| p.display().to_string()).collect();
-    text + &format!("took       {:.1} s\nwrote      {}\n", report.seconds, names.join(", "))
 }

@@ -7,14 +7,14 @@ use vr_core::{Control, Frame};
 use vr_io::{FileRecord, PictureRecord, SceneFile, StoredPixels, VolumeSource, volume_hash};
 
 use crate::annotate::Annotations;
-use crate::args::{AnnotateArgs, RendererArgs, RerunArgs};
+use crate::args::{RendererArgs, RerunArgs};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
-use crate::output_file;
 use crate::picture_record::VERSION;
 use crate::render::draw;
 use crate::scene_setup::{Setup, title};
+use crate::{output_file, sheet_record};
 
 /// Draws a picture again from the record in it, and compares the two bit for bit.
 ///
@@ -30,6 +30,9 @@ pub fn run(args: &RerunArgs, console: Console, control: &Control) -> Result<(), 
                        program has saved the picture since";
         Failure::failed(format!("{}: {message}", picture.display()))
     })?;
+    if let Some(sheet) = &found.record.sheet {
+        return Err(sheet_record::refusal(picture, sheet));
+    }
     let recorded = found.record.picture.clone().ok_or_else(|| {
         Failure::failed(format!("{}: the record in it is damaged: it says nothing of the pixels", picture.display()))
     })?;
@@ -53,9 +56,7 @@ pub fn run(args: &RerunArgs, console: Console, control: &Control) -> Result<(), 
     let none = RendererArgs { renderer: None, set: Vec::new(), max_error: None };
     let drawn = draw(&none, &setup, console, control)?;
     let background = setup.scene.background;
-    let over = AnnotateArgs::of_record(&found.record)
-        .map_err(|what| Failure::failed(format!("{}: the record in it names {what}", picture.display())))?;
-    let annotations = Annotations::new(&over, &setup, console)?;
+    let annotations = Annotations::new(&setup, console)?;
     let annotated = annotations.map(|over| over.over(&drawn.frame, &recorded.png(background), console));
     let frame = annotated.as_ref().unwrap_or(&drawn.frame);
     let now = recorded.pixels(frame, background);

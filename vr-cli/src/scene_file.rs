@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::picture_record::VERSION;
 use crate::renderers::{self, StatedRenderer};
 use crate::scene_setup::Setup;
-use crate::{exact_cache, output_file, target};
+use crate::{annotate, exact_cache, output_file, target};
 
 /// Writes or prints the complete scene file, with comments, of what `vr render` would draw.
 ///
@@ -23,7 +23,9 @@ pub fn run(args: &SceneFileArgs, console: Console, control: &Control) -> Result<
     if let Some(place) = &args.output {
         output_file::check(place, &["toml"])?;
     }
-    let setup = Setup::new(&args.scene, console)?;
+    annotate::check(&args.annotations)?;
+    let mut setup = Setup::new(&args.scene, console)?;
+    annotate::apply(&args.annotations, &mut setup)?;
     setup.protect(args.output.iter().map(|path| ("--output", path.as_path())))?;
     // Only a picture tells the choice of a target.
     let stated = match args.target.target_rmse {
@@ -34,19 +36,8 @@ pub fn run(args: &SceneFileArgs, console: Console, control: &Control) -> Result<
         None => setup.renderer(&args.renderer, console)?.stated,
     };
 
-    // The paths as they are to be read from the place of the file.
-    let mut file = setup.complete_file(&stated);
     let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-    let from_there = |path: &str| path_from(folder, &setup.path_of(path));
-    if let Some(VolumeSource::File(source)) = &mut file.volume.source {
-        source.path = from_there(&source.path);
-    }
-    if let Some(labels) = &mut file.labels {
-        labels.file = from_there(&labels.file);
-    }
-    if let Some(mesh) = &mut file.mesh {
-        mesh.path = from_there(&mesh.path);
-    }
+    let file = read_from(setup.complete_file(&stated), folder, &setup);
     let title = format!("Scene of vr {VERSION}: {}, drawn by {}.", setup.title, stated.name);
     let text = text(&file, &title, &stated)?;
 
@@ -69,6 +60,21 @@ pub fn run(args: &SceneFileArgs, console: Console, control: &Control) -> Result<
 fn text(file: &SceneFile, title: &str, stated: &StatedRenderer) -> Result<String, Failure> {
     let renderer = renderers::named(&stated.name).map_err(Failure::failed)?;
     vr_io::commented_scene(file, title, &renderer.option_specs()).map_err(Failure::failed)
+}
+
+/// Returns a scene file of a set-up with its paths as they are to be read from a folder.
+pub fn read_from(mut file: SceneFile, folder: &Path, setup: &Setup) -> SceneFile {
+    let from_there = |path: &str| path_from(folder, &setup.path_of(path));
+    if let Some(VolumeSource::File(source)) = &mut file.volume.source {
+        source.path = from_there(&source.path);
+    }
+    if let Some(labels) = &mut file.labels {
+        labels.file = from_there(&labels.file);
+    }
+    if let Some(mesh) = &mut file.mesh {
+        mesh.path = from_there(&mesh.path);
+    }
+    file
 }
 
 /// Returns a path as a file in `folder` must hold it: relative to it where it leads further down, absolute otherwise.

@@ -264,6 +264,18 @@ impl Setup {
         Ok(Configured { renderer, options, max_error: Some(max_error), stated })
     }
 
+    /// Returns the scene file that was read, if one was.
+    pub fn scene_file(&self) -> Option<&Path> {
+        self.origin.scene_file.as_deref()
+    }
+
+    /// Notes that the scene file's annotations have no effect, where it has any: for commands whose pictures have none.
+    pub fn note_unused_annotations(&self, console: Console) {
+        if !self.file.annotations.is_empty() {
+            console.note("annotations of the scene file: without effect; vr render draws them");
+        }
+    }
+
     /// Returns a path of the scene file as it is from here.
     pub fn path_of(&self, path: &str) -> PathBuf {
         let scene_file = self.origin.scene_file.as_deref();

@@ -258,7 +258,7 @@ mod zarr;
 pub use animation::{AnimationFormat, AnimationOptions, write_animation};
 pub use atomic::write_bytes;
 pub use digest::{file_hash, volume_hash};
-pub use edit::{Rounding, convert_grid, crop_grid, flip_grid, resample_grid};
+pub use edit::{Reduction, Rounding, convert_grid, crop_grid, flip_grid, halve_grid, resample_grid};
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};
 pub use exr::write_exr;
 pub use file_pattern::{files_of_pattern, numbered_names};
@@ -274,16 +274,16 @@ pub use points::{LoadedPoints, PointColumns, PointOptions, read_points};
 pub use raw::RawDescription;
 pub use read::{FileInfo, Loaded, ReadOptions, outline, read};
 pub use record::{
-    ErrorRecord, FileRecord, PictureFormat, PictureRecord, PixelsRecord, RecordError, RecordSection, VolumeRecord,
-    read_record, write_with_record,
+    ErrorRecord, FileRecord, PictureFormat, PictureRecord, PixelsRecord, RecordError, RecordSection, SheetPicture,
+    SheetRecord, VolumeRecord, encode_png_with_record, read_record, write_with_record,
 };
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection, LabelLook, LabelName,
-    LabelSection, LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection, ProjectionName,
-    RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferSection, VolumeSection, VolumeSource,
-    commented_scene, load_scene, load_volume, outline_scene, parse_scene, preset_by_name, read_scene, resolve_scene,
-    resolve_scene_around, scene_text, write_scene,
+    AnnotationsSection, CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection,
+    LabelLook, LabelName, LabelSection, LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection,
+    ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferSection,
+    VolumeSection, VolumeSource, commented_scene, load_scene, load_volume, outline_scene, parse_scene, preset_by_name,
+    read_scene, resolve_scene, resolve_scene_around, scene_text, write_scene,
 };
 pub use transfer::{
     ColorMap, TRANSFER_EXTENSIONS, TransferFile, TransferSource, parse_color_maps, parse_transfer, read_color_maps,
@@ -291,7 +291,8 @@ pub use transfer::{
 };
 pub use world::{Space, orientation};
 pub use write::{
-    NrrdEncoding, NrrdOptions, NrrdValues, WriteVolumeOptions, WrittenVolume, volume_files, write_nrrd, write_volume,
+    Levels, NrrdEncoding, NrrdOptions, NrrdValues, WriteVolumeOptions, WrittenVolume, volume_files, write_nrrd,
+    write_volume,
 };
 
 /// The example of the README, as a test.

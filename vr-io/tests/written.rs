@@ -13,7 +13,7 @@ const WHOLE: Calibration = Calibration { slope: 1.0, intercept: -1024.0 };
 const BROKEN: Calibration = Calibration { slope: 2.2086, intercept: -10.1 };
 
 fn patient() -> WriteVolumeOptions {
-    WriteVolumeOptions { patient: true, units: None }
+    WriteVolumeOptions { patient: true, ..WriteVolumeOptions::default() }
 }
 
 /// Turned about no axis of the world, with another spacing along each axis.
@@ -253,7 +253,7 @@ fn zarr_keeps_the_places_of_axes_along_the_world() {
         let placement = Placement::new(DVec3::new(-120.3, 45.6, 7.0), axes).unwrap();
         for volume in all_types(placement, Calibration::default()) {
             let path = folder.path().join(format!("{i}_{}.zarr", grid(&volume).voxel_type()));
-            let options = WriteVolumeOptions { patient: false, units: Some("µm".into()) };
+            let options = WriteVolumeOptions { units: Some("µm".into()), ..WriteVolumeOptions::default() };
             let (_, back) = written(&path, &volume, &options);
             assert_eq!((back.info.format, back.info.encoding), ("OME-Zarr", "gzip"));
             assert_eq!(back.info.units.as_deref(), Some("µm"));

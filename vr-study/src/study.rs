@@ -49,6 +49,9 @@ pub struct SubjectResult {
     pub picture: Picture,
     /// Error maps of some candidates, interpolated between the pixels that were compared.
     pub error_maps: Vec<Picture>,
+    /// Sentence on the commands of the pictures, where there is something to know.
+    #[serde(default)]
+    pub note: Option<String>,
 }
 
 /// Picture in a report.
@@ -57,8 +60,11 @@ pub struct Picture {
     /// The candidate that drew it.
     #[serde(rename = "contestant")]
     pub candidate: String,
-    /// PNG in base 64.
+    /// PNG in base 64; of a picture that `vr` can draw again, with the record of it.
     pub png: String,
+    /// Command that makes the picture, if there is one.
+    #[serde(default)]
+    pub command: Option<String>,
 }
 
 impl Study<'_> {
@@ -86,6 +92,7 @@ impl Study<'_> {
 
         let drawn = draw_in_turns(self.candidates, subject, self.timing, self.meter, (control, progress))?;
         let (mut points, mut refusals, mut frames) = (Vec::new(), Vec::new(), Vec::new());
+        let mut drawing = Vec::new();
         for (candidate, drawn) in self.candidates.iter().zip(drawn) {
             match drawn {
                 Ok(drawn) => {
@@ -100,13 +107,15 @@ impl Study<'_> {
                     let function_error = function.as_ref().map(|f| ErrorFigures::new(&f.judge(&drawn.frame), f));
                     points.push(point(candidate, subject, &drawn, (error, own_error, function_error)));
                     frames.push(drawn.frame);
+                    drawing.push(candidate);
                 }
                 Err(feature) => refusals.push(Refusal { candidate: candidate.name(), feature }),
             }
         }
-        let (picture, error_maps) = pictures(&points, &frames, subject, (&reference, self.subgrid));
-        let Subject { name, title, .. } = subject.clone();
-        Ok(SubjectResult { name, title, size: subject.view.size, points, refusals, picture, error_maps })
+        let (picture, error_maps) = pictures(&points, (&drawing, &frames), subject, (&reference, self.subgrid));
+        let Subject { name, title, origin, .. } = subject.clone();
+        let (size, note) = (subject.view.size, origin.note);
+        Ok(SubjectResult { name, title, size, points, refusals, picture, error_maps, note })
     }
 }
 
@@ -152,15 +161,24 @@ const MAPS: usize = 4;
 /// every pixel was compared, their errors are spread on their logarithmic scale.
 fn pictures(
     points: &[Point],
-    frames: &[Frame],
+    (candidates, frames): (&[&Candidate], &[Frame]),
     subject: &Subject,
     (reference, parts): (&ReferencePixels, u32),
 ) -> (Picture, Vec<Picture>) {
     let [w, h] = subject.view.size;
+    let (origin, background) = (&subject.origin, subject.scene.background);
     let best = (0..points.len()).min_by(|&a, &b| points[a].error.rmse.total_cmp(&points[b].error.rmse));
     let picture = best.map_or_else(
-        || Picture { candidate: String::new(), png: String::new() },
-        |i| Picture { candidate: points[i].candidate(), png: encode_picture(&frames[i], subject.scene.background) },
+        || Picture { candidate: String::new(), png: String::new(), command: None },
+        |i| {
+            let record = origin.record_of(candidates[i], &points[i].error, [w, h]);
+            let png = encode_picture(&frames[i], background, record);
+            Picture {
+                candidate: points[i].candidate(),
+                png,
+                command: origin.command(&subject.name, candidates[i], false),
+            }
+        },
     );
     let cost =
         |p: &Point| p.times.map_or_else(|| p.counts.get("samples").map_or(0.0, |&n| n as f64), |t| t.frame.median);
@@ -170,7 +188,8 @@ fn pictures(
     let maps = (0..shown).map(|k| {
         let i = front[if shown > 1 { k * (front.len() - 1) / (shown - 1) } else { 0 }];
         let errors = reference.error_map(&frames[i], parts);
-        Picture { candidate: points[i].candidate(), png: encode_errors([w, h], &errors) }
+        let command = origin.command(&subject.name, candidates[i], true);
+        Picture { candidate: points[i].candidate(), png: encode_errors([w, h], &errors), command }
     });
     (picture, maps.collect())
 }

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use vr_core::phantom::{self, Phantom};
 use vr_core::{Camera, GridError, Scene, View};
 
+use crate::origin::Origin;
+
 /// Scene, a view of it, and the name that results go by.
 #[derive(Clone)]
 pub struct Subject {
@@ -18,12 +20,15 @@ pub struct Subject {
     pub view: View,
     /// The field as a function, where it is known as one.
     pub phantom: Option<Arc<dyn Phantom>>,
+    /// Flags and record by which `vr` draws it again.
+    pub origin: Origin,
 }
 
 impl Subject {
     /// Returns the subject under another view.
     pub fn seen(&self, word: &str, view: View) -> Self {
-        Self { name: format!("{} {word}", self.name), view, ..self.clone() }
+        let origin = self.origin.seen(&view.camera);
+        Self { name: format!("{} {word}", self.name), view, origin, ..self.clone() }
     }
 }
 
@@ -35,6 +40,9 @@ pub fn reduced(view: &View, pixels: f64) -> View {
     View { size, ..view.clone() }
 }
 
+/// Degrees to the right of a phantom and above it from which it is seen.
+const ANGLES: [f64; 2] = [30.0, 20.0];
+
 /// Returns a phantom on a grid of `samples`³ voxels under its own transfer function, in pictures of the given size, seen from an oblique direction, all of it.
 ///
 /// # Errors
@@ -45,11 +53,13 @@ pub fn reduced(view: &View, pixels: f64) -> View {
 pub fn phantom_subject(name: &str, samples: usize, size: [u32; 2]) -> Result<Subject, GridError> {
     let phantom = phantom::by_name(name).expect("the name of a phantom");
     let scene = phantom::sampled_scene::<f32>(&*phantom, samples, 1.0)?;
-    let camera = Camera::framing(scene.volume.bounds(), 30.0, 20.0, None);
+    let [azimuth, elevation] = ANGLES;
+    let view = View::new(Camera::framing(scene.volume.bounds(), azimuth, elevation, None), size);
     Ok(Subject {
         name: name.to_owned(),
         title: format!("phantom {name}, {samples}³ f32"),
-        view: View::new(camera, size),
+        origin: Origin::phantom(name, samples, ANGLES, (&scene, &view)),
+        view,
         scene,
         phantom: Some(phantom.into()),
     })

@@ -81,6 +81,9 @@ pub struct Report {
     pub suite: Suite,
     /// The machine that it was measured on.
     pub machine: Machine,
+    /// Command that made the report, if there is one.
+    #[serde(default)]
+    pub command: Option<String>,
     /// Seconds that it took, without what had been done before.
     pub seconds: f64,
     /// Speed against error.
@@ -117,6 +120,8 @@ pub struct Run<'a> {
     pub cache: &'a ReferenceCache,
     /// Meter of memory; `None` if memory is not measured.
     pub meter: Option<&'a dyn MemoryMeter>,
+    /// Command that makes the report, if there is one.
+    pub command: Option<String>,
     /// File in which finished parts are noted, so that a run can be resumed; `None` if they are not.
     pub journal: Option<&'a Path>,
 }
@@ -161,6 +166,7 @@ impl Run<'_> {
         let mut report = Report {
             suite,
             machine,
+            command: self.command.clone(),
             seconds: 0.0,
             subjects: Vec::new(),
             orders: Vec::new(),

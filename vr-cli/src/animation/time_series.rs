@@ -45,6 +45,7 @@ pub fn set_up(
     let current = |volume: &Volume| Current { number: None, volume: volume.clone(), hash: None };
     if !animation.time_series {
         let setup = Setup::for_renderer(args, renderer, console)?;
+        setup.note_unused_annotations(console);
         let current = current(&setup.scene.volume);
         let volumes = Volumes { sections: Vec::new(), scene_file: PathBuf::new(), filter: None, hold: 1, current };
         return Ok((setup, volumes));
@@ -63,6 +64,7 @@ pub fn set_up(
     };
     file.volume = sections[strongest].clone();
     let mut setup = Setup::of_described(args, &file, origin, console)?;
+    setup.note_unused_annotations(console);
     let count = sections.len();
     console.note(&format!(
         "time series of {count} volumes: transfer function{} from number {strongest}, from 0",

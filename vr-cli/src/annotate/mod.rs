@@ -9,7 +9,7 @@ mod sheet;
 mod title;
 
 use vr_core::Frame;
-use vr_io::PngOptions;
+use vr_io::{AnnotationsSection, PngOptions};
 use vr_look::{Hints, Kind, Survey};
 
 use crate::args::{AnnotateArgs, Annotation};
@@ -33,24 +33,25 @@ pub struct Annotations {
 }
 
 impl Annotations {
-    /// Makes the annotations that flags ask for; `None` where they ask for none. Notes what is assumed of units, and what there is nothing to show of.
+    /// Makes the annotations that the scene file of a set-up asks for; `None` where it asks for none. Notes what is assumed of units, and what there is nothing
+    /// to show of.
     ///
     /// # Errors
     /// A camera that cannot be.
-    pub fn new(args: &AnnotateArgs, setup: &Setup, console: Console) -> Result<Option<Self>, Failure> {
-        if args.is_empty() {
+    pub fn new(setup: &Setup, console: Console) -> Result<Option<Self>, Failure> {
+        let section = &setup.file.annotations;
+        if section.is_empty() {
             return Ok(None);
         }
-        let wants = |what: Annotation| args.annotate.contains(&what) || args.annotate.contains(&Annotation::All);
         let (scene, view, info) = (&setup.scene, &setup.view, setup.info.as_ref());
         let is_patient = info.is_some_and(|info| info.space.is_patient());
-        let marker = if wants(Annotation::Marker) {
+        let marker = if section.marker {
             let marker = Marker::new(&view.camera, is_patient);
             Some(marker.map_err(|e| setup.render_failure(e.into()))?)
         } else {
             None
         };
-        let scale = wants(Annotation::Scale).then(|| {
+        let scale = section.scale.then(|| {
             let named = info.and_then(|info| info.units.as_deref());
             if named.is_none() && is_patient {
                 console.note("scale bar: the file names no unit; mm is assumed, as patients' spaces have it");
@@ -59,7 +60,7 @@ impl Annotations {
             }
             ScaleBar::new(view, named.or(is_patient.then_some("mm")))
         });
-        let legend = if wants(Annotation::Legend) {
+        let legend = if section.legend {
             let legend = Legend::new(scene, value_unit(setup));
             if legend.is_none() {
                 console.note("legend: left out, for no value of the volume shows");
@@ -68,7 +69,7 @@ impl Annotations {
         } else {
             None
         };
-        Ok(Some(Self { title: args.title.clone(), marker, scale, legend }))
+        Ok(Some(Self { title: section.title.clone(), marker, scale, legend }))
     }
 
     /// Draws over a frame as it is going to be written. Notes what the picture is too small for.
@@ -89,19 +90,41 @@ impl Annotations {
     }
 }
 
-/// Refuses a title that cannot be written.
+/// Refuses flags that contradict each other, and a title that cannot be written.
 ///
 /// # Errors
-/// [`Failure::Usage`] naming the first character that the font lacks.
+/// [`Failure::Usage`] naming the flag, and the first character that the font lacks.
 pub fn check(args: &AnnotateArgs) -> Result<(), Failure> {
-    let Some(title) = &args.title else { return Ok(()) };
+    if args.annotate.len() > 1 && args.annotate.contains(&Annotation::None) {
+        return Err(Failure::usage("--annotate: found none among others; none goes alone"));
+    }
+    let title = args.title.as_deref().filter(|title| !title.is_empty());
+    title.map_or(Ok(()), |title| check_title(title).map_err(|wrong| Failure::usage(format!("--title: {wrong}"))))
+}
+
+/// Lays flags over the annotations of a set-up's scene file.
+///
+/// # Errors
+/// [`Failure::Failed`] for a title of the scene file that cannot be written.
+pub fn apply(args: &AnnotateArgs, setup: &mut Setup) -> Result<(), Failure> {
+    let AnnotationsSection { title, .. } = &setup.file.annotations;
+    if let (None, Some(title)) = (&args.title, title) {
+        let file = setup.scene_file().map_or_else(String::new, |path| format!("{}: ", path.display()));
+        check_title(title).map_err(|wrong| Failure::failed(format!("{file}annotations.title: {wrong}")))?;
+    }
+    setup.file.annotations = args.over(&setup.file.annotations);
+    Ok(())
+}
+
+/// Tells what is wrong with a title, if anything.
+fn check_title(title: &str) -> Result<(), String> {
     if title.trim().is_empty() {
-        return Err(Failure::usage("--title: found nothing but blanks; must be a text"));
+        return Err("found nothing but blanks; must be a text".to_owned());
     }
     match title.lines().find_map(text::missing) {
-        Some(c) => Err(Failure::usage(format!(
-            "--title: found {c:?}, which the embedded font lacks; it has Latin, Greek and Cyrillic letters and signs of mathematics"
-        ))),
+        Some(c) => Err(format!(
+            "found {c:?}, which the embedded font lacks; it has Latin, Greek and Cyrillic letters and signs of mathematics"
+        )),
         None => Ok(()),
     }
 }

@@ -1,13 +1,15 @@
 //! Flags for what is written over a picture.
 
 use clap::{Args, ValueEnum};
-use vr_io::RecordSection;
+use vr_io::AnnotationsSection;
 
 /// Something to be drawn over a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Annotation {
     /// All of these.
     All,
+    /// Nothing of these, whatever the scene file says.
+    None,
     /// Axes that turn with the camera.
     Marker,
     /// Bar of a round length.
@@ -21,42 +23,56 @@ pub enum Annotation {
 #[command(next_help_heading = "Annotations")]
 pub struct AnnotateArgs {
     /// Draw over the PNG, apart by commas: marker (axes that turn with the camera: R L A P S I of a patient), scale (bar), legend (of
-    /// values), or all
+    /// values), or all; none takes away what the scene file asks for
     #[arg(long, value_name = "WHAT", value_delimiter = ',', hide_possible_values = true)]
     pub annotate: Vec<Annotation>,
-    /// Write a title over the PNG
+    /// Write a title over the PNG; '' takes that of the scene file away
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
 }
 
 impl AnnotateArgs {
-    /// Writes what is drawn over a picture into its record.
-    pub fn record(&self, record: &mut RecordSection) {
-        let name = |what: &Annotation| what.to_possible_value().map(|value| value.get_name().to_owned());
-        record.annotations = self.annotate.iter().filter_map(name).collect();
-        record.title.clone_from(&self.title);
+    /// Returns what is drawn over a picture: what the scene file asks for, with the flags in place of what they override.
+    pub fn over(&self, file: &AnnotationsSection) -> AnnotationsSection {
+        let mut section = file.clone();
+        if !self.annotate.is_empty() {
+            let wants = |what| self.annotate.contains(&what) || self.annotate.contains(&Annotation::All);
+            section.marker = wants(Annotation::Marker);
+            section.scale = wants(Annotation::Scale);
+            section.legend = wants(Annotation::Legend);
+        }
+        if let Some(title) = &self.title {
+            section.title = Some(title.clone()).filter(|title| !title.is_empty());
+        }
+        section
     }
 
-    /// Returns what is drawn over the picture of a record.
-    ///
-    /// # Errors
-    /// The name of an annotation that this version does not know.
-    pub fn of_record(record: &RecordSection) -> Result<Self, String> {
-        let known = |name: &String| {
-            Annotation::from_str(name, false)
-                .map_err(|_| format!("annotation {name:?}, which this version does not know"))
+    /// Returns the flag that asks for something to be drawn, if there is one.
+    pub fn flag(&self) -> Option<&'static str> {
+        let asked = self.over(&AnnotationsSection::default());
+        let drawn = [("--annotate", asked.marker || asked.scale || asked.legend), ("--title", asked.title.is_some())];
+        drawn.iter().find(|(_, asked)| *asked).map(|(flag, _)| *flag)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_take_the_place_of_what_they_name() {
+        let file = AnnotationsSection { title: Some("File".to_owned()), marker: true, ..AnnotationsSection::default() };
+        let flags = |annotate: &[Annotation], title: Option<&str>| AnnotateArgs {
+            annotate: annotate.to_vec(),
+            title: title.map(str::to_owned),
         };
-        let annotate = record.annotations.iter().map(known).collect::<Result<_, _>>()?;
-        Ok(Self { annotate, title: record.title.clone() })
-    }
-
-    /// True if nothing is to be drawn.
-    pub fn is_empty(&self) -> bool {
-        self.annotate.is_empty() && self.title.is_none()
-    }
-
-    /// Returns the flag that asks for something to be drawn.
-    pub fn flag(&self) -> &'static str {
-        if self.annotate.is_empty() { "--title" } else { "--annotate" }
+        assert_eq!(flags(&[], None).over(&file), file);
+        let scale = flags(&[Annotation::Scale], None);
+        assert_eq!(scale.over(&file), AnnotationsSection { marker: false, scale: true, ..file.clone() });
+        assert_eq!((scale.flag(), flags(&[Annotation::None], Some("")).flag()), (Some("--annotate"), None));
+        assert_eq!(flags(&[Annotation::None], Some("")).over(&file), AnnotationsSection::default());
+        let titled = flags(&[Annotation::All], Some("Flag"));
+        let all = AnnotationsSection { title: Some("Flag".to_owned()), marker: true, scale: true, legend: true };
+        assert_eq!(titled.over(&file), all);
     }
 }

@@ -24,6 +24,9 @@ pub struct ConvertArgs {
     /// Changes on the way.
     #[command(flatten)]
     pub changes: ChangeArgs,
+    /// Levels of a pyramid.
+    #[command(flatten)]
+    pub levels: LevelArgs,
 }
 
 impl ConvertArgs {
@@ -52,6 +55,27 @@ pub struct ChangeArgs {
     /// Stretch values from LOW to HIGH over the range of the integer type
     #[arg(long, value_name = "LOW,HIGH", value_parser = value::pair, allow_hyphen_values = true, requires = "to")]
     pub rescale: Option<[f64; 2]>,
+}
+
+/// Levels of a pyramid.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Resolutions of OME-Zarr")]
+pub struct LevelArgs {
+    /// Write this many resolutions, each of half the voxels along each axis; without it, as many as lead to 64 voxels along the longest axis
+    #[arg(long, value_name = "N")]
+    pub levels: Option<usize>,
+    /// Make one voxel of a block of eight by their mean, or their mode (the most frequent); without it, mode for labels and mean for all else
+    #[arg(long, value_name = "HOW")]
+    pub reduce: Option<Reduce>,
+}
+
+/// Way in which the voxels of a block become one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Reduce {
+    /// Quantities.
+    Mean,
+    /// Numbers that are names.
+    Mode,
 }
 
 /// An index axis.

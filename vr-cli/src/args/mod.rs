@@ -27,7 +27,7 @@ pub use animation::{AnimateArgs, AnimationArgs, Axis, LookFrom, TurnArgs, Turnta
 pub use annotate::{AnnotateArgs, Annotation};
 pub use background::Background;
 pub use choices::{Bits, Curve, ErrorMeasure};
-pub use convert::{ChangeArgs, ConvertArgs, CropBox};
+pub use convert::{ChangeArgs, ConvertArgs, CropBox, LevelArgs, Reduce};
 pub use diff::DiffArgs;
 pub use labels::LabelArgs;
 pub use ray::RayArgs;
@@ -248,6 +248,9 @@ pub struct CompareArgs {
     /// Contact sheet to write
     #[arg(long, short, value_name = "FILE", default_value = "vr-compare.png", help_heading = "Comparison")]
     pub output: PathBuf,
+    /// Write each picture of the sheet by itself, too, into this folder, with a record from which vr rerun draws it again
+    #[arg(long, value_name = "FOLDER", help_heading = "Comparison")]
+    pub pictures: Option<PathBuf>,
 }
 
 /// `vr bench`.

@@ -28,7 +28,7 @@ pub struct ReportArgs {
     /// Set of measurements
     #[arg(long, value_name = "SUITE", default_value = "quick", help_heading = "Report")]
     pub suite: SuiteName,
-    /// Folder of the report: index.html, points.csv, report.json, errors.json, and the headline for a front page
+    /// Folder of the report: index.html, points.csv, report.json, errors.json, the headline for a front page, and scene.toml of a scene of one's own
     #[arg(long, short, value_name = "FOLDER", default_value = "vr-report", help_heading = "Report")]
     pub output: PathBuf,
     /// Measure only this renderer; may be repeated
@@ -37,6 +37,9 @@ pub struct ReportArgs {
     /// Time nothing: errors and counts alone, which are the same in every run
     #[arg(long, help_heading = "Report")]
     pub untimed: bool,
+    /// Print the whole table of times and the names of all files, not a summary
+    #[arg(long, help_heading = "Report")]
+    pub all: bool,
     /// Fail if errors or counts are worse than in this errors.json
     #[arg(long, value_name = "FILE", help_heading = "Report")]
     pub baseline: Option<PathBuf>,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CacheArgs, RendererArgs, SceneArgs, TargetArgs};
+use super::{AnnotateArgs, CacheArgs, RendererArgs, SceneArgs, TargetArgs};
 
 /// `vr scene`.
 #[derive(Debug, Args)]
@@ -18,6 +18,9 @@ pub struct SceneFileArgs {
     /// The cheapest picture within an error.
     #[command(flatten)]
     pub target: TargetArgs,
+    /// Annotations.
+    #[command(flatten)]
+    pub annotations: AnnotateArgs,
     /// Scene file to write (TOML); printed if absent
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,

@@ -40,4 +40,7 @@ pub struct PresetsArgs {
     /// Contact sheet to write
     #[arg(long, short, value_name = "FILE", default_value = "vr-presets.png", help_heading = "Contact sheet")]
     pub output: PathBuf,
+    /// Write each picture by itself, too, into this folder, with a record from which vr rerun draws it again
+    #[arg(long, value_name = "FOLDER", help_heading = "Contact sheet")]
+    pub pictures: Option<PathBuf>,
 }

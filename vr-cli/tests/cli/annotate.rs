@@ -48,6 +48,69 @@ fn annotations_have_places_of_their_own_and_leave_the_rest_alone() {
 }
 
 #[test]
+fn a_scene_file_asks_for_annotations_and_flags_override_it() {
+    let vr = Vr::new();
+    let size = "--phantom blobs --phantom-size 16 --size 400x300";
+    vr.run_with(
+        &[
+            &*format!("scene {size} --annotate marker,scale -o s.toml").split(' ').collect::<Vec<_>>(),
+            &["--title", "Größe"],
+        ]
+        .concat(),
+    )
+    .succeeded();
+    let text = std::fs::read_to_string(vr.folder().join("s.toml")).unwrap();
+    for line in ["[annotations]", "title = \"Größe\"", "marker = true", "scale = true", "legend = false  # the default"]
+    {
+        assert!(text.lines().any(|l| l == line), "no {line:?} in\n{text}");
+    }
+    let draw = |flags: &str| {
+        vr.run(&format!("render --quiet --error none {flags} -o x.png -o x.exr")).succeeded();
+        vr.picture("x.png")
+    };
+    let bare = draw(size);
+    let by_flags = {
+        vr.run_with(
+            &[
+                &*format!("render {size} --quiet --error none --annotate marker,scale").split(' ').collect::<Vec<_>>(),
+                &["--title", "Größe"],
+            ]
+            .concat(),
+        )
+        .succeeded();
+        vr.picture("vr.png")
+    };
+    assert!(draw("--scene s.toml") == by_flags && by_flags != bare);
+    // The record has the same section; the bare EXR has none.
+    for (picture, has) in [("x.png", true), ("x.exr", false)] {
+        let json = vr.run(&format!("info {picture} --json")).succeeded().json();
+        assert_eq!(json["scene"]["annotations"]["marker"] == true, has, "{picture}: {json}");
+        vr.run(&format!("rerun {picture}")).succeeded();
+    }
+    let title_alone = draw("--scene s.toml --annotate none");
+    assert!(title_alone != by_flags && title_alone != bare);
+    vr.run_with(&[
+        "render",
+        "--scene",
+        "s.toml",
+        "--error",
+        "none",
+        "--annotate",
+        "none",
+        "--title",
+        "",
+        "-o",
+        "x.png",
+    ])
+    .succeeded();
+    assert!(vr.picture("x.png") == bare);
+    vr.write("bad.toml", text.replace("Größe", "体"));
+    let refused = vr.run("render --scene bad.toml").failed(1);
+    assert!(refused.contains("bad.toml: annotations.title: found '体'"), "{refused}");
+    assert!(vr.run("render --annotate none,scale").failed(2).contains("none goes alone"));
+}
+
+#[test]
 fn an_exr_is_data_and_so_is_the_error() {
     let vr = Vr::new();
     let error = |flags: &str| {

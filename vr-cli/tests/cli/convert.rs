@@ -19,6 +19,45 @@ fn info(vr: &Vr, name: &str) -> serde_json::Value {
 }
 
 #[test]
+fn a_pyramid_has_levels_where_they_belong() {
+    let vr = Vr::new();
+    // Twice as far apart along z.
+    let voxels: Vec<u8> = (0..20 * 9 * 3).map(|i: usize| (i % 20 * 10 + i / 20 % 9) as u8).collect();
+    let header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 20 9 3\nspacings: 1 1 2\nencoding: raw\n\n";
+    vr.write("v.nrrd", [header.as_bytes(), &voxels].concat());
+    let run = vr.run("convert v.nrrd v.zarr --levels 3 --reduce mean").succeeded();
+    assert!(run.stderr.contains("3 resolutions are written, down to 5×3×2 by the mean"), "{}", run.stderr);
+    for (level, dims, spacing, origin) in [
+        (0, [20, 9, 3], [1., 1., 2.], [0., 0., 0.]),
+        (1, [10, 5, 2], [2., 2., 4.], [0.5, 0.5, 1.]),
+        (2, [5, 3, 2], [4., 4., 4.], [1.5, 1.5, 1.]),
+    ] {
+        let json = vr.run(&format!("info v.zarr --volume-level {level} --json")).succeeded().json();
+        assert_eq!(json["dims"], serde_json::json!(dims), "{level}");
+        assert_eq!(
+            (&json["spacing"], &json["origin"]),
+            (&serde_json::json!(spacing), &serde_json::json!(origin)),
+            "{level}"
+        );
+    }
+    vr.run("convert v.zarr level.raw --volume-level 1").succeeded();
+    let level = std::fs::read(vr.folder().join("level.raw")).unwrap();
+    // Tens of x + 0.5, and y + 0.5 of which the half goes to the even number; the last row of y has one voxel.
+    assert_eq!(level[..3], [6, 26, 46]);
+    assert_eq!(level[40..43], [13, 33, 53]);
+    assert!(vr.run("convert v.nrrd w.nrrd --levels 2").failed(2).contains("--levels: only OME-Zarr"));
+    assert!(vr.run("convert v.nrrd w.zarr --levels 9").failed(1).contains("must be 1 to 5 for 20×9×3 voxels"));
+    assert!(!vr.exists("w.zarr"));
+    // Names of regions stay names.
+    let labels: Vec<u8> = (0..80 * 8 * 8).map(|i: usize| if i % 80 < 35 { 0 } else { 7 }).collect();
+    vr.write("labels_80x8x8_uint8.raw", labels);
+    let run = vr.run("convert labels_80x8x8_uint8.raw l.zarr").succeeded();
+    assert!(run.stderr.contains("2 resolutions are written, down to 40×4×4 by the mode"), "{}", run.stderr);
+    vr.run("convert l.zarr l.raw --volume-level 1").succeeded();
+    assert!(std::fs::read(vr.folder().join("l.raw")).unwrap().iter().all(|&v| v == 0 || v == 7));
+}
+
+#[test]
 fn other_formats_hold_the_same_volume() {
     let vr = scan();
     let before = info(&vr, "scan.nrrd");

@@ -153,6 +153,35 @@ fn no_folder_is_in_a_picture() {
     assert!(again("--mesh n.obj").failed(1).contains("n.obj: not the mesh of the picture"));
 }
 
+#[test]
+fn single_pictures_of_sheets_are_drawn_again_and_sheets_are_told() {
+    let vr = with_ball();
+    let small = "ball_16x16x16_uint8.raw --size 20";
+    vr.run(&format!("presets {small} --pictures singles -o sheet.png")).succeeded();
+    let json = vr.run("info sheet.png --json").succeeded().json();
+    let pictures = json["record"]["sheet"]["pictures"].as_array().unwrap().clone();
+    assert!(pictures.len() > 1 && json["record"]["sheet"]["command"] == "presets", "{json}");
+    assert!(json["scene"]["transfer"].is_null() && json["scene"]["camera"].is_object(), "{json}");
+    for picture in &pictures {
+        let (name, flags) = (picture["name"].as_str().unwrap(), picture["flags"].as_str().unwrap());
+        assert_eq!(flags, format!("--preset {name}"));
+        vr.run(&format!("rerun singles/{name}.png ball_16x16x16_uint8.raw")).succeeded();
+    }
+    let refused = vr.run("rerun sheet.png ball_16x16x16_uint8.raw").failed(1);
+    assert!(refused.contains("pictures by vr presets") && refused.contains("--pictures FOLDER"), "{refused}");
+
+    vr.run(&format!("compare {small} --renderer raycast --renderer splat --pictures all -o sheet.png")).succeeded();
+    let text = vr.run("info sheet.png").succeeded().stdout;
+    assert!(text.contains("compare, 12 pictures") && text.contains("--renderer splat"), "{text}");
+    let json = vr.run("info sheet.png --json").succeeded().json();
+    let pictures = json["record"]["sheet"]["pictures"].as_array().unwrap();
+    assert_eq!(std::fs::read_dir(vr.folder().join("all")).unwrap().count(), pictures.len());
+    for file in std::fs::read_dir(vr.folder().join("all")).unwrap().take(3) {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        vr.run(&format!("rerun all/{name} ball_16x16x16_uint8.raw")).succeeded();
+    }
+}
+
 /// Files of every kind that is in the test data, in small pictures.
 #[test]
 fn real_volumes_are_drawn_again() {

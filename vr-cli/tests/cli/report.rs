@@ -5,6 +5,9 @@ use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
 use crate::harness::Vr;
 
 /// The errors that no later version may exceed. A change that makes them better on purpose writes it anew:
@@ -32,11 +35,58 @@ fn errors_of_the_quick_suite_are_not_worse_than_the_baseline() {
         assert!(!page.contains(outside), "{outside}");
     }
     assert!(page.contains("<svg") && page.contains("data:image/png;base64,"));
+    // Every term that can be opened is explained.
+    let terms: Vec<&str> =
+        page.split("popovertarget=\"").skip(1).map(|rest| &rest[..rest.find('"').unwrap()]).collect();
+    assert!(terms.len() > 20 && terms.iter().all(|term| page.contains(&format!("popover id=\"{term}\""))));
+    let report: serde_json::Value =
+        serde_json::from_slice(&fs::read(vr.folder().join("report/report.json")).unwrap()).unwrap();
+    made_again(&vr, ".", &report["subjects"][0]["picture"]);
+    // The terminal has a summary alone.
+    assert!(run.stdout.lines().count() <= 16 && run.stdout.contains("index.html and 5 more"), "{}", run.stdout);
 
     let table = fs::read_to_string(vr.folder().join("report/points.csv")).unwrap();
     let baseline: serde_json::Value = serde_json::from_str(&fs::read_to_string(BASELINE).unwrap()).unwrap();
     let points: usize = baseline.as_object().unwrap().values().map(|s| s.as_object().unwrap().len()).sum();
     assert_eq!(table.lines().count(), points + 1, "one row each, and the header");
+}
+
+/// Checks that the command of a picture of a report, run in a folder, makes the picture, and that its record does.
+#[track_caller]
+fn made_again(vr: &Vr, folder: &str, picture: &serde_json::Value) {
+    let png = STANDARD.decode(picture["png"].as_str().unwrap()).unwrap();
+    vr.write("page.png", &png);
+    let words: Vec<&str> = picture["command"].as_str().unwrap().split(' ').collect();
+    assert_eq!(words[..2], ["vr", "render"], "{words:?}");
+    let place = vr.folder().join(folder);
+    let made = vr.command(&[&words[1..], &["--error", "none"]].concat()).current_dir(&place).output().unwrap();
+    assert!(made.status.success(), "{words:?}: {}", String::from_utf8_lossy(&made.stderr));
+    let again = image::open(place.join(words.last().unwrap())).unwrap();
+    assert!(again == vr.picture("page.png"), "{words:?} made another picture");
+}
+
+#[test]
+fn pictures_of_ones_own_scene_are_made_again_by_their_commands() {
+    let vr = Vr::new();
+    let voxels: Vec<u8> = (0..16 * 16 * 16).map(|i: usize| (i % 16 * 9 + i / 16 % 16 * 5 + i / 256) as u8).collect();
+    vr.write("ramp_16x16x16_uint8.raw", voxels);
+    vr.write(
+        "s.toml",
+        "[volume]\npath = \"ramp_16x16x16_uint8.raw\"\n[annotations]\ntitle = \"T\"\n[render]\nstep = 0.9\n",
+    );
+    let flags = "--scene s.toml --azimuth 70 --shading --size 24x18 --untimed --no-cache --renderer raycast";
+    let run = vr.run(&format!("report {flags} -o r")).succeeded();
+    assert!(run.stderr.contains("annotations of the scene file: without effect"), "{}", run.stderr);
+    let report: serde_json::Value =
+        serde_json::from_slice(&fs::read(vr.folder().join("r/report.json")).unwrap()).unwrap();
+    assert_eq!(report["command"], format!("vr report {flags} -o r"));
+    let subject = &report["subjects"][0];
+    assert!(subject["note"].as_str().unwrap().contains("scene.toml"));
+    made_again(&vr, "r", &subject["picture"]);
+    vr.run("rerun page.png ramp_16x16x16_uint8.raw").succeeded();
+    // A map has its command, too.
+    let map = subject["error_maps"][0]["command"].as_str().unwrap();
+    assert!(map.contains("--error full --error-map "), "{map}");
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! Grids made from grids: parts, reversed axes, other sizes and other types of voxels.
 
 mod convert;
+mod halve;
 mod part;
 mod resample;
 
 pub use convert::{Rounding, convert_grid};
+pub use halve::{Reduction, halve_grid};
+pub(crate) use halve::{halved_dims, halving};
 pub use part::{crop_grid, flip_grid};
 pub use resample::resample_grid;
 

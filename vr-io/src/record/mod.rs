@@ -1,6 +1,7 @@
 //! Records in pictures: all that it takes to draw a picture again, kept in its file.
 
 mod carrier;
+mod earlier_layout;
 mod section;
 
 use std::path::Path;
@@ -15,10 +16,12 @@ use crate::png::{Encode, PngDepth, PngOptions, encode_samples, samples};
 use crate::scene::{SceneFile, SceneFileError};
 use crate::toml_table::{table_of, value_of};
 
-pub use section::{ErrorRecord, FileRecord, PictureFormat, PixelsRecord, RecordSection, VolumeRecord};
+pub use section::{
+    ErrorRecord, FileRecord, PictureFormat, PixelsRecord, RecordSection, SheetPicture, SheetRecord, VolumeRecord,
+};
 
 /// The layout of records that this version writes and reads.
-const LAYOUT: u32 = 1;
+const LAYOUT: u32 = 2;
 
 /// Record that is enough to draw a picture again: its scene, and the hashes by which volume and picture are known again.
 ///
@@ -65,8 +68,7 @@ impl PictureRecord {
             labels: None,
             transfer_file: None,
             error: None,
-            annotations: Vec::new(),
-            title: None,
+            sheet: None,
             picture: None,
         };
         Self { record, scene }
@@ -103,7 +105,7 @@ impl PictureRecord {
             message: format!("the record in it is damaged: {message}"),
         };
         let mut table: toml::Table = toml::from_str(text).map_err(wrong)?;
-        let Some(toml::Value::Table(section)) = table.remove("record") else {
+        let Some(toml::Value::Table(mut section)) = table.remove("record") else {
             return Err(damaged("it has no section [record]"));
         };
         // The layout first: what a newer one holds is not known here.
@@ -115,6 +117,7 @@ impl PictureRecord {
                 );
                 return Err(SceneFileError::Syntax { path: path.into(), line: None, message });
             }
+            Some(1) => earlier_layout::upgrade(&mut section, &mut table).map_err(|message| damaged(&message))?,
             Some(_) => {}
             None => return Err(damaged("[record] has no layout")),
         }
@@ -125,7 +128,13 @@ impl PictureRecord {
     fn description(&self) -> String {
         let [width, height] = self.scene.image.size;
         let renderer = self.scene.render.renderer.as_deref().unwrap_or("vr");
-        format!("{}, {width}×{height} pixels, {renderer}", self.record.volume.title)
+        let title = &self.record.volume.title;
+        match &self.record.sheet {
+            Some(sheet) => {
+                format!("{title}, {} pictures of {width}×{height} pixels, vr {}", sheet.pictures.len(), sheet.command)
+            }
+            None => format!("{title}, {width}×{height} pixels, {renderer}"),
+        }
     }
 }
 
@@ -144,16 +153,7 @@ pub fn write_with_record(
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
         Some("png") => {
-            let samples = samples(frame, options);
-            record.record.picture = Some(PixelsRecord {
-                format: PictureFormat::Png,
-                bits: if options.depth == PngDepth::Sixteen { 16 } else { 8 },
-                encode: options.encode,
-                alpha: options.alpha,
-                hash: StoredPixels::of_samples(frame.size(), &samples).hash(),
-            });
-            let texts = texts(&record).map_err(|e| refuse(e.to_string()))?;
-            let bytes = carrier::png_with(&encode_samples(frame.size(), &samples), &texts).map_err(refuse)?;
+            let bytes = encode_png_with_record(frame, options, record).map_err(|e| refuse(e.to_string()))?;
             write_bytes(path, &bytes)
         }
         Some("exr") => {
@@ -169,6 +169,27 @@ pub fn write_with_record(
         }
         other => Err(refuse(format!("extension {}: must be png or exr", other.unwrap_or("missing")))),
     }
+}
+
+/// Returns a frame as a PNG with a record, whose `picture` is set to its pixels.
+///
+/// # Errors
+/// [`SceneFileError::Text`] for a number that a record cannot hold.
+pub fn encode_png_with_record(
+    frame: &Frame,
+    options: &PngOptions,
+    mut record: PictureRecord,
+) -> Result<Vec<u8>, SceneFileError> {
+    let samples = samples(frame, options);
+    record.record.picture = Some(PixelsRecord {
+        format: PictureFormat::Png,
+        bits: if options.depth == PngDepth::Sixteen { 16 } else { 8 },
+        encode: options.encode,
+        alpha: options.alpha,
+        hash: StoredPixels::of_samples(frame.size(), &samples).hash(),
+    });
+    carrier::png_with(&encode_samples(frame.size(), &samples), &texts(&record)?)
+        .map_err(|message| SceneFileError::Text { message })
 }
 
 /// Texts that a picture's file holds.
@@ -210,7 +231,7 @@ mod tests {
     use vr_core::Frame;
 
     use super::*;
-    use crate::{parse_scene, write};
+    use crate::{AnnotationsSection, parse_scene, write};
 
     fn record() -> PictureRecord {
         let text = "[volume]\npath = \"Größe \\\"x\\\" 脳.nrrd\"\n[image]\nsize = [2, 1]\nbackground = [0.1, 0.2, 0.3]\n[render]\nstep = 0.1\n";
@@ -272,15 +293,33 @@ mod tests {
     }
 
     #[test]
+    fn records_of_the_first_layout_keep_their_annotations() {
+        let old = |names: &str| {
+            let lines = format!("layout = 1\nannotations = [{names}]\ntitle = \"A title\"");
+            PictureRecord::parse(&record().text().unwrap().replace("layout = 2", &lines), Path::new("x.png"))
+        };
+        let annotations = |names: &str| old(names).unwrap().scene.annotations;
+        let title = Some("A title".to_owned());
+        let scale = AnnotationsSection { title: title.clone(), scale: true, ..AnnotationsSection::default() };
+        assert_eq!(annotations("\"scale\""), scale);
+        assert_eq!(annotations("\"all\""), AnnotationsSection { marker: true, legend: true, ..scale });
+        assert_eq!(annotations(""), AnnotationsSection { title, ..AnnotationsSection::default() });
+        assert!(old("\"compass\"").unwrap_err().to_string().contains("names annotation \"compass\""));
+        let mut expected = record();
+        expected.record.layout = 1;
+        assert_eq!(old("").unwrap().record, expected.record);
+    }
+
+    #[test]
     fn damaged_and_newer_records_are_refused() {
         let text = record().text().unwrap();
         let error = |text: &str| PictureRecord::parse(text, Path::new("x.png")).unwrap_err().to_string();
         assert_eq!(PictureRecord::parse(&text, Path::new("")).unwrap(), record());
-        let newer = error(&text.replace("layout = 1", "layout = 2\nmore = true"));
-        assert!(newer.starts_with("x.png: the record in it has layout 2") && newer.contains("newer vr"), "{newer}");
+        let newer = error(&text.replace("layout = 2", "layout = 3\nmore = true"));
+        assert!(newer.starts_with("x.png: the record in it has layout 3") && newer.contains("newer vr"), "{newer}");
         for bad in [
             text.replace("[record]", "[recorded]"),
-            text.replace("layout = 1", ""),
+            text.replace("layout = 2", ""),
             text.replace("1.2.3\"", ""),
             String::new(),
         ] {

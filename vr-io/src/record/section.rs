@@ -23,13 +23,28 @@ pub struct RecordSection {
     pub transfer_file: Option<FileRecord>,
     /// Error of the picture, if it was measured; of the bare picture, where annotations are drawn over it.
     pub error: Option<ErrorRecord>,
-    /// Names of the annotations that are drawn over the picture.
-    #[serde(default)]
-    pub annotations: Vec<String>,
-    /// Title that is written over the picture.
-    pub title: Option<String>,
+    /// The pictures of a sheet, if it is one: the scene is what they share.
+    pub sheet: Option<SheetRecord>,
     /// The picture; set when it is written.
     pub picture: Option<PixelsRecord>,
+}
+
+/// A sheet of several pictures of one scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SheetRecord {
+    /// Command of the program that draws the sheet: `compare` or `presets`.
+    pub command: String,
+    /// The pictures, row by row.
+    pub pictures: Vec<SheetPicture>,
+}
+
+/// A picture of a sheet.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SheetPicture {
+    /// Name on the sheet.
+    pub name: String,
+    /// Flags that draw it of the scene.
+    pub flags: String,
 }
 
 /// The volume of a picture.

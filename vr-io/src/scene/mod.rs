@@ -1,5 +1,6 @@
 //! Scene files: from TOML text to a scene and a view, and back.
 
+mod annotations_section;
 mod commented;
 mod complete;
 mod error;
@@ -19,6 +20,7 @@ use std::path::Path;
 use crate::atomic::write_whole;
 use crate::error::{FileError, WriteError};
 
+pub use annotations_section::AnnotationsSection;
 pub use commented::commented_scene;
 pub use error::SceneFileError;
 pub use labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};

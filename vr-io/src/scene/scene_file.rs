@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use vr_core::{Camera, Clip, ControlPoint, ParameterError, Scene, TransferFunction, View, Volume};
 
+use super::annotations_section::AnnotationsSection;
 use super::inline::inline_volume;
 use super::labels_section::LabelsSection;
 use super::sections::{CameraSection, ImageSection, MeshSection, RenderSection, ShadingSection, TransferSection};
@@ -35,6 +36,9 @@ pub struct SceneFile {
     pub clip: Clip,
     /// Size, supersampling, background.
     pub image: ImageSection,
+    /// Things that are drawn over the picture.
+    #[serde(skip_serializing_if = "AnnotationsSection::is_empty")]
+    pub annotations: AnnotationsSection,
     /// Renderer, compositing, and the renderer's own options.
     pub render: RenderSection,
 }
@@ -64,6 +68,7 @@ impl SceneFile {
             labels: None,
             clip: view.clip.clone(),
             image: ImageSection { size: view.size, samples: view.supersampling, background: scene.background },
+            annotations: AnnotationsSection::default(),
             render: RenderSection::describe(scene.compositing),
         })
     }

@@ -1,6 +1,7 @@
 //! Volumes out, in the format that the file's name asks for.
 
 mod folder;
+mod levels;
 mod metaimage;
 mod nifti;
 mod nrrd;
@@ -19,6 +20,7 @@ use crate::error::WriteError;
 use crate::read::FileInfo;
 use crate::scalar::ScalarType;
 
+pub use levels::Levels;
 pub use nrrd::{NrrdEncoding, NrrdOptions, NrrdValues, write_nrrd};
 
 use numbers::Numbers;
@@ -31,12 +33,14 @@ pub struct WriteVolumeOptions {
     pub patient: bool,
     /// Unit of world positions. Millimetres are assumed of a patient.
     pub units: Option<String>,
+    /// Resolutions, for a format that holds several.
+    pub levels: Levels,
 }
 
 impl WriteVolumeOptions {
     /// Options for a volume of which a file said this.
     pub fn of_file(info: &FileInfo) -> Self {
-        Self { patient: info.space.is_patient(), units: info.units.clone() }
+        Self { patient: info.space.is_patient(), units: info.units.clone(), levels: Levels::default() }
     }
 }
 
@@ -141,6 +145,9 @@ pub fn write_volume(
     let path = path.as_ref();
     let grid = grid_of(path, volume)?;
     let target = Target::of(path, grid)?;
+    if let (Some(count), false) = (options.levels.count, matches!(target, Target::Zarr)) {
+        return Err(refused(path, format!("levels: found {count}; only OME-Zarr (.zarr) holds several resolutions")));
+    }
     let mut job = Job { path, grid, options, notes: Vec::new() };
     let (format, scalar) = match &target {
         Target::Nrrd => ("NRRD", nrrd::write(&mut job)?),

@@ -1,4 +1,6 @@
-//! Volumes as OME-Zarr 0.5: Zarr 3 (ZEP 1), one resolution, chunks of 64³ packed with gzip.
+//! Volumes as OME-Zarr 0.5: Zarr 3 (ZEP 1), a pyramid of resolutions, chunks of 64³ packed with gzip.
+//!
+//! Each level is made of the one before by blocks of 2×2×2 voxels, and is all of a level that is held in memory beside the volume.
 //!
 //! The format knows a scale and a translation along each axis, and no rotation: axes that run along those of the world, in whatever
 //! order and direction, keep their places, others do not.
@@ -12,11 +14,12 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use vr_core::{GridVolume, Placement, parallel};
 
-use crate::edit::flip_grid;
+use crate::edit::{Reduction, flip_grid, halve_grid};
 use crate::error::WriteError;
 use crate::length_unit::{LengthUnit, MILLIMETRE};
 use crate::scalar::ScalarType;
 
+use super::levels::Level;
 use super::numbers::Numbers;
 use super::{Job, folder, refused, shape};
 
@@ -26,6 +29,7 @@ const NAMES: [&str; 3] = ["x", "y", "z"];
 
 pub(super) fn write(job: &mut Job<'_>) -> Result<ScalarType, WriteError> {
     folder::check_vacant(job.path, "a Zarr is a folder of its own: remove it, or choose another name")?;
+    let levels = job.options.levels.of(job.grid.dims(), job.path)?;
     let numbers = job.values("OME-Zarr");
     let (scalar, placement) = (numbers.scalar(), *job.grid.placement());
     let along = world_axes(&placement);
@@ -44,14 +48,27 @@ pub(super) fn write(job: &mut Job<'_>) -> Result<ScalarType, WriteError> {
         grid = Some(reversed.map_err(|e| refused(job.path, e.to_string()))?);
     }
     let grid = grid.as_ref().unwrap_or(job.grid);
-    let numbers = Numbers::values(grid).with_scalar(scalar);
     let names = along.map_or([0, 1, 2], |along| along.map(|(world, _)| world)).map(|world| NAMES[world]);
 
     let failed = |source: io::Error| WriteError::Io { path: job.path.into(), source };
     let temporary = folder::beside(job.path).map_err(failed)?;
-    let unit = unit(job);
-    write_all(temporary.path(), grid, &numbers, names, unit).map_err(failed)?;
+    let reduction = job.options.levels.reduction;
+    let group = group(grid.placement(), &levels, reduction, names, unit(job));
+    write_json(&temporary.path().join("zarr.json"), &group).map_err(failed)?;
+    let mut coarse = None;
+    for number in 0..levels.len() {
+        if number > 0 {
+            let finer = coarse.as_ref().unwrap_or(grid);
+            coarse = Some(halve_grid(finer, reduction).map_err(|e| refused(job.path, e.to_string()))?);
+        }
+        let array = temporary.path().join(number.to_string());
+        write_array(&array, coarse.as_ref().unwrap_or(grid), scalar, names).map_err(failed)?;
+    }
     folder::rename(temporary, job.path).map_err(failed)?;
+    if let [_, .., Level { dims: [x, y, z], .. }] = levels[..] {
+        let (count, how) = (levels.len(), reduction.name());
+        job.notes.push(format!("{count} resolutions are written, down to {x}×{y}×{z} by the {how} of blocks of 2×2×2"));
+    }
     Ok(scalar)
 }
 
@@ -91,21 +108,15 @@ fn unit(job: &Job<'_>) -> Option<&'static str> {
     })
 }
 
-fn write_all(
-    folder: &Path,
-    grid: &GridVolume,
-    numbers: &Numbers<'_>,
-    names: [&str; 3],
-    unit: Option<&str>,
-) -> io::Result<()> {
-    let array = folder.join("0");
-    fs::create_dir(&array)?;
-    write_json(&folder.join("zarr.json"), &group(grid.placement(), names, unit))?;
-    write_json(&array.join("zarr.json"), &described(grid.dims(), numbers.scalar(), names))?;
+/// Writes one resolution.
+fn write_array(array: &Path, grid: &GridVolume, scalar: ScalarType, names: [&str; 3]) -> io::Result<()> {
+    let numbers = Numbers::values(grid).with_scalar(scalar);
+    fs::create_dir(array)?;
+    write_json(&array.join("zarr.json"), &described(grid.dims(), scalar, names))?;
     let counts = grid.dims().map(|n| n.div_ceil(CHUNK));
     parallel::try_collect(counts.iter().product(), |i| {
         let at = [i % counts[0], i / counts[0] % counts[1], i / counts[0] / counts[1]];
-        let bytes = chunk(grid.dims(), numbers, at)?;
+        let bytes = chunk(grid.dims(), &numbers, at)?;
         // What is not there counts as the fill value.
         if bytes.iter().all(|&b| b == 0) {
             return Ok(());
@@ -123,8 +134,8 @@ fn write_json(path: &Path, value: &Value) -> io::Result<()> {
     fs::write(path, serde_json::to_string_pretty(value)? + "\n")
 }
 
-/// The group: one image of one resolution. Lists run from the slowest axis to the fastest.
-fn group(placement: &Placement, names: [&str; 3], unit: Option<&str>) -> Value {
+/// The group: one image and its resolutions. Lists run from the slowest axis to the fastest.
+fn group(placement: &Placement, levels: &[Level], reduction: Reduction, names: [&str; 3], unit: Option<&str>) -> Value {
     let axis = |name: &str| match unit {
         Some(unit) => json!({"name": name, "type": "space", "unit": unit}),
         None => json!({"name": name, "type": "space"}),
@@ -133,22 +144,27 @@ fn group(placement: &Placement, names: [&str; 3], unit: Option<&str>) -> Value {
     let origin = names.map(|name| placement.origin()[world(name)]);
     let slowest_first = |v: [f64; 3]| json!([v[2] + 0.0, v[1] + 0.0, v[0] + 0.0]);
     let spacing: DVec3 = placement.spacing();
+    let dataset = |(number, level): (usize, &Level)| {
+        let placed = [0, 1, 2].map(|axis| level.placed(axis, spacing[axis], origin[axis]));
+        json!({
+            "path": number.to_string(),
+            "coordinateTransformations": [
+                {"type": "scale", "scale": slowest_first(placed.map(|(scale, _)| scale))},
+                {"type": "translation", "translation": slowest_first(placed.map(|(_, first)| first))},
+            ],
+        })
+    };
+    let mut image = json!({
+        "axes": names.iter().rev().map(|name| axis(name)).collect::<Vec<_>>(),
+        "datasets": levels.iter().enumerate().map(dataset).collect::<Vec<_>>(),
+    });
+    if levels.len() > 1 {
+        image["type"] = json!(reduction.name());
+    }
     json!({
         "zarr_format": 3,
         "node_type": "group",
-        "attributes": {"ome": {
-            "version": "0.5",
-            "multiscales": [{
-                "axes": names.iter().rev().map(|name| axis(name)).collect::<Vec<_>>(),
-                "datasets": [{
-                    "path": "0",
-                    "coordinateTransformations": [
-                        {"type": "scale", "scale": slowest_first(spacing.to_array())},
-                        {"type": "translation", "translation": slowest_first(origin)},
-                    ],
-                }],
-            }],
-        }},
+        "attributes": {"ome": {"version": "0.5", "multiscales": [image]}},
     })
 }
 

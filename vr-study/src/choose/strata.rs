@@ -230,6 +230,13 @@ mod tests {
             vec![ControlPoint::new(200.0, [1.0, 0.9, 0.6], 0.0), ControlPoint::new(255.0, [1.0, 0.9, 0.6], 0.95)];
         let scene = Scene::new(grid.into(), TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap());
         let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), size);
-        crate::subject::Subject { name: format!("{stars} stars"), title: String::new(), scene, view, phantom: None }
+        crate::subject::Subject {
+            name: format!("{stars} stars"),
+            title: String::new(),
+            scene,
+            view,
+            phantom: None,
+            origin: Default::default(),
+        }
     }
 }

@@ -7,15 +7,8 @@ use plotters::prelude::*;
 
 use crate::error::StudyError;
 
-/// Colours that people with any kind of colour vision tell apart, on light and on dark (Okabe and Ito 2008, "Color universal design").
-const COLORS: [RGBColor; 6] = [
-    RGBColor(0x00, 0x72, 0xb2),
-    RGBColor(0xd5, 0x5e, 0x00),
-    RGBColor(0x00, 0x9e, 0x73),
-    RGBColor(0xcc, 0x79, 0xa7),
-    RGBColor(0xe6, 0x9f, 0x00),
-    RGBColor(0x56, 0xb4, 0xe9),
-];
+use super::marker::{color, sample, shape};
+
 /// Placeholder of the page's ink until the SVG is done.
 const INK: RGBColor = RGBColor(1, 2, 3);
 const INK_TEXT: &str = "#010203";
@@ -45,33 +38,54 @@ pub(super) struct Series {
     pub(super) look: Look,
 }
 
+/// Size of a chart and of its letters, for the place where it stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Format {
+    /// Width and height in pixels; a page may make it smaller, by a tenth at most where letters are to stay legible.
+    size: (u32, u32),
+    /// Height of numbers and words along the axes, of which an SVG has four fifths as the size of its letters: 15 is 12 px.
+    text: i32,
+    /// Height of words beside points and levels.
+    small: i32,
+    /// Largest number of numbers along each axis.
+    numbers: usize,
+    /// Room for the numbers and the name of the vertical axis.
+    left: u32,
+    /// True if there is room for words beside points.
+    labels: bool,
+}
+
+impl Format {
+    /// Whole width of a page on a desk.
+    pub(super) const WIDE: Self = Self { size: (860, 440), text: 15, small: 14, numbers: 10, left: 70, labels: true };
+    /// Width of a telephone, and of one of several charts side by side.
+    pub(super) const NARROW: Self = Self { size: (380, 340), text: 15, small: 15, numbers: 5, left: 66, labels: false };
+}
+
 /// Chart with logarithmic axes.
-pub(super) struct Chart<'a> {
-    pub(super) title: &'a str,
-    pub(super) x: &'a str,
-    pub(super) y: &'a str,
-    pub(super) size: (u32, u32),
-    pub(super) series: &'a [Series],
+pub(super) struct Chart {
+    pub(super) title: &'static str,
+    pub(super) x: &'static str,
+    pub(super) y: &'static str,
+    pub(super) series: Vec<Series>,
     /// Horizontal lines with their names.
-    pub(super) levels: &'a [(f64, &'a str)],
+    pub(super) levels: &'static [(f64, &'static str)],
 }
 
 fn plottable(&(x, y): &(f64, f64)) -> bool {
     x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite()
 }
 
-impl Chart<'_> {
-    /// Returns the SVG, to stand within a page: text and axes are drawn in the page's `currentColor`.
-    pub(super) fn svg(&self) -> Result<String, StudyError> {
-        let mut svg = String::new();
-        self.draw(&mut svg).map_err(|e| StudyError::Plot(e.to_string()))?;
-        Ok(svg.replace(INK_TEXT, "currentColor"))
+impl Chart {
+    /// Returns the SVG, to stand within a page that tells title and legend: text and axes are drawn in the page's `currentColor`.
+    pub(super) fn svg(&self, format: Format) -> Result<String, StudyError> {
+        Ok(self.drawn(format, false)?.replace(INK_TEXT, "currentColor"))
     }
 
-    /// Returns the SVG as a file of its own: dark ink on white.
+    /// Returns the SVG as a file of its own, with title and legend: dark ink on white.
     pub(super) fn standalone_svg(&self) -> Result<String, StudyError> {
-        let svg = self.svg()?.replace("currentColor", "#24292f");
-        let (w, h) = self.size;
+        let svg = self.drawn(Format::WIDE, true)?.replace(INK_TEXT, "#24292f");
+        let (w, h) = Format::WIDE.size;
         // Behind everything: right after the opening tag.
         let paper = format!("<rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>");
         let open = svg.find("<svg").and_then(|start| svg[start..].find('>').map(|end| start + end + 1)).unwrap_or(0);
@@ -114,15 +128,25 @@ impl Chart<'_> {
         corners.into_iter().min_by_key(|c| c.1).expect("four corners").0
     }
 
-    fn draw(&self, svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
-        let root = SVGBackend::with_string(svg, self.size).into_drawing_area();
+    fn drawn(&self, format: Format, alone: bool) -> Result<String, StudyError> {
+        let mut svg = String::new();
+        self.draw(&mut svg, format, alone).map_err(|e| StudyError::Plot(e.to_string()))?;
+        Ok(svg)
+    }
+
+    fn draw(&self, svg: &mut String, format: Format, alone: bool) -> Result<(), Box<dyn std::error::Error>> {
+        let Format { size, text: height, small, numbers, left, labels } = format;
+        let root = SVGBackend::with_string(svg, size).into_drawing_area();
         let text = |size: i32| TextStyle::from(("sans-serif", size).into_font()).color(&INK);
         let (x, y) = self.ranges();
-        let mut chart = ChartBuilder::on(&root)
-            .caption(self.title, text(15))
+        let mut builder = ChartBuilder::on(&root);
+        if alone {
+            builder.caption(self.title, text(15));
+        }
+        let mut chart = builder
             .margin(8)
-            .x_label_area_size(42)
-            .y_label_area_size(64)
+            .x_label_area_size(46)
+            .y_label_area_size(left)
             .build_cartesian_2d(x.clone().log_scale(), y.clone().log_scale())?;
         chart
             .configure_mesh()
@@ -130,21 +154,29 @@ impl Chart<'_> {
             .y_desc(self.y)
             .x_label_formatter(&|v| number(*v))
             .y_label_formatter(&|v| number(*v))
-            .label_style(text(12))
-            .axis_desc_style(text(13))
+            .x_labels(numbers)
+            .y_labels(numbers)
+            .label_style(text(height))
+            .axis_desc_style(text(height))
             .axis_style(INK.mix(0.6))
             .bold_line_style(INK.mix(0.16))
             .light_line_style(INK.mix(0.05))
             .draw()?;
+        let pixels_apart = |a: f64, b: f64| f64::from(size.1) * libm::log(a / b) / libm::log(y.end / y.start);
+        let mut named = f64::INFINITY;
         for &(level, name) in self.levels.iter().filter(|(level, _)| y.contains(level)) {
             let line = [(x.start, level), (x.end, level)];
             chart.draw_series(DashedLineSeries::new(line, 5, 4, INK.mix(0.45).into()))?;
-            chart.draw_series([Text::new(name.to_owned(), (x.start, level), left_above(&text(11)))])?;
+            // A name needs room below the one above it.
+            if pixels_apart(named, level) > 1.3 * f64::from(small) {
+                chart.draw_series([Text::new(name.to_owned(), (x.end, level), right_above(&text(small)))])?;
+                named = level;
+            }
         }
-        for series in self.series {
-            draw_series(&mut chart, series, &text(11))?;
+        for series in &self.series {
+            draw_series(&mut chart, series, labels.then(|| text(small)))?;
         }
-        if self.series.iter().any(|s| !s.name.is_empty()) {
+        if alone && self.series.iter().any(|s| !s.name.is_empty()) {
             chart
                 .configure_series_labels()
                 .position(self.emptiest_corner())
@@ -159,15 +191,15 @@ impl Chart<'_> {
     }
 }
 
-fn left_above<'a>(style: &TextStyle<'a>) -> TextStyle<'a> {
+fn right_above<'a>(style: &TextStyle<'a>) -> TextStyle<'a> {
     use plotters::style::text_anchor::{HPos, Pos, VPos};
-    style.pos(Pos::new(HPos::Left, VPos::Bottom))
+    style.pos(Pos::new(HPos::Right, VPos::Bottom))
 }
 
 type LogLog<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
-fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyle<'_>) -> Result<(), String> {
-    let color = COLORS[series.color % COLORS.len()];
+fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: Option<TextStyle<'_>>) -> Result<(), String> {
+    let color = color(series.color);
     let points: Vec<(f64, f64)> = series.points.iter().copied().filter(plottable).collect();
     match series.look {
         Look::Points => {}
@@ -180,34 +212,13 @@ fn draw_series<'b>(chart: &mut LogLog<'b, 'b>, series: &Series, label: &TextStyl
             return chart.draw_series(LineSeries::new(points, thin)).map(drop).map_err(|e| e.to_string());
         }
     }
-    // Told apart without any colour, too: disc, triangle, cross, square, ring, diamond.
-    let (filled, stroke) = (color.filled(), color.stroke_width(2));
-    let at = points.iter().copied();
-    let marker = series.color % 6;
-    let diamond = [(0, -6), (5, 0), (0, 6), (-5, 0)];
-    let drawn = match marker {
-        0 => chart.draw_series(at.map(|p| Circle::new(p, 4, filled))),
-        1 => chart.draw_series(at.map(|p| TriangleMarker::new(p, 5, filled))),
-        2 => chart.draw_series(at.map(|p| Cross::new(p, 4, stroke))),
-        3 => chart.draw_series(at.map(|p| EmptyElement::at(p) + Rectangle::new([(-4, -4), (4, 4)], filled))),
-        4 => chart.draw_series(at.map(|p| Circle::new(p, 4, stroke))),
-        _ => chart.draw_series(at.map(|p| EmptyElement::at(p) + Polygon::new(diamond, filled))),
-    }
-    .map_err(|e| e.to_string())?;
+    let (number, look) = (series.color, series.look);
+    let marked = points.iter().map(|&p| EmptyElement::at(p) + shape((0, 0), number));
+    let drawn = chart.draw_series(marked).map_err(|e| e.to_string())?;
     if !series.name.is_empty() {
-        let entry = drawn.label(series.name.clone());
-        let width = if series.look == Look::Line { 2 } else { 0 };
-        let sample = move |at| EmptyElement::at(at) + PathElement::new([(0, 0), (18, 0)], color.stroke_width(width));
-        let middle = (9, 0);
-        match marker {
-            0 => entry.legend(move |at| sample(at) + Circle::new(middle, 4, filled)),
-            1 => entry.legend(move |at| sample(at) + TriangleMarker::new(middle, 5, filled)),
-            2 => entry.legend(move |at| sample(at) + Cross::new(middle, 4, stroke)),
-            3 => entry.legend(move |at| sample(at) + Rectangle::new([(5, -4), (13, 4)], filled)),
-            4 => entry.legend(move |at| sample(at) + Circle::new(middle, 4, stroke)),
-            _ => entry.legend(move |at| sample(at) + Polygon::new(diamond.map(|(x, y)| (x + 9, y)), filled)),
-        };
+        drawn.label(series.name.clone()).legend(move |at| sample(at, number, look));
     }
+    let Some(label) = label else { return Ok(()) };
     let labelled = series.points.iter().zip(&series.labels).filter(|(p, _)| plottable(p));
     chart
         .draw_series(labelled.map(|(&p, word)| EmptyElement::at(p) + Text::new(word.clone(), (6, -12), label.clone())))
@@ -230,10 +241,10 @@ mod tests {
 
     fn chart(points: Vec<(f64, f64)>) -> String {
         let series =
-            [Series { name: "one".to_owned(), points, labels: vec!["7".to_owned()], color: 0, look: Look::Line }];
-        let levels = [(1e-3, "a thousandth")];
-        let chart = Chart { title: "t", x: "ms", y: "RMSE", size: (400, 300), series: &series, levels: &levels };
-        chart.svg().unwrap()
+            vec![Series { name: "one".to_owned(), points, labels: vec!["7".to_owned()], color: 0, look: Look::Line }];
+        let chart = Chart { title: "t", x: "ms", y: "RMSE", series, levels: &[(1e-3, "a thousandth")] };
+        assert!(chart.standalone_svg().unwrap().contains(">\none\n"), "the legend");
+        chart.svg(Format::NARROW).unwrap()
     }
 
     #[test]

@@ -12,18 +12,11 @@ use super::plots::place;
 /// # Errors
 /// A plot that cannot be drawn.
 pub fn headline_plot(results: &[SubjectResult]) -> Result<String, StudyError> {
-    chart(results, |chart| chart.standalone_svg())
+    plot(results).standalone_svg()
 }
 
-/// Returns the plot for use within a page.
-pub(super) fn inline_plot(results: &[SubjectResult]) -> Result<String, StudyError> {
-    chart(results, |chart| chart.svg())
-}
-
-fn chart(
-    results: &[SubjectResult],
-    finish: impl Fn(&Chart<'_>) -> Result<String, StudyError>,
-) -> Result<String, StudyError> {
+/// Plots the fronts of all subjects, all renderers together.
+pub(super) fn plot(results: &[SubjectResult]) -> Chart {
     let series: Vec<Series> = results
         .iter()
         .enumerate()
@@ -33,14 +26,13 @@ fn chart(
             Series { name: r.name.clone(), points, labels: Vec::new(), color: k, look: Look::Line }
         })
         .collect();
-    finish(&Chart {
-        title: "what nothing beats in both time and error",
+    Chart {
+        title: "What nothing beats in both time and error",
         x: "milliseconds a frame",
         y: "RMSE against the reference",
-        size: (860, 440),
-        series: &series,
+        series,
         levels: &THRESHOLDS,
-    })
+    }
 }
 
 /// Returns the shortest time to reach each error on each subject, and its candidate, as a table in Markdown.
@@ -62,8 +54,8 @@ pub fn headline_table(results: &[SubjectResult]) -> String {
     text
 }
 
-/// Returns the shortest time to reach each threshold, and its candidate.
-pub(super) fn reaching(result: &SubjectResult) -> Vec<Option<(f64, String)>> {
+/// Returns the shortest time to reach each error of [`THRESHOLDS`], and its candidate.
+pub fn reaching(result: &SubjectResult) -> Vec<Option<(f64, String)>> {
     let pairs: Vec<(f64, f64)> = result.points.iter().map(crate::point::Point::pair).collect();
     let timed: Vec<(f64, f64)> =
         pairs.iter().map(|&(t, e)| if t.is_finite() { (t, e) } else { (t, f64::NAN) }).collect();

@@ -1,7 +1,6 @@
 //! Plots of a report.
 
 use crate::convergence::{Convergence, Refined};
-use crate::error::StudyError;
 use crate::front::{THRESHOLDS, pareto_front};
 use crate::point::Point;
 use crate::scaling::{Grown, Growth};
@@ -30,7 +29,7 @@ pub(super) fn renderers(points: &[Point]) -> Vec<String> {
 }
 
 /// Plots time against error: every point, and each renderer's front with the numbers of its rows in the table.
-pub(super) fn speed_against_error(result: &SubjectResult) -> Result<String, StudyError> {
+pub(super) fn speed_against_error(result: &SubjectResult) -> Chart {
     let mut series = Vec::new();
     for (k, name) in renderers(&result.points).iter().enumerate() {
         let own: Vec<usize> = (0..result.points.len()).filter(|&i| result.points[i].renderer == *name).collect();
@@ -38,17 +37,22 @@ pub(super) fn speed_against_error(result: &SubjectResult) -> Result<String, Stud
         let front = pareto_front(&places);
         let points: Vec<(f64, f64)> = front.iter().map(|&i| places[i]).collect();
         let rest: Vec<usize> = (0..own.len()).filter(|i| !front.contains(i)).collect();
-        let labels = |which: &[usize]| which.iter().map(|&i| (own[i] + 1).to_string()).collect::<Vec<_>>();
-        series.push(Series { name: name.clone(), points, labels: labels(&front), color: k, look: Look::Line });
+        let labels = front.iter().map(|&i| (own[i] + 1).to_string()).collect();
+        series.push(Series { name: name.clone(), points, labels, color: k, look: Look::Line });
         let points = rest.iter().map(|&i| places[i]).collect();
-        series.push(Series { name: String::new(), points, labels: labels(&rest), color: k, look: Look::Points });
+        series.push(Series { name: String::new(), points, labels: Vec::new(), color: k, look: Look::Points });
     }
-    Chart { title: "", x: "milliseconds a frame", y: "RMSE", size: (860, 440), series: &series, levels: &THRESHOLDS }
-        .svg()
+    Chart {
+        title: "Time and error of every setting",
+        x: "milliseconds a frame",
+        y: "RMSE",
+        series,
+        levels: &THRESHOLDS,
+    }
 }
 
 /// Plots the errors of every claim of a renderer as one quantity is refined, beside the documented slope.
-pub(super) fn orders(results: &[&Convergence], refined: Refined) -> Result<String, StudyError> {
+pub(super) fn orders(results: &[&Convergence], refined: Refined) -> Chart {
     let shown: Vec<&&Convergence> =
         results.iter().filter(|c| c.refined == refined && c.errors.len() > 1 && c.measured.is_some()).collect();
     let mut series = Vec::new();
@@ -66,11 +70,11 @@ pub(super) fn orders(results: &[&Convergence], refined: Refined) -> Result<Strin
         Refined::Grid => "distance of samples (the volume is 2 wide)",
         Refined::Pixels => "size of a pixel in patches",
     };
-    Chart { title: refined.word(), x, y: "RMSE", size: (560, 400), series: &series, levels: &[] }.svg()
+    Chart { title: refined.word(), x, y: "RMSE", series, levels: &[] }
 }
 
 /// Plots times as a quantity grows.
-pub(super) fn growth(results: &[Growth], grown: Grown) -> Result<String, StudyError> {
+pub(super) fn growth(results: &[Growth], grown: Grown) -> Chart {
     let series: Vec<Series> = results
         .iter()
         .filter(|g| g.grown == grown)
@@ -83,6 +87,5 @@ pub(super) fn growth(results: &[Growth], grown: Grown) -> Result<String, StudyEr
             look: Look::Line,
         })
         .collect();
-    Chart { title: "", x: grown.word(), y: "milliseconds a frame", size: (420, 340), series: &series, levels: &[] }
-        .svg()
+    Chart { title: grown.word(), x: grown.word(), y: "milliseconds a frame", series, levels: &[] }
 }

@@ -36,7 +36,7 @@ fn key(key: &'static str, absent: Absent, meaning: impl Into<String>) -> KeyHelp
 
 /// Sections of a scene file in the order in which they are written, each with a line on what it is; `[volume]` comes with the keys that
 /// mean something to its source.
-pub(super) fn sections(source: Option<&VolumeSource>) -> [(&'static str, &'static str, Vec<KeyHelp>); 9] {
+pub(super) fn sections(source: Option<&VolumeSource>) -> [(&'static str, &'static str, Vec<KeyHelp>); 10] {
     [
         ("volume", "Volume: numbers in space. It has one source: path, phantom, data or points.", volume(source)),
         ("transfer", "Transfer function: from the value of the volume to colour and opacity.", transfer()),
@@ -50,6 +50,11 @@ pub(super) fn sections(source: Option<&VolumeSource>) -> [(&'static str, &'stati
         ),
         ("clip", "Parts that are cut away, of volume and surface.", clip()),
         ("image", "Picture.", image()),
+        (
+            "annotations",
+            "Words and signs over the finished picture; an EXR file, which is data, has none.",
+            annotations(),
+        ),
         ("render", "Renderer, its options, and what becomes of the values along a ray.", render()),
     ]
 }
@@ -209,6 +214,23 @@ fn image() -> Vec<KeyHelp> {
             "background",
             Usual("[0.0, 0.0, 0.0]"),
             "Linear red, green, blue behind everything, 0 or more; EXR files leave it out.",
+        ),
+    ]
+}
+
+fn annotations() -> Vec<KeyHelp> {
+    vec![
+        key("title", Example("\"Head, T1\""), "Title in the upper left corner, in Latin, Greek or Cyrillic letters."),
+        key(
+            "marker",
+            Usual("false"),
+            "True for axes that turn with the camera: R L A P S I of a patient, x y z of anything else.",
+        ),
+        key("scale", Usual("false"), "True for a bar of a round length."),
+        key(
+            "legend",
+            Usual("false"),
+            "True for the colours and opacities of the values, with their unit where it is known.",
         ),
     ]
 }
