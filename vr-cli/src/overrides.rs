@@ -13,6 +13,7 @@ use crate::args::{
     VolumeArgs,
 };
 use crate::failure::Failure;
+use crate::transfer_box::TransferBox;
 
 /// Writer of flags into a scene file that remembers the fields that they set: an error in one of those is about the command
 /// line.
@@ -166,7 +167,8 @@ impl Overrides {
     }
 
     fn transfer(&mut self, args: &TransferArgs, file: &mut SceneFile) {
-        let TransferArgs { look, preset, transfer, point, range, unit_distance, opacity_rule, colors } = args;
+        let TransferArgs { look, preset, transfer, point, transfer_box, range, unit_distance, opacity_rule, colors } =
+            args;
         let mut section = file.transfer.clone().unwrap_or_default();
         if preset.is_some() || transfer.is_some() {
             let TransferSection { unit_distance, opacity_rule, .. } = section;
@@ -187,8 +189,13 @@ impl Overrides {
             let entry = |&[value, r, g, b, opacity]: &[f64; 5]| ControlPoint::new(value, [r, g, b], opacity);
             section.points = Some(point.iter().map(entry).collect());
             // What stretched those is not for points.
-            (section.preset, section.file, section.range) = (None, None, None);
+            (section.preset, section.file, section.range, section.rows) = (None, None, None, None);
             self.note("transfer.points");
+        }
+        if !transfer_box.is_empty() {
+            section.rows = Some(TransferBox::rows(transfer_box));
+            (section.preset, section.file, section.range, section.points) = (None, None, None, None);
+            self.note("transfer.rows");
         }
         if let Some(look) = look {
             // In place of what the scene file names.

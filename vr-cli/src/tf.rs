@@ -3,18 +3,22 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use vr_core::transfer::{PresetUnit, linear_to_srgb};
+use vr_core::transfer::{PresetUnit, TransferRow, linear_to_srgb};
 use vr_core::{ControlPoint, OpacityRule, Shading, TransferFunction};
-use vr_io::{LoadedScene, PngOptions, SceneFile, TRANSFER_EXTENSIONS, TransferSection, TransferSource, VolumeSection};
+use vr_io::{
+    LoadedScene, PngOptions, SceneFile, TRANSFER_EXTENSIONS, TransferPoints, TransferSection, TransferSource,
+    VolumeSection,
+};
 
 use crate::args::TfArgs;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
 use crate::inputs::{Inputs, apart};
+use crate::joint_histogram::JointHistogram;
 use crate::scene_setup::{Origin, title};
 use crate::table::Table;
-use crate::{number, output_file, tf_picture};
+use crate::{number, output_file, tf_picture, tf_plane};
 
 /// Bins of the histogram behind a drawing.
 const BINS: usize = 256;
@@ -42,7 +46,11 @@ pub fn run(args: &TfArgs, console: Console) -> Result<(), Failure> {
     // Draw and convert.
     for path in &args.outputs {
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            let picture = tf_picture::draw(&found.transfer, found.histogram.as_ref());
+            let picture = if found.transfer.has_rows() {
+                tf_plane::draw(&found.transfer, found.joint.as_ref())
+            } else {
+                tf_picture::draw(&found.transfer, found.histogram.as_ref())
+            };
             vr_io::write(path, &picture, &PngOptions::default()).map_err(Failure::failed)?;
             continue;
         }
@@ -100,6 +108,8 @@ struct Found {
     shading: Option<Shading>,
     gradient_per_voxel: Vec<(f64, f64)>,
     histogram: Option<Histogram>,
+    /// Histogram by value and gradient, where the transfer function is of both.
+    joint: Option<JointHistogram>,
     /// Files that were read.
     files: Vec<PathBuf>,
     notes: Vec<String>,
@@ -130,6 +140,11 @@ fn with_volume(source: &Source<'_>, args: &TfArgs) -> Result<Found, Failure> {
         shading: scene.shading.as_deref().cloned(),
         gradient_per_voxel: Vec::new(),
         histogram: scene.volume.grid().and_then(|grid| Histogram::of(grid, BINS)),
+        joint: scene
+            .volume
+            .grid()
+            .filter(|_| scene.transfer.has_rows())
+            .and_then(|grid| JointHistogram::of(grid, [BINS; 2])),
         files,
         notes,
     })
@@ -145,8 +160,8 @@ fn alone(source: &Source<'_>, args: &TfArgs) -> Result<Found, Failure> {
         }
         None => None,
     };
-    let found = |title: String, points: Vec<ControlPoint>, rule, unit| {
-        let transfer = TransferFunction::new(points, rule, unit).map_err(Failure::failed)?;
+    let found = |title: String, points: TransferPoints, rule, unit| {
+        let transfer = points.function(rule, unit).map_err(Failure::failed)?;
         Ok(Found {
             name: source.name(),
             title,
@@ -154,6 +169,7 @@ fn alone(source: &Source<'_>, args: &TfArgs) -> Result<Found, Failure> {
             shading: None,
             gradient_per_voxel: Vec::new(),
             histogram: None,
+            joint: None,
             files: Vec::new(),
             notes: Vec::new(),
         })
@@ -165,11 +181,11 @@ fn alone(source: &Source<'_>, args: &TfArgs) -> Result<Found, Failure> {
             let usual = if preset.unit() == PresetUnit::Hounsfield { (-1024.0, 3071.0) } else { (0.0, 1.0) };
             let points = preset.points(asked.unwrap_or(usual));
             let title = format!("{preset}, in {}: {}", preset.unit().name(), preset.title());
-            Ok(Found { shading: preset.shading(), ..found(title, points, OpacityRule::Power, 1.0)? })
+            Ok(Found { shading: preset.shading(), ..found(title, points.into(), OpacityRule::Power, 1.0)? })
         }
         Source::File(path) => {
             let file = vr_io::read_transfer(path).map_err(Failure::failed)?;
-            let points = asked.map_or_else(|| file.points.clone(), |range| file.over(range));
+            let points = file.transfer_points(asked);
             let name = if file.name.is_empty() { source.name() } else { file.name };
             let relative = if file.absolute { "" } else { ", to be spread over a volume's values" };
             let title = format!("{name} of {path}, {}{relative}", file.format);
@@ -198,11 +214,15 @@ impl Found {
         if let Some(Shading { ambient, diffuse, specular, power, .. }) = &self.shading {
             text += &format!("shading  ambient {ambient}, diffuse {diffuse}, specular {specular}, power {power}\n");
         }
-        let mut table = Table::new(&["value", "colour", "opacity"]);
-        for p in points {
-            table.row([number::value(p.value), hex(p.color), number::value(p.opacity)]);
+        match self.transfer.rows() {
+            [] => text += &format!("\n{}", table(points)),
+            rows => {
+                for row in rows {
+                    let magnitude = number::value(row.gradient);
+                    text += &format!("\ngradient {magnitude} per world unit\n{}", table(row.transfer.points()));
+                }
+            }
         }
-        text += &format!("\n{table}");
         if !outputs.is_empty() {
             let outputs: Vec<String> = outputs.iter().map(|p| p.display().to_string()).collect();
             text += &format!("\nwrote    {}\n", outputs.join(", "));
@@ -218,11 +238,14 @@ impl Found {
             opacity: p.opacity,
             emission: p.emission,
         };
+        let points = |transfer: &TransferFunction| transfer.points().iter().map(point).collect();
+        let row = |row: &TransferRow| RowJson { gradient: row.gradient, points: points(&row.transfer) };
         Json {
             name: &self.name,
             unit_distance: self.transfer.unit_distance(),
             opacity_rule: self.transfer.rule(),
-            points: self.transfer.points().iter().map(point).collect(),
+            points: if self.transfer.has_rows() { Vec::new() } else { points(&self.transfer) },
+            rows: self.transfer.rows().iter().map(row).collect(),
             shading: self.shading.as_ref().map(|s| ShadingJson {
                 ambient: s.ambient,
                 diffuse: s.diffuse,
@@ -233,6 +256,15 @@ impl Found {
             notes: &self.notes,
         }
     }
+}
+
+/// Lists points.
+fn table(points: &[ControlPoint]) -> Table {
+    let mut table = Table::new(&["value", "colour", "opacity"]);
+    for p in points {
+        table.row([number::value(p.value), hex(p.color), number::value(p.opacity)]);
+    }
+    table
 }
 
 /// A linear colour as it is on the screen: `#ffcc00`.
@@ -247,9 +279,18 @@ struct Json<'a> {
     unit_distance: f64,
     opacity_rule: OpacityRule,
     points: Vec<PointJson>,
+    /// Rows of a two-dimensional transfer function, which has no other points.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    rows: Vec<RowJson>,
     shading: Option<ShadingJson>,
     outputs: &'a [PathBuf],
     notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct RowJson {
+    gradient: f64,
+    points: Vec<PointJson>,
 }
 
 #[derive(Serialize)]

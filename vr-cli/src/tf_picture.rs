@@ -15,13 +15,16 @@ const BAND: u32 = 28;
 /// Gap between the curve and the band.
 const GAP: u32 = 8;
 /// Height of a line of text.
-const TEXT: f32 = 16.0;
+pub const TEXT: f32 = 16.0;
 
-const PAPER: [f32; 3] = [0.02, 0.02, 0.025];
-const GRID: [f32; 3] = [0.10, 0.10, 0.11];
+/// Colour of the paper.
+pub const PAPER: [f32; 3] = [0.02, 0.02, 0.025];
+/// Colour of lines behind.
+pub const GRID: [f32; 3] = [0.10, 0.10, 0.11];
 const BARS: [f32; 3] = [0.16, 0.17, 0.19];
 const CURVE: [f32; 3] = [0.95; 3];
-const INK: [f32; 3] = [0.7; 3];
+/// Colour of numbers.
+pub const INK: [f32; 3] = [0.7; 3];
 
 /// Draws a transfer function over the values of its points, and those of the histogram.
 pub fn draw(transfer: &TransferFunction, histogram: Option<&Histogram>) -> Frame {
@@ -30,7 +33,7 @@ pub fn draw(transfer: &TransferFunction, histogram: Option<&Histogram>) -> Frame
     let width = SIZE[0] - left - right;
     let floor = SIZE[1] - bottom - BAND - GAP;
     let height = floor - top;
-    let (low, high) = shown_range(transfer, histogram);
+    let (low, high) = shown_range(transfer, histogram.map(|h| h.range));
     let value = |x: u32| low + (high - low) * (f64::from(x) + 0.5) / f64::from(width);
     let max_opacity = transfer.points().iter().map(|p| p.opacity).fold(0.0, f64::max);
     let full = axis_end(max_opacity);
@@ -95,10 +98,10 @@ pub fn draw(transfer: &TransferFunction, histogram: Option<&Histogram>) -> Frame
 }
 
 /// Values from end to end: of the points, and of the histogram as far as it is not far beyond them.
-fn shown_range(transfer: &TransferFunction, histogram: Option<&Histogram>) -> (f64, f64) {
+pub fn shown_range(transfer: &TransferFunction, histogram: Option<(f64, f64)>) -> (f64, f64) {
     let points = transfer.points();
     let (mut low, mut high) = (points[0].value, points[points.len() - 1].value);
-    if let Some((first, last)) = histogram.map(|h| h.range) {
+    if let Some((first, last)) = histogram {
         let reach = if high > low { high - low } else { last - first };
         low = low.min(first.max(low - reach));
         high = high.max(last.min(high + reach));

@@ -112,10 +112,17 @@ impl Scene {
         MaxRadiance::Color(self.reflection().map_or(color, |shading| shading.max_radiance(&self.lights, color)))
     }
 
-    /// True if opacity follows the gradient's magnitude, whether or not colours reflect.
+    /// True if opacity follows the gradient's magnitude, by a factor or by the rows of the transfer function, whether or not colours reflect.
     pub fn has_gradient_opacity(&self) -> bool {
         let modulates = self.shading.as_ref().is_some_and(|s| !s.gradient_opacity.is_empty());
-        modulates && self.compositing.integrates_light()
+        (modulates || self.transfer.has_rows()) && self.compositing.integrates_light()
+    }
+
+    /// Shading by which gradients are found and looked at: the scene's own, or, where the rows of a transfer function need gradients without it, one
+    /// that leaves colours as they are.
+    pub fn gradient_shading(&self) -> Option<Arc<Shading>> {
+        let flat = || self.transfer.has_rows().then(|| Arc::new(Shading::flat()));
+        self.shading.clone().or_else(flat)
     }
 
     /// Checks the numbers that the parts do not check when they are made.
@@ -132,8 +139,24 @@ impl Scene {
             let allowed = "must be finite and not negative";
             return Err(ParameterError::new("image.background", self.background, allowed));
         }
+        if self.transfer.has_rows() {
+            self.validate_rows()?;
+        }
         Light::validate_all(&self.lights)?;
         self.shading.as_ref().map_or(Ok(()), |s| s.validate())
+    }
+
+    /// Checks what goes with the rows of a two-dimensional transfer function.
+    fn validate_rows(&self) -> Result<(), ParameterError> {
+        if !self.compositing.integrates_light() {
+            let allowed = "a transfer function with rows by gradient goes with over and accumulate: a picked or averaged value has no gradient to choose a row";
+            return Err(ParameterError::new("render.compositing", self.compositing.name(), allowed));
+        }
+        if let Some(shading) = self.shading.as_ref().filter(|s| !s.gradient_opacity.is_empty()) {
+            let allowed = "must be absent beside rows by gradient: those hold the opacity at every magnitude";
+            return Err(ParameterError::new("shading.gradient_opacity", &shading.gradient_opacity, allowed));
+        }
+        Ok(())
     }
 
     /// Draws the scene's surfaces as they are seen in a view; `None` where it has none.

@@ -121,6 +121,16 @@ pub enum GradientMethod {
 }
 
 impl Shading {
+    /// Shading that leaves colours as they are: all light is ambient.
+    pub fn flat() -> Self {
+        Self { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..Self::default() }
+    }
+
+    /// True if colours stay as they are, whatever the lights.
+    pub fn is_flat(&self) -> bool {
+        self.ambient == 1.0 && self.diffuse == 0.0 && self.specular == 0.0
+    }
+
     /// Checks the numbers.
     ///
     /// # Errors

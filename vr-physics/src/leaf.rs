@@ -18,6 +18,7 @@ use vr_core::field::{LineColor, LineModel, Poly};
 use vr_core::transfer::Segment;
 use vr_core::{OpacityRule, Shading};
 
+use crate::component::{Component, Linear, Share, extinction_of};
 use crate::nodes::{DEGREES, Rule, rule};
 use crate::optics::Optics;
 use crate::transport::Place;
@@ -44,13 +45,9 @@ pub struct Leaf<'a> {
     /// Half its length in world units.
     half: f64,
     shade: Option<Shade<'a>>,
-    alpha: Linear,
-    /// 1 − α at the middle, with all its digits however close α comes to 1.
-    clear: f64,
-    color: [Linear; 3],
-    emission: [Linear; 3],
-    /// Opacity at the segment's start.
-    first_opacity: f64,
+    /// Component that there is, and a second one where the medium is a mixture of two rows.
+    component: Component,
+    other: Option<Component>,
     /// Largest slopes of opacity, colour and emission by the value, over the range that the field's error leaves open.
     steepest: Slopes,
 }
@@ -67,7 +64,8 @@ impl Slopes {
     /// The steepest in any segment that a range of values touches.
     fn within(optics: &Optics<'_>, [low, high]: [f64; 2]) -> Self {
         let mut steepest = Self::default();
-        for s in optics.touching(low, high).iter().filter(|s| s.from.is_finite() && s.to.is_finite()) {
+        let touched = optics.of_rows(optics.touching(low, high));
+        for s in touched.filter(|s| s.from.is_finite() && s.to.is_finite()) {
             let span = s.to - s.from;
             let apart = |a: [f64; 3], b: [f64; 3]| largest((0..3).map(|c| a[c] - b[c])) / span;
             steepest.alpha = steepest.alpha.max((s.end.opacity - s.start.opacity).abs() / span);
@@ -85,22 +83,6 @@ struct Shade<'a> {
     square: Poly,
     /// g·l and g·h of every light.
     towards: Vec<(f64, [Poly; 2])>,
-    /// κ's factor: value at the middle, and its slope by |g|.
-    modulation: f64,
-    modulation_slope: f64,
-}
-
-/// A quantity linear in the field: value where the field's polynomial is at its middle coefficient, and slope.
-#[derive(Clone, Copy)]
-struct Linear {
-    middle: f64,
-    slope: f64,
-}
-
-impl Linear {
-    fn bound(self, spread: f64) -> f64 {
-        self.middle.abs() + self.slope.abs() * spread
-    }
 }
 
 /// Ellipses tried: the largest on which everything is still analytic and small wins.
@@ -116,51 +98,57 @@ pub struct Choice {
 impl<'a> Leaf<'a> {
     pub fn new(optics: &'a Optics<'a>, segment: &'a Segment, (model, place): Place<'a>, half: f64) -> Self {
         let f0 = model.field.coefficients()[0];
-        let (start, end) = (&segment.start, &segment.end);
-        let span = segment.to - segment.from;
-        let at = segment.at(f0);
-        let linear = |middle: f64, a: f64, b: f64| Linear { middle, slope: if a == b { 0.0 } else { (b - a) / span } };
-        // Not clamped as Segment::at does: the line must go on for the bounds to hold.
-        let t = if span.is_finite() { (f0 - segment.from) / span } else { 0.0 };
-        let alpha = linear(start.opacity + t * (end.opacity - start.opacity), start.opacity, end.opacity);
-        // From the end where less is clear: a sum of two numbers that are not negative.
-        let (less, at_less) =
-            if start.opacity > end.opacity { (start.opacity, segment.from) } else { (end.opacity, segment.to) };
-        let clear =
-            if alpha.slope == 0.0 { 1.0 - alpha.middle } else { (1.0 - less) + (alpha.slope * (f0 - at_less)).abs() };
         let shade = optics.shading.as_ref().and_then(|(shading, ray)| {
             let g = model.gradient.as_ref()?;
             let dot = |v: [f64; 3]| g[0] * v[0] + g[1] * v[1] + g[2] * v[2];
             let square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-            let magnitude = square.at(0.0).max(0.0).sqrt();
-            // A gradient that does not change has one factor, at a knot of the factors, too.
-            let constant = square.is_constant();
-            Some(Shade {
-                shading,
-                towards: ray.lights.iter().map(|l| (largest(l.color), [dot(l.to_light), dot(l.half)])).collect(),
-                modulation: shading.modulation(magnitude),
-                modulation_slope: if constant { 0.0 } else { modulation_slope(shading, magnitude) },
-                square,
-            })
+            let towards = ray.lights.iter().map(|l| (largest(l.color), [dot(l.to_light), dot(l.half)])).collect();
+            Some(Shade { shading, square, towards })
         });
-        Self {
-            optics,
-            model,
-            place,
-            half,
-            shade,
-            alpha,
-            clear,
-            color: std::array::from_fn(|c| linear(at.color[c], start.color[c], end.color[c])),
-            emission: std::array::from_fn(|c| linear(at.emission[c], start.emission[c], end.emission[c])),
-            first_opacity: start.opacity,
-            steepest: Slopes::within(optics, model.range()),
-        }
+        let magnitude = shade.as_ref().map_or(0.0, |s| s.square.at(0.0).max(0.0).sqrt());
+        // A gradient that does not change has one factor, at a knot of the factors, too.
+        let constant = shade.as_ref().is_none_or(|s| s.square.is_constant());
+        let (component, other) = if optics.transfer.has_rows() {
+            let mix = optics.transfer.row_mix(magnitude);
+            let index = optics.index_of(segment);
+            let of_row = |row: usize, middle: f64, slope: f64| {
+                let share = Share { middle, slope: if constant { 0.0 } else { slope } };
+                Component::new(&optics.transfer.rows()[row].transfer.segments()[index], f0, share)
+            };
+            let other = (mix.upper != mix.lower).then(|| of_row(mix.upper, mix.share, mix.slope));
+            (of_row(mix.lower, 1.0 - mix.share, -mix.slope), other)
+        } else {
+            let share = shade.as_ref().map_or(Share::ALL, |s| Share {
+                middle: s.shading.modulation(magnitude),
+                slope: if constant { 0.0 } else { modulation_slope(s.shading, magnitude) },
+            });
+            (Component::new(segment, f0, share), None)
+        };
+        let steepest = Slopes::within(optics, model.range());
+        Self { optics, model, place, half, shade, component, other, steepest }
+    }
+
+    /// The components of the medium.
+    fn components(&self) -> impl Iterator<Item = &Component> {
+        std::iter::once(&self.component).chain(&self.other)
+    }
+
+    /// True if extinction has a factor that may change with the gradient.
+    fn follows_gradient(&self) -> bool {
+        let factors = self.shade.as_ref().is_some_and(|s| !s.shading.gradient_opacity.is_empty());
+        factors || self.other.is_some()
+    }
+
+    /// Largest bound of a quantity of the components, at most `spread` of the field away from its middle.
+    fn brightest(&self, quantity: impl Fn(&Component) -> [Linear; 3], spread: f64) -> f64 {
+        largest(self.components().flat_map(|c| quantity(c)).map(|l| l.bound(spread)))
     }
 
     /// True if light is reflected: the gradient exists and is not zero throughout.
     fn is_shaded(&self) -> bool {
-        self.shade.as_ref().is_some_and(|s| !(s.square.is_constant() && s.square.at(0.0) == 0.0))
+        let is_flat = |s: &Shade<'_>| self.optics.transfer.has_rows() && s.shading.is_flat();
+        let has_gradient = |s: &Shade<'_>| !(s.square.is_constant() && s.square.at(0.0) == 0.0);
+        self.shade.as_ref().is_some_and(|s| has_gradient(s) && !is_flat(s))
     }
 
     /// The rule that misses no more than the given light and depth; `None` if neither does, or no ellipse is free of
@@ -192,29 +180,16 @@ impl<'a> Leaf<'a> {
     /// Bounds on one ellipse; `None` if something is singular in it.
     fn on_ellipse(&self, rho: f64) -> Option<Size> {
         let (a, b) = (0.5 * (rho + 1.0 / rho), 0.5 * (rho - 1.0 / rho));
-        let unit = self.optics.transfer.unit_distance();
         let spread = self.model.field.spread(a);
-        let r = self.alpha.slope.abs() * spread;
         // κ = base + variation, its real part in [low, high], |Im κ| ≤ turn.
-        let (variation, low, high, turn) = match self.optics.transfer.rule() {
-            OpacityRule::Extinction => {
-                let k = self.alpha.middle / unit;
-                (r / unit, k - r / unit, k + r / unit, r / unit)
-            }
-            OpacityRule::Power => {
-                let w = self.clear;
-                if !is_below((self.noise() * 2.0 + r).value(), w) {
-                    return None;
-                }
-                let kappa = |change: f64| self.extinction_of(self.alpha.middle + change, w - change);
-                (-libm::log1p(-r / w) / unit, kappa(-r), kappa(r), libm::asin(r / w) / unit)
-            }
-        };
+        let Ellipse { variation, low, high, turn } = self.component_on_ellipse(&self.component, spread)?;
         let mut size_of_kappa = high.abs().max(low.abs()) + turn;
         let mut extinction = variation;
         // −Re τ along the straight way from −1 to any point of the ellipse.
         let mut growth = self.half * (high.max(0.0) * (a - 1.0) + (-low).max(0.0) * (1.0 + a) + turn * b);
         let mut reflect = (1.0, 0.0);
+        // Of two components: bounds of the factors on them, and of κ of each.
+        let mut mixed = None;
         if let Some(s) = &self.shade {
             let (g, g_spread) = (s.square.coefficients()[0], s.square.spread(a));
             if self.is_shaded() {
@@ -223,12 +198,19 @@ impl<'a> Leaf<'a> {
                 }
                 reflect = s.reflect_bound(a, g - g_spread)?;
             }
-            if s.modulation_slope != 0.0 && !is_below(g_spread, g) {
+            if self.components().any(|c| c.share.slope != 0.0) && !is_below(g_spread, g) {
                 return None;
             }
-            if !s.shading.gradient_opacity.is_empty() {
-                let factor = s.modulation.abs() + 2.0 * s.modulation_slope.abs() * (g + g_spread).max(0.0).sqrt();
+            if self.follows_gradient() {
+                let factor = self.component.share.bound(g, g_spread);
                 size_of_kappa *= factor;
+                if let Some(other) = &self.other {
+                    let Ellipse { low, high, turn, .. } = self.component_on_ellipse(other, spread)?;
+                    let other_factor = other.share.bound(g, g_spread);
+                    let other_size = (high.abs().max(low.abs()) + turn) * other_factor;
+                    mixed = Some([(factor, size_of_kappa), (other_factor, other_size)]);
+                    size_of_kappa += other_size;
+                }
                 extinction = size_of_kappa;
                 growth = self.half * (1.0 + a + b) * size_of_kappa;
             }
@@ -245,22 +227,55 @@ impl<'a> Leaf<'a> {
             (size, largest(color.channels.iter().map(|p| slope(&p.derivative()))))
         });
         let brightest = |l: &[Linear; 3]| largest(l.iter().map(|l| l.bound(spread)));
-        let (integrand, light_per_depth) = if self.optics.transfer.has_emission() {
-            let e = brightest(&self.emission) * self.half * tint;
+        let (integrand, light_per_depth) = if let Some(mixed) = mixed {
+            let emits = self.optics.transfer.has_emission();
+            let emission = |(c, (factor, kappa)): (&Component, (f64, f64))| match emits {
+                true => factor * brightest(&c.emission) * tint,
+                false => kappa * (brightest(&c.color) * tint * reflect.0 + reflect.1),
+            };
+            let q = self.components().zip(mixed).map(emission).sum::<f64>() * self.half;
+            (q * growth, 2.0 * q)
+        } else if self.optics.transfer.has_emission() {
+            let e = brightest(&self.component.emission) * self.half * tint;
             (e * growth, 2.0 * e)
         } else if self.is_shaded() {
-            let c = brightest(&self.color) * tint * reflect.0 + reflect.1;
+            let c = brightest(&self.component.color) * tint * reflect.0 + reflect.1;
             (self.half * size_of_kappa * c * growth, c * 2.0 * self.half * size_of_kappa)
         } else {
-            let slope = largest(self.color.iter().map(|l| l.slope));
+            let slope = largest(self.component.color.iter().map(|l| l.slope));
             let run = self.model.field.derivative();
             let run = run.at(0.0).abs() + run.spread(a);
             // |E(b) − E(z)| ≤ |τ(b) − τ(z)| times the growth.
             let apart = (self.half * size_of_kappa * (1.0 + a)).min(2.0) * growth;
-            let color = brightest(&self.color);
+            let color = brightest(&self.component.color);
             ((slope * run * tint + color * tint_slope) * apart, 3.0 * color * tint)
         };
         Some(Size { extinction, integrand, light_per_depth })
+    }
+
+    /// Bounds of a component's κ on an ellipse, before its share; `None` if it is singular in it.
+    fn component_on_ellipse(&self, component: &Component, spread: f64) -> Option<Ellipse> {
+        let unit = self.optics.transfer.unit_distance();
+        let r = component.alpha.slope.abs() * spread;
+        match self.optics.transfer.rule() {
+            OpacityRule::Extinction => {
+                let k = component.alpha.middle / unit;
+                Some(Ellipse { variation: r / unit, low: k - r / unit, high: k + r / unit, turn: r / unit })
+            }
+            OpacityRule::Power => {
+                let w = component.clear;
+                if !is_below((self.noise(component) * 2.0 + r).value(), w) {
+                    return None;
+                }
+                let kappa = |change: f64| self.extinction_of(component.alpha.middle + change, w - change);
+                Some(Ellipse {
+                    variation: -libm::log1p(-r / w) / unit,
+                    low: kappa(-r),
+                    high: kappa(r),
+                    turn: libm::asin(r / w) / unit,
+                })
+            }
+        }
     }
 
     /// Integrates with a chosen rule. Also returns the rule and the optical depth at its nodes.
@@ -268,7 +283,9 @@ impl<'a> Leaf<'a> {
         let rule = rule(choice.which);
         let f: Vec<f64> = rule.nodes.iter().map(|&t| self.model.field.at(t)).collect();
         let reflected: Option<Vec<_>> = self.reflected(rule);
-        let kappa: Vec<f64> = (0..f.len()).map(|j| self.extinction_at(rule.nodes[j], f[j])).collect();
+        let shares: Vec<[f64; 2]> = rule.nodes.iter().map(|&t| self.shares_at(t)).collect();
+        let kappas: Vec<[f64; 2]> = (0..f.len()).map(|j| self.extinctions_at(shares[j], f[j])).collect();
+        let kappa: Vec<f64> = kappas.iter().map(|k| if self.other.is_some() { k[0] + k[1] } else { k[0] }).collect();
         let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
         let tau: Vec<f64> = rule.running.iter().map(|w| self.half * dot(w, &kappa)).collect();
         let dimmed: Vec<f64> = tau.iter().map(|&t| -libm::expm1(-t)).collect();
@@ -277,6 +294,7 @@ impl<'a> Leaf<'a> {
         let f0 = self.model.field.coefficients()[0];
         let run = self.model.field.derivative();
         let value = |l: &Linear, f: f64| l.middle + l.slope * (f - f0);
+        let own = &self.component;
         // Colour of the places, and its slope, at the nodes.
         let tints = self.place.map(|color| {
             let slopes = color.channels.each_ref().map(Poly::derivative);
@@ -288,25 +306,36 @@ impl<'a> Leaf<'a> {
         let (mut light, mut magnitude) = ([0.0; 3], Bound::ZERO);
         for c in 0..3 {
             let terms = |j: usize| -> f64 {
-                if self.optics.transfer.has_emission() {
-                    self.half * value(&self.emission[c], f[j]) * tint(j, c) * (1.0 - dimmed[j])
+                if let Some(other) = &self.other {
+                    let parts = [&self.component, other];
+                    let emission = |i: usize| match (self.optics.transfer.has_emission(), &reflected) {
+                        (true, _) => shares[j][i] * value(&parts[i].emission[c], f[j]) * tint(j, c),
+                        (false, None) => kappas[j][i] * value(&parts[i].color[c], f[j]) * tint(j, c),
+                        (false, Some(r)) => {
+                            let (factor, added) = &r[j];
+                            kappas[j][i] * (value(&parts[i].color[c], f[j]) * tint(j, c) * factor[c] + added[c])
+                        }
+                    };
+                    self.half * (emission(0) + emission(1)) * (1.0 - dimmed[j])
+                } else if self.optics.transfer.has_emission() {
+                    self.half * value(&own.emission[c], f[j]) * tint(j, c) * (1.0 - dimmed[j])
                 } else if let Some(r) = &reflected {
                     let (factor, added) = &r[j];
-                    let color = value(&self.color[c], f[j]) * tint(j, c);
+                    let color = value(&own.color[c], f[j]) * tint(j, c);
                     self.half * kappa[j] * (color * factor[c] + added[c]) * (1.0 - dimmed[j])
                 } else {
-                    let of_value = self.color[c].slope * run.at(rule.nodes[j]);
+                    let of_value = own.color[c].slope * run.at(rule.nodes[j]);
                     let slope = tints.as_ref().map_or(of_value, |tints| {
                         let (tint, tint_slope) = tints[j];
-                        of_value * tint[c] + value(&self.color[c], f[j]) * tint_slope[c]
+                        of_value * tint[c] + value(&own.color[c], f[j]) * tint_slope[c]
                     });
                     slope * (opacity - dimmed[j])
                 }
             };
-            let by_parts = !self.optics.transfer.has_emission() && reflected.is_none();
+            let by_parts = !self.optics.transfer.has_emission() && reflected.is_none() && self.other.is_none();
             let (mut sum, mut size) = (0.0, 0.0);
             if by_parts {
-                sum = value(&self.color[c], f[0]) * tint(0, c) * opacity;
+                sum = value(&own.color[c], f[0]) * tint(0, c) * opacity;
                 size = sum.abs();
             }
             for (j, w) in rule.weights.iter().enumerate() {
@@ -336,26 +365,30 @@ impl<'a> Leaf<'a> {
         let unit = self.optics.transfer.unit_distance();
         let spread = model.field.spread(1.0);
         let steepest = self.steepest;
-        // How far off the opacity may be, and what that does to κ (a constant opacity is exact). Below ½ α has the digits of the sum
-        // that it is, above it 1 − α has all of its own.
-        let size = if self.alpha.middle - self.alpha.slope.abs() * spread < 0.5 {
-            // a + t (b − a): roundings of a, and of what is added to it.
-            self.first_opacity + self.alpha.bound(spread)
-        } else {
-            self.clear + self.alpha.slope.abs() * spread
-        };
-        let rounded = if self.alpha.slope == 0.0 { 0.0 } else { ROUNDING * size };
-        let off = product(delta, steepest.alpha) + rounded;
-        let steepness = match self.optics.transfer.rule() {
-            OpacityRule::Extinction => Bound::new(1.0 / unit),
-            OpacityRule::Power => {
-                let w = self.clear - self.alpha.slope.abs() * spread - off.value();
-                Bound::new(1.0 / (unit * if w > 0.0 { w } else { 0.0 }))
-            }
-        };
         let factor = self.shade.as_ref().map_or(1.0, |s| s.shading.largest_modulation().max(1.0));
-        let mut depth_error = product(off, steepness * (length * factor)) + 24.0 * f64::EPSILON * depth;
-        let color = largest(self.color.iter().map(|l| l.bound(spread)));
+        let mut depth_error = Bound::new(24.0 * f64::EPSILON * depth);
+        for component in self.components() {
+            let (alpha, clear) = (component.alpha, component.clear);
+            // How far off the opacity may be, and what that does to κ (a constant opacity is exact). Below ½ α has the digits of the sum
+            // that it is, above it 1 − α has all of its own.
+            let size = if alpha.middle - alpha.slope.abs() * spread < 0.5 {
+                // a + t (b − a): roundings of a, and of what is added to it.
+                component.first_opacity + alpha.bound(spread)
+            } else {
+                clear + alpha.slope.abs() * spread
+            };
+            let rounded = if alpha.slope == 0.0 { 0.0 } else { ROUNDING * size };
+            let off = product(delta, steepest.alpha) + rounded;
+            let steepness = match self.optics.transfer.rule() {
+                OpacityRule::Extinction => Bound::new(1.0 / unit),
+                OpacityRule::Power => {
+                    let w = clear - alpha.slope.abs() * spread - off.value();
+                    Bound::new(1.0 / (unit * if w > 0.0 { w } else { 0.0 }))
+                }
+            };
+            depth_error += product(off, steepness * (length * factor));
+        }
+        let color = self.brightest(|c| c.color, spread);
         let mut light_error = Bound::new(24.0 * f64::EPSILON * magnitude);
         if self.optics.transfer.has_emission() {
             light_error += product(delta, length * steepest.emission) + product(depth_error, magnitude);
@@ -368,21 +401,26 @@ impl<'a> Leaf<'a> {
             let size = largest(place.channels.iter().map(|p| p.coefficients()[0].abs() + p.spread(1.0)));
             let off = Bound::new(place.error) + ROUNDING * size;
             light_error += if self.optics.transfer.has_emission() {
-                product(off, length * largest(self.emission.iter().map(|l| l.bound(spread))))
+                product(off, length * self.brightest(|c| c.emission, spread))
             } else {
                 product(off, 2.0 * color * self.optics.largest_color_factor() * opacity)
             };
         }
         if let Some(s) = &self.shade {
             let off = model.slope_error();
-            if !s.shading.gradient_opacity.is_empty() {
-                let r = self.alpha.slope.abs() * spread;
-                let kappa = self.extinction_of(self.alpha.middle + r, self.clear - r);
+            if self.optics.transfer.has_rows() {
+                let (by_depth, by_light) = self.misplaced_rows(s, magnitude);
+                depth_error += by_depth;
+                light_error += by_light;
+            } else if !s.shading.gradient_opacity.is_empty() {
+                let Component { alpha, clear, .. } = self.component;
+                let r = alpha.slope.abs() * spread;
+                let kappa = self.extinction_of(alpha.middle + r, clear - r);
                 let more = product(off, Bound::new(kappa) * (2.0 * steepest_modulation(s.shading) * length));
                 depth_error += more;
                 light_error += product(more, 3.0 * self.optics.brightest_surface().max(magnitude));
             }
-            if !self.optics.transfer.has_emission() {
+            if !self.optics.transfer.has_emission() && !(self.optics.transfer.has_rows() && s.shading.is_flat()) {
                 let smallest = (s.square.coefficients()[0] - s.square.spread(1.0)).max(0.0).sqrt();
                 // 0/0 is a field without gradient and without error.
                 let turn = if off == Bound::ZERO { Bound::ZERO } else { off * 4.0 / smallest };
@@ -391,6 +429,27 @@ impl<'a> Leaf<'a> {
             }
         }
         (depth_error, light_error)
+    }
+
+    /// Errors of depth and light by that of the gradient's magnitude, which chooses the rows.
+    fn misplaced_rows(&self, shade: &Shade<'_>, magnitude: f64) -> (Bound, Bound) {
+        let rows = self.optics.transfer.rows();
+        let length = 2.0 * self.half;
+        let steepest = largest(rows.windows(2).map(|w| 1.0 / (w[1].gradient - w[0].gradient)));
+        // The error of three components, and the rounding of the magnitude.
+        let square = shade.square.coefficients()[0].abs() + shade.square.spread(1.0);
+        let off = self.model.slope_error() * 2.0 + 8.0 * f64::EPSILON * square.sqrt();
+        // The shares of two rows are off, by as much; whichever rows these are, the upper bound holds.
+        let shares = product(off, 2.0 * steepest * length);
+        let [low, high] = self.model.range();
+        let bounds = self.optics.touching(low, high);
+        let ends = bounds.iter().flat_map(|s| [low, high].map(|v| s.at(v.clamp(s.from, s.to))));
+        let (opacity, emission) = ends.fold((0.0f64, 0.0f64), |(opacity, emission), o| {
+            (opacity.max(o.opacity), emission.max(largest(o.emission)))
+        });
+        let depth = product(shares, self.optics.transfer.extinction(opacity));
+        let light = product(depth, 3.0 * self.optics.brightest_surface().max(magnitude)) + product(shares, emission);
+        (depth, light)
     }
 
     /// Factor and summand of the shading at the nodes; `None` where nothing is shaded.
@@ -405,48 +464,62 @@ impl<'a> Leaf<'a> {
 
     /// κ of an opacity α and of 1 − α, whichever has the digits.
     fn extinction_of(&self, alpha: f64, clear: f64) -> f64 {
-        let unit = self.optics.transfer.unit_distance();
-        match self.optics.transfer.rule() {
-            OpacityRule::Extinction => alpha / unit,
-            OpacityRule::Power if alpha < 0.5 => -libm::log1p(-alpha) / unit,
-            OpacityRule::Power => -libm::log(clear) / unit,
-        }
+        extinction_of(self.optics.transfer.rule(), self.optics.transfer.unit_distance(), alpha, clear)
     }
 
-    fn extinction_at(&self, t: f64, f: f64) -> f64 {
-        let f0 = self.model.field.coefficients()[0];
-        let change = self.alpha.slope * (f - f0);
-        let kappa = self.extinction_of(self.alpha.middle + change, self.clear - change);
-        match &self.shade {
-            Some(s) if !s.shading.gradient_opacity.is_empty() => {
-                kappa * s.shading.modulation(s.square.at(t).max(0.0).sqrt())
+    /// Shares of the components at a node: factors on their extinction.
+    fn shares_at(&self, t: f64) -> [f64; 2] {
+        let magnitude = |s: &Shade<'_>| s.square.at(t).max(0.0).sqrt();
+        match (&self.shade, &self.other) {
+            (Some(s), Some(_)) => {
+                let mid = s.square.at(0.0).max(0.0).sqrt();
+                let change = if s.square.is_constant() { 0.0 } else { magnitude(s) - mid };
+                self.components_share(change)
             }
-            _ => kappa,
+            (None, Some(_)) => self.components_share(0.0),
+            (Some(s), None) if !s.shading.gradient_opacity.is_empty() => [s.shading.modulation(magnitude(s)), 0.0],
+            _ => [1.0, 0.0],
         }
     }
 
-    /// Bound on the error of the opacity by rounding and the field's error.
-    fn noise(&self) -> Bound {
-        product(self.model.error(), self.alpha.slope.abs()) + 8.0 * f64::EPSILON * self.clear
+    /// Shares of two components where the magnitude has changed by so much since the middle.
+    fn components_share(&self, change: f64) -> [f64; 2] {
+        let upper = self.other.as_ref().map_or(0.0, |c| (c.share.middle + c.share.slope * change).clamp(0.0, 1.0));
+        [1.0 - upper, upper]
+    }
+
+    /// κ of the components at a value, times their shares.
+    fn extinctions_at(&self, shares: [f64; 2], f: f64) -> [f64; 2] {
+        let f0 = self.model.field.coefficients()[0];
+        let of = |component: &Component, share: f64| {
+            let change = component.alpha.slope * (f - f0);
+            share * self.extinction_of(component.alpha.middle + change, component.clear - change)
+        };
+        [of(&self.component, shares[0]), self.other.as_ref().map_or(0.0, |other| of(other, shares[1]))]
+    }
+
+    /// Bound on the error of a component's opacity by rounding and the field's error.
+    fn noise(&self, component: &Component) -> Bound {
+        product(self.model.error(), component.alpha.slope.abs()) + 8.0 * f64::EPSILON * component.clear
     }
 
     /// True if 1 − α is no larger than its own error, under the power rule.
     pub fn is_lost(&self) -> bool {
-        !self.model.error().is_finite()
-            || self.optics.has_walls()
-                && Bound::new(self.clearest(&self.model.field)).within((self.noise() * 4.0).value())
+        let lost =
+            |c: &Component| Bound::new(self.clearest(c, &self.model.field)).within((self.noise(c) * 4.0).value());
+        !self.model.error().is_finite() || self.optics.has_walls() && self.components().any(lost)
     }
 
     /// True if 1 − α is much smaller somewhere than elsewhere, so that an error of the value weighs unequally, under the power rule.
     pub fn is_graded(&self) -> bool {
-        let change = self.alpha.slope.abs() * self.model.field.spread(1.0);
-        self.optics.has_walls() && change > 0.5 * self.clear
+        let graded = |c: &Component| c.alpha.slope.abs() * self.model.field.spread(1.0) > 0.5 * c.clear;
+        self.optics.has_walls() && self.components().any(graded)
     }
 
-    /// The largest |1 − α| of a field by this stretch's line, which may go on beyond 1, at a few points.
-    fn clearest(&self, field: &Poly) -> f64 {
+    /// The largest |1 − α| of a field by a component's line, which may go on beyond 1, at a few points.
+    fn clearest(&self, component: &Component, field: &Poly) -> f64 {
         let middle = self.model.field.coefficients()[0];
-        let clear = |t: f64| (self.clear - self.alpha.slope * (field.at(t) - middle)).abs();
+        let clear = |t: f64| (component.clear - component.alpha.slope * (field.at(t) - middle)).abs();
         [-1.0, -0.5, 0.0, 0.5, 1.0].map(clear).into_iter().fold(0.0, f64::max)
     }
 
@@ -460,11 +533,17 @@ impl<'a> Leaf<'a> {
         let field = &self.model.field;
         let length = 2.0 * self.half;
         let unit = self.optics.transfer.unit_distance();
+        let own = &self.component;
         let deepest = match self.optics.transfer.rule() {
-            OpacityRule::Extinction => length * self.alpha.bound(field.spread(1.0)).min(1.0) / unit,
+            // No mixture of rows is deeper than the deepest of them, which is no wall.
+            _ if self.optics.transfer.has_rows() => {
+                let bounds = self.optics.transfer.segments().iter().flat_map(|s| [s.start, s.end]);
+                length * self.optics.transfer.extinction(bounds.map(|o| o.opacity).fold(0.0, f64::max))
+            }
+            OpacityRule::Extinction => length * own.alpha.bound(field.spread(1.0)).min(1.0) / unit,
             OpacityRule::Power => {
-                let w = self.clearest(whole.field) - self.noise().value();
-                let roots = if self.alpha.slope == 0.0 { 0.0 } else { whole.field.degree() as f64 };
+                let w = self.clearest(own, whole.field) - self.noise(own).value();
+                let roots = if own.alpha.slope == 0.0 { 0.0 } else { whole.field.degree() as f64 };
                 let each = 1.0 + libm::log(2.0 * whole.half / self.half);
                 if w > 0.0 { length / unit * (roots * each - libm::log(w)) } else { f64::INFINITY }
             }
@@ -475,11 +554,12 @@ impl<'a> Leaf<'a> {
         let depth = if deepest.is_finite() { 0.5 * deepest } else { 1.0 };
         let depth_error = if deepest.is_finite() { Bound::new(depth) } else { Bound::UNKNOWN };
         let (light, light_error) = if self.optics.transfer.has_emission() {
-            let e = self.emission.map(|l| l.bound(field.spread(1.0)) * length);
+            let bound = |c: usize| largest(self.components().map(|part| part.emission[c].bound(field.spread(1.0))));
+            let e: [f64; 3] = std::array::from_fn(|c| bound(c) * length);
             (e.map(|e| 0.5 * e), largest(e))
         } else {
             let opacity = -libm::expm1(-depth);
-            (self.color.map(|l| l.middle * opacity), self.optics.brightest_surface() * -libm::expm1(-deepest))
+            (own.color.map(|l| l.middle * opacity), self.optics.brightest_surface() * -libm::expm1(-deepest))
         };
         Gain { depth, depth_error, light, light_error: Bound::new(light_error) }
     }
@@ -503,6 +583,14 @@ pub struct Whole<'a> {
     pub half: f64,
     /// The field on it.
     pub field: &'a Poly,
+}
+
+/// Bounds of a component's κ on an ellipse.
+struct Ellipse {
+    variation: f64,
+    low: f64,
+    high: f64,
+    turn: f64,
 }
 
 /// Bounds on an ellipse.

@@ -48,6 +48,7 @@ pub mod cases;
 #[cfg(feature = "proptest")]
 pub mod check;
 mod colored_line;
+mod component;
 mod crossings;
 mod double;
 mod exact_ray;

@@ -24,16 +24,37 @@ pub struct Optics<'a> {
     pub(crate) kinks: Vec<f64>,
     /// Values at which it jumps.
     pub(crate) jumps: Vec<f64>,
+    /// Magnitudes of the gradient at which the medium has kinks.
+    pub(crate) magnitudes: Vec<f64>,
 }
 
 impl<'a> Optics<'a> {
     /// Makes them for a ray, along which the shading's part is constant: see [`Shading::along`].
     pub fn new(transfer: &'a TransferFunction, shading: Option<(&'a Shading, RayShading<f64>)>) -> Self {
         let (mut kinks, mut jumps) = (Vec::new(), Vec::new());
-        for pair in transfer.segments().windows(2) {
-            if pair[0].end == pair[1].start { &mut kinks } else { &mut jumps }.push(pair[1].from);
+        let rows = transfer.rows();
+        for (i, pair) in transfer.segments().windows(2).enumerate() {
+            let mut rows = rows.iter().map(|row| row.transfer.segments());
+            let goes_on = pair[0].end == pair[1].start && rows.all(|row| row[i].end == row[i + 1].start);
+            if goes_on { &mut kinks } else { &mut jumps }.push(pair[1].from);
         }
-        Self { transfer, shading, kinks, jumps }
+        let factors = shading.iter().flat_map(|(s, _)| s.gradient_opacity.iter().map(|p| p.0));
+        let magnitudes = factors.chain(rows.iter().map(|row| row.gradient)).collect();
+        Self { transfer, shading, kinks, jumps, magnitudes }
+    }
+
+    /// Segments of all rows where the given neighbouring ones are those of their upper bound; the given ones of a transfer function without rows.
+    pub(crate) fn of_rows<'s>(&'s self, segments: &'s [Segment]) -> impl Iterator<Item = &'s Segment> {
+        let rows = self.transfer.rows();
+        let own = if rows.is_empty() { segments } else { &[] };
+        let first = segments.first().map_or(0, |s| self.index_of(s));
+        let range = first..first + segments.len();
+        own.iter().chain(rows.iter().flat_map(move |row| &row.transfer.segments()[range.clone()]))
+    }
+
+    /// Index of a segment of the transfer function.
+    pub(crate) fn index_of(&self, segment: &Segment) -> usize {
+        self.transfer.segments().partition_point(|s| s.from < segment.from)
     }
 
     /// Largest light that a wall, or an infinitely deep medium, can send: none where emission is given on its own.

@@ -39,6 +39,9 @@ impl Reference {
         if scene.shading.is_some() {
             return Err(unsupported(Feature::Shading, "shading").into());
         }
+        if scene.transfer.has_rows() {
+            return Err(unsupported(Feature::GradientOpacity, "a transfer function by gradient").into());
+        }
         let volume = scene
             .volume
             .grid()

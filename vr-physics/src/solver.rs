@@ -7,8 +7,8 @@ use vr_core::filter::{Lattice, Nearest, Reconstruction, Trilinear};
 use vr_core::image_order::ImageSample;
 use vr_core::{
     ColorGrid, Compositing, Control, Counts, Feature, Field, Filter, GradientMethod, GridVolume, IndexRay,
-    LatticeVisitor, Layer, Model, Ray, RenderError, Sampler, SamplerVisitor, Scene, Unsupported, View, Volume, Voxel,
-    gradient_at_sample,
+    LatticeVisitor, Layer, Light, Model, Ray, RenderError, Sampler, SamplerVisitor, Scene, Shading, Unsupported, View,
+    Volume, Voxel, gradient_at_sample,
 };
 
 use crate::colored_line::ColoredLine;
@@ -30,6 +30,8 @@ pub(crate) struct Solver<'a> {
     rays: ExactRays,
     layer: Option<Layer>,
     source: Source<'a>,
+    /// Shading by which gradients are found, where any are wanted.
+    shading: Option<Arc<Shading>>,
 }
 
 /// The source of a field along a ray.
@@ -57,6 +59,11 @@ pub(crate) fn check(scene: &Scene, model: &Model) -> Result<(), RenderError> {
         (Model::Canonical, Some(field)) if scene.shading.is_some() && !field.has_gradient() => {
             let what = format!("shading of volumes of the kind '{}', which have no gradient", field.kind());
             Err(unsupported(Feature::Shading, what))
+        }
+        (Model::Canonical, Some(field)) if scene.transfer.has_rows() && !field.has_gradient() => {
+            let kind = field.kind();
+            let what = format!("transfer functions by gradient of volumes of the kind '{kind}', which have none");
+            Err(unsupported(Feature::GradientOpacity, what))
         }
         _ => Ok(()),
     }
@@ -87,7 +94,8 @@ impl<'a> Solver<'a> {
             _ => return Err(unsupported(Feature::Model, format!("the model {model:?}"))),
         };
         let rays = ExactRays::new(view)?;
-        Ok(Self { tolerance, scene, view, model, rays, layer: None, source })
+        let shading = scene.gradient_shading();
+        Ok(Self { tolerance, scene, view, model, rays, layer: None, source, shading })
     }
 
     /// Returns the solver with the layer of the scene's surfaces.
@@ -113,13 +121,18 @@ impl<'a> Solver<'a> {
                 Some((volume.with_sampler(grid_ray), chord.ray.offset))
             }
             Source::Field(field) => {
-                let Scene { transfer, shading, lights, .. } = self.scene;
-                let line = field.along(ray, &self.view.clip, far, shading.is_some())?;
-                let shading = shading.as_deref().map(|s| (s, s.along(lights, ray.direction)));
-                Some((self.answer(&*line, &Optics::new(transfer, shading), query), line.chord().offset))
+                let line = field.along(ray, &self.view.clip, far, self.shading.is_some())?;
+                Some((self.answer(&*line, &self.optics(ray), query), line.chord().offset))
             }
             Source::Model => None,
         }
+    }
+
+    /// Transfer function and shading as a ray meets them.
+    fn optics(&self, ray: &Ray) -> Optics<'_> {
+        // Nothing is lit by lights where no shading is asked for.
+        let lights: &[Light] = if self.scene.shading.is_some() { &self.scene.lights } else { &[] };
+        Optics::new(&self.scene.transfer, self.shading.as_deref().map(|s| (s, s.along(lights, ray.direction))))
     }
 
     fn answer(&self, line: &dyn FieldLine, optics: &Optics<'_>, query: RayQuery<'_>) -> RayResult {
@@ -206,11 +219,10 @@ impl SamplerVisitor for GridRay<'_> {
     type Output = RayResult;
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> RayResult {
-        let Self { solver: solver @ Solver { scene, .. }, volume, colors, placement, chord, .. } = self;
-        let shading = scene.shading.as_deref();
-        let optics = Optics::new(&scene.transfer, shading.map(|s| (s, s.along(&scene.lights, self.ray.direction))));
+        let Self { solver, volume, colors, placement, chord, .. } = self;
+        let optics = solver.optics(self.ray);
         let at_sample = |index: [usize; 3]| volume.with_lattice(SampleGradient(index));
-        let source = match shading.map(|s| s.gradient) {
+        let source = match solver.shading.as_ref().map(|s| s.gradient) {
             None => GradientSource::None,
             Some(GradientMethod::Analytic) => GradientSource::Analytic,
             Some(GradientMethod::CentralDifferences) => GradientSource::Samples(&at_sample),

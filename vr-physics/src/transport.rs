@@ -191,7 +191,9 @@ impl Walk<'_> {
             let share = self.tolerance * (to - from) / self.length;
             let costs = self.steepness(touched) * model.error() * (to - from);
             // Beside a jump the error decides which side holds, however flat both are.
-            if touched.windows(2).any(|s| s[0].end != s[1].start) || !costs.within(share) {
+            let jumps = touched.windows(2).any(|s| s[0].end != s[1].start)
+                || self.optics.transfer.has_rows() && self.optics.jumps.iter().any(|v| (low..=high).contains(v));
+            if jumps || !costs.within(share) {
                 let middle = 0.5 * (from + to);
                 self.stretch(line, from, middle, halvings + 1);
                 if !self.ended {
@@ -230,7 +232,7 @@ impl Walk<'_> {
     /// Largest slope of κ and of the emission, per unit of value, in some segments (1 − α is kept off 0 by the field's error).
     fn steepness(&self, segments: &[Segment]) -> Bound {
         let unit = self.optics.transfer.unit_distance();
-        let finite = segments.iter().filter(|s| s.from.is_finite() && s.to.is_finite());
+        let finite = self.optics.of_rows(segments).filter(|s| s.from.is_finite() && s.to.is_finite());
         let slopes = finite.map(|s| {
             let span = s.to - s.from;
             let alpha = (s.end.opacity - s.start.opacity).abs() / span;
@@ -253,16 +255,16 @@ impl Walk<'_> {
             self.values.sort_by(f64::total_cmp);
         }
         crossings(&model.field, &self.values, &mut self.cuts);
-        if let (Some((shading, ray)), Some(g)) = (&self.optics.shading, &model.gradient) {
+        if let (Some((_, ray)), Some(g)) = (&self.optics.shading, &model.gradient) {
             for light in &ray.lights {
                 for v in [light.to_light, light.half] {
                     let towards: Poly = g[0] * v[0] + g[1] * v[1] + g[2] * v[2];
                     crossings(&towards, &[0.0], &mut self.cuts);
                 }
             }
-            if !shading.gradient_opacity.is_empty() {
+            if !self.optics.magnitudes.is_empty() {
                 let square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-                let knots: Vec<f64> = shading.gradient_opacity.iter().map(|p| p.0 * p.0).collect();
+                let knots: Vec<f64> = self.optics.magnitudes.iter().map(|m| m * m).collect();
                 crossings(&square, &knots, &mut self.cuts);
             }
         }
@@ -294,6 +296,9 @@ impl Walk<'_> {
             self.touched_wall();
         }
         if segment.is_clear() || max == 0.0 && segment.start.emission == [0.0; 3] && segment.end.emission == [0.0; 3] {
+            return;
+        }
+        if optics.transfer.has_rows() && self.rows_are_clear(model, segment) {
             return;
         }
         if is_wall {

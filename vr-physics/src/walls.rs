@@ -63,7 +63,7 @@ impl<'a> Walk<'a> {
             let extinction = if wall { 0.0 } else { largest(ends.map(|o| self.extinction(o.opacity))) * factor };
             Side { extinction, emission: largest(ends.iter().flat_map(|o| o.emission)), wall }
         };
-        touched.iter().map(side).reduce(|a, b| Side {
+        self.optics.of_rows(touched).map(side).reduce(|a, b| Side {
             extinction: a.extinction.max(b.extinction),
             emission: a.emission.max(b.emission),
             wall: a.wall || b.wall,
@@ -84,7 +84,9 @@ impl<'a> Walk<'a> {
         let left = inside(all, model);
         let touched = if left.is_empty() { all } else { left };
         let is_wall = |s: &Segment| s.is_opaque() && optics.has_walls();
-        let open = || touched.iter().filter(|s| !is_wall(s));
+        // A mixture of rows is nowhere beyond all of them.
+        let sides = || optics.of_rows(touched);
+        let open = || sides().filter(|s| !is_wall(s));
         let ends = |s: &Segment| [low.clamp(s.from, s.to), high.clamp(s.from, s.to)].map(|v| s.at(v));
         let factors = self.modulation(model);
         let length = 2.0 * half;
@@ -99,7 +101,7 @@ impl<'a> Walk<'a> {
         let depth = apart(&extinction, &mut open()) * (length * factors[1]);
         let deepest = largest(open().flat_map(ends).map(|o| extinction(&o))) * length * factors[1];
         let by_channel = |of: fn(&Optical) -> [f64; 3], walls: bool| {
-            let channel = |c: usize| apart(&|o| of(o)[c], &mut touched.iter().filter(|s| walls || !is_wall(s)));
+            let channel = |c: usize| apart(&|o| of(o)[c], &mut sides().filter(|s| walls || !is_wall(s)));
             channel(0).max(channel(1)).max(channel(2))
         };
         let color = by_channel(|o| o.color, false);
@@ -125,7 +127,7 @@ impl<'a> Walk<'a> {
         }
         // The part's own side, if it may be passed.
         let own = optics.segment_of(model, value);
-        if walls == touched.len() || !is_wall(own) { own } else { open().next().unwrap_or(own) }
+        if walls == touched.len() || !is_wall(own) { own } else { touched.iter().find(|s| !is_wall(s)).unwrap_or(own) }
     }
 
     /// Adds the error of a wall that was touched within the field's error and not entered: it may or may not exist.
@@ -143,12 +145,7 @@ impl<'a> Walk<'a> {
             Some((shading, _)) if !shading.gradient_opacity.is_empty() => shading,
             _ => return [1.0; 2],
         };
-        let Some(g) = &model.gradient else { return [1.0; 2] };
-        let square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-        let spread = square.spread(1.0);
-        let off = (model.slope_error() * 2.0).value();
-        let min = ((square.at(0.0) - spread).max(0.0).sqrt() - off).max(0.0);
-        let max = (square.at(0.0) + spread).max(0.0).sqrt() + off;
+        let Some([min, max]) = magnitudes(model) else { return [1.0; 2] };
         let points = &shading.gradient_opacity;
         if !(min <= max && max.is_finite()) {
             let smallest = points.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
@@ -157,6 +154,16 @@ impl<'a> Walk<'a> {
         let inside = points.iter().filter(|p| p.0 > min && p.0 < max).map(|p| p.1);
         let factors = inside.chain([min, max].map(|m| shading.modulation(m)));
         factors.fold([f64::INFINITY, 0.0], |[low, high], f| [low.min(f), high.max(f)])
+    }
+
+    /// True if every row that the gradient may choose on a part is clear in a segment.
+    pub(crate) fn rows_are_clear(&self, model: &LineModel, segment: &Segment) -> bool {
+        let transfer = self.optics.transfer;
+        // NaN is taken for the largest.
+        let [min, max] = magnitudes(model).unwrap_or([0.0, f64::NAN]);
+        let rows = &transfer.rows()[transfer.row_mix(min.max(0.0)).lower..=transfer.row_mix(max).upper];
+        let index = self.optics.index_of(segment);
+        rows.iter().all(|row| row.transfer.segments()[index].is_clear())
     }
 
     /// Enters opacity 1 over a length: adds the colour at the point of entry, and ends the ray.
@@ -205,6 +212,17 @@ impl<'a> Walk<'a> {
         self.depth_error = if self.depth_error.is_finite() { Bound::ZERO } else { Bound::UNKNOWN };
         self.ended = true;
     }
+}
+
+/// Smallest and largest magnitude that the gradient may have on a part, its error included; `None` without a gradient.
+fn magnitudes(model: &LineModel) -> Option<[f64; 2]> {
+    let g = model.gradient.as_ref()?;
+    let square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    let spread = square.spread(1.0);
+    let off = (model.slope_error() * 2.0).value();
+    let min = ((square.at(0.0) - spread).max(0.0).sqrt() - off).max(0.0);
+    let max = (square.at(0.0) + spread).max(0.0).sqrt() + off;
+    Some([min, max])
 }
 
 /// Rounding of a gradient's components.

@@ -38,12 +38,22 @@ fn compare(scene: &Scene, view: &View, pixel: [u32; 2]) -> ([f64; 4], f64, Answe
 
 #[test]
 fn the_bound_is_never_below_the_difference() {
+    judge(scenes::scene, 2000);
+}
+
+#[test]
+fn the_bound_is_never_below_the_difference_with_rows_by_gradient() {
+    judge(scenes::scene_with_rows, 600);
+}
+
+/// Compares the solvers on the scenes of `usual` seeds, or of as many from another first one as the environment says.
+fn judge(scene_of: impl Fn(u64) -> (Scene, View, [u32; 2]), usual: u64) {
     let number = |name: &str, default: u64| std::env::var(name).ok().and_then(|s| s.parse().ok()).unwrap_or(default);
-    let (first, count) = (number("FIRST", 0), number("COUNT", 2000));
+    let (first, count) = (number("FIRST", 0), number("COUNT", usual));
     let (mut wrong, mut loose, mut vague, mut lit, mut worst) = (0, 0, 0, 0, 0.0f64);
     let started = std::time::Instant::now();
     for seed in first..first + count {
-        let (scene, view, pixel) = scenes::scene(seed);
+        let (scene, view, pixel) = scene_of(seed);
         let before = started.elapsed();
         let (ours, bound, other, apart) = compare(&scene, &view, pixel);
         let took = (started.elapsed() - before).as_secs_f64();

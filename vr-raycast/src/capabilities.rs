@@ -56,6 +56,11 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
             format!("compositing '{}' by the rule 'exact'", scene.compositing.name()),
         ));
     }
+    if scene.transfer.has_rows() && !matches!(caster.rule, Rule::Midpoint | Rule::Left) {
+        let rule = caster.rule.name();
+        let what = format!("a transfer function by gradient by the rule '{rule}', which integrates over values alone");
+        return Err(unsupported(Feature::GradientOpacity, what));
+    }
     let source = Source::of(&scene.volume).ok_or_else(|| Unsupported::volume_kind(RayCaster::NAME, &scene.volume))?;
     let Source::Grid(volume) = &source else {
         check_field(caster, scene)?;
@@ -120,6 +125,10 @@ fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
             Feature::Shading,
             format!("shading of volumes of the kind '{kind}' without a gradient"),
         ));
+    }
+    if scene.transfer.has_rows() && !scene.volume.field().is_some_and(Field::has_gradient) {
+        let what = format!("a transfer function by gradient of volumes of the kind '{kind}', which have none");
+        return Err(unsupported(Feature::GradientOpacity, what));
     }
     Ok(())
 }

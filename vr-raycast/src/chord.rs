@@ -88,7 +88,7 @@ impl Chord<'_> {
         std::array::from_fn(|a| R::from_f64(at[a].clamp(0.0, (dims[a] - 1) as f64)))
     }
 
-    /// Fills the gradients of a placed run, where the opacity is not zero.
+    /// Fills the gradients of a placed run, where something absorbs or shines.
     pub(crate) fn gradients<R: Real>(&self, run: &mut Run<R>, method: GradientMethod) {
         match (self.source, method) {
             (Source::Grid(grid), GradientMethod::CentralDifferences) => grid.with_lattice(CentralDifferences(run)),
@@ -150,7 +150,7 @@ impl<R: Real> SamplerVisitor for AnalyticGradients<'_, R> {
 
     fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) {
         for j in 0..self.0.len() {
-            if self.0.light[j][3] != R::ZERO {
+            if self.0.light[j] != [R::ZERO; 4] {
                 self.0.gradient[j] = sampler.value_and_gradient(self.0.position_of(j)).1;
             }
         }
@@ -164,7 +164,7 @@ impl<R: Real> LatticeVisitor for CentralDifferences<'_, R> {
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) {
         for j in 0..self.0.len() {
-            if self.0.light[j][3] != R::ZERO {
+            if self.0.light[j] != [R::ZERO; 4] {
                 self.0.gradient[j] = gradient_between_samples(&lattice, self.0.position_of(j));
             }
         }

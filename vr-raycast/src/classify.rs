@@ -58,6 +58,12 @@ impl<R: Real> Classifier<R> {
         self.transfer.step(self.calibration.value(stored.to_f64()), length).map(R::from_f64)
     }
 
+    /// Returns light and opacity of a step by the rows of the transfer function, where the gradient has a magnitude.
+    pub(crate) fn by_rows(&self, run: &Run<R>, j: usize, magnitude: f64) -> [R; 4] {
+        let value = self.calibration.value(run.value[j].to_f64());
+        self.transfer.mixture(value, magnitude).step(run.steps.length[j]).map(R::from_f64)
+    }
+
     /// Returns light and opacity of a classified step whose extinction is multiplied by `factor`.
     pub(crate) fn with_extinction_times(&self, run: &Run<R>, j: usize, factor: f64) -> [R; 4] {
         if let Some(profile) = &self.profile {

@@ -36,7 +36,7 @@ pub(crate) struct RenderTables<R> {
 impl TablesByPrecision {
     /// Makes the tables of a field that is no grid's: none, for everything is evaluated exactly at its place.
     pub(crate) fn of_field(scene: &Scene, placement: &Placement) -> Self {
-        let shader = |shading: &Arc<Shading>| Shader::new(Arc::clone(shading), scene.lights.clone(), placement, 1.0);
+        let shader = |shading: Arc<Shading>| Shader::new(shading, scene.lights.clone(), placement, 1.0);
         Self::F64(RenderTables {
             classifier: Classifier {
                 transfer: Arc::clone(&scene.transfer),
@@ -44,7 +44,7 @@ impl TablesByPrecision {
                 table: None,
                 profile: None,
             },
-            shader: scene.shading.as_ref().map(shader),
+            shader: scene.gradient_shading().map(shader),
             step_map: None,
             #[cfg(feature = "classics")]
             homogeneity: None,
@@ -162,9 +162,9 @@ impl<R: Real> RenderTables<R> {
             table: if wanted && profile.is_none() && !follows { kept.or_else(bake) } else { None },
             profile,
         };
-        let shader = scene.shading.as_ref().map(|shading| {
-            Shader::new(Arc::clone(shading), scene.lights.clone(), volume.placement(), volume.calibration().slope)
-        });
+        let shader = scene
+            .gradient_shading()
+            .map(|shading| Shader::new(shading, scene.lights.clone(), volume.placement(), volume.calibration().slope));
         let step_map = match caster.step {
             Step::Local { error } if follows => Some(step_map(error)),
             _ => None,

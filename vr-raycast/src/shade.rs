@@ -54,7 +54,8 @@ impl<R: Real> Shader<R> {
         self.scale * (x * x + y * y + z * z).sqrt()
     }
 
-    /// Shades a classified run: opacity by the gradient's magnitude first, then the colours of the places, then reflection.
+    /// Shades a classified run: opacity (and by rows of the transfer function all of the light) by the gradient's magnitude first, then the
+    /// colours of the places, then reflection.
     pub(crate) fn shade(
         &self,
         lights: &RayShading<R>,
@@ -62,17 +63,19 @@ impl<R: Real> Shader<R> {
         run: &mut Run<R>,
         classifier: &Classifier<R>,
     ) {
+        let has_rows = classifier.transfer.has_rows();
         let modulates = !self.shading.gradient_opacity.is_empty();
         // Emission given on its own is light, not a surface.
-        let reflects = !classifier.transfer.has_emission();
-        if !(modulates || reflects) || run.light[..run.len()].iter().all(|l| l[3] == R::ZERO) {
+        let reflects = !classifier.transfer.has_emission() && !(has_rows && self.shading.is_flat());
+        // Where nothing absorbs, there is no gradient to look at, unless it chooses what is emitted.
+        let is_clear = |light: &[R; 4]| light[3] == R::ZERO && !(has_rows && *light != [R::ZERO; 4]);
+        if !(modulates || reflects || has_rows) || run.light[..run.len()].iter().all(is_clear) {
             chord.tint(run);
             return;
         }
         chord.gradients(run, self.method());
         for j in 0..run.len() {
-            // Where nothing absorbs, there is no gradient to look at.
-            if run.light[j][3] == R::ZERO {
+            if is_clear(&run.light[j]) {
                 chord.tint_step(run, j);
                 continue;
             }
@@ -80,6 +83,9 @@ impl<R: Real> Shader<R> {
             if modulates {
                 let factor = self.shading.modulation(self.magnitude(world));
                 run.light[j] = classifier.with_extinction_times(run, j, factor);
+            }
+            if has_rows {
+                run.light[j] = classifier.by_rows(run, j, self.magnitude(world));
             }
             chord.tint_step(run, j);
             if reflects {

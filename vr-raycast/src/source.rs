@@ -94,11 +94,11 @@ impl FieldBox {
         self.field().and_then(|field| field.value(self.world(position))).unwrap_or(f64::NAN)
     }
 
-    /// Fills the gradients of a placed run, per index step, where the opacity is not zero.
+    /// Fills the gradients of a placed run, per index step, where something absorbs or shines.
     pub(crate) fn gradients<R: Real>(&self, run: &mut Run<R>) {
         let to_index = self.placement.axes().transpose();
         for j in 0..run.len() {
-            if run.light[j][3] != R::ZERO {
+            if run.light[j] != [R::ZERO; 4] {
                 let world = self.world(run.position_of(j));
                 let gradient = self.field().and_then(|field| field.gradient(world)).unwrap_or_default();
                 run.gradient[j] = (to_index * gradient).to_array().map(R::from_f64);

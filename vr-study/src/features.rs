@@ -134,6 +134,9 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     let shaded = |shading: Shading| Scene { shading: Some(Arc::new(shading)), ..plain.clone() };
     let composited = |compositing| Scene { compositing, ..plain.clone() };
     let modulated = Shading { gradient_opacity: vec![(0.0, 0.0), (1.0, 1.0)], ..Shading::default() };
+    let row = |gradient, opacity| (gradient, vec![ControlPoint::new(0.0, [0.8; 3], opacity)]);
+    let by_rows = TransferFunction::of_rows(vec![row(0.0, 0.0), row(1.0, 0.5)], OpacityRule::Power, 1.0);
+    let by_rows = by_rows.expect("a transfer function");
     let analytic = Shading { gradient: GradientMethod::Analytic, ..Shading::default() };
     let perspective = View { camera: camera(Some(30.0)), ..view.clone() };
     let boxed = Clip { crop: Some((DVec3::ZERO, DVec3::new(2.0, 2.0, 1.0))), planes: Vec::new() };
@@ -161,6 +164,7 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
         ("shading in perspective", shaded(Shading::default()), perspective.clone()),
         of_scene("shading, analytic gradients", shaded(analytic)),
         of_scene("opacity by gradient", shaded(modulated)),
+        of_scene("transfer function by gradient", Scene { transfer: Arc::new(by_rows), ..plain.clone() }),
         of_view("perspective", perspective),
         of_view("crop box", View { clip: boxed, ..view.clone() }),
         of_view("clip planes", View { clip: plane, ..view.clone() }),

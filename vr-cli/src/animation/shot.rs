@@ -33,7 +33,7 @@ impl Shot {
     pub fn change(&self, scene: &mut Scene, own: &Scene) -> Result<bool, ParameterError> {
         let transfer = match &self.points {
             None => Arc::clone(&own.transfer),
-            Some(points) if points == scene.transfer.points() => return Ok(false),
+            Some(points) if points == scene.transfer.points() && !scene.transfer.has_rows() => return Ok(false),
             Some(points) => {
                 let (rule, unit_distance) = (own.transfer.rule(), own.transfer.unit_distance());
                 Arc::new(TransferFunction::new(points.clone(), rule, unit_distance)?)

@@ -61,8 +61,12 @@ impl Annotations {
             ScaleBar::new(view, named.or(is_patient.then_some("mm")))
         });
         let legend = if section.legend {
-            let legend = Legend::new(scene, value_unit(setup));
-            if legend.is_none() {
+            let by_value = !scene.transfer.has_rows();
+            let legend = by_value.then(|| Legend::new(scene, value_unit(setup))).flatten();
+            if !by_value {
+                console
+                    .note("legend: left out, for colours follow the gradient too; vr tf FILE VOLUME -o PNG draws both");
+            } else if legend.is_none() {
                 console.note("legend: left out, for no value of the volume shows");
             }
             legend

@@ -8,6 +8,7 @@ use vr_io::{ColorEncoding, CompositingName, LookName, ProjectionName};
 
 use super::{Background, LabelArgs, VolumeArgs, value};
 use crate::failure::Failure;
+use crate::transfer_box::TransferBox;
 
 /// A scene: a file, and what overrides it.
 #[derive(Debug, Args)]
@@ -61,6 +62,11 @@ pub struct TransferArgs {
     #[arg(long, value_name = "V,R,G,B,A", value_parser = value::point, allow_hyphen_values = true,
           conflicts_with = "transfer")]
     pub point: Vec<[f64; 5]>,
+    /// A box of values and of gradient magnitudes (value per world unit), with soft edges: what lies in it has a linear RGB and an opacity, all else is
+    /// clear; may be repeated
+    #[arg(long, value_name = "V,V,G,G,R,G,B,A", value_parser = TransferBox::parse, allow_hyphen_values = true,
+          conflicts_with_all = ["look", "preset", "transfer", "point"])]
+    pub transfer_box: Vec<TransferBox>,
     /// Values that a preset or a file is stretched over; those of the volume if absent
     #[arg(long, value_name = "LOW,HIGH", value_parser = value::pair, allow_hyphen_values = true)]
     pub range: Option<[f64; 2]>,

@@ -19,7 +19,7 @@ pub struct TfArgs {
     /// Values that it is stretched over
     #[arg(long, value_name = "LOW,HIGH", value_parser = value::pair, allow_hyphen_values = true, help_heading = "Transfer function")]
     pub range: Option<[f64; 2]>,
-    /// Write it: .png draws it, over the volume's histogram; .json (ParaView), .vp (3D Slicer), .csv, .tsv, .toml or .lut (ImageJ) convert it;
+    /// Write it: .png draws it, over the volume's histogram (one with rows by gradient over that of value and gradient); .json (ParaView), .vp (3D Slicer), .csv, .tsv, .toml or .lut (ImageJ) convert it;
     /// may be repeated
     #[arg(long = "output", short, value_name = "FILE", help_heading = "Output")]
     pub outputs: Vec<PathBuf>,

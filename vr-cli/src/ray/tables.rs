@@ -42,6 +42,9 @@ fn remarks(account: &Account<'_>) -> String {
     if account.rows.iter().any(|row| row.step.samples.iter().any(|sample| sample.value.is_nan())) {
         text += "-: vacuum\n";
     }
+    if account.setup.scene.transfer.has_rows() {
+        text += "kappa is the largest of all rows by gradient, theta and light are those of the rows at the gradient\n";
+    }
     if let Some(shading) = account.setup.scene.shading.as_ref().filter(|_| account.has_light()) {
         if !account.setup.scene.transfer.has_emission() {
             text += "colour and light are shaded\n";

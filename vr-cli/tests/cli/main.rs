@@ -21,4 +21,5 @@ mod ray;
 mod records;
 mod report;
 mod scene_files;
+mod transfer_rows;
 mod unused;

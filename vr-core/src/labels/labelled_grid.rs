@@ -154,8 +154,14 @@ impl LabelledGrid {
     /// Transfer function of the codes, from one for the grid's own values.
     ///
     /// # Errors
-    /// A [`ParameterError`] for a solid style beside emission that is given on its own: it has a colour, and no emission.
+    /// A [`ParameterError`] for a solid style beside emission that is given on its own: it has a colour, and no emission; for rows by gradient,
+    /// for codes have none.
     pub fn transfer(&self, volume: &TransferFunction) -> Result<TransferFunction, ParameterError> {
+        if volume.has_rows() {
+            let allowed =
+                "must be by value alone beside labels: a gradient across the boundary of two labels means nothing";
+            return Err(ParameterError::new("transfer.rows", volume.rows().len(), allowed));
+        }
         let high = self.low + self.width;
         let within = |p: &&ControlPoint| p.value > self.low && p.value < high;
         // The ends of a band, with what the function is there.

@@ -4,12 +4,14 @@ mod colormap;
 mod lab;
 mod msh;
 mod presets;
+mod rows;
 mod srgb;
 
 pub use colormap::{cool_warm, inferno, viridis};
 pub use lab::Lab;
 pub use msh::{Msh, diverging};
 pub use presets::{HounsfieldScale, Preset, PresetFamily, PresetUnit, is_hounsfield};
+pub use rows::{Mixture, RowMix, TransferRow};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 
 use crate::error::ParameterError;
@@ -188,6 +190,8 @@ pub struct TransferFunction {
     rule: OpacityRule,
     unit_distance: f64,
     has_emission: bool,
+    /// Rows by the gradient's magnitude; none of a function of the value alone.
+    rows: Vec<TransferRow>,
 }
 
 impl TransferFunction {
@@ -236,10 +240,10 @@ impl TransferFunction {
             }
         }
         let segments = segments(&points);
-        Ok(Self { points, segments, rule, unit_distance, has_emission })
+        Ok(Self { points, segments, rule, unit_distance, has_emission, rows: Vec::new() })
     }
 
-    /// The points, as given.
+    /// The points, as given; of a function with rows, those of their upper bound.
     pub fn points(&self) -> &[ControlPoint] {
         &self.points
     }
@@ -346,7 +350,8 @@ impl TransferFunction {
 
     /// True if it jumps, by two different points at one value.
     pub fn has_jumps(&self) -> bool {
-        self.segments.windows(2).any(|w| w[0].end != w[1].start)
+        let jumps = |own: &Self| own.segments.windows(2).any(|w| w[0].end != w[1].start);
+        jumps(self) || self.rows.iter().any(|row| jumps(&row.transfer))
     }
 }
 

@@ -37,14 +37,8 @@ impl SceneFile {
             Some(VolumeSource::PhantomPoints { count, .. }) => *count = scene.volume.points().map(|p| p.count()),
             _ => {}
         }
-        let transfer = &scene.transfer;
         file.volume.filter = scene.volume.filter();
-        file.transfer = Some(TransferSection {
-            unit_distance: Some(transfer.unit_distance()),
-            opacity_rule: transfer.rule(),
-            points: Some(transfer.points().to_vec()),
-            ..TransferSection::default()
-        });
+        file.transfer = Some(TransferSection::describe(&scene.transfer));
         file.shading = Some(match &scene.shading {
             Some(shading) => ShadingSection::describe(shading, &scene.lights),
             None => ShadingSection { enabled: false, ..ShadingSection::default() },

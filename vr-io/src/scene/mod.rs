@@ -12,6 +12,7 @@ mod named_transfer;
 mod resolve;
 mod scene_file;
 mod sections;
+mod transfer_points;
 mod volume;
 mod volume_section;
 
@@ -30,6 +31,8 @@ pub use sections::{
     CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, LookName, MeshSection, ProjectionName,
     RenderSection, ShadingSection, TransferSection,
 };
+pub(crate) use transfer_points::stretching;
+pub use transfer_points::{TransferPoints, TransferRowSection};
 pub use volume::{LoadedVolume, load_volume};
 pub use volume_section::{FileSource, GridDescription, VolumeSection, VolumeSource};
 

@@ -7,11 +7,11 @@ use crate::transfer::TransferFile;
 
 use super::scene_file::SceneFile;
 use super::sections::{CompositingName, ShadingSection, TransferSection};
+use super::transfer_points::TransferPoints;
 
 /// Control points, and what is meant to go with them where the scene says nothing else.
-#[derive(Default)]
 pub(super) struct NamedTransfer {
-    pub points: Vec<ControlPoint>,
+    points: TransferPoints,
     shading: Option<Shading>,
     compositing: Option<Compositing>,
     filter: Option<Filter>,
@@ -19,16 +19,16 @@ pub(super) struct NamedTransfer {
     opacity_rule: Option<OpacityRule>,
 }
 
-impl From<Vec<ControlPoint>> for NamedTransfer {
-    fn from(points: Vec<ControlPoint>) -> Self {
-        Self { points, ..Self::default() }
+impl From<TransferPoints> for NamedTransfer {
+    fn from(points: TransferPoints) -> Self {
+        Self { points, shading: None, compositing: None, filter: None, unit_distance: None, opacity_rule: None }
     }
 }
 
 impl From<FittedPreset> for NamedTransfer {
     fn from(preset: FittedPreset) -> Self {
         let FittedPreset { points, shading, compositing, .. } = preset;
-        Self { points, shading, compositing, ..Self::default() }
+        Self { shading, compositing, ..TransferPoints::from(points).into() }
     }
 }
 
@@ -38,7 +38,7 @@ impl NamedTransfer {
     pub fn of_file(file: &TransferFile, asked: Option<(f64, f64)>, values: (f64, f64), spacing: f64) -> Self {
         let range = asked.or_else(|| (!file.absolute).then_some(values));
         Self {
-            points: range.map_or_else(|| file.points.clone(), |range| file.over(range)),
+            points: file.transfer_points(range),
             shading: file.shading_at(spacing),
             compositing: None,
             filter: file.filter,
@@ -50,7 +50,7 @@ impl NamedTransfer {
     /// The same in white for a volume that has colours, which are shown as they are.
     pub fn beside(mut self, volume: &Volume) -> Self {
         if volume.colors().is_some() {
-            self.points.iter_mut().for_each(|point| point.color = [1.0; 3]);
+            self.points = self.points.map(|p| ControlPoint { color: [1.0; 3], ..*p });
         }
         self
     }
@@ -64,7 +64,7 @@ impl NamedTransfer {
     }
 
     /// Writes into a scene what it leaves open, and returns the points.
-    pub fn apply(self, file: &mut SceneFile, notes: &mut Vec<String>) -> Vec<ControlPoint> {
+    pub fn apply(self, file: &mut SceneFile, notes: &mut Vec<String>) -> TransferPoints {
         if self.compositing == Some(Compositing::Maximum) && file.render.compositing == CompositingName::Over {
             file.render.compositing = CompositingName::Maximum;
             notes.push("the preset is made for compositing = \"maximum\", which is taken".to_owned());

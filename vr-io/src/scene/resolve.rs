@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, OnceLock};
 
 use glam::DVec3;
-use vr_core::transfer::{Preset, srgb_to_linear};
-use vr_core::{Compositing, ControlPoint, Light, Options, ParameterError, Scene, TriangleMesh, View, Volume};
+use vr_core::transfer::Preset;
+use vr_core::{Compositing, Light, Options, ParameterError, Scene, TriangleMesh, View, Volume};
 use vr_look::{Hints, Survey, fit};
 
 use crate::framing::{default_angles, framing};
@@ -19,6 +19,7 @@ use super::labels_section::LabelsSection;
 use super::named_transfer::NamedTransfer;
 use super::scene_file::SceneFile;
 use super::sections::{ColorEncoding, LookName, ShadingSection, TransferSection};
+use super::transfer_points::TransferPoints;
 use super::volume::{LoadedVolume, load_volume, outline_volume};
 
 /// A scene, ready to be rendered.
@@ -133,11 +134,11 @@ pub fn resolve_scene_around(
     let files = each_once(files.into_iter().chain(labels.iter().flat_map(|labels| labels.files().to_vec())));
     let mut automatic = false;
     let own = found.transfer.take();
-    let points = match (&mut file.transfer, own) {
+    let points: TransferPoints = match (&mut file.transfer, own) {
         // A phantom brings its own, made for one unit distance.
         (transfer, Some((points, unit_distance))) if transfer.as_ref().is_none_or(names_no_points) => {
             transfer.get_or_insert_default().unit_distance.get_or_insert(unit_distance);
-            points
+            points.into()
         }
         // Nothing is asked for: the volume tells.
         (transfer, _) if transfer.as_ref().is_none_or(|t| names_no_points(t) && t.look == LookName::Auto) => {
@@ -151,7 +152,7 @@ pub fn resolve_scene_around(
                 file.shading = Some(ShadingSection::describe(shading, &[Light::default()]));
             }
             file.volume.filter = file.volume.filter.or(look.filter);
-            look.points
+            look.points.into()
         }
         (transfer, _) => {
             let transfer = transfer.get_or_insert_default();
@@ -218,13 +219,13 @@ pub fn resolve_scene_around(
 
 /// Refuses, or says, what has no effect on the points of a section.
 fn check_transfer(section: &TransferSection, notes: &mut Vec<String>) -> Result<(), ParameterError> {
-    let TransferSection { preset, range, file, points, colors, .. } = section;
-    match (points, range) {
-        (Some(_), Some(range)) if preset.is_none() && file.is_none() => {
+    let TransferSection { preset, range, file, points, rows, colors, .. } = section;
+    match (points.is_some() || rows.is_some(), range) {
+        (true, Some(range)) if preset.is_none() && file.is_none() => {
             let allowed = "points have values of their own: only a preset or a file is stretched over a range";
             return Err(ParameterError::new("transfer.range", range, allowed));
         }
-        (None, _) if *colors == ColorEncoding::Srgb => {
+        (false, _) if *colors == ColorEncoding::Srgb => {
             notes
                 .push("transfer.colors has no effect: only points leave open how their colours are encoded".to_owned());
         }
@@ -246,8 +247,8 @@ pub fn preset_by_name(name: &str) -> Result<Preset, ParameterError> {
 
 /// True if a section leaves the points to the volume.
 fn names_no_points(section: &TransferSection) -> bool {
-    let TransferSection { preset, range, file, points, .. } = section;
-    preset.is_none() && range.is_none() && file.is_none() && points.is_none()
+    let TransferSection { preset, range, file, points, rows, .. } = section;
+    preset.is_none() && range.is_none() && file.is_none() && points.is_none() && rows.is_none()
 }
 
 /// Facts about a volume besides its values.
@@ -274,14 +275,8 @@ fn named_transfer(
         }
         None => None,
     };
-    match (&section.points, &section.preset, &section.file) {
-        (Some(points), None, None) => {
-            let decoded = |p: &ControlPoint| match section.colors {
-                ColorEncoding::Linear => *p,
-                ColorEncoding::Srgb => ControlPoint { color: p.color.map(srgb_to_linear), ..*p },
-            };
-            Ok(points.iter().map(decoded).collect::<Vec<_>>().into())
-        }
+    match (TransferPoints::of_section(section).map_err(in_file)?, &section.preset, &section.file) {
+        (Some(points), None, None) => Ok(points.into()),
         (None, Some(name), None) => {
             let preset = preset_by_name(name).map_err(in_file)?;
             let hints = hints(found, Compositing::default());
@@ -299,13 +294,13 @@ fn named_transfer(
             let integer = volume.grid().is_some_and(|u| u.voxel_type().is_integer());
             let preset = Preset::suggest(range, integer).first().copied().unwrap_or(Preset::Grey);
             notes.push(format!("no transfer function: preset {preset} over {} to {}", range.0, range.1));
-            Ok(NamedTransfer::from(preset.points(range)).beside(volume))
+            Ok(NamedTransfer::from(TransferPoints::from(preset.points(range))).beside(volume))
         }
         _ => {
             let allowed = "must have one of them";
             Err(in_file(ParameterError {
                 field: "transfer".into(),
-                found: "several of points, preset and file".into(),
+                found: "several of points, rows, preset and file".into(),
                 allowed,
             }))
         }

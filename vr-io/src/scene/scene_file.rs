@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use vr_core::{Camera, Clip, ControlPoint, ParameterError, Scene, TransferFunction, View, Volume};
+use vr_core::{Camera, Clip, ParameterError, Scene, View, Volume};
 
 use super::annotations_section::AnnotationsSection;
 use super::inline::inline_volume;
 use super::labels_section::LabelsSection;
 use super::sections::{CameraSection, ImageSection, MeshSection, RenderSection, ShadingSection, TransferSection};
+use super::transfer_points::TransferPoints;
 use super::volume_section::VolumeSection;
 
 /// A whole scene file.
@@ -53,15 +54,9 @@ impl SceneFile {
     /// # Errors
     /// A volume of more than 64³ voxels or 4096 points.
     pub fn describe(scene: &Scene, view: &View) -> Result<Self, ParameterError> {
-        let t = &scene.transfer;
         Ok(Self {
             volume: VolumeSection { source: Some(inline_volume(&scene.volume)?), filter: scene.volume.filter() },
-            transfer: Some(TransferSection {
-                unit_distance: Some(t.unit_distance()),
-                opacity_rule: t.rule(),
-                points: Some(t.points().to_vec()),
-                ..TransferSection::default()
-            }),
+            transfer: Some(TransferSection::describe(&scene.transfer)),
             shading: scene.shading.as_deref().map(|shading| ShadingSection::describe(shading, &scene.lights)),
             camera: Some(CameraSection::from(&view.camera)),
             mesh: None,
@@ -77,11 +72,11 @@ impl SceneFile {
     ///
     /// # Errors
     /// A [`ParameterError`] naming the field.
-    pub fn assemble(&self, volume: Volume, points: Vec<ControlPoint>) -> Result<(Scene, View), ParameterError> {
+    pub fn assemble(&self, volume: Volume, points: impl Into<TransferPoints>) -> Result<(Scene, View), ParameterError> {
         let default = TransferSection::default();
         let t = self.transfer.as_ref().unwrap_or(&default);
         let unit_distance = t.unit_distance.unwrap_or_else(|| volume.mean_spacing());
-        let transfer = TransferFunction::new(points, t.opacity_rule, unit_distance)?;
+        let transfer = points.into().function(t.opacity_rule, unit_distance)?;
         let camera = match &self.camera {
             Some(c) => c.camera()?,
             None => Camera::framing(volume.bounds(), 30.0, 20.0, None),

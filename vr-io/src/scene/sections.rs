@@ -6,6 +6,8 @@ use vr_core::{
     Camera, Compositing, ControlPoint, GradientMethod, Light, OpacityRule, Options, ParameterError, Projection, Shading,
 };
 
+use super::transfer_points::TransferRowSection;
+
 /// Look of a scene without a transfer function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -37,6 +39,8 @@ pub struct TransferSection {
     pub colors: ColorEncoding,
     /// Or the points, their colours as `colors` says.
     pub points: Option<Vec<ControlPoint>>,
+    /// Or rows of points by the magnitude of the gradient.
+    pub rows: Option<Vec<TransferRowSection>>,
 }
 
 /// Encoding of colours in a file.

@@ -21,6 +21,7 @@ use std::path::Path;
 use vr_core::{ControlPoint, Filter, OpacityRule, Shading};
 
 use crate::error::{FieldError, FileError};
+use crate::scene::{TransferPoints, TransferRowSection, stretching};
 
 pub use paraview::{ColorMap, parse_color_maps, read_color_maps};
 pub use write::{TRANSFER_EXTENSIONS, TransferSource, write_transfer};
@@ -32,8 +33,10 @@ pub struct TransferFile {
     pub format: &'static str,
     /// Name that the file gives it; empty where it gives none.
     pub name: String,
-    /// Control points at the file's own values, in linear light.
+    /// Control points at the file's own values, in linear light; none where there are rows.
     pub points: Vec<ControlPoint>,
+    /// Rows of a two-dimensional transfer function; none of one by the value alone.
+    pub rows: Vec<TransferRowSection>,
     /// True if the values are those of a volume; false if the points are to be spread over one's range.
     pub absolute: bool,
     /// Shading, where the file has it.
@@ -57,6 +60,7 @@ impl TransferFile {
             format,
             name: String::new(),
             points,
+            rows: Vec::new(),
             absolute,
             shading: None,
             gradient_per_voxel: Vec::new(),
@@ -64,6 +68,18 @@ impl TransferFile {
             unit_distance: None,
             opacity_rule: None,
             notes: Vec::new(),
+        }
+    }
+
+    /// Points or rows, moved to another range of values where one is given. A range of one value is widened, so that the value lies in the middle.
+    pub fn transfer_points(&self, range: Option<(f64, f64)>) -> TransferPoints {
+        let points = match &self.rows[..] {
+            [] => TransferPoints::ByValue(self.points.clone()),
+            rows => TransferPoints::ByGradient(rows.to_vec()),
+        };
+        match range {
+            Some(range) => points.stretched(range),
+            None => points,
         }
     }
 
@@ -87,16 +103,10 @@ impl TransferFile {
 
 /// Control points moved to another range of values.
 fn stretched(points: &[ControlPoint], range: (f64, f64)) -> Vec<ControlPoint> {
-    let (low, high) = if range.0 < range.1 { range } else { (range.0 - 0.5, range.0 + 0.5) };
-    let (first, last) = match points {
-        [first, .., last] => (first.value, last.value),
-        _ => return points.to_vec(),
-    };
-    let moved = |p: &ControlPoint| {
-        let t = if first < last { (p.value - first) / (last - first) } else { 0.0 };
-        ControlPoint { value: low + t * (high - low), ..*p }
-    };
-    points.iter().map(moved).collect()
+    match points {
+        [first, .., last] => points.iter().map(stretching((first.value, last.value), range)).collect(),
+        _ => points.to_vec(),
+    }
 }
 
 /// Largest file: a transfer function is a text of some kilobytes.
@@ -154,9 +164,10 @@ pub fn parse_transfer(bytes: &[u8], path: &Path) -> Result<TransferFile, FileErr
         _ if named(".vp") || slicer::is_property(text) => slicer::parse(text).map_err(|e| e.in_file(path))?,
         _ => delimited::parse(text, named(".lut")).map_err(|e| e.in_file(path))?,
     };
-    if file.points.len() > MAX_POINTS {
+    let count = file.transfer_points(None).points().count();
+    if count > MAX_POINTS {
         let allowed = format!("a transfer function has at most {MAX_POINTS}");
-        return Err(FieldError::new("points", file.points.len(), allowed).in_file(path));
+        return Err(FieldError::new("points", count, allowed).in_file(path));
     }
     // Everything else is told to a reader of notes, who has more than one file.
     let place = path.display();

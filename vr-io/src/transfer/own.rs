@@ -3,11 +3,9 @@
 use std::path::Path;
 
 use serde::Deserialize;
-use vr_core::ControlPoint;
-use vr_core::transfer::srgb_to_linear;
 
 use crate::error::{FieldError, FileError};
-use crate::scene::{ColorEncoding, ShadingSection, TransferSection};
+use crate::scene::{ShadingSection, TransferPoints, TransferSection};
 
 use super::TransferFile;
 
@@ -25,25 +23,31 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<TransferFile, FileError> 
         let line = e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
         wrong(&format!("line {line}"), e.message().to_owned(), "must be TOML with [transfer], as in a scene file")
     })?;
-    let allowed = "must have [transfer] with points = [{ value = 0.0, color = [0.0, 0.0, 0.0], opacity = 0.0 }, ...]";
+    let allowed = "must have [transfer] with rows, or with points = [{ value = 0.0, color = [0.0, 0.0, 0.0], opacity = 0.0 }, ...]";
     let transfer = sections.transfer.ok_or_else(|| wrong("transfer", "nothing".to_owned(), allowed))?;
-    let points = transfer.points.ok_or_else(|| wrong("transfer.points", "nothing".to_owned(), allowed))?;
-    let decoded = |p: &ControlPoint| match transfer.colors {
-        ColorEncoding::Linear => *p,
-        ColorEncoding::Srgb => ControlPoint { color: p.color.map(srgb_to_linear), ..*p },
+    let found = TransferPoints::of_section(&transfer).map_err(|e| wrong(&e.field, e.found, e.allowed))?;
+    let (points, rows) = match found {
+        Some(TransferPoints::ByValue(points)) => (points, Vec::new()),
+        Some(TransferPoints::ByGradient(rows)) if !rows.is_empty() => (Vec::new(), rows),
+        Some(TransferPoints::ByGradient(_)) => {
+            return Err(wrong("transfer.rows", "none".to_owned(), "must have at least one row"));
+        }
+        None => return Err(wrong("transfer.points", "nothing".to_owned(), allowed)),
     };
     Ok(TransferFile {
+        rows,
         shading: sections.shading.filter(|section| section.enabled).map(|section| section.shading()),
         unit_distance: transfer.unit_distance,
         opacity_rule: Some(transfer.opacity_rule),
-        ..TransferFile::of_points("scene file", points.iter().map(decoded).collect(), true)
+        ..TransferFile::of_points("scene file", points, true)
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vr_core::OpacityRule;
+    use vr_core::transfer::srgb_to_linear;
+    use vr_core::{ControlPoint, OpacityRule};
 
     const TEXT: &str = "[transfer]\nunit_distance = 2.5\nopacity_rule = \"extinction\"\ncolors = \"srgb\"\npoints = [\n\
                         { value = -1.0, color = [1.0, 0.5, 0.0], opacity = 0.25 },\n]\n[shading]\nambient = 0.5\n[camera]\nx = 3\n";

@@ -134,7 +134,10 @@ impl Field {
             slope: calibration.slope,
             intercept: calibration.intercept,
             inverse,
-            gradient: scene.shading.as_ref().map(|s| s.gradient),
+            gradient: match &scene.shading {
+                Some(s) => Some(s.gradient),
+                None => scene.transfer.has_rows().then_some(GradientMethod::CentralDifferences),
+            },
             origin,
             direction,
             spent: std::cell::Cell::new(0),

@@ -34,6 +34,9 @@ struct Medium {
 pub struct March<'a> {
     field: &'a Field,
     points: &'a [ControlPoint],
+    /// Rows by the gradient's magnitude, and the line of each that holds in the piece at hand.
+    rows: Vec<(f64, &'a [ControlPoint])>,
+    lines: Vec<Line>,
     power: bool,
     unit: f64,
     emits: bool,
@@ -63,12 +66,17 @@ impl<'a> March<'a> {
         Self {
             field,
             points: transfer.points(),
+            rows: transfer.rows().iter().map(|row| (row.gradient, row.transfer.points())).collect(),
+            lines: Vec::new(),
             power: transfer.rule() == OpacityRule::Power,
             unit: transfer.unit_distance(),
             emits: transfer.has_emission(),
             shading,
             lights: &scene.lights,
-            brightest: gain * transfer.points().iter().map(light).fold(1.0, f64::max),
+            brightest: gain
+                * transfer.rows().iter().fold(transfer.points().iter().map(light).fold(1.0, f64::max), |m, row| {
+                    row.transfer.points().iter().map(light).fold(m, f64::max)
+                }),
             tau: 0.0,
             light: [0.0; 3],
             error: 0.0,
@@ -146,7 +154,10 @@ impl<'a> March<'a> {
 
     /// The line that holds at a value: at a jump the one behind it.
     fn line(&self, v: Dd) -> Line {
-        let p = self.points;
+        Self::line_of(self.points, v)
+    }
+
+    fn line_of(p: &[ControlPoint], v: Dd) -> Line {
         let next = p.iter().position(|p| v.below(dd(p.value)));
         match next {
             Some(0) => Line { from: f64::NEG_INFINITY, to: p[0].value, a: p[0], b: p[0] },
@@ -305,7 +316,11 @@ impl<'a> March<'a> {
     fn cell(&mut self, a: Dd, b: Dd) {
         let home = (a + b) * dd(0.5);
         let mut cuts = vec![a, b];
-        let mut knots: Vec<f64> = self.points.iter().map(|p| p.value).collect();
+        let mut knots: Vec<f64> = match &self.rows[..] {
+            [] => self.points.iter().map(|p| p.value).collect(),
+            rows => rows.iter().flat_map(|row| row.1.iter().map(|p| p.value)).collect(),
+        };
+        knots.sort_by(f64::total_cmp);
         knots.dedup();
         let values: Vec<Dd> = Self::looks(a, b).map(|s| self.field.value(s, home)).collect();
         for v in knots {
@@ -328,11 +343,19 @@ impl<'a> March<'a> {
                 cuts.extend(roots(&|g| (dot(g, g) - dd(*m) * dd(*m)).f()));
             }
         }
+        for (m, _) in &self.rows {
+            let of = |s: Dd| {
+                let g = self.field.gradient(s, home);
+                (dot(g, g) - dd(*m) * dd(*m)).f()
+            };
+            cuts.extend(self.roots(a, b, &of));
+        }
         cuts.sort_by(|a, b| (*a - *b).f().total_cmp(&0.0));
         for w in cuts.windows(2) {
             if !self.done && (w[1] - w[0]).f() > 1e-22 * (b - a).f() {
                 let middle = (w[0] + w[1]) * dd(0.5);
                 let line = self.line(self.field.value(middle, home));
+                self.lines = self.rows.iter().map(|row| Self::line_of(row.1, self.field.value(middle, home))).collect();
                 self.piece(w[0], w[1], home, &line, 0);
             }
         }
@@ -340,17 +363,56 @@ impl<'a> March<'a> {
 
     fn medium(&self, s: Dd, home: Dd, line: &Line) -> Medium {
         let v = self.field.value(s, home);
-        let alpha = Self::mix_exactly(line, v, |p| p.opacity);
-        let kappa = if self.power {
-            let clear = (dd(1.0) - alpha).f();
-            (if alpha.f() < 0.5 { -libm::log1p(-alpha.f()) } else { -libm::log(clear.max(0.0)) }) / self.unit
-        } else {
-            alpha.f() / self.unit
-        };
+        if !self.rows.is_empty() {
+            return self.mixed(s, home, v);
+        }
+        let kappa = self.kappa(line, v);
         let color = std::array::from_fn(|c| Self::mix(line, v, |p| p.color[c]));
         let (color, factor) = self.shaded(s, home, color);
         let emission = std::array::from_fn(|c| Self::mix(line, v, |p| p.emission.map_or(0.0, |e| e[c])));
         Medium { kappa: if factor == 0.0 { 0.0 } else { kappa * factor }, factor, color, emission }
+    }
+
+    fn kappa(&self, line: &Line, v: Dd) -> f64 {
+        let alpha = Self::mix_exactly(line, v, |p| p.opacity);
+        if self.power {
+            let clear = (dd(1.0) - alpha).f();
+            (if alpha.f() < 0.5 { -libm::log1p(-alpha.f()) } else { -libm::log(clear.max(0.0)) }) / self.unit
+        } else {
+            alpha.f() / self.unit
+        }
+    }
+
+    /// The medium between two rows: κ and κ·c, or the emission, of each by its share.
+    fn mixed(&self, s: Dd, home: Dd, v: Dd) -> Medium {
+        let g = self.field.gradient(s, home);
+        let magnitude = dot(g, g).sqrt();
+        let last = self.rows.len() - 1;
+        let upper = self.rows.iter().position(|row| (dd(row.0) - magnitude).f() > 0.0);
+        let shares: Vec<(usize, f64)> = match upper {
+            Some(0) => vec![(0, 1.0)],
+            None => vec![(last, 1.0)],
+            Some(k) => {
+                let (low, high) = (dd(self.rows[k - 1].0), dd(self.rows[k].0));
+                let w = ((magnitude - low) / (high - low)).f();
+                vec![(k - 1, 1.0 - w), (k, w)]
+            }
+        };
+        let mut all = Medium { kappa: 0.0, factor: 1.0, color: [0.0; 3], emission: [0.0; 3] };
+        for (row, share) in shares {
+            let line = &self.lines[row];
+            let kappa = share * self.kappa(line, v);
+            all.kappa += kappa;
+            for c in 0..3 {
+                all.color[c] += kappa * Self::mix(line, v, |p| p.color[c]);
+                all.emission[c] += share * Self::mix(line, v, |p| p.emission.map_or(0.0, |e| e[c]));
+            }
+        }
+        if all.kappa > 0.0 {
+            all.color = all.color.map(|q| q / all.kappa);
+        }
+        all.color = self.shaded(s, home, all.color).0;
+        all
     }
 
     /// τ and light of `n` slabs, as if nothing stood in front; light in the first three.
@@ -388,9 +450,12 @@ impl<'a> March<'a> {
         let still = (value(a) - here).f() == 0.0
             && (value(b) - here).f() == 0.0
             && (value((a + middle) * dd(0.5)) - here).f() == 0.0;
-        let opaque =
-            line.a.opacity == 1.0 && line.b.opacity == 1.0 || still && Self::mix(line, here, |p| p.opacity) == 1.0;
-        let clear = [line.a, line.b].iter().all(|p| p.opacity == 0.0 && p.emission.unwrap_or_default() == [0.0; 3]);
+        let opaque = self.rows.is_empty()
+            && (line.a.opacity == 1.0 && line.b.opacity == 1.0 || still && Self::mix(line, here, |p| p.opacity) == 1.0);
+        let is_clear = |line: &Line| {
+            [line.a, line.b].iter().all(|p| p.opacity == 0.0 && p.emission.unwrap_or_default() == [0.0; 3])
+        };
+        let clear = if self.rows.is_empty() { is_clear(line) } else { self.lines.iter().all(is_clear) };
         let in_front = libm::exp(-self.tau);
         if clear || in_front * self.brightest * (1.0 + (self.field.ends[1] - a).f()) < 1e-22 {
             return;

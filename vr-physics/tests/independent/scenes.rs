@@ -279,6 +279,40 @@ fn view(r: &mut Random, volume: &Volume) -> View {
     View { clip, ..View::new(Camera { eye, target, up, projection }, size) }
 }
 
+/// The scene of a seed with a transfer function of value and gradient in place of its own.
+pub fn scene_with_rows(seed: u64) -> (Scene, View, [u32; 2]) {
+    let (mut scene, view, pixel) = scene(seed);
+    let mut r = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5eed);
+    let r = &mut r;
+    let spacing = scene.volume.mean_spacing();
+    let (low, high) = scene.volume.value_range().unwrap_or((0.0, 1.0));
+    let steep = if high > low { (high - low) / spacing } else { 1.0 };
+    let emits = r.chance(0.25);
+    // One function after the other, until so many are of the same rule and kind.
+    let rule = scene.transfer.rule();
+    let unit = scene.transfer.unit_distance();
+    let mut rows = Vec::new();
+    let mut gradient = if r.chance(0.5) { 0.0 } else { steep * r.within(0.0, 0.3) };
+    for _ in 0..1 + r.below(4) {
+        let points = transfer(r, &[low, high, 0.5 * (low + high)], spacing).points().to_vec();
+        let change = |p: ControlPoint| ControlPoint {
+            opacity: if rule == OpacityRule::Power { p.opacity.min(0.999) } else { p.opacity },
+            emission: emits.then(|| p.emission.unwrap_or(p.color)),
+            ..p
+        };
+        rows.push((gradient, points.into_iter().map(change).collect()));
+        gradient += steep * r.of(&[1e-3, 0.05, 0.2, 0.5]) * r.within(0.5, 1.0);
+    }
+    scene.transfer = Arc::new(TransferFunction::of_rows(rows, rule, unit).expect("rows"));
+    if !scene.compositing.integrates_light() {
+        scene.compositing = Compositing::Over;
+    }
+    if let Some(shading) = &mut scene.shading {
+        Arc::make_mut(shading).gradient_opacity.clear();
+    }
+    (scene, view, pixel)
+}
+
 /// The scene of a seed, and a pixel of it.
 pub fn scene(seed: u64) -> (Scene, View, [u32; 2]) {
     let mut r = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));

@@ -141,6 +141,9 @@ pub(crate) fn beyond_steps(caster: &RayCaster, scene: &Scene) -> Option<(Feature
         Some((Feature::Setting, "homogeneous steps by another rule than the midpoint's"))
     } else if scene.shading.is_some() {
         Some((Feature::Shading, "homogeneous steps with shading: values do not tell how it changes"))
+    } else if scene.transfer.has_rows() {
+        let what = "homogeneous steps with a transfer function by gradient: values do not tell how it changes";
+        Some((Feature::GradientOpacity, what))
     } else {
         None
     }
@@ -165,6 +168,7 @@ pub(crate) fn beyond_screen(caster: &RayCaster, scene: &Scene) -> Option<String>
             vec![
                 (scene.compositing != Compositing::Over).then_some(compositing),
                 scene.shading.is_some().then_some("shading".to_owned()),
+                scene.transfer.has_rows().then_some("a transfer function by gradient".to_owned()),
                 scene.surfaces.is_some().then_some("opaque surfaces".to_owned()),
                 (!own_values && filter != Filter::Trilinear).then(|| format!("the filter '{filter}'")),
                 (caster.order == CompositingOrder::BackToFront).then_some("compositing back to front".to_owned()),

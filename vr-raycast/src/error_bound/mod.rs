@@ -56,6 +56,9 @@ impl ErrorBound {
         if scene.shading.is_some() {
             return without("with shading".to_owned());
         }
+        if scene.transfer.has_rows() {
+            return without("with a transfer function by gradient".to_owned());
+        }
         if level < 1.0 && scene.transfer.has_emission() {
             return without("with emission given on its own under compositing 'accumulate'".to_owned());
         }

@@ -99,6 +99,7 @@ impl PacketEngine {
         // Refuse what the kernels are not made for.
         let common = scene.compositing == Compositing::Over
             && shadable(scene)
+            && !scene.transfer.has_rows()
             && caster.traversal == Traversal::Samples
             && volume.filter() == Filter::Trilinear
             && caster.transfer_lookup == TransferLookup::Table;

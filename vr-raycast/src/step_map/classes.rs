@@ -55,6 +55,14 @@ impl Variation {
         all
     }
 
+    /// Combines the variations of two rows: the larger of each.
+    fn or(self, other: &Self) -> Self {
+        Self {
+            total: std::array::from_fn(|c| self.total[c].max(other.total[c])),
+            greatest: std::array::from_fn(|c| self.greatest[c].max(other.greatest[c])),
+        }
+    }
+
     fn then(self, next: &Self) -> Self {
         Self {
             total: std::array::from_fn(|c| self.total[c] + next.total[c]),
@@ -71,23 +79,37 @@ impl Variation {
 
 impl Classes {
     pub(super) fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
-        let transfer = &*scene.transfer;
-        let shaded = scene.shading.is_some();
+        // What one row shows and another does not comes and goes with the gradient, as shaded light does.
+        let rows: Vec<&TransferFunction> = match scene.transfer.rows() {
+            [] => vec![&scene.transfer],
+            rows => rows.iter().map(|row| &row.transfer).collect(),
+        };
+        let shaded = scene.shading.is_some() || scene.transfer.has_rows();
         const N: usize = LevelRanges::LAST as usize + 1;
         let value = |level: usize| calibration.value(levels.stored(level as u8));
-        let at = |value: f64| optics(transfer, &transfer.at(value));
+        let of_rows = |variation: &dyn Fn(&TransferFunction) -> Variation| {
+            let all = rows.iter().map(|row| variation(row));
+            all.reduce(|a, b| a.or(&b)).expect("a transfer function has a row at least")
+        };
+        let at = |value: f64| of_rows(&|row| Variation::of(std::iter::once(optics(row, &row.at(value)))));
         // From a level to the next, both included, with the points between them: all of a jump counts.
         let between: Vec<Variation> = (0..N - 1)
             .map(|level| {
                 let (a, b) = (value(level), value(level + 1));
                 let (a, b) = (a.min(b), a.max(b));
-                let points = transfer.points().iter().filter(|p| p.value >= a && p.value <= b);
-                let points = points.map(|p| optics(transfer, &Optical::at_point(p)));
-                Variation::of(std::iter::once(at(a.next_down())).chain(points).chain([at(b)]))
+                of_rows(&|row| {
+                    let at = |value: f64| optics(row, &row.at(value));
+                    let points = row.points().iter().filter(|p| p.value >= a && p.value <= b);
+                    let points = points.map(|p| optics(row, &Optical::at_point(p)));
+                    Variation::of(std::iter::once(at(a.next_down())).chain(points).chain([at(b)]))
+                })
             })
             .collect();
-        let points = transfer.points().iter().map(|p| (p.value, optics(transfer, &Optical::at_point(p))));
-        let features = Features::new(&points.collect::<Vec<_>>());
+        let points = |row: &&TransferFunction| {
+            let points = row.points().iter().map(|p| (p.value, optics(row, &Optical::at_point(p))));
+            points.collect::<Vec<_>>()
+        };
+        let features = Features::new(&rows.iter().map(points).collect::<Vec<_>>());
         let class = |variation: &Variation, low: usize, high: usize| {
             if variation.greatest == [0.0; 4] {
                 return CLEAR;
@@ -100,7 +122,7 @@ impl Classes {
         // An empty range (all vacuum) is clear.
         let mut table = vec![CLEAR; N * N];
         for low in 0..N {
-            let mut variation = Variation::of(std::iter::once(at(value(low))));
+            let mut variation = at(value(low));
             table[low * N + low] = class(&variation, low, low);
             for high in low + 1..N {
                 variation = variation.then(&between[high - 1]);

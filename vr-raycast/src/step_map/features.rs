@@ -23,10 +23,13 @@ pub(super) struct Features(Vec<Feature>);
 const MISSED: f64 = 0.04;
 
 impl Features {
-    /// Finds the features of extinction and three emissions at values, in ascending order; two rows at one value are a jump.
-    pub(super) fn new(points: &[(f64, [f64; 4])]) -> Self {
+    /// Finds the features of extinction and three emissions at values, in ascending order, of each function; two at one value are a jump.
+    pub(super) fn new(functions: &[Vec<(f64, [f64; 4])>]) -> Self {
+        let of_channel = |points: &[(f64, [f64; 4])], c: usize| {
+            of_one(&points.iter().map(|(value, q)| (*value, q[c])).collect::<Vec<_>>())
+        };
         let mut all: Vec<Feature> =
-            (0..4).flat_map(|c| of_one(&points.iter().map(|(value, q)| (*value, q[c])).collect::<Vec<_>>())).collect();
+            functions.iter().flat_map(|points| (0..4).flat_map(|c| of_channel(points, c))).collect();
         all.sort_by(|a, b| a.width.total_cmp(&b.width));
         Self(all)
     }
@@ -139,7 +142,7 @@ mod tests {
     #[test]
     fn steps_shorten_where_a_feature_is_thinner_than_they_are() {
         let spike = |value: f64, kappa: f64| (value, [kappa, 0.0, 0.0, 0.0]);
-        let features = Features::new(&[spike(99.0, 0.0), spike(100.0, 2.0), spike(101.0, 0.0)]);
+        let features = Features::new(&[vec![spike(99.0, 0.0), spike(100.0, 2.0), spike(101.0, 0.0)]]);
         let step = |low: f64, high: f64, usual: f64| features.longest_step([low, high], usual, 1.0, 5e-4);
         assert_eq!(step(0.0, 90.0, 0.25), 0.25, "it lies elsewhere");
         assert_eq!(step(98.0, 102.0, 0.25), 0.25, "it is a voxel thick");

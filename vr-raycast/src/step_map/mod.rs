@@ -78,7 +78,8 @@ const LONGEST_BESIDE_COLORS: f64 = SHORTEST * 27.0;
 /// pixels: RMSE 9.9·10⁻³ with whole voxels, 1.1·10⁻³ with quarters, 1.4·10⁻³ with fifths, which meet the middles of voxels).
 fn length_in_voxels(scene: &Scene, voxel: f64) -> f32 {
     let interpolated = |shading: &Arc<Shading>| shading.gradient == GradientMethod::CentralDifferences;
-    if scene.reflection().is_some_and(interpolated) { (0.25 * voxel) as f32 } else { f32::INFINITY }
+    let followed = scene.gradient_shading().filter(|_| scene.reflection().is_some() || scene.transfer.has_rows());
+    if followed.as_ref().is_some_and(interpolated) { (0.25 * voxel) as f32 } else { f32::INFINITY }
 }
 
 impl StepMap {

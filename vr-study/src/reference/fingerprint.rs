@@ -41,8 +41,9 @@ fn hexadecimal(bytes: &[u8]) -> String {
 /// Returns scene and view without the volume. The shortest digits that give a float back: two texts are equal where the numbers are.
 fn described(scene: &Scene, view: &View) -> Option<String> {
     let layer = scene.layer(view, &Control::default()).ok()?;
+    let rows = if scene.transfer.has_rows() { format!(" {:?}", scene.transfer.rows()) } else { String::new() };
     Some(format!(
-        "{} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
+        "{}{rows} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
         scene.transfer.points(),
         (scene.transfer.rule(), scene.transfer.unit_distance()),

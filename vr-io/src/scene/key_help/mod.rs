@@ -105,6 +105,11 @@ fn transfer() -> Vec<KeyHelp> {
              red, green, blue (1 is white), opacity from 0 (invisible) to 1 (a wall). Emission, on all points or none: light per world \
              unit in place of colour times extinction.",
         ),
+        key(
+            "rows",
+            Nothing,
+            "Rows in place of points, for a transfer function of two dimensions, value and gradient: each with gradient (a magnitude, in value per world              unit, in order) and points, as above, of opacities up to 0.999. Between two rows extinction and emission change linearly with the              magnitude; beyond the first and the last they stay.",
+        ),
     ]
 }
 

@@ -40,13 +40,17 @@ pub struct TransferSource<'a> {
 /// difference. Returns notes on what the format does not hold, one line each.
 ///
 /// # Errors
-/// A [`WriteError`] naming the file: another extension, or emission of its own, which only TOML holds; no part of it is left behind then.
+/// A [`WriteError`] naming the file: another extension, or rows by gradient or emission of its own, which only TOML holds; no part of it is left behind then.
 pub fn write_transfer(path: impl AsRef<Path>, source: &TransferSource<'_>) -> Result<Vec<String>, WriteError> {
     let path = path.as_ref();
     let encode = |message: String| WriteError::Encode { path: path.into(), message };
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if source.transfer.has_emission() && extension != "toml" {
         let message = "emission of its own is held by .toml alone; the other formats have colour and opacity";
+        return Err(encode(message.to_owned()));
+    }
+    if source.transfer.has_rows() && extension != "toml" {
+        let message = "rows by gradient are held by .toml alone; the other formats know values, and no gradients";
         return Err(encode(message.to_owned()));
     }
     let mut notes = Vec::new();
@@ -82,14 +86,8 @@ pub fn write_transfer(path: impl AsRef<Path>, source: &TransferSource<'_>) -> Re
 
 /// The sections of a scene file.
 fn toml(source: &TransferSource<'_>) -> Result<String, crate::scene::SceneFileError> {
-    let transfer = source.transfer;
     let file = SceneFile {
-        transfer: Some(TransferSection {
-            unit_distance: Some(transfer.unit_distance()),
-            opacity_rule: transfer.rule(),
-            points: Some(transfer.points().to_vec()),
-            ..TransferSection::default()
-        }),
+        transfer: Some(TransferSection::describe(source.transfer)),
         shading: source.shading.map(|shading| ShadingSection::describe(shading, &[Light::default()])),
         ..SceneFile::default()
     };
