@@ -82,6 +82,7 @@ mod stats;
 mod surfaces;
 pub mod transfer;
 mod triangle_mesh;
+pub mod turning;
 mod unsupported;
 mod value_frame;
 mod view;
@@ -90,7 +91,7 @@ mod voxel;
 
 pub use any_grid::AnyGrid;
 pub use camera::{Camera, Projection};
-pub use central_differences::{gradient_at_sample, gradient_between_samples};
+pub use central_differences::{gradient_and_turn, gradient_at_sample, gradient_between_samples};
 pub use classification::Classification;
 pub use color_grid::{ColorGrid, ColorValue};
 pub use compositing::Compositing;
