@@ -2,7 +2,7 @@
 
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::{
-    ColorGrid, GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel, gradient_between_samples,
+    ColorGrid, GradientMethod, IndexRay, LatticeVisitor, Real, Sampler, SamplerVisitor, Voxel, gradient_and_turn,
 };
 
 use crate::run::Run;
@@ -88,10 +88,13 @@ impl Chord<'_> {
         std::array::from_fn(|a| R::from_f64(at[a].clamp(0.0, (dims[a] - 1) as f64)))
     }
 
-    /// Fills the gradients of a placed run, where something absorbs or shines.
+    /// Fills the gradients of a placed run, where something absorbs or shines, and how they change over the steps, if the samples are in their middles.
     pub(crate) fn gradients<R: Real>(&self, run: &mut Run<R>, method: GradientMethod) {
         match (self.source, method) {
-            (Source::Grid(grid), GradientMethod::CentralDifferences) => grid.with_lattice(CentralDifferences(run)),
+            (Source::Grid(grid), GradientMethod::CentralDifferences) => {
+                let along = if run.offset == 0.5 { self.ray.direction.to_array() } else { [0.0; 3] };
+                grid.with_lattice(CentralDifferences { run, along });
+            }
             (Source::Grid(grid), GradientMethod::Analytic) => grid.with_sampler(AnalyticGradients(run)),
             // It has one, its own.
             (Source::Other(field), _) => field.gradients(run),
@@ -157,15 +160,21 @@ impl<R: Real> SamplerVisitor for AnalyticGradients<'_, R> {
     }
 }
 
-struct CentralDifferences<'r, R>(&'r mut Run<R>);
+struct CentralDifferences<'r, R> {
+    run: &'r mut Run<R>,
+    /// Index steps per world unit of a step over which the gradient is followed.
+    along: [f64; 3],
+}
 
 impl<R: Real> LatticeVisitor for CentralDifferences<'_, R> {
     type Output = ();
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) {
-        for j in 0..self.0.len() {
-            if self.0.light[j] != [R::ZERO; 4] {
-                self.0.gradient[j] = gradient_between_samples(&lattice, self.0.position_of(j));
+        let Self { run, along } = self;
+        for j in 0..run.len() {
+            if run.light[j] != [R::ZERO; 4] {
+                let step = along.map(|d| R::from_f64(d * run.steps.length[j]));
+                [run.gradient[j], run.turn[j]] = gradient_and_turn(&lattice, run.position_of(j), step);
             }
         }
     }

@@ -63,6 +63,8 @@ pub(crate) struct Run<R> {
     pub(crate) color: [[R; 3]; RUN],
     /// Gradients per index step, filled only where a later pass needs them.
     pub(crate) gradient: [[R; 3]; RUN],
+    /// Changes of the gradients over the steps, filled with them; 0 where none is followed.
+    pub(crate) turn: [[R; 3]; RUN],
 }
 
 impl<R: Real> Run<R> {
@@ -77,6 +79,7 @@ impl<R: Real> Run<R> {
             light: [[R::ZERO; 4]; RUN],
             color: [[R::ONE; 3]; RUN],
             gradient: [[R::ZERO; 3]; RUN],
+            turn: [[R::ZERO; 3]; RUN],
         }
     }
 

@@ -89,7 +89,10 @@ impl<R: Real> Shader<R> {
             }
             chord.tint_step(run, j);
             if reflects {
-                run.light[j] = lights.shade(run.light[j], world);
+                let [r, g, b, alpha] = run.light[j];
+                let (factor, added) = lights.reflect_turning(world, self.world(run.turn[j]), alpha);
+                let lit = |light: R, c: usize| light * factor[c] + added[c] * alpha;
+                run.light[j] = [lit(r, 0), lit(g, 1), lit(b, 2), alpha];
             }
         }
     }

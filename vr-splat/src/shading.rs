@@ -59,11 +59,11 @@ impl<'a> Shader<'a> {
         }
         let shade = Shade { shading: &self.shading, lights };
         match &self.field {
-            AnyField::U8(f) => shade.apply(simd, f, &at, light, &mut Stage::default()),
-            AnyField::I8(f) => shade.apply(simd, f, &at, light, &mut Stage::default()),
-            AnyField::U16(f) => shade.apply(simd, f, &at, light, &mut Stage::default()),
-            AnyField::I16(f) => shade.apply(simd, f, &at, light, &mut Stage::default()),
-            AnyField::F32(f) => shade.apply(simd, f, &at, light, &mut Stage::default()),
+            AnyField::U8(f) => shade.apply(simd, f, &at, &[Lanes::ZERO; 3], light, &mut Stage::default()),
+            AnyField::I8(f) => shade.apply(simd, f, &at, &[Lanes::ZERO; 3], light, &mut Stage::default()),
+            AnyField::U16(f) => shade.apply(simd, f, &at, &[Lanes::ZERO; 3], light, &mut Stage::default()),
+            AnyField::I16(f) => shade.apply(simd, f, &at, &[Lanes::ZERO; 3], light, &mut Stage::default()),
+            AnyField::F32(f) => shade.apply(simd, f, &at, &[Lanes::ZERO; 3], light, &mut Stage::default()),
         }
     }
 }

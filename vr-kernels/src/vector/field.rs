@@ -168,15 +168,17 @@ impl<T: Pairs> Field<'_, T> {
 }
 
 impl<T: Pairs> Field<'_, T> {
-    /// Sum of the staged voxels with the caller's weights.
+    /// Staged voxels at the corners of the cells' lower and upper face across an axis: for each, those at (0, 0), (1, 0), (0, 1) and (1, 1) of the two
+    /// other axes, in their order.
     #[inline(always)]
-    pub fn weighted<S: Simd>(&self, simd: S, weights: &[[f32x16<S>; 2]; 3], stage: &Stage<T>) -> f32x16<S> {
-        let [[x0, x1], [y0, y1], [z0, z1]] = *weights;
+    pub fn faces<S: Simd>(&self, simd: S, axis: usize, stage: &Stage<T>) -> [[f32x16<S>; 4]; 2] {
         let [[a00, b00], [a10, b10]] = T::split(simd, &stage.0[0]);
         let [[a01, b01], [a11, b11]] = T::split(simd, &stage.0[1]);
-        let low = (a00 * x0 + b00 * x1) * y0 + (a10 * x0 + b10 * x1) * y1;
-        let high = (a01 * x0 + b01 * x1) * y0 + (a11 * x0 + b11 * x1) * y1;
-        low * z0 + high * z1
+        match axis {
+            0 => [[a00, a10, a01, a11], [b00, b10, b01, b11]],
+            1 => [[a00, b00, a01, b01], [a10, b10, a11, b11]],
+            _ => [[a00, b00, a10, b10], [a01, b01, a11, b11]],
+        }
     }
 }
 

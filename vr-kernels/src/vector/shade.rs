@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::field::{Cells, Field, Pairs, Stage};
 use super::{LANES, Lanes, ln, opacity_of_depth, pick, splat};
-use vr_core::{Light, Placement, Shading};
+use vr_core::{Light, Placement, Shading, turning};
 
 /// Shading, the same for all rays.
 #[derive(Clone, Debug)]
@@ -86,19 +86,23 @@ pub struct Shade<'a> {
 
 impl Shade<'_> {
     /// Shades light of sixteen samples: c becomes c·(ka + kd Σ L|n·l|), and ks Σ L|n·h|^p times opacity is added. Where the gradient is
-    /// zero, it stays. Its own function: there are samples that need no shading, and instances of it for each kernel would be many.
+    /// zero, it stays. `at`: cells and fractions in them; `step`: extents, in index space, of the steps that the samples are the middles of, over which
+    /// normals are followed as [`vr_core::RayShading::reflect_turning`] has it; zero for samples that stand for themselves.
+    ///
+    /// Its own function: there are samples that need no shading, and instances of it for each kernel would be many.
     #[inline(never)]
     pub fn apply<S: Simd, T: Pairs>(
         &self,
         simd: S,
         field: &Field<'_, T>,
         at: &[[Lanes; 3]; 2],
+        step: &[Lanes; 3],
         light: &mut [Lanes; 4],
         stage: &mut Stage<T>,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.apply_here(simd, field, at, light, stage),
+            || self.apply_here(simd, field, at, step, light, stage),
         );
     }
 
@@ -108,53 +112,74 @@ impl Shade<'_> {
         simd: S,
         field: &Field<'_, T>,
         at: &[[Lanes; 3]; 2],
+        step: &[Lanes; 3],
         light: &mut [Lanes; 4],
         stage: &mut Stage<T>,
     ) {
-        // World gradients, normalised.
-        let g = gradient(simd, field, at, stage);
-        let m = &self.shading.to_world;
-        let world = |row: [f32; 3]| g[0] * row[0] + g[1] * row[1] + g[2] * row[2];
-        let w = [world(m[0]), world(m[1]), world(m[2])];
+        // World gradients in the middles of the steps, and what they reflect.
+        let [g, turn] = gradient(simd, field, at, step, stage);
+        let (w, turn) = (world(&self.shading.to_world, g), world(&self.shading.to_world, turn));
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let length = largest(w);
+        let flat = length.simd_le(zero);
+        let mut reflected = self.reflect(simd, w);
+        // Follow the normals that turn within their steps.
+        let alpha = light[3].load(simd);
+        let share = (largest(turn) / (pick(flat, one, length) * (turning::SMALLEST as f32)) - one).min(one);
+        let turns = share.simd_gt(zero) & alpha.simd_gt(zero) & !flat;
+        if turns.any_true() {
+            let share = pick(turns, share, zero);
+            let node = turning::NODE as f32;
+            let turn = [turn[0] * node, turn[1] * node, turn[2] * node];
+            let near = self.reflect(simd, [w[0] - turn[0], w[1] - turn[1], w[2] - turn[2]]);
+            let far = self.reflect(simd, [w[0] + turn[0], w[1] + turn[1], w[2] + turn[2]]);
+            let lean = alpha * ((alpha * (1.0 / 3.0) + 0.5) * alpha + 1.0) * (1.0 / (24.0 * node));
+            let (own, outer) = (turning::MIDDLE as f32, splat(simd, turning::SIDE as f32));
+            for c in 0..6 {
+                let middle = reflected[c];
+                let mean = near[c] * (outer + lean) + middle * own + far[c] * (outer - lean);
+                reflected[c] = middle + (mean - middle) * share;
+            }
+        }
+        for c in 0..3 {
+            let old = light[c].load(simd);
+            light[c] = Lanes::new(pick(flat, old, old * reflected[c] + reflected[3 + c] * alpha));
+        }
+    }
+
+    /// Returns the factors on the colours and the light that is added, summed over the lights, for world gradients.
+    #[inline(always)]
+    fn reflect<S: Simd>(&self, simd: S, w: [f32x16<S>; 3]) -> [f32x16<S>; 6] {
         // Scaled by its largest component, so that the square neither underflows nor overflows.
-        let zero = splat(simd, 0.0);
-        let largest = w[0].abs().max(w[1].abs()).max(w[2].abs());
-        let flat = largest.simd_le(zero);
-        let one = splat(simd, 1.0);
-        let scale = one / pick(flat, one, largest);
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let longest = largest(w);
+        let flat = longest.simd_le(zero);
+        let scale = one / pick(flat, one, longest);
         let n = [w[0] * scale, w[1] * scale, w[2] * scale];
         let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
         let norm = one / pick(flat, one, square).sqrt();
-        // The factor on the colour and the light that is added, summed over the lights.
         let shading = &self.shading.shading;
         let (ambient, diffuse) = (shading.ambient as f32, shading.diffuse as f32);
         let (specular, power) = (shading.specular as f32, shading.power as f32);
-        let mut factor = [splat(simd, ambient); 3];
-        let mut added = [zero; 3];
+        let ambient = splat(simd, ambient);
+        let mut sums = [ambient, ambient, ambient, zero, zero, zero];
         for seen in &self.lights.lights {
-            let along = |v: &[Lanes; 3]| {
-                let dot = n[0] * v[0].load(simd) + n[1] * v[1].load(simd) + n[2] * v[2].load(simd);
-                (dot * norm).abs().min(one)
-            };
-            let facing = along(&seen.to_light) * diffuse;
+            let facing = (dot(simd, n, &seen.to_light) * norm).abs().min(one) * diffuse;
             // x^p = e^(p ln x).
-            let highlight = ln(simd, along(&seen.half).max(splat(simd, f32::MIN_POSITIVE))).min(zero) * -power;
+            let highlight = (dot(simd, n, &seen.half) * norm).abs().min(one);
+            let highlight = ln(simd, highlight.max(splat(simd, f32::MIN_POSITIVE))).min(zero) * -power;
             let highlight = (one - opacity_of_depth(simd, highlight)) * specular;
             for c in 0..3 {
-                factor[c] += facing * seen.color[c];
-                added[c] += highlight * seen.color[c];
+                sums[c] += facing * seen.color[c];
+                sums[3 + c] += highlight * seen.color[c];
             }
         }
-        let alpha = light[3].load(simd);
-        for c in 0..3 {
-            let old = light[c].load(simd);
-            light[c] = Lanes::new(pick(flat, old, old * factor[c] + added[c] * alpha));
-        }
+        sums
     }
 }
 
-/// Gradients per index step: central differences at the voxels, one-sided at the faces of the box, interpolated trilinearly. Positions
-/// are the numbers of the cells (whole numbers), and fractions in them.
+/// Gradients per index step, and how they change over a step of an extent in index space: central differences at the voxels, one-sided at the faces of
+/// the box, interpolated trilinearly. Positions are the numbers of the cells (whole numbers), and fractions in them.
 ///
 /// Interpolation commutes with shifts by whole voxels. So a component is the difference of two interpolations, a voxel on and a voxel
 /// back, with weights (1 − t)/w₀ and t/w₁ along the axis, w the voxels that each difference spans; beyond a face lies the last voxel
@@ -165,19 +190,23 @@ fn gradient<S: Simd, T: Pairs>(
     simd: S,
     field: &Field<'_, T>,
     [cell, fraction]: &[[Lanes; 3]; 2],
+    step: &[Lanes; 3],
     stage: &mut Stage<T>,
-) -> [f32x16<S>; 3] {
+) -> [[f32x16<S>; 3]; 2] {
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let cell = [cell[0].load(simd), cell[1].load(simd), cell[2].load(simd)];
     let t = [fraction[0].load(simd), fraction[1].load(simd), fraction[2].load(simd)];
-    let mut gradient = [zero; 3];
+    let step = [step[0].load(simd), step[1].load(simd), step[2].load(simd)];
+    let (mut gradient, mut turn) = ([zero; 3], [zero; 3]);
     for a in 0..3 {
         let last = splat(simd, field.last_cell[a] as f32);
         let (first, at_last) = (cell[a].simd_le(zero), cell[a].simd_ge(last));
         let half = splat(simd, 0.5);
-        let (back, on) = ((one - t[a]) * pick(first, one, half), t[a] * pick(at_last, one, half));
-        // The planes at either end of the cell a voxel on, and a voxel back.
-        let mut planes = [[zero; 2]; 2];
+        let (per_back, per_on) = (pick(first, one, half), pick(at_last, one, half));
+        let (back, on) = ((one - t[a]) * per_back, t[a] * per_on);
+        let [b, c] = [[1, 2], [0, 2], [0, 1]][a];
+        // The planes at either end of the cell a voxel on, and a voxel back: each its value and its change.
+        let mut planes = [[[zero; 2]; 2]; 2];
         for (planes, shift) in planes.iter_mut().zip([1.0, -1.0]) {
             let mut shifted = cell;
             shifted[a] = (cell[a] + shift).max(zero).min(last);
@@ -190,17 +219,54 @@ fn gradient<S: Simd, T: Pairs>(
                 fraction: t,
             };
             field.fetch(simd, &cells, stage);
-            let mut weights = [[one - t[0], t[0]], [one - t[1], t[1]], [one - t[2], t[2]]];
-            weights[a] = [one, zero];
-            planes[0] = field.weighted(simd, &weights, stage);
-            weights[a] = [zero, one];
-            planes[1] = field.weighted(simd, &weights, stage);
+            let [low, high] = field.faces(simd, a, stage);
+            planes[0] = plane(low, [t[b], t[c]], [step[b], step[c]]);
+            planes[1] = plane(high, [t[b], t[c]], [step[b], step[c]]);
         }
         // Beyond the upper face the upper plane is there twice, beyond the lower one the lower.
         let [[on_low, on_high], [back_low, back_high]] = planes;
-        let low = pick(at_last, on_high, on_low) - back_low;
-        let high = on_high - pick(first, back_low, back_high);
-        gradient[a] = back * low + on * high;
+        let at_low = pick(at_last, on_high[0], on_low[0]) - back_low[0];
+        let at_high = on_high[0] - pick(first, back_low[0], back_high[0]);
+        gradient[a] = back * at_low + on * at_high;
+        let turn_low = pick(at_last, on_high[1], on_low[1]) - back_low[1];
+        let turn_high = on_high[1] - pick(first, back_low[1], back_high[1]);
+        turn[a] = back * turn_low + on * turn_high + step[a] * (per_on * at_high - per_back * at_low);
     }
-    gradient
+    [gradient, turn]
+}
+
+// Functions in the place of closures, which are not inlined for certain.
+
+/// Returns the world gradient of one per index step.
+#[inline(always)]
+fn world<S: Simd>(m: &[[f32; 3]; 3], v: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+    [
+        v[0] * m[0][0] + v[1] * m[0][1] + v[2] * m[0][2],
+        v[0] * m[1][0] + v[1] * m[1][1] + v[2] * m[1][2],
+        v[0] * m[2][0] + v[1] * m[2][1] + v[2] * m[2][2],
+    ]
+}
+
+/// Returns the size of the largest component.
+#[inline(always)]
+fn largest<S: Simd>(v: [f32x16<S>; 3]) -> f32x16<S> {
+    v[0].abs().max(v[1].abs()).max(v[2].abs())
+}
+
+#[inline(always)]
+fn dot<S: Simd>(simd: S, a: [f32x16<S>; 3], b: &[Lanes; 3]) -> f32x16<S> {
+    a[0] * b[0].load(simd) + a[1] * b[1].load(simd) + a[2] * b[2].load(simd)
+}
+
+/// Bilinear interpolation in a plane of four voxels, and its change over a step.
+#[inline(always)]
+fn plane<S: Simd>(
+    [v00, v10, v01, v11]: [f32x16<S>; 4],
+    [t, u]: [f32x16<S>; 2],
+    [along_t, along_u]: [f32x16<S>; 2],
+) -> [f32x16<S>; 2] {
+    let (rise_0, rise_1) = (v10 - v00, v11 - v01);
+    let (row_0, row_1) = (v00 + t * rise_0, v01 + t * rise_1);
+    let across = row_1 - row_0;
+    [row_0 + u * across, along_u * across + along_t * (rise_0 + u * (rise_1 - rise_0))]
 }

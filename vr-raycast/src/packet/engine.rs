@@ -285,6 +285,7 @@ impl PacketFrame<'_> {
             },
             optics: &engine.optics,
             shading: engine.shading.as_ref(),
+            follows_normals: engine.offset == 0.5,
             negligible: engine.negligible as f32,
         }
     }

@@ -21,6 +21,8 @@ pub(crate) struct Medium<'a, T> {
     pub(crate) optics: &'a OpticsTable,
     /// Shading; `None` if unshaded.
     pub(crate) shading: Option<&'a PacketShading>,
+    /// True if normals are followed over a step: a sample lies in its middle.
+    pub(crate) follows_normals: bool,
     /// Amount at which a ray ends: no more than this could be added to any component.
     pub(crate) negligible: f32,
 }
@@ -159,7 +161,7 @@ fn lattice<S: Simd, T: Pairs>(
             let value = medium.field.value(simd, &cells, now);
             let ratio = packet.ratio.load(simd);
             let light = step_light(simd, medium.optics.rows().at(simd, value), ratio, medium.optics.emits);
-            let light = shaded(simd, medium, lights, live, &cells, light, now);
+            let light = shaded(simd, medium, lights, live, &ray, (&cells, ratio), light, now);
             sums.add(simd, live, [end, ratio], light);
             break;
         }
@@ -170,8 +172,8 @@ fn lattice<S: Simd, T: Pairs>(
         medium.field.fetch(simd, &cells_then, next);
         let value = medium.field.value(simd, &cells, now);
         let value_then = medium.field.value(simd, &cells_then, next);
-        let light = shaded(simd, medium, lights, live, &cells, rows.at(simd, value), now);
-        let light_then = shaded(simd, medium, lights, live, &cells_then, rows.at(simd, value_then), next);
+        let light = shaded(simd, medium, lights, live, &ray, (&cells, one), rows.at(simd, value), now);
+        let light_then = shaded(simd, medium, lights, live, &ray, (&cells_then, one), rows.at(simd, value_then), next);
         sums.add(simd, live, [at, one], light);
         end = pick((sums.clear(simd) * max_light).simd_le(negligible), never, end);
         live = then.simd_lt(end);
@@ -201,14 +203,16 @@ pub(crate) fn finish<S: Simd>(
     }
 }
 
-/// Returns the light after shading, where something is shaded; `stage` is used up.
+/// Returns the light after shading, where something is shaded, of samples at places and of steps of a length; `stage` is used up.
 #[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
 pub(crate) fn shaded<S: Simd, T: Pairs>(
     simd: S,
     medium: &Medium<'_, T>,
     lights: &PacketLights,
     live: mask32x16<S>,
-    at: &Cells<S>,
+    ray: &Path<S>,
+    (at, length): (&Cells<S>, f32x16<S>),
     light: [f32x16<S>; 4],
     stage: &mut Stage<T>,
 ) -> [f32x16<S>; 4] {
@@ -221,8 +225,16 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
     let cell = [Lanes::new(x.to_float()), Lanes::new(y.to_float()), Lanes::new(z.to_float())];
     let [x, y, z] = at.fraction;
     let fraction = [Lanes::new(x), Lanes::new(y), Lanes::new(z)];
+    let mut step = [Lanes::ZERO; 3];
+    if medium.follows_normals {
+        step = [
+            Lanes::new(ray.delta[0] * length),
+            Lanes::new(ray.delta[1] * length),
+            Lanes::new(ray.delta[2] * length),
+        ];
+    }
     let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
-    Shade { shading, lights }.apply(simd, &medium.field, &[cell, fraction], &mut lanes, stage);
+    Shade { shading, lights }.apply(simd, &medium.field, &[cell, fraction], &step, &mut lanes, stage);
     [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
 }
 

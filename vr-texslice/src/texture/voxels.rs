@@ -63,6 +63,7 @@ impl<T: Pairs> Texture for Voxels<'_, T> {
         let cell = [Lanes::new(x.to_float()), Lanes::new(y.to_float()), Lanes::new(z.to_float())];
         let [x, y, z] = at.fraction;
         let fraction = [Lanes::new(x), Lanes::new(y), Lanes::new(z)];
-        Shade { shading: with.shading, lights: with.lights }.apply(simd, &self.field, &[cell, fraction], light, stage);
+        let shade = Shade { shading: with.shading, lights: with.lights };
+        shade.apply(simd, &self.field, &[cell, fraction], &[Lanes::ZERO; 3], light, stage);
     }
 }
