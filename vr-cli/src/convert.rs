@@ -69,7 +69,7 @@ fn levels(args: &LevelArgs, output: &Path, volume: &Volume, info: Option<&FileIn
     }
     let is_labels = || {
         let hints = info.map(FileInfo::hints).unwrap_or_default();
-        matches!(Survey::new(volume).look(&hints).kind, Kind::Labels(_))
+        matches!(Survey::of(volume).look(&hints).kind, Kind::Labels(_))
     };
     let reduction = match args.reduce {
         Some(Reduce::Mean) => Reduction::Mean,
