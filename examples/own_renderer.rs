@@ -22,6 +22,7 @@ impl Renderer for GreyBox {
         match () {
             () if scene.compositing != Compositing::Over => refuse(Feature::Compositing),
             () if scene.shading.is_some() => refuse(Feature::Shading),
+            () if scene.has_gradient_opacity() => refuse(Feature::GradientOpacity),
             () if scene.surfaces.is_some() => refuse(Feature::Surfaces),
             () => Ok(()),
         }

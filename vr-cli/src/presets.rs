@@ -116,6 +116,7 @@ fn refuse_transfer(scene: &SceneArgs) -> Result<(), Failure> {
         ("--transfer", transfer.transfer.is_some()),
         ("--look", transfer.look.is_some()),
         ("--point", !transfer.point.is_empty()),
+        ("--transfer-box", !transfer.transfer_box.is_empty()),
     ];
     match given.iter().find(|g| g.1) {
         Some((flag, _)) => Err(Failure::usage(format!("{flag}: every preset is drawn; vr render draws one alone"))),
