@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vr_core::{CellMesh, Configurable, RenderError, Scene, Unsupported};
+use vr_core::{CellMesh, Configurable, Feature, Field, RenderError, Scene, Unsupported};
 
 use crate::marcher::CellMarcher;
 
@@ -11,5 +11,14 @@ pub(crate) fn check(renderer: &CellMarcher, scene: &Scene) -> Result<Arc<CellMes
     renderer.validate()?;
     scene.validate()?;
     let mesh = scene.volume.cells().ok_or_else(|| Unsupported::volume_kind(CellMarcher::NAME, &scene.volume))?;
+    // Cells that are constant have no gradient.
+    let refused = [
+        (scene.has_gradient_opacity(), Feature::GradientOpacity, "opacity by the gradient"),
+        (scene.reflection().is_some(), Feature::Shading, "shading"),
+    ];
+    if let Some((_, feature, name)) = refused.into_iter().find(|r| r.0 && !mesh.has_gradient()) {
+        let what = format!("{name} of a mesh with values of cells, which jump and have no gradient");
+        return Err(Unsupported { renderer: CellMarcher::NAME, feature, what }.into());
+    }
     Ok(Arc::clone(mesh))
 }

@@ -40,7 +40,8 @@
 //! and at most 1 − `termination` where a ray ends early. Every compositing operator, shading, clip planes, opaque surfaces, and a camera inside the mesh are drawn.
 //!
 //! # What cannot be drawn
-//! Volumes that are no meshes of cells ([`vr_core::RenderError::Unsupported`]).
+//! Answered by [`vr_core::RenderError::Unsupported`]: volumes that are no meshes of cells; shading and opacity by the gradient where cells have values of their own, which
+//! jump and have no gradient.
 
 mod accumulators;
 mod camera_space;

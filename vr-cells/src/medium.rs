@@ -45,6 +45,7 @@ impl Light {
 struct Stretch<'a> {
     /// Distances.
     ends: [f64; 2],
+    values: [f64; 2],
     optics: [Optical; 2],
     gradients: Option<[[f64; 3]; 2]>,
     shade: Option<&'a RayShading<f64>>,
@@ -53,7 +54,7 @@ struct Stretch<'a> {
 /// A medium: a transfer function, and the shading of a scene.
 pub(crate) struct Medium<'a> {
     pub(crate) transfer: &'a TransferFunction,
-    /// Shading by whose gradients opacity is multiplied.
+    /// Shading by whose gradients opacity is multiplied; `None` under rows, which follow the gradient by themselves.
     pub(crate) modulation: Option<&'a Shading>,
     pub(crate) extinction: &'a ExtinctionTable,
 }
@@ -146,6 +147,7 @@ impl Medium<'_> {
                 let value = |t: f64| (first + (last - first) * t).clamp(segment.from, segment.to);
                 let stretch = Stretch {
                     ends: [mix(from), mix(to)],
+                    values: [value(from), value(to)],
                     optics: [segment.at(value(from)), segment.at(value(to))],
                     gradients: gradients.map(|[a, b]| [from, to].map(|t| mixed(a, b, t))),
                     shade,
@@ -204,8 +206,20 @@ impl Medium<'_> {
         // Extinction and light at the nodes.
         let (mut extinction, mut source) = ([0.0; 3], [[0.0; 3]; 3]);
         for (k, &t) in NODES.iter().enumerate() {
-            let optical = Optical::lerp(t, &stretch.optics[0], &stretch.optics[1]);
             let gradient = stretch.gradients.map(|[a, b]| mixed(a, b, t));
+            let (tint, added) = match (stretch.shade, gradient) {
+                (Some(shade), Some(gradient)) => shade.reflect(gradient),
+                _ => ([1.0; 3], [0.0; 3]),
+            };
+            if self.transfer.has_rows() {
+                let magnitude = gradient.map_or(0.0, |g| dot(g, g).sqrt());
+                let [from, to] = stretch.values;
+                let mixture = self.transfer.mixture(from + (to - from) * t, magnitude);
+                extinction[k] = mixture.extinction;
+                source[k] = std::array::from_fn(|c| mixture.emission[c] * tint[c] + mixture.extinction * added[c]);
+                continue;
+            }
+            let optical = Optical::lerp(t, &stretch.optics[0], &stretch.optics[1]);
             let factor = match (self.modulation, gradient) {
                 (Some(shading), Some([x, y, z])) => shading.modulation((x * x + y * y + z * z).sqrt()),
                 _ => 1.0,
@@ -214,10 +228,6 @@ impl Medium<'_> {
             source[k] = if self.transfer.has_emission() {
                 optical.emission
             } else {
-                let (tint, added) = match (stretch.shade, gradient) {
-                    (Some(shade), Some(gradient)) => shade.reflect(gradient),
-                    _ => ([1.0; 3], [0.0; 3]),
-                };
                 std::array::from_fn(|c| extinction[k] * (optical.color[c] * tint[c] + added[c]))
             };
         }
@@ -231,11 +241,13 @@ impl Medium<'_> {
         let falls_here = falls && halved < PLACES;
         if halved < HALVINGS && light.clear > DARK && (steepest > AT_ONCE || curved || uneven || falls_here) {
             let middle = 0.5 * (stretch.ends[0] + stretch.ends[1]);
+            let value = 0.5 * (stretch.values[0] + stretch.values[1]);
             let optical = Optical::lerp(0.5, &stretch.optics[0], &stretch.optics[1]);
             let gradient = stretch.gradients.map(|[a, b]| mixed(a, b, 0.5));
             for half in 0..2 {
                 let mut part = *stretch;
                 part.ends[1 - half] = middle;
+                part.values[1 - half] = value;
                 part.optics[1 - half] = optical;
                 if let (Some(gradients), Some(gradient)) = (&mut part.gradients, gradient) {
                     gradients[1 - half] = gradient;

@@ -52,7 +52,8 @@ impl PreparedMarcher {
             entries: &entries,
             nudge: 1e-10 * self.mesh.mean_spacing(),
         };
-        let modulation = scene.shading.as_deref().filter(|_| scene.has_gradient_opacity());
+        let modulation =
+            scene.shading.as_deref().filter(|_| scene.has_gradient_opacity() && !scene.transfer.has_rows());
         let extinction = ExtinctionTable::new(&scene.transfer);
         let medium = Medium { transfer: &scene.transfer, modulation, extinction: &extinction };
         let reflection = scene.reflection().filter(|_| N == 4);
@@ -117,7 +118,7 @@ impl Prepared for PreparedMarcher {
         let mut stats = RenderStats::default();
         let layer = self.scene.layer(view, control)?;
         let needs_gradients = self.scene.reflection().is_some() || self.scene.has_gradient_opacity();
-        let seen = if needs_gradients && self.mesh.gradients().is_some() {
+        let seen = if needs_gradients {
             self.draw::<4>(view, control, layer.as_ref(), &mut stats)?
         } else {
             self.draw::<1>(view, control, layer.as_ref(), &mut stats)?

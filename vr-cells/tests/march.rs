@@ -106,6 +106,13 @@ fn shading_clips_walls_and_emission_are_exact() {
     let plain = Scene { lights: vec![Light::default(), light], ..Scene::new(mesh.into(), transfer(0.7)) };
     let shaded = Scene { shading: Some(Shading::default().into()), ..plain.clone() };
     let faded = Shading { gradient_opacity: vec![(0.5, 0.2), (3.0, 1.0)], ..Shading::default() };
+    let row = |gradient, opacity: f64| {
+        let points =
+            vec![ControlPoint::new(0.2, [0.9, 0.3, 0.1], opacity), ControlPoint::new(0.8, [0.1, 0.3, 0.9], 0.5)];
+        (gradient, points)
+    };
+    let rows = TransferFunction::of_rows(vec![row(0.5, 0.0), row(2.0, 0.7), row(4.0, 0.1)], OpacityRule::Power, 0.1);
+    let rows = rows.unwrap();
     let wall = Scene { transfer: transfer(1.0).into(), ..plain.clone() };
     let glow =
         |v, e: f64| ControlPoint { emission: Some([e, 2.0 * e, 0.5]), ..ControlPoint::new(v, [0.0; 3], 0.3 * v) };
@@ -120,6 +127,7 @@ fn shading_clips_walls_and_emission_are_exact() {
         ("first, shaded", Scene { compositing: Compositing::First { threshold: 0.5 }, ..shaded.clone() }),
         ("gradient opacity", Scene { shading: Some(faded.into()), ..plain.clone() }),
         ("wall", wall),
+        ("gradient rows", Scene { transfer: rows.into(), ..plain.clone() }),
         ("emission", Scene { transfer: emission.into(), ..plain.clone() }),
     ] {
         for clip in [Clip::default(), clip.clone()] {
