@@ -227,11 +227,8 @@ pub(crate) fn shaded<S: Simd, T: Pairs>(
     let fraction = [Lanes::new(x), Lanes::new(y), Lanes::new(z)];
     let mut step = [Lanes::ZERO; 3];
     if medium.follows_normals {
-        step = [
-            Lanes::new(ray.delta[0] * length),
-            Lanes::new(ray.delta[1] * length),
-            Lanes::new(ray.delta[2] * length),
-        ];
+        step =
+            [Lanes::new(ray.delta[0] * length), Lanes::new(ray.delta[1] * length), Lanes::new(ray.delta[2] * length)];
     }
     let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
     Shade { shading, lights }.apply(simd, &medium.field, &[cell, fraction], &step, &mut lanes, stage);
