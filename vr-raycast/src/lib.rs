@@ -9,7 +9,8 @@
 //! 4. **Classify**: values, looked up in the transfer function *after* reconstruction, become the light and the opacity of the step, by one
 //!    of the integration rules ([`Rule`]), with the light that the step absorbs itself taken off.
 //!    Voxels that have colours of their own ([`vr_core::ColorGrid`]) multiply that light by the colour at the sample.
-//! 5. **Shade**, where the scene is shaded, by the gradient at the sample.
+//! 5. **Shade**, where the scene is shaded, by the gradient at the sample, followed along its tangent over steps in which the normal turns
+//!    ([`vr_core::turning`]).
 //! 6. **Composite** with the scene's operator.
 //!
 //! The rays are a choice, too ([`ImageSampling`]): those of every pixel, or fewer.
@@ -100,7 +101,7 @@
 //!
 //! # What it does not do yet
 //! Its vector kernels ([`Vector`] says what they draw) know neither pre-integration nor the other filters and operators: those go ray by
-//! ray, and so do voxels with colours, in steps of a fifth of a voxel at most. Volumes that are no uniform grids it draws in uniform steps alone, by the rules midpoint and left. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
+//! ray, and so do voxels with colours, in steps of a sixth of a voxel at most. Volumes that are no uniform grids it draws in uniform steps alone, by the rules midpoint and left. A scene that it cannot draw is [`vr_core::RenderError::Unsupported`].
 
 // What the modules hold for classics alone; the check for dead code is that with all features.
 #![cfg_attr(not(feature = "classics"), allow(dead_code))]
