@@ -438,7 +438,7 @@ fn real_meshes_have_their_sizes() {
     let files = [
         ("post.vtk", 8750, 27.794_876_508_6, 1e-6, (0.355, 1.641)),
         ("tetraMesh.vtk", 160, f64::NAN, 0.0, (0.0, 4.0)),
-        ("uGridEx.vtk", 0, f64::NAN, 0.0, (0.0, 11.0)),
+        ("uGridEx.vtk", 14, 2.333_333_333, 1e-6, (0.0, 14.0)),
         ("fire_ug.vtu", 0, 35.547_498, 1e-4, (298.0, 692.0)),
         ("Tetrahedron.vtu", 96, 8.0, 1e-6, (0.0, 1.733)),
         ("disk_out_ref.ex2", 0, 1629.657, 1e-3, (293.1499, 913.1501)),
