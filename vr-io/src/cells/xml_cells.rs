@@ -112,7 +112,7 @@ fn last_end(name: &str, ends: &[f64]) -> Result<usize, FileErrorKind> {
 }
 
 fn end_of(name: &str, cell: usize, end: f64) -> Result<usize, FileErrorKind> {
-    let right = end >= 0.0 && end < 9e15 && end.fract() == 0.0;
+    let right = (0.0..9e15).contains(&end) && end.fract() == 0.0;
     if right { Ok(end as usize) } else { Err(bad_end(name, cell, end)) }
 }
 
