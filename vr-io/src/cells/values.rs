@@ -84,15 +84,15 @@ mod tests {
     #[test]
     fn one_is_a_value_unless_an_array_is_called_so() {
         let options = ReadOptions { array: Some("1".into()), ..ReadOptions::default() };
-        let chosen = |arrays: &[Candidate], options| Chosen::new(arrays, options, &mut Vec::new());
+        let chosen = |arrays: &[Candidate], options: &ReadOptions| Chosen::new(arrays, options, &mut Vec::new());
         assert_eq!(chosen(&[], &options).unwrap().unwrap().array, None);
         assert_eq!(chosen(&[], &ReadOptions::default()), Ok(None));
         let array = Candidate { name: "1".into(), components: 3, of_cells: true, is_scalars: false };
-        let found = chosen(&[array.clone()], &options).unwrap().unwrap();
+        let found = chosen(std::slice::from_ref(&array), &options).unwrap().unwrap();
         assert_eq!((found.array, found.components, found.component), (Some(0), 3, None));
         let wrong = ReadOptions { component: Some(3), ..ReadOptions::default() };
         assert_eq!(
-            chosen(&[array], &wrong).unwrap_err().to_string(),
+            chosen(std::slice::from_ref(&array), &wrong).unwrap_err().to_string(),
             "component: found 3; array '1' has 3, counted from 0"
         );
     }
