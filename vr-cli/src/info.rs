@@ -4,11 +4,12 @@ use std::path::Path;
 
 use serde::Serialize;
 use vr_core::transfer::Preset;
-use vr_core::{Calibration, ColorGrid, GridVolume, VoxelType};
+use vr_core::{Calibration, ColorGrid, GridVolume, Volume, VoxelType};
 use vr_io::{FileInfo, LoadedVolume, PngOptions};
 use vr_look::{Look, Survey};
 
 use crate::args::InfoArgs;
+use crate::cells_info::CellsInfo;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
@@ -44,6 +45,14 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
             return Err(no_slices("points"));
         }
         let found = PointsInfo::new(&title, points, info.as_ref(), &notes);
+        return console.result(&found.text(), &found);
+    }
+    if let Volume::Cells(mesh) = &volume {
+        if args.output.is_some() {
+            return Err(no_slices("a mesh of cells"));
+        }
+        let look = Survey::new(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
+        let found = CellsInfo::new(&title, mesh, info.as_ref(), &look.reason, &notes);
         return console.result(&found.text(), &found);
     }
     let uniform = volume

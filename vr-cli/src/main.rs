@@ -10,6 +10,7 @@ mod bench;
 mod bench_report;
 mod camera_flags;
 mod canvas;
+mod cells_info;
 mod compare;
 mod console;
 mod contact_sheet;

@@ -108,6 +108,7 @@ impl Overrides {
             Some(VolumeSource::File(file)) => {
                 self.set_some("volume.frame", args.frame, &mut file.frame);
                 self.set_some("volume.component", args.component, &mut file.component);
+                self.set_some("volume.as", args.cells_or_points, &mut file.cells_or_points);
                 self.set_some("volume.series", args.series.clone(), &mut file.series);
                 self.set_some("volume.level", args.volume_level, &mut file.level);
                 self.set_some("volume.transform", args.transform, &mut file.transform);
@@ -321,6 +322,7 @@ fn given(args: &VolumeArgs) -> impl Iterator<Item = (&'static str, String)> {
         ("volume.count", shown(&args.points_count)),
         ("volume.frame", shown(&args.frame)),
         ("volume.component", shown(&args.component)),
+        ("volume.as", args.cells_or_points.map(|kind| kind.name().to_owned())),
         ("volume.series", shown(&args.series)),
         ("volume.level", shown(&args.volume_level)),
         ("volume.transform", shown(&args.transform)),

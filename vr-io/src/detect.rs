@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
+use crate::cells::{self, CellFormat, plot3d};
 use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError, FileErrorKind, VOLUMES};
 use crate::points::{self, PointFormat};
@@ -44,6 +45,7 @@ pub(crate) enum Format {
     Raw(RawDescription),
     VtkImage(ImageFormat),
     Points(PointFormat),
+    Cells(CellFormat),
 }
 
 impl Format {
@@ -52,7 +54,7 @@ impl Format {
         match self {
             #[cfg(feature = "hdf5")]
             Self::Hdf5 => true,
-            Self::VtkImage(_) | Self::NetCdf | Self::Vdb => true,
+            Self::VtkImage(_) | Self::NetCdf | Self::Vdb | Self::Cells(_) => true,
             _ => false,
         }
     }
@@ -76,6 +78,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     }
     if let Some(format) = points::by_content(head) {
         return Ok(Format::Points(format));
+    }
+    if let Some(format) = cells::by_content(head) {
+        return Ok(Format::Cells(format));
     }
     if let Some(format) = vtk::by_content(head) {
         return Ok(Format::VtkImage(format));
@@ -118,6 +123,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
             }
             if let Some(format) = vtk::by_extension(extension).filter(|_| plain == name) {
                 return Ok(Format::VtkImage(format));
+            }
+            if plot3d::is_plot3d(path) {
+                return Ok(Format::Cells(CellFormat::Plot3d));
             }
             if let Some(format) = unsupported_by_extension(extension) {
                 return Err(FileError::new(path, FileErrorKind::Unsupported { format }));
@@ -249,7 +257,8 @@ fn holds_dicom(folder: &Path) -> bool {
 
 fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
     Some(match extension {
-        "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" => "VTK",
+        "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" | "pvts" => "VTK",
+        "p3d" | "xyz" | "q" => "PLOT3D (binary, of three dimensions; the sizes in this file do not fit its length)",
         "h5" | "hdf5" | "nc" => "HDF5 or NetCDF (this file begins as neither)",
         "zarr" => "Zarr (a folder)",
         "nvdb" => "NanoVDB",
@@ -292,10 +301,10 @@ mod tests {
         let image = |head: String| detect(Path::new("x"), head.as_bytes()).unwrap();
         assert_eq!(image(legacy("STRUCTURED_POINTS")), Format::VtkImage(ImageFormat::Legacy));
         assert_eq!(image(xml("ImageData")), Format::VtkImage(ImageFormat::Xml));
-        for grid in [legacy("STRUCTURED_GRID"), xml("RectilinearGrid")] {
-            let message = detect(Path::new("x.vtk"), grid.as_bytes()).unwrap_err().to_string();
-            assert!(message.contains("unsupported format VTK") && message.contains("a grid whose"), "{message}");
-        }
+        assert_eq!(image(legacy("STRUCTURED_GRID")), Format::Cells(CellFormat::VtkLegacy));
+        assert_eq!(image(xml("PUnstructuredGrid")), Format::Cells(CellFormat::VtkParallel));
+        let message = detect(Path::new("x.vtk"), xml("RectilinearGrid").as_bytes()).unwrap_err().to_string();
+        assert!(message.contains("unsupported format VTK") && message.contains("a grid whose"), "{message}");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use vr_core::cells::CellError;
 use vr_core::labels::LabelError;
 use vr_core::{GridError, MeshError, PointError};
 
@@ -86,6 +87,9 @@ pub enum FileErrorKind {
     /// Positions, radii, weights and values that make no set of points.
     #[error(transparent)]
     Points(#[from] PointError),
+    /// Vertices, cells and values that make no mesh.
+    #[error(transparent)]
+    Cells(#[from] CellError),
     /// Voxels that are no labels, or labels that do not fit the volume.
     #[error(transparent)]
     Labels(#[from] LabelError),
@@ -97,7 +101,7 @@ pub enum FileErrorKind {
 /// The formats of volumes, as messages list them.
 pub(crate) const VOLUMES: &str = "NRRD, MetaImage, NIfTI-1 and -2, DICOM, VTK images, TIFF, folders of pictures, Zarr, NetCDF, HDF5 (with a feature), MRC, OpenVDB, PVM, SLC, NumPy, \
                                   OpenDX, Voreen; raw, with dims and a type or a name like \
-                                  foo_256x256x256_uint8.raw; points as CSV, VTK, NumPy or HDF5";
+                                  foo_256x256x256_uint8.raw; points as CSV, VTK, NumPy or HDF5; cells as VTK (.vtk, .vtu, .vts, .pvtu, .pvts), PLOT3D or Exodus II";
 
 impl FileErrorKind {
     pub(crate) fn field(field: impl Into<String>, found: impl Display, allowed: impl Into<String>) -> Self {

@@ -135,7 +135,22 @@
 //!
 //! [`read()`] gives a volume of points, and so does [`read_points`], whose page tells where radii, weights and values come from; [`PointOptions`]
 //! choose columns, the kernel and radii. Points that make no sense (a radius of 0, a position that is NaN) are refused by number or line and column.
-//! Cells are left out, which is said.
+//! Cells are left out, which is said; grids whose cells have a volume and values become meshes, as follows.
+//!
+//! # Meshes of cells that are read
+//!
+//! | format | files | what is taken |
+//! |---|---|---|
+//! | VTK, legacy | `.vtk` up to version 5.1 with UNSTRUCTURED_GRID or STRUCTURED_GRID, text or binary | cells of three dimensions, data of points or cells |
+//! | VTK, XML | `.vtu`, `.vts`: text, base64, appended (base64 or raw), zlib, LZ4; pieces, also in files of their own (`.pvtu`, `.pvts`) | the same; ghosts and blanked cells are left out |
+//! | PLOT3D | binary grids of three dimensions with a solution beside: both byte orders, 32 and 64 bits, with record marks or without, several grids, `iblank` | Density, Momentum, Energy |
+//! | Exodus II | NetCDF's classic formats: blocks of TETRA, PYRAMID, WEDGE and HEX | values of nodes and elements at one time step; vectors of three names that end in x, y, z |
+//!
+//! [`read()`] gives a [`vr_core::CellMesh`] where there are cells of three dimensions and an array of values, and scattered points otherwise
+//! ([`ReadOptions::cells_or_points`] chooses). Tetrahedra, voxels, hexahedra, wedges, pyramids, prisms and polyhedra are split alike on both sides of a
+//! face; cells of higher order are taken by their corners; vertices, lines and surfaces are counted and left out. Pieces are welded where vertices have the
+//! same position, bit by bit. A vertex that is not there is refused with its cell; cells without a volume, repeated or without a finite value are left
+//! out, which is said.
 //!
 //! # Surfaces that are read
 //!
@@ -187,8 +202,8 @@
 //!
 //! # What is not here yet
 //!
-//! VTK's uneven grids (`.vtr`, `.vts`) are recognised and refused by name. Of VTK's points and images, blocks packed with LZMA are;
-//! so are parallel files (`.pvtp`, `.pvti`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical)
+//! VTK's uneven grids (`.vtr`) are recognised and refused by name. Of VTK's points, cells and images, blocks packed with LZMA are;
+//! so are parallel files of points and images (`.pvtp`, `.pvti`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical)
 //! colours are refused.
 //! In DICOM, frames in JPEG 2000, JPEG-LS, JPEG XL and JPEG of 12 bits are, and images of single bits.
 //!
@@ -198,6 +213,7 @@
 mod advice;
 mod animation;
 mod atomic;
+mod cells;
 mod claim;
 mod colors;
 mod decode;
@@ -257,6 +273,7 @@ mod zarr;
 
 pub use animation::{AnimationFormat, AnimationOptions, write_animation};
 pub use atomic::write_bytes;
+pub use cells::CellsOrPoints;
 pub use digest::{file_hash, volume_hash};
 pub use edit::{Reduction, Rounding, convert_grid, crop_grid, flip_grid, halve_grid, resample_grid};
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};

@@ -9,6 +9,7 @@ use glam::DMat3;
 use vr_core::{Calibration, ColorGrid, GridError, Placement, Volume};
 use vr_look::Hints;
 
+use crate::cells::{self, CellFormat, CellsOrPoints};
 use crate::detect::{Format, detect, detect_folder};
 use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError};
@@ -31,10 +32,10 @@ pub struct ReadOptions {
     /// Frame of a 4-D file, from 0; the first if absent, which is said.
     pub frame: Option<usize>,
     /// Component of a file with several values per voxel, from 0. If absent, the voxels of a file of colours are these colours
-    /// ([`Volume::Color`]), and of others the first component is taken, which is said.
+    /// ([`Volume::Color`]), of cells the length of all components is taken, and of others the first one, which is said.
     pub component: Option<usize>,
-    /// Array of a file that holds several under names; not needed where the file says which one is meant, or has one. Of scattered points,
-    /// that of the values ([`PointOptions::value`], which comes first).
+    /// Array of a file that holds several under names; not needed where the file says which one is meant, or has one. Of scattered points
+    /// and cells, that of the values ([`PointOptions::value`], which comes first); `1` for a value of 1 everywhere.
     pub array: Option<String>,
     /// Resolution of an OME-Zarr image, from 0, the finest; `None` takes the finest of at most 2²⁷ voxels. Other files have none.
     pub level: Option<usize>,
@@ -49,6 +50,8 @@ pub struct ReadOptions {
     pub map: bool,
     /// Options of reading scattered points.
     pub points: PointOptions,
+    /// The way to take a file that has cells with vertices; if absent, a mesh of the cells where they have three dimensions and values, else points.
+    pub cells_or_points: Option<CellsOrPoints>,
 }
 
 impl Default for ReadOptions {
@@ -63,6 +66,7 @@ impl Default for ReadOptions {
             raw: None,
             map: true,
             points: PointOptions::default(),
+            cells_or_points: None,
         }
     }
 }
@@ -101,9 +105,9 @@ pub struct FileInfo {
     pub units: Option<String>,
     /// Frames in the file; one of them is the volume.
     pub frames: usize,
-    /// Components per voxel in the file; one of them is the volume, or all where they are a colour.
+    /// Components per voxel in the file; one of them is the volume, or all where they are a colour. Of cells, those of the array that is taken.
     pub components: usize,
-    /// Columns or arrays of points, of which some may have been taken; none of a grid.
+    /// Columns or arrays of points or cells, of which some may have been taken; none of a grid.
     pub columns: Vec<String>,
     /// The files that hold the voxels.
     pub data_files: Vec<PathBuf>,
@@ -166,6 +170,7 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, Fil
         }
         Described::Grid(description) => load(path, *description, options),
         Described::Points(format) => load_points(path, format, options),
+        Described::Cells(format, head) => cells::read_as(format, path, &head, options),
     }
 }
 
@@ -178,7 +183,7 @@ pub(crate) fn component(
     let options = ReadOptions { component: Some(component), ..options.clone() };
     Ok(match describe(path, &options)? {
         Described::Grid(description) => Some((description.source, description.layout)),
-        Described::Points(_) => None,
+        Described::Points(_) | Described::Cells(..) => None,
     })
 }
 
@@ -237,6 +242,8 @@ pub fn outline(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<L
 enum Described {
     Grid(Box<Description>),
     Points(PointFormat),
+    /// With the beginning of the file.
+    Cells(CellFormat, Vec<u8>),
 }
 
 /// Reads the header alone.
@@ -258,6 +265,12 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::Points(PointFormat::Hdf5) if !points::hdf5::holds_points(path) => Format::Hdf5,
         other => other,
     };
+    // What has cells besides its points is no list of points.
+    let format = match format {
+        Format::Points(_) => cells::by_content(&head).map_or(format, Format::Cells),
+        Format::NetCdf if cells::is_exodus(path) => Format::Cells(CellFormat::Exodus),
+        other => other,
+    };
     let is_points = matches!(format, Format::Points(_));
     let choices = [
         (
@@ -274,6 +287,12 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
             "only OME-Zarr images have levels",
         ),
     ];
+    let takes_cells = matches!(format, Format::Cells(_));
+    let wants_points = options.cells_or_points == Some(CellsOrPoints::Points) && is_points;
+    if let Some(found) = options.cells_or_points.filter(|_| !takes_cells && !wants_points) {
+        let allowed = "only files of cells with vertices have the choice";
+        return Err(FieldError::new("as", found.name(), allowed).in_file(path));
+    }
     for (field, choice, is_there, otherwise) in choices {
         if let Some(found) = choice.filter(|_| !is_there) {
             return Err(FieldError::new(field, found, otherwise).in_file(path));
@@ -302,6 +321,7 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::Raw(description) => raw::describe(path, &description, Encoding::of_file(&head), options)?,
         Format::VtkImage(format) => vtk::describe(format, path, options)?,
         Format::Points(format) => return Ok(Described::Points(format)),
+        Format::Cells(format) => return Ok(Described::Cells(format, head)),
     };
     Ok(Described::Grid(Box::new(description)))
 }
@@ -314,7 +334,7 @@ pub(crate) fn file_head(path: &Path) -> io::Result<Vec<u8>> {
     Ok(head)
 }
 
-fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Result<Loaded, FileError> {
+pub(crate) fn load_points(path: &Path, format: PointFormat, options: &ReadOptions) -> Result<Loaded, FileError> {
     for (field, choice) in [("frame", options.frame), ("component", options.component)] {
         if let Some(choice) = choice {
             return Err(FieldError::new(field, choice, "scattered points have none to choose").in_file(path));

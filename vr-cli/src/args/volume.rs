@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use vr_core::PointKernel;
-use vr_io::{Endian, ScalarType, Transform};
+use vr_io::{CellsOrPoints, Endian, ScalarType, Transform};
 
 use super::value;
 
@@ -13,7 +13,7 @@ use super::value;
 #[command(next_help_heading = "Volume")]
 pub struct VolumeArgs {
     /// A volume file or folder: NRRD, MetaImage, NIfTI, DICOM, VTK, TIFF, Zarr, NetCDF and more, or raw with the size in its name; or scattered points: CSV, VTK (.vtp, .vtu, .vtk), NumPy or
-    /// HDF5; without it, the embedded scene
+    /// HDF5; or a mesh of cells: VTK (.vtu, .vts, .pvtu, .pvts, .vtk), PLOT3D or Exodus II; without it, the embedded scene
     #[arg(value_name = "VOLUME")]
     pub path: Option<PathBuf>,
     /// A phantom instead of a file
@@ -25,7 +25,7 @@ pub struct VolumeArgs {
     /// Frame of a series, from 0
     #[arg(long, value_name = "N")]
     pub frame: Option<usize>,
-    /// Component of several, from 0; without it, RGB and RGBA are drawn as they are
+    /// Component of several, from 0; without it, RGB and RGBA are drawn as they are, and vectors of cells by their length
     #[arg(long, value_name = "N")]
     pub component: Option<usize>,
     /// DICOM: the series, by its SeriesInstanceUID or its number
@@ -58,7 +58,10 @@ pub struct VolumeArgs {
     /// Number of points of a phantom that is made of points
     #[arg(long, value_name = "N", conflicts_with = "path")]
     pub points_count: Option<usize>,
-    /// VTK images, NetCDF and HDF5: the array, by name or path. Points: the column or array of the values, one that vr info lists; 1 for a value of 1 at every point
+    /// Cells with vertices: take the cells or, with points, the vertices alone as scattered points
+    #[arg(long = "as", value_name = "KIND", value_parser = value::word::<CellsOrPoints>)]
+    pub cells_or_points: Option<CellsOrPoints>,
+    /// VTK images, NetCDF and HDF5: the array, by name or path. Cells: the array of vertices or cells. Points: the column or array of the values, one that vr info lists; 1 for a value of 1 at every point
     #[arg(long, value_name = "NAME")]
     pub value: Option<String>,
     /// Points: kernel that spreads each (cubic-spline, gaussian or cone)

@@ -5,6 +5,7 @@ mod animation;
 mod annotate;
 mod bad_input;
 mod bench;
+mod cells;
 mod colors;
 mod commands;
 mod convert;

@@ -23,6 +23,8 @@ pub(super) struct Header {
     pub variables: Vec<Variable>,
     /// Place of each of them, in the same order.
     pub places: Vec<Place>,
+    /// Variables of characters, which have the type of their bytes here, and their places.
+    pub texts: Vec<(Variable, Place)>,
 }
 
 /// Place of a variable's numbers, and its attributes.
@@ -84,9 +86,12 @@ impl Header {
             counted
         };
 
-        let (mut variables, mut places) = (Vec::new(), Vec::new());
+        let (mut variables, mut places, mut texts) = (Vec::new(), Vec::new(), Vec::new());
         for v in raw {
-            let Kind::Number(scalar) = v.kind else { continue };
+            let scalar = match v.kind {
+                Kind::Number(scalar) => scalar,
+                Kind::Text => ScalarType::U8,
+            };
             let (mut shape, mut names) = (Vec::new(), Vec::new());
             for (a, &d) in v.dimensions.iter().enumerate() {
                 let found = dimension(&dimensions, d).ok_or_else(|| {
@@ -104,10 +109,16 @@ impl Header {
                 names.push(Some(found.name.clone()));
             }
             let record = counts_records(&v).then_some(record);
-            variables.push(Variable { name: v.name, shape, dimensions: names, scalar });
-            places.push(Place { begin: v.begin, record, attributes: v.attributes });
+            let place = Place { begin: v.begin, record, attributes: v.attributes };
+            let variable = Variable { name: v.name, shape, dimensions: names, scalar };
+            if v.kind == Kind::Text {
+                texts.push((variable, place));
+            } else {
+                variables.push(variable);
+                places.push(place);
+            }
         }
-        Ok(Self { version, variables, places })
+        Ok(Self { version, variables, places, texts })
     }
 }
 

@@ -32,9 +32,55 @@ pub(crate) fn describe(path: &Path, options: &ReadOptions) -> Result<Description
 }
 
 /// A file.
-struct Classic {
+pub(crate) struct Classic {
     path: PathBuf,
     header: Header,
+}
+
+impl Classic {
+    /// Reads the header.
+    pub fn open(path: &Path) -> Result<Self, FileErrorKind> {
+        Ok(Self { path: path.into(), header: Header::read(path)? })
+    }
+
+    /// The lines of a variable of characters, without the blanks and zeros that fill them up; none where there is no such variable.
+    pub fn lines(&self, name: &str) -> Result<Vec<String>, FileErrorKind> {
+        let Some((variable, place)) = self.header.texts.iter().find(|(variable, _)| variable.name == name) else {
+            return Ok(Vec::new());
+        };
+        let bytes = self.read_place(variable, place, &vec![0; variable.shape.len()], &variable.shape)?;
+        let length = variable.shape.last().copied().unwrap_or(1).max(1);
+        let text = |line: &[u8]| {
+            let end = line.iter().position(|&c| c == 0).unwrap_or(line.len());
+            String::from_utf8_lossy(line[..end].trim_ascii()).into_owned()
+        };
+        Ok(bytes.chunks(length).map(text).collect())
+    }
+
+    /// Reads the bytes of a part of a variable.
+    fn read_place(
+        &self,
+        variable: &Variable,
+        place: &Place,
+        start: &[usize],
+        count: &[usize],
+    ) -> Result<Vec<u8>, FileErrorKind> {
+        let mut file = File::open(&self.path)?;
+        let length = file.metadata()?.len();
+        let claimed = count.iter().fold(variable.scalar.bytes() as u64, |n, &c| n.saturating_mul(c as u64));
+        // Nothing is allocated for more than there is.
+        let end = place.end(variable, start, count);
+        if end > length || claimed > length {
+            let found = claimed.saturating_sub(end.saturating_sub(length));
+            return Err(FileErrorKind::Length { claimed, found, hint: " (is the file whole?)" });
+        }
+        let mut out = Vec::with_capacity(usize::try_from(claimed).unwrap_or(0));
+        for (offset, bytes) in place.runs(variable, start, count) {
+            file.seek(SeekFrom::Start(offset))?;
+            (&mut file).take(bytes).read_to_end(&mut out)?;
+        }
+        Ok(out)
+    }
 }
 
 impl Store for Classic {
@@ -50,22 +96,7 @@ impl Store for Classic {
 
     fn read(&self, variable: &Variable, start: &[usize], count: &[usize]) -> Result<Vec<u8>, FileErrorKind> {
         let index = self.header.variables.iter().position(|v| v.name == variable.name);
-        let place = &self.header.places[index.unwrap_or_default()];
-        let mut file = File::open(&self.path)?;
-        let length = file.metadata()?.len();
-        let claimed: u64 = count.iter().map(|&n| n as u64).product::<u64>() * variable.scalar.bytes() as u64;
-        // Nothing is allocated for more than there is.
-        let end = place.end(variable, start, count);
-        if end > length {
-            let found = claimed.saturating_sub(end - length);
-            return Err(FileErrorKind::Length { claimed, found, hint: " (is the file whole?)" });
-        }
-        let mut out = Vec::with_capacity(usize::try_from(claimed).unwrap_or(0));
-        for (offset, bytes) in place.runs(variable, start, count) {
-            file.seek(SeekFrom::Start(offset))?;
-            (&mut file).take(bytes).read_to_end(&mut out)?;
-        }
-        Ok(out)
+        self.read_place(variable, &self.header.places[index.unwrap_or_default()], start, count)
     }
 
     fn endian(&self) -> Endian {

@@ -1,6 +1,7 @@
 //! Scattered points in: text, VTK, NumPy and HDF5.
 
 mod assemble;
+mod columns;
 mod delimited;
 #[cfg(feature = "hdf5")]
 pub(crate) mod hdf5;
@@ -25,6 +26,8 @@ use crate::vtk::{self, Content};
 use crate::world::Space;
 
 use roles::Roles;
+
+pub(crate) use columns::{Columns, points_of_columns};
 
 /// The formats that are read, as messages list them.
 const SUPPORTED: &str = "CSV and TSV, VTK PolyData and UnstructuredGrid (.vtp, .vtu, .vtk), NumPy (.npy, N x 3) and, with the feature hdf5, Gadget and Phantom HDF5";

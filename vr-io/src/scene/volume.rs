@@ -99,6 +99,7 @@ fn from_file(
     let options = ReadOptions {
         frame: file.frame,
         component: file.component,
+        cells_or_points: file.cells_or_points,
         array: file.points.value.clone(),
         series: file.series.clone(),
         level: file.level,
@@ -115,6 +116,11 @@ fn from_file(
     let choices_of_points = PointOptions { value: None, ..file.points.clone() };
     if let (Volume::Grid(_) | Volume::Color(_), Some((key, found))) = (&loaded.volume, first_key(&choices_of_points)) {
         let allowed = "only scattered points have one; this is a grid";
+        return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
+    }
+    if let (Volume::Cells(_), Some((key, found))) = (&loaded.volume, first_key(&choices_of_points)) {
+        let allowed =
+            "only scattered points have one; this is a mesh of cells, whose vertices as = \"points\" takes alone";
         return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
     }
     let Loaded { volume, info, mut notes } = loaded;

@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use vr_core::{Calibration, Filter, GridError, ParameterError, Placement, PointKernel, phantom};
 
+use crate::cells::CellsOrPoints;
 use crate::nifti::Transform;
 use crate::points::{PointColumns, PointOptions};
 use crate::scalar::{Endian, ScalarType};
@@ -68,6 +69,8 @@ pub struct FileSource {
     pub frame: Option<usize>,
     /// Number of a component of several.
     pub component: Option<usize>,
+    /// The way to take cells with vertices.
+    pub cells_or_points: Option<CellsOrPoints>,
     /// UID or number of a DICOM series.
     pub series: Option<String>,
     /// Number of a resolution of an OME-Zarr image, 0 the finest.
@@ -178,6 +181,8 @@ struct Keys {
     intercept: Option<f64>,
     frame: Option<usize>,
     component: Option<usize>,
+    #[serde(rename = "as")]
+    cells_or_points: Option<CellsOrPoints>,
     series: Option<Series>,
     level: Option<usize>,
     transform: Option<Transform>,
@@ -238,6 +243,7 @@ impl TryFrom<Keys> for VolumeSection {
                 path,
                 frame: keys.frame.take(),
                 component: keys.component.take(),
+                cells_or_points: keys.cells_or_points.take(),
                 series: keys.series.take().map(Series::into_text),
                 level: keys.level.take(),
                 transform: keys.transform.take(),
@@ -284,7 +290,19 @@ impl From<VolumeSection> for Keys {
         let mut keys = Self { filter, ..Self::default() };
         match source {
             Some(VolumeSource::File(file)) => {
-                let FileSource { path, frame, component, series, level, transform, endian, skip, grid, points } = file;
+                let FileSource {
+                    path,
+                    frame,
+                    component,
+                    cells_or_points,
+                    series,
+                    level,
+                    transform,
+                    endian,
+                    skip,
+                    grid,
+                    points,
+                } = file;
                 let PointOptions { kernel, radius, radius_scale, value, columns } = points;
                 keys.put_grid(grid);
                 keys = Self {
@@ -294,6 +312,7 @@ impl From<VolumeSection> for Keys {
                     ..Self {
                         frame,
                         component,
+                        cells_or_points,
                         level,
                         transform,
                         endian,

@@ -29,14 +29,12 @@ pub(crate) fn unsupported(head: &[u8]) -> Option<&'static str> {
     Some(match content(head)? {
         Content::Legacy(kind) => match kind.as_str() {
             "RECTILINEAR_GRID" => "VTK RECTILINEAR_GRID (a grid whose planes are not evenly spaced)",
-            "STRUCTURED_GRID" => "VTK STRUCTURED_GRID (a grid whose points each have a position of their own)",
             // Where it is read, this comes out of a compressed file.
-            "STRUCTURED_POINTS" | "POLYDATA" | "UNSTRUCTURED_GRID" => PACKED,
+            "STRUCTURED_POINTS" | "POLYDATA" | "UNSTRUCTURED_GRID" | "STRUCTURED_GRID" => PACKED,
             _ => return None,
         },
         Content::Xml(kind) => match kind.as_str() {
             "RectilinearGrid" => "VTK RectilinearGrid (.vtr: a grid whose planes are not evenly spaced)",
-            "StructuredGrid" => "VTK StructuredGrid (.vts: a grid whose points each have a position of their own)",
             "HyperTreeGrid" => "VTK HyperTreeGrid (.htg: a tree of cells)",
             "vtkOverlappingAMR" | "vtkNonOverlappingAMR" | "vtkHierarchicalBoxDataSet" => {
                 "VTK AMR (a list of .vti files, each of which can be read)"
@@ -46,7 +44,8 @@ pub(crate) fn unsupported(head: &[u8]) -> Option<&'static str> {
             }
             "Collection" => "VTK Collection (.pvd: a list of files, each of which may be read)",
             "PImageData" => "VTK PImageData (.pvti: a list of .vti files, each of which can be read)",
-            "ImageData" | "PolyData" | "UnstructuredGrid" => PACKED,
+            "ImageData" | "PolyData" | "UnstructuredGrid" | "StructuredGrid" | "PUnstructuredGrid"
+            | "PStructuredGrid" => PACKED,
             kind if kind.starts_with('P') => "VTK parallel file (a list of files, each of which may be read)",
             _ => "VTK (XML)",
         },
@@ -107,10 +106,8 @@ mod tests {
         let of = |kind: &str| unsupported(format!("<VTKFile type=\"{kind}\">").as_bytes()).unwrap();
         assert!(of("RectilinearGrid").contains("RectilinearGrid (.vtr"));
         assert!(of("PImageData").contains("list of .vti files"));
-        assert!(of("PUnstructuredGrid").contains("parallel"));
-        assert!(
-            unsupported(b"# vtk DataFile\n\nASCII\nDATASET STRUCTURED_GRID\n").unwrap().contains("STRUCTURED_GRID")
-        );
+        assert!(of("PPolyData").contains("parallel"));
+        assert!(of("PUnstructuredGrid").contains("when unpacked"));
         assert_eq!(unsupported(b"NRRD0004"), None);
     }
 }

@@ -13,6 +13,7 @@ mod xml;
 
 pub(crate) use content::{Content, content, unsupported};
 pub(crate) use data_array::{DataArray, named_arrays};
-pub(crate) use image::{ImageFormat, by_content, by_extension, describe};
-pub(crate) use legacy::{Array, Legacy};
+pub(crate) use image::{Candidate, Extent, ImageFormat, by_content, by_extension, choose, describe};
+pub(crate) use legacy::{Array, CellLines, Legacy};
+pub(crate) use words::exactly;
 pub(crate) use xml::{Store, XmlFile, root};

@@ -26,7 +26,7 @@ pub(super) fn numbers<T>(text: &[u8], parse: impl Fn(&str) -> Option<T>) -> Resu
 }
 
 /// The numbers of all words, if they are as many as that.
-pub(super) fn exactly<'w, T: FromStr, const N: usize>(words: impl Iterator<Item = &'w str>) -> Option<[T; N]> {
+pub(crate) fn exactly<'w, T: FromStr, const N: usize>(words: impl Iterator<Item = &'w str>) -> Option<[T; N]> {
     let numbers: Option<Vec<T>> = words.map(|word| word.parse().ok()).collect();
     numbers?.try_into().ok()
 }

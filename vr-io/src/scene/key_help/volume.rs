@@ -50,6 +50,11 @@ fn file_keys() -> Vec<KeyHelp> {
         key("frame", Usual("0"), "Number of the frame of a series of volumes, from 0."),
         key("component", Usual("0"), "Number of the component where each voxel has several, from 0."),
         key(
+            "as",
+            Example("\"points\""),
+            "Files of cells with vertices: cells, or points for the vertices alone; absent: cells where they have three dimensions and values.",
+        ),
+        key(
             "series",
             Example("3"),
             "DICOM: the series, by its number or its UID in quotes; needed where there are several.",
@@ -63,7 +68,7 @@ fn file_keys() -> Vec<KeyHelp> {
         key(
             "value",
             Example("\"density\""),
-            "VTK images: name of the array. Points: column or array of the values; \"1\" for a value of 1 at every point.",
+            "VTK images, cells: name of the array. Points: column or array of the values; \"1\" for a value of 1 at every point.",
         ),
     ];
     keys.extend(grid_keys("Raw files: ", "\"u8\"", "u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64"));

@@ -6,7 +6,7 @@ use crate::read::ReadOptions;
 
 /// An array that could be taken.
 #[derive(Clone, Debug)]
-pub(super) struct Candidate {
+pub(crate) struct Candidate {
     pub name: String,
     /// Numbers per point or cell.
     pub components: usize,
@@ -23,7 +23,7 @@ impl Candidate {
 }
 
 /// Finds the array that the options name; else the scalars, the first array with one component, or the first. Points come before cells.
-pub(super) fn choose(
+pub(crate) fn choose(
     candidates: &[Candidate],
     options: &ReadOptions,
     notes: &mut Vec<String>,

@@ -7,7 +7,7 @@ use crate::error::FieldError;
 
 /// First and last index of the points along each axis; the last one is not below the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Extent([[i64; 2]; 3]);
+pub(crate) struct Extent([[i64; 2]; 3]);
 
 impl Extent {
     /// Takes six numbers, as files have them; `None` for an extent without points.

@@ -22,7 +22,9 @@ use crate::world::Space;
 
 use super::content::{Content, content};
 
-use choice::{Candidate, choose};
+pub(crate) use choice::{Candidate, choose};
+pub(crate) use lattice::Extent;
+
 use lattice::Lattice;
 
 /// The forms of an image's file.

@@ -22,6 +22,8 @@ pub(crate) struct Legacy {
     pub attributes: Vec<Attribute>,
     /// Cells that are listed.
     pub cells: usize,
+    /// Lists of an unstructured grid.
+    pub cell_lines: CellLines,
     pub lattice: LatticeLines,
     /// Claim of POINT_DATA.
     pub point_count: Option<usize>,
@@ -32,7 +34,20 @@ pub(crate) struct Legacy {
     of_cells: bool,
 }
 
-/// The lattice of STRUCTURED_POINTS.
+/// The lists of cells of UNSTRUCTURED_GRID.
+#[derive(Debug, Default)]
+pub(crate) struct CellLines {
+    /// Number of cells.
+    pub count: usize,
+    /// Vertices; up to version 4 of each cell their number first.
+    pub cells: Option<Array>,
+    /// From version 5.0 on: begin of each cell, and end of the last one.
+    pub offsets: Option<Array>,
+    /// VTK's number for the type of each cell.
+    pub types: Option<Array>,
+}
+
+/// The lattice of STRUCTURED_POINTS and STRUCTURED_GRID.
 #[derive(Debug, Default)]
 pub(crate) struct LatticeLines {
     pub dimensions: Option<[usize; 3]>,
@@ -121,22 +136,30 @@ impl Legacy {
                 match scan.line_of("OFFSETS")? {
                     // From version 5.0 on, in two parts, of which the first has one number more than there are cells.
                     Some(offsets) => {
-                        scan.array("OFFSETS", offsets.split_whitespace().nth(1).unwrap_or_default(), count)?;
+                        let scalar = offsets.split_whitespace().nth(1).unwrap_or_default();
+                        let offsets = scan.array("OFFSETS", scalar, count)?;
                         let connectivity = scan.line()?.unwrap_or_default();
                         let scalar = connectivity.strip_prefix("CONNECTIVITY").map(str::trim);
                         let wrong = || FileErrorKind::field(scan.place(), &connectivity, "must be CONNECTIVITY");
                         let scalar = scalar.ok_or_else(wrong)?;
-                        scan.array("CONNECTIVITY", scalar, size)?;
+                        let cells = scan.array("CONNECTIVITY", scalar, size)?;
                         self.cells = self.cells.saturating_add(count.saturating_sub(1));
+                        if keyword == "CELLS" {
+                            self.cell_lines.count = count.saturating_sub(1);
+                            (self.cell_lines.cells, self.cell_lines.offsets) = (Some(cells), Some(offsets));
+                        }
                     }
                     None => {
-                        scan.array(&keyword, "int", size)?;
+                        let cells = scan.array(&keyword, "int", size)?;
                         self.cells = self.cells.saturating_add(count);
+                        if keyword == "CELLS" {
+                            (self.cell_lines.cells, self.cell_lines.count) = (Some(cells), count);
+                        }
                     }
                 }
             }
             "CELL_TYPES" => {
-                scan.array("CELL_TYPES", "int", size(1)?)?;
+                self.cell_lines.types = Some(scan.array("CELL_TYPES", "int", size(1)?)?);
             }
             "POINT_DATA" => {
                 (self.of_cells, self.count) = (false, size(1)?);
