@@ -51,7 +51,7 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         if args.output.is_some() {
             return Err(no_slices("a mesh of cells"));
         }
-        let look = Survey::new(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
+        let look = Survey::of(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
         let found = CellsInfo::new(&title, mesh, info.as_ref(), &look.reason, &notes);
         return console.result(&found.text(), &found);
     }
