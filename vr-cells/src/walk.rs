@@ -92,9 +92,9 @@ impl<const N: usize> Walker<'_, N> {
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let mut reached = f64::NEG_INFINITY;
         for &(depth, face) in found.iter() {
-            // On an edge of the surface two faces are entered at once.
+            // On an edge of the surface two faces are entered at once, and the first way has gone through what lies behind the second.
             let tolerance = 1e-12 * (depth.abs() + reached.abs());
-            if depth < reached - tolerance || (depth <= reached && reached > f64::NEG_INFINITY && depth == reached) {
+            if depth < reached - tolerance {
                 continue;
             }
             let mut tries = 0u32;
@@ -137,8 +137,7 @@ impl<const N: usize> Walker<'_, N> {
         take: &mut dyn FnMut(&Part<N>) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Stuck> {
         let Some(mut gate) = self.gate(axis, face) else { return Ok(ControlFlow::Continue(())) };
-        let (mut depth, mut at) = gate.place();
-        depth = depth.max(*reached);
+        let (mut walked, mut at) = gate.place();
         let mut cell = face.cell as usize;
         let mut patience = PATIENCE;
         let of_cells = match self.mesh.values() {
@@ -163,9 +162,11 @@ impl<const N: usize> Walker<'_, N> {
                 (Gate { corners: [pc, pa, tip], names: [c, a, d], weights: [to_a, -to_c, gate.weights[1]] }, b)
             };
             let (next_depth, next_at) = gate.place();
-            if next_depth > depth {
+            // What a way that got stuck has taken already is not taken again.
+            let taken = walked.max(*reached);
+            if next_depth > taken {
                 patience = PATIENCE;
-                let mut here = Part { ends: [depth * axis.length, next_depth * axis.length], at: [at, next_at] };
+                let mut here = Part { ends: [walked, next_depth].map(|depth| depth * axis.length), at: [at, next_at] };
                 if let Some(values) = of_cells {
                     here.at[0][0] = values[cell];
                     here.at[1][0] = values[cell];
@@ -173,15 +174,16 @@ impl<const N: usize> Walker<'_, N> {
                 if here.ends[0] >= part[1] {
                     return Ok(ControlFlow::Break(()));
                 }
-                (depth, at, *reached) = (next_depth, next_at, next_depth);
-                if let Some(here) = here.within(part)
+                let open = [part[0].max(taken * axis.length), part[1]];
+                (walked, at, *reached) = (next_depth, next_at, next_depth);
+                if let Some(here) = here.within(open)
                     && take(&here).is_break()
                 {
                     return Ok(ControlFlow::Break(()));
                 }
             } else {
-                at = next_at;
-                patience -= 1;
+                patience = if next_depth > walked { PATIENCE } else { patience - 1 };
+                (walked, at) = (walked.max(next_depth), next_at);
                 if patience == 0 {
                     return Err(Stuck);
                 }
