@@ -158,7 +158,7 @@ fn a_constant_slab_is_the_same_everywhere() {
         // Pixel centres on the lattice's lines and diagonals.
         let control = Control::default();
         for size in [8, 15, 16] {
-            let view = View::new(camera.clone(), [size; 2]);
+            let view = View::new(camera, [size; 2]);
             let frame =
                 CellMarcher::default().prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame;
             let exact = 1.0 - (-0.5f64).exp();

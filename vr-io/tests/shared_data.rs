@@ -320,7 +320,7 @@ const BROKEN: [(&str, &str); 48] = [
     ("lies_128x128x128_uint8.raw", "claims 2097152 bytes of voxels, found 68921"),
     ("hydrogen_truncated.vti", "must be well-formed and whole"),
     ("tets_no_scalars.vtk", ""),
-    ("tets_bad_index.vtk", ""),
+    ("tets_bad_index.vtk", "found vertex 999999"),
     ("tets_nan_scalar.vtk", ""),
     ("Bucky_truncated.pvm", "claims 32768 bytes of voxels, found 1"),
     ("sph_zero_h.h5", SPH_ZERO_H),

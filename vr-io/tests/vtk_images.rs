@@ -205,8 +205,8 @@ fn broken_images_are_refused_with_reasons() {
     refused(&replaced("Spacing=\"0.5 1 2\"", "Spacing=\"0.5 2\""), &["Spacing: found 0.5 2; must be three numbers"]);
     refused(&replaced("1 0 0 0 1 0 0 0 1", "1 1 0 0 0 0 0 0 1"), &["linearly independent"]);
     refused(
-        &replaced("type=\"ImageData\"", "type=\"StructuredGrid\""),
-        &["unsupported format VTK StructuredGrid (.vts"],
+        &replaced("type=\"ImageData\"", "type=\"RectilinearGrid\""),
+        &["unsupported format VTK RectilinearGrid (.vtr"],
     );
     refused(&replaced("type=\"ImageData\"", "type=\"PImageData\""), &["VTK PImageData (.pvti: a list of .vti files"]);
     refused(&text.as_bytes()[..text.len() / 2], &["XML", "must be well-formed and whole"]);

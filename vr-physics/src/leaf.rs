@@ -141,7 +141,7 @@ impl<'a> Leaf<'a> {
 
     /// Largest bound of a quantity of the components, at most `spread` of the field away from its middle.
     fn brightest(&self, quantity: impl Fn(&Component) -> [Linear; 3], spread: f64) -> f64 {
-        largest(self.components().flat_map(|c| quantity(c)).map(|l| l.bound(spread)))
+        largest(self.components().flat_map(quantity).map(|l| l.bound(spread)))
     }
 
     /// True if light is reflected: the gradient exists and is not zero throughout.
@@ -420,7 +420,8 @@ impl<'a> Leaf<'a> {
                 depth_error += more;
                 light_error += product(more, 3.0 * self.optics.brightest_surface().max(magnitude));
             }
-            if !self.optics.transfer.has_emission() && !(self.optics.transfer.has_rows() && s.shading.is_flat()) {
+            let transfer = &self.optics.transfer;
+            if !(transfer.has_emission() || transfer.has_rows() && s.shading.is_flat()) {
                 let smallest = (s.square.coefficients()[0] - s.square.spread(1.0)).max(0.0).sqrt();
                 // 0/0 is a field without gradient and without error.
                 let turn = if off == Bound::ZERO { Bound::ZERO } else { off * 4.0 / smallest };

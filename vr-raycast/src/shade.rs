@@ -66,7 +66,7 @@ impl<R: Real> Shader<R> {
         let has_rows = classifier.transfer.has_rows();
         let modulates = !self.shading.gradient_opacity.is_empty();
         // Emission given on its own is light, not a surface.
-        let reflects = !classifier.transfer.has_emission() && !(has_rows && self.shading.is_flat());
+        let reflects = !(classifier.transfer.has_emission() || has_rows && self.shading.is_flat());
         // Where nothing absorbs, there is no gradient to look at, unless it chooses what is emitted.
         let is_clear = |light: &[R; 4]| light[3] == R::ZERO && !(has_rows && *light != [R::ZERO; 4]);
         if !(modulates || reflects || has_rows) || run.light[..run.len()].iter().all(is_clear) {

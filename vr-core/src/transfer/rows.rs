@@ -162,7 +162,7 @@ impl TransferFunction {
     /// Panics if there are no rows: a bug in the caller.
     pub fn row_mix(&self, magnitude: f64) -> RowMix {
         let last = self.rows.len() - 1;
-        let above = self.rows.partition_point(|row| !(row.gradient > magnitude));
+        let above = self.rows.partition_point(|row| row.gradient <= magnitude || magnitude.is_nan());
         if above == 0 || above > last {
             let only = above.min(last);
             return RowMix { lower: only, upper: only, share: 0.0, slope: 0.0 };
