@@ -36,7 +36,7 @@
 //! ```
 //!
 //! # What it integrates
-//! The canonical pixel: [`vr_core::Prepared::model`] is `Canonical`. Its error against `vr-physics` is that of rounding and of Gauss's rule, below 10⁻⁶,
+//! The canonical pixel: [`vr_core::Prepared::model`] is `Canonical`. Its error against `vr-physics` is that of rounding and of Gauss's rule, below 10⁻⁵ (10⁻⁴ in single pixels where shaded normals turn within a cell),
 //! and at most 1 − `termination` where a ray ends early. Every compositing operator, shading, clip planes, opaque surfaces, and a camera inside the mesh are drawn.
 //!
 //! # What cannot be drawn

@@ -21,6 +21,8 @@ const HALVINGS: u32 = 40;
 const TURNS: u32 = 6;
 const BENDS: u32 = 12;
 const PLACES: u32 = 30;
+/// Light at stake where a normal turns, times the fourth power of the sine: a highlight is missed by about as much.
+const SEEN_TURN: f64 = 1e-6;
 /// Optical depth of a stretch below which its light needs no second look, and transparency before which no light counts.
 const FAINT: f64 = 1e-4;
 const DARK: f64 = 1e-12;
@@ -233,7 +235,8 @@ impl Medium<'_> {
         }
         let depth = length * dot(WEIGHTS, extinction);
         let steepest = length * extinction.into_iter().fold(0.0, f64::max);
-        let curved = halved < TURNS && depth > FAINT && stretch.gradients.is_some_and(turns);
+        let light_at_stake = |gradients| light.clear * depth.min(1.0) * turn(gradients) * turn(gradients);
+        let curved = halved < TURNS && stretch.gradients.is_some_and(|gradients| light_at_stake(gradients) > SEEN_TURN);
         // The logarithm of the power rule bends where extinction rises steeply.
         let [least, most] = [extinction[0].min(extinction[2]), extinction[0].max(extinction[2])];
         let uneven = power && halved < BENDS && depth > FAINT && most > 4.0 * least;
@@ -300,10 +303,10 @@ fn falling(x: f64) -> f64 {
     1.0 + y * (1.0 + y * (1.0 / 2.0 + y * (1.0 / 6.0 + y * (1.0 / 24.0 + y * (1.0 / 120.0 + y * (1.0 / 720.0))))))
 }
 
-/// True if the direction of a gradient changes by more than a twentieth between two ends.
-fn turns([a, b]: [[f64; 3]; 2]) -> bool {
+/// Square of the sine of the angle by which a gradient turns between two ends; 1 beyond a right angle.
+fn turn([a, b]: [[f64; 3]; 2]) -> f64 {
     let cosine = dot(a, b);
-    cosine < 0.0 || cosine * cosine < 0.9975 * dot(a, a) * dot(b, b)
+    if cosine <= 0.0 { 1.0 } else { (1.0 - cosine * cosine / (dot(a, a) * dot(b, b))).max(0.0) }
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
