@@ -13,7 +13,7 @@
 //! 3. **Walk.** Each step takes one vertex, three products and the choice of a face. Value, gradient and depth at a face come from the same products, as
 //!    barycentric coordinates.
 //! 4. **Light.** Between two faces the transfer function is cut at its control points; each part is integrated by Gauss's rule of three points, the
-//!    depth up to each point by its collocation (order 6), in parts of an optical depth of at most ¼.
+//!    depth up to each point by its collocation (order 6), in parts of an optical depth of at most ½.
 //!
 //! # Example
 //! ```
