@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use vr_core::{Compositing, RayShading, TransferFunction};
 
-use crate::medium::{Crossing, Light, Medium};
+use crate::camera_space::gradient;
+use crate::medium::{Crossing, Light, Medium, reflected};
 use crate::walk::Part;
 
 /// Pixel of a ray, and the distance to what it shows.
@@ -18,7 +19,7 @@ impl Seen {
     pub(crate) const NOTHING: Self = Self { rgba: [0.0; 4], depth: f64::INFINITY };
 }
 
-/// What a ray has gathered so far.
+/// State of an operator along a ray.
 pub(crate) struct Gathered<'a> {
     medium: &'a Medium<'a>,
     shade: Option<&'a RayShading<f64>>,
@@ -74,7 +75,8 @@ impl<'a> Gathered<'a> {
         let values = part.at.map(|a| a[0]);
         match &mut self.state {
             State::Light { light, crossing } => {
-                let gradients = (N == 4).then(|| part.at.map(|a| [a[1 % N], a[2 % N], a[3 % N]]));
+                let [a, b] = part.at.each_ref().map(gradient);
+                let gradients = a.zip(b).map(|(a, b)| [a, b]);
                 self.medium.add(light, part.ends, values, gradients, self.shade, crossing);
                 if light.clear <= self.opaque || (crossing.ends && crossing.at.is_some()) {
                     return ControlFlow::Break(());
@@ -87,10 +89,7 @@ impl<'a> Gathered<'a> {
                     let at = part.mixed(t);
                     let value = if a >= *threshold { a } else { *threshold };
                     let color = self.medium.transfer.at(value).color;
-                    let (tint, added) = match self.shade {
-                        Some(shade) if N == 4 => shade.reflect([at[1 % N], at[2 % N], at[3 % N]]),
-                        _ => ([1.0; 3], [0.0; 3]),
-                    };
+                    let (tint, added) = reflected(self.shade, gradient(&at));
                     let [r, g, b]: [f64; 3] = std::array::from_fn(|c| color[c] * tint[c] + added[c]);
                     let depth = part.ends[0] + (part.ends[1] - part.ends[0]) * t;
                     *seen = Some(Seen { rgba: [r, g, b, 1.0], depth });

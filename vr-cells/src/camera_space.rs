@@ -7,6 +7,15 @@ use vr_core::{CellMesh, ParameterError, Projection, Ray, View};
 /// Numbers that a ray needs at a vertex: the value, and the gradient's components where something is shaded.
 pub(crate) type Attributes<const N: usize> = [f64; N];
 
+/// Returns the gradient among the attributes; `None` if they are the value alone.
+#[inline]
+pub(crate) fn gradient<const N: usize>(attributes: &Attributes<N>) -> Option<[f64; 3]> {
+    match attributes[..] {
+        [_, x, y, z] => Some([x, y, z]),
+        _ => None,
+    }
+}
+
 /// A vertex in the camera's axes: to the right, up and ahead of the eye.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CameraVertex<const N: usize> {

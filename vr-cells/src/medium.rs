@@ -53,6 +53,26 @@ struct Stretch<'a> {
     shade: Option<&'a RayShading<f64>>,
 }
 
+impl Stretch<'_> {
+    /// Returns its first half and its second.
+    fn halves(&self) -> [Self; 2] {
+        let mean = |[a, b]: [f64; 2]| 0.5 * (a + b);
+        let (middle, value) = (mean(self.ends), mean(self.values));
+        let optics = Optical::lerp(0.5, &self.optics[0], &self.optics[1]);
+        let gradient = self.gradients.map(|[a, b]| mixed(a, b, 0.5));
+        [0, 1].map(|half| {
+            let mut part = *self;
+            part.ends[1 - half] = middle;
+            part.values[1 - half] = value;
+            part.optics[1 - half] = optics;
+            if let (Some(gradients), Some(gradient)) = (&mut part.gradients, gradient) {
+                gradients[1 - half] = gradient;
+            }
+            part
+        })
+    }
+}
+
 /// A medium: a transfer function, and the shading of a scene.
 pub(crate) struct Medium<'a> {
     pub(crate) transfer: &'a TransferFunction,
@@ -158,7 +178,7 @@ impl Medium<'_> {
                 if !(is_plain && self.add_at_once(light, &stretch, crossing)) {
                     self.add_stretch(light, &stretch, 0, crossing);
                 }
-                if light.clear == 0.0 || (crossing.ends && crossing.at.is_some()) {
+                if ends_ray(light, crossing) {
                     return;
                 }
             }
@@ -197,76 +217,40 @@ impl Medium<'_> {
         true
     }
 
+    /// Adds a stretch of any kind, in halves where one rule does not do.
     fn add_stretch(&self, light: &mut Light, stretch: &Stretch<'_>, halved: u32, crossing: &mut Crossing) {
+        if self.extinction.bends() && stretch.optics.iter().all(|o| o.opacity == 1.0) {
+            return self.add_opaque(light, stretch, halved, crossing);
+        }
         let length = stretch.ends[1] - stretch.ends[0];
-        let power = self.transfer.rule() == OpacityRule::Power;
-        if power && stretch.optics.iter().all(|o| o.opacity == 1.0) && self.modulation.is_none() {
-            self.meet_wall(light, stretch, crossing);
-            return;
-        }
-        // Extinction and light at the nodes.
-        let (mut extinction, mut source) = ([0.0; 3], [[0.0; 3]; 3]);
-        for (k, &t) in NODES.iter().enumerate() {
-            let gradient = stretch.gradients.map(|[a, b]| mixed(a, b, t));
-            let (tint, added) = match (stretch.shade, gradient) {
-                (Some(shade), Some(gradient)) => shade.reflect(gradient),
-                _ => ([1.0; 3], [0.0; 3]),
-            };
-            if self.transfer.has_rows() {
-                let magnitude = gradient.map_or(0.0, |g| dot(g, g).sqrt());
-                let [from, to] = stretch.values;
-                let mixture = self.transfer.mixture(from + (to - from) * t, magnitude);
-                extinction[k] = mixture.extinction;
-                source[k] = std::array::from_fn(|c| mixture.emission[c] * tint[c] + mixture.extinction * added[c]);
-                continue;
-            }
-            let optical = Optical::lerp(t, &stretch.optics[0], &stretch.optics[1]);
-            let factor = match (self.modulation, gradient) {
-                (Some(shading), Some([x, y, z])) => shading.modulation((x * x + y * y + z * z).sqrt()),
-                _ => 1.0,
-            };
-            extinction[k] = self.transfer.extinction(optical.opacity) * factor;
-            source[k] = if self.transfer.has_emission() {
-                optical.emission
-            } else {
-                std::array::from_fn(|c| extinction[k] * (optical.color[c] * tint[c] + added[c]))
-            };
-        }
+        let nodes = NODES.map(|t| self.at_node(stretch, t));
+        let extinction = nodes.map(|(extinction, _)| extinction);
         let depth = length * dot(WEIGHTS, extinction);
         let steepest = length * extinction.into_iter().fold(0.0, f64::max);
-        let light_at_stake = |gradients| light.clear * depth.min(1.0) * turn(gradients) * turn(gradients);
-        let curved = halved < TURNS && stretch.gradients.is_some_and(|gradients| light_at_stake(gradients) > SEEN_TURN);
-        let uneven = power && halved < BENDS && depth > FAINT && bends(stretch.optics.each_ref().map(|o| o.opacity));
-        // Functions of the gradient's magnitude bend at their points.
+
+        // Look closer where the rule does not follow the light: thick stretches, normals that turn, functions of the gradient's magnitude, which bend
+        // at their points, and logarithms; and at the place where the transparency falls to the level.
+        let at_stake = |gradients| light.clear * depth.min(1.0) * turn(gradients) * turn(gradients);
+        let curved = halved < TURNS && stretch.gradients.is_some_and(|gradients| at_stake(gradients) > SEEN_TURN);
         let follows = self.modulation.is_some() || self.transfer.has_rows();
-        let bent = follows && halved < TURNS && depth > FAINT && stretch.gradients.is_some_and(lengthens);
+        let opacities = stretch.optics.each_ref().map(|o| o.opacity);
+        // The nodes may all lie where the gradient leaves nothing: what matters is how much there could be.
+        let at_most = length * self.transfer.extinction(opacities[0].max(opacities[1]));
+        let bent = follows
+            && halved < BENDS
+            && stretch.gradients.is_some_and(|g| light.clear * at_most * lengthening(g) > FAINT);
+        let uneven = self.extinction.bends() && halved < BENDS && depth > FAINT && bends(opacities);
         let falls = light.clear * (-depth).exp() < crossing.level && crossing.at.is_none();
-        let falls_here = falls && halved < PLACES;
-        if halved < HALVINGS && light.clear > DARK && (steepest > AT_ONCE || curved || bent || uneven || falls_here) {
-            let middle = 0.5 * (stretch.ends[0] + stretch.ends[1]);
-            let value = 0.5 * (stretch.values[0] + stretch.values[1]);
-            let optical = Optical::lerp(0.5, &stretch.optics[0], &stretch.optics[1]);
-            let gradient = stretch.gradients.map(|[a, b]| mixed(a, b, 0.5));
-            for half in 0..2 {
-                let mut part = *stretch;
-                part.ends[1 - half] = middle;
-                part.values[1 - half] = value;
-                part.optics[1 - half] = optical;
-                if let (Some(gradients), Some(gradient)) = (&mut part.gradients, gradient) {
-                    gradients[1 - half] = gradient;
-                }
-                self.add_stretch(light, &part, halved + 1, crossing);
-                if light.clear == 0.0 || (crossing.ends && crossing.at.is_some()) {
-                    return;
-                }
-            }
-            return;
+        let sought = falls && halved < PLACES;
+        if halved < HALVINGS && light.clear > DARK && (steepest > AT_ONCE || curved || bent || uneven || sought) {
+            return self.add_halves(light, stretch, halved, crossing);
         }
-        for k in 0..3 {
+
+        for (k, (_, source)) in nodes.into_iter().enumerate() {
             let before = length * dot(UP_TO_NODE[k], extinction);
             let weight = light.clear * WEIGHTS[k] * length * (-before).exp();
             for c in 0..3 {
-                light.rgb[c] += weight * source[k][c];
+                light.rgb[c] += weight * source[c];
             }
         }
         light.clear *= (-depth).exp();
@@ -275,14 +259,57 @@ impl Medium<'_> {
         }
     }
 
-    /// Adds what is seen of a range of opacity 1.
+    /// Adds both halves of a stretch, the second one unless the first ends the ray.
+    fn add_halves(&self, light: &mut Light, stretch: &Stretch<'_>, halved: u32, crossing: &mut Crossing) {
+        for part in stretch.halves() {
+            self.add_stretch(light, &part, halved + 1, crossing);
+            if ends_ray(light, crossing) {
+                return;
+            }
+        }
+    }
+
+    /// Extinction, and light that is sent, per world unit, at a fraction of a stretch.
+    fn at_node(&self, stretch: &Stretch<'_>, t: f64) -> (f64, [f64; 3]) {
+        let gradient = stretch.gradients.map(|[a, b]| mixed(a, b, t));
+        let (tint, added) = reflected(stretch.shade, gradient);
+        if self.transfer.has_rows() {
+            let [from, to] = stretch.values;
+            let mixture = self.transfer.mixture(from + (to - from) * t, gradient.map_or(0.0, length_of));
+            let source = std::array::from_fn(|c| mixture.emission[c] * tint[c] + mixture.extinction * added[c]);
+            return (mixture.extinction, source);
+        }
+        let optical = Optical::lerp(t, &stretch.optics[0], &stretch.optics[1]);
+        let extinction = self.transfer.extinction(optical.opacity) * self.factor(gradient);
+        if self.transfer.has_emission() {
+            return (extinction, optical.emission);
+        }
+        (extinction, std::array::from_fn(|c| extinction * (optical.color[c] * tint[c] + added[c])))
+    }
+
+    /// Factor on extinction at a gradient.
+    fn factor(&self, gradient: Option<[f64; 3]>) -> f64 {
+        match (self.modulation, gradient) {
+            (Some(shading), Some(gradient)) => shading.modulation(length_of(gradient)),
+            _ => 1.0,
+        }
+    }
+
+    /// Adds a stretch of infinite extinction: a wall, which begins where the gradient leaves any of it.
+    fn add_opaque(&self, light: &mut Light, stretch: &Stretch<'_>, halved: u32, crossing: &mut Crossing) {
+        let factor_at = |t: f64| self.factor(stretch.gradients.map(|[a, b]| mixed(a, b, t)));
+        if factor_at(0.0) > 0.0 {
+            self.meet_wall(light, stretch, crossing);
+        } else if halved < PLACES && (NODES.into_iter().any(|t| factor_at(t) > 0.0) || factor_at(1.0) > 0.0) {
+            self.add_halves(light, stretch, halved, crossing);
+        }
+    }
+
+    /// Adds the light of a wall at the beginning of a stretch.
     fn meet_wall(&self, light: &mut Light, stretch: &Stretch<'_>, crossing: &mut Crossing) {
         if !self.transfer.has_emission() {
             let color = stretch.optics[0].color;
-            let (tint, added) = match (stretch.shade, stretch.gradients) {
-                (Some(shade), Some([gradient, _])) => shade.reflect(gradient),
-                _ => ([1.0; 3], [0.0; 3]),
-            };
+            let (tint, added) = reflected(stretch.shade, stretch.gradients.map(|[gradient, _]| gradient));
             // Under an accumulation's level, no more than up to it.
             let share = if crossing.ends { light.clear - crossing.level } else { light.clear };
             for c in 0..3 {
@@ -296,6 +323,23 @@ impl Medium<'_> {
     }
 }
 
+/// True if nothing behind counts.
+fn ends_ray(light: &Light, crossing: &Crossing) -> bool {
+    light.clear == 0.0 || (crossing.ends && crossing.at.is_some())
+}
+
+/// Factor on a colour, and light that is added; the colour as it is where nothing is shaded.
+pub(crate) fn reflected(shade: Option<&RayShading<f64>>, gradient: Option<[f64; 3]>) -> ([f64; 3], [f64; 3]) {
+    match (shade, gradient) {
+        (Some(shade), Some(gradient)) => shade.reflect(gradient),
+        _ => ([1.0; 3], [0.0; 3]),
+    }
+}
+
+fn length_of(gradient: [f64; 3]) -> f64 {
+    dot(gradient, gradient).sqrt()
+}
+
 /// e^(−x) for x in [0, 1]: the fourth power of the series at x/4, to 10⁻⁷.
 #[inline]
 fn falling(x: f64) -> f64 {
@@ -307,14 +351,15 @@ fn falling(x: f64) -> f64 {
 }
 
 /// True if the logarithm of the power rule, −ln(1 − α), bends too much between two opacities for the rule, which misses 6·10⁻⁵ (Δα/(1 − α))⁶ of it.
+#[inline]
 fn bends([a, b]: [f64; 2]) -> bool {
     (b - a).abs() > 0.3 * (1.0 - a.max(b))
 }
 
-/// True if the magnitude of a gradient changes by more than a twentieth between two ends.
-fn lengthens([a, b]: [[f64; 3]; 2]) -> bool {
-    let [a, b] = [dot(a, a), dot(b, b)];
-    a.min(b) < 0.9 * a.max(b)
+/// Part of a gradient's magnitude by which it changes between two ends.
+fn lengthening([a, b]: [[f64; 3]; 2]) -> f64 {
+    let [a, b] = [length_of(a), length_of(b)];
+    if a == b { 0.0 } else { 1.0 - a.min(b) / a.max(b) }
 }
 
 /// Square of the sine of the angle by which a gradient turns between two ends; 1 beyond a right angle.

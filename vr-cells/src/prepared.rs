@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::image_order::{PixelValue, trace_view};
+use vr_core::image_order::{ImageSample, PixelValue, trace_view};
 use vr_core::{
     CellMesh, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats, Rendered,
     Scene, View,
@@ -16,7 +16,7 @@ use crate::capabilities::check;
 use crate::entries::{Entries, SurfaceFace, surface};
 use crate::marcher::CellMarcher;
 use crate::medium::{ExtinctionTable, Medium};
-use crate::walk::Walker;
+use crate::walk::{Part, Walker};
 
 /// A scene, and the surface of its mesh.
 pub(crate) struct PreparedMarcher {
@@ -56,13 +56,10 @@ impl PreparedMarcher {
             scene.shading.as_deref().filter(|_| scene.has_gradient_opacity() && !scene.transfer.has_rows());
         let extinction = ExtinctionTable::new(&scene.transfer);
         let medium = Medium { transfer: &scene.transfer, modulation, extinction: &extinction };
-        let reflection = scene.reflection().filter(|_| N == 4);
+        let reflection = scene.reflection();
         type Scratch = (Vec<(f64, SurfaceFace)>, Option<(DVec3, RayShading<f64>)>);
         let scratch = || -> Scratch { (Vec::new(), None) };
-        let trace = |(found, shading): &mut Scratch,
-                     ray: &Ray,
-                     sample: vr_core::image_order::ImageSample,
-                     counts: &mut Counts| {
+        let trace = |(found, shading): &mut Scratch, ray: &Ray, sample: ImageSample, counts: &mut Counts| {
             let far = layer.map_or(f64::INFINITY, |layer| layer.depth(sample.pixel));
             let mut seen = Seen::NOTHING;
             if let Some([from, to]) = ray.inside(&view.clip)
@@ -76,7 +73,7 @@ impl PreparedMarcher {
                 let shade = shading.as_ref().map(|(_, shade)| shade);
                 let mut gathered = Gathered::new(scene.compositing, &medium, shade, self.renderer.termination);
                 let mut parts = 0u64;
-                let mut take = |part: &crate::walk::Part<N>| -> ControlFlow<()> {
+                let mut take = |part: &Part<N>| -> ControlFlow<()> {
                     parts += 1;
                     gathered.take(part)
                 };
@@ -84,18 +81,13 @@ impl PreparedMarcher {
                 counts.rays += u64::from(parts > 0);
                 counts.samples += parts;
                 seen = gathered.seen();
-                if parts == 0 {
-                    seen = Seen::NOTHING;
-                }
             }
             layer.map_or(seen, |layer| Seen {
                 rgba: layer.under(sample.pixel, seen.rgba),
                 depth: seen.depth.min(layer.depth(sample.pixel)),
             })
         };
-        let start = std::time::Instant::now();
-        let (seen, counts) = trace_view(view, control, scratch, trace)?;
-        stats.stages.push(("march", start.elapsed()));
+        let (seen, counts) = stats.time("march", || trace_view(view, control, scratch, trace))?;
         stats.counts += counts;
         Ok(seen)
     }

@@ -1,6 +1,6 @@
-//! Settings of the marcher that a study compares, and its documented errors.
+//! Settings of the marcher that a study compares. The hard cases are grids, which it does not draw.
 
-use vr_core::{Documented, DocumentedError, HardCaseErrors, NamedSetting};
+use vr_core::{Documented, NamedSetting};
 
 use crate::marcher::CellMarcher;
 
@@ -10,9 +10,5 @@ impl Documented for CellMarcher {
             NamedSetting::new("exact", &Self { termination: 1.0 }, None, 1e-6),
             NamedSetting::new("default", &Self::default(), None, 1e-6),
         ]
-    }
-
-    fn hard_case_errors(&self) -> HardCaseErrors {
-        HardCaseErrors { otherwise: Some(DocumentedError::Max(1e-5)), ..HardCaseErrors::default() }
     }
 }

@@ -8,7 +8,7 @@ use vr_core::cells::{CellValues, FACES, NO_CELL};
 use crate::camera_space::{Attributes, Axis, CameraVertex, ShearedVertex, side};
 use crate::entries::{Entries, SurfaceFace};
 
-/// A part of a ray inside one cell: distances along the ray, and what there is at both.
+/// A part of a ray inside one cell: the distances of its ends along the ray, and the attributes at both.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part<const N: usize> {
     pub(crate) ends: [f64; 2],
@@ -16,7 +16,7 @@ pub(crate) struct Part<const N: usize> {
 }
 
 impl<const N: usize> Part<N> {
-    /// What there is at a fraction of the way.
+    /// Attributes at a fraction of the way.
     pub(crate) fn mixed(&self, t: f64) -> Attributes<N> {
         let [a, b] = &self.at;
         std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t)
@@ -52,7 +52,7 @@ struct Gate<const N: usize> {
 }
 
 impl<const N: usize> Gate<N> {
-    /// Depth of the ray's place on the face, and what there is.
+    /// Depth of the ray's place on the face, and the attributes there.
     #[inline(always)]
     fn place(&self) -> (f64, Attributes<N>) {
         let [a, b, c] = &self.corners;

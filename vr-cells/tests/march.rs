@@ -106,6 +106,8 @@ fn shading_clips_walls_and_emission_are_exact() {
     let plain = Scene { lights: vec![Light::default(), light], ..Scene::new(mesh.into(), transfer(0.7)) };
     let shaded = Scene { shading: Some(Shading::default().into()), ..plain.clone() };
     let faded = Shading { gradient_opacity: vec![(0.5, 0.2), (3.0, 1.0)], ..Shading::default() };
+    // Nothing is left of the medium, wall or not, where the gradient is small.
+    let cut = Shading { gradient_opacity: vec![(1.0, 0.0), (2.5, 1.0)], ..Shading::default() };
     let row = |gradient, opacity: f64| {
         let points =
             vec![ControlPoint::new(0.2, [0.9, 0.3, 0.1], opacity), ControlPoint::new(0.8, [0.1, 0.3, 0.9], 0.5)];
@@ -126,7 +128,8 @@ fn shading_clips_walls_and_emission_are_exact() {
         ("shaded", shaded.clone()),
         ("first, shaded", Scene { compositing: Compositing::First { threshold: 0.5 }, ..shaded.clone() }),
         ("gradient opacity", Scene { shading: Some(faded.into()), ..plain.clone() }),
-        ("wall", wall),
+        ("wall", wall.clone()),
+        ("wall where the gradient is not small", Scene { shading: Some(cut.into()), ..wall }),
         ("gradient rows", Scene { transfer: rows.into(), ..plain.clone() }),
         ("emission", Scene { transfer: emission.into(), ..plain.clone() }),
     ] {

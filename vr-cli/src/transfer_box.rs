@@ -61,7 +61,7 @@ impl TransferBox {
 
     /// Rows of the boxes: at every magnitude at which one begins or ends to fade, each with the points of all boxes there.
     ///
-    /// Where boxes lie over each other, their media are mixed: extinctions add up, colours are weighted by them.
+    /// Boxes that overlap are mixed: their extinctions add up, and their colours are weighted by them.
     pub fn rows(boxes: &[Self]) -> Vec<TransferRowSection> {
         let knots = |axis: usize| {
             let mut knots: Vec<f64> = boxes.iter().flat_map(|b| b.edges()[axis]).collect();

@@ -8,7 +8,7 @@
 //! F = (5/18 + e)·F(g − x·turn) + 8/18·F(g) + (5/18 − e)·F(g + x·turn),   x = ½·√(3/5)
 //! ```
 //!
-//! What lies in front hides what lies behind: `e` leans the mean to the front as far as the light of a homogeneous step does.
+//! The front of a step hides its back, so that `e` shifts weight to the front: as much as in the light of a homogeneous step.
 
 use crate::real::Real;
 use crate::shading::RayShading;

@@ -21,12 +21,12 @@ pub(super) struct CellLine<'a> {
     crossings: Vec<CellCrossing>,
     /// Faces, ascending, each with a bound on its error.
     breaks: Vec<(f64, f64)>,
-    /// What is between two breaks.
+    /// Contents of the stretches between breaks.
     pieces: Vec<Piece>,
     offset: f64,
 }
 
-/// What is between two breaks.
+/// Content of the stretch between two breaks.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     /// Number of the crossing, [`VACUUM`] for none.

@@ -4,7 +4,7 @@
 //! vertices, or constant in it; between cells there is vacuum. Hexahedra, wedges and pyramids are split into tetrahedra by [`split`], so that cells that
 //! share a face share the triangles of it, too.
 //!
-//! As a [`Field`](crate::Field), a mesh is drawn by every renderer of fields, and solved exactly by the reference: along a ray it is a polynomial of
+//! A mesh is a [`Field`](crate::Field): every renderer of fields draws it, and the reference solves it exactly. Along a ray it is a polynomial of
 //! degree 1 between the faces.
 
 mod adjacency;

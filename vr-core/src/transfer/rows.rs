@@ -101,7 +101,7 @@ impl TransferFunction {
     /// Between two rows, extinction κ and emission q = κ·color (or that given on its own) are linear in the magnitude: a mixture of two
     /// media, in which one that is clear has no colour. They are constant below the first row and above the last.
     ///
-    /// What this type says of values alone ([`Self::points`], [`Self::segments`], [`Self::at`], the brightest colours) are then upper bounds
+    /// Methods that look at the value alone ([`Self::points`], [`Self::segments`], [`Self::at`], the brightest colours) then give upper bounds
     /// over all rows: where they are clear, every row is. [`Self::mixture`] is the medium itself.
     ///
     /// # Errors
