@@ -6,7 +6,7 @@ use vr_core::{CellMesh, Projection, View};
 use crate::camera_space::{CameraSpace, CameraVertex};
 
 /// Pixels along the edge of a tile.
-const TILE: u32 = 16;
+pub(crate) const TILE: u32 = 16;
 
 /// A face of the surface: a cell, and the vertex across.
 #[derive(Clone, Copy, Debug)]

@@ -50,6 +50,7 @@ mod entries;
 mod marcher;
 mod medium;
 mod options;
+mod packet;
 mod prepared;
 mod study;
 mod walk;

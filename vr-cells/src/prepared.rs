@@ -1,13 +1,14 @@
 //! A mesh that has been prepared, and its pictures.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
+use vr_core::cells::CellValues;
 use vr_core::image_order::{ImageSample, PixelValue, trace_view};
 use vr_core::{
-    CellMesh, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats, Rendered,
-    Scene, View,
+    CellMesh, Compositing, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats,
+    Rendered, Scene, View,
 };
 
 use crate::accumulators::{Gathered, Seen};
@@ -16,6 +17,7 @@ use crate::capabilities::check;
 use crate::entries::{Entries, SurfaceFace, surface};
 use crate::marcher::CellMarcher;
 use crate::medium::{ExtinctionTable, Medium};
+use crate::packet::{Links, Packets, Projected, Segments};
 use crate::walk::{Part, Walker};
 
 /// A scene, and the surface of its mesh.
@@ -24,6 +26,8 @@ pub(crate) struct PreparedMarcher {
     scene: Scene,
     mesh: Arc<CellMesh>,
     surface: Vec<SurfaceFace>,
+    /// Links of the mesh, made for the first picture that needs them; `None` inside for a mesh that has too many.
+    links: OnceLock<Option<Links>>,
 }
 
 impl PreparedMarcher {
@@ -31,7 +35,24 @@ impl PreparedMarcher {
         let mesh = check(&renderer, scene)?;
         control.check()?;
         let surface = surface(&mesh);
-        Ok(Self { renderer, scene: scene.clone(), mesh, surface })
+        Ok(Self { renderer, scene: scene.clone(), mesh, surface, links: OnceLock::new() })
+    }
+
+    /// The links of the mesh, for rays in packets.
+    fn links(&self) -> Option<&Links> {
+        self.links.get_or_init(|| Links::new(&self.mesh)).as_ref()
+    }
+
+    /// True if the picture is that of unshaded light, which packets draw: of values at vertices, without emission and rows.
+    fn is_plain_light(&self) -> bool {
+        let scene = &self.scene;
+        let is_light = match scene.compositing {
+            Compositing::Over => true,
+            Compositing::Accumulate { level } => level >= 1.0,
+            _ => false,
+        };
+        let of_vertices = matches!(self.mesh.values(), CellValues::Vertices(_));
+        is_light && of_vertices && !scene.transfer.has_emission() && !scene.transfer.has_rows()
     }
 
     /// Draws with values alone (`N` = 1), or with gradients (`N` = 4).
@@ -87,7 +108,27 @@ impl PreparedMarcher {
                 depth: seen.depth.min(layer.depth(sample.pixel)),
             })
         };
-        let (seen, counts) = stats.time("march", || trace_view(view, control, scratch, trace))?;
+        let projected = self
+            .links()
+            .and_then(|links| Some((links, Projected::new(&self.mesh, &vertices, view, scene.transfer.segments())?)));
+        let (seen, counts) = stats.time("march", || match projected.filter(|_| N == 1 && self.is_plain_light()) {
+            Some((links, projected)) => {
+                let packets = Packets {
+                    mesh: &self.mesh,
+                    links,
+                    projected: &projected,
+                    segments: &Segments::new(&scene.transfer, &projected),
+                    entries: &entries,
+                    camera: &camera,
+                    medium: &medium,
+                    view,
+                    layer,
+                    opaque: 1.0 - self.renderer.termination,
+                };
+                packets.draw(control, |ray, sample, counts| trace(&mut scratch(), ray, sample, counts))
+            }
+            None => trace_view(view, control, scratch, trace),
+        })?;
         stats.counts += counts;
         Ok(seen)
     }
@@ -98,7 +139,7 @@ impl Prepared for PreparedMarcher {
         let mesh = check(&self.renderer, scene)?;
         control.check()?;
         if !self.scene.volume.same(&scene.volume) {
-            (self.surface, self.mesh) = (surface(&mesh), mesh);
+            (self.surface, self.mesh, self.links) = (surface(&mesh), mesh, OnceLock::new());
         }
         self.scene = scene.clone();
         Ok(())

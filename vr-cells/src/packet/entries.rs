@@ -1,0 +1,102 @@
+//! Sides of the mesh by which the rays of a tile enter it.
+
+use vr_core::CellMesh;
+use vr_core::cells::FACES;
+
+use super::projected::{Projected, ScreenVertex};
+use crate::entries::SurfaceFace;
+
+/// A ray's place on the screen: x and y in pixels from the middle, and what they lack.
+pub(crate) type Place = [f32; 4];
+
+/// A side by which a ray enters.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    /// Number of the ray in its tile.
+    pub(crate) ray: u32,
+    pub(crate) depth: f32,
+    pub(crate) face: SurfaceFace,
+}
+
+/// A side that a ray goes through: x, y, depth and value of its corners, and the barycentric coordinates of the ray's place on it.
+pub(crate) struct Gate {
+    pub(crate) corners: [[f32; 4]; 3],
+    pub(crate) weights: [f32; 3],
+}
+
+impl Gate {
+    /// The side of a cell as a ray sees it; `None` if the ray does not enter through it.
+    ///
+    /// The same sums and products as in [`super::march`], so that no ray falls between two sides.
+    #[inline]
+    pub(crate) fn new(mesh: &CellMesh, projected: &Projected, face: SurfaceFace, ray: &Place) -> Option<Self> {
+        let cell = mesh.cells()[face.cell as usize];
+        let corners = FACES[usize::from(face.across)].map(|i| {
+            let ScreenVertex { place, depth_value: [depth, value, ..] } = projected.vertices[cell[i] as usize];
+            let scale = depth * projected.widening + 1.0;
+            [
+                ((place[0] - ray[0]) + (place[2] - ray[2])) * scale,
+                ((place[1] - ray[1]) + (place[3] - ray[3])) * scale,
+                depth,
+                value,
+            ]
+        });
+        let side = |a: usize, b: usize| corners[a][0] * corners[b][1] - corners[a][1] * corners[b][0];
+        let weights = [side(1, 2), side(2, 0), side(0, 1)];
+        let inside = weights.iter().all(|&w| w >= 0.0) && weights.iter().any(|&w| w > 0.0);
+        inside.then_some(Self { corners, weights })
+    }
+
+    /// Depth and value at the ray's place.
+    pub(crate) fn place(&self) -> [f32; 2] {
+        let [a, b, c] = &self.corners;
+        let [u, v, w] = self.weights;
+        let sum = u + v + w;
+        [2, 3].map(|i| (a[i] * u + b[i] * v + c[i] * w) / sum)
+    }
+}
+
+/// The rays of a tile: rows of places, ascending on both axes of the picture.
+pub(crate) struct Grid<'a> {
+    pub(crate) places: &'a [Place],
+    /// Rays in a row.
+    pub(crate) across: usize,
+    /// x of the first ray and y of the first row in pixels from the middle, and the distance to the next.
+    pub(crate) first: [f64; 2],
+    pub(crate) spacing: f64,
+}
+
+impl Grid<'_> {
+    /// Appends where the rays of the grid enter by a face.
+    pub(crate) fn enter(&self, mesh: &CellMesh, projected: &Projected, face: SurfaceFace, out: &mut Vec<Entry>) {
+        let cell = mesh.cells()[face.cell as usize];
+        let corners = FACES[usize::from(face.across)].map(|i| {
+            let place = projected.vertices[cell[i] as usize].place;
+            [0, 1].map(|a| f64::from(place[a]) + f64::from(place[a + 2]))
+        });
+        // Faces that turn away are no entries; rounding does not turn one that is wider than this.
+        let [a, b, c] = corners;
+        let (ab, ac) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+        let (area, size) = (ab[0] * ac[1] - ab[1] * ac[0], ab[0].abs().max(ab[1].abs()) * ac[0].abs().max(ac[1].abs()));
+        if area < -1e-5 * size {
+            return;
+        }
+        // The rays in the box around it, with one to spare. Rows go down the picture, where y falls.
+        let rows = self.places.len() / self.across;
+        let range = |axis: usize, sign: f64, count: usize| {
+            let place = |x: f64| sign * (x - self.first[axis]) / self.spacing;
+            let ends = corners.map(|c| place(c[axis]));
+            let (low, high) = (ends[0].min(ends[1]).min(ends[2]), ends[0].max(ends[1]).max(ends[2]));
+            (low - 1.0).clamp(0.0, count as f64) as usize..(high + 2.0).clamp(0.0, count as f64) as usize
+        };
+        let columns = range(0, 1.0, self.across);
+        for y in range(1, -1.0, rows) {
+            for x in columns.clone() {
+                let ray = y * self.across + x;
+                if let Some(gate) = Gate::new(mesh, projected, face, &self.places[ray]) {
+                    out.push(Entry { ray: ray as u32, depth: gate.place()[0], face });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,380 @@
+//! Tiles of a picture whose rays are marched sixteen at once.
+
+use fearless_simd::Level;
+use vr_core::image_order::{ImageSample, PixelValue, in_parallel};
+use vr_core::{CellMesh, Control, Counts, Layer, Ray, Rays, RenderError, View};
+use vr_kernels::vector::{LANES, run};
+
+use super::entries::{Entry, Gate, Grid, Place};
+use super::integral::Integral;
+use super::links::{Links, OUTSIDE};
+use super::march::{March, STEPS, Sixteen, Trail};
+use super::projected::{Projected, in_two};
+use super::segments::Segments;
+use super::stretches::{Cut, Stretches};
+use crate::accumulators::Seen;
+use crate::camera_space::CameraSpace;
+use crate::entries::{Entries, TILE};
+use crate::medium::{Crossing, Light, Medium};
+
+/// Steps without progress after which a ray is left to the plain code: more cells than meet in a vertex.
+const PATIENCE: i32 = 256;
+
+/// Everything that the rays of a view have in common.
+pub(crate) struct Packets<'a> {
+    pub(crate) mesh: &'a CellMesh,
+    pub(crate) links: &'a Links,
+    pub(crate) projected: &'a Projected,
+    pub(crate) segments: &'a Segments,
+    pub(crate) entries: &'a Entries<'a>,
+    pub(crate) camera: &'a CameraSpace,
+    pub(crate) medium: &'a Medium<'a>,
+    pub(crate) view: &'a View,
+    pub(crate) layer: Option<&'a Layer>,
+    /// Transparency at which a ray may end.
+    pub(crate) opaque: f64,
+}
+
+/// A ray of a tile.
+struct TileRay {
+    ray: Ray,
+    sample: ImageSample,
+    /// Length for each unit of depth.
+    scale: f32,
+    /// Depths between which it is drawn.
+    part: [f32; 2],
+    /// Entries of the ray that it has not tried yet.
+    entries: std::ops::Range<usize>,
+    /// Number of the piece of the transfer function that held last.
+    piece: usize,
+    rgb: [f64; 3],
+    clear: f64,
+    /// World distance at which half of the light is left.
+    half: Option<f64>,
+    parts: u64,
+    /// True if it is left to the plain code.
+    stuck: bool,
+}
+
+/// Buffers of a tile.
+#[derive(Default)]
+struct Buffers {
+    places: Vec<Place>,
+    rays: Vec<TileRay>,
+    entries: Vec<Entry>,
+    stretches: Stretches,
+    sixteen: Sixteen,
+    trail: Trail,
+}
+
+impl Packets<'_> {
+    /// Draws all pixels; `plain` draws a single ray and counts it.
+    pub(crate) fn draw(
+        &self,
+        control: &Control,
+        plain: impl Fn(&Ray, ImageSample, &mut Counts) -> Seen + Sync,
+    ) -> Result<(Vec<Seen>, Counts), RenderError> {
+        let rays = Rays::new(self.view)?;
+        let [width, height] = self.view.size;
+        // Tiles lie in those of the entries, and have at most about 256 rays.
+        let edge = (TILE / self.view.supersampling.next_power_of_two()).max(1);
+        let (across, down) = (width.div_ceil(edge), height.div_ceil(edge));
+        let level = Level::new();
+        let one = |tile: u32| {
+            let corner = [tile % across * edge, tile / across * edge];
+            let size = [edge.min(width - corner[0]), edge.min(height - corner[1])];
+            let mut counts = Counts::default();
+            (self.tile(level, &rays, corner, size, &mut counts, &plain), counts)
+        };
+        // A row of tiles is a piece of work: its buffers are made once.
+        let mut image = vec![Seen::NOTHING; width as usize * height as usize];
+        let mut counts = Counts::default();
+        for (tile, (values, more)) in in_parallel(control, across * down, one)?.into_iter().enumerate() {
+            counts += more;
+            let [x, y] = [tile as u32 % across * edge, tile as u32 / across * edge];
+            let row = edge.min(width - x) as usize;
+            for (i, values) in values.chunks(row).enumerate() {
+                let start = (y as usize + i) * width as usize + x as usize;
+                image[start..start + row].copy_from_slice(values);
+            }
+        }
+        Ok((image, counts))
+    }
+
+    /// Draws the pixels of a tile, row by row.
+    fn tile(
+        &self,
+        level: Level,
+        rays: &Rays,
+        corner: [u32; 2],
+        size: [u32; 2],
+        counts: &mut Counts,
+        plain: &impl Fn(&Ray, ImageSample, &mut Counts) -> Seen,
+    ) -> Vec<Seen> {
+        let mut buffers = Buffers::default();
+        self.begin(rays, corner, size, &mut buffers);
+        self.march(level, &mut buffers);
+
+        // The pixels: of each, the rays of its rows.
+        let n = self.view.supersampling as usize;
+        let across = size[0] as usize * n;
+        let mut of_pixel = Vec::with_capacity(n * n);
+        let mut pixels = Vec::with_capacity((size[0] * size[1]) as usize);
+        for (y, x) in (0..size[1] as usize).flat_map(|y| (0..size[0] as usize).map(move |x| (y, x))) {
+            of_pixel.clear();
+            for (row, column) in (0..n).flat_map(|row| (0..n).map(move |column| (row, column))) {
+                let ray = &buffers.rays[(y * n + row) * across + x * n + column];
+                of_pixel.push(if ray.stuck { plain(&ray.ray, ray.sample, counts) } else { self.seen(ray, counts) });
+            }
+            pixels.push(if n == 1 { of_pixel[0] } else { Seen::mean(&of_pixel) });
+        }
+        pixels
+    }
+
+    /// The rays of a tile, and where they enter the mesh.
+    fn begin(&self, rays: &Rays, corner: [u32; 2], size: [u32; 2], buffers: &mut Buffers) {
+        let n = self.view.supersampling;
+        let [width, height] = self.view.size.map(f64::from);
+        let centre = |first: u32, i: u32| f64::from(first) + (f64::from(i) + 0.5) / f64::from(n);
+        let [middle, half] = self.projected.depth;
+        for row in 0..size[1] * n {
+            for column in 0..size[0] * n {
+                let (x, y) = (centre(corner[0], column), centre(corner[1], row));
+                let pixel =
+                    (corner[1] + row / n) as usize * self.view.size[0] as usize + (corner[0] + column / n) as usize;
+                let ray = rays.at(x, y);
+                let scale = self.camera.axis(&ray).length;
+                let far = self.layer.map_or(f64::INFINITY, |layer| layer.depth(pixel));
+                let [from, to] = ray.inside(&self.view.clip).map_or([1.0, 0.0], |[from, to]| [from, to.min(far)]);
+                let part = [from, to].map(|s| ((s / scale - middle) / half) as f32);
+                let ([x_high, x_low], [y_high, y_low]) = (in_two(x - 0.5 * width), in_two(0.5 * height - y));
+                buffers.places.push([x_high, y_high, x_low, y_low]);
+                buffers.rays.push(TileRay {
+                    ray,
+                    sample: ImageSample { pixel, x, y },
+                    scale: scale as f32,
+                    part,
+                    entries: 0..0,
+                    piece: 0,
+                    rgb: [0.0; 3],
+                    clear: 1.0,
+                    half: None,
+                    parts: 0,
+                    stuck: false,
+                });
+            }
+        }
+        let grid = Grid {
+            places: &buffers.places,
+            across: (size[0] * n) as usize,
+            first: [centre(corner[0], 0) - 0.5 * width, 0.5 * height - centre(corner[1], 0)],
+            spacing: 1.0 / f64::from(n),
+        };
+        for face in self.entries.near(f64::from(corner[0]), f64::from(corner[1])) {
+            grid.enter(self.mesh, self.projected, face, &mut buffers.entries);
+        }
+        let entries = &mut buffers.entries;
+        entries.sort_unstable_by(|a, b| a.ray.cmp(&b.ray).then(a.depth.total_cmp(&b.depth)));
+        let mut start = 0;
+        for of_ray in entries.chunk_by(|a, b| a.ray == b.ray) {
+            let ray = &mut buffers.rays[of_ray[0].ray as usize];
+            if ray.part[0] < ray.part[1] {
+                ray.entries = start..start + of_ray.len();
+            }
+            start += of_ray.len();
+        }
+    }
+
+    /// Marches the rays of a tile.
+    fn march(&self, level: Level, buffers: &mut Buffers) {
+        let Buffers { places, rays, entries, stretches, sixteen, trail } = buffers;
+        let mut waiting = 0..rays.len();
+        let mut of_lane = [None; LANES];
+        loop {
+            // Lanes that stand still get the next entry of their ray, or the next ray.
+            for (lane, of_lane) in of_lane.iter_mut().enumerate() {
+                while sixteen.places[lane] == OUTSIDE {
+                    let Some(i) = of_lane.or_else(|| waiting.next()) else { break };
+                    let ray: &mut TileRay = &mut rays[i];
+                    let reached = of_lane.map(|_| sixteen.reached[0].0[lane]);
+                    *of_lane = Some(i);
+                    if !self.enter(ray, &places[i], entries, reached, sixteen, lane) {
+                        *of_lane = None;
+                    }
+                }
+            }
+            if of_lane.iter().all(Option::is_none) {
+                return;
+            }
+
+            run(
+                level,
+                March {
+                    links: self.links.rows(),
+                    vertices: &self.projected.vertices,
+                    widening: self.projected.widening,
+                    rays: sixteen,
+                    trail,
+                },
+            );
+
+            // What the rays have passed, their light, and which of them end.
+            stretches.clear();
+            let mut ends = [0; LANES];
+            let mut past = [false; LANES];
+            for lane in 0..LANES {
+                if let Some(i) = of_lane[lane] {
+                    past[lane] = self.pass(&mut rays[i], trail, lane, stretches);
+                }
+                ends[lane] = stretches.rows.len();
+            }
+            run(level, Integral { segments: self.segments, stretches });
+            self.solve_hard(stretches);
+            let mut start = 0;
+            for lane in 0..LANES {
+                let of_ray = start..ends[lane];
+                start = ends[lane];
+                let Some(i) = of_lane[lane] else { continue };
+                let ray = &mut rays[i];
+                for k in of_ray {
+                    self.add(ray, stretches, k);
+                }
+                ray.stuck = sixteen.waited[lane] > PATIENCE;
+                if past[lane] || ray.clear <= self.opaque || ray.stuck {
+                    of_lane[lane] = None;
+                    sixteen.places[lane] = OUTSIDE;
+                }
+            }
+        }
+    }
+
+    /// Puts a ray into a lane where it enters the mesh next, beyond what it has reached; false if it does not.
+    fn enter(
+        &self,
+        ray: &mut TileRay,
+        place: &Place,
+        entries: &[Entry],
+        reached: Option<f32>,
+        sixteen: &mut Sixteen,
+        lane: usize,
+    ) -> bool {
+        for entry in &entries[ray.entries.clone()] {
+            ray.entries.start += 1;
+            // On an edge of the surface two faces are entered at once, and the first way has gone through what lies behind the second.
+            if reached.is_some_and(|reached| entry.depth < reached - 1e-6) {
+                continue;
+            }
+            let Some(gate) = Gate::new(self.mesh, self.projected, entry.face, place) else { continue };
+            let [depth, value] = gate.place();
+            for (corners, of_gate) in sixteen.corners.iter_mut().zip(gate.corners) {
+                for (lanes, x) in corners.iter_mut().zip(of_gate) {
+                    lanes.0[lane] = x;
+                }
+            }
+            for (lanes, x) in sixteen.weights.iter_mut().zip(gate.weights) {
+                lanes.0[lane] = x;
+            }
+            for (lanes, x) in sixteen.ray.iter_mut().zip(*place) {
+                lanes.0[lane] = x;
+            }
+            sixteen.reached[0].0[lane] = reached.map_or(depth, |reached| depth.max(reached));
+            sixteen.reached[1].0[lane] = value;
+            sixteen.waited[lane] = 0;
+            sixteen.places[lane] = 4 * (4 * entry.face.cell + u32::from(entry.face.across));
+            return true;
+        }
+        false
+    }
+
+    /// Cuts what a ray has passed into stretches; true if it is past its end.
+    #[inline]
+    fn pass(&self, ray: &mut TileRay, trail: &Trail, lane: usize, stretches: &mut Stretches) -> bool {
+        let cut = Cut { segments: self.segments, scale: ray.scale };
+        let [from, to] = ray.part;
+        let mut start = [trail.depths[0].0[lane], trail.values[0].0[lane]];
+        for step in 1..=STEPS {
+            let end = [trail.depths[step].0[lane], trail.values[step].0[lane]];
+            if end[0] > start[0] {
+                let mut depths = [start[0], end[0]];
+                let mut values = [start[1], end[1]];
+                if depths[0] < from || depths[1] > to {
+                    let at = |depth: f32| {
+                        values[0] + (values[1] - values[0]) * ((depth - depths[0]) / (depths[1] - depths[0]))
+                    };
+                    let kept = [depths[0].max(from), depths[1].min(to)];
+                    (values, depths) = (kept.map(at), kept);
+                }
+                if depths[0] < depths[1] {
+                    ray.parts += 1;
+                    stretches.add(&cut, depths, values, &mut ray.piece);
+                }
+                if end[0] >= to {
+                    return true;
+                }
+            }
+            start = end;
+        }
+        false
+    }
+
+    /// The light of stretches that are left to the plain code.
+    fn solve_hard(&self, stretches: &mut Stretches) {
+        let [_, half] = self.projected.depth;
+        let [low, range] = self.projected.value;
+        for &(k, values, scale) in &stretches.hard {
+            let [from, to] = stretches.depths[k].map(|d| f64::from(d) * half * f64::from(scale));
+            let values = values.map(|v| low + range * f64::from(v));
+            let mut light = Light::NONE;
+            let mut crossing = Crossing { level: 0.0, at: None, ends: false };
+            self.medium.add(&mut light, [from, to], values, None, None, &mut crossing);
+            let [r, g, b] = light.rgb.map(|x| x as f32);
+            stretches.light[k] = [r, g, b, (1.0 - light.clear) as f32];
+        }
+    }
+
+    /// Adds a stretch to its ray.
+    #[inline]
+    fn add(&self, ray: &mut TileRay, stretches: &Stretches, k: usize) {
+        let [r, g, b, opacity] = stretches.light[k].map(f64::from);
+        for (sum, light) in ray.rgb.iter_mut().zip([r, g, b]) {
+            *sum += ray.clear * light;
+        }
+        let left = ray.clear * (1.0 - opacity);
+        if left < 0.5 && ray.clear >= 0.5 {
+            ray.half = Some(self.half_way(ray, stretches, k));
+        }
+        ray.clear = left;
+    }
+
+    /// World distance at which half of the light is left, inside a stretch: extinction is taken to be linear in the depth.
+    fn half_way(&self, ray: &TileRay, stretches: &Stretches, k: usize) -> f64 {
+        let [from, to, _, piece] = stretches.rows[k];
+        let of_ends = [from, to].map(|t| self.segments.extinction(self.segments.opacity(piece.to_bits() as usize, t)));
+        let [a, b] = of_ends.map(f64::from);
+        let opacity = f64::from(stretches.light[k][3]);
+        // The part of the stretch's depth after which half is left: a t + (b − a) t²/2 = part (a + b)/2.
+        let part = ((2.0 * ray.clear).ln() / -(-opacity).ln_1p()).clamp(0.0, 1.0);
+        let t = if a + b > 0.0 && (a + b).is_finite() {
+            let wanted = part * (a + b);
+            wanted / (a + (a * a + (b - a) * wanted).max(0.0).sqrt())
+        } else {
+            0.0
+        };
+        let [start, end] = stretches.depths[k].map(f64::from);
+        let [middle, half] = self.projected.depth;
+        (middle + half * (start + (end - start) * t)) * f64::from(ray.scale)
+    }
+
+    /// The pixel of a ray.
+    fn seen(&self, ray: &TileRay, counts: &mut Counts) -> Seen {
+        counts.rays += u64::from(ray.parts > 0);
+        counts.samples += ray.parts;
+        let [r, g, b] = ray.rgb;
+        let seen = Seen { rgba: [r, g, b, 1.0 - ray.clear], depth: ray.half.unwrap_or(f64::INFINITY) };
+        let pixel = ray.sample.pixel;
+        self.layer.map_or(seen, |layer| Seen {
+            rgba: layer.under(pixel, seen.rgba),
+            depth: seen.depth.min(layer.depth(pixel)),
+        })
+    }
+}
