@@ -1,7 +1,7 @@
 //! A mesh that has been prepared, and its pictures.
 
 use std::ops::ControlFlow;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::DVec3;
 use vr_core::cells::CellValues;
@@ -108,10 +108,10 @@ impl PreparedMarcher {
                 depth: seen.depth.min(layer.depth(sample.pixel)),
             })
         };
-        let projected = self
-            .links()
-            .and_then(|links| Some((links, Projected::new(&self.mesh, &vertices, view, scene.transfer.segments())?)));
-        let (seen, counts) = stats.time("march", || match projected.filter(|_| N == 1 && self.is_plain_light()) {
+        let links = if N == 1 && self.is_plain_light() { self.links() } else { None };
+        let segments = scene.transfer.segments();
+        let in_packets = links.and_then(|links| Some((links, Projected::new(&self.mesh, &vertices, view, segments)?)));
+        let (seen, counts) = stats.time("march", || match in_packets {
             Some((links, projected)) => {
                 let packets = Packets {
                     mesh: &self.mesh,
@@ -124,6 +124,7 @@ impl PreparedMarcher {
                     view,
                     layer,
                     opaque: 1.0 - self.renderer.termination,
+                    buffers: Mutex::default(),
                 };
                 packets.draw(control, |ray, sample, counts| trace(&mut scratch(), ray, sample, counts))
             }
@@ -172,5 +173,13 @@ impl PixelValue for Seen {
         let sum = |c: usize| values.iter().map(|v| v.rgba[c]).sum::<f64>() * share;
         let depth = values.iter().map(|v| v.depth).fold(f64::INFINITY, f64::min);
         Self { rgba: std::array::from_fn(sum), depth }
+    }
+}
+
+#[cfg(test)]
+impl PreparedMarcher {
+    /// The same, but every ray by the plain code.
+    pub(crate) fn without_packets(self) -> Self {
+        Self { links: OnceLock::from(None), ..self }
     }
 }

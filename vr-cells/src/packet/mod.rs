@@ -12,6 +12,8 @@ mod march;
 mod projected;
 mod segments;
 mod stretches;
+#[cfg(test)]
+mod tests;
 mod tiles;
 
 pub(crate) use links::Links;

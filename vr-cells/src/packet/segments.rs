@@ -28,8 +28,8 @@ pub(crate) struct Piece {
     pub(crate) bends: bool,
 }
 
-/// Largest change of opacity, as part of what is left of 1, over which the rule follows the logarithm: to 4·10⁻⁵ of its depth.
-const BEND: f32 = 0.5;
+/// Largest change of opacity, as part of what is left of 1, over which the rule follows the logarithm: to 4·10⁻⁶ of its depth.
+const BEND: f32 = 0.35;
 
 /// True if the logarithm bends too much between two opacities.
 #[inline(always)]

@@ -24,8 +24,16 @@ pub(crate) struct Stretches {
     pub(crate) depths: Vec<[f32; 2]>,
     /// Light and opacity of each.
     pub(crate) light: Vec<[f32; 4]>,
-    /// Those that are left to the plain code: their numbers, the values at both ends, and the length of their ray for each unit of depth.
-    pub(crate) hard: Vec<(usize, [f32; 2], f32)>,
+    /// Those that are left to the plain code.
+    pub(crate) hard: Vec<Hard>,
+}
+
+/// A stretch that is left to the plain code.
+pub(crate) struct Hard {
+    pub(crate) number: usize,
+    pub(crate) values: [f32; 2],
+    /// Length of its ray for each unit of depth.
+    pub(crate) scale: f32,
 }
 
 /// What a ray has of its own.
@@ -133,7 +141,7 @@ impl Stretches {
         let opacities = parts.map(|t| cut.segments.opacity(index, t));
         let between = |[a, b]: [f32; 2], t: f32| a + (b - a) * t;
         if piece.bends && opacities[0].max(opacities[1]) > NEAR_WALL || piece.steepest == f32::INFINITY {
-            self.hard.push((self.rows.len(), values, cut.scale));
+            self.hard.push(Hard { number: self.rows.len(), values, scale: cut.scale });
             self.rows.push([0.0, 0.0, 0.0, f32::from_bits(index as u32)]);
             self.depths.push(depths);
             return;
@@ -147,7 +155,7 @@ impl Stretches {
         let length = (depths[1] - depths[0]) * cut.scale;
         let count = (cut.segments.extinction(opacities[0].max(opacities[1])) * length / DEPTH).ceil().max(1.0);
         if count > PARTS {
-            self.hard.push((self.rows.len(), values, cut.scale));
+            self.hard.push(Hard { number: self.rows.len(), values, scale: cut.scale });
             self.rows.push([0.0, 0.0, 0.0, f32::from_bits(index as u32)]);
             self.depths.push(depths);
             return;

@@ -1,17 +1,20 @@
 //! Tiles of a picture whose rays are marched sixteen at once.
 
+use std::sync::Mutex;
+
 use fearless_simd::Level;
 use vr_core::image_order::{ImageSample, PixelValue, in_parallel};
+use vr_core::parallel::locked;
 use vr_core::{CellMesh, Control, Counts, Layer, Ray, Rays, RenderError, View};
 use vr_kernels::vector::{LANES, run};
 
 use super::entries::{Entry, Gate, Grid, Place};
 use super::integral::Integral;
 use super::links::{Links, OUTSIDE};
-use super::march::{March, STEPS, Sixteen, Trail};
+use super::march::{GROUPS, March, MarchScene, STEPS, Sixteen, Trail};
 use super::projected::{Projected, in_two};
 use super::segments::Segments;
-use super::stretches::{Cut, Stretches};
+use super::stretches::{Cut, Hard, Stretches};
 use crate::accumulators::Seen;
 use crate::camera_space::CameraSpace;
 use crate::entries::{Entries, TILE};
@@ -19,6 +22,9 @@ use crate::medium::{Crossing, Light, Medium};
 
 /// Steps without progress after which a ray is left to the plain code: more cells than meet in a vertex.
 const PATIENCE: i32 = 256;
+
+/// Lanes of all groups.
+const ALL_LANES: usize = GROUPS * LANES;
 
 /// Everything that the rays of a view have in common.
 pub(crate) struct Packets<'a> {
@@ -33,6 +39,7 @@ pub(crate) struct Packets<'a> {
     pub(crate) layer: Option<&'a Layer>,
     /// Transparency at which a ray may end.
     pub(crate) opaque: f64,
+    pub(crate) buffers: Mutex<Vec<Box<Buffers>>>,
 }
 
 /// A ray of a tile.
@@ -58,13 +65,15 @@ struct TileRay {
 
 /// Buffers of a tile.
 #[derive(Default)]
-struct Buffers {
+pub(crate) struct Buffers {
     places: Vec<Place>,
     rays: Vec<TileRay>,
     entries: Vec<Entry>,
+    /// Entries as they are found, face by face.
+    found: Vec<Entry>,
     stretches: Stretches,
-    sixteen: Sixteen,
-    trail: Trail,
+    groups: [Sixteen; GROUPS],
+    trails: [Trail; GROUPS],
 }
 
 impl Packets<'_> {
@@ -111,7 +120,8 @@ impl Packets<'_> {
         counts: &mut Counts,
         plain: &impl Fn(&Ray, ImageSample, &mut Counts) -> Seen,
     ) -> Vec<Seen> {
-        let mut buffers = Buffers::default();
+        // Buffers go from tile to tile.
+        let mut buffers = locked(&self.buffers).pop().unwrap_or_default();
         self.begin(rays, corner, size, &mut buffers);
         self.march(level, &mut buffers);
 
@@ -128,6 +138,7 @@ impl Packets<'_> {
             }
             pixels.push(if n == 1 { of_pixel[0] } else { Seen::mean(&of_pixel) });
         }
+        locked(&self.buffers).push(buffers);
         pixels
     }
 
@@ -137,6 +148,9 @@ impl Packets<'_> {
         let [width, height] = self.view.size.map(f64::from);
         let centre = |first: u32, i: u32| f64::from(first) + (f64::from(i) + 0.5) / f64::from(n);
         let [middle, half] = self.projected.depth;
+        buffers.places.clear();
+        buffers.rays.clear();
+        buffers.found.clear();
         for row in 0..size[1] * n {
             for column in 0..size[0] * n {
                 let (x, y) = (centre(corner[0], column), centre(corner[1], row));
@@ -171,12 +185,12 @@ impl Packets<'_> {
             spacing: 1.0 / f64::from(n),
         };
         for face in self.entries.near(f64::from(corner[0]), f64::from(corner[1])) {
-            grid.enter(self.mesh, self.projected, face, &mut buffers.entries);
+            grid.enter(self.mesh, self.projected, face, &mut buffers.found);
         }
-        let entries = &mut buffers.entries;
-        entries.sort_unstable_by(|a, b| a.ray.cmp(&b.ray).then(a.depth.total_cmp(&b.depth)));
+        sort_by_ray(&buffers.found, buffers.rays.len(), &mut buffers.entries);
         let mut start = 0;
-        for of_ray in entries.chunk_by(|a, b| a.ray == b.ray) {
+        for of_ray in buffers.entries.chunk_by_mut(|a, b| a.ray == b.ray) {
+            of_ray.sort_unstable_by(|a, b| a.depth.total_cmp(&b.depth));
             let ray = &mut buffers.rays[of_ray[0].ray as usize];
             if ray.part[0] < ray.part[1] {
                 ray.entries = start..start + of_ray.len();
@@ -187,62 +201,55 @@ impl Packets<'_> {
 
     /// Marches the rays of a tile.
     fn march(&self, level: Level, buffers: &mut Buffers) {
-        let Buffers { places, rays, entries, stretches, sixteen, trail } = buffers;
+        let Buffers { places, rays, entries, stretches, groups, trails, .. } = buffers;
+        let scene = MarchScene {
+            links: self.links.rows(),
+            vertices: &self.projected.vertices,
+            widening: self.projected.widening,
+        };
         let mut waiting = 0..rays.len();
-        let mut of_lane = [None; LANES];
+        let mut of_lane = [None; ALL_LANES];
         loop {
             // Lanes that stand still get the next entry of their ray, or the next ray.
-            for (lane, of_lane) in of_lane.iter_mut().enumerate() {
-                while sixteen.places[lane] == OUTSIDE {
+            for (i, of_lane) in of_lane.iter_mut().enumerate() {
+                let (group, lane) = (&mut groups[i / LANES], i % LANES);
+                while group.places[lane] == OUTSIDE {
                     let Some(i) = of_lane.or_else(|| waiting.next()) else { break };
-                    let ray: &mut TileRay = &mut rays[i];
-                    let reached = of_lane.map(|_| sixteen.reached[0].0[lane]);
-                    *of_lane = Some(i);
-                    if !self.enter(ray, &places[i], entries, reached, sixteen, lane) {
-                        *of_lane = None;
-                    }
+                    let reached = of_lane.map(|_| group.reached[0].0[lane]);
+                    let enters = self.enter(&mut rays[i], &places[i], entries, reached, group, lane);
+                    *of_lane = enters.then_some(i);
                 }
             }
             if of_lane.iter().all(Option::is_none) {
                 return;
             }
+            run(level, March { scene, rays: groups, trails });
 
-            run(
-                level,
-                March {
-                    links: self.links.rows(),
-                    vertices: &self.projected.vertices,
-                    widening: self.projected.widening,
-                    rays: sixteen,
-                    trail,
-                },
-            );
-
-            // What the rays have passed, their light, and which of them end.
+            // What the rays have passed, its light, and which of them end.
             stretches.clear();
-            let mut ends = [0; LANES];
-            let mut past = [false; LANES];
-            for lane in 0..LANES {
-                if let Some(i) = of_lane[lane] {
-                    past[lane] = self.pass(&mut rays[i], trail, lane, stretches);
+            let mut ends = [0; ALL_LANES];
+            let mut past = [false; ALL_LANES];
+            for i in 0..ALL_LANES {
+                if let Some(ray) = of_lane[i] {
+                    past[i] = self.pass(&mut rays[ray], &trails[i / LANES], i % LANES, stretches);
                 }
-                ends[lane] = stretches.rows.len();
+                ends[i] = stretches.rows.len();
             }
             run(level, Integral { segments: self.segments, stretches });
             self.solve_hard(stretches);
             let mut start = 0;
-            for lane in 0..LANES {
-                let of_ray = start..ends[lane];
-                start = ends[lane];
-                let Some(i) = of_lane[lane] else { continue };
-                let ray = &mut rays[i];
+            for i in 0..ALL_LANES {
+                let of_ray = start..ends[i];
+                start = ends[i];
+                let Some(ray) = of_lane[i] else { continue };
+                let (ray, group, lane) = (&mut rays[ray], &mut groups[i / LANES], i % LANES);
                 for k in of_ray {
                     self.add(ray, stretches, k);
                 }
-                ray.stuck = sixteen.waited[lane] > PATIENCE;
-                if past[lane] || ray.clear <= self.opaque || ray.stuck {
-                    of_lane[lane] = None;
-                    sixteen.places[lane] = OUTSIDE;
+                ray.stuck = group.waited[lane] > PATIENCE;
+                if past[i] || ray.clear <= self.opaque || ray.stuck {
+                    of_lane[i] = None;
+                    group.places[lane] = OUTSIDE;
                 }
             }
         }
@@ -319,17 +326,23 @@ impl Packets<'_> {
 
     /// The light of stretches that are left to the plain code.
     fn solve_hard(&self, stretches: &mut Stretches) {
-        let [_, half] = self.projected.depth;
-        let [low, range] = self.projected.value;
-        for &(k, values, scale) in &stretches.hard {
-            let [from, to] = stretches.depths[k].map(|d| f64::from(d) * half * f64::from(scale));
-            let values = values.map(|v| low + range * f64::from(v));
-            let mut light = Light::NONE;
-            let mut crossing = Crossing { level: 0.0, at: None, ends: false };
-            self.medium.add(&mut light, [from, to], values, None, None, &mut crossing);
+        for hard in &stretches.hard {
+            let (light, _) = self.solve_plainly(stretches.depths[hard.number], hard, 0.0);
             let [r, g, b] = light.rgb.map(|x| x as f32);
-            stretches.light[k] = [r, g, b, (1.0 - light.clear) as f32];
+            stretches.light[hard.number] = [r, g, b, (1.0 - light.clear) as f32];
         }
+    }
+
+    /// The light of a stretch by the plain code, and the world distance at which no more than `level` is left.
+    fn solve_plainly(&self, depths: [f32; 2], hard: &Hard, level: f64) -> (Light, Option<f64>) {
+        let [middle, half] = self.projected.depth;
+        let [low, range] = self.projected.value;
+        let ends = depths.map(|d| (middle + half * f64::from(d)) * f64::from(hard.scale));
+        let values = hard.values.map(|v| low + range * f64::from(v));
+        let mut light = Light::NONE;
+        let mut crossing = Crossing { level, at: None, ends: false };
+        self.medium.add(&mut light, ends, values, None, None, &mut crossing);
+        (light, crossing.at)
     }
 
     /// Adds a stretch to its ray.
@@ -348,6 +361,11 @@ impl Packets<'_> {
 
     /// World distance at which half of the light is left, inside a stretch: extinction is taken to be linear in the depth.
     fn half_way(&self, ray: &TileRay, stretches: &Stretches, k: usize) -> f64 {
+        if let Some(hard) = stretches.hard.iter().find(|hard| hard.number == k)
+            && let (_, Some(at)) = self.solve_plainly(stretches.depths[k], hard, 0.5 / ray.clear)
+        {
+            return at;
+        }
         let [from, to, _, piece] = stretches.rows[k];
         let of_ends = [from, to].map(|t| self.segments.extinction(self.segments.opacity(piece.to_bits() as usize, t)));
         let [a, b] = of_ends.map(f64::from);
@@ -376,5 +394,23 @@ impl Packets<'_> {
             rgba: layer.under(pixel, seen.rgba),
             depth: seen.depth.min(layer.depth(pixel)),
         })
+    }
+}
+
+/// Sorts entries by their rays: counts, then places.
+fn sort_by_ray(found: &[Entry], rays: usize, sorted: &mut Vec<Entry>) {
+    let mut next = vec![0; rays + 1];
+    for entry in found {
+        next[entry.ray as usize + 1] += 1;
+    }
+    for ray in 0..rays {
+        next[ray + 1] += next[ray];
+    }
+    sorted.clear();
+    sorted.extend_from_slice(found);
+    for entry in found {
+        let place: &mut usize = &mut next[entry.ray as usize];
+        sorted[*place] = *entry;
+        *place += 1;
     }
 }
