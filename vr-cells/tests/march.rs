@@ -4,33 +4,18 @@ use glam::DVec3;
 use vr_cells::CellMarcher;
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::{
-    Calibration, Camera, Clip, Compositing, Control, ControlPoint, Filter, GridVolume, Light, Model, OpacityRule,
-    Placement, Plane, Projection, Renderer, Scene, Shading, TransferFunction, UniformGrid, View,
+    Camera, Clip, Compositing, Control, ControlPoint, Light, Model, OpacityRule, Plane, Projection, Renderer, Scene,
+    Shading, TransferFunction, View,
 };
 use vr_physics::Reference;
+use vr_physics::check::strategies::uneven_cubes;
 
 /// n³ cubes of six cells over the unit cube, inner vertices moved, without the cells whose middle is where `hole` says.
 fn mesh(n: usize, jitter: f64, of_cells: bool, hole: impl Fn(DVec3) -> bool) -> CellMesh {
-    let placement = Placement::from_spacing([1.0 / n as f64; 3]).unwrap();
-    let grid = UniformGrid::new([n + 1; 3], vec![0u8; (n + 1).pow(3)], placement, Calibration::default()).unwrap();
-    let plain = CellMesh::of_grid(&GridVolume::new(grid.into(), Filter::Trilinear)).unwrap();
-    let mut state = 1u64;
-    let mut random = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        ((state >> 40) as f64 / (1u64 << 24) as f64 - 0.5) * 2.0 * jitter / n as f64
-    };
-    let moved: Vec<DVec3> = plain
-        .vertices()
-        .iter()
-        .map(|&v| {
-            let is_inner = v.min_element() > 0.0 && v.max_element() < 1.0 - 1e-9;
-            let by = DVec3::new(random(), random(), random());
-            if is_inner { v + by } else { v }
-        })
-        .collect();
+    let (moved, cells) = uneven_cubes([n; 3], jitter, 1);
     let waves = |p: DVec3| 0.5 + 0.3 * (7.0 * p.x + 3.0 * p.y).sin() + 0.2 * (9.0 * p.z - 4.0 * p.y).cos();
     let middle = |cell: &[u32; 4]| cell.iter().map(|&v| moved[v as usize]).sum::<DVec3>() * 0.25;
-    let cells: Vec<[u32; 4]> = plain.cells().iter().copied().filter(|cell| !hole(middle(cell))).collect();
+    let cells: Vec<[u32; 4]> = cells.into_iter().filter(|cell| !hole(middle(cell))).collect();
     let values = if of_cells {
         CellValues::Cells(cells.iter().map(|cell| waves(middle(cell))).collect())
     } else {

@@ -4,32 +4,17 @@ use glam::DVec3;
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::field::FunctionField;
 use vr_core::{
-    Calibration, Camera, Clip, Compositing, Control, ControlPoint, Field, Filter, GridVolume, Model, OpacityRule,
-    Placement, Ray, Rays, Scene, Shading, TransferFunction, UniformGrid, View, Volume,
+    Camera, Clip, Compositing, Control, ControlPoint, Field, Model, OpacityRule, Ray, Rays, Scene, Shading,
+    TransferFunction, View, Volume,
 };
 use vr_physics::Reference;
+use vr_physics::check::strategies::uneven_cubes;
 
 /// n³ cubes of six cells each, over the unit cube; inner vertices are moved by up to `jitter` of a step.
 fn mesh(n: usize, jitter: f64, value: impl Fn(DVec3) -> f64) -> CellMesh {
-    let placement = Placement::from_spacing([1.0 / n as f64; 3]).unwrap();
-    let grid = UniformGrid::new([n + 1; 3], vec![0u8; (n + 1).pow(3)], placement, Calibration::default()).unwrap();
-    let plain = CellMesh::of_grid(&GridVolume::new(grid.into(), Filter::Trilinear)).unwrap();
-    let mut state = 1u64;
-    let mut random = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        ((state >> 40) as f64 / (1u64 << 24) as f64 - 0.5) * 2.0 * jitter / n as f64
-    };
-    let moved: Vec<DVec3> = plain
-        .vertices()
-        .iter()
-        .map(|&v| {
-            let is_inner = v.min_element() > 0.0 && v.max_element() < 1.0 - 1e-9;
-            let by = DVec3::new(random(), random(), random());
-            if is_inner { v + by } else { v }
-        })
-        .collect();
+    let (moved, cells) = uneven_cubes([n; 3], jitter, 1);
     let values = moved.iter().map(|&v| value(v)).collect();
-    CellMesh::new(moved, plain.cells().to_vec(), CellValues::Vertices(values)).unwrap()
+    CellMesh::new(moved, cells, CellValues::Vertices(values)).unwrap()
 }
 
 fn transfer() -> TransferFunction {

@@ -13,7 +13,7 @@ use super::segments::Segments;
 use super::stretches::{Row, Stretches};
 
 /// Nodes of Gauss's rule of four points on [0, 1], and its weights.
-const NODES: [f32; 4] = [0.069_431_844, 0.330_009_48, 0.669_990_5, 0.930_568_16];
+const NODES: [f32; 4] = [0.069_431_84, 0.330_009_5, 0.669_990_5, 0.930_568_16];
 const WEIGHTS: [f32; 4] = [0.173_927_42, 0.326_072_58, 0.326_072_58, 0.173_927_42];
 /// Integrals from 0 to each node of the polynomial through the four nodes.
 const UP_TO_NODE: [[f32; 4]; 4] = [

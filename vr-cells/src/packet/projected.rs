@@ -58,7 +58,8 @@ impl Projected {
         for vertex in vertices {
             (near, far) = (near.min(vertex.at[2]), far.max(vertex.at[2]));
         }
-        if !(near < far) || (perspective && near < IN_FRONT * far) {
+        let is_solid = near < far;
+        if !is_solid || (perspective && near < IN_FRONT * far) {
             return None;
         }
         let (low, high) = mesh.value_range();

@@ -3,9 +3,10 @@
 use glam::DVec3;
 use vr_core::cells::CellValues;
 use vr_core::{
-    Calibration, Camera, CellMesh, Clip, Control, ControlPoint, Filter, GridVolume, OpacityRule, Placement, Plane,
-    Prepared, Rendered, Scene, TransferFunction, UniformGrid, View,
+    Camera, CellMesh, Clip, Control, ControlPoint, OpacityRule, Plane, Prepared, Rendered, Scene, TransferFunction,
+    View,
 };
+use vr_physics::check::strategies::uneven_cubes;
 
 use crate::marcher::CellMarcher;
 use crate::prepared::PreparedMarcher;
@@ -20,17 +21,11 @@ impl Random {
     }
 }
 
-/// Cubes of six cells over the unit cube, with vertices moved and some cells left out, far from the world's origin.
+/// Cubes of six cells over a unit cube, with some cells left out, far from the world's origin.
 fn mesh(random: &mut Random, n: usize) -> CellMesh {
-    let placement = Placement::from_spacing([1.0 / n as f64; 3]).unwrap();
-    let grid = UniformGrid::new([n + 1; 3], vec![0u8; (n + 1).pow(3)], placement, Calibration::default()).unwrap();
-    let plain = CellMesh::of_grid(&GridVolume::new(grid.into(), Filter::Trilinear)).unwrap();
-    let mut moved = |v: &DVec3| {
-        let by = DVec3::new(random.next(), random.next(), random.next()) - 0.5;
-        *v + by * (0.3 / n as f64) + DVec3::new(300.0, -20.0, 5.0)
-    };
-    let vertices: Vec<DVec3> = plain.vertices().iter().map(&mut moved).collect();
-    let cells = plain.cells().iter().copied().filter(|_| random.next() < 0.9).collect();
+    let (vertices, cells) = uneven_cubes([n; 3], 0.15, n as u64);
+    let vertices: Vec<DVec3> = vertices.into_iter().map(|v| v + DVec3::new(300.0, -20.0, 5.0)).collect();
+    let cells = cells.into_iter().filter(|_| random.next() < 0.9).collect();
     let values = vertices.iter().map(|_| 1e3 + random.next()).collect();
     CellMesh::new(vertices, cells, CellValues::Vertices(values)).unwrap()
 }

@@ -6,12 +6,11 @@ use vr_core::{Control, Frame, Model, Renderer, Scene, View};
 use super::drawn::{ReferencePixels, draw};
 use super::effort::{Effort, Verdict};
 use super::outcome::{CheckFailure, Report};
-use super::strategies::tame_scene;
 use super::test_scene::TestScene;
 use crate::Metrics;
 
 /// Every component of every pixel lies within `bound` of the canonical pixel (relative to max(1, largest magnitude of the
-/// picture), as [`Metrics::max`] is), over [tame scenes](tame_scene).
+/// picture), as [`Metrics::max`] is), over [tame scenes](super::strategies).
 ///
 /// `bound` is the error that the renderer documents for a scene and a view; if it is +∞, the scene is skipped. The
 /// reference's own uncertainty comes on top; where that is larger than the bound, the scene is skipped, too.
@@ -23,7 +22,7 @@ pub fn agrees_with_reference(
     bound: impl Fn(&Scene, &View) -> f64,
     effort: &Effort,
 ) -> Result<Report, CheckFailure> {
-    agrees_with_reference_on(renderer, tame_scene(), bound, effort)
+    agrees_with_reference_on(renderer, effort.tame_scene(), bound, effort)
 }
 
 /// The check [`agrees_with_reference`] over the caller's own scenes.

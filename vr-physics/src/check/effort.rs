@@ -7,7 +7,7 @@ use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestCaseError, TestEr
 use vr_core::{RenderError, Renderer};
 
 use super::outcome::{CheckFailure, Report};
-use super::strategies::{Kind, scene, scene_of};
+use super::strategies::{Kind, mesh_scene, scene, scene_of, tame_mesh_scene, tame_scene};
 use super::test_scene::TestScene;
 use crate::Reference;
 
@@ -24,11 +24,29 @@ pub struct Effort {
     pub reference: Reference,
     /// The kinds of scenes that checks over any scenes draw; `None`: their own.
     pub kinds: Option<Vec<Kind>>,
+    /// The volumes of the scenes.
+    pub volumes: Volumes,
+}
+
+/// The volumes that random scenes have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Volumes {
+    /// Uniform grids.
+    Grids,
+    /// Meshes of cells.
+    Meshes,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { cases: 64, seed: 0x5eed, shrink_steps: 2000, reference: Reference::default(), kinds: None }
+        Self {
+            cases: 64,
+            seed: 0x5eed,
+            shrink_steps: 2000,
+            reference: Reference::default(),
+            kinds: None,
+            volumes: Volumes::Grids,
+        }
     }
 }
 
@@ -44,9 +62,27 @@ impl Effort {
         Self { kinds: Some(kinds.to_vec()), ..self }
     }
 
+    /// The same with scenes of meshes of cells, for renderers that draw no grids. Kinds of scenes are those of grids, and count no more.
+    #[must_use]
+    pub fn of_meshes(self) -> Self {
+        Self { volumes: Volumes::Meshes, ..self }
+    }
+
     /// Any scenes: of the kinds asked for, or of [`scene`].
     pub(super) fn any_scene(&self) -> BoxedStrategy<TestScene> {
-        self.kinds.as_ref().map_or_else(|| scene().boxed(), |kinds| scene_of(kinds).boxed())
+        match (self.volumes, &self.kinds) {
+            (Volumes::Meshes, _) => mesh_scene().boxed(),
+            (Volumes::Grids, Some(kinds)) => scene_of(kinds).boxed(),
+            (Volumes::Grids, None) => scene().boxed(),
+        }
+    }
+
+    /// Scenes whose picture depends continuously on every number.
+    pub(super) fn tame_scene(&self) -> BoxedStrategy<TestScene> {
+        match self.volumes {
+            Volumes::Grids => tame_scene().boxed(),
+            Volumes::Meshes => tame_mesh_scene().boxed(),
+        }
     }
 }
 

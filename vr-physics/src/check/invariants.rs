@@ -5,7 +5,6 @@ use vr_core::{Control, Frame, RenderError, Renderer, View};
 use super::drawn::draw;
 use super::effort::{Effort, Verdict};
 use super::outcome::{CheckFailure, Report};
-use super::strategies::tame_scene;
 use super::test_scene::TestScene;
 use super::transformed::{quarter_turned, scaled_world, with_emission_times, without_highlights};
 pub use super::updates::update_is_prepare;
@@ -104,7 +103,7 @@ pub fn is_free_of_scale(renderer: &dyn Renderer, tolerance: f64, effort: &Effort
         }
         Ok(Verdict::Held { measured: 0.0, allowed: 0.0 })
     })?;
-    let rounded = effort.over("is free of scale", renderer, tame_scene(), |test| {
+    let rounded = effort.over("is free of scale", renderer, effort.tame_scene(), |test| {
         let original = draw(renderer, test, &Control::default())?;
         let scaled = draw(renderer, &scaled_world(test, 3.0), &Control::default())?;
         let deviation = Metrics::of(&wide(&original), scaled.pixels()).max;
@@ -118,7 +117,7 @@ pub fn is_free_of_scale(renderer: &dyn Renderer, tolerance: f64, effort: &Effort
 /// # Errors
 /// The failure, with a scene that shows it.
 pub fn turns_with_its_data(renderer: &dyn Renderer, tolerance: f64, effort: &Effort) -> Result<Report, CheckFailure> {
-    effort.over("turns with its data", renderer, tame_scene(), |test| {
+    effort.over("turns with its data", renderer, effort.tame_scene(), |test| {
         let original = wide(&draw(renderer, test, &Control::default())?);
         let mut deviation = 0.0;
         for axis in 0..3 {

@@ -29,8 +29,8 @@
 //! the [`CheckFailure`] as a scene file, which `vr render --scene` draws. Scenes that a renderer refuses with
 //! [`RenderError::Unsupported`](vr_core::RenderError::Unsupported) are counted, not failed; refusing all of them is a failure.
 //!
-//! The checks draw grids; [`agrees_with_reference_on`] and [`agrees_with_its_model`] take scenes of the caller, such as
-//! [scattered points](strategies::tame_point_scene).
+//! The checks draw grids, or meshes of cells under [`Effort::of_meshes`]; [`agrees_with_reference_on`] and [`agrees_with_its_model`] take scenes
+//! of the caller, such as [scattered points](strategies::tame_point_scene).
 //!
 //! [`strategies`] has the random scenes for the caller's own checks, [`transformed`] the scenes that must look the same, [`pictures`] small
 //! scenes, their pictures and the errors of these, and [`faulty_marcher`] a renderer with mistakes, to check checks with.
@@ -59,7 +59,7 @@ mod tests;
 pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_reference_on};
 pub use convergence::{Convergence, Refinement, converges};
 pub use documented::{converges_as_documented, documents_what_can_be_set, survives_documented_cases};
-pub use effort::Effort;
+pub use effort::{Effort, Volumes};
 pub use falling::{CHANCE, Fall, Falling, KindFall, Ladder, errors_fall, survey_kind};
 pub use fixed_layer::FixedLayer;
 pub use hard_cases::{CaseOutcome, CaseResult, HardCases, survives_hard_cases};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use vr_core::{
-    AnyGrid, Clip, Control, ControlPoint, Layer, Light, Placement, Plane, Projection, Scene, Shading, Surfaces,
-    TransferFunction, UniformGrid, Volume, Voxel, with_grid,
+    AnyGrid, CellMesh, Clip, Control, ControlPoint, Layer, Light, Placement, Plane, Projection, Scene, Shading,
+    Surfaces, TransferFunction, UniformGrid, Volume, Voxel, with_grid,
 };
 
 use super::fixed_layer::FixedLayer;
@@ -49,9 +49,14 @@ pub fn scaled_world(test: &TestScene, s: f64) -> TestScene {
     let unit_distance = test.scene.transfer.unit_distance() * s;
     let change = |_: usize, p: &ControlPoint| ControlPoint { emission: p.emission.map(|e| e.map(|x| x / s)), ..*p };
     let mut scene = with_points(&test.scene, change, unit_distance);
-    let old = placement(&test.scene);
-    let axes = DMat3::from_cols(old.axes().x_axis * s, old.axes().y_axis * s, old.axes().z_axis * s);
-    scene.volume = with_placement(&test.scene, Placement::new(old.origin() * s, axes).expect("still a placement"));
+    scene.volume = match &test.scene.volume {
+        Volume::Cells(mesh) => with_vertices(mesh, |v| v * s),
+        _ => {
+            let old = placement(&test.scene);
+            let axes = DMat3::from_cols(old.axes().x_axis * s, old.axes().y_axis * s, old.axes().z_axis * s);
+            with_placement(&test.scene, Placement::new(old.origin() * s, axes).expect("still a placement"))
+        }
+    };
     scene.shading = test.scene.shading.as_ref().map(|shading| {
         let gradient_opacity = shading.gradient_opacity.iter().map(|&(magnitude, f)| (magnitude / s, f)).collect();
         Arc::new(Shading { gradient_opacity, ..(**shading).clone() })
@@ -103,7 +108,10 @@ pub fn quarter_turned(test: &TestScene, axis: usize) -> TestScene {
         planes: view.clip.planes.iter().map(|p| Plane { normal: turn(p.normal), ..*p }).collect(),
     };
     let mut scene = test.scene.clone();
-    scene.volume = on_grid(&test.scene, quarter_turned_grid(&test.scene, (a, b), turn));
+    scene.volume = match &test.scene.volume {
+        Volume::Cells(mesh) => with_vertices(mesh, turn),
+        _ => on_grid(&test.scene, quarter_turned_grid(&test.scene, (a, b), turn)),
+    };
     scene.lights = scene.lights.iter().map(|l| Light { direction: l.direction.map(turn), ..*l }).collect();
     TestScene { scene, view }
 }
@@ -139,8 +147,14 @@ fn quarter_turned_grid(scene: &Scene, (a, b): (usize, usize), turn: impl Fn(DVec
     with_grid!(grid(scene), g => build(g, (a, b), placement).into())
 }
 
+/// A mesh with its vertices in other places.
+fn with_vertices(mesh: &CellMesh, moved: impl Fn(DVec3) -> DVec3) -> Volume {
+    let vertices = mesh.vertices().iter().map(|&v| moved(v)).collect();
+    CellMesh::new(vertices, mesh.cells().to_vec(), mesh.values().clone()).expect("still a mesh").into()
+}
+
 fn grid(scene: &Scene) -> &AnyGrid {
-    scene.volume.grid().expect("only uniform grids can be transformed").values()
+    scene.volume.grid().expect("only grids and meshes can be transformed").values()
 }
 
 fn placement(scene: &Scene) -> Placement {

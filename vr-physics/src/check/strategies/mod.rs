@@ -12,12 +12,14 @@
 //! [`Kind`] names what can be hard about a scene, and [`scene_of`] draws any of it: what [`errors_fall`](super::errors_fall) and
 //! the long runs of `vr-benches` look at.
 //!
-//! All of these are grids. [`point_scene`] and [`tame_point_scene`] are the first two of scattered points.
+//! All of these are grids. [`point_scene`] and [`tame_point_scene`] are the first two of scattered points, [`mesh_scene`] and [`tame_mesh_scene`]
+//! those of meshes of cells.
 
 mod cameras;
 mod grids;
 mod kinds;
 mod looks;
+mod meshes;
 mod points;
 mod scenes;
 mod transfers;
@@ -26,6 +28,7 @@ pub use cameras::{camera, clip, generic_camera};
 pub use grids::{grid, smooth_grid, tame_grid};
 pub use kinds::{Kind, scene_of};
 pub use looks::{compositing, filter, shading, tame_compositing};
+pub use meshes::{cell_mesh, mesh_scene, tame_mesh_scene, uneven_cubes};
 pub use points::{point_scene, point_set, tame_point_scene};
 pub use scenes::{scene, smooth_scene, tame_scene};
 pub use transfers::{smooth_transfer, tame_transfer, transfer};

@@ -1,0 +1,34 @@
+//! The marcher through the checks that every renderer can be put through, over random meshes.
+
+use vr_cells::CellMarcher;
+use vr_physics::check::strategies::mesh_scene;
+use vr_physics::check::{self, Effort};
+
+#[test]
+fn obeys_invariants() {
+    let marcher = CellMarcher { termination: 1.0 };
+    for report in
+        check::obeys_invariants(&marcher, 1e-5, &Effort::cases(48).of_meshes()).unwrap_or_else(|e| panic!("{e}"))
+    {
+        println!("{report}");
+    }
+}
+
+#[test]
+fn tame_scenes_are_exact() {
+    let effort = Effort::cases(200).of_meshes();
+    let report = check::agrees_with_reference(&CellMarcher { termination: 1.0 }, |_, _| 1e-5, &effort);
+    println!("{}", report.unwrap_or_else(|e| panic!("{e}")));
+}
+
+/// Jumps, walls and thresholds included; where something is shaded, normals turn within a cell.
+#[test]
+fn any_scene_is_exact() {
+    let bound = |scene: &vr_core::Scene, _: &vr_core::View| match scene.shading {
+        None => 1e-5,
+        Some(_) => 1e-3,
+    };
+    let report =
+        check::agrees_with_reference_on(&CellMarcher { termination: 1.0 }, mesh_scene(), bound, &Effort::cases(200));
+    println!("{}", report.unwrap_or_else(|e| panic!("{e}")));
+}
