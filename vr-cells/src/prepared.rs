@@ -43,8 +43,8 @@ impl PreparedMarcher {
         self.links.get_or_init(|| Links::new(&self.mesh)).as_ref()
     }
 
-    /// True if the picture is that of unshaded light, which packets draw: of values at vertices, without emission and rows.
-    fn is_plain_light(&self) -> bool {
+    /// True if the picture is that of light, which packets draw: of values at vertices, without emission, and without opacity by the gradient.
+    fn is_light(&self) -> bool {
         let scene = &self.scene;
         let is_light = match scene.compositing {
             Compositing::Over => true,
@@ -52,7 +52,7 @@ impl PreparedMarcher {
             _ => false,
         };
         let of_vertices = matches!(self.mesh.values(), CellValues::Vertices(_));
-        is_light && of_vertices && !scene.transfer.has_emission() && !scene.transfer.has_rows()
+        is_light && of_vertices && !scene.transfer.has_emission() && !scene.has_gradient_opacity()
     }
 
     /// Draws with values alone (`N` = 1), or with gradients (`N` = 4).
@@ -108,12 +108,12 @@ impl PreparedMarcher {
                 depth: seen.depth.min(layer.depth(sample.pixel)),
             })
         };
-        let links = if N == 1 && self.is_plain_light() { self.links() } else { None };
+        let links = if self.is_light() { self.links() } else { None };
         let segments = scene.transfer.segments();
         let in_packets = links.and_then(|links| Some((links, Projected::new(&self.mesh, &vertices, view, segments)?)));
         let (seen, counts) = stats.time("march", || match in_packets {
             Some((links, projected)) => {
-                let packets = Packets {
+                let packets = Packets::<N> {
                     mesh: &self.mesh,
                     links,
                     projected: &projected,
@@ -124,6 +124,7 @@ impl PreparedMarcher {
                     view,
                     layer,
                     opaque: 1.0 - self.renderer.termination,
+                    lit: reflection.map(|shading| (&**shading, &scene.lights[..])),
                     buffers: Mutex::default(),
                 };
                 packets.draw(control, |ray, sample, counts| trace(&mut scratch(), ray, sample, counts))

@@ -18,9 +18,10 @@ pub(crate) struct Entry {
     pub(crate) face: SurfaceFace,
 }
 
-/// A side that a ray goes through: x, y, depth and value of its corners, and the barycentric coordinates of the ray's place on it.
+/// A side that a ray goes through: x, y and depth of its corners, the vertices that they are, and the barycentric coordinates of the ray's place on it.
 pub(crate) struct Gate {
-    pub(crate) corners: [[f32; 4]; 3],
+    pub(crate) corners: [[f32; 3]; 3],
+    pub(crate) names: [u32; 3],
     pub(crate) weights: [f32; 3],
 }
 
@@ -31,28 +32,31 @@ impl Gate {
     #[inline]
     pub(crate) fn new(mesh: &CellMesh, projected: &Projected, face: SurfaceFace, ray: &Place) -> Option<Self> {
         let cell = mesh.cells()[face.cell as usize];
-        let corners = FACES[usize::from(face.across)].map(|i| {
-            let ScreenVertex { place, depth_value: [depth, value, ..] } = projected.vertices[cell[i] as usize];
+        let names = FACES[usize::from(face.across)].map(|i| cell[i]);
+        let corners = names.map(|vertex| {
+            let ScreenVertex { place, depth_value: [depth, ..] } = projected.vertices[vertex as usize];
             let scale = depth * projected.widening + 1.0;
             [
                 ((place[0] - ray[0]) + (place[2] - ray[2])) * scale,
                 ((place[1] - ray[1]) + (place[3] - ray[3])) * scale,
                 depth,
-                value,
             ]
         });
         let side = |a: usize, b: usize| corners[a][0] * corners[b][1] - corners[a][1] * corners[b][0];
         let weights = [side(1, 2), side(2, 0), side(0, 1)];
         let inside = weights.iter().all(|&w| w >= 0.0) && weights.iter().any(|&w| w > 0.0);
-        inside.then_some(Self { corners, weights })
+        inside.then_some(Self { corners, names, weights })
     }
 
-    /// Depth and value at the ray's place.
-    pub(crate) fn place(&self) -> [f32; 2] {
-        let [a, b, c] = &self.corners;
-        let [u, v, w] = self.weights;
-        let sum = u + v + w;
-        [2, 3].map(|i| (a[i] * u + b[i] * v + c[i] * w) / sum)
+    /// What the corners have, at the ray's place.
+    pub(crate) fn at_place(&self, of_corners: [f32; 3]) -> f32 {
+        let ([a, b, c], [u, v, w]) = (of_corners, self.weights);
+        (a * u + b * v + c * w) / (u + v + w)
+    }
+
+    /// Depth of the ray's place.
+    pub(crate) fn depth(&self) -> f32 {
+        self.at_place(self.corners.map(|corner| corner[2]))
     }
 }
 
@@ -94,7 +98,7 @@ impl Grid<'_> {
             for x in columns.clone() {
                 let ray = y * self.across + x;
                 if let Some(gate) = Gate::new(mesh, projected, face, &self.places[ray]) {
-                    out.push(Entry { ray: ray as u32, depth: gate.place()[0], face });
+                    out.push(Entry { ray: ray as u32, depth: gate.depth(), face });
                 }
             }
         }

@@ -5,57 +5,64 @@ use fearless_simd::{Simd, f32x4, f32x16, i32x16, mask32x16, u32x4, u32x16};
 use vr_kernels::vector::{LANES, Lanes, Vectorized, pick, splat, transpose};
 
 use super::links::OUTSIDE;
-use super::projected::ScreenVertex;
+use super::projected::{ScreenGradient, ScreenVertex};
 
 /// Steps between two looks at what rays have met.
 pub(crate) const STEPS: usize = 8;
 
 /// Sixteen rays on their way; a lane stands still whose place is [`OUTSIDE`].
-pub(crate) struct Sixteen {
-    /// Corners of the side that each ray goes through, counterclockwise around it: x, y, depth and value.
-    pub(crate) corners: [[Lanes; 4]; 3],
+///
+/// `N` is the number of attributes: 1 for the value, 4 with the gradient.
+pub(crate) struct Sixteen<const N: usize> {
+    /// Corners of the side that each ray goes through, counterclockwise around it: x, y and depth.
+    pub(crate) corners: [[Lanes; 3]; 3],
+    /// Attributes of the corners.
+    pub(crate) attributes: [[Lanes; N]; 3],
     /// Barycentric coordinates of the ray on it, not normalised.
     pub(crate) weights: [Lanes; 3],
     /// x and y of the ray, and what they lack.
     pub(crate) ray: [Lanes; 4],
-    /// Largest depth so far, and the value at the last side.
-    pub(crate) reached: [Lanes; 2],
+    /// Largest depth so far, and the attributes at the last side.
+    pub(crate) depth: Lanes,
+    pub(crate) here: [Lanes; N],
     /// 4 · side + turn.
     pub(crate) places: [u32; LANES],
     /// Steps without progress.
     pub(crate) waited: [i32; LANES],
 }
 
-impl Default for Sixteen {
+impl<const N: usize> Default for Sixteen<N> {
     fn default() -> Self {
         Self {
-            corners: [[Lanes::ZERO; 4]; 3],
+            corners: [[Lanes::ZERO; 3]; 3],
+            attributes: [[Lanes::ZERO; N]; 3],
             weights: [Lanes::ZERO; 3],
             ray: [Lanes::ZERO; 4],
-            reached: [Lanes::ZERO; 2],
+            depth: Lanes::ZERO,
+            here: [Lanes::ZERO; N],
             places: [OUTSIDE; LANES],
             waited: [0; LANES],
         }
     }
 }
 
-/// Depths and values of sixteen rays at the sides that they pass, from where they stood on.
-pub(crate) struct Trail {
+/// Depths and attributes of sixteen rays at the sides that they pass, from where they stood on.
+pub(crate) struct Trail<const N: usize> {
     pub(crate) depths: [Lanes; STEPS + 1],
-    pub(crate) values: [Lanes; STEPS + 1],
+    pub(crate) attributes: [[Lanes; N]; STEPS + 1],
 }
 
-impl Default for Trail {
+impl<const N: usize> Default for Trail<N> {
     fn default() -> Self {
-        Self { depths: [Lanes::ZERO; STEPS + 1], values: [Lanes::ZERO; STEPS + 1] }
+        Self { depths: [Lanes::ZERO; STEPS + 1], attributes: [[Lanes::ZERO; N]; STEPS + 1] }
     }
 }
 
 /// Walks [`STEPS`] steps of several groups in turn: while one waits for the memory, another goes on.
-pub(crate) struct March<'a> {
+pub(crate) struct March<'a, const N: usize> {
     pub(crate) scene: MarchScene<'a>,
-    pub(crate) rays: &'a mut [Sixteen; GROUPS],
-    pub(crate) trails: &'a mut [Trail; GROUPS],
+    pub(crate) rays: &'a mut [Sixteen<N>; GROUPS],
+    pub(crate) trails: &'a mut [Trail<N>; GROUPS],
 }
 
 /// Groups of sixteen rays that walk in turn.
@@ -66,27 +73,39 @@ pub(crate) const GROUPS: usize = 2;
 pub(crate) struct MarchScene<'a> {
     pub(crate) links: &'a [[u32; 4]],
     pub(crate) vertices: &'a [ScreenVertex],
+    pub(crate) gradients: &'a [ScreenGradient],
     /// See [`super::projected::Projected::widening`].
     pub(crate) widening: f32,
 }
 
-/// A corner of a side as sixteen rays see it, each the axis: x, y, depth, value.
-type Corner<S> = [f32x16<S>; 4];
+/// A corner of a side as sixteen rays see it, each the axis.
+#[derive(Clone, Copy)]
+struct Corner<S: Simd, const N: usize> {
+    /// x, y and depth.
+    at: [f32x16<S>; 3],
+    attributes: [f32x16<S>; N],
+}
 
 /// On which side of the axis the edge from a to b passes: positive if it goes around it counterclockwise. Swapping a and b changes the sign and no digit.
 #[inline(always)]
-fn side<S: Simd>(a: &Corner<S>, b: &Corner<S>) -> f32x16<S> {
-    a[0] * b[1] - a[1] * b[0]
+fn side<S: Simd, const N: usize>(a: &Corner<S, N>, b: &Corner<S, N>) -> f32x16<S> {
+    a.at[0] * b.at[1] - a.at[1] * b.at[0]
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, corner: &[Lanes; 4]) -> Corner<S> {
-    [corner[0].load(simd), corner[1].load(simd), corner[2].load(simd), corner[3].load(simd)]
+fn load<S: Simd, const N: usize>(simd: S, lanes: &[Lanes; N]) -> [f32x16<S>; N] {
+    let mut vectors = [splat(simd, 0.0); N];
+    for i in 0..N {
+        vectors[i] = lanes[i].load(simd);
+    }
+    vectors
 }
 
 #[inline(always)]
-fn store<S: Simd>(corner: Corner<S>) -> [Lanes; 4] {
-    [Lanes::new(corner[0]), Lanes::new(corner[1]), Lanes::new(corner[2]), Lanes::new(corner[3])]
+fn store<S: Simd, const N: usize>(vectors: &[f32x16<S>; N], lanes: &mut [Lanes; N]) {
+    for i in 0..N {
+        lanes[i] = Lanes::new(vectors[i]);
+    }
 }
 
 /// The side by which each ray leaves: that of the first edge, of the second, or of the third.
@@ -104,54 +123,67 @@ impl<S: Simd> Exit<S> {
     }
 
     #[inline(always)]
-    fn corner(self, x: &Corner<S>, y: &Corner<S>, z: &Corner<S>) -> Corner<S> {
-        [self.of(x[0], y[0], z[0]), self.of(x[1], y[1], z[1]), self.of(x[2], y[2], z[2]), self.of(x[3], y[3], z[3])]
+    fn corner<const N: usize>(self, x: &Corner<S, N>, y: &Corner<S, N>, z: &Corner<S, N>) -> Corner<S, N> {
+        let mut corner = *x;
+        for i in 0..3 {
+            corner.at[i] = self.of(x.at[i], y.at[i], z.at[i]);
+        }
+        for i in 0..N {
+            corner.attributes[i] = self.of(x.attributes[i], y.attributes[i], z.attributes[i]);
+        }
+        corner
     }
 }
 
 /// [`Sixteen`], in vectors.
-struct Group<S: Simd> {
+struct Group<S: Simd, const N: usize> {
     ray: [f32x16<S>; 4],
-    corners: [Corner<S>; 3],
+    corners: [Corner<S, N>; 3],
     weights: [f32x16<S>; 3],
     depth: f32x16<S>,
-    value: f32x16<S>,
+    here: [f32x16<S>; N],
     places: u32x16<S>,
     waited: i32x16<S>,
 }
 
-impl<S: Simd> Group<S> {
+impl<S: Simd, const N: usize> Group<S, N> {
     #[inline(always)]
-    fn new(simd: S, rays: &Sixteen) -> Self {
-        let [a, b, c] = &rays.corners;
-        let [u, v, w] = &rays.weights;
+    fn new(simd: S, rays: &Sixteen<N>) -> Self {
+        let ([a, b, c], [p, q, r]) = (&rays.corners, &rays.attributes);
+        let corners = [
+            Corner { at: load(simd, a), attributes: load(simd, p) },
+            Corner { at: load(simd, b), attributes: load(simd, q) },
+            Corner { at: load(simd, c), attributes: load(simd, r) },
+        ];
         Self {
             ray: load(simd, &rays.ray),
-            corners: [load(simd, a), load(simd, b), load(simd, c)],
-            weights: [u.load(simd), v.load(simd), w.load(simd)],
-            depth: rays.reached[0].load(simd),
-            value: rays.reached[1].load(simd),
+            corners,
+            weights: load(simd, &rays.weights),
+            depth: rays.depth.load(simd),
+            here: load(simd, &rays.here),
             places: u32x16::load_array_ref(simd, &rays.places),
             waited: i32x16::load_array_ref(simd, &rays.waited),
         }
     }
 
     #[inline(always)]
-    fn store(&self, rays: &mut Sixteen) {
-        let [a, b, c] = self.corners;
-        let [u, v, w] = self.weights;
-        rays.corners = [store(a), store(b), store(c)];
-        rays.weights = [Lanes::new(u), Lanes::new(v), Lanes::new(w)];
-        rays.reached = [Lanes::new(self.depth), Lanes::new(self.value)];
+    fn store(&self, rays: &mut Sixteen<N>) {
+        for i in 0..3 {
+            store(&self.corners[i].at, &mut rays.corners[i]);
+            store(&self.corners[i].attributes, &mut rays.attributes[i]);
+        }
+        store(&self.weights, &mut rays.weights);
+        rays.depth = Lanes::new(self.depth);
+        store(&self.here, &mut rays.here);
         rays.places = self.places.to_array();
         rays.waited = self.waited.to_array();
     }
 
     /// Notes where the rays are.
     #[inline(always)]
-    fn mark(&self, trail: &mut Trail, step: usize) {
+    fn mark(&self, trail: &mut Trail<N>, step: usize) {
         trail.depths[step] = Lanes::new(self.depth);
-        trail.values[step] = Lanes::new(self.value);
+        store(&self.here, &mut trail.attributes[step]);
     }
 
     /// Goes through one cell.
@@ -166,21 +198,32 @@ impl<S: Simd> Group<S> {
         let idle = self.places.simd_eq(outside);
         let sides = idle.select(u32x16::splat(simd, 0), self.places >> 2).to_array();
         let none = f32x4::splat(simd, 0.0);
-        let (mut rows, mut at, mut attributes) = ([none; LANES], [none; LANES], [none; LANES]);
+        let (mut rows, mut at, mut depth_value, mut gradients) =
+            ([none; LANES], [none; LANES], [none; LANES], [none; LANES]);
         for j in 0..LANES {
             let row = &scene.links[sides[j] as usize];
             let vertex = &scene.vertices[row[0] as usize];
             rows[j] = u32x4::load_array_ref(simd, row).bitcast();
             at[j] = f32x4::load_array_ref(simd, &vertex.place);
-            attributes[j] = f32x4::load_array_ref(simd, &vertex.depth_value);
+            depth_value[j] = f32x4::load_array_ref(simd, &vertex.depth_value);
+            if N > 1 {
+                gradients[j] = f32x4::load_array_ref(simd, &scene.gradients[row[0] as usize]);
+            }
         }
         let rows = transpose(rows);
         let at = transpose(at);
-        let [far, there, ..] = transpose(attributes);
+        let [far, value, ..] = transpose(depth_value);
+        let mut attributes = [value; N];
+        if N > 1 {
+            let gradients = transpose(gradients);
+            for i in 1..N {
+                attributes[i] = gradients[i - 1];
+            }
+        }
         let scale = far * scene.widening + 1.0;
         let x = ((at[0] - ray[0]) + (at[2] - ray[2])) * scale;
         let y = ((at[1] - ray[1]) + (at[3] - ray[3])) * scale;
-        let tip = [x, y, far, there];
+        let tip = Corner { at: [x, y, far], attributes };
 
         // The side that is left by has the ray on the inner side of both of its new edges.
         let (to_a, to_b, to_c) = (side(a, &tip), side(b, &tip), side(c, &tip));
@@ -196,15 +239,17 @@ impl<S: Simd> Group<S> {
         let flat = !sum.simd_gt(zero);
         let (p, q, r) = (pick(flat, one, p), pick(flat, one, q), pick(flat, one, r));
         let part = one / pick(flat, splat(simd, 3.0), sum);
-        let depth = (a[2] * p + b[2] * q + tip[2] * r) * part;
-        let value = (a[3] * p + b[3] * q + tip[3] * r) * part;
+        let depth = (a.at[2] * p + b.at[2] * q + tip.at[2] * r) * part;
+        for i in 0..N {
+            let there = (a.attributes[i] * p + b.attributes[i] * q + tip.attributes[i] * r) * part;
+            self.here[i] = pick(idle, self.here[i], there);
+        }
         (self.corners, self.weights) = ([a, b, tip], [u, v, w]);
 
         // Where nothing lies beyond, the ray stands still from then on.
         let further = depth.simd_gt(self.depth);
         self.waited = further.select(i32x16::splat(simd, 0), self.waited + 1);
         self.depth = pick(idle, self.depth, self.depth.max(depth));
-        self.value = pick(idle, self.value, value);
         // The names of the corners begin at the turn: the side that is left by is that many further on.
         let number = (first
             .select(i32x16::splat(simd, 0), second.select(i32x16::splat(simd, 1), i32x16::splat(simd, 2))))
@@ -222,13 +267,13 @@ impl<S: Simd> Group<S> {
     }
 }
 
-impl Vectorized for March<'_> {
+impl<const N: usize> Vectorized for March<'_, N> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { scene, rays: [rays, more_rays], trails: [trail, more_trail] } = self;
-        let (mut group, mut more) = (Group::new(simd, rays), Group::new(simd, more_rays));
+        let (mut group, mut more) = (Group::<S, N>::new(simd, rays), Group::<S, N>::new(simd, more_rays));
         group.mark(trail, 0);
         more.mark(more_trail, 0);
         for step in 1..=STEPS {

@@ -3,7 +3,7 @@
 use vr_core::transfer::Segment;
 use vr_core::{CellMesh, Projection, View};
 
-use crate::camera_space::CameraVertex;
+use crate::camera_space::{CameraVertex, gradient};
 
 /// A vertex on the screen: x and y in pixels from the middle, each as a sum of two, so that their distance from a ray is good to the last bits;
 /// the depth, between −1 and 1; and the value, between 0 and 1 over the range of the mesh.
@@ -16,9 +16,16 @@ pub(crate) struct ScreenVertex {
     pub(crate) depth_value: [f32; 4],
 }
 
+/// The gradient at a vertex, by the largest component of all; a fourth number that means nothing.
+pub(crate) type ScreenGradient = [f32; 4];
+
 /// A mesh in front of the eye.
 pub(crate) struct Projected {
     pub(crate) vertices: Vec<ScreenVertex>,
+    /// Gradients of the vertices; none where nothing is shaded.
+    pub(crate) gradients: Vec<ScreenGradient>,
+    /// Gradient of 1.
+    pub(crate) slope: f64,
     /// Depth of 0, and the distance to the depth of 1.
     pub(crate) depth: [f64; 2],
     /// Scale of distances on the screen, less 1, for each unit of depth: 0 in parallel projection.
@@ -76,12 +83,22 @@ impl Projected {
             let (depth, value) = ((z - middle) / half, (v.attributes[0] - low) / range);
             ScreenVertex { place: [x, y, x_rest, y_rest], depth_value: [depth as f32, value as f32, 0.0, 0.0] }
         };
+        let (gradients, slope) = scaled_gradients(vertices);
         let vertices: Vec<_> = vertices.iter().map(on_screen).collect();
         // Far beside the picture, products of places would overflow.
         if vertices.iter().any(|v| !(v.place[0].abs() < 1e15 && v.place[1].abs() < 1e15)) {
             return None;
         }
         let widening = if perspective { (half / middle) as f32 } else { 0.0 };
-        Some(Self { vertices, depth: [middle, half], widening, value: [low, range] })
+        Some(Self { vertices, gradients, slope, depth: [middle, half], widening, value: [low, range] })
     }
+}
+
+/// The gradients of vertices by the largest of their components, and that.
+fn scaled_gradients<const N: usize>(vertices: &[CameraVertex<N>]) -> (Vec<ScreenGradient>, f64) {
+    let gradients = || vertices.iter().filter_map(|vertex| gradient(&vertex.attributes));
+    let largest = gradients().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    let slope = if largest > 0.0 { largest } else { 1.0 };
+    let scaled = |[x, y, z]: [f64; 3]| [x / slope, y / slope, z / slope, 0.0].map(|x| x as f32);
+    (gradients().map(scaled).collect(), slope)
 }

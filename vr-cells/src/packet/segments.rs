@@ -79,6 +79,15 @@ impl Segments {
         start[3] + grown[3] * t
     }
 
+    /// No less than the extinction of an opacity, without its logarithm: −ln(1 − α) ≤ α/(1 − α).
+    #[inline(always)]
+    pub(crate) fn extinction_at_most(&self, opacity: f32) -> f32 {
+        match self.rule {
+            OpacityRule::Extinction => opacity * self.dense,
+            OpacityRule::Power => opacity / (1.0 - opacity) * self.dense,
+        }
+    }
+
     /// Extinction of an opacity for each unit of depth.
     pub(crate) fn extinction(&self, opacity: f32) -> f32 {
         match self.rule {

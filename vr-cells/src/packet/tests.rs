@@ -3,8 +3,8 @@
 use glam::DVec3;
 use vr_core::cells::CellValues;
 use vr_core::{
-    Camera, CellMesh, Clip, Control, ControlPoint, OpacityRule, Plane, Prepared, Rendered, Scene, TransferFunction,
-    View,
+    Camera, CellMesh, Clip, Control, ControlPoint, Light, OpacityRule, Plane, Prepared, Rendered, Scene, Shading,
+    TransferFunction, View,
 };
 use vr_physics::check::strategies::uneven_cubes;
 
@@ -52,7 +52,12 @@ fn packets_draw_what_single_rays_draw() {
         let mesh = mesh(&mut random, 3 + seed as usize % 5);
         let rule = if seed % 3 == 0 { OpacityRule::Extinction } else { OpacityRule::Power };
         let most = [0.02, 0.3, 1.0][seed as usize / 2 % 3];
-        let scene = Scene::new(mesh.into(), transfer(&mut random, most, rule));
+        let mut scene = Scene::new(mesh.into(), transfer(&mut random, most, rule));
+        if seed % 4 == 1 {
+            scene.shading = Some(Shading::default().into());
+            scene.lights =
+                vec![Light::default(), Light { direction: Some(DVec3::new(0.3, 1.0, -0.5)), color: [0.9, 0.5, 0.2] }];
+        }
         let fov = (seed % 2 == 0).then_some(10.0 + 60.0 * random.next());
         let camera = Camera::framing(scene.volume.bounds(), 360.0 * random.next(), 160.0 * random.next() - 80.0, fov);
         let clip = Clip {
@@ -79,7 +84,9 @@ fn packets_draw_what_single_rays_draw() {
         }
         off /= fast.frame.pixels().len() as f64;
         println!("{seed}: {error:.1e}, depth {off:.1e}, {} steps", fast.stats.counts.samples);
-        worst = (f64::max(worst.0, error), worst.1.max(off));
+        // Normals that turn within a cell are followed to a highlight's width by both.
+        let allowed = if scene.shading.is_some() { 2e-4 } else { 1e-5 };
+        worst = (f64::max(worst.0, error / allowed), worst.1.max(off));
     }
-    assert!(worst.0 < 1e-5 && worst.1 < 1e-4, "{worst:?}");
+    assert!(worst.0 < 1.0 && worst.1 < 1e-4, "{worst:?}");
 }

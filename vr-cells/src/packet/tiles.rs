@@ -5,16 +5,16 @@ use std::sync::Mutex;
 use fearless_simd::Level;
 use vr_core::image_order::{ImageSample, PixelValue, in_parallel};
 use vr_core::parallel::locked;
-use vr_core::{CellMesh, Control, Counts, Layer, Ray, Rays, RenderError, View};
-use vr_kernels::vector::{LANES, run};
+use vr_core::{CellMesh, Control, Counts, Layer, Light as Lamp, Ray, Rays, RenderError, Shading, View};
+use vr_kernels::vector::{LANES, PacketLights, SeenLights, run};
 
 use super::entries::{Entry, Gate, Grid, Place};
-use super::integral::Integral;
+use super::integral::{Integral, Lit};
 use super::links::{Links, OUTSIDE};
 use super::march::{GROUPS, March, MarchScene, STEPS, Sixteen, Trail};
 use super::projected::{Projected, in_two};
 use super::segments::Segments;
-use super::stretches::{Cut, Hard, Stretches};
+use super::stretches::{Cut, Hard, Spot, Stretches};
 use crate::accumulators::Seen;
 use crate::camera_space::CameraSpace;
 use crate::entries::{Entries, TILE};
@@ -27,7 +27,9 @@ const PATIENCE: i32 = 256;
 const ALL_LANES: usize = GROUPS * LANES;
 
 /// Everything that the rays of a view have in common.
-pub(crate) struct Packets<'a> {
+///
+/// `N` is the number of attributes of the mesh: 1 for values, 4 with gradients, which are shaded.
+pub(crate) struct Packets<'a, const N: usize> {
     pub(crate) mesh: &'a CellMesh,
     pub(crate) links: &'a Links,
     pub(crate) projected: &'a Projected,
@@ -39,7 +41,9 @@ pub(crate) struct Packets<'a> {
     pub(crate) layer: Option<&'a Layer>,
     /// Transparency at which a ray may end.
     pub(crate) opaque: f64,
-    pub(crate) buffers: Mutex<Vec<Box<Buffers>>>,
+    /// Shading, and lights.
+    pub(crate) lit: Option<(&'a Shading, &'a [Lamp])>,
+    pub(crate) buffers: Mutex<Vec<Box<Buffers<N>>>>,
 }
 
 /// A ray of a tile.
@@ -64,19 +68,37 @@ struct TileRay {
 }
 
 /// Buffers of a tile.
-#[derive(Default)]
-pub(crate) struct Buffers {
+pub(crate) struct Buffers<const N: usize> {
     places: Vec<Place>,
     rays: Vec<TileRay>,
     entries: Vec<Entry>,
     /// Entries as they are found, face by face.
     found: Vec<Entry>,
-    stretches: Stretches,
-    groups: [Sixteen; GROUPS],
-    trails: [Trail; GROUPS],
+    stretches: Stretches<N>,
+    groups: [Sixteen<N>; GROUPS],
+    trails: [Trail<N>; GROUPS],
+    /// The lights as the ray of each lane sees them, and those of sixteen stretches.
+    of_lanes: Vec<SeenLights>,
+    lights: PacketLights,
 }
 
-impl Packets<'_> {
+impl<const N: usize> Default for Buffers<N> {
+    fn default() -> Self {
+        Self {
+            places: Vec::new(),
+            rays: Vec::new(),
+            entries: Vec::new(),
+            found: Vec::new(),
+            stretches: Stretches::default(),
+            groups: std::array::from_fn(|_| Sixteen::default()),
+            trails: std::array::from_fn(|_| Trail::default()),
+            of_lanes: vec![SeenLights::default(); ALL_LANES],
+            lights: PacketLights::default(),
+        }
+    }
+}
+
+impl<const N: usize> Packets<'_, N> {
     /// Draws all pixels; `plain` draws a single ray and counts it.
     pub(crate) fn draw(
         &self,
@@ -143,7 +165,7 @@ impl Packets<'_> {
     }
 
     /// The rays of a tile, and where they enter the mesh.
-    fn begin(&self, rays: &Rays, corner: [u32; 2], size: [u32; 2], buffers: &mut Buffers) {
+    fn begin(&self, rays: &Rays, corner: [u32; 2], size: [u32; 2], buffers: &mut Buffers<N>) {
         let n = self.view.supersampling;
         let [width, height] = self.view.size.map(f64::from);
         let centre = |first: u32, i: u32| f64::from(first) + (f64::from(i) + 0.5) / f64::from(n);
@@ -200,22 +222,26 @@ impl Packets<'_> {
     }
 
     /// Marches the rays of a tile.
-    fn march(&self, level: Level, buffers: &mut Buffers) {
-        let Buffers { places, rays, entries, stretches, groups, trails, .. } = buffers;
+    fn march(&self, level: Level, buffers: &mut Buffers<N>) {
+        let Buffers { places, rays, entries, stretches, groups, trails, of_lanes, lights, .. } = buffers;
         let scene = MarchScene {
             links: self.links.rows(),
             vertices: &self.projected.vertices,
+            gradients: &self.projected.gradients,
             widening: self.projected.widening,
         };
         let mut waiting = 0..rays.len();
         let mut of_lane = [None; ALL_LANES];
         loop {
             // Lanes that stand still get the next entry of their ray, or the next ray.
-            for (i, of_lane) in of_lane.iter_mut().enumerate() {
-                let (group, lane) = (&mut groups[i / LANES], i % LANES);
+            for (all, of_lane) in of_lane.iter_mut().enumerate() {
+                let (group, lane) = (&mut groups[all / LANES], all % LANES);
                 while group.places[lane] == OUTSIDE {
                     let Some(i) = of_lane.or_else(|| waiting.next()) else { break };
-                    let reached = of_lane.map(|_| group.reached[0].0[lane]);
+                    let reached = of_lane.map(|_| group.depth.0[lane]);
+                    if let (None, Some((_, lights))) = (&of_lane, self.lit) {
+                        of_lanes[all] = SeenLights::along(lights, rays[i].ray.direction);
+                    }
                     let enters = self.enter(&mut rays[i], &places[i], entries, reached, group, lane);
                     *of_lane = enters.then_some(i);
                 }
@@ -231,12 +257,13 @@ impl Packets<'_> {
             let mut past = [false; ALL_LANES];
             for i in 0..ALL_LANES {
                 if let Some(ray) = of_lane[i] {
-                    past[i] = self.pass(&mut rays[ray], &trails[i / LANES], i % LANES, stretches);
+                    past[i] = self.pass(rays, ray, &trails[i / LANES], i, stretches);
                 }
                 ends[i] = stretches.rows.len();
             }
-            run(level, Integral { segments: self.segments, stretches });
-            self.solve_hard(stretches);
+            let lit = self.lit.map(|(shading, _)| Lit { shading, of_lanes, lights });
+            run(level, Integral { segments: self.segments, stretches, lit });
+            self.solve_hard(rays, stretches);
             let mut start = 0;
             for i in 0..ALL_LANES {
                 let of_ray = start..ends[i];
@@ -262,7 +289,7 @@ impl Packets<'_> {
         place: &Place,
         entries: &[Entry],
         reached: Option<f32>,
-        sixteen: &mut Sixteen,
+        sixteen: &mut Sixteen<N>,
         lane: usize,
     ) -> bool {
         for entry in &entries[ray.entries.clone()] {
@@ -272,11 +299,18 @@ impl Packets<'_> {
                 continue;
             }
             let Some(gate) = Gate::new(self.mesh, self.projected, entry.face, place) else { continue };
-            let [depth, value] = gate.place();
-            for (corners, of_gate) in sixteen.corners.iter_mut().zip(gate.corners) {
+            for ((corners, of_gate), (attributes, name)) in
+                sixteen.corners.iter_mut().zip(gate.corners).zip(sixteen.attributes.iter_mut().zip(gate.names))
+            {
                 for (lanes, x) in corners.iter_mut().zip(of_gate) {
                     lanes.0[lane] = x;
                 }
+                for (lanes, x) in attributes.iter_mut().zip(self.attributes(name)) {
+                    lanes.0[lane] = x;
+                }
+            }
+            for (here, corners) in sixteen.here.iter_mut().zip(0..) {
+                here.0[lane] = gate.at_place(gate.names.map(|name| self.attributes(name)[corners]));
             }
             for (lanes, x) in sixteen.weights.iter_mut().zip(gate.weights) {
                 lanes.0[lane] = x;
@@ -284,8 +318,8 @@ impl Packets<'_> {
             for (lanes, x) in sixteen.ray.iter_mut().zip(*place) {
                 lanes.0[lane] = x;
             }
-            sixteen.reached[0].0[lane] = reached.map_or(depth, |reached| depth.max(reached));
-            sixteen.reached[1].0[lane] = value;
+            let depth = gate.depth();
+            sixteen.depth.0[lane] = reached.map_or(depth, |reached| depth.max(reached));
             sixteen.waited[lane] = 0;
             sixteen.places[lane] = 4 * (4 * entry.face.cell + u32::from(entry.face.across));
             return true;
@@ -293,29 +327,53 @@ impl Packets<'_> {
         false
     }
 
-    /// Cuts what a ray has passed into stretches; true if it is past its end.
+    /// Attributes of a vertex.
     #[inline]
-    fn pass(&self, ray: &mut TileRay, trail: &Trail, lane: usize, stretches: &mut Stretches) -> bool {
-        let cut = Cut { segments: self.segments, scale: ray.scale };
+    fn attributes(&self, vertex: u32) -> [f32; N] {
+        let [_, value, ..] = self.projected.vertices[vertex as usize].depth_value;
+        let mut attributes = [value; N];
+        if let [_, rest @ ..] = &mut attributes[..]
+            && let Some(gradient) = self.projected.gradients.get(vertex as usize)
+        {
+            rest.copy_from_slice(&gradient[..rest.len()]);
+        }
+        attributes
+    }
+
+    /// Cuts what the ray of a lane has passed into stretches; true if it is past its end.
+    #[inline]
+    fn pass(
+        &self,
+        rays: &mut [TileRay],
+        number: usize,
+        trail: &Trail<N>,
+        all: usize,
+        stretches: &mut Stretches<N>,
+    ) -> bool {
+        let (ray, lane) = (&mut rays[number], all % LANES);
+        let cut = Cut { segments: self.segments, scale: ray.scale, clear: ray.clear as f32, ray: number, lane: all };
         let [from, to] = ray.part;
-        let mut start = [trail.depths[0].0[lane], trail.values[0].0[lane]];
+        let spot = |step: usize| {
+            let mut attributes = [0.0; N];
+            for (x, lanes) in attributes.iter_mut().zip(&trail.attributes[step]) {
+                *x = lanes.0[lane];
+            }
+            Spot { depth: trail.depths[step].0[lane], attributes }
+        };
+        let mut start = spot(0);
         for step in 1..=STEPS {
-            let end = [trail.depths[step].0[lane], trail.values[step].0[lane]];
-            if end[0] > start[0] {
-                let mut depths = [start[0], end[0]];
-                let mut values = [start[1], end[1]];
-                if depths[0] < from || depths[1] > to {
-                    let at = |depth: f32| {
-                        values[0] + (values[1] - values[0]) * ((depth - depths[0]) / (depths[1] - depths[0]))
-                    };
-                    let kept = [depths[0].max(from), depths[1].min(to)];
-                    (values, depths) = (kept.map(at), kept);
+            let end = spot(step);
+            if end.depth > start.depth {
+                let mut ends = [start, end];
+                if start.depth < from || end.depth > to {
+                    let at = |depth: f32| start.towards(&end, (depth - start.depth) / (end.depth - start.depth));
+                    ends = [at(start.depth.max(from)), at(end.depth.min(to))];
                 }
-                if depths[0] < depths[1] {
+                if ends[0].depth < ends[1].depth {
                     ray.parts += 1;
-                    stretches.add(&cut, depths, values, &mut ray.piece);
+                    stretches.add(&cut, ends, &mut ray.piece);
                 }
-                if end[0] >= to {
+                if end.depth >= to {
                     return true;
                 }
             }
@@ -325,29 +383,35 @@ impl Packets<'_> {
     }
 
     /// The light of stretches that are left to the plain code.
-    fn solve_hard(&self, stretches: &mut Stretches) {
+    fn solve_hard(&self, rays: &[TileRay], stretches: &mut Stretches<N>) {
         for hard in &stretches.hard {
-            let (light, _) = self.solve_plainly(stretches.depths[hard.number], hard, 0.0);
+            let (light, _) = self.solve_plainly(&rays[hard.ray], hard, 0.0);
             let [r, g, b] = light.rgb.map(|x| x as f32);
             stretches.light[hard.number] = [r, g, b, (1.0 - light.clear) as f32];
         }
     }
 
     /// The light of a stretch by the plain code, and the world distance at which no more than `level` is left.
-    fn solve_plainly(&self, depths: [f32; 2], hard: &Hard, level: f64) -> (Light, Option<f64>) {
+    fn solve_plainly(&self, ray: &TileRay, hard: &Hard<N>, level: f64) -> (Light, Option<f64>) {
         let [middle, half] = self.projected.depth;
         let [low, range] = self.projected.value;
-        let ends = depths.map(|d| (middle + half * f64::from(d)) * f64::from(hard.scale));
-        let values = hard.values.map(|v| low + range * f64::from(v));
+        let ends = hard.ends.map(|end| (middle + half * f64::from(end.depth)) * f64::from(ray.scale));
+        let values = hard.ends.map(|end| low + range * f64::from(end.attributes[0]));
+        let gradient = |end: &Spot<N>| match end.attributes[..] {
+            [_, x, y, z] => [x, y, z].map(|x| self.projected.slope * f64::from(x)),
+            _ => [0.0; 3],
+        };
+        let shade = self.lit.map(|(shading, lights)| shading.along(lights, ray.ray.direction));
+        let gradients = shade.is_some().then(|| hard.ends.each_ref().map(gradient));
         let mut light = Light::NONE;
         let mut crossing = Crossing { level, at: None, ends: false };
-        self.medium.add(&mut light, ends, values, None, None, &mut crossing);
+        self.medium.add(&mut light, ends, values, gradients, shade.as_ref(), &mut crossing);
         (light, crossing.at)
     }
 
     /// Adds a stretch to its ray.
     #[inline]
-    fn add(&self, ray: &mut TileRay, stretches: &Stretches, k: usize) {
+    fn add(&self, ray: &mut TileRay, stretches: &Stretches<N>, k: usize) {
         let [r, g, b, opacity] = stretches.light[k].map(f64::from);
         for (sum, light) in ray.rgb.iter_mut().zip([r, g, b]) {
             *sum += ray.clear * light;
@@ -360,9 +424,9 @@ impl Packets<'_> {
     }
 
     /// World distance at which half of the light is left, inside a stretch: extinction is taken to be linear in the depth.
-    fn half_way(&self, ray: &TileRay, stretches: &Stretches, k: usize) -> f64 {
+    fn half_way(&self, ray: &TileRay, stretches: &Stretches<N>, k: usize) -> f64 {
         if let Some(hard) = stretches.hard.iter().find(|hard| hard.number == k)
-            && let (_, Some(at)) = self.solve_plainly(stretches.depths[k], hard, 0.5 / ray.clear)
+            && let (_, Some(at)) = self.solve_plainly(ray, hard, 0.5 / ray.clear)
         {
             return at;
         }

