@@ -426,6 +426,7 @@ pub fn title(section: &VolumeSection, volume: &Volume) -> String {
         }
         Volume::Points(p) => format!("{name}, {} points", p.count()),
         Volume::Cells(mesh) => format!("{name}, {} cells", mesh.cells().len()),
+        Volume::Rectilinear(grid) => format!("{name}, rectilinear {}", number::triple(grid.dims(), "×")),
         Volume::Field(field) => format!("{name}, {}", field.kind()),
     }
 }

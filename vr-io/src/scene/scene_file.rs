@@ -90,7 +90,9 @@ impl SceneFile {
             ..Scene::new(volume.with_filter(self.volume.filter.unwrap_or_default()), transfer)
         };
         if let Some(section) = self.shading.as_ref().filter(|section| section.enabled) {
-            scene.shading = Some(Arc::new(section.shading()));
+            let shading = section.shading();
+            scene.volume = scene.volume.with_gradient(shading.gradient);
+            scene.shading = Some(Arc::new(shading));
             scene.lights = section.lights()?;
         }
         scene.validate()?;
