@@ -106,8 +106,10 @@ impl SamplerVisitor for Stretch {
             return constant(low);
         }
         let (size, span) = (low.abs().max(high.abs()), high - low);
-        // Weights of Catmull-Rom and their slopes add up to less than 2 and 5 in size; a few roundings for each tap.
-        let displaced = 5.0 * span * self.position_error;
+        // Between eight corners the field rises by their span per index step at most. Weights of Catmull-Rom and their slopes add up to less than 2 and
+        // 5 in size. A few roundings for each tap.
+        let steepest = if F::FILTER.reach() == 0 { span } else { 5.0 * span };
+        let displaced = steepest * self.position_error;
         let rounding = f64::EPSILON * if F::FILTER.reach() == 0 { 32.0 } else { 256.0 } * size;
         let rule = interpolation(degree(F::FILTER));
         let mut values = Vec::with_capacity(rule.nodes.len());
