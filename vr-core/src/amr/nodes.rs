@@ -87,8 +87,12 @@ impl AmrGrid {
             }
             let cell = std::array::from_fn(|a| (node[a] - back[a]).div_euclid(elements));
             if self.holder_of_cell(level, cell).is_none() {
-                let Some((leaf, _)) = self.coarser_leaf(level, cell) else { return Q::NONE };
-                coarsest = coarsest.min(leaf);
+                match (self.coarser_leaf(level, cell), self.centring) {
+                    (Some((leaf, _)), _) => coarsest = coarsest.min(leaf),
+                    (None, AmrCentring::Cells) => return Q::NONE,
+                    // Points on the outermost faces have values.
+                    (None, AmrCentring::Points) => {}
+                }
             }
         }
         if coarsest == level { self.at_own_node(level, node) } else { self.at_coarser(level, node, coarsest) }

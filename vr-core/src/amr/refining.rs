@@ -64,6 +64,12 @@ impl AmrGrid {
     ) -> Result<Self, AmrError> {
         let &AmrSampling { origin, edge, blocks, block_cells, centring, .. } = sampling;
         let wrong_size = || AmrError::BlockSize { found: block_cells };
+        // Blocks of the next level cover whole cells.
+        for (level, &ratio) in sampling.ratios.iter().enumerate() {
+            if (0..3).any(|a| ratio[a] == 0 || !block_cells[a].is_multiple_of(ratio[a] as usize)) {
+                return Err(AmrError::Ratio { level, found: ratio });
+            }
+        }
         if blocks.iter().any(|&n| n == 0) || block_cells.iter().any(|n| !(1..=256).contains(n)) {
             return Err(wrong_size());
         }
