@@ -43,6 +43,7 @@ mod process;
 mod progress;
 mod ranking;
 mod ray;
+mod rectilinear_info;
 mod render;
 mod renderers;
 mod report;
