@@ -206,7 +206,7 @@ fn resolutions_are_fitted_capped_and_refused() {
     let capped = Resampling { max_finest: 100, ..Resampling::default() };
     let capped = resample(&volume, &capped, &Control::default()).unwrap();
     assert_eq!(capped.grid.dims(), [4; 3]);
-    assert_eq!(capped.wanted, Some([n as f64; 3]));
+    assert_eq!(capped.wanted, Some([n; 3]));
     let fail = |resolution| {
         let options = Resampling { resolution, ..Resampling::default() };
         resample(&volume, &options, &Control::default()).unwrap_err()

@@ -15,6 +15,7 @@ mod cell_raster;
 mod error;
 mod integral;
 mod lattice;
+mod notes;
 mod options;
 mod run;
 mod source;

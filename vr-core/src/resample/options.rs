@@ -14,6 +14,8 @@ pub enum Resolution {
 
 /// Way from the volume's values to that of a voxel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum ResampleFilter {
     /// The value at the voxel; the default.
     #[default]

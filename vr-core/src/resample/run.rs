@@ -1,5 +1,9 @@
 //! The resampling itself.
 
+use std::sync::Mutex;
+
+use glam::DVec3;
+
 use super::error::ResampleError;
 use super::integral::Integral;
 use super::lattice::SampleLattice;
@@ -9,7 +13,6 @@ use crate::control::Control;
 use crate::grid::{Calibration, UniformGrid, sample_count};
 use crate::parallel::{locked, try_each};
 use crate::volume::Volume;
-use std::sync::Mutex;
 
 /// Largest number of samples in a plane: each thread holds two, of eight bytes a sample.
 const MAX_PLANE: usize = 1 << 27;
@@ -19,10 +22,14 @@ const MAX_PLANE: usize = 1 << 27;
 pub struct Resampled {
     /// The voxels; NaN in vacuum.
     pub grid: UniformGrid<f32>,
+    /// Kind of the volume that it was.
+    pub kind: &'static str,
+    /// Choices that it was made by.
+    pub choices: Resampling,
     /// Number of voxels that are vacuum.
     pub vacuum: usize,
     /// Voxels along each axis that the finest cells would have taken, where they were too many.
-    pub wanted: Option<[f64; 3]>,
+    pub wanted: Option<[usize; 3]>,
     /// Integral of the volume.
     pub before: Integral,
     /// Integral of the grid, corrected.
@@ -109,11 +116,11 @@ pub fn resample(volume: &Volume, options: &Resampling, control: &Control) -> Res
     }
     let grid = grid_of(values)?;
     let after = integral_of(&grid);
-    Ok(Resampled { grid, vacuum, wanted, before, after, correction })
+    Ok(Resampled { grid, kind: volume.kind(), choices: *options, vacuum, wanted, before, after, correction })
 }
 
 /// Voxels along each axis and, where the finest cells would take too many, how many those are.
-fn dims_of(source: &Source<'_>, options: &Resampling) -> Result<([usize; 3], Option<[f64; 3]>), ResampleError> {
+fn dims_of(source: &Source<'_>, options: &Resampling) -> Result<([usize; 3], Option<[usize; 3]>), ResampleError> {
     let extent = (source.bounds.1 - source.bounds.0).to_array();
     // `as` saturates. A hair below a whole number of steps is that number.
     let fitted =
@@ -141,7 +148,7 @@ fn dims_of(source: &Source<'_>, options: &Resampling) -> Result<([usize; 3], Opt
                     let middle = 0.5 * (low + high);
                     if count(coarsened(middle)) > most { low = middle } else { high = middle }
                 }
-                (coarsened(high), Some(wanted.map(|n| n as f64)))
+                (coarsened(high), Some(wanted))
             }
         }
     };
@@ -224,7 +231,7 @@ fn means(planes: &Planes<'_>, lattice: &SampleLattice, dims: [usize; 3], z: usiz
 fn estimated(source: &Source<'_>, dims: [usize; 3], control: &Control) -> Result<Integral, ResampleError> {
     let (low, high) = source.bounds;
     let cells = dims.map(|n| (2 * n).min(512));
-    let edge = (high - low) / glam::DVec3::from_array(cells.map(|n| n as f64));
+    let edge = (high - low) / DVec3::from_array(cells.map(|n| n as f64));
     let middles = (low + 0.5 * edge, high - 0.5 * edge);
     let lattice = SampleLattice::new(middles, cells, 1);
     let planes = source.planes(&lattice, 1);
