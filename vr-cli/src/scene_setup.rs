@@ -440,6 +440,10 @@ pub fn title(section: &VolumeSection, volume: &Volume) -> String {
         Volume::Points(p) => format!("{name}, {} points", p.count()),
         Volume::Cells(mesh) => format!("{name}, {} cells", mesh.cells().len()),
         Volume::Rectilinear(grid) => format!("{name}, rectilinear {}", number::triple(grid.dims(), "×")),
+        Volume::Amr(grid) => {
+            let cells: usize = (0..grid.levels()).map(|level| grid.leaf_cells(level)).sum();
+            format!("{name}, {cells} cells of {} levels", grid.levels())
+        }
         Volume::Field(field) => format!("{name}, {}", field.kind()),
     }
 }

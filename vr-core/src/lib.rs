@@ -38,6 +38,7 @@
 //! # Features
 //! * `serde`: the values that scene files and reports hold (words, options, control points, clipping), with serde.
 
+pub mod amr;
 mod any_grid;
 pub mod bound;
 mod box_tree;
@@ -94,6 +95,7 @@ mod view;
 mod volume;
 mod voxel;
 
+pub use amr::AmrGrid;
 pub use any_grid::AnyGrid;
 pub use camera::{Camera, Projection};
 pub use cells::CellMesh;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::amr::AmrGrid;
 use crate::any_grid::AnyGrid;
 use crate::cells::CellMesh;
 use crate::color_grid::ColorGrid;
@@ -46,6 +47,8 @@ pub enum Volume {
     Cells(Arc<CellMesh>),
     /// Values between axis-parallel planes at uneven distances.
     Rectilinear(Arc<RectilinearGrid>),
+    /// Lattices of several levels, finer where it is wanted.
+    Amr(Arc<AmrGrid>),
     /// Any other field: a function, or a kind of volume of the caller's own.
     Field(Arc<dyn Field>),
 }
@@ -55,7 +58,12 @@ impl Volume {
     pub fn grid(&self) -> Option<&Arc<GridVolume>> {
         match self {
             Self::Grid(grid) => Some(grid),
-            Self::Color(_) | Self::Points(_) | Self::Cells(_) | Self::Rectilinear(_) | Self::Field(_) => None,
+            Self::Color(_)
+            | Self::Points(_)
+            | Self::Cells(_)
+            | Self::Rectilinear(_)
+            | Self::Amr(_)
+            | Self::Field(_) => None,
         }
     }
 
@@ -73,7 +81,9 @@ impl Volume {
     pub fn points(&self) -> Option<&Arc<PointSet>> {
         match self {
             Self::Points(points) => Some(points),
-            Self::Grid(_) | Self::Color(_) | Self::Cells(_) | Self::Rectilinear(_) | Self::Field(_) => None,
+            Self::Grid(_) | Self::Color(_) | Self::Cells(_) | Self::Rectilinear(_) | Self::Amr(_) | Self::Field(_) => {
+                None
+            }
         }
     }
 
@@ -87,6 +97,11 @@ impl Volume {
         if let Self::Rectilinear(grid) = self { Some(grid) } else { None }
     }
 
+    /// The adaptive mesh, if it is one.
+    pub fn amr(&self) -> Option<&Arc<AmrGrid>> {
+        if let Self::Amr(grid) = self { Some(grid) } else { None }
+    }
+
     /// The field of a volume that is no grid, which has faster ways of its own, with colours or without.
     pub fn field(&self) -> Option<&dyn Field> {
         match self {
@@ -94,11 +109,12 @@ impl Volume {
             Self::Points(points) => Some(&**points),
             Self::Cells(mesh) => Some(&**mesh),
             Self::Rectilinear(grid) => Some(&**grid),
+            Self::Amr(grid) => Some(&**grid),
             Self::Field(field) => Some(&**field),
         }
     }
 
-    /// Kind in messages: `uniform grid`, `coloured grid`, `scattered points`, `mesh of cells`, `rectilinear grid`, `function`.
+    /// Kind in messages: `uniform grid`, `coloured grid`, `scattered points`, `mesh of cells`, `rectilinear grid`, `adaptive mesh`, `function`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Grid(_) => "uniform grid",
@@ -106,6 +122,7 @@ impl Volume {
             Self::Points(points) => points.kind(),
             Self::Cells(mesh) => mesh.kind(),
             Self::Rectilinear(grid) => grid.kind(),
+            Self::Amr(grid) => grid.kind(),
             Self::Field(field) => field.kind(),
         }
     }
@@ -146,6 +163,7 @@ impl Volume {
             Self::Points(points) => Some(points.value_range()),
             Self::Cells(mesh) => Some(mesh.value_range()),
             Self::Rectilinear(grid) => grid.value_range(),
+            Self::Amr(grid) => Some(grid.value_range()),
             Self::Field(field) => field.value_range(),
         }
     }
@@ -158,12 +176,13 @@ impl Volume {
             Self::Points(points) => points.bounds(),
             Self::Cells(mesh) => mesh.bounds(),
             Self::Rectilinear(grid) => grid.bounds(),
+            Self::Amr(grid) => grid.bounds(),
             Self::Field(field) => field.bounds(),
         }
     }
 
     /// Mean distance between voxels in world units, the mean step of a rectilinear grid, half the mean radius of points, the edge of a cube of six cells,
-    /// or a field's own spacing: the default `unit_distance` of a transfer function.
+    /// the mean edge of the finest cells of an adaptive mesh, or a field's own spacing: the default `unit_distance` of a transfer function.
     pub fn mean_spacing(&self) -> f64 {
         match self {
             Self::Grid(grid) => mean_spacing(grid),
@@ -171,6 +190,7 @@ impl Volume {
             Self::Points(points) => points.mean_spacing(),
             Self::Cells(mesh) => mesh.mean_spacing(),
             Self::Rectilinear(grid) => grid.mean_spacing(),
+            Self::Amr(grid) => grid.mean_spacing(),
             Self::Field(field) => field.spacing(),
         }
     }
@@ -183,6 +203,7 @@ impl Volume {
             Self::Points(points) => points.prepare_derived(),
             Self::Cells(mesh) => mesh.prepare_derived(),
             Self::Rectilinear(grid) => grid.lattice().prepare_derived(),
+            Self::Amr(grid) => grid.prepare_derived(),
             Self::Field(field) => field.prepare_derived(),
         }
     }
@@ -196,6 +217,7 @@ impl Volume {
             Self::Points(points) => Some(points.derived()),
             Self::Cells(mesh) => Some(mesh.derived()),
             Self::Rectilinear(grid) => Some(grid.derived()),
+            Self::Amr(grid) => Some(grid.derived()),
             Self::Field(_) => None,
         }
     }
@@ -208,6 +230,7 @@ impl Volume {
             (Self::Points(a), Self::Points(b)) => Arc::ptr_eq(a, b),
             (Self::Cells(a), Self::Cells(b)) => Arc::ptr_eq(a, b),
             (Self::Rectilinear(a), Self::Rectilinear(b)) => a.same(b),
+            (Self::Amr(a), Self::Amr(b)) => Arc::ptr_eq(a, b),
             (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
@@ -249,6 +272,12 @@ impl From<CellMesh> for Volume {
 impl From<RectilinearGrid> for Volume {
     fn from(grid: RectilinearGrid) -> Self {
         Self::Rectilinear(Arc::new(grid))
+    }
+}
+
+impl From<AmrGrid> for Volume {
+    fn from(grid: AmrGrid) -> Self {
+        Self::Amr(Arc::new(grid))
     }
 }
 

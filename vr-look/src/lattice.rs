@@ -40,6 +40,7 @@ impl Lattice {
             Volume::Points(points) => of_field(&**points),
             Volume::Cells(mesh) => of_field(&**mesh),
             Volume::Rectilinear(grid) => of_field(&**grid),
+            Volume::Amr(grid) => of_field(&**grid),
             Volume::Field(field) => of_field(&**field),
         }
     }

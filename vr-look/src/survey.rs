@@ -82,6 +82,7 @@ impl Survey {
             Volume::Points(_) => false,
             Volume::Cells(mesh) => mesh.has_gradient(),
             Volume::Rectilinear(grid) => grid.has_gradient(),
+            Volume::Amr(grid) => grid.has_gradient(),
             Volume::Field(field) => field.has_gradient(),
         };
         Self {

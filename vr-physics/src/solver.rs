@@ -91,6 +91,7 @@ impl<'a> Solver<'a> {
             (Model::Canonical, Volume::Points(points)) => field(&**points),
             (Model::Canonical, Volume::Cells(mesh)) => field(&**mesh),
             (Model::Canonical, Volume::Rectilinear(grid)) => field(&**grid),
+            (Model::Canonical, Volume::Amr(grid)) => field(&**grid),
             (Model::Canonical, Volume::Field(any)) => field(&**any),
             _ => return Err(unsupported(Feature::Model, format!("the model {model:?}"))),
         };

@@ -119,7 +119,7 @@ fn from_file(
     }
     // The array of a grid has its name from the same key.
     let choices_of_points = PointOptions { value: None, ..file.points.clone() };
-    if let (Volume::Grid(_) | Volume::Color(_) | Volume::Rectilinear(_), Some((key, found))) =
+    if let (Volume::Grid(_) | Volume::Color(_) | Volume::Rectilinear(_) | Volume::Amr(_), Some((key, found))) =
         (&loaded.volume, first_key(&choices_of_points))
     {
         let allowed = "only scattered points have one; this is a grid";
