@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use vr_core::resample::{ResampleFilter, Resampling};
-use vr_core::{Control, Field, Model, Prepared, RenderError, Rendered, Renderer, View};
+use vr_core::{Control, Model, Prepared, RenderError, Rendered, Renderer, View};
 use vr_physics::metrics::{Metrics, subgrid};
 use vr_study::candidate::Candidate;
 use vr_study::figures::ErrorFigures;

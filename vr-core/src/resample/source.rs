@@ -55,6 +55,7 @@ impl<'a> Source<'a> {
                 let steps = grid.axes().each_ref().map(Axis::smallest_step);
                 (Kind::Field(&**grid), steps.into())
             }
+            Volume::Amr(grid) => (Kind::Field(&**grid), grid.finest_spacing()),
             other => match other.field() {
                 Some(field) => (Kind::Field(field), DVec3::splat(other.mean_spacing())),
                 None => return refused("it has no field"),
