@@ -28,7 +28,7 @@ pub fn run(args: &ConvertArgs, console: Console) -> Result<(), Failure> {
     let grid = volume.grid().ok_or_else(|| {
         let why = if volume.colors().is_some() {
             "name one of its components, as in --component 0: formats are written with one number a voxel"
-        } else if matches!(volume, Volume::Cells(_)) {
+        } else if matches!(volume, Volume::Cells(_) | Volume::Amr(_)) {
             "its cells are no voxels, which every format here holds; vr render draws it as it is"
         } else {
             "there are no voxels in it, which every format here holds"
