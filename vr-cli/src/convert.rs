@@ -72,7 +72,7 @@ pub fn run(args: &ConvertArgs, console: Console, control: &Control) -> Result<()
 fn no_voxels(title: &str, volume: &Volume) -> Failure {
     let why = if volume.colors().is_some() {
         "name one of its components, as in --component 0: formats are written with one number a voxel"
-    } else if matches!(volume, Volume::Cells(_)) {
+    } else if matches!(volume, Volume::Cells(_) | Volume::Amr(_)) {
         "its cells are no voxels, which every format here holds; make it a grid with --resample finest, or draw it as it is with vr render"
     } else {
         "there are no voxels in it, which every format here holds; make it a grid with --resample finest"

@@ -3,6 +3,7 @@
 //! It parses, wires and prints. What it prints is found out elsewhere: `vr-io` reads and writes, the renderers draw, and
 //! `vr-physics` solves the reference.
 
+mod amr_info;
 mod animation;
 mod annotate;
 mod args;

@@ -54,7 +54,8 @@ fn renderers_of_grids_draw_a_mesh() {
     for renderer in ["shear-warp", "raycast"] {
         let run = vr.run(&format!("render m.vtu {flags} --renderer {renderer} -o {renderer}.png")).succeeded();
         assert!(run.stderr.contains("mesh of cells to 12×12×12"), "{}", run.stderr);
-        let lit = vr.picture(&format!("{renderer}.png")).to_rgb8().pixels().filter(|p| p.0.iter().any(|&c| c > 8)).count();
+        let lit =
+            vr.picture(&format!("{renderer}.png")).to_rgb8().pixels().filter(|p| p.0.iter().any(|&c| c > 8)).count();
         assert!(lit > 20, "{renderer}: {lit} pixels show anything");
     }
     // The record draws the same picture again, and the scene file says how.
@@ -112,7 +113,8 @@ fn a_fire_is_resampled() {
     if !mesh.exists() {
         return println!("{place} is not there: left out");
     }
-    let json = vr.run(&format!("convert {place} m.nrrd --resample 64x64x64 --resample-filter box --json")).succeeded().json();
+    let json =
+        vr.run(&format!("convert {place} m.nrrd --resample 64x64x64 --resample-filter box --json")).succeeded().json();
     let account = &json["resampled"];
     assert!(account["integral_error"].as_f64().unwrap() < 0.05, "{account}");
     assert!(account["picture"]["rmse"].as_f64().unwrap() < 0.1, "{account}");

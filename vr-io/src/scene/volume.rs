@@ -130,6 +130,10 @@ fn from_file(
             "only scattered points have one; this is a mesh of cells, whose vertices as = \"points\" takes alone";
         return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
     }
+    if let (Volume::Amr(_), Some((key, found))) = (&loaded.volume, first_key(&choices_of_points)) {
+        let allowed = "only scattered points have one; this is an adaptive mesh";
+        return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
+    }
     let Loaded { volume, info, mut notes } = loaded;
     // What is drawn or described is read in any case.
     if has_unread_voxels(&volume, info.mapped) {
