@@ -68,8 +68,8 @@ impl Account {
     }
 }
 
-/// Error of the picture of a resampled volume: drawn with defaults, against the reference of the volume as it was, in the view and look that it has where none is
-/// named.
+/// Error of the picture of a resampled volume: drawn with defaults, against the reference of the volume as it was, in the view and look that
+/// it has where none is named.
 ///
 /// # Errors
 /// Any fault of the scene.

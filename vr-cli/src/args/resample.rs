@@ -10,8 +10,8 @@ use super::value;
 /// Resampling of a volume to a uniform grid.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct ResampleArgs {
-    /// Make it a uniform grid of this many voxels over the same box, or with this many world units between them at most, or as fine as its finest cells; a volume that
-    /// is no grid must be, and a grid may be interpolated to another
+    /// Make it a uniform grid of this many voxels over the same box, or with this many world units between them at most, or as fine as its
+    /// finest cells; renderers and formats of grids then take what is none
     #[arg(long, value_name = "NXxNYxNZ|SPACING|finest", value_parser = ResampleTo::from_str)]
     pub resample: Option<ResampleTo>,
     /// Value of a resampled voxel: point (the volume's value there, which is the default) or box (the mean around it, which smooths what is finer than the voxels)

@@ -36,7 +36,8 @@ impl RectilinearLine<'_> {
     }
 }
 
-/// World length of an index step, to the nearest power of √2: cells of about one size share a lattice of steps, and faces between them make no short steps.
+/// World length of an index step, to the nearest power of √2: cells of about one size share a lattice of steps, and faces between them make no
+/// short ones.
 fn pace(length: f64) -> f64 {
     libm::exp2(0.5 * (2.0 * libm::log2(length)).round())
 }

@@ -8,8 +8,8 @@ use crate::cells::{CellMesh, ON_FACE};
 /// Largest number of entries in the lists of cells: 256 MiB. A mesh of more is sampled place by place.
 const MAX_ENTRIES: usize = 1 << 26;
 
-/// The cells of a mesh, listed by the planes of samples that they reach: each is drawn row by row, which costs a few operations a sample in place of a
-/// search in a tree. Of several cells that hold a sample, that one is seen which holds it deepest, as in the mesh's field.
+/// The cells of a mesh, listed by the planes of samples that they reach: each is drawn row by row, which costs a few operations a sample in
+/// place of a search in a tree. Of several cells that hold a sample, that one is seen which holds it deepest, as in the mesh's field.
 pub(super) struct CellRaster<'a> {
     mesh: &'a CellMesh,
     lattice: &'a SampleLattice,

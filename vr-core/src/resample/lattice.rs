@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-/// Samples at products of three lists of coordinates, ascending: `parts` along each axis for every voxel, and the voxels from one corner of a box to the
-/// other.
+/// Samples at products of three lists of coordinates, ascending: `parts` along each axis for every voxel, and the voxels from one corner of a
+/// box to the other.
 #[derive(Clone, Debug)]
 pub(super) struct SampleLattice {
     /// Coordinates along each axis.

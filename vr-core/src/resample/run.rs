@@ -80,8 +80,8 @@ impl Resampled {
 /// ```
 ///
 /// # Errors
-/// [`ResampleError`] for a volume whose values are colours or codes, a resolution that is no grid or too large, no voxel that is not vacuum, and where `control`
-/// cancels.
+/// [`ResampleError`] for a volume whose values are colours or codes, a resolution that is no grid or too large, no voxel that is not vacuum,
+/// and where `control` cancels.
 pub fn resample(volume: &Volume, options: &Resampling, control: &Control) -> Result<Resampled, ResampleError> {
     let source = Source::new(volume)?;
     let (dims, wanted) = dims_of(&source, options)?;
