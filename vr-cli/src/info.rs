@@ -8,6 +8,7 @@ use vr_core::{Calibration, ColorGrid, GridVolume, Volume, VoxelType};
 use vr_io::{FileInfo, LoadedVolume, PngOptions};
 use vr_look::{Look, Survey};
 
+use crate::amr_info::AmrInfo;
 use crate::args::InfoArgs;
 use crate::cells_info::CellsInfo;
 use crate::console::Console;
@@ -61,7 +62,15 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
             return Err(no_slices("a rectilinear grid"));
         }
         let look = Survey::of(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
-        let found = RectilinearInfo::new(&title, grid, info.as_ref(), &look.reason, &notes);
+        let found = RectilinearInfo::new(&title, &volume, grid, info.as_ref(), &look.reason, &notes);
+        return console.result(&found.text(), &found);
+    }
+    if let Volume::Amr(grid) = &volume {
+        if args.output.is_some() {
+            return Err(no_slices("an adaptive mesh"));
+        }
+        let look = Survey::of(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
+        let found = AmrInfo::new(&title, grid, info.as_ref(), &look.reason, &notes);
         return console.result(&found.text(), &found);
     }
     let uniform = volume

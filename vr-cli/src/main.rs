@@ -3,6 +3,7 @@
 //! It parses, wires and prints. What it prints is found out elsewhere: `vr-io` reads and writes, the renderers draw, and
 //! `vr-physics` solves the reference.
 
+mod amr_info;
 mod animation;
 mod annotate;
 mod args;
@@ -49,6 +50,7 @@ mod renderers;
 mod report;
 mod report_summary;
 mod rerun;
+mod resampled;
 mod scene_file;
 mod scene_setup;
 mod sheet_record;
@@ -101,7 +103,7 @@ fn run() -> Result<(), Failure> {
         Command::Verify(args) => verify::run(args, console, &control),
         Command::Diff(args) => diff::run(args, console),
         Command::Info(args) => info::run(args, console),
-        Command::Convert(args) => convert::run(args, console),
+        Command::Convert(args) => convert::run(args, console, &control),
         Command::Scene(args) => scene_file::run(args, console, &control),
         Command::Rerun(args) => rerun::run(args, console, &control),
         Command::Turntable(args) => animation::turntable(args, console, &control),

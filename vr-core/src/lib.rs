@@ -79,6 +79,7 @@ mod ray;
 mod real;
 pub mod rectilinear;
 mod renderer;
+pub mod resample;
 mod sampler;
 mod scene;
 mod shading;

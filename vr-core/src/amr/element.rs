@@ -16,15 +16,20 @@ pub(super) struct Element {
 }
 
 impl AmrGrid {
-    /// The element that holds a world position; `None` where there are no cells. Of several that share a face, the upper one.
+    /// The element of the finest lattice that holds a world position, up to rounding within the box of the values. Of several that share a face, the
+    /// upper one, but at the end of the box.
+    #[inline]
+    pub(super) fn finest_node(&self, at: DVec3) -> [i64; 3] {
+        let elements = self.centring.elements() as f64;
+        let position = (at - self.origin) / self.finest_spacing() * elements;
+        let [low, high] = self.inner_nodes();
+        std::array::from_fn(|a| (position[a].floor() as i64).clamp(low[a], high[a] - 1))
+    }
+
+    /// The element that holds a world position within the box of the values; `None` where there are no cells.
     pub(super) fn element_at(&self, at: DVec3) -> Option<Element> {
-        let (finest, elements) = (self.levels.len() - 1, self.centring.elements());
-        let position = (at - self.origin) / self.levels[finest].spacing * elements as f64;
-        if !position.abs().cmplt(DVec3::splat(1e17)).all() {
-            return None;
-        }
-        // A position on the outermost face belongs to the element below.
-        let mut node = position.floor().to_array().map(|x| x as i64);
+        let elements = self.centring.elements();
+        let mut node = self.finest_node(at);
         for level in (0..self.levels.len()).rev() {
             if self.holder_of_cell(level, divided(node, [elements; 3])).is_some() {
                 return Some(Element { level, node });

@@ -2,31 +2,27 @@
 
 use glam::DVec3;
 
-use super::element::{Element, interpolated};
+use super::element::interpolated;
 use super::grid::AmrGrid;
 use super::line::AmrLine;
 use super::nodes::Quantity;
-use crate::field::{Field, FieldLine};
+use crate::field::{Field, FieldLine, Stretch};
 use crate::ray::Ray;
 use crate::view::Clip;
 
 impl AmrGrid {
-    /// Quantity at a world position; `None` in vacuum. Places on the outermost face belong to the field.
-    fn at<Q: Quantity>(&self, at: DVec3, is_there: impl Fn(&Q) -> bool) -> Option<Q> {
+    /// Quantity at a world position; NaN in vacuum.
+    fn at<Q: Quantity>(&self, at: DVec3) -> Q {
+        let Some(element) = self.element_at(at) else { return Q::NONE };
+        let place = self.coordinates(element, at).clamp(DVec3::ZERO, DVec3::ONE);
+        interpolated(&self.corners::<Q>(element), place)
+    }
+
+    /// True if a world position is in the box of the values, up to rounding.
+    fn is_inside(&self, at: DVec3) -> bool {
         let (low, high) = self.bounds();
-        if !(at.cmpge(low).all() && at.cmple(high).all()) {
-            return None;
-        }
-        let inside = |element: Element| {
-            let place = self.coordinates(element, at).clamp(DVec3::ZERO, DVec3::ONE);
-            Some(interpolated(&self.corners::<Q>(element), place)).filter(&is_there)
-        };
-        let found = self.element_at(at).and_then(inside);
-        // The outermost faces are the lower ones of elements in vacuum.
-        found.or_else(|| {
-            let back = DVec3::select(at.cmpge(high), self.finest_spacing() * 1e-3, DVec3::ZERO);
-            if back == DVec3::ZERO { None } else { self.element_at(at - back).and_then(inside) }
-        })
+        let slack = self.finest_spacing() * 1e-9;
+        at.cmpge(low - slack).all() && at.cmple(high + slack).all()
     }
 }
 
@@ -48,7 +44,15 @@ impl Field for AmrGrid {
     }
 
     fn value(&self, at: DVec3) -> Option<f64> {
-        self.at(at, |value: &f64| !value.is_nan())
+        if !self.is_inside(at) {
+            return None;
+        }
+        let value = self.inner_value(at).unwrap_or_else(|| self.at(at));
+        (!value.is_nan()).then_some(value)
+    }
+
+    fn values(&self, at: &[DVec3], out: &mut [f64]) {
+        self.fill_values(at, out);
     }
 
     fn has_gradient(&self) -> bool {
@@ -56,11 +60,29 @@ impl Field for AmrGrid {
     }
 
     fn gradient(&self, at: DVec3) -> Option<DVec3> {
-        self.at(at, |gradient: &DVec3| !gradient.is_nan())
+        if !self.is_inside(at) {
+            return None;
+        }
+        let gradient: DVec3 = self.at(at);
+        (!gradient.is_nan()).then_some(gradient)
     }
 
     fn jumps(&self, ray: &Ray, part: [f64; 2], out: &mut Vec<f64>) {
-        AmrLine::jumps(self, ray, part, out);
+        let mut stretches = Vec::new();
+        self.stretches_along(ray, part, &mut stretches);
+        for (number, stretch) in stretches.iter().enumerate() {
+            if number == 0 || !stretches[number - 1].touches(stretch) {
+                out.push(stretch.from);
+            }
+            if stretches.get(number + 1).is_none_or(|next| !stretch.touches(next)) {
+                out.push(stretch.to);
+            }
+        }
+    }
+
+    fn stretches(&self, ray: &Ray, part: [f64; 2], out: &mut Vec<Stretch>) -> bool {
+        self.stretches_along(ray, part, out);
+        true
     }
 
     fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Box<dyn FieldLine + 'a>> {
@@ -69,5 +91,6 @@ impl Field for AmrGrid {
 
     fn prepare_derived(&self) {
         self.tree();
+        self.bricks();
     }
 }

@@ -6,9 +6,10 @@ use glam::DVec3;
 
 use super::bin_index::BinIndex;
 use super::block::{AmrBlock, AmrCentring};
+use super::bricks::Bricks;
 use super::check::{self, Lattices, each_index};
 use super::error::AmrError;
-use super::level::{Level, times};
+use super::level::{Level, plus, times};
 use super::restriction::{restrict, unify_points};
 use crate::box_tree::{Bounds, BoxTree};
 use crate::derived::Derived;
@@ -44,12 +45,16 @@ pub struct AmrGrid {
     pub(super) blocks: Vec<AmrBlock>,
     pub(super) centring: AmrCentring,
     bounds: (DVec3, DVec3),
+    /// The same as nodes of the finest level.
+    inner_nodes: [[i64; 3]; 2],
     range: (f32, f32),
     leaf_cells: Vec<usize>,
     repeated: usize,
     missing: usize,
     /// Tree of the blocks' boxes, made when first asked for, then kept.
     tree: OnceLock<BoxTree>,
+    /// Ranges of parts of blocks, likewise.
+    bricks: OnceLock<Bricks>,
     derived: Arc<Derived>,
 }
 
@@ -98,11 +103,13 @@ impl AmrGrid {
             blocks,
             centring,
             bounds: (DVec3::ZERO, DVec3::ZERO),
+            inner_nodes: [[0; 3]; 2],
             range: (0.0, 0.0),
             leaf_cells: Vec::new(),
             repeated: 0,
             missing: values - finite,
             tree: OnceLock::new(),
+            bricks: OnceLock::new(),
             derived: Arc::default(),
         };
         grid.repeated = check::overlaps(&grid, &numbers)?;
@@ -119,10 +126,18 @@ impl AmrGrid {
     /// Finds the box of the values.
     fn measure(&mut self) -> Result<(), AmrError> {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut inner = [[i64::MAX; 3], [i64::MIN; 3]];
         for number in 0..self.blocks.len() {
-            let Bounds { low: l, high: h } = self.box_of_values(number);
-            (low, high) = (low.min(l), high.max(h));
+            let [first, last] = self.nodes_of_values(number);
+            let level = self.blocks[number].level;
+            let to_finest = self.levels[level].to_finest;
+            for a in 0..3 {
+                inner[0][a] = inner[0][a].min(first[a] * to_finest[a]);
+                inner[1][a] = inner[1][a].max(last[a] * to_finest[a]);
+            }
+            (low, high) = (low.min(self.position(level, first)), high.max(self.position(level, last)));
         }
+        self.inner_nodes = inner;
         let finest = self.finest_spacing();
         let away = (low.abs().max(high.abs()) / finest).max_element();
         let is_near = self.origin.abs().cmplt(DVec3::splat(MAX_COORDINATE)).all() && away < MAX_STEPS_AWAY;
@@ -138,22 +153,30 @@ impl AmrGrid {
 
     /// Counts the leaves of each level, and finds the range of their values.
     fn count_leaves(&mut self) {
-        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         let mut counts = vec![0; self.levels.len()];
-        for (number, block) in self.blocks.iter().enumerate() {
-            let from = block.first;
-            let to: [i64; 3] = std::array::from_fn(|a| from[a] + block.cells(self.centring)[a] as i64);
-            for cell in each_index(from, to) {
-                let is_leaf = !self.is_covered(block.level, cell);
-                counts[block.level] += usize::from(is_leaf && self.holder_of_cell(block.level, cell) == Some(number));
-            }
-        }
+        self.each_leaf(|level, _| counts[level] += 1);
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         // Means of finer cells lie between them: the values of covered cells need not be left out.
         for &value in self.blocks.iter().flat_map(|b| &b.values).filter(|v| !v.is_nan()) {
             (low, high) = (low.min(value), high.max(value));
         }
         self.leaf_cells = counts;
         self.range = (low, high);
+    }
+
+    /// Calls `each` with the level and the value of every cell that no finer ones cover: the value of its first corner, where points have the values. NaN for
+    /// none.
+    pub fn each_leaf(&self, mut each: impl FnMut(usize, f32)) {
+        for (number, block) in self.blocks.iter().enumerate() {
+            let cells = block.cells(self.centring).map(|n| n as i64);
+            for cell in each_index(block.first, plus(block.first, cells)) {
+                // Of several blocks with the same cell, the first.
+                let is_own = self.holder_of_cell(block.level, cell) == Some(number);
+                if is_own && !self.is_covered(block.level, cell) {
+                    each(block.level, block.offset(cell).map_or(f32::NAN, |offset| block.values[offset]));
+                }
+            }
+        }
     }
 
     /// Number of levels.
@@ -257,15 +280,18 @@ impl AmrGrid {
         self.origin + DVec3::from_array(node.map(|n| n as f64)) * (self.levels[level].spacing / elements)
     }
 
-    /// World box of a block's outermost values.
-    fn box_of_values(&self, number: usize) -> Bounds {
+    /// Lattice nodes of a block's first and last value.
+    fn nodes_of_values(&self, number: usize) -> [[i64; 3]; 2] {
         let block = &self.blocks[number];
-        let node = |at: [i64; 3]| match self.centring {
+        [block.first, block.end().map(|e| e - 1)].map(|at| match self.centring {
             AmrCentring::Cells => at.map(|i| 2 * i + 1),
             AmrCentring::Points => at,
-        };
-        let last = block.end().map(|e| e - 1);
-        Bounds { low: self.position(block.level, node(block.first)), high: self.position(block.level, node(last)) }
+        })
+    }
+
+    /// Nodes of the finest level at the corners of the [`bounds`](Self::bounds).
+    pub(super) fn inner_nodes(&self) -> [[i64; 3]; 2] {
+        self.inner_nodes
     }
 
     /// Lattice nodes at the lowest and highest corner of a block's cells.
@@ -274,6 +300,11 @@ impl AmrGrid {
         let elements = self.centring.elements();
         let end: [i64; 3] = std::array::from_fn(|a| block.first[a] + block.cells(self.centring)[a] as i64);
         [block.first, end].map(|at| times(at, [elements; 3]))
+    }
+
+    /// Ranges of parts of blocks.
+    pub(super) fn bricks(&self) -> &Bricks {
+        self.bricks.get_or_init(|| Bricks::new(self))
     }
 
     /// Tree of the boxes that the cells of blocks fill.

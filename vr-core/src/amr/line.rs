@@ -37,20 +37,20 @@ impl<'a> AmrLine<'a> {
         Self::between_ends(grid, ray, [from, to.min(far)], Some(clip), gradients)
     }
 
-    /// Appends the world distances between two at which vacuum begins or ends.
-    pub(super) fn jumps(grid: &AmrGrid, ray: &Ray, part: [f64; 2], out: &mut Vec<f64>) {
+    /// Appends the parts of a ray between two world distances that are not vacuum, ascending.
+    pub(super) fn solid_parts(grid: &AmrGrid, ray: &Ray, part: [f64; 2], out: &mut Vec<[f64; 2]>) {
         let Some(line) = AmrLine::between_ends(grid, ray, part, None, false) else { return };
-        let is_vacuum = |w: &[(f64, f64)]| line.value_element(0.5 * (w[0].0 + w[1].0)).is_none();
-        let mut before = true;
+        let first = out.len();
         for pair in line.breaks.windows(2) {
-            let vacuum = is_vacuum(pair);
-            if vacuum != before {
-                out.push(pair[0].0 + line.offset);
+            let [from, to] = [pair[0].0, pair[1].0];
+            if line.value_element(0.5 * (from + to)).is_none() {
+                continue;
             }
-            before = vacuum;
-        }
-        if !before {
-            out.push(line.breaks[line.breaks.len() - 1].0 + line.offset);
+            let [from, to] = [from, to].map(|s| s + line.offset);
+            match out[first..].last_mut() {
+                Some(last) if last[1] == from => last[1] = to,
+                _ => out.push([from, to]),
+            }
         }
     }
 

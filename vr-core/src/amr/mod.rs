@@ -22,16 +22,20 @@
 
 mod bin_index;
 mod block;
+mod bricks;
 mod check;
 mod element;
 mod error;
 mod field;
 mod grid;
+mod inner_value;
 mod level;
 mod line;
 mod nodes;
 mod refining;
+mod region;
 mod restriction;
+mod stretches;
 
 pub use block::{AmrBlock, AmrCentring};
 pub use error::AmrError;

@@ -65,6 +65,11 @@ impl AmrGrid {
         f64::NAN
     }
 
+    /// True if a level has a lattice point, with a value or without.
+    pub(super) fn holds_sample(&self, level: usize, at: [i64; 3]) -> bool {
+        self.levels[level].index.around(at).iter().any(|&n| self.blocks[n as usize].offset(at).is_some())
+    }
+
     /// Sets the value at a lattice point in all blocks of a level that have it.
     pub(super) fn set_all(&mut self, level: usize, at: [i64; 3], value: f32) {
         for &number in self.levels[level].index.around(at) {

@@ -99,6 +99,11 @@ impl Axis {
         self.places.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
     }
 
+    /// Largest step in world units.
+    pub fn largest_step(&self) -> f64 {
+        self.places.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+    }
+
     /// True if all steps are equal, to within a millionth of one.
     pub fn is_even(&self) -> bool {
         let (first, step) = (self.places[0], self.mean_step());

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::gradients::CornerGradients;
 use super::grid::RectilinearGrid;
 use super::line::RectilinearLine;
-use crate::field::{Field, FieldLine};
+use crate::field::{Field, FieldLine, Stretch};
 use crate::filter::Reconstruction;
 use crate::grid_volume::SamplerVisitor;
 use crate::ray::Ray;
@@ -35,6 +35,24 @@ impl SamplerVisitor for ValueAt {
     }
 }
 
+/// The values at world positions, by one sampler.
+struct ValuesAt<'a> {
+    grid: &'a RectilinearGrid,
+    at: &'a [DVec3],
+    out: &'a mut [f64],
+}
+
+impl SamplerVisitor for ValuesAt<'_> {
+    type Output = ();
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) {
+        let calibration = self.grid.lattice().calibration();
+        for (out, &at) in self.out.iter_mut().zip(self.at) {
+            let index = self.grid.to_index(at);
+            *out = index.map_or(f64::NAN, |index| calibration.value(sampler.value(index.to_array())));
+        }
+    }
+}
+
 impl Field for RectilinearGrid {
     fn kind(&self) -> &'static str {
         "rectilinear grid"
@@ -55,6 +73,10 @@ impl Field for RectilinearGrid {
     fn value(&self, at: DVec3) -> Option<f64> {
         let stored = self.lattice().with_sampler(ValueAt(self.to_index(at)?));
         (!stored.is_nan()).then(|| self.lattice().calibration().value(stored))
+    }
+
+    fn values(&self, at: &[DVec3], out: &mut [f64]) {
+        self.lattice().with_sampler(ValuesAt { grid: self, at, out });
     }
 
     fn has_gradient(&self) -> bool {
@@ -90,6 +112,11 @@ impl Field for RectilinearGrid {
 
     fn jumps(&self, ray: &Ray, part: [f64; 2], out: &mut Vec<f64>) {
         RectilinearLine::jumps(self, ray, part, out);
+    }
+
+    fn stretches(&self, ray: &Ray, part: [f64; 2], out: &mut Vec<Stretch>) -> bool {
+        RectilinearLine::stretches(self, ray, part, out);
+        true
     }
 
     fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Box<dyn FieldLine + 'a>> {

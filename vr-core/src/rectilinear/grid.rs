@@ -56,11 +56,12 @@ pub struct RectilinearGrid {
 }
 
 impl RectilinearGrid {
-    /// A grid of values, x fastest, where NaN is a missing one, over the places of three axes. An axis that falls is turned round, with its values.
+    /// A grid of values, x fastest, where NaN is a missing one, over the places of three axes. An axis that falls is turned round, with its
+    /// values.
     ///
     /// # Errors
-    /// [`RectilinearError`] for an axis with too few places, one that is not finite, that does not rise or fall all the way, or whose steps are beyond what
-    /// arithmetic can keep; for values that do not fill the grid.
+    /// [`RectilinearError`] for an axis with too few places, one that is not finite, that does not rise or fall all the way, or whose steps are
+    /// beyond what arithmetic can keep; for values that do not fill the grid.
     pub fn new(axes: [Vec<f64>; 3], mut values: Vec<f32>, centering: Centering) -> Result<Self, RectilinearError> {
         let least = if centering == Centering::Points { 2 } else { 3 };
         let mut falls = [false; 3];

@@ -35,6 +35,11 @@ impl<'a> RectilinearLine<'a> {
         Some(Self { grid, ray, chord, gradients, clip_error })
     }
 
+    /// The cell of a stretch between two distances.
+    pub(super) fn cell(&self, from: f64, to: f64) -> [usize; 3] {
+        self.ray.stretch(from, to).1
+    }
+
     /// Appends the world distances between two at which vacuum begins or ends.
     pub(super) fn jumps(grid: &'a RectilinearGrid, ray: &Ray, [from, to]: [f64; 2], out: &mut Vec<f64>) {
         let Some(line) = Self::new(grid, ray, &Clip::default(), to, false) else { return };

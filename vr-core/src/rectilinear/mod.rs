@@ -11,6 +11,7 @@ mod gradients;
 mod grid;
 mod line;
 mod ray;
+mod stretches;
 
 pub use axis::Axis;
 pub use error::RectilinearError;

@@ -55,7 +55,11 @@ impl SceneFile {
     /// A volume of more than 64³ voxels or 4096 points.
     pub fn describe(scene: &Scene, view: &View) -> Result<Self, ParameterError> {
         Ok(Self {
-            volume: VolumeSection { source: Some(inline_volume(&scene.volume)?), filter: scene.volume.filter() },
+            volume: VolumeSection {
+                source: Some(inline_volume(&scene.volume)?),
+                filter: scene.volume.filter(),
+                resample: None,
+            },
             transfer: Some(TransferSection::describe(&scene.transfer)),
             shading: scene.shading.as_deref().map(|shading| ShadingSection::describe(shading, &scene.lights)),
             camera: Some(CameraSection::from(&view.camera)),
