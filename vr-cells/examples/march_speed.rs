@@ -1,6 +1,7 @@
 //! Prints the time of a frame of tetrahedra by their number: six for each cell of a grid, 512² pixels, one thread.
 //!
-//! Blobs by their own transfer function, and the signal of Marschner & Lobb (1994) on 33³ points, translucent and as surfaces that are nearly opaque.
+//! Blobs by their own transfer function, and the signal of Marschner & Lobb (1994) on 33³ points, translucent and as surfaces that are nearly opaque; and blobs
+//! that are shaded.
 
 use std::time::Instant;
 
@@ -34,6 +35,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, points) in [("signal, thin", &thin[..]), ("signal, thick", &thick)] {
         scenes.push((name, Scene { transfer: transfer(&signal.volume, points)?.into(), ..signal.clone() }));
     }
+    let (_, blobs) = scenes[1].clone();
+    scenes.push(("blobs, shaded", Scene { shading: Some(Shading::default().into()), ..blobs }));
     println!("{:13}  {:>9}  {:>9}  {:>9}  {:>9}  {:>12}", "", "cells", "ms", "M steps", "ns/step", "M cells/s");
     for (name, scene) in scenes {
         let cells = scene.volume.cells().map_or(0, |mesh| mesh.cells().len());

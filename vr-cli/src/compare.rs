@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use vr_core::resample::{ResampleFilter, Resampling};
 use vr_core::{Control, Model, Prepared, RenderError, Rendered, Renderer, View};
 use vr_physics::metrics::{Metrics, subgrid};
 use vr_study::candidate::Candidate;
@@ -22,7 +23,7 @@ use crate::renderers::StatedRenderer;
 use crate::scene_setup::Setup;
 use crate::sheet_record::{self, SinglePicture};
 use crate::table::Table;
-use crate::{number, output_file, renderers};
+use crate::{number, output_file, renderers, resampled};
 
 /// Size of the pictures where none is given: the reference of every pixel takes seconds.
 const DEFAULT_SIZE: [u32; 2] = [192, 192];
@@ -32,6 +33,10 @@ const FRAMES: usize = 3;
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Number of pictures and rows without `--all`: two rows of pictures and a table that fit a screen.
 const MAX_SHOWN: usize = 12;
+/// Renderer that draws the grid that a volume is resampled to.
+const GRID_RENDERER: &str = "raycast";
+/// Largest number of voxels of that grid.
+const MAX_RESAMPLED: usize = 1 << 21;
 /// Rows and columns of the subgrid of pixels on which a renderer is judged against its own model.
 const SUBGRID: u32 = 16;
 
@@ -74,6 +79,7 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
                 results.push(Compared {
                     name,
                     candidate,
+                    grid: None,
                     rank: Rank { is_default: is_default(candidate), rmse, seconds },
                     measured,
                 });
@@ -98,6 +104,18 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
         return Err(Failure::failed("no renderer can draw this scene"));
     }
     results.sort_by(|a, b| a.rank.order(&b.rank));
+    // Beside the volume itself, the grid that it can be resampled to.
+    let grid = resampled_setup(&setup, &candidates, console, control)?;
+    if let Some((title, grid, candidate)) = &grid {
+        let measured =
+            under_bar(console, control, title, |control| measure(&*candidate.configured, grid, &exact, control))
+                .map_err(|e| setup.render_failure(e))?;
+        let (rmse, seconds) = (measured.metrics.rmse, measured.render.as_secs_f64());
+        let rank = Rank { is_default: true, rmse, seconds };
+        // Among those that are shown, and not the first, whose scene the sheet's record has.
+        let place = results.len().min(MAX_SHOWN - 1);
+        results.insert(place, Compared { name: title.clone(), candidate, grid: Some(grid), rank, measured });
+    }
     // Draw the sheet, and print the table.
     let shown = &results[..if args.all { results.len() } else { results.len().min(MAX_SHOWN) }];
     let mut entries = Vec::new();
@@ -118,10 +136,30 @@ pub fn run(args: &CompareArgs, console: Console, control: &Control) -> Result<()
     console.result(&text, &json(&setup, &exact, &results, &files, args))
 }
 
+/// Returns the scene of the grid that a volume is resampled to, with a title and the setting that draws it: where the volume is no grid, its values can be
+/// interpolated, and the renderer of grids is among those that are compared.
+fn resampled_setup<'a>(
+    setup: &Setup,
+    candidates: &'a [Candidate],
+    console: Console,
+    control: &Control,
+) -> Result<Option<(String, Setup, &'a Candidate)>, Failure> {
+    let interpolates = setup.scene.volume.field().is_some_and(|field| !field.values_are_codes());
+    let candidate = candidates.iter().find(|c| c.renderer == GRID_RENDERER && is_default(c));
+    let Some(candidate) = candidate.filter(|_| interpolates) else { return Ok(None) };
+    let choices = Resampling { filter: ResampleFilter::Box, max_finest: MAX_RESAMPLED, ..Resampling::default() };
+    let made = resampled::run(&setup.scene.volume, &choices, console, control)?;
+    made.notes().iter().for_each(|note| console.note(note));
+    let title = format!("resampled {}, {GRID_RENDERER}", number::triple(made.grid.dims(), "×"));
+    Ok(Some((title, setup.around_grid(&made), candidate)))
+}
+
 /// Renderer with one setting, and its place among the others.
 struct Compared<'a> {
     name: String,
     candidate: &'a Candidate,
+    /// Scene of the grid that the volume was resampled to, if that is drawn.
+    grid: Option<&'a Setup>,
     rank: Rank,
     measured: Measured,
 }
@@ -129,7 +167,11 @@ struct Compared<'a> {
 impl Compared<'_> {
     /// Returns the picture as it is recorded.
     fn single<'s>(&'s self, setup: &'s Setup, stated: &'s StatedRenderer) -> SinglePicture<'s> {
-        let flags = setting_flags(self.candidate);
+        let mut flags = setting_flags(self.candidate);
+        if let Some(resample) = self.grid.and_then(|grid| grid.file.volume.resample) {
+            flags.extend(resampled::flags(&resample));
+        }
+        let setup = self.grid.unwrap_or(setup);
         SinglePicture { name: self.name.clone(), flags, setup, stated, frame: &self.measured.rendered.frame }
     }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde::Serialize;
-use vr_core::{GridVolume, Volume};
+use vr_core::{Control, Filter, GridVolume, Volume};
 use vr_io::{FieldError, FileInfo, Levels, LoadedVolume, Reduction, Rounding, WriteError, WriteVolumeOptions};
 use vr_look::{Kind, Survey};
 
@@ -12,31 +12,39 @@ use crate::args::{ChangeArgs, ConvertArgs, CropBox, LevelArgs, Reduce};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
+use crate::resampled::{self, Account};
 use crate::{number, volume_setup};
 
 /// Writes a volume in another format, changed if flags ask for it.
 ///
 /// # Errors
 /// Any fault of the command line, the file that is read, or the place that is written to.
-pub fn run(args: &ConvertArgs, console: Console) -> Result<(), Failure> {
+pub fn run(args: &ConvertArgs, console: Console, control: &Control) -> Result<(), Failure> {
     let is_named = args.volume.path.is_some() || args.volume.phantom.is_some();
     let Some(output) = args.place().filter(|_| is_named) else {
         let message = "convert takes a volume and the file to write, as in vr convert scan.nii.gz scan.nrrd; or --phantom NAME -o FILE";
         return Err(Failure::usage(message));
     };
-    let (title, LoadedVolume { volume, info, mut notes, .. }) = volume_setup::load(&args.volume, console)?;
-    let grid = volume.grid().ok_or_else(|| {
-        let why = if volume.colors().is_some() {
-            "name one of its components, as in --component 0: formats are written with one number a voxel"
-        } else if matches!(volume, Volume::Cells(_)) {
-            "its cells are no voxels, which every format here holds; vr render draws it as it is"
-        } else {
-            "there are no voxels in it, which every format here holds"
-        };
-        Failure::failed(format!("{title}: {} cannot be converted: {why}", volume.kind()))
-    })?;
-    let (changed, said) = change(grid, &args.changes)?;
-    let volume = changed.map_or_else(|| volume.clone(), |grid| Volume::Grid(Arc::new(grid)));
+    let (title, loaded) = volume_setup::load(&args.volume, console)?;
+    let mut account = None;
+    let grid = match (&loaded.volume, args.changes.resample.choices()) {
+        // A grid is resampled in its turn, after what is cut off.
+        (Volume::Grid(grid), _) => Arc::clone(grid),
+        (volume, Some(choices)) if volume.colors().is_none() => {
+            let resampled = resampled::run(volume, &choices, console, control)?;
+            let picture = resampled::picture_error(&loaded, &resampled, console, control)?;
+            let mut said = resampled.notes();
+            said.push(resampled::picture_note(&picture));
+            account = Some((said, Account::new(&resampled, picture)));
+            Arc::new(GridVolume::new(resampled.grid.into(), Filter::default()))
+        }
+        (volume, _) => return Err(no_voxels(&title, volume)),
+    };
+    let LoadedVolume { info, mut notes, .. } = loaded;
+    let (mut said, account) = account.map_or_else(Default::default, |(said, account)| (said, Some(account)));
+    let (changed, also) = change(&grid, &args.changes, account.is_none(), console, control)?;
+    said.extend(also);
+    let volume = Volume::Grid(changed.map_or(grid, Arc::new));
     let mut options = info.as_ref().map_or_else(WriteVolumeOptions::default, WriteVolumeOptions::of_file);
     options.levels = levels(&args.levels, output, &volume, info.as_ref())?;
     let files = vr_io::volume_files(output, &volume).map_err(wrong_place)?;
@@ -54,9 +62,22 @@ pub fn run(args: &ConvertArgs, console: Console) -> Result<(), Failure> {
         dims: volume.grid().map_or([0; 3], |grid| grid.dims()),
         voxel_type: written.scalar.name(),
         files: written.files,
+        resampled: account,
         notes: &notes,
     };
     console.result(&json.text(), &json)
+}
+
+/// The refusal of a volume without voxels.
+fn no_voxels(title: &str, volume: &Volume) -> Failure {
+    let why = if volume.colors().is_some() {
+        "name one of its components, as in --component 0: formats are written with one number a voxel"
+    } else if matches!(volume, Volume::Cells(_) | Volume::Amr(_)) {
+        "its cells are no voxels, which every format here holds; make it a grid with --resample finest, or draw it as it is with vr render"
+    } else {
+        "there are no voxels in it, which every format here holds; make it a grid with --resample finest"
+    };
+    Failure::failed(format!("{title}: {} cannot be converted: {why}", volume.kind()))
 }
 
 /// Returns the resolutions that flags ask for; labels are told by the volume where no flag says how they are reduced.
@@ -82,8 +103,14 @@ fn levels(args: &LevelArgs, output: &Path, volume: &Volume, info: Option<&FileIn
     Ok(Levels { count: args.levels, reduction })
 }
 
-/// Returns the grid that flags make of a grid, if they change it, and notes on how.
-fn change(grid: &GridVolume, args: &ChangeArgs) -> Result<(Option<GridVolume>, Vec<String>), Failure> {
+/// Returns the grid that flags make of a grid, if they change it, and notes on how. `resamples` is false where it was resampled already.
+fn change(
+    grid: &GridVolume,
+    args: &ChangeArgs,
+    resamples: bool,
+    console: Console,
+    control: &Control,
+) -> Result<(Option<GridVolume>, Vec<String>), Failure> {
     let wrong = |e: FieldError| Failure::usage(format!("--{e}"));
     let mut notes = Vec::new();
     let mut changed = None;
@@ -100,13 +127,18 @@ fn change(grid: &GridVolume, args: &ChangeArgs) -> Result<(Option<GridVolume>, V
             "flipped: order and direction are reversed, so that each voxel stays where it is in the world".to_owned(),
         );
     }
-    if let Some(dims) = args.resample {
+    if let Some(dims) = args.resample.plain_dims().filter(|_| resamples) {
         let before = changed.as_ref().unwrap_or(grid);
         let [from, to] = [before.dims(), dims].map(|dims| number::triple(dims, "×"));
         notes.push(format!(
             "resampled from {from} to {to} by linear interpolation over the same box, without smoothing"
         ));
         changed = Some(vr_io::resample_grid(before, dims).map_err(wrong)?);
+    } else if let Some(choices) = args.resample.choices().filter(|_| resamples) {
+        let before = Volume::Grid(Arc::new(changed.as_ref().unwrap_or(grid).clone()));
+        let resampled = resampled::run(&before, &choices, console, control)?;
+        notes.extend(resampled.notes());
+        changed = Some(GridVolume::new(resampled.grid.into(), grid.filter()));
     }
     if let Some(to) = args.to {
         let before = changed.as_ref().unwrap_or(grid);
@@ -143,6 +175,8 @@ struct Json<'a> {
     #[serde(rename = "type")]
     voxel_type: &'static str,
     files: Vec<PathBuf>,
+    /// Account of the resampling of a volume that is no grid.
+    resampled: Option<Account>,
     notes: &'a [String],
 }
 

@@ -8,6 +8,7 @@ use vr_core::{Calibration, ColorGrid, GridVolume, Volume, VoxelType};
 use vr_io::{FileInfo, LoadedVolume, PngOptions};
 use vr_look::{Look, Survey};
 
+use crate::amr_info::AmrInfo;
 use crate::args::InfoArgs;
 use crate::cells_info::CellsInfo;
 use crate::console::Console;
@@ -16,6 +17,7 @@ use crate::histogram::Histogram;
 use crate::inputs::Inputs;
 use crate::label_table::LabelTable;
 use crate::points_info::PointsInfo;
+use crate::rectilinear_info::RectilinearInfo;
 use crate::{mesh_info, number, output_file, picture_record, slices, volume_setup};
 
 /// Number of columns and rows of the drawn histogram.
@@ -53,6 +55,22 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         }
         let look = Survey::of(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
         let found = CellsInfo::new(&title, mesh, info.as_ref(), &look.reason, &notes);
+        return console.result(&found.text(), &found);
+    }
+    if let Volume::Rectilinear(grid) = &volume {
+        if args.output.is_some() {
+            return Err(no_slices("a rectilinear grid"));
+        }
+        let look = Survey::of(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
+        let found = RectilinearInfo::new(&title, &volume, grid, info.as_ref(), &look.reason, &notes);
+        return console.result(&found.text(), &found);
+    }
+    if let Volume::Amr(grid) = &volume {
+        if args.output.is_some() {
+            return Err(no_slices("an adaptive mesh"));
+        }
+        let look = Survey::of(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
+        let found = AmrInfo::new(&title, grid, info.as_ref(), &look.reason, &notes);
         return console.result(&found.text(), &found);
     }
     let uniform = volume

@@ -3,6 +3,7 @@
 //! It parses, wires and prints. What it prints is found out elsewhere: `vr-io` reads and writes, the renderers draw, and
 //! `vr-physics` solves the reference.
 
+mod amr_info;
 mod animation;
 mod annotate;
 mod args;
@@ -43,11 +44,13 @@ mod process;
 mod progress;
 mod ranking;
 mod ray;
+mod rectilinear_info;
 mod render;
 mod renderers;
 mod report;
 mod report_summary;
 mod rerun;
+mod resampled;
 mod scene_file;
 mod scene_setup;
 mod sheet_record;
@@ -100,7 +103,7 @@ fn run() -> Result<(), Failure> {
         Command::Verify(args) => verify::run(args, console, &control),
         Command::Diff(args) => diff::run(args, console),
         Command::Info(args) => info::run(args, console),
-        Command::Convert(args) => convert::run(args, console),
+        Command::Convert(args) => convert::run(args, console, &control),
         Command::Scene(args) => scene_file::run(args, console, &control),
         Command::Rerun(args) => rerun::run(args, console, &control),
         Command::Turntable(args) => animation::turntable(args, console, &control),

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use vr_core::{ControlPoint, Plane};
 use vr_io::{
-    FileSource, GridDescription, LabelsSection, LightEntry, MeshSection, PointOptions, SceneFile, ShadingSection,
-    TransferSection, VolumeSection, VolumeSource,
+    FileSource, GridDescription, LabelsSection, LightEntry, MeshSection, PointOptions, ResampleSection, SceneFile,
+    ShadingSection, TransferSection, VolumeSection, VolumeSource,
 };
 
 use crate::args::{
@@ -17,7 +17,7 @@ use crate::transfer_box::TransferBox;
 
 /// Writer of flags into a scene file that remembers the fields that they set: an error in one of those is about the command
 /// line.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Overrides {
     fields: Vec<&'static str>,
     /// True if there is a scene file, whose folder the paths in it are relative to.
@@ -33,6 +33,8 @@ impl Overrides {
         self.over_file = args.scene.is_some();
         self.volume(&args.volume, &mut file.volume)?;
         self.set_some("volume.filter", args.filter, &mut file.volume.filter);
+        let resample = args.resample.choices().map(|choices| ResampleSection::describe(&choices));
+        self.set_some("volume.resample", resample, &mut file.volume.resample);
         self.transfer(&args.transfer, file);
         self.shading(&args.shading, file);
         self.labels(&args.labels, file)?;

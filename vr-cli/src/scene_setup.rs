@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, FromArgMatches};
+use vr_core::resample::{Resampled, Resampling, Resolution};
 use vr_core::transfer::Preset;
 use vr_core::{Control, OptionError, Options, ParameterError, RenderError, Renderer, Scene, Surfaces, View, Volume};
 use vr_io::{
-    FileError, FileErrorKind, FileInfo, FileSource, LabelsSection, LoadedScene, LoadedVolume, SceneFile,
-    SceneFileError, SceneMesh, TransferSection, VolumeSection, VolumeSource,
+    FileError, FileErrorKind, FileInfo, FileSource, LabelsSection, LoadedScene, LoadedVolume, ResampleSection,
+    SceneFile, SceneFileError, SceneMesh, TransferSection, VolumeSection, VolumeSource,
 };
 use vr_mesh::Surface;
 
@@ -25,6 +26,7 @@ use crate::{number, renderers};
 const EMBEDDED: &str = include_str!("embedded.toml");
 
 /// Scene and view, and where they came from.
+#[derive(Clone)]
 pub struct Setup {
     /// The scene.
     pub scene: Scene,
@@ -80,6 +82,17 @@ impl Setup {
         let StatedRenderer { name, options, max_error } = stated.clone();
         let completed = self.file.completed(&self.unlabelled, self.labels.clone(), &self.view, self.info.as_ref());
         completed.drawn_by(&name, options, max_error)
+    }
+
+    /// The same scene around the grid that its volume is resampled to.
+    pub fn around_grid(&self, resampled: &Resampled) -> Self {
+        let volume = Volume::from(resampled.grid.clone());
+        let choices = Resampling { resolution: Resolution::Dims(resampled.grid.dims()), ..resampled.choices };
+        let mut setup = self.clone();
+        setup.scene.volume = volume.clone();
+        setup.unlabelled.volume = volume;
+        setup.file.volume.resample = Some(ResampleSection::describe(&choices));
+        setup
     }
 
     /// Reads the scene file (or takes the embedded scene, where no volume is named either) and everything that it names,
@@ -426,12 +439,17 @@ pub fn title(section: &VolumeSection, volume: &Volume) -> String {
         }
         Volume::Points(p) => format!("{name}, {} points", p.count()),
         Volume::Cells(mesh) => format!("{name}, {} cells", mesh.cells().len()),
+        Volume::Rectilinear(grid) => format!("{name}, rectilinear {}", number::triple(grid.dims(), "×")),
+        Volume::Amr(grid) => {
+            let cells: usize = (0..grid.levels()).map(|level| grid.leaf_cells(level)).sum();
+            format!("{name}, {cells} cells of {} levels", grid.levels())
+        }
         Volume::Field(field) => format!("{name}, {}", field.kind()),
     }
 }
 
 /// Source of each parameter, scene file or flag, which decides the wording of an error and the exit code.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Origin {
     scene_file: Option<PathBuf>,
     /// Fields that flags set.

@@ -181,6 +181,12 @@ impl<T: Voxel> UniformGrid<T> {
         &self.placement
     }
 
+    /// The same voxels, shared, at another place.
+    #[must_use]
+    pub fn with_placement(self, placement: Placement) -> Self {
+        Self { placement, ..self }
+    }
+
     /// Map from stored numbers to values.
     pub fn calibration(&self) -> Calibration {
         self.calibration

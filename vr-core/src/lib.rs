@@ -38,6 +38,7 @@
 //! # Features
 //! * `serde`: the values that scene files and reports hold (words, options, control points, clipping), with serde.
 
+pub mod amr;
 mod any_grid;
 pub mod bound;
 mod box_tree;
@@ -76,11 +77,14 @@ mod point_set;
 mod probe;
 mod ray;
 mod real;
+pub mod rectilinear;
 mod renderer;
+pub mod resample;
 mod sampler;
 mod scene;
 mod shading;
 mod stats;
+mod stretch;
 mod surfaces;
 pub mod transfer;
 mod triangle_mesh;
@@ -91,6 +95,7 @@ mod view;
 mod volume;
 mod voxel;
 
+pub use amr::AmrGrid;
 pub use any_grid::AnyGrid;
 pub use camera::{Camera, Projection};
 pub use cells::CellMesh;
@@ -119,6 +124,7 @@ pub use point_set::PointSet;
 pub use probe::{Probe, ProbedSample, ProbedStep};
 pub use ray::{IndexRay, Ray, RayPacket, Rays};
 pub use real::Real;
+pub use rectilinear::RectilinearGrid;
 pub use renderer::{MIN_MAX_ERROR, Prepared, Rendered, Renderer};
 pub use sampler::Sampler;
 pub use scene::{MaxRadiance, Scene};

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::amr::AmrGrid;
 use crate::any_grid::AnyGrid;
 use crate::cells::CellMesh;
 use crate::color_grid::ColorGrid;
@@ -13,6 +14,8 @@ use crate::filter::Filter;
 use crate::grid::UniformGrid;
 use crate::grid_volume::GridVolume;
 use crate::point_set::PointSet;
+use crate::rectilinear::RectilinearGrid;
+use crate::shading::GradientMethod;
 use crate::voxel::Voxel;
 
 /// A volume of any kind. Cloning is cheap: everything is shared.
@@ -42,6 +45,10 @@ pub enum Volume {
     Points(Arc<PointSet>),
     /// A mesh of tetrahedra.
     Cells(Arc<CellMesh>),
+    /// Values between axis-parallel planes at uneven distances.
+    Rectilinear(Arc<RectilinearGrid>),
+    /// Lattices of several levels, finer where it is wanted.
+    Amr(Arc<AmrGrid>),
     /// Any other field: a function, or a kind of volume of the caller's own.
     Field(Arc<dyn Field>),
 }
@@ -51,7 +58,12 @@ impl Volume {
     pub fn grid(&self) -> Option<&Arc<GridVolume>> {
         match self {
             Self::Grid(grid) => Some(grid),
-            Self::Color(_) | Self::Points(_) | Self::Cells(_) | Self::Field(_) => None,
+            Self::Color(_)
+            | Self::Points(_)
+            | Self::Cells(_)
+            | Self::Rectilinear(_)
+            | Self::Amr(_)
+            | Self::Field(_) => None,
         }
     }
 
@@ -69,7 +81,9 @@ impl Volume {
     pub fn points(&self) -> Option<&Arc<PointSet>> {
         match self {
             Self::Points(points) => Some(points),
-            Self::Grid(_) | Self::Color(_) | Self::Cells(_) | Self::Field(_) => None,
+            Self::Grid(_) | Self::Color(_) | Self::Cells(_) | Self::Rectilinear(_) | Self::Amr(_) | Self::Field(_) => {
+                None
+            }
         }
     }
 
@@ -78,23 +92,37 @@ impl Volume {
         if let Self::Cells(mesh) = self { Some(mesh) } else { None }
     }
 
+    /// The rectilinear grid, if it is one.
+    pub fn rectilinear(&self) -> Option<&Arc<RectilinearGrid>> {
+        if let Self::Rectilinear(grid) = self { Some(grid) } else { None }
+    }
+
+    /// The adaptive mesh, if it is one.
+    pub fn amr(&self) -> Option<&Arc<AmrGrid>> {
+        if let Self::Amr(grid) = self { Some(grid) } else { None }
+    }
+
     /// The field of a volume that is no grid, which has faster ways of its own, with colours or without.
     pub fn field(&self) -> Option<&dyn Field> {
         match self {
             Self::Grid(_) | Self::Color(_) => None,
             Self::Points(points) => Some(&**points),
             Self::Cells(mesh) => Some(&**mesh),
+            Self::Rectilinear(grid) => Some(&**grid),
+            Self::Amr(grid) => Some(&**grid),
             Self::Field(field) => Some(&**field),
         }
     }
 
-    /// Kind in messages: `uniform grid`, `coloured grid`, `scattered points`, `mesh of cells`, `function`.
+    /// Kind in messages: `uniform grid`, `coloured grid`, `scattered points`, `mesh of cells`, `rectilinear grid`, `adaptive mesh`, `function`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Grid(_) => "uniform grid",
             Self::Color(_) => "coloured grid",
             Self::Points(points) => points.kind(),
             Self::Cells(mesh) => mesh.kind(),
+            Self::Rectilinear(grid) => grid.kind(),
+            Self::Amr(grid) => grid.kind(),
             Self::Field(field) => field.kind(),
         }
     }
@@ -114,6 +142,18 @@ impl Volume {
         }
     }
 
+    /// The same volume with another source of its gradient, where the volume itself has one: a rectilinear grid. Of uniform grids, renderers
+    /// find it as the scene's shading says.
+    #[must_use]
+    pub fn with_gradient(&self, gradient: GradientMethod) -> Self {
+        match self {
+            Self::Rectilinear(grid) => {
+                Self::Rectilinear(Arc::new(RectilinearGrid::clone(grid).with_gradient(gradient)))
+            }
+            other => other.clone(),
+        }
+    }
+
     /// Smallest and largest finite calibrated value, `None` if there is none; for points as in [`PointSet::value_range`], for other fields as in
     /// [`Field::value_range`].
     pub fn value_range(&self) -> Option<(f64, f64)> {
@@ -122,6 +162,8 @@ impl Volume {
             Self::Color(colors) => colors.values().value_range(),
             Self::Points(points) => Some(points.value_range()),
             Self::Cells(mesh) => Some(mesh.value_range()),
+            Self::Rectilinear(grid) => grid.value_range(),
+            Self::Amr(grid) => Some(grid.value_range()),
             Self::Field(field) => field.value_range(),
         }
     }
@@ -133,18 +175,22 @@ impl Volume {
             Self::Color(colors) => colors.values().bounds(),
             Self::Points(points) => points.bounds(),
             Self::Cells(mesh) => mesh.bounds(),
+            Self::Rectilinear(grid) => grid.bounds(),
+            Self::Amr(grid) => grid.bounds(),
             Self::Field(field) => field.bounds(),
         }
     }
 
-    /// Mean distance between voxels in world units, half the mean radius of points, the edge of a cube of six cells, or a field's own spacing: the default `unit_distance` of a
-    /// transfer function.
+    /// Mean distance between voxels in world units, the mean step of a rectilinear grid, half the mean radius of points, the edge of a cube of six cells,
+    /// the mean edge of the finest cells of an adaptive mesh, or a field's own spacing: the default `unit_distance` of a transfer function.
     pub fn mean_spacing(&self) -> f64 {
         match self {
             Self::Grid(grid) => mean_spacing(grid),
             Self::Color(colors) => mean_spacing(colors.values()),
             Self::Points(points) => points.mean_spacing(),
             Self::Cells(mesh) => mesh.mean_spacing(),
+            Self::Rectilinear(grid) => grid.mean_spacing(),
+            Self::Amr(grid) => grid.mean_spacing(),
             Self::Field(field) => field.spacing(),
         }
     }
@@ -156,6 +202,8 @@ impl Volume {
             Self::Color(colors) => colors.values().prepare_derived(),
             Self::Points(points) => points.prepare_derived(),
             Self::Cells(mesh) => mesh.prepare_derived(),
+            Self::Rectilinear(grid) => grid.lattice().prepare_derived(),
+            Self::Amr(grid) => grid.prepare_derived(),
             Self::Field(field) => field.prepare_derived(),
         }
     }
@@ -168,6 +216,8 @@ impl Volume {
             Self::Color(colors) => Some(colors.values().derived()),
             Self::Points(points) => Some(points.derived()),
             Self::Cells(mesh) => Some(mesh.derived()),
+            Self::Rectilinear(grid) => Some(grid.derived()),
+            Self::Amr(grid) => Some(grid.derived()),
             Self::Field(_) => None,
         }
     }
@@ -179,6 +229,8 @@ impl Volume {
             (Self::Color(a), Self::Color(b)) => a.same(b),
             (Self::Points(a), Self::Points(b)) => Arc::ptr_eq(a, b),
             (Self::Cells(a), Self::Cells(b)) => Arc::ptr_eq(a, b),
+            (Self::Rectilinear(a), Self::Rectilinear(b)) => a.same(b),
+            (Self::Amr(a), Self::Amr(b)) => Arc::ptr_eq(a, b),
             (Self::Field(a), Self::Field(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
@@ -214,6 +266,18 @@ impl From<PointSet> for Volume {
 impl From<CellMesh> for Volume {
     fn from(mesh: CellMesh) -> Self {
         Self::Cells(Arc::new(mesh))
+    }
+}
+
+impl From<RectilinearGrid> for Volume {
+    fn from(grid: RectilinearGrid) -> Self {
+        Self::Rectilinear(Arc::new(grid))
+    }
+}
+
+impl From<AmrGrid> for Volume {
+    fn from(grid: AmrGrid) -> Self {
+        Self::Amr(Arc::new(grid))
     }
 }
 

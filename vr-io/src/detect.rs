@@ -3,13 +3,14 @@
 use std::io::Read;
 use std::path::Path;
 
+use crate::amr::{self, AmrFormat};
 use crate::cells::{self, CellFormat, plot3d};
 use crate::encoding::Encoding;
 use crate::error::{FieldError, FileError, FileErrorKind, VOLUMES};
 use crate::points::{self, PointFormat};
 use crate::raw::RawDescription;
 use crate::read::file_head;
-use crate::vtk::{self, ImageFormat};
+use crate::vtk::{self, ImageFormat, RectilinearFormat};
 use crate::{advice, mrc, netcdf, npy, opendx, pvm, slc, slices, vdb, voreen, zarr};
 
 /// The formats that are read.
@@ -44,6 +45,8 @@ pub(crate) enum Format {
     /// No header; what the name says.
     Raw(RawDescription),
     VtkImage(ImageFormat),
+    Rectilinear(RectilinearFormat),
+    Amr(AmrFormat),
     Points(PointFormat),
     Cells(CellFormat),
 }
@@ -54,7 +57,7 @@ impl Format {
         match self {
             #[cfg(feature = "hdf5")]
             Self::Hdf5 => true,
-            Self::VtkImage(_) | Self::NetCdf | Self::Vdb | Self::Cells(_) => true,
+            Self::VtkImage(_) | Self::NetCdf | Self::Vdb | Self::Cells(_) | Self::Rectilinear(_) | Self::Amr(_) => true,
             _ => false,
         }
     }
@@ -84,6 +87,12 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
     }
     if let Some(format) = vtk::by_content(head) {
         return Ok(Format::VtkImage(format));
+    }
+    if let Some(format) = vtk::rectilinear_by_content(head) {
+        return Ok(Format::Rectilinear(format));
+    }
+    if let Some(format) = amr::by_content(path, head) {
+        return Ok(Format::Amr(format));
     }
     if is_tiff(head) {
         return Ok(Format::Tiff);
@@ -143,6 +152,9 @@ pub(crate) fn detect(path: &Path, head: &[u8]) -> Result<Format, FileError> {
 pub(crate) fn detect_folder(path: &Path) -> Result<Format, FileError> {
     if zarr::is_zarr(path) {
         return Ok(Format::Zarr);
+    }
+    if let Some(format) = amr::of_folder(path) {
+        return Ok(Format::Amr(format));
     }
     if holds_dicom(path) {
         return Ok(Format::Dicom);
@@ -257,7 +269,7 @@ fn holds_dicom(folder: &Path) -> bool {
 
 fn unsupported_by_extension(extension: &str) -> Option<&'static str> {
     Some(match extension {
-        "vtr" | "vts" | "pvti" | "pvtp" | "pvtu" | "pvts" => "VTK",
+        "vtr" | "pvtr" | "vts" | "pvtp" | "pvtu" | "pvts" | "vthb" | "vth" => "VTK (this file does not begin as one)",
         "p3d" | "xyz" | "q" => "PLOT3D (binary, of three dimensions; the sizes in this file do not fit its length)",
         "h5" | "hdf5" | "nc" => "HDF5 or NetCDF (this file begins as neither)",
         "zarr" => "Zarr (a folder)",
@@ -303,8 +315,12 @@ mod tests {
         assert_eq!(image(xml("ImageData")), Format::VtkImage(ImageFormat::Xml));
         assert_eq!(image(legacy("STRUCTURED_GRID")), Format::Cells(CellFormat::VtkLegacy));
         assert_eq!(image(xml("PUnstructuredGrid")), Format::Cells(CellFormat::VtkParallel));
-        let message = detect(Path::new("x.vtk"), xml("RectilinearGrid").as_bytes()).unwrap_err().to_string();
-        assert!(message.contains("unsupported format VTK") && message.contains("a grid whose"), "{message}");
+        assert_eq!(image(xml("PImageData")), Format::VtkImage(ImageFormat::Xml));
+        assert_eq!(image(xml("PRectilinearGrid")), Format::Rectilinear(RectilinearFormat::Xml));
+        assert_eq!(image(legacy("RECTILINEAR_GRID")), Format::Rectilinear(RectilinearFormat::Legacy));
+        assert_eq!(image(xml("vtkOverlappingAMR")), Format::Amr(AmrFormat::Vthb));
+        let message = detect(Path::new("x.vtk"), xml("HyperTreeGrid").as_bytes()).unwrap_err().to_string();
+        assert!(message.contains("unsupported format VTK HyperTreeGrid"), "{message}");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 use vr_core::cells::CellValues;
-use vr_core::{CellMesh, GridVolume, PointSet, Volume, parallel, with_grid};
+use vr_core::{AmrGrid, CellMesh, GridVolume, PointSet, RectilinearGrid, Volume, parallel, with_grid};
 
 use crate::error::FileError;
 
@@ -14,7 +14,7 @@ use crate::error::FileError;
 const BLOCK: usize = 1 << 20;
 
 /// Hash, in 64 hexadecimal digits, of what a volume is, wherever it comes from: of a grid its size, type, placement, calibration and
-/// voxels; of points their kernel, positions, radii, weights and values. `None` for other volumes. The filter does not count. A grid keeps its
+/// voxels; of a rectilinear grid its axes and values; of points their kernel, positions, radii, weights and values. `None` for other volumes. The filter does not count. A grid keeps its
 /// hash, so that it is found once.
 ///
 /// It is the SHA-256 of a line of text and of the SHA-256 of each MiB, which takes as many threads as there are.
@@ -42,6 +42,8 @@ pub fn volume_hash(volume: &Volume) -> Option<String> {
         }
         Volume::Points(points) => Some(points_hash(points)),
         Volume::Cells(mesh) => Some(cells_hash(mesh)),
+        Volume::Rectilinear(grid) => Some(rectilinear_hash(grid)),
+        Volume::Amr(grid) => Some(amr_hash(grid)),
         Volume::Field(_) => None,
     }
 }
@@ -83,6 +85,28 @@ fn cells_hash(mesh: &CellMesh) -> String {
     let header = format!("mesh of {} cells, values of {kind}", mesh.cells().len());
     let cells = bytemuck::cast_slice(mesh.cells());
     digest(&header, &[bytemuck::cast_slice(&positions), cells, bytemuck::cast_slice(values)])
+}
+
+fn rectilinear_hash(grid: &RectilinearGrid) -> String {
+    let axes = grid.axes().each_ref().map(|axis| bytemuck::cast_slice(axis.places()));
+    let calibration = grid.lattice().calibration();
+    let header = format!("rectilinear {:?} {:?} {:?}", grid.dims(), calibration.slope, calibration.intercept);
+    with_grid!(grid.lattice().values(), values => {
+        digest(&header, &[axes[0], axes[1], axes[2], bytemuck::cast_slice(values.samples())])
+    })
+}
+
+fn amr_hash(grid: &AmrGrid) -> String {
+    let ratios: Vec<_> = (0..grid.levels()).map(|level| grid.ratio_of(level)).collect();
+    let (origin, spacing) = (grid.origin().to_array(), grid.spacing_of(0).to_array());
+    let centring = grid.centring().name();
+    let header = format!("adaptive mesh, values of {centring} {origin:?} {spacing:?} {ratios:?}");
+    let blocks = grid.blocks();
+    let places: Vec<i64> =
+        blocks.iter().flat_map(|b| [&[b.level as i64][..], &b.first, &b.dims.map(|n| n as i64)].concat()).collect();
+    let values = blocks.iter().map(|b| bytemuck::cast_slice(&b.values));
+    let parts: Vec<&[u8]> = std::iter::once(bytemuck::cast_slice(&places)).chain(values).collect();
+    digest(&header, &parts)
 }
 
 /// SHA-256 of a file's bytes, in 64 hexadecimal digits, as `sha256sum` prints it.

@@ -4,8 +4,10 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use vr_core::amr::AmrError;
 use vr_core::cells::CellError;
 use vr_core::labels::LabelError;
+use vr_core::rectilinear::RectilinearError;
 use vr_core::{GridError, MeshError, PointError};
 
 /// The reason why a file gives no volume, points, surface or colour map: one line that names the file, the place in it, what was found and
@@ -90,6 +92,12 @@ pub enum FileErrorKind {
     /// Vertices, cells and values that make no mesh.
     #[error(transparent)]
     Cells(#[from] CellError),
+    /// Blocks and levels that make no adaptive mesh.
+    #[error(transparent)]
+    Amr(#[from] AmrError),
+    /// Planes and values that make no rectilinear grid.
+    #[error(transparent)]
+    Rectilinear(#[from] RectilinearError),
     /// Voxels that are no labels, or labels that do not fit the volume.
     #[error(transparent)]
     Labels(#[from] LabelError),
@@ -101,7 +109,8 @@ pub enum FileErrorKind {
 /// The formats of volumes, as messages list them.
 pub(crate) const VOLUMES: &str = "NRRD, MetaImage, NIfTI-1 and -2, DICOM, VTK images, TIFF, folders of pictures, Zarr, NetCDF, HDF5 (with a feature), MRC, OpenVDB, PVM, SLC, NumPy, \
                                   OpenDX, Voreen; raw, with dims and a type or a name like \
-                                  foo_256x256x256_uint8.raw; points as CSV, VTK, NumPy or HDF5; cells as VTK (.vtk, .vtu, .vts, .pvtu, .pvts), PLOT3D or Exodus II";
+                                  foo_256x256x256_uint8.raw; points as CSV, VTK, NumPy or HDF5; cells as VTK (.vtk, .vtu, .vts, .pvtu, .pvts), PLOT3D or Exodus II; rectilinear grids of VTK (.vtk, .vtr, .pvtr); \
+                                  adaptive meshes of VTK (.vthb), AMReX or Enzo";
 
 impl FileErrorKind {
     pub(crate) fn field(field: impl Into<String>, found: impl Display, allowed: impl Into<String>) -> Self {
@@ -110,7 +119,7 @@ impl FileErrorKind {
 }
 
 /// A wrong field of a header, line of a text, point or column.
-#[derive(Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{field}: found {found}; {allowed}")]
 pub struct FieldError {
     /// The field as the format names it, or the place: a line from 1, a point from 0, a column.

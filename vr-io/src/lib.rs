@@ -69,7 +69,7 @@
 //! | MetaImage | `.mha`, `.mhd`, lists and patterns of files | raw, zlib, ascii |
 //! | DICOM | a folder of slices, one of them with its siblings, files of many frames | raw, deflate, RLE, JPEG (8 bits, lossless) |
 //! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
-//! | VTK ImageData, XML | `.vti`, pieces of one file | text, base64, appended (base64 or raw), zlib, LZ4 |
+//! | VTK ImageData, XML | `.vti`, pieces of one file or, of `.pvti`, of several | text, base64, appended (base64 or raw), zlib, LZ4 |
 //! | VTK STRUCTURED_POINTS, legacy | `.vtk` up to version 5.1 | text, raw |
 //! | MRC, CCP4 | `.mrc`, `.map`; modes 0, 1, 2, 6 and 12, cells with any angles | raw, gzip, bzip2 |
 //! | PVM 1 to 3 | `.pvm` | raw, gzip, bzip2, Differential Data Streams v3d and v3e |
@@ -152,6 +152,29 @@
 //! same position, bit by bit. A vertex that is not there is refused with its cell; cells without a volume, repeated or without a finite value are left
 //! out, which is said.
 //!
+//! # Rectilinear grids that are read
+//!
+//! | format | files | what is taken |
+//! |---|---|---|
+//! | VTK, legacy | `.vtk` up to version 5.1 with RECTILINEAR_GRID, text or binary | planes, data of points or cells |
+//! | VTK, XML | `.vtr`: text, base64, appended (base64 or raw), zlib, LZ4; pieces, also in files of their own (`.pvtr`) | the same |
+//!
+//! [`read()`] gives a [`vr_core::RectilinearGrid`] with values of 32 bits or, where all planes are at even distances but for rounding, a uniform grid. Points
+//! and cells that `vtkGhostType` hides have no value. Of vectors the length is taken, or the component that [`ReadOptions::component`] names. Planes
+//! that neither rise nor fall all the way, and pieces that place one plane differently, are refused.
+//!
+//! # Adaptive meshes that are read
+//!
+//! | format | files | what is taken |
+//! |---|---|---|
+//! | VTK | `.vthb`, `.vth` of versions 1.0 and 1.1, overlapping or not: lists of `.vti` files | data of cells or points; cells that `vtkGhostType` marks as copies are left out, blanked ones have no value |
+//! | AMReX | plotfiles: a folder, or its file `Header`; HyperCLaw-V1.1, NavierStokes-V1.1, CartGrid-V2.0; boxes with headers of their own or without, 32 and 64 bits in both byte orders | components by name, without ghost cells |
+//! | Enzo, packed | a folder, its parameters, or its `.hierarchy`; HDF5 with the feature `hdf5`, without it as Enzo itself writes it | fields by name, without ghost zones; no particles |
+//!
+//! [`read()`] gives a [`vr_core::AmrGrid`] with values of 32 bits. Ratios come from the edges of the levels' cells and must be whole numbers, along each axis
+//! its own; blocks must begin at corners of their level's cells. A block that ends within a coarser cell is grown to the whole of it, with values of its
+//! neighbours or of that cell, which is said. Files that a header names must lie within its folder.
+//!
 //! # Surfaces that are read
 //!
 //! | format | files | what is taken |
@@ -202,18 +225,20 @@
 //!
 //! # What is not here yet
 //!
-//! VTK's uneven grids (`.vtr`) are recognised and refused by name. Of VTK's points, cells and images, blocks packed with LZMA are;
-//! so are parallel files of points and images (`.pvtp`, `.pvti`), of which the parts can be read. Of ParaView's colour maps, those with indexed (categorical)
+//! Of VTK's files, those with blocks packed with LZMA are recognised and refused by name; so are parallel files of points (`.pvtp`), of which the parts can be
+//! read, and trees of cells (`.htg`). Adaptive meshes of two dimensions, in cylindrical or spherical coordinates, or of Enzo's older formats are refused. Of ParaView's colour maps, those with indexed (categorical)
 //! colours are refused.
 //! In DICOM, frames in JPEG 2000, JPEG-LS, JPEG XL and JPEG of 12 bits are, and images of single bits.
 //!
 //! # Features
-//! * `hdf5`, off by default: points and grids in HDF5, NetCDF-4 among them, through a reader in Rust alone.
+//! * `hdf5`, off by default: points and grids in HDF5, NetCDF-4 among them, and Enzo's meshes in HDF5 of any form, through a reader in Rust alone.
 
 mod advice;
+mod amr;
 mod animation;
 mod atomic;
 mod cells;
+mod chosen;
 mod claim;
 mod colors;
 mod decode;
@@ -224,12 +249,14 @@ mod edit;
 mod encoding;
 mod error;
 mod exr;
+mod facts;
 mod file_pattern;
 mod float16;
 mod framing;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod header_text;
+mod inside;
 mod keys;
 mod labels;
 mod layout;
@@ -239,6 +266,7 @@ mod mesh;
 mod metaimage;
 mod mrc;
 mod names;
+mod narrow;
 mod netcdf;
 mod nifti;
 mod npy;
@@ -248,6 +276,7 @@ mod packed;
 mod payload;
 mod picture;
 mod picture_read;
+mod plain_hdf5;
 mod png;
 mod points;
 mod pvm;
@@ -296,12 +325,12 @@ pub use record::{
 };
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    AnnotationsSection, CameraSection, ColorEncoding, CompositingName, FileSource, GridDescription, ImageSection,
-    LabelLook, LabelName, LabelSection, LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection,
-    ProjectionName, RenderSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferPoints,
-    TransferRowSection, TransferSection, VolumeSection, VolumeSource, commented_scene, load_scene, load_volume,
-    outline_scene, parse_scene, preset_by_name, read_scene, resolve_scene, resolve_scene_around, scene_text,
-    write_scene,
+    AnnotationsSection, CameraSection, ColorEncoding, CompositingName, FileSource, FinestWord, GridDescription,
+    ImageSection, LabelLook, LabelName, LabelSection, LabelsSection, LightEntry, LoadedScene, LoadedVolume, LookName,
+    MeshSection, ProjectionName, RenderSection, ResampleSection, ResampleSize, SceneFile, SceneFileError, SceneMesh,
+    ShadingSection, TransferPoints, TransferRowSection, TransferSection, VolumeSection, VolumeSource, commented_scene,
+    load_scene, load_volume, outline_scene, parse_scene, preset_by_name, read_scene, resolve_scene,
+    resolve_scene_around, scene_text, write_scene,
 };
 pub use transfer::{
     ColorMap, TRANSFER_EXTENSIONS, TransferFile, TransferSource, parse_color_maps, parse_transfer, read_color_maps,

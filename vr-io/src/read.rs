@@ -9,6 +9,7 @@ use glam::DMat3;
 use vr_core::{Calibration, ColorGrid, GridError, Placement, Volume};
 use vr_look::Hints;
 
+use crate::amr::{self, AmrFormat};
 use crate::cells::{self, CellFormat, CellsOrPoints};
 use crate::detect::{Format, detect, detect_folder};
 use crate::encoding::Encoding;
@@ -20,6 +21,7 @@ use crate::raw::RawDescription;
 use crate::scalar::{Endian, ScalarType};
 use crate::source::Source;
 use crate::voxels::{Stored, Voxels};
+use crate::vtk::RectilinearFormat;
 use crate::world::Space;
 use crate::{
     colors, dicom, metaimage, mrc, netcdf, nifti, npy, nrrd, opendx, pvm, raw, slc, slices, tiff, vdb, voreen, vtk,
@@ -68,6 +70,13 @@ impl Default for ReadOptions {
             points: PointOptions::default(),
             cells_or_points: None,
         }
+    }
+}
+
+impl ReadOptions {
+    /// The same with [`PointOptions::value`] for the array, which comes first where a file may give points.
+    pub(crate) fn with_point_value(&self) -> Self {
+        Self { array: self.points.value.clone().or_else(|| self.array.clone()), ..self.clone() }
     }
 }
 
@@ -171,6 +180,8 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, Fil
         Described::Grid(description) => load(path, *description, options),
         Described::Points(format) => load_points(path, format, options),
         Described::Cells(format, head) => cells::read_as(format, path, &head, options),
+        Described::Rectilinear(format) => vtk::read_rectilinear(format, path, options),
+        Described::Amr(format) => amr::read_as(format, path, options),
     }
 }
 
@@ -183,7 +194,7 @@ pub(crate) fn component(
     let options = ReadOptions { component: Some(component), ..options.clone() };
     Ok(match describe(path, &options)? {
         Described::Grid(description) => Some((description.source, description.layout)),
-        Described::Points(_) | Described::Cells(..) => None,
+        _ => None,
     })
 }
 
@@ -244,6 +255,8 @@ enum Described {
     Points(PointFormat),
     /// With the beginning of the file.
     Cells(CellFormat, Vec<u8>),
+    Rectilinear(RectilinearFormat),
+    Amr(AmrFormat),
 }
 
 /// Reads the header alone.
@@ -322,6 +335,8 @@ fn describe(path: &Path, options: &ReadOptions) -> Result<Described, FileError> 
         Format::VtkImage(format) => vtk::describe(format, path, options)?,
         Format::Points(format) => return Ok(Described::Points(format)),
         Format::Cells(format) => return Ok(Described::Cells(format, head)),
+        Format::Rectilinear(format) => return Ok(Described::Rectilinear(format)),
+        Format::Amr(format) => return Ok(Described::Amr(format)),
     };
     Ok(Described::Grid(Box::new(description)))
 }

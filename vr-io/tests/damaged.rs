@@ -1,6 +1,7 @@
 //! Files with bytes changed, put in, taken out and cut off, thousands of them: each is read or refused in one line, never a
 //! panic. The random numbers are the same on every run.
 
+mod small_amr;
 mod small_images;
 mod small_meshes;
 mod small_points;
@@ -311,4 +312,85 @@ fn points() {
             }
         });
     }
+}
+
+/// Damages one file of a folder at a time; the volume is read by way of another.
+fn survive_in_folder(folder: &Path, entry: &str, damaged: &str) {
+    let whole = std::fs::read(folder.join(damaged)).unwrap();
+    let case = Cell::new(0);
+    survive(&whole, |bytes| {
+        // A name of its own for each case, as above.
+        case.set(case.get() + 1);
+        let path = folder.join(damaged);
+        std::fs::remove_file(&path).map_err(|e| e.to_string())?;
+        std::fs::write(&path, bytes).map_err(|e| e.to_string())?;
+        match read(folder.join(entry), &ReadOptions::default()) {
+            Ok(loaded) => {
+                let (low, high) = loaded.volume.bounds();
+                if low.is_finite() && high.is_finite() { Ok(()) } else { Err("a box that is not finite".into()) }
+            }
+            Err(e) => one_line(e.to_string()),
+        }
+    });
+    std::fs::write(folder.join(damaged), whole).unwrap();
+}
+
+#[test]
+fn plotfiles_of_amrex() {
+    let folder = small_amr::amrex(false, true, 1);
+    for damaged in ["Header", "Level_0/Cell_H", "Level_1/Cell_H", "Level_1/Cell_D_00000"] {
+        survive_in_folder(folder.path(), "Header", damaged);
+    }
+}
+
+#[test]
+fn blocks_of_vtk() {
+    for (version, damaged) in [("1.0", "a.vthb"), ("1.1", "a.vthb"), ("blanked", "a/1.vti"), ("ghosts", "a/2.vti")] {
+        let folder = small_amr::vthb(version);
+        survive_in_folder(folder.path(), "a.vthb", damaged);
+    }
+}
+
+#[test]
+fn texts_of_enzo() {
+    let folder = small_amr::Folder::default();
+    let small = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/small_grids/enzo");
+    for name in ["run", "run.hierarchy", "run.cpu0000"] {
+        folder.write(name, std::fs::read(small.join(name)).unwrap());
+    }
+    for damaged in ["run", "run.hierarchy", "run.cpu0000"] {
+        survive_in_folder(folder.path(), "run.hierarchy", damaged);
+    }
+}
+
+#[test]
+fn rectilinear_grids() {
+    let folder = small_amr::Folder::default();
+    let axes = "X_COORDINATES 3 float\n0 1 4\nY_COORDINATES 2 double\n0 2\nZ_COORDINATES 2 int\n5 3\n";
+    let data = "POINT_DATA 12\nSCALARS f float\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7 8 9 10 11\nCELL_DATA 2\nVECTORS v float\n0 1 2 3 4 5\n";
+    folder.write(
+        "a.vtk",
+        format!("# vtk DataFile Version 3.0\nx\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 3 2 2\n{axes}{data}"),
+    );
+    survive_in_folder(folder.path(), "a.vtk", "a.vtk");
+    let array = |numbers: &str| format!("<DataArray type=\"Float32\" Name=\"f\">{numbers}</DataArray>");
+    let piece = format!(
+        "<Piece Extent=\"0 2 0 1 0 1\"><PointData>{}<DataArray type=\"UInt8\" Name=\"vtkGhostType\">0 0 0 2 0 0 0 0 0 0 0 0</DataArray></PointData>\
+         <CellData/><Coordinates>{}{}{}</Coordinates></Piece>",
+        array("0 1 2 3 4 5 6 7 8 9 10 11"),
+        array("0 1 4"),
+        array("0 1"),
+        array("0 1")
+    );
+    folder.write(
+        "a.vtr",
+        format!(
+            "<VTKFile type=\"RectilinearGrid\" version=\"0.1\"><RectilinearGrid WholeExtent=\"0 2 0 1 0 1\">{piece}</RectilinearGrid></VTKFile>"
+        ),
+    );
+    survive_in_folder(folder.path(), "a.vtr", "a.vtr");
+    let list = "<VTKFile type=\"PRectilinearGrid\" version=\"0.1\"><PRectilinearGrid WholeExtent=\"0 2 0 1 0 1\"><Piece Extent=\"0 2 0 1 0 1\" Source=\"a.vtr\"/>\
+                </PRectilinearGrid></VTKFile>";
+    folder.write("a.pvtr", list);
+    survive_in_folder(folder.path(), "a.pvtr", "a.pvtr");
 }

@@ -204,11 +204,8 @@ fn broken_images_are_refused_with_reasons() {
     refused(&replaced("Spacing=\"0.5 1 2\"", "Spacing=\"0.5 nan 2\""), &["spacing of axis 1: found NaN"]);
     refused(&replaced("Spacing=\"0.5 1 2\"", "Spacing=\"0.5 2\""), &["Spacing: found 0.5 2; must be three numbers"]);
     refused(&replaced("1 0 0 0 1 0 0 0 1", "1 1 0 0 0 0 0 0 1"), &["linearly independent"]);
-    refused(
-        &replaced("type=\"ImageData\"", "type=\"RectilinearGrid\""),
-        &["unsupported format VTK RectilinearGrid (.vtr"],
-    );
-    refused(&replaced("type=\"ImageData\"", "type=\"PImageData\""), &["VTK PImageData (.pvti: a list of .vti files"]);
+    refused(&replaced("type=\"ImageData\"", "type=\"HyperTreeGrid\""), &["unsupported format VTK HyperTreeGrid (.htg"]);
+    refused(&replaced("type=\"ImageData\"", "type=\"PImageData\""), &["PImageData: found nothing; PImageData has"]);
     refused(&text.as_bytes()[..text.len() / 2], &["XML", "must be well-formed and whole"]);
     refused(&tiny::gzip(text.as_bytes()), &["VTK in a compressed file"]);
     // A number of the scalars alone.
@@ -232,7 +229,7 @@ fn broken_images_are_refused_with_reasons() {
     refused(&legacy("DIMENSIONS 4 3 2", "DIMENSIONS 4 3 3"), &["POINT_DATA: found 24; DIMENSIONS make 4 x 3 x 3"]);
     refused(&legacy("SPACING 0.5 1 2", "SPACING 0.5 1"), &["SPACING 0.5 1; must hold three numbers"]);
     refused(&legacy("density%20stored short", "density%20stored string"), &["string", "must be a type of numbers"]);
-    refused(&legacy("STRUCTURED_POINTS", "RECTILINEAR_GRID"), &["unsupported format VTK RECTILINEAR_GRID"]);
+    refused(&legacy("STRUCTURED_POINTS", "RECTILINEAR_GRID"), &["X_COORDINATES: found nothing"]);
     refused(&legacy("DATASET", "DATUMSET"), &["line 4", "a section begins here"]);
     refused(&text.as_bytes()[..text.len() / 2], &["array "]);
     refused(&legacy(&format!(" {last} "), " one "), &["array density stored", "one", "type i16"]);

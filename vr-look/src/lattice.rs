@@ -39,6 +39,8 @@ impl Lattice {
             Volume::Color(colors) => of_grid(colors.values()),
             Volume::Points(points) => of_field(&**points),
             Volume::Cells(mesh) => of_field(&**mesh),
+            Volume::Rectilinear(grid) => of_field(&**grid),
+            Volume::Amr(grid) => of_field(&**grid),
             Volume::Field(field) => of_field(&**field),
         }
     }

@@ -81,6 +81,8 @@ impl Survey {
             Volume::Grid(_) | Volume::Color(_) => true,
             Volume::Points(_) => false,
             Volume::Cells(mesh) => mesh.has_gradient(),
+            Volume::Rectilinear(grid) => grid.has_gradient(),
+            Volume::Amr(grid) => grid.has_gradient(),
             Volume::Field(field) => field.has_gradient(),
         };
         Self {

@@ -90,6 +90,8 @@ impl<'a> Solver<'a> {
             (Model::Filtered(filter), Volume::Color(colors)) => colored(Arc::new(colors.with_filter(*filter))),
             (Model::Canonical, Volume::Points(points)) => field(&**points),
             (Model::Canonical, Volume::Cells(mesh)) => field(&**mesh),
+            (Model::Canonical, Volume::Rectilinear(grid)) => field(&**grid),
+            (Model::Canonical, Volume::Amr(grid)) => field(&**grid),
             (Model::Canonical, Volume::Field(any)) => field(&**any),
             _ => return Err(unsupported(Feature::Model, format!("the model {model:?}"))),
         };

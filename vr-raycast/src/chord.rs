@@ -43,10 +43,7 @@ impl Chord<'_> {
         match self.source {
             Source::Grid(grid) => grid.with_sampler(Values { position, value }),
             Source::Other(field) => {
-                let [x, y, z] = position;
-                for (i, value) in value.iter_mut().enumerate() {
-                    *value = R::from_f64(field.value([x[i], y[i], z[i]]));
-                }
+                field.values(position, value);
             }
         }
     }

@@ -7,13 +7,14 @@ use vr_core::{ColorGrid, Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, 
 use crate::caster::CompositingOrder;
 use crate::chord::Chord;
 use crate::classify::Classifier;
-use crate::operator::{Operator, Recording, operator};
+use crate::leap::Visibility;
+use crate::operator::{Needs, Operator, Recording, operator};
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
 use crate::source::Source;
 use crate::tracer::{RaySample, Tracer};
-use crate::walk::{Walk, Walks, cut_walk};
+use crate::walk::{StretchSteps, Walk, Walks, cut_walk, stretched_walk};
 
 /// Data that a frame's rays share.
 ///
@@ -25,6 +26,8 @@ pub(crate) struct Pipeline<'a, R> {
     pub(crate) source: &'a Source,
     pub(crate) colors: Option<&'a ColorGrid>,
     pub(crate) walks: Walks<'a>,
+    /// Values that can be seen, for fields that know their stretches; `None` if all are sampled.
+    pub(crate) visibility: Option<Visibility<R>>,
     /// Place of a step's sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
@@ -85,16 +88,31 @@ impl<R: Real> Pipeline<'_, R> {
         let part = IndexRay::new(ray, self.source.placement(), self.source.dims(), &self.view.clip, far);
         let value = part.map_or(RaySample::NOTHING, |part| {
             let needs = scratch.operator.needs();
-            let jumps = self.source.jumps(ray, &part);
-            let walk = if jumps.is_empty() {
-                self.walks.along(part, start, u32::from(needs.brackets), needs.backwards)
-            } else {
-                Walk::Listed(cut_walk(&part, self.walks.step, &jumps, needs.backwards))
-            };
+            let walk = self.walk(ray, part, start, needs, counts);
             let chord = Chord { source: self.source, colors: self.colors, ray: part };
             self.along(scratch, ray, &chord, walk, counts).into()
         });
         layer.map_or(value, |l| value.over(l, pixel))
+    }
+
+    /// Begins the walk of a ray through the volume.
+    fn walk(&self, ray: &Ray, part: IndexRay, start: u32, needs: Needs, counts: &mut Counts) -> Walk<'_> {
+        let step = self.walks.step;
+        if let Some((stretches, spacing)) = self.source.stretches(ray, &part) {
+            let shows =
+                |[low, high]: [f32; 2]| self.visibility.as_ref().is_none_or(|visibility| visibility.shows(low, high));
+            let before = usize::from(needs.brackets);
+            let rule = StretchSteps { step, spacing, shows: &shows, before, backwards: needs.backwards };
+            let (walk, skipped) = stretched_walk(&part, &stretches, &rule);
+            counts.skipped += skipped;
+            return Walk::Listed(walk);
+        }
+        let jumps = self.source.jumps(ray, &part);
+        if jumps.is_empty() {
+            self.walks.along(part, start, u32::from(needs.brackets), needs.backwards)
+        } else {
+            Walk::Listed(cut_walk(&part, step, &jumps, needs.backwards))
+        }
     }
 
     fn along(

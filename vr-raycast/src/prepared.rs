@@ -5,9 +5,10 @@ use vr_core::{
 };
 
 use crate::capabilities::{check, check_view};
-use crate::caster::{Precision, RayCaster, Rule, Traversal};
+use crate::caster::{EmptySpace, Precision, RayCaster, Rule, Traversal};
 use crate::engine::Engine;
 use crate::error_bound::BoundedRays;
+use crate::leap::visibility;
 use crate::packet::PacketFrame;
 use crate::pipeline::Pipeline;
 use crate::render_tables::{RenderTables, TablesByPrecision};
@@ -167,6 +168,11 @@ impl PreparedCaster {
                 step: caster.longest_step(placement),
                 voxel: placement.spacing().min_element(),
                 dims: source.dims(),
+            },
+            visibility: if source.grid().is_none() && caster.empty_space != EmptySpace::None {
+                visibility(scene, &tables.classifier)
+            } else {
+                None
             },
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &tables.classifier,

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use vr_core::field::Stretch;
 use vr_core::{Calibration, Field, GridVolume, IndexRay, Placement, Ray, Real, Volume};
 
-use crate::run::Run;
+use crate::run::{RUN, Run};
 
 /// Field that rays are cast through. Grids, with colours or without, have kernels for their voxel type and filter; other fields are asked at each place.
 #[derive(Clone, Debug)]
@@ -58,6 +59,20 @@ impl Source {
         jumps
     }
 
+    /// Returns the stretches of a part of a ray in its own distances, and the spacing that the field's steps are counted in; `None` for grids, and for
+    /// fields that do not know them.
+    pub(crate) fn stretches(&self, ray: &Ray, part: &IndexRay) -> Option<(Vec<Stretch>, f64)> {
+        let Self::Other(other) = self else { return None };
+        let (field, mut stretches) = (other.field()?, Vec::new());
+        if !field.stretches(ray, [part.start, part.end].map(|s| s + part.offset), &mut stretches) {
+            return None;
+        }
+        for stretch in &mut stretches {
+            (stretch.from, stretch.to) = (stretch.from - part.offset, stretch.to - part.offset);
+        }
+        Some((stretches, field.spacing()))
+    }
+
     /// Returns the placement of index space in the world.
     pub(crate) fn placement(&self) -> &Placement {
         match self {
@@ -92,6 +107,22 @@ impl FieldBox {
     /// Returns the value at a place in index space; NaN in vacuum.
     pub(crate) fn value<R: Real>(&self, position: [R; 3]) -> f64 {
         self.field().and_then(|field| field.value(self.world(position))).unwrap_or(f64::NAN)
+    }
+
+    /// Fills the values at places in index space, given axis by axis; NaN in vacuum.
+    pub(crate) fn values<R: Real>(&self, [x, y, z]: [&[R]; 3], values: &mut [R]) {
+        let Some(field) = self.field() else { return };
+        let (mut places, mut found) = ([DVec3::ZERO; RUN], [0.0; RUN]);
+        for (part, values) in values.chunks_mut(RUN).enumerate() {
+            let (first, len) = (part * RUN, values.len());
+            for (i, place) in places[..len].iter_mut().enumerate() {
+                *place = self.world([x[first + i], y[first + i], z[first + i]]);
+            }
+            field.values(&places[..len], &mut found[..len]);
+            for (value, found) in values.iter_mut().zip(&found[..len]) {
+                *value = R::from_f64(*found);
+            }
+        }
     }
 
     /// Fills the gradients of a placed run, per index step, where something absorbs or shines.

@@ -6,8 +6,8 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use vr_core::VoxelType;
 
-use super::VolumeArgs;
 use super::value;
+use super::{ResampleArgs, VolumeArgs};
 
 /// `vr convert`.
 #[derive(Debug, Args)]
@@ -46,9 +46,9 @@ pub struct ChangeArgs {
     /// Reverse the order of voxels along an axis, and its direction with it: each stays where it is in the world; may be repeated
     #[arg(long, value_name = "AXIS")]
     pub flip: Vec<Axis>,
-    /// Interpolate linearly to this many voxels over the same box, from the first to the last voxel
-    #[arg(long, value_name = "NXxNYxNZ", value_parser = value::dims)]
-    pub resample: Option<[usize; 3]>,
+    /// Resampling.
+    #[command(flatten)]
+    pub resample: ResampleArgs,
     /// Type of the voxels: u8, i8, u16, i16 or f32; values are rounded to the nearest and clamped
     #[arg(long, value_name = "TYPE", value_parser = value::word::<VoxelType>)]
     pub to: Option<VoxelType>,

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use vr_core::{Filter, GradientMethod, OpacityRule};
 use vr_io::{ColorEncoding, CompositingName, LookName, ProjectionName};
 
-use super::{Background, LabelArgs, VolumeArgs, value};
+use super::{Background, LabelArgs, ResampleArgs, VolumeArgs, value};
 use crate::failure::Failure;
 use crate::transfer_box::TransferBox;
 
@@ -16,6 +16,9 @@ pub struct SceneArgs {
     /// The volume.
     #[command(flatten)]
     pub volume: VolumeArgs,
+    /// Resampling of a volume that is no grid.
+    #[command(flatten)]
+    pub resample: ResampleArgs,
     /// A scene file (TOML); all other flags override it
     #[arg(long, value_name = "FILE", help_heading = "Scene")]
     pub scene: Option<PathBuf>,

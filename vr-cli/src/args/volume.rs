@@ -13,7 +13,8 @@ use super::value;
 #[command(next_help_heading = "Volume")]
 pub struct VolumeArgs {
     /// A volume file or folder: NRRD, MetaImage, NIfTI, DICOM, VTK, TIFF, Zarr, NetCDF and more, or raw with the size in its name; or scattered points: CSV, VTK (.vtp, .vtu, .vtk), NumPy or
-    /// HDF5; or a mesh of cells: VTK (.vtu, .vts, .pvtu, .pvts, .vtk), PLOT3D or Exodus II; without it, the embedded scene
+    /// HDF5; or a mesh of cells: VTK (.vtu, .vts, .pvtu, .pvts, .vtk), PLOT3D or Exodus II; or a rectilinear grid: VTK (.vtr, .pvtr, .vtk); or an adaptive mesh: VTK (.vthb),
+    /// an AMReX plotfile (its folder) or Enzo; without it, the embedded scene
     #[arg(value_name = "VOLUME")]
     pub path: Option<PathBuf>,
     /// A phantom instead of a file
@@ -61,7 +62,7 @@ pub struct VolumeArgs {
     /// Cells with vertices: take the cells or, with points, the vertices alone as scattered points
     #[arg(long = "as", value_name = "KIND", value_parser = value::word::<CellsOrPoints>)]
     pub cells_or_points: Option<CellsOrPoints>,
-    /// VTK images, NetCDF and HDF5: the array, by name or path. Cells: the array of vertices or cells. Points: the column or array of the values, one that vr info lists; 1 for a value of 1 at every point
+    /// VTK images, NetCDF and HDF5: the array, by name or path. Cells, rectilinear grids and adaptive meshes: the array of points or cells. Points: the column or array of the values, one that vr info lists; 1 for a value of 1 at every point
     #[arg(long, value_name = "NAME")]
     pub value: Option<String>,
     /// Points: kernel that spreads each (cubic-spline, gaussian or cone)

@@ -21,6 +21,7 @@ mod presets;
 mod ray;
 mod records;
 mod report;
+mod resample;
 mod scene_files;
 mod transfer_rows;
 mod unused;

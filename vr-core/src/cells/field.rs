@@ -10,7 +10,7 @@ use crate::ray::Ray;
 use crate::view::Clip;
 
 /// Depth in a cell, as a barycentric coordinate, down to which a place counts as inside: a place on a face belongs to a cell, whatever rounding did.
-const ON_FACE: f64 = -1e-12;
+pub(crate) const ON_FACE: f64 = -1e-12;
 
 impl CellMesh {
     /// The cell that holds a place deepest, and its barycentric coordinates there; `None` in vacuum.
@@ -27,15 +27,20 @@ impl CellMesh {
         found
     }
 
-    /// Barycentric coordinates of a place in a cell; negative beyond its faces.
-    pub fn coordinates(&self, cell: usize, at: DVec3) -> [f64; 4] {
+    /// Outward normals of the four faces of a cell, so long that a place's barycentric coordinate is n·(e − place), and a corner e on each face.
+    pub(crate) fn face_planes(&self, cell: usize) -> [(DVec3, DVec3); 4] {
         let corners = self.corners(cell);
         let [a, b, c, d] = corners;
         let volume = (b - a).cross(c - a).dot(d - a);
         FACES.map(|face| {
             let [e, f, g] = face.map(|i| corners[i]);
-            (f - e).cross(g - e).dot(e - at) / volume
+            ((f - e).cross(g - e) / volume, e)
         })
+    }
+
+    /// Barycentric coordinates of a place in a cell; negative beyond its faces.
+    pub fn coordinates(&self, cell: usize, at: DVec3) -> [f64; 4] {
+        self.face_planes(cell).map(|(normal, on)| normal.dot(on - at))
     }
 }
 

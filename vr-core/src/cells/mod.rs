@@ -20,6 +20,7 @@ mod vertex_gradients;
 
 pub use adjacency::NO_CELL;
 pub use error::CellError;
+pub(crate) use field::ON_FACE;
 pub use mesh::{CellMesh, CellValues};
 pub use repair::CellRepairs;
 

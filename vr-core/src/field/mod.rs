@@ -15,6 +15,7 @@ mod line;
 mod point_line;
 mod points;
 mod poly;
+mod stretch;
 
 pub use chebyshev::{Interpolation, LEBESGUE, interpolation};
 pub use function::FunctionField;
@@ -22,6 +23,7 @@ pub use function_line::FunctionLine;
 pub use line::{Chord, Cut, FieldLine, LineColor, LineModel, distinct_places};
 pub use point_line::PointLine;
 pub use poly::{Bernstein, MAX_DEGREE, Poly, chebyshev_point};
+pub use stretch::Stretch;
 
 use std::fmt;
 
@@ -65,6 +67,16 @@ pub trait Field: Send + Sync + fmt::Debug {
     /// The value at a world position; `None` in vacuum.
     fn value(&self, at: DVec3) -> Option<f64>;
 
+    /// Fills the values at world positions, NaN in vacuum. Neighbours along a ray may share what is looked up.
+    ///
+    /// # Panics
+    /// May panic if the lists are not of one length.
+    fn values(&self, at: &[DVec3], out: &mut [f64]) {
+        for (value, &at) in out.iter_mut().zip(at) {
+            *value = self.value(at).unwrap_or(f64::NAN);
+        }
+    }
+
     /// True if the field has gradients, so that it can be shaded.
     fn has_gradient(&self) -> bool {
         false
@@ -84,6 +96,13 @@ pub trait Field: Send + Sync + fmt::Debug {
     /// Appends the world distances along a ray, between two and ascending, at which the value jumps: a renderer in steps ends one there. None by
     /// default.
     fn jumps(&self, _ray: &Ray, _part: [f64; 2], _out: &mut Vec<f64>) {}
+
+    /// Appends the stretches of a ray between two world distances that are not vacuum, ascending, and returns true; false for a field that does not know
+    /// them, and appends none. A renderer in steps takes them as long as each stretch allows, leaves out what cannot be seen, and ends one
+    /// where vacuum begins.
+    fn stretches(&self, _ray: &Ray, _part: [f64; 2], _out: &mut Vec<Stretch>) -> bool {
+        false
+    }
 
     /// The field along a ray, within the clip and up to the world distance `far`, with gradients if they are asked for; `None` where the ray
     /// does not meet the field there.

@@ -4,13 +4,13 @@ use glam::DVec3;
 
 use super::labelled_grid::{Code, LabelledGrid};
 use super::lattice_ray::{Crossed, LatticeRay};
-use super::stretch::Stretch;
 use crate::bound::{Bound, largest};
 use crate::clip_error::clip_error;
 use crate::field::{Chord, Cut, Field, FieldLine, LEBESGUE, LineModel, Poly, distinct_places, interpolation};
 use crate::filter::Filter;
 use crate::ray::{IndexRay, Ray};
 use crate::shading::GradientMethod;
+use crate::stretch::Stretch;
 use crate::view::Clip;
 
 /// A labelled grid along a ray: cut at the faces of the grid's cells and at every change of the label, and between them the grid's own
@@ -162,17 +162,8 @@ impl<'a> LabelledLine<'a> {
             gradient: self.gradients.then_some(self.field.gradient),
         };
         let model = stretch.model(volume)?;
-        let calibration = volume.calibration();
-        let slope = calibration.slope;
-        let field = if model.field.is_constant() && model.field_error == 0.0 {
-            // The value itself, to the last bit.
-            Poly::constant(calibration.value(model.field.at(0.0)) + offset)
-        } else {
-            model.field * slope + Poly::constant(calibration.intercept + offset)
-        };
-        let size = largest([field.coefficients()[0], calibration.intercept, offset]) + field.spread(1.0);
-        let rounding = if field.is_constant() && model.field_error == 0.0 { 0.0 } else { 4.0 * f64::EPSILON * size };
-        let mut field_error = Bound::new(model.field_error) * slope + rounding;
+        let slope = volume.calibration().slope;
+        let (field, mut field_error) = model.calibrated(volume.calibration(), offset);
         if volume.filter() == Filter::Nearest {
             // The stretch may run along a face between two voxels.
             self.grid.each_tie(from, to, |sides| {

@@ -11,7 +11,6 @@ mod label_map;
 mod labelled_grid;
 mod lattice_ray;
 mod line;
-mod stretch;
 mod style;
 
 pub use error::LabelError;

@@ -6,10 +6,9 @@ use glam::DVec3;
 
 use crate::error::{FieldError, FileError};
 use crate::points::{Columns, PointOptions, points_of_columns};
-use crate::read::{FileInfo, Loaded, ReadOptions};
-use crate::world::Space;
+use crate::read::{Loaded, ReadOptions};
 
-use super::cell_file::{CellFile, Facts};
+use super::cell_file::CellFile;
 
 /// Makes points of the vertices of all pieces, with the arrays of one component for columns.
 ///
@@ -19,10 +18,7 @@ pub(super) fn load_points(file: &dyn CellFile, path: &Path, options: &ReadOption
     if let Some(component) = options.component {
         return Err(FieldError::new("component", component, "scattered points have none to choose").in_file(path));
     }
-    let frames = file.facts().frames;
-    if let Some(frame) = options.frame.filter(|&frame| frame >= frames) {
-        return Err(FieldError::new("frame", frame, format!("the file has {frames}, counted from 0")).in_file(path));
-    }
+    file.facts().check_frame(options.frame).map_err(|e| e.in_file(path))?;
     let choices = PointOptions { value: options.array.clone(), ..options.points.clone() };
     let (mut positions, mut counts, mut cells) = (Vec::<DVec3>::new(), Vec::new(), 0);
     for k in 0..file.pieces() {
@@ -49,23 +45,6 @@ pub(super) fn load_points(file: &dyn CellFile, path: &Path, options: &ReadOption
     let names: Vec<String> = single.iter().map(|&i| arrays[i].name.clone()).collect();
     let mut notes = vec![format!("{cells} cells are left out: their points are taken")];
     let points = points_of_columns(path, Columns { positions, names: &names, load: &load }, &choices, &mut notes)?;
-    let Facts { format, encoding, scalar, endian, files, .. } = file.facts();
-    let info = FileInfo {
-        format,
-        encoding,
-        scalar,
-        endian,
-        space: Space::Own,
-        placed_by: "positions",
-        units: None,
-        frames,
-        components: 1,
-        columns: names,
-        data_files: files.clone(),
-        files,
-        mapped: false,
-        modality: None,
-        window: None,
-    };
+    let info = file.facts().into_info("positions", 1, names);
     Ok(Loaded { volume: points.into(), info, notes })
 }

@@ -1,11 +1,9 @@
 //! The seam between files of cells and the mesh that is made of them.
 
-use std::path::PathBuf;
-
 use glam::DVec3;
 
 use crate::error::FileError;
-use crate::scalar::{Endian, ScalarType};
+pub(super) use crate::facts::Facts;
 use crate::vtk::Candidate;
 
 use super::cell_list::CellList;
@@ -17,24 +15,13 @@ pub(super) trait CellFile {
     /// Arrays of values that may be chosen.
     fn arrays(&self) -> &[Candidate];
     /// Number of pieces, each with vertices of its own.
-    fn pieces(&self) -> usize;
+    fn pieces(&self) -> usize {
+        1
+    }
     /// Vertices and cells of a piece.
     fn piece(&self, piece: usize) -> Result<Piece, FileError>;
     /// Numbers of an array in a piece: of each vertex or cell, all components.
     fn numbers(&self, piece: usize, array: usize) -> Result<Vec<f64>, FileError>;
-}
-
-/// Facts about a file of cells.
-pub(super) struct Facts {
-    pub format: &'static str,
-    pub encoding: &'static str,
-    /// Type of the positions.
-    pub scalar: ScalarType,
-    pub endian: Endian,
-    /// Number of time steps.
-    pub frames: usize,
-    /// Every file that is read.
-    pub files: Vec<PathBuf>,
 }
 
 /// Vertices and cells that belong together.

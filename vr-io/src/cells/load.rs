@@ -6,13 +6,12 @@ use std::sync::Arc;
 use vr_core::Volume;
 use vr_core::cells::{CellMesh, CellRepairs, CellValues};
 
+use crate::chosen::Chosen;
 use crate::error::{FieldError, FileError};
-use crate::read::{FileInfo, Loaded, ReadOptions};
-use crate::world::Space;
+use crate::read::{Loaded, ReadOptions};
 
-use super::cell_file::{CellFile, Facts, Piece};
+use super::cell_file::{CellFile, Piece};
 use super::tetrahedra::Tetrahedra;
-use super::values::Chosen;
 use super::weld::{Merge, Weld};
 
 /// Outcome of making a mesh of a file.
@@ -30,24 +29,22 @@ pub(super) enum Outcome {
 pub(super) fn load(file: &dyn CellFile, path: &Path, options: &ReadOptions) -> Result<Outcome, FileError> {
     let in_file = |e: FieldError| e.in_file(path);
     let facts = file.facts();
-    if let Some(frame) = options.frame.filter(|&frame| frame >= facts.frames) {
-        let allowed = format!("the file has {}, counted from 0", facts.frames);
-        return Err(in_file(FieldError::new("frame", frame, allowed)));
-    }
+    facts.check_frame(options.frame).map_err(in_file)?;
     let pieces = (0..file.pieces()).map(|k| file.piece(k)).collect::<Result<Vec<_>, _>>()?;
     if pieces.iter().all(|piece| piece.cells.solids() == 0) {
         let cells: usize = pieces.iter().map(|piece| piece.cells.count()).sum();
         return Ok(Outcome::None(format!("none of its {cells} cells has three dimensions")));
     }
     let mut notes = Vec::new();
-    let Some(chosen) = Chosen::new(file.arrays(), options, &mut notes).map_err(in_file)? else {
+    let Some(chosen) = Chosen::of_mesh(file.arrays(), options, &mut notes).map_err(in_file)? else {
         return Ok(Outcome::None("it has no array of values for its cells (the value 1 draws them all alike)".into()));
     };
     if facts.frames > 1 && options.frame.is_none() {
         notes.push(format!("frame 0 is taken, of 0 to {}", facts.frames - 1));
     }
     let mesh = mesh(file, pieces, &chosen, path, &mut notes)?;
-    let info = info(facts, file, &chosen);
+    let columns = file.arrays().iter().map(|array| array.name.clone()).collect();
+    let info = facts.into_info("positions", chosen.components, columns);
     Ok(Outcome::Mesh(Box::new(Loaded { volume: Volume::Cells(Arc::new(mesh)), info, notes })))
 }
 
@@ -71,7 +68,7 @@ fn mesh(
     for (k, mut piece) in pieces.into_iter().enumerate() {
         let positions = std::mem::take(&mut piece.positions);
         let count = if chosen.of_cells { piece.cells.count() } else { positions.len() };
-        let values = if count == 0 { Vec::new() } else { chosen.of_piece(file, k, count)? };
+        let values = if count == 0 { Vec::new() } else { values_of(file, chosen, k, count)? };
         let of_vertices = if chosen.of_cells {
             of_cells.extend(values);
             Vec::new()
@@ -134,23 +131,9 @@ fn repairs(repairs: &CellRepairs, total: usize) -> Vec<String> {
     notes
 }
 
-fn info(facts: Facts, file: &dyn CellFile, chosen: &Chosen) -> FileInfo {
-    let Facts { format, encoding, scalar, endian, frames, files } = facts;
-    FileInfo {
-        format,
-        encoding,
-        scalar,
-        endian,
-        space: Space::Own,
-        placed_by: "positions",
-        units: None,
-        frames,
-        components: chosen.components,
-        columns: file.arrays().iter().map(|array| array.name.clone()).collect(),
-        data_files: files.clone(),
-        files,
-        mapped: false,
-        modality: None,
-        window: None,
-    }
+/// Values of all vertices or cells of a piece, of which there are `count`.
+fn values_of(file: &dyn CellFile, chosen: &Chosen, piece: usize, count: usize) -> Result<Vec<f64>, FileError> {
+    let Some(array) = chosen.array else { return Ok(vec![1.0; count]) };
+    let in_file = |e: FieldError| e.in_file(&file.facts().files.first().cloned().unwrap_or_default());
+    chosen.values(file.numbers(piece, array)?, count).map_err(in_file)
 }

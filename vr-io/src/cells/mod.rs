@@ -1,7 +1,7 @@
 //! Cells in: unstructured and curvilinear grids of VTK, PLOT3D and Exodus II become meshes of tetrahedra.
 //!
 //! Every format gives the same pieces (`cell_file`): vertices, cells of any kind, marks of what is hidden, and arrays. From there on there is one
-//! way: an array is chosen (`values`), pieces are welded at their seams (`weld`), cells are split (`tetrahedra`), and the mesh is made (`load`).
+//! way: an array is chosen (`crate::chosen`), pieces are welded at their seams (`weld`), cells are split (`tetrahedra`), and the mesh is made (`load`).
 //! Splitting follows the numbers of the vertices, so that welding comes first: cells on both sides of a seam are split alike.
 
 mod as_points;
@@ -14,7 +14,6 @@ mod load;
 mod parallel;
 pub(crate) mod plot3d;
 mod tetrahedra;
-mod values;
 mod vtk_legacy;
 mod vtk_xml;
 mod weld;
@@ -88,8 +87,7 @@ pub(crate) fn read_as(
     head: &[u8],
     options: &ReadOptions,
 ) -> Result<Loaded, FileError> {
-    let options =
-        &ReadOptions { array: options.points.value.clone().or_else(|| options.array.clone()), ..options.clone() };
+    let options = &options.with_point_value();
     let as_points = || {
         // Unstructured grids have been read as points before they were read as cells.
         match points::by_content(head) {

@@ -128,10 +128,6 @@ impl CellFile for LegacyCells {
         &self.candidates
     }
 
-    fn pieces(&self) -> usize {
-        1
-    }
-
     fn piece(&self, _: usize) -> Result<Piece, FileError> {
         self.read_piece().map_err(|kind| FileError::new(&self.path, kind))
     }

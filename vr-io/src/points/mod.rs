@@ -20,10 +20,10 @@ use vr_core::{ParameterError, PointKernel, PointSet};
 
 use crate::detect::{Format, detect};
 use crate::error::{FileError, FileErrorKind};
+use crate::facts::Facts;
 use crate::read::{FileInfo, file_head};
 use crate::scalar::{Endian, ScalarType};
 use crate::vtk::{self, Content};
-use crate::world::Space;
 
 use roles::Roles;
 
@@ -183,23 +183,8 @@ pub(crate) fn read_as(format: PointFormat, path: &Path, options: &PointOptions) 
     };
     let Found { table, format, encoding, scalar, endian, names, mut notes } = found.map_err(in_file)?;
     let points = assemble::assemble(table, options, &mut notes).map_err(in_file)?;
-    let info = FileInfo {
-        format,
-        encoding,
-        scalar,
-        endian,
-        space: Space::Own,
-        placed_by: "positions",
-        units: None,
-        frames: 1,
-        components: 1,
-        columns: names,
-        data_files: vec![path.into()],
-        files: vec![path.into()],
-        mapped: false,
-        modality: None,
-        window: None,
-    };
+    let facts = Facts { format, encoding, scalar, endian, frames: 1, files: vec![path.into()] };
+    let info = facts.into_info("positions", 1, names);
     Ok(LoadedPoints { points, info, notes })
 }
 

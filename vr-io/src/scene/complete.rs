@@ -34,7 +34,9 @@ impl SceneFile {
         match &mut file.volume.source {
             Some(VolumeSource::File(source)) => complete_raw(source, &scene.volume, info),
             Some(VolumeSource::Phantom { size, .. }) => *size = scene.volume.grid().map(|grid| grid.dims()[0]),
-            Some(VolumeSource::PhantomPoints { count, .. }) => *count = scene.volume.points().map(|p| p.count()),
+            Some(VolumeSource::PhantomPoints { count, .. }) => {
+                *count = scene.volume.points().map(|p| p.count()).or(*count);
+            }
             _ => {}
         }
         file.volume.filter = scene.volume.filter();

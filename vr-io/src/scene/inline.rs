@@ -26,7 +26,7 @@ pub(super) fn inline_volume(volume: &Volume) -> Result<VolumeSource, ParameterEr
     match volume {
         Volume::Grid(u) => inline_grid(u),
         Volume::Points(p) => inline_points(p),
-        Volume::Color(_) | Volume::Cells(_) | Volume::Field(_) => {
+        Volume::Color(_) | Volume::Cells(_) | Volume::Rectilinear(_) | Volume::Amr(_) | Volume::Field(_) => {
             let allowed = "only uniform grids and points can be written into a scene file";
             Err(ParameterError { field: "volume".into(), found: volume.kind().to_string(), allowed })
         }

@@ -9,6 +9,7 @@ mod key_help;
 mod labels;
 mod labels_section;
 mod named_transfer;
+mod resample_section;
 mod resolve;
 mod scene_file;
 mod sections;
@@ -25,6 +26,7 @@ pub use annotations_section::AnnotationsSection;
 pub use commented::commented_scene;
 pub use error::SceneFileError;
 pub use labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};
+pub use resample_section::{FinestWord, ResampleSection, ResampleSize};
 pub use resolve::{LoadedScene, SceneMesh, outline_scene, preset_by_name, resolve_scene, resolve_scene_around};
 pub use scene_file::SceneFile;
 pub use sections::{

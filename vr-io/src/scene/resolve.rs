@@ -162,6 +162,8 @@ pub fn resolve_scene_around(
                 let what = match &found.volume {
                     Volume::Points(_) => "half the mean radius",
                     Volume::Cells(_) => "the edge of a cube of six cells",
+                    Volume::Rectilinear(_) => "the mean step of the axes",
+                    Volume::Amr(_) => "the mean edge of the finest cells",
                     _ => "the mean spacing",
                 };
                 notes.push(format!("unit_distance is {what}, {:.6}", found.volume.mean_spacing()));

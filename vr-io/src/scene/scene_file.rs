@@ -55,7 +55,11 @@ impl SceneFile {
     /// A volume of more than 64³ voxels or 4096 points.
     pub fn describe(scene: &Scene, view: &View) -> Result<Self, ParameterError> {
         Ok(Self {
-            volume: VolumeSection { source: Some(inline_volume(&scene.volume)?), filter: scene.volume.filter() },
+            volume: VolumeSection {
+                source: Some(inline_volume(&scene.volume)?),
+                filter: scene.volume.filter(),
+                resample: None,
+            },
             transfer: Some(TransferSection::describe(&scene.transfer)),
             shading: scene.shading.as_deref().map(|shading| ShadingSection::describe(shading, &scene.lights)),
             camera: Some(CameraSection::from(&view.camera)),
@@ -90,7 +94,9 @@ impl SceneFile {
             ..Scene::new(volume.with_filter(self.volume.filter.unwrap_or_default()), transfer)
         };
         if let Some(section) = self.shading.as_ref().filter(|section| section.enabled) {
-            scene.shading = Some(Arc::new(section.shading()));
+            let shading = section.shading();
+            scene.volume = scene.volume.with_gradient(shading.gradient);
+            scene.shading = Some(Arc::new(shading));
             scene.lights = section.lights()?;
         }
         scene.validate()?;

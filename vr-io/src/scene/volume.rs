@@ -53,7 +53,7 @@ fn volume_of(
 ) -> Result<Option<LoadedVolume>, SceneFileError> {
     let in_file = |source| SceneFileError::Parameter { path: path.into(), source };
     let made = |volume: Volume, transfer| LoadedVolume { volume, info: None, transfer, notes: Vec::new() };
-    let loaded = match &section.source {
+    let mut loaded = match &section.source {
         None => return Err(in_file(wrong("volume", "nothing", NO_SOURCE))),
         Some(VolumeSource::File(file)) => {
             let path = path.parent().unwrap_or(Path::new("")).join(&file.path);
@@ -75,6 +75,11 @@ fn volume_of(
             made(inline::points(points, kernel.unwrap_or_default()).map_err(in_file)?, None)
         }
     };
+    if let Some(resample) = &section.resample {
+        let (volume, notes) = resample.apply(&loaded.volume).map_err(in_file)?;
+        loaded.volume = volume;
+        loaded.notes.extend(notes);
+    }
     if loaded.volume.filter().is_none()
         && let Some(filter) = section.filter
         && filter != Filter::default()
@@ -114,13 +119,19 @@ fn from_file(
     }
     // The array of a grid has its name from the same key.
     let choices_of_points = PointOptions { value: None, ..file.points.clone() };
-    if let (Volume::Grid(_) | Volume::Color(_), Some((key, found))) = (&loaded.volume, first_key(&choices_of_points)) {
+    if let (Volume::Grid(_) | Volume::Color(_) | Volume::Rectilinear(_) | Volume::Amr(_), Some((key, found))) =
+        (&loaded.volume, first_key(&choices_of_points))
+    {
         let allowed = "only scattered points have one; this is a grid";
         return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
     }
     if let (Volume::Cells(_), Some((key, found))) = (&loaded.volume, first_key(&choices_of_points)) {
         let allowed =
             "only scattered points have one; this is a mesh of cells, whose vertices as = \"points\" takes alone";
+        return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
+    }
+    if let (Volume::Amr(_), Some((key, found))) = (&loaded.volume, first_key(&choices_of_points)) {
+        let allowed = "only scattered points have one; this is an adaptive mesh";
         return Err(in_file(wrong(&format!("volume.{key}"), &found.to_string(), allowed)));
     }
     let Loaded { volume, info, mut notes } = loaded;

@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
+use vr_core::resample::ResampleFilter;
 use vr_core::{Calibration, Filter, GridError, ParameterError, Placement, PointKernel, phantom};
 
 use crate::cells::CellsOrPoints;
@@ -13,6 +14,7 @@ use crate::scalar::{Endian, ScalarType};
 use crate::toml_table::table_of;
 
 use super::error::unknown_name;
+use super::resample_section::{ResampleSection, ResampleSize};
 
 /// `[volume]`: a source, and the filter that makes the field of a grid.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -22,6 +24,8 @@ pub struct VolumeSection {
     pub source: Option<VolumeSource>,
     /// The filter; absent: trilinear, or nearest where the automatic look finds labels.
     pub filter: Option<Filter>,
+    /// Resampling of a volume that is no grid.
+    pub resample: Option<ResampleSection>,
 }
 
 /// Source of a volume, with the keys that mean something to it.
@@ -194,6 +198,9 @@ struct Keys {
     value: Option<String>,
     columns: Option<PointColumns>,
     filter: Option<Filter>,
+    resample: Option<ResampleSize>,
+    resample_filter: Option<ResampleFilter>,
+    conserve: Option<bool>,
 }
 
 /// UID or number of a series: text, or a number without quotes.
@@ -238,6 +245,21 @@ impl TryFrom<Keys> for VolumeSection {
     fn try_from(mut keys: Keys) -> Result<Self, ParameterError> {
         let wrong = |found: &str, allowed| ParameterError { field: "volume".into(), found: found.into(), allowed };
         let filter = keys.filter.take();
+        let choices = (keys.resample_filter.take(), keys.conserve.take());
+        let resample = match (keys.resample.take(), choices) {
+            (Some(size), (filter, conserve)) => Some(ResampleSection {
+                size,
+                filter: filter.unwrap_or_default(),
+                conserve: conserve.unwrap_or_default(),
+            }),
+            (None, (None, None)) => None,
+            (None, _) => {
+                return Err(wrong(
+                    "resample_filter or conserve alone",
+                    "must go with resample, which says to what size",
+                ));
+            }
+        };
         let source = match (keys.path.take(), keys.phantom.take(), keys.data.take(), keys.points.take()) {
             (Some(path), None, None, None) => Some(VolumeSource::File(FileSource {
                 path,
@@ -275,7 +297,7 @@ impl TryFrom<Keys> for VolumeSection {
         // What nothing has taken means nothing here.
         let left = table_of(&keys).unwrap_or_default();
         match (source, left.iter().next()) {
-            (source, None) => Ok(Self { source, filter }),
+            (source, None) => Ok(Self { source, filter, resample }),
             (Some(source), Some((key, value))) => Err(source.refusal(key, value)),
             (None, Some((key, _))) => Err(wrong(&format!("{key} alone"), NO_SOURCE)),
         }
@@ -286,8 +308,13 @@ impl TryFrom<Keys> for VolumeSection {
 pub(super) const NO_SOURCE: &str = "must have a path, a phantom, data or points";
 
 impl From<VolumeSection> for Keys {
-    fn from(VolumeSection { source, filter }: VolumeSection) -> Self {
+    fn from(VolumeSection { source, filter, resample }: VolumeSection) -> Self {
         let mut keys = Self { filter, ..Self::default() };
+        if let Some(ResampleSection { size, filter, conserve }) = resample {
+            keys.resample = Some(size);
+            keys.resample_filter = (filter != ResampleFilter::default()).then_some(filter);
+            keys.conserve = conserve.then_some(true);
+        }
         match source {
             Some(VolumeSource::File(file)) => {
                 let FileSource {

@@ -24,28 +24,32 @@ pub(crate) fn content(head: &[u8]) -> Option<Content> {
     Some(Content::Xml(attribute(&attributes, "type").unwrap_or_default().to_owned()))
 }
 
-/// The kinds of data that are neither points nor an image, as messages name them.
+/// The kinds of data that are not read, as messages name them.
 pub(crate) fn unsupported(head: &[u8]) -> Option<&'static str> {
     Some(match content(head)? {
         Content::Legacy(kind) => match kind.as_str() {
-            "RECTILINEAR_GRID" => "VTK RECTILINEAR_GRID (a grid whose planes are not evenly spaced)",
             // Where it is read, this comes out of a compressed file.
-            "STRUCTURED_POINTS" | "POLYDATA" | "UNSTRUCTURED_GRID" | "STRUCTURED_GRID" => PACKED,
+            "STRUCTURED_POINTS" | "POLYDATA" | "UNSTRUCTURED_GRID" | "STRUCTURED_GRID" | "RECTILINEAR_GRID" => PACKED,
             _ => return None,
         },
         Content::Xml(kind) => match kind.as_str() {
-            "RectilinearGrid" => "VTK RectilinearGrid (.vtr: a grid whose planes are not evenly spaced)",
             "HyperTreeGrid" => "VTK HyperTreeGrid (.htg: a tree of cells)",
-            "vtkOverlappingAMR" | "vtkNonOverlappingAMR" | "vtkHierarchicalBoxDataSet" => {
-                "VTK AMR (a list of .vti files, each of which can be read)"
-            }
             "vtkMultiBlockDataSet" | "vtkPartitionedDataSet" | "vtkPartitionedDataSetCollection" => {
                 "VTK blocks (a list of files, each of which may be read)"
             }
             "Collection" => "VTK Collection (.pvd: a list of files, each of which may be read)",
-            "PImageData" => "VTK PImageData (.pvti: a list of .vti files, each of which can be read)",
-            "ImageData" | "PolyData" | "UnstructuredGrid" | "StructuredGrid" | "PUnstructuredGrid"
-            | "PStructuredGrid" => PACKED,
+            "ImageData"
+            | "PImageData"
+            | "RectilinearGrid"
+            | "PRectilinearGrid"
+            | "PolyData"
+            | "UnstructuredGrid"
+            | "StructuredGrid"
+            | "PUnstructuredGrid"
+            | "PStructuredGrid"
+            | "vtkOverlappingAMR"
+            | "vtkNonOverlappingAMR"
+            | "vtkHierarchicalBoxDataSet" => PACKED,
             kind if kind.starts_with('P') => "VTK parallel file (a list of files, each of which may be read)",
             _ => "VTK (XML)",
         },
@@ -102,12 +106,13 @@ mod tests {
     }
 
     #[test]
-    fn lists_and_uneven_grids_are_named() {
+    fn what_is_not_read_is_named() {
         let of = |kind: &str| unsupported(format!("<VTKFile type=\"{kind}\">").as_bytes()).unwrap();
-        assert!(of("RectilinearGrid").contains("RectilinearGrid (.vtr"));
-        assert!(of("PImageData").contains("list of .vti files"));
+        assert!(of("HyperTreeGrid").contains("HyperTreeGrid (.htg"));
         assert!(of("PPolyData").contains("parallel"));
-        assert!(of("PUnstructuredGrid").contains("when unpacked"));
+        for packed in ["RectilinearGrid", "PImageData", "PUnstructuredGrid", "vtkOverlappingAMR"] {
+            assert!(of(packed).contains("when unpacked"), "{packed}");
+        }
         assert_eq!(unsupported(b"NRRD0004"), None);
     }
 }

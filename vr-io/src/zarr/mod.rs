@@ -15,13 +15,14 @@ mod roles;
 #[cfg(test)]
 mod tests;
 
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
 use glam::{DMat3, DVec3};
 use serde_json::Value;
 use vr_core::{Calibration, Placement};
 
 use crate::error::{FieldError, FileError};
+use crate::inside::inside;
 use crate::layout::{Axis, Layout, Role};
 use crate::length_unit;
 use crate::read::{Description, ReadOptions};
@@ -137,7 +138,7 @@ fn image(
 ) -> Result<Description, FileError> {
     let mut levels = Vec::new();
     for level in &found.levels {
-        let folder = inside(path, &level.path).map_err(|e| e.in_file(path))?;
+        let folder = inside(path, "multiscales path", &level.path).map_err(|e| e.in_file(path))?;
         let Node::Array { file, json, .. } = Node::read(&folder)? else {
             return Err(FieldError::new("multiscales", &level.path, "must be an array").in_file(path));
         };
@@ -181,15 +182,6 @@ fn image(
     let placed = Placed { scale: level.scale.clone(), translation: level.translation.clone(), by, format: "OME-Zarr" };
     let array = levels.swap_remove(chosen);
     describe_array(path, array, &found.axes, placed, options, notes)
-}
-
-/// A path of an array inside of its group.
-fn inside(group: &Path, path: &str) -> Result<PathBuf, FieldError> {
-    let inner = Path::new(path);
-    if path.is_empty() || !inner.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) {
-        return Err(FieldError::new("multiscales path", path, "must lie inside of the group"));
-    }
-    Ok(group.join(inner))
 }
 
 /// Placement of the voxels, for each axis of the array.

@@ -342,5 +342,5 @@ fn headers_that_lie_or_ask_too_much() {
         ".zattrs",
         json!({"multiscales": [{"axes": ["z", "y", "x"], "datasets": [{"path": "../x"}]}]}).to_string(),
     );
-    assert!(folder.error().contains("must lie inside of the group"), "{}", folder.error());
+    assert!(folder.error().contains("must be a path inside of the folder"), "{}", folder.error());
 }

@@ -25,7 +25,7 @@ mod visible_blocks;
 
 pub(crate) use beam::{Region, Regions, next_interval};
 pub(crate) use chessboard::chessboard_distances;
-pub(crate) use empty_space::empty_space;
+pub(crate) use empty_space::{empty_space, visibility};
 pub(crate) use exact_cloud::ExactCloud;
 pub(crate) use visible_blocks::{BlockGrid, VisibleBlocks};
 

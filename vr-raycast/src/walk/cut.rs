@@ -8,16 +8,22 @@ use super::{Lattice, ListedWalk};
 const SKIN: f64 = 1e-3;
 
 /// Fraction of a step below which a part of one is rounding, and falls to its neighbour.
-const SLIVER: f64 = 1e-9;
+pub(super) const SLIVER: f64 = 1e-9;
 
-/// Begins a walk along a ray in steps of one length, each of which ends early where the field jumps, so that a sample stands for its own
-/// side of a jump alone; behind a jump comes a very short one. `jumps` are distances along the ray, ascending.
+/// Begins a walk along a ray in steps of one length, each of which ends early where the field jumps. `jumps` are distances along the ray, ascending.
 pub(crate) fn cut_walk(ray: &IndexRay, step: f64, jumps: &[f64], backwards: bool) -> ListedWalk {
     let lattice = Lattice::new(ray.start, ray.end, step);
     let mut steps = Vec::with_capacity(lattice.count as usize + jumps.len());
-    let (sliver, skin) = (SLIVER * step, SKIN * step);
+    cut_steps(&lattice, jumps, &mut steps);
+    ListedWalk::new(steps, None, 0, backwards)
+}
+
+/// Appends the steps of a lattice, each of which ends early at a jump, so that a sample stands for its own side of it alone; behind a jump comes a very short
+/// one.
+pub(super) fn cut_steps(lattice: &Lattice, jumps: &[f64], steps: &mut Vec<(f64, f64)>) {
+    let (sliver, skin) = (SLIVER * lattice.length, SKIN * lattice.length);
     let mut left = jumps.iter().copied().peekable();
-    let mut from = ray.start;
+    let mut from = lattice.start;
     for k in 0..lattice.count {
         let end = lattice.begin(k) + lattice.length_of(k);
         while let Some(jump) = left.next_if(|&jump| jump < end - sliver) {
@@ -39,7 +45,6 @@ pub(crate) fn cut_walk(ray: &IndexRay, step: f64, jumps: &[f64], backwards: bool
         steps.push((from, length));
         from = end;
     }
-    ListedWalk::new(steps, None, 0, backwards)
 }
 
 #[cfg(test)]

@@ -6,12 +6,14 @@ mod cut;
 mod lattice;
 mod listed;
 mod local;
+mod stretched;
 mod visible_steps;
 
 pub(crate) use block_ray::BlockRay;
 pub(crate) use cut::cut_walk;
 pub(crate) use lattice::Lattice;
 pub(crate) use listed::ListedWalk;
+pub(crate) use stretched::{StretchSteps, stretched_walk};
 
 use vr_core::IndexRay;
 

@@ -118,10 +118,6 @@ impl CellFile for Exodus {
         &self.candidates
     }
 
-    fn pieces(&self) -> usize {
-        1
-    }
-
     fn piece(&self, _: usize) -> Result<Piece, FileError> {
         self.read_piece().map_err(|kind| FileError::new(&self.path, kind))
     }

@@ -36,7 +36,29 @@ pub(super) fn volume(source: Option<&VolumeSource>) -> Vec<KeyHelp> {
     if !matches!(source, Some(VolumeSource::PhantomPoints { .. } | VolumeSource::Points { .. })) {
         keys.push(filter);
     }
+    if matches!(
+        source,
+        None | Some(VolumeSource::File(_) | VolumeSource::PhantomPoints { .. } | VolumeSource::Points { .. })
+    ) {
+        keys.extend(resample_keys());
+    }
     keys
+}
+
+fn resample_keys() -> [KeyHelp; 3] {
+    [
+        key(
+            "resample",
+            Example("[128, 128, 128]"),
+            "Meshes, points and other volumes that are no grids: size of a grid to make of them, in voxels, as a spacing, or \"finest\".",
+        ),
+        key(
+            "resample_filter",
+            Usual("\"point\""),
+            "Resampling: value of a voxel, point (that of the volume there) or box (the mean around it).",
+        ),
+        key("conserve", Usual("false"), "Resampling: true corrects the voxels so that the integral stays what it was."),
+    ]
 }
 
 fn file_keys() -> Vec<KeyHelp> {

@@ -1,4 +1,4 @@
-//! Images of VTK: ImageData (.vti), and STRUCTURED_POINTS of legacy files (.vtk).
+//! Images of VTK: ImageData (.vti), lists of such files (.pvti), and STRUCTURED_POINTS of legacy files (.vtk).
 //!
 //! World positions are origin + direction · (spacing ∘ index), and indices need not begin at 0 (`vtkImageData`). Numbers belong to the points of
 //! the lattice or to its cells; those of cells are placed at the cells' centres.
@@ -13,7 +13,7 @@ use std::path::Path;
 
 use vr_core::Calibration;
 
-use crate::error::{FileError, FileErrorKind};
+use crate::error::FileError;
 use crate::layout::{Axis, Layout, Role};
 use crate::read::{Description, ReadOptions};
 use crate::scalar::ScalarType;
@@ -21,9 +21,12 @@ use crate::source::Source;
 use crate::world::Space;
 
 use super::content::{Content, content};
+use super::lattice_file::IMAGE;
 
 pub(crate) use choice::{Candidate, choose};
 pub(crate) use lattice::Extent;
+pub(super) use legacy::{extent_of, lattice_arrays};
+pub(super) use pieces::assemble;
 
 use lattice::Lattice;
 
@@ -37,7 +40,7 @@ pub(crate) enum ImageFormat {
 /// The form that the beginning of a file shows.
 pub(crate) fn by_content(head: &[u8]) -> Option<ImageFormat> {
     match content(head)? {
-        Content::Xml(kind) => (kind == "ImageData").then_some(ImageFormat::Xml),
+        Content::Xml(kind) => IMAGE.contains(&kind.as_str()).then_some(ImageFormat::Xml),
         // Where the kind is further down, the reader will tell.
         Content::Legacy(kind) => matches!(kind.as_str(), "STRUCTURED_POINTS" | "").then_some(ImageFormat::Legacy),
     }
@@ -46,7 +49,7 @@ pub(crate) fn by_content(head: &[u8]) -> Option<ImageFormat> {
 /// The form that the end of a name tells, in lower case.
 pub(crate) fn by_extension(extension: &str) -> Option<ImageFormat> {
     match extension {
-        "vti" => Some(ImageFormat::Xml),
+        "vti" | "pvti" => Some(ImageFormat::Xml),
         "vtk" => Some(ImageFormat::Legacy),
         _ => None,
     }
@@ -56,7 +59,10 @@ pub(crate) fn by_extension(extension: &str) -> Option<ImageFormat> {
 pub(crate) fn describe(format: ImageFormat, path: &Path, options: &ReadOptions) -> Result<Description, FileError> {
     let in_file = |kind| FileError::new(path, kind);
     match format {
-        ImageFormat::Xml => xml::header(path).map_err(in_file)?.describe("VTK ImageData", path, options),
+        ImageFormat::Xml => {
+            let (format, header) = xml::header(path)?;
+            header.describe(format, path, options)
+        }
         ImageFormat::Legacy => legacy::header(path).map_err(in_file)?.describe("VTK (legacy)", path, options),
     }
 }
@@ -74,7 +80,7 @@ trait Numbers {
     fn scalar(&self) -> Option<ScalarType>;
 
     /// Source of its `count` numbers.
-    fn source(self, path: &Path, count: usize) -> Result<Source, FileErrorKind>;
+    fn source(self, path: &Path, count: usize) -> Result<Source, FileError>;
 }
 
 impl<A: Numbers> Header<A> {
@@ -88,11 +94,11 @@ impl<A: Numbers> Header<A> {
         let of_voxel = arrays[chosen].scalar().map_or(Role::Component, |s| Role::of_components(components, s));
         let layout = Layout::new(path, &[axis(components, of_voxel), nx, ny, nz], options)?;
         let placement = lattice.placement(of_cells, &mut notes).map_err(|e| FileError::new(path, e))?;
-        let source = arrays.swap_remove(chosen).source(path, layout.total);
+        let source = arrays.swap_remove(chosen).source(path, layout.total)?;
         Ok(Description {
             format,
             header: path.into(),
-            source: source.map_err(|kind| FileError::new(path, kind))?,
+            source,
             layout,
             placement,
             placed_by: lattice.placed_by(),

@@ -8,7 +8,7 @@ use super::lattice::Extent;
 ///
 /// # Errors
 /// Pieces that leave a part of the whole empty, or reach beyond it.
-pub(super) fn assemble(
+pub(in crate::vtk) fn assemble(
     whole: &Extent,
     of_cells: bool,
     voxel_bytes: usize,

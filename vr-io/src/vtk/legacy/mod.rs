@@ -47,7 +47,7 @@ pub(crate) struct CellLines {
     pub types: Option<Array>,
 }
 
-/// The lattice of STRUCTURED_POINTS and STRUCTURED_GRID.
+/// The lattice of STRUCTURED_POINTS, RECTILINEAR_GRID and STRUCTURED_GRID.
 #[derive(Debug, Default)]
 pub(crate) struct LatticeLines {
     pub dimensions: Option<[usize; 3]>,
@@ -55,6 +55,8 @@ pub(crate) struct LatticeLines {
     pub extent: Option<[i64; 6]>,
     pub origin: Option<[f64; 3]>,
     pub spacing: Option<[f64; 3]>,
+    /// Coordinates of the planes of RECTILINEAR_GRID, of each axis.
+    pub coordinates: [Option<Array>; 3],
 }
 
 /// An array with some numbers for each point or cell.
@@ -130,6 +132,10 @@ impl Legacy {
             "POINTS" => {
                 let count = size(1)?.checked_mul(3).ok_or_else(|| wrong("must be fewer"))?;
                 self.points = Some(scan.array("POINTS", word(2)?, count)?);
+            }
+            "X_COORDINATES" | "Y_COORDINATES" | "Z_COORDINATES" => {
+                let axis = usize::from(keyword.as_bytes()[0] - b'X');
+                self.lattice.coordinates[axis] = Some(scan.array(&keyword, word(2)?, size(1)?)?);
             }
             "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS" | "CELLS" => {
                 let (count, size) = (size(1)?, size(2)?);

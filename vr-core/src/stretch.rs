@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
-use crate::bound::largest;
-use crate::central_differences::{gradient_at_sample, gradient_between_samples};
+use crate::bound::{Bound, largest};
+use crate::central_differences::gradient_at_sample;
 use crate::field::{LEBESGUE, Poly, interpolation};
 use crate::filter::{Filter, Lattice, Reconstruction};
+use crate::grid::Calibration;
 use crate::grid_volume::{GridVolume, LatticeVisitor, SamplerVisitor};
 use crate::sampler::Sampler;
 use crate::shading::GradientMethod;
@@ -13,7 +14,7 @@ use crate::voxel::Voxel;
 
 /// A stretch of a ray inside one cell of a grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stretch {
+pub(crate) struct Stretch {
     /// Its middle, in index space.
     pub middle: DVec3,
     /// Half its extent, in index steps.
@@ -26,7 +27,7 @@ pub(super) struct Stretch {
 
 /// The field on a stretch, in stored numbers per index step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct StretchModel {
+pub(crate) struct StretchModel {
     pub field: Poly,
     pub field_error: f64,
     pub gradient: Option<[Poly; 3]>,
@@ -50,7 +51,7 @@ const SEEN: [f64; 3] = [0.13, -0.58, 0.91];
 
 impl Stretch {
     /// The field of a volume on the stretch; `None` in vacuum.
-    pub(super) fn model(self, volume: &GridVolume) -> Option<StretchModel> {
+    pub(crate) fn model(self, volume: &GridVolume) -> Option<StretchModel> {
         let model = volume.with_sampler(self)?;
         if self.gradient == Some(GradientMethod::CentralDifferences) {
             let (gradient, gradient_error) = volume.with_lattice(self);
@@ -105,8 +106,10 @@ impl SamplerVisitor for Stretch {
             return constant(low);
         }
         let (size, span) = (low.abs().max(high.abs()), high - low);
-        // Weights of Catmull-Rom and their slopes add up to less than 2 and 5 in size; a few roundings for each tap.
-        let displaced = 5.0 * span * self.position_error;
+        // Between eight corners the field rises by their span per index step at most. Weights of Catmull-Rom and their slopes add up to less than 2 and
+        // 5 in size. A few roundings for each tap.
+        let steepest = if F::FILTER.reach() == 0 { span } else { 5.0 * span };
+        let displaced = steepest * self.position_error;
         let rounding = f64::EPSILON * if F::FILTER.reach() == 0 { 32.0 } else { 256.0 } * size;
         let rule = interpolation(degree(F::FILTER));
         let mut values = Vec::with_capacity(rule.nodes.len());
@@ -145,23 +148,49 @@ impl SamplerVisitor for Stretch {
     }
 }
 
-/// Central differences at the voxels, interpolated trilinearly: cubics along a ray.
+/// Central differences at the voxels, interpolated trilinearly.
 impl LatticeVisitor for Stretch {
     type Output = ([Poly; 3], f64);
 
     fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> ([Poly; 3], f64) {
         let cell = self.cell(&lattice);
-        let rule = interpolation(3);
-        let at: Vec<[f64; 3]> =
-            rule.nodes.iter().map(|&t| gradient_between_samples(&lattice, self.place(cell, t))).collect();
         let corner = |c: usize| gradient_at_sample::<T, f64>(&lattice, std::array::from_fn(|a| cell[a] + (c >> a & 1)));
-        let size = largest((0..8).flat_map(corner));
-        let made: [(Poly, f64); 3] = std::array::from_fn(|a| {
-            let values: Vec<f64> = at.iter().map(|g| g[a]).collect();
-            rule.through(&values, f64::EPSILON * size)
-        });
+        self.between_corners(cell, &std::array::from_fn(corner))
+    }
+}
+
+impl Stretch {
+    /// Vectors at the eight corners of a cell, interpolated trilinearly: cubics along the stretch, and a bound on the error of each component.
+    pub(crate) fn between_corners(&self, cell: [usize; 3], corners: &[[f64; 3]; 8]) -> ([Poly; 3], f64) {
+        let rule = interpolation(3);
+        let mut values: [Vec<f64>; 3] = Default::default();
+        for &t in &rule.nodes {
+            let place = self.place(cell, t);
+            let at: [f64; 3] = std::array::from_fn(|a| place[a] - cell[a] as f64);
+            let weight = |c: usize| (0..3).map(|a| if c >> a & 1 == 1 { at[a] } else { 1.0 - at[a] }).product::<f64>();
+            let weights: [f64; 8] = std::array::from_fn(weight);
+            for (a, values) in values.iter_mut().enumerate() {
+                values.push((0..8).map(|c| weights[c] * corners[c][a]).sum());
+            }
+        }
+        let size = largest(corners.iter().flatten().copied());
+        let made = values.map(|values| rule.through(&values, f64::EPSILON * size));
         let dropped = largest(made.iter().map(|m| m.1));
         let error = (LEBESGUE + 1.0) * size * (32.0 * f64::EPSILON + 2.0 * self.position_error) + dropped;
         (made.map(|m| m.0), error)
+    }
+}
+
+impl StretchModel {
+    /// The field in calibrated values, plus an offset, with a bound on its error.
+    pub(crate) fn calibrated(&self, calibration: Calibration, offset: f64) -> (Poly, Bound) {
+        let slope = calibration.slope;
+        if self.field.is_constant() && self.field_error == 0.0 {
+            // The value itself, to the last bit.
+            return (Poly::constant(calibration.value(self.field.at(0.0)) + offset), Bound::ZERO);
+        }
+        let field = self.field * slope + Poly::constant(calibration.intercept + offset);
+        let size = largest([field.coefficients()[0], calibration.intercept, offset]) + field.spread(1.0);
+        (field, Bound::new(self.field_error) * slope + 4.0 * f64::EPSILON * size)
     }
 }

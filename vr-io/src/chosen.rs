@@ -1,19 +1,17 @@
-//! Choice of the values of a mesh: an array, or 1 everywhere, and one number of each of its tuples.
+//! Choice of the values of meshes and of grids that are not uniform: an array, or 1 everywhere, and one number of each of its tuples.
 
-use crate::error::{FieldError, FileError};
+use crate::error::FieldError;
 use crate::read::ReadOptions;
 use crate::vtk::{Candidate, choose};
-
-use super::cell_file::CellFile;
 
 /// Name that stands for a value of 1 everywhere, as for points.
 const ONE: &str = "1";
 
 /// The values that are taken.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Chosen {
+pub(crate) struct Chosen {
     /// Number of the array; `None` for 1 everywhere.
-    array: Option<usize>,
+    pub array: Option<usize>,
     pub of_cells: bool,
     /// Name of the array.
     pub name: String,
@@ -24,11 +22,11 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    /// Chooses an array: that of the options, the active scalars, the first with one component, or the first; `None` where there is none.
+    /// Chooses the values of a mesh: an array as [`Self::of_arrays`] does, or 1 everywhere; `None` where there is no array and none was asked for.
     ///
     /// # Errors
     /// A name that no array has, or a component that the array does not have.
-    pub fn new(
+    pub fn of_mesh(
         arrays: &[Candidate],
         options: &ReadOptions,
         notes: &mut Vec<String>,
@@ -40,6 +38,14 @@ impl Chosen {
         if arrays.is_empty() && options.array.is_none() {
             return Ok(None);
         }
+        Self::of_arrays(arrays, options, notes).map(Some)
+    }
+
+    /// Chooses an array: that of the options, the active scalars, the first with one component, or the first.
+    ///
+    /// # Errors
+    /// No array, a name that none has, or a component that the array does not have.
+    pub fn of_arrays(arrays: &[Candidate], options: &ReadOptions, notes: &mut Vec<String>) -> Result<Self, FieldError> {
         let array = choose(arrays, options, notes)?;
         let Candidate { name, components, of_cells, .. } = arrays[array].clone();
         if let Some(component) = options.component.filter(|&c| c >= components) {
@@ -49,20 +55,19 @@ impl Chosen {
         if components > 1 && options.component.is_none() {
             notes.push(format!("array '{name}' has {components} components: their length is taken, the root of the sum of their squares"));
         }
-        Ok(Some(Self { array: Some(array), of_cells, name, components, component: options.component }))
+        Ok(Self { array: Some(array), of_cells, name, components, component: options.component })
     }
 
-    /// Values of all vertices or cells of a piece, of which there are `count`.
-    pub fn of_piece(&self, file: &dyn CellFile, piece: usize, count: usize) -> Result<Vec<f64>, FileError> {
-        let Some(array) = self.array else { return Ok(vec![1.0; count]) };
-        let numbers = file.numbers(piece, array)?;
-        if numbers.len() != count.saturating_mul(self.components) {
+    /// One value of each of `count` vertices or cells, from all their numbers.
+    ///
+    /// # Errors
+    /// More or fewer numbers than `count` tuples have.
+    pub fn values(&self, numbers: Vec<f64>, count: usize) -> Result<Vec<f64>, FieldError> {
+        if Some(numbers.len()) != count.checked_mul(self.components) {
             let found = format!("{} numbers", numbers.len());
             let of = if self.of_cells { "cells" } else { "vertices" };
             let allowed = format!("there are {count} {of}, with {} each", self.components);
-            let files = file.facts().files;
-            let path = files.first().cloned().unwrap_or_default();
-            return Err(FieldError::new(format!("array {}", self.name), found, allowed).in_file(&path));
+            return Err(FieldError::new(format!("array {}", self.name), found, allowed));
         }
         Ok(match self.component {
             _ if self.components == 1 => numbers,
@@ -84,7 +89,7 @@ mod tests {
     #[test]
     fn one_is_a_value_unless_an_array_is_called_so() {
         let options = ReadOptions { array: Some("1".into()), ..ReadOptions::default() };
-        let chosen = |arrays: &[Candidate], options: &ReadOptions| Chosen::new(arrays, options, &mut Vec::new());
+        let chosen = |arrays: &[Candidate], options: &ReadOptions| Chosen::of_mesh(arrays, options, &mut Vec::new());
         assert_eq!(chosen(&[], &options).unwrap().unwrap().array, None);
         assert_eq!(chosen(&[], &ReadOptions::default()), Ok(None));
         let array = Candidate { name: "1".into(), components: 3, of_cells: true, is_scalars: false };

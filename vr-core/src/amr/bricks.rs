@@ -1,0 +1,132 @@
+//! Parts of blocks, with the ranges of the field in them.
+
+use super::check::each_index;
+use super::grid::AmrGrid;
+use super::level::{divided, plus};
+use crate::parallel::collect;
+
+/// Largest number of cells along the edge of a brick.
+pub(super) const EDGE: i64 = 8;
+
+/// Bricks of all blocks, block after block, x fastest.
+#[derive(Clone, Debug)]
+pub(super) struct Bricks {
+    /// Number of the first brick of each block.
+    starts: Vec<usize>,
+    bricks: Vec<Brick>,
+    /// True for blocks whose cells are all leaves.
+    leaves: Vec<bool>,
+}
+
+/// Part of a block.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Brick {
+    /// Two numbers between which all values of the field in it lie.
+    pub(super) range: [f32; 2],
+    /// True if finer cells cover some of it.
+    pub(super) has_finer: bool,
+    /// True if it holds a leaf.
+    pub(super) has_leaf: bool,
+    /// True if parts of it may be vacuum.
+    pub(super) has_vacuum: bool,
+}
+
+impl Bricks {
+    pub(super) fn new(grid: &AmrGrid) -> Self {
+        let of_block = |number: usize| {
+            let [from, to] = brick_box(grid, number);
+            each_index([0; 3], plus(to, from.map(|x| -x))).map(|at| brick(grid, number, at)).collect::<Vec<_>>()
+        };
+        let lists = collect(grid.blocks.len(), of_block);
+        let mut starts = vec![0];
+        starts.extend(lists.iter().scan(0, |sum, list| {
+            *sum += list.len();
+            Some(*sum)
+        }));
+        let leaves = lists.iter().map(|list| list.iter().all(|brick| !brick.has_finer)).collect();
+        Self { starts, bricks: lists.concat(), leaves }
+    }
+
+    /// True if all cells of a block are leaves.
+    pub(super) fn is_leaf(&self, number: usize) -> bool {
+        self.leaves[number]
+    }
+
+    /// The brick at a place among those of a block.
+    pub(super) fn at(&self, grid: &AmrGrid, number: usize, at: [i64; 3]) -> &Brick {
+        let [_, n] = brick_box(grid, number);
+        &self.bricks[self.starts[number] + ((at[2] * n[1] + at[1]) * n[0] + at[0]) as usize]
+    }
+}
+
+/// Numbers of bricks of a block, from 0.
+fn brick_box(grid: &AmrGrid, number: usize) -> [[i64; 3]; 2] {
+    let cells = grid.blocks[number].cells(grid.centring);
+    [[0; 3], cells.map(|n| (n as i64 + EDGE - 1) / EDGE)]
+}
+
+fn brick(grid: &AmrGrid, number: usize, at: [i64; 3]) -> Brick {
+    let block = &grid.blocks[number];
+    let cells = block.cells(grid.centring);
+    let from: [i64; 3] = std::array::from_fn(|a| block.first[a] + at[a] * EDGE);
+    let to: [i64; 3] = std::array::from_fn(|a| (from[a] + EDGE).min(block.first[a] + cells[a] as i64));
+    let covered = each_index(from, to).filter(|&cell| grid.is_covered(block.level, cell)).count();
+    let cells_in = each_index(from, to).count();
+    let mut brick = Brick {
+        range: [f32::INFINITY, f32::NEG_INFINITY],
+        has_finer: covered > 0,
+        has_leaf: covered < cells_in,
+        has_vacuum: false,
+    };
+    if brick.has_leaf {
+        enclose(grid, block.level, from.map(|x| x - 1), to.map(|x| x + 1), &mut brick);
+    }
+    brick
+}
+
+/// Widens a brick's range by all that the field among some cells of a level, `to` excluded, is made of.
+fn enclose(grid: &AmrGrid, level: usize, from: [i64; 3], to: [i64; 3], brick: &mut Brick) {
+    let mut reaches_coarser = false;
+    for cell in each_index(from, to) {
+        if grid.holder_of_cell(level, cell).is_some() {
+            continue;
+        }
+        let is_solid = level > 0 && {
+            let mut coarser = cell;
+            (0..level).rev().any(|l| {
+                coarser = divided(coarser, grid.levels[l + 1].ratio);
+                grid.holder_of_cell(l, coarser).is_some()
+            })
+        };
+        reaches_coarser |= is_solid;
+        brick.has_vacuum |= !is_solid && is_near_inside(grid, level, cell);
+    }
+    let beyond = grid.centring.beyond();
+    for at in each_index(from, to.map(|x| x + beyond)) {
+        let value = grid.sample(level, at) as f32;
+        if value.is_nan() {
+            // A cell without a value, or none.
+            brick.has_vacuum |= grid.holds_sample(level, at);
+        } else {
+            brick.range = [brick.range[0].min(value), brick.range[1].max(value)];
+        }
+    }
+    if reaches_coarser {
+        let ratio = grid.levels[level].ratio;
+        let from = divided(from, ratio).map(|x| x - 1);
+        let to = divided(to.map(|x| x - 1), ratio).map(|x| x + 2);
+        enclose(grid, level - 1, from, to, brick);
+    }
+}
+
+/// True if a missing cell makes vacuum within the box of the values: if that reaches nearer to it than half a cell. Cells beyond the outermost
+/// values do not, where those are all of one level.
+fn is_near_inside(grid: &AmrGrid, level: usize, cell: [i64; 3]) -> bool {
+    let elements = grid.centring.elements();
+    let half = grid.spacing_of(level) * 0.5 * (elements - 1) as f64;
+    let low = grid.position(level, cell.map(|x| x * elements)) - half;
+    let high = grid.position(level, cell.map(|x| (x + 1) * elements)) + half;
+    let slack = grid.finest_spacing() * 1e-6;
+    let (inside_low, inside_high) = grid.bounds();
+    (low + slack).cmplt(inside_high).all() && (high - slack).cmpgt(inside_low).all()
+}

@@ -1,0 +1,96 @@
+//! An adaptive mesh as a field.
+
+use glam::DVec3;
+
+use super::element::interpolated;
+use super::grid::AmrGrid;
+use super::line::AmrLine;
+use super::nodes::Quantity;
+use crate::field::{Field, FieldLine, Stretch};
+use crate::ray::Ray;
+use crate::view::Clip;
+
+impl AmrGrid {
+    /// Quantity at a world position; NaN in vacuum.
+    fn at<Q: Quantity>(&self, at: DVec3) -> Q {
+        let Some(element) = self.element_at(at) else { return Q::NONE };
+        let place = self.coordinates(element, at).clamp(DVec3::ZERO, DVec3::ONE);
+        interpolated(&self.corners::<Q>(element), place)
+    }
+
+    /// True if a world position is in the box of the values, up to rounding.
+    fn is_inside(&self, at: DVec3) -> bool {
+        let (low, high) = self.bounds();
+        let slack = self.finest_spacing() * 1e-9;
+        at.cmpge(low - slack).all() && at.cmple(high + slack).all()
+    }
+}
+
+impl Field for AmrGrid {
+    fn kind(&self) -> &'static str {
+        "adaptive mesh"
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        self.bounds()
+    }
+
+    fn spacing(&self) -> f64 {
+        self.mean_spacing()
+    }
+
+    fn value_range(&self) -> Option<(f64, f64)> {
+        Some(self.value_range())
+    }
+
+    fn value(&self, at: DVec3) -> Option<f64> {
+        if !self.is_inside(at) {
+            return None;
+        }
+        let value = self.inner_value(at).unwrap_or_else(|| self.at(at));
+        (!value.is_nan()).then_some(value)
+    }
+
+    fn values(&self, at: &[DVec3], out: &mut [f64]) {
+        self.fill_values(at, out);
+    }
+
+    fn has_gradient(&self) -> bool {
+        true
+    }
+
+    fn gradient(&self, at: DVec3) -> Option<DVec3> {
+        if !self.is_inside(at) {
+            return None;
+        }
+        let gradient: DVec3 = self.at(at);
+        (!gradient.is_nan()).then_some(gradient)
+    }
+
+    fn jumps(&self, ray: &Ray, part: [f64; 2], out: &mut Vec<f64>) {
+        let mut stretches = Vec::new();
+        self.stretches_along(ray, part, &mut stretches);
+        for (number, stretch) in stretches.iter().enumerate() {
+            if number == 0 || !stretches[number - 1].touches(stretch) {
+                out.push(stretch.from);
+            }
+            if stretches.get(number + 1).is_none_or(|next| !stretch.touches(next)) {
+                out.push(stretch.to);
+            }
+        }
+    }
+
+    fn stretches(&self, ray: &Ray, part: [f64; 2], out: &mut Vec<Stretch>) -> bool {
+        self.stretches_along(ray, part, out);
+        true
+    }
+
+    fn along<'a>(&'a self, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Box<dyn FieldLine + 'a>> {
+        Some(Box::new(AmrLine::new(self, ray, clip, far, gradients)?))
+    }
+
+    fn prepare_derived(&self) {
+        self.tree();
+        self.bricks();
+    }
+}

@@ -1,0 +1,44 @@
+//! What a resampling did, in words.
+
+use super::run::{Correction, Resampled};
+use crate::resample::Integral;
+
+impl Resampled {
+    /// What was done and what it cost, one note a line.
+    pub fn notes(&self) -> Vec<String> {
+        // Single precision has the digits that people read.
+        let short = |x: f64| x as f32;
+        let times = |dims: [String; 3]| dims.join("×");
+        let spacing = self.grid.placement().spacing().to_array().map(|s| short(s).to_string()).join(" ");
+        let vacuum = match self.vacuum {
+            0 => "none is vacuum".to_owned(),
+            _ => format!("{:.1} % of them are vacuum", 100.0 * self.vacuum_share()),
+        };
+        let (kind, filter, dims) = (self.kind, self.choices.filter, times(self.grid.dims().map(|n| n.to_string())));
+        let mut notes =
+            vec![format!("resampled: {kind} to {dims} voxels, {spacing} apart, by the filter {filter}; {vacuum}")];
+        if let Some(wanted) = self.wanted {
+            let (wanted, most) = (times(wanted.map(|n| n.to_string())), self.choices.max_finest);
+            notes.push(format!(
+                "resampled: its finest cells would take {wanted}; 'finest' stops at {most} voxels: name a size for more"
+            ));
+        }
+        let Integral { value, is_exact, .. } = self.before;
+        let how = if is_exact { "" } else { ", estimated" };
+        let (before, after, error) = (short(value), short(self.after.value), self.integral_error());
+        notes.push(format!("resampled: the integral was {before}{how}, and is {after}: off by {error:.1e} of it"));
+        match self.correction {
+            Some(Correction::Factor(factor)) => {
+                notes.push(format!("resampled: every voxel times {factor:.6}, to conserve the integral"));
+            }
+            Some(Correction::Shift(shift)) => {
+                let shift = short(shift);
+                notes.push(format!(
+                    "resampled: every voxel plus {shift}, to conserve the integral of values of both signs"
+                ));
+            }
+            None => {}
+        }
+        notes
+    }
+}
