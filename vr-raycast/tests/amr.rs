@@ -130,7 +130,7 @@ fn a_linear_field_has_no_cracks() {
         let grid = mesh(centring, value);
         let (low, high) = grid.bounds();
         let corner = |i: usize| DVec3::select(glam::BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), high, low);
-        let corners = (0..8).map(|i| value(corner(i)) as f32).collect();
+        let corners: Vec<f32> = (0..8).map(|i| value(corner(i)) as f32).collect();
         let placement = Placement::new(low, glam::DMat3::from_diagonal(high - low)).unwrap();
         let linear = UniformGrid::new([2; 3], corners, placement, Calibration::default());
         let [a, b] = [grid.into(), Volume::from(linear.unwrap())].map(|volume| Scene::new(volume, ramp.clone()));
