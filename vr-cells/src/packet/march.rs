@@ -216,9 +216,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         let mut attributes = [value; N];
         if N > 1 {
             let gradients = transpose(gradients);
-            for i in 1..N {
-                attributes[i] = gradients[i - 1];
-            }
+            attributes[1..].copy_from_slice(&gradients[..N - 1]);
         }
         let scale = far * scene.widening + 1.0;
         let x = ((at[0] - ray[0]) + (at[2] - ray[2])) * scale;
