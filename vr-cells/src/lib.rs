@@ -51,7 +51,9 @@ mod marcher;
 mod medium;
 mod options;
 mod prepared;
+mod projection;
 mod study;
 mod walk;
 
 pub use marcher::CellMarcher;
+pub use projection::{Attenuation, CellProjector};
