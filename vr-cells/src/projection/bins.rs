@@ -5,6 +5,7 @@ use vr_core::CellMesh;
 use crate::camera_space::CameraVertex;
 
 use super::screen::Screen;
+use super::tiling::{TileLists, TileRange};
 
 /// Pixels along the edge of a tile.
 const TILE: u32 = 16;
@@ -15,9 +16,7 @@ const MARGIN: f64 = 0.01;
 
 /// Cells by tile.
 pub(super) struct Bins {
-    /// Cells of tile t are `order[first[t]..first[t + 1]]`.
-    first: Vec<usize>,
-    order: Vec<u32>,
+    lists: TileLists,
     /// Cells of every tile.
     wide: Vec<u32>,
     /// Lowest and highest corner of each cell's box, in pixels.
@@ -54,43 +53,19 @@ impl Bins {
             let tile = |x: f32, a: usize| ((x.max(0.0) as u32) / TILE).min(tiles[a] - 1);
             [0, 1].map(|a| [tile(low[a], a), tile(high[a], a) + 1])
         };
-        let area = |[x, y]: [[u32; 2]; 2]| (x[1] - x[0]) * (y[1] - y[0]);
-        let each = |[x, y]: [[u32; 2]; 2], visit: &mut dyn FnMut(usize)| {
-            for row in y[0]..y[1] {
-                (x[0]..x[1]).for_each(|column| visit((row * tiles[0] + column) as usize));
-            }
-        };
-        // Count, then fill.
-        let mut first = vec![0usize; (tiles[0] * tiles[1]) as usize + 1];
-        let mut wide = Vec::new();
-        let placed = || boxes.iter().enumerate().filter(|(_, b)| b[0][0] <= b[1][0]).map(|(cell, b)| (cell, range(b)));
-        for (cell, range) in placed() {
-            if area(range) > MAX_TILES {
-                wide.push(cell as u32);
-            } else {
-                each(range, &mut |tile| first[tile + 1] += 1);
-            }
-        }
-        for tile in 1..first.len() {
-            first[tile] += first[tile - 1];
-        }
-        let mut next = first.clone();
-        let mut order = vec![0; first[first.len() - 1]];
-        for (cell, range) in placed().filter(|(_, range)| area(*range) <= MAX_TILES) {
-            each(range, &mut |tile| {
-                order[next[tile]] = cell as u32;
-                next[tile] += 1;
-            });
-        }
-        Self { first, order, wide, boxes, across: tiles[0] }
+        let area = |[x, y]: TileRange| (x[1] - x[0]) * (y[1] - y[0]);
+        let placed =
+            boxes.iter().enumerate().filter(|(_, b)| b[0][0] <= b[1][0]).map(|(cell, b)| (cell as u32, range(b)));
+        let wide = placed.clone().filter(|p| area(p.1) > MAX_TILES).map(|p| p.0).collect();
+        let lists = TileLists::new(tiles, placed.filter(|p| area(p.1) <= MAX_TILES), usize::MAX);
+        Self { lists: lists.expect("any number is allowed"), wide, boxes, across: tiles[0] }
     }
 
     /// Cells whose box holds a place of the picture, in pixels.
     pub(super) fn near(&self, [x, y]: [f64; 2]) -> impl Iterator<Item = u32> + '_ {
         let tile = (y as u32 / TILE * self.across + x as u32 / TILE) as usize;
-        let here = &self.order[self.first[tile]..self.first[tile + 1]];
         let at = [x as f32, y as f32];
-        here.iter().chain(&self.wide).copied().filter(move |&cell| {
+        self.lists.of(tile).iter().chain(&self.wide).copied().filter(move |&cell| {
             let [low, high] = self.boxes[cell as usize];
             (0..2).all(|a| low[a] <= at[a] && at[a] <= high[a])
         })

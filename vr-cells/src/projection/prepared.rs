@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::image_order::{ImageSample, trace_view};
+use vr_core::image_order::{ImageSample, trace_pixels, trace_view};
 use vr_core::{
     CellMesh, Compositing, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats,
     Rendered, Scene, View,
@@ -12,6 +12,7 @@ use vr_core::{
 
 use crate::accumulators::{Gathered, Seen};
 use crate::camera_space::CameraSpace;
+use crate::entries::{SurfaceFace, surface};
 use crate::medium::{ExtinctionTable, Medium};
 use crate::walk::Part;
 
@@ -19,19 +20,38 @@ use super::bins::Bins;
 use super::fragments::Fragments;
 use super::projector::CellProjector;
 use super::screen::Screen;
+use super::segment_table::SegmentTable;
+use super::sorted::{Sorted, SortedScene};
 
 /// A scene and its mesh.
 pub(super) struct PreparedProjector {
     renderer: CellProjector,
     scene: Scene,
     mesh: Arc<CellMesh>,
+    surface: Vec<SurfaceFace>,
+    /// Integrals of the transfer function; none where the scene has to be drawn ray by ray.
+    table: Option<SegmentTable>,
 }
 
 impl PreparedProjector {
     pub(super) fn new(renderer: CellProjector, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
         let mesh = renderer.check(scene)?;
         control.check()?;
-        Ok(Self { renderer, scene: scene.clone(), mesh })
+        let (surface, table) = (surface(&mesh), table_of(scene, &mesh));
+        Ok(Self { renderer, scene: scene.clone(), mesh, surface, table })
+    }
+
+    /// Draws cell by cell, where the scene allows it.
+    fn draw_sorted(
+        &self,
+        view: &View,
+        control: &Control,
+        layer: Option<&Layer>,
+        stats: &mut RenderStats,
+    ) -> Result<Option<Sorted>, RenderError> {
+        let Some(table) = &self.table else { return Ok(None) };
+        SortedScene { renderer: &self.renderer, scene: &self.scene, surface: &self.surface, table }
+            .draw(view, control, layer, stats)
     }
 
     /// True if a cell may be seen, by its values.
@@ -47,13 +67,14 @@ impl PreparedProjector {
         segments[first..].iter().take_while(|s| s.from <= high).any(|s| !s.is_clear())
     }
 
-    /// Draws every ray by itself, with values alone (`N` = 1) or with gradients (`N` = 4).
+    /// Draws rays by themselves, with values alone (`N` = 1) or with gradients (`N` = 4): those of some pixels, or all.
     fn draw_rays<const N: usize>(
         &self,
         view: &View,
         control: &Control,
         layer: Option<&Layer>,
         stats: &mut RenderStats,
+        pixels: Option<&[[u32; 2]]>,
     ) -> Result<Vec<Seen>, RenderError> {
         let scene = &self.scene;
         let camera = CameraSpace::new(view)?;
@@ -98,16 +119,35 @@ impl PreparedProjector {
                 depth: seen.depth.min(layer.depth(sample.pixel)),
             })
         };
-        let (seen, counts) = stats.time("fragments", || trace_view(view, control, scratch, trace))?;
+        let (seen, counts) = stats.time("fragments", || match pixels {
+            Some(pixels) => trace_pixels(view, pixels, control, scratch, trace),
+            None => trace_view(view, control, scratch, trace),
+        })?;
         stats.counts += counts;
         Ok(seen)
     }
+}
+
+/// Returns the integrals of a scene's transfer function, if light is all that it asks for.
+fn table_of(scene: &Scene, mesh: &CellMesh) -> Option<SegmentTable> {
+    let is_light = match scene.compositing {
+        Compositing::Over => true,
+        Compositing::Accumulate { level } => level >= 1.0,
+        _ => false,
+    };
+    let follows = scene.reflection().is_some() || scene.has_gradient_opacity() || scene.transfer.has_rows();
+    let (low, high) = mesh.value_range();
+    if is_light && !follows { SegmentTable::new(&scene.transfer, [low, high]) } else { None }
 }
 
 impl Prepared for PreparedProjector {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
         let mesh = self.renderer.check(scene)?;
         control.check()?;
+        if !self.scene.volume.same(&scene.volume) {
+            self.surface = surface(&mesh);
+        }
+        self.table = table_of(scene, &mesh);
         self.mesh = mesh;
         self.scene = scene.clone();
         Ok(())
@@ -119,10 +159,20 @@ impl Prepared for PreparedProjector {
         let mut stats = RenderStats::default();
         let layer = self.scene.layer(view, control)?;
         let needs_gradients = self.scene.reflection().is_some() || self.scene.has_gradient_opacity();
+        let layer = layer.as_ref();
         let seen = if needs_gradients {
-            self.draw_rays::<4>(view, control, layer.as_ref(), &mut stats)?
+            self.draw_rays::<4>(view, control, layer, &mut stats, None)?
+        } else if let Some(sorted) = self.draw_sorted(view, control, layer, &mut stats)? {
+            let mut pixels = sorted.pixels;
+            if !sorted.left.is_empty() {
+                let left = self.draw_rays::<1>(view, control, layer, &mut stats, Some(&sorted.left))?;
+                for ([x, y], seen) in sorted.left.iter().zip(left) {
+                    pixels[(y * view.size[0] + x) as usize] = seen;
+                }
+            }
+            pixels
         } else {
-            self.draw_rays::<1>(view, control, layer.as_ref(), &mut stats)?
+            self.draw_rays::<1>(view, control, layer, &mut stats, None)?
         };
         let pixels = seen.iter().map(|s| s.rgba.map(|x| x as f32)).collect();
         let depth = seen.iter().map(|s| s.depth as f32).collect();

@@ -50,22 +50,29 @@ pub fn transfer(opacity: f64) -> TransferFunction {
     TransferFunction::new(points, OpacityRule::Power, 0.1).unwrap()
 }
 
-/// Largest error of a renderer against the reference, less its bound.
-pub fn error(renderer: &dyn Renderer, scene: &Scene, view: &View) -> f64 {
+/// Largest error of a renderer against the reference, less its bound, and the root mean square.
+pub fn errors(renderer: &dyn Renderer, scene: &Scene, view: &View) -> (f64, f64) {
     let control = Control::default();
     let frame = renderer.prepare(scene, &control).unwrap().render(view, &control).unwrap().frame;
     let exact = Reference::default().solve(scene, view, &Model::Canonical, &control).unwrap();
-    let mut largest = 0.0f64;
+    let (mut largest, mut sum) = (0.0f64, 0.0);
     for (i, (found, exact)) in frame.pixels().iter().zip(&exact.pixels).enumerate() {
         for c in 0..4 {
-            let off = (f64::from(found[c]) - exact.rgba[c]).abs() - exact.certainty.value();
+            let off = ((f64::from(found[c]) - exact.rgba[c]).abs() - exact.certainty.value()).max(0.0);
+            sum += off * off;
             if off > largest {
                 println!("pixel {i}: {found:?} for {:?}", exact.rgba);
                 largest = off;
             }
         }
     }
-    largest
+    (largest, (sum / (4 * frame.pixels().len()) as f64).sqrt())
+}
+
+/// Largest error of a renderer against the reference, less its bound.
+#[allow(dead_code, reason = "each test file compiles the whole module")]
+pub fn error(renderer: &dyn Renderer, scene: &Scene, view: &View) -> f64 {
+    errors(renderer, scene, view).0
 }
 
 pub fn view(yaw: f64, pitch: f64, fov: Option<f64>) -> View {
