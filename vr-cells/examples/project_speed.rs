@@ -1,5 +1,7 @@
 //! Prints the time of a frame of tetrahedra by the projector and by the marcher, and how far their pictures are apart: 512² pixels, one thread.
+//! Times are those of the processor where the system tells them, so that other programs do not count.
 
+use std::sync::LazyLock;
 use std::time::Instant;
 
 use glam::DVec3;
@@ -7,15 +9,32 @@ use vr_cells::{Attenuation, CellMarcher, CellProjector};
 use vr_core::phantom::{self, MarschnerLobb, Phantom};
 use vr_core::*;
 
+/// Seconds that the process has run, or that have passed where the system does not tell.
+fn clock() -> f64 {
+    static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let nanoseconds = |task: std::fs::DirEntry| {
+        let text = std::fs::read_to_string(task.path().join("schedstat")).ok()?;
+        text.split(' ').next()?.parse::<f64>().ok()
+    };
+    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let run: f64 = tasks.filter_map(nanoseconds).sum();
+    if run > 0.0 { 1e-9 * run } else { BEGIN.elapsed().as_secs_f64() }
+}
+
 /// The fastest of several frames in seconds, and the picture.
-fn frame(renderer: &dyn Renderer, scene: &Scene, view: &View, frames: u32) -> Result<(f64, Rendered), RenderError> {
-    let control = Control::default().with_threads(1);
-    let mut prepared = renderer.prepare(scene, &control)?;
+fn frame(
+    renderer: &dyn Renderer,
+    scene: &Scene,
+    view: &View,
+    control: &Control,
+    frames: u32,
+) -> Result<(f64, Rendered), RenderError> {
+    let mut prepared = renderer.prepare(scene, control)?;
     let mut best: Option<(f64, Rendered)> = None;
     for _ in 0..frames {
-        let start = Instant::now();
-        let rendered = prepared.render(view, &control)?;
-        let seconds = start.elapsed().as_secs_f64();
+        let start = clock();
+        let rendered = prepared.render(view, control)?;
+        let seconds = clock() - start;
         if best.as_ref().is_none_or(|b| seconds < b.0) {
             best = Some((seconds, rendered));
         }
@@ -35,12 +54,12 @@ fn difference(a: &Frame, b: &Frame) -> (f64, f64) {
     (largest, (sum / (4 * a.pixels().len()) as f64).sqrt())
 }
 
-fn row(name: &str, scene: &Scene, view: &View) -> Result<(), RenderError> {
+fn row(name: &str, scene: &Scene, view: &View, control: &Control) -> Result<(), RenderError> {
     let cells = scene.volume.cells().map_or(0, |mesh| mesh.cells().len());
-    let (seconds, projected) = frame(&CellProjector::default(), scene, view, 5)?;
-    let (march, marched) = frame(&CellMarcher::default(), scene, view, 1)?;
+    let (seconds, projected) = frame(&CellProjector::default(), scene, view, control, 5)?;
+    let (march, marched) = frame(&CellMarcher::default(), scene, view, control, 1)?;
     let classic = CellProjector { attenuation: Attenuation::Linear, ..CellProjector::default() };
-    let (classic_seconds, classic) = frame(&classic, scene, view, 1)?;
+    let (classic_seconds, classic) = frame(&classic, scene, view, control, 1)?;
     let (largest, rms) = difference(&projected.frame, &marched.frame);
     let (classic_largest, classic_rms) = difference(&classic.frame, &marched.frame);
     println!(
@@ -87,6 +106,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         p(200.0, [0.95, 0.8, 0.35], 0.9),
         p(255.0, [1.0, 0.45, 0.2], 0.95),
     ];
+    // Kept to the end: what its thread has run is counted as long as it lives.
+    let control = Control::default().with_threads(1);
     let camera = Camera {
         eye: DVec3::new(68.083051606, -74.210491595, 53.913360989),
         target: DVec3::splat(16.0),
@@ -96,7 +117,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let view = View::new(camera, [512; 2]);
     for (name, points) in [("translucent", translucent), ("opaque", opaque)] {
         let transfer = TransferFunction::new(points, OpacityRule::Power, 0.125)?;
-        row(name, &Scene::new(mesh.clone().into(), transfer), &view)?;
+        row(name, &Scene::new(mesh.clone().into(), transfer), &view, &control)?;
     }
     // Six for each cell of a grid of blobs.
     for side in [13, 33, 70] {
@@ -106,7 +127,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let scene = Scene { volume: mesh.into(), ..scene };
         for fov in [None, Some(30.0)] {
             let view = View::new(Camera::framing(scene.volume.bounds(), 33.0, 21.0, fov), [512; 2]);
-            row(if fov.is_some() { "perspective" } else { "parallel" }, &scene, &view)?;
+            row(if fov.is_some() { "perspective" } else { "parallel" }, &scene, &view, &control)?;
         }
     }
     Ok(())

@@ -58,7 +58,7 @@ pub(super) struct OutlineLanes<S: Simd> {
 
 impl<S: Simd> OutlineLanes<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, outline: &Outline, range: [f64; 2]) -> Self {
+    pub(super) fn new(simd: S, outline: &Outline, range: [f32; 2]) -> Self {
         let edge = |i: usize| {
             let edge = &outline.edges[i];
             let (scale, bias) = (edge.scale as f32, edge.bias as f32);
@@ -72,7 +72,7 @@ impl<S: Simd> OutlineLanes<S> {
             kink: outline.base.kink.map(|(line, more)| (LineLanes::new(simd, line), more.map(|x| x as f32))),
             base_is_front: outline.base_is_front,
             rise: outline.rise.map(|x| x as f32),
-            range: range.map(|x| x as f32),
+            range,
         }
     }
 
@@ -130,12 +130,13 @@ impl<S: Simd> OutlineLanes<S> {
                 ((if self.base_is_front { a } else { b }) * along, length, [value * a, other[1] * b])
             }
         };
-        let [low, high] = self.range.map(|x| splat(simd, x));
+        let (low, high) = (splat(simd, self.range[0]), splat(simd, self.range[1]));
         // Outside of the outline, planes seen from their edges have any value.
-        let kept = |value: f32x16<S>| pick(inside, value.max(low).min(high), low);
-        let [base, other] = [kept(base), kept(other)];
+        let base = pick(inside, base.max(low).min(high), low);
+        let other = pick(inside, other.max(low).min(high), low);
         let ends = if self.base_is_front { [base, other] } else { [other, base] };
-        Segments { ends, near: pick(inside, near, splat(simd, 0.0)), length: pick(inside, length, splat(simd, 0.0)) }
+        let zero = splat(simd, 0.0);
+        Segments { ends, near: pick(inside, near, zero), length: pick(inside, length, zero) }
     }
 }
 

@@ -55,6 +55,7 @@ pub(super) struct ScreenMesh<'a> {
     /// Places of the cells' own values in the table, if they have such.
     of_cells: Option<Vec<f64>>,
     facing: Vec<Facing>,
+    ranges: Vec<[f32; 2]>,
 }
 
 impl<'a> ScreenMesh<'a> {
@@ -91,7 +92,12 @@ impl<'a> ScreenMesh<'a> {
             }
             Facing(bits)
         });
-        Self { mesh, vertices, perspective: screen.perspective, of_cells, facing }
+        let ranges = vr_core::parallel::collect(mesh.cells().len(), |cell| {
+            let places = mesh.corner_values(cell).map(|v| place(v) as f32);
+            let pick = |pick: fn(f32, f32) -> f32| pick(pick(places[0], places[1]), pick(places[2], places[3]));
+            [pick(f32::min), pick(f32::max)]
+        });
+        Self { mesh, vertices, perspective: screen.perspective, of_cells, facing, ranges }
     }
 
     /// Corners of a cell, as the values of the cell are.
@@ -112,17 +118,8 @@ impl<'a> ScreenMesh<'a> {
     }
 
     /// Lowest and highest place in the table of a cell's values.
-    pub(super) fn range(&self, cell: usize) -> [f64; 2] {
-        if let Some(values) = &self.of_cells {
-            return [values[cell]; 2];
-        }
-        let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
-        for v in self.mesh.cells()[cell] {
-            let vertex = &self.vertices[v as usize];
-            let value = if self.perspective { vertex.value / vertex.depth } else { vertex.value };
-            (low, high) = (low.min(value), high.max(value));
-        }
-        [low, high]
+    pub(super) fn range(&self, cell: usize) -> [f32; 2] {
+        self.ranges[cell]
     }
 }
 

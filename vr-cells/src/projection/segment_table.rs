@@ -3,11 +3,11 @@
 use vr_core::{OpacityRule, TransferFunction};
 
 /// Intervals of a table, and values by which it goes on beyond the range.
-const MIN_INTERVALS: usize = 1024;
+const MIN_INTERVALS: usize = 4096;
 const MAX_INTERVALS: usize = 1 << 14;
-const BEYOND: usize = 2;
+const BEYOND: usize = 4;
 /// Intervals in the narrowest range of values between two control points.
-const IN_SEGMENT: f64 = 12.0;
+const IN_SEGMENT: f64 = 32.0;
 /// Intervals of a transfer function that jumps.
 const FOR_JUMPS: f64 = 8192.0;
 /// Opacity under the power rule above which extinction is too steep for a table.
@@ -18,13 +18,12 @@ const PARTS: usize = 128;
 const NODES: [f64; 3] = [0.112_701_665_379_258_31, 0.5, 0.887_298_334_620_741_7];
 const WEIGHTS: [f64; 3] = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
 
-/// One interval of values: integrals of (extinction, light) from the table's start up to a fraction `f` of it are `start + f (rate + f bend)`.
+/// One interval of values: integrals of (extinction, light) from the table's start up to a fraction `f` of it are `start + f rate`.
 #[derive(Clone, Copy, Debug, Default)]
-#[repr(align(64))]
+#[repr(align(32))]
 pub(super) struct Interval {
     pub(super) start: [f32; 4],
     pub(super) rate: [f32; 4],
-    pub(super) bend: [f32; 4],
 }
 
 /// Integrals of extinction and of the light sent, over values, at equal intervals.
@@ -111,14 +110,7 @@ impl SegmentTable {
                     parts[part] = parts[part].max(most as f32);
                 }
             }
-            let at = transfer.at(from);
-            let rate = optics(at.opacity, light_of(&at));
-            let bend: [f64; 4] = std::array::from_fn(|c| integral[c] - rate[c]);
-            self.intervals.push(Interval {
-                start: sum.map(|x| x as f32),
-                rate: rate.map(|x| x as f32),
-                bend: bend.map(|x| x as f32),
-            });
+            self.intervals.push(Interval { start: sum.map(|x| x as f32), rate: integral.map(|x| x as f32) });
             (0..4).for_each(|c| sum[c] += integral[c]);
         }
         // The largest between each two parts.
@@ -143,8 +135,8 @@ impl SegmentTable {
     }
 
     /// Largest extinction between two places, in ascending order; `None` if nothing between them can be seen.
-    pub(super) fn largest(&self, [low, high]: [f64; 2]) -> Option<f32> {
-        let part = |place: f64| ((place / self.per_part) as usize).min(PARTS - 1);
+    pub(super) fn largest(&self, [low, high]: [f32; 2]) -> Option<f32> {
+        let part = |place: f32| ((place / self.per_part as f32) as usize).min(PARTS - 1);
         let most = self.largest[part(low) * PARTS + part(high)];
         (most >= 0.0).then_some(most)
     }
@@ -169,13 +161,13 @@ mod tests {
         let up_to = |value: f64| {
             let place = table.place(value);
             let (i, f) = (place as usize, (place - place.floor()) as f32);
-            let Interval { start, rate, bend } = table.intervals[i];
-            f64::from(start[0] + f * (rate[0] + f * bend[0])) / table.per_value
+            let Interval { start, rate } = table.intervals[i];
+            f64::from(start[0] + f * rate[0]) / table.per_value
         };
         // Extinction is opacity by 0.5: two triangles and what is constant.
         let exact = 2.0 * (0.5 * 0.2 * 0.6 + 0.5 * (0.2 + 0.9) * 0.5 + 0.9 * 0.1);
         assert!((up_to(0.9) - up_to(0.05) - exact).abs() < 1e-5, "{} for {exact}", up_to(0.9) - up_to(0.05));
-        assert_eq!(table.largest([0.0, table.place(0.05)]), None);
-        assert!((table.largest([0.0, table.place(0.99)]).unwrap() - 1.8).abs() < 1e-5);
+        assert_eq!(table.largest([0.0, table.place(0.05) as f32]), None);
+        assert!((table.largest([0.0, table.place(0.99) as f32]).unwrap() - 1.8).abs() < 1e-5);
     }
 }

@@ -54,96 +54,154 @@ fn look_up<S: Simd>(simd: S, table: &[Interval], place: f32x16<S>) -> Found<S> {
     let zero = f32x4::splat(simd, 0.0);
     let (mut integrals, mut rates) = ([zero; LANES], [zero; LANES]);
     for i in 0..LANES {
-        let row = &table[(index[i] as u32 as usize).min(table.len() - 1)];
-        let fraction = f32x4::splat(simd, fraction[i]);
+        let row = &table[index[i] as u32 as usize];
         let rate = f32x4::load_array_ref(simd, &row.rate);
-        let bent = f32x4::load_array_ref(simd, &row.bend) * fraction;
-        integrals[i] = f32x4::load_array_ref(simd, &row.start) + fraction * (rate + bent);
-        rates[i] = rate + (bent + bent);
+        integrals[i] = f32x4::load_array_ref(simd, &row.start) + f32x4::splat(simd, fraction[i]) * rate;
+        rates[i] = rate;
     }
     // Integrals stay packed: only differences of them are wanted.
     Found { integrals: packed(integrals), rates: transpose(rates) }
 }
 
-/// Optical depth of a part of a segment that is taken at once.
-const AT_ONCE: f32 = 0.15;
-/// Parts of a segment at most.
-const MAX_PARTS: u32 = 24;
+/// Severity of a segment (see [`severity`]) up to which it is taken at once, and of a part of a more severe one; parts at most: one behind the first few is
+/// dark, or has one colour.
+const AT_ONCE: f32 = 0.008;
+const PART: f32 = 0.002;
+const MAX_PARTS: u32 = 16;
+/// Severity of light that changes in a straight line, by the square of its optical depth.
+const STRAIGHT: f32 = 0.15;
 /// Intervals of the table, below which a difference of two integrals is more rounding than integral.
-const NARROW: f32 = 2.0;
+const NARROW: f32 = 4.0;
 
-/// Number of parts in which segments are taken, the longest of which has an optical depth of at most this.
-#[inline(always)]
-fn parts<S: Simd>(simd: S, length: f32x16<S>, extinction: f32) -> u32 {
-    if !(length * extinction).simd_gt(splat(simd, AT_ONCE)).any_true() {
-        return 1;
+/// Segments, or parts of them, of one length each.
+#[derive(Clone, Copy)]
+struct Steps<S: Simd> {
+    length: f32x16<S>,
+    /// Length for each interval of the table; 0 where the range of values is narrow.
+    stretch: f32x16<S>,
+    is_narrow: mask32x16<S>,
+    any_narrow: bool,
+}
+
+impl<S: Simd> Steps<S> {
+    /// Steps from one place to another in the table, by `rise`.
+    #[inline(always)]
+    fn new(simd: S, rise: f32x16<S>, length: f32x16<S>) -> Self {
+        let is_narrow = rise.abs().simd_lt(splat(simd, NARROW));
+        let stretch = pick(is_narrow, splat(simd, 0.0), length / pick(is_narrow, splat(simd, 1.0), rise));
+        Self { length, stretch, is_narrow, any_narrow: is_narrow.any_true() }
     }
-    let longest = length.to_array().into_iter().fold(0.0, f32::max);
-    ((longest * extinction / AT_ONCE).ceil() as u32).clamp(1, MAX_PARTS)
+
+    /// Optical depth, and the light that is sent, of steps between two look-ups.
+    #[inline(always)]
+    fn sums(&self, simd: S, start: &Found<S>, end: &Found<S>) -> [f32x16<S>; 4] {
+        // Without `map`, which is not inlined here and would lose the level's instructions.
+        let [a, b, c, d] = end.integrals;
+        let [e, f, g, h] = start.integrals;
+        let [tau, red, green, blue] = transpose_packed([a - e, b - f, c - g, d - h]);
+        let by = self.stretch;
+        let mut sums = [tau * by, red * by, green * by, blue * by];
+        if self.any_narrow {
+            // On a narrow range what is integrated is linear.
+            for c in 0..4 {
+                let mean = (start.rates[c] + end.rates[c]) * 0.5;
+                sums[c] = pick(self.is_narrow, mean * self.length, sums[c]);
+            }
+        }
+        sums[0] = sums[0].max(splat(simd, 0.0));
+        sums
+    }
+}
+
+/// Measure of what a segment's light may be off by, at a transmittance: its optical depth by what of that does not follow from both ends, because a control
+/// point lies between, and by itself.
+#[inline(always)]
+fn severity<S: Simd>(
+    clear: f32x16<S>,
+    tau: f32x16<S>,
+    length: f32x16<S>,
+    (start, end): (&Found<S>, &Found<S>),
+) -> f32x16<S> {
+    let straight = (start.rates[0] + end.rates[0]) * 0.5 * length;
+    clear * tau * ((tau - straight).abs() + tau * STRAIGHT)
+}
+
+/// Light and transmittance while a cell is added.
+#[derive(Clone, Copy)]
+struct Sums<S: Simd> {
+    light: [f32x16<S>; 3],
+    clear: f32x16<S>,
+}
+
+impl<S: Simd> Sums<S> {
+    /// Adds steps; returns the samples in which half becomes hidden, if there are any, and the transmittance before.
+    #[inline(always)]
+    fn add(
+        &mut self,
+        simd: S,
+        steps: &Steps<S>,
+        [tau, red, green, blue]: [f32x16<S>; 4],
+        (start, end): (&Found<S>, &Found<S>),
+    ) -> Option<(mask32x16<S>, f32x16<S>)> {
+        let (weight, alpha) = source_weight_and_opacity(simd, tau);
+        // Light from the far end is dimmed by more than that from the near end: to the first order, by what both change on the way.
+        let scale = steps.length * (1.0 / 12.0);
+        let change = |c: usize| (end.rates[c] - start.rates[c]) * scale;
+        let deepens = change(0);
+        let before = self.clear;
+        let dimmed = before * weight;
+        for (c, sum) in [red, green, blue].into_iter().enumerate() {
+            let order = sum * deepens - change(c + 1) * tau;
+            self.light[c] += dimmed * (sum + order).max(splat(simd, 0.0));
+        }
+        self.clear = before - before * alpha;
+        let half = splat(simd, HALF);
+        let hides = before.simd_ge(half) & self.clear.simd_lt(half);
+        hides.any_true().then_some((hides, before))
+    }
 }
 
 impl Stamp {
-    /// Adds the light of segments whose extinction is at most `extinction`. Returns false once all samples are opaque: none is clearer than `min_clear`.
+    /// Adds the light of segments. Returns false once all samples are opaque: none is clearer than `min_clear`.
     #[inline(always)]
-    pub(super) fn add<S: Simd>(
-        &mut self,
-        simd: S,
-        table: &[Interval],
-        segments: &Segments<S>,
-        extinction: f32,
-        min_clear: f32,
-    ) -> bool {
-        let (zero, one, narrow) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, NARROW));
-        let count = parts(simd, segments.length, extinction);
-        let share = 1.0 / count as f32;
+    pub(super) fn add<S: Simd>(&mut self, simd: S, table: &[Interval], segments: &Segments<S>, min_clear: f32) -> bool {
         let [from, to] = segments.ends;
-        let (step, length) = ((to - from) * share, segments.length * share);
-        let is_narrow = step.abs().simd_lt(narrow);
-        // Length for each interval of the table.
-        let stretch = pick(is_narrow, zero, length / pick(is_narrow, one, step));
-        let any_narrow = is_narrow.any_true();
+        let rise = to - from;
+        let [red, green, blue] = &self.light;
+        let light = [red.load(simd), green.load(simd), blue.load(simd)];
+        let mut sums = Sums { light, clear: self.clear.load(simd) };
         let mut start = look_up(simd, table, from);
-        let mut clear = self.clear.load(simd);
-        let mut light = [0, 1, 2].map(|c| self.light[c].load(simd));
-        for part in 1..=count {
-            let end = look_up(simd, table, from + step * part as f32);
-            let [a, b, c, d] = [0, 1, 2, 3].map(|i| end.integrals[i] - start.integrals[i]);
-            let mut sums = transpose_packed([a, b, c, d]).map(|sum| sum * stretch);
-            if any_narrow {
-                // On a narrow range what is integrated is linear.
-                for c in 0..4 {
-                    let mean = (start.rates[c] + end.rates[c]) * 0.5;
-                    sums[c] = pick(is_narrow, mean * length, sums[c]);
+        let end = look_up(simd, table, to);
+        let whole = Steps::new(simd, rise, segments.length);
+        let whole_sums = whole.sums(simd, &start, &end);
+        let counted = severity(sums.clear, whole_sums[0], segments.length, (&start, &end));
+        if !counted.simd_gt(splat(simd, AT_ONCE)).any_true() {
+            if let Some((hides, before)) = sums.add(simd, &whole, whole_sums, (&start, &end)) {
+                self.note_depth(hides, [before, sums.clear], segments.near, segments.length);
+            }
+        } else {
+            let deepest = counted.to_array().into_iter().fold(0.0, f32::max);
+            let count = ((deepest / PART).sqrt().ceil() as u32).clamp(2, MAX_PARTS);
+            let share = 1.0 / count as f32;
+            let (rise, length) = (rise * share, segments.length * share);
+            let steps = Steps::new(simd, rise, length);
+            for part in 1..=count {
+                let end = look_up(simd, table, from + rise * part as f32);
+                if let Some((hides, before)) = sums.add(simd, &steps, steps.sums(simd, &start, &end), (&start, &end)) {
+                    let near = segments.near + length * (part - 1) as f32;
+                    self.note_depth(hides, [before, sums.clear], near, length);
                 }
+                if !sums.clear.simd_gt(splat(simd, min_clear)).any_true() {
+                    break;
+                }
+                start = end;
             }
-            let [tau, red, green, blue] = sums;
-            let tau = tau.max(zero);
-            let (weight, alpha) = source_weight_and_opacity(simd, tau);
-            // Light from the far end is dimmed by more than that from the near end: to the first order, by what both change on the way.
-            let change = |c: usize| (end.rates[c] - start.rates[c]) * length * (1.0 / 12.0);
-            let deepens = change(0);
-            let dimmed = clear * weight;
-            for (c, sum) in [red, green, blue].into_iter().enumerate() {
-                let order = sum * deepens - change(c + 1) * tau;
-                light[c] += dimmed * (sum + order).max(zero);
-            }
-            let after = clear * (one - alpha);
-            let hides = clear.simd_ge(splat(simd, HALF)) & after.simd_lt(splat(simd, HALF));
-            if hides.any_true() {
-                let at = segments.near + length * (part - 1) as f32;
-                self.note_depth(hides, [clear, after], at, length);
-            }
-            clear = after;
-            if count > 1 && !clear.simd_gt(splat(simd, min_clear)).any_true() {
-                break;
-            }
-            start = end;
         }
-        self.clear = Lanes::new(clear);
+        self.clear = Lanes::new(sums.clear);
         for c in 0..3 {
-            self.light[c] = Lanes::new(light[c]);
+            self.light[c] = Lanes::new(sums.light[c]);
         }
-        clear.simd_gt(splat(simd, min_clear)).any_true()
+        sums.clear.simd_gt(splat(simd, min_clear)).any_true()
     }
 
     /// Notes where the transmittance falls to a half, on the way between two.

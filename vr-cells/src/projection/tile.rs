@@ -88,7 +88,6 @@ impl Vectorized for TileJob<'_> {
                 break;
             }
             let range = painter.mesh.range(cell as usize);
-            let Some(extinction) = painter.table.largest(range) else { continue };
             let corners = painter
                 .mesh
                 .corners(cell as usize)
@@ -119,7 +118,7 @@ impl Vectorized for TileJob<'_> {
                         if let Some(cut) = canvas.cuts.get(index) {
                             segments = cut.applied(simd, &segments);
                         }
-                        stamp.add(simd, &painter.table.intervals, &segments, extinction, painter.min_clear)
+                        stamp.add(simd, &painter.table.intervals, &segments, painter.min_clear)
                     };
                     if !stays_open {
                         canvas.close(row, column);
