@@ -7,9 +7,11 @@ use crate::camera_space::CameraVertex;
 
 use super::screen::Screen;
 
-/// Places on the lattice for each sample: differences of up to [`MAX_EXTENT`] samples have exact products in f64, so that the side of a line on which a place lies is
+/// Places of the lattice across the largest cell: differences of places within a cell have exact products in f64, so that the side of a line on which a place lies is
 /// never in doubt, and two cells that share a face agree.
-const PER_SAMPLE: f64 = 16384.0;
+const PLACES: f64 = 67_108_864.0;
+/// Smallest extent in samples that the lattice is made for: that of a tile.
+const MIN_EXTENT: f64 = 64.0;
 /// Extent of a cell in samples up to which its arithmetic is exact.
 pub(super) const MAX_EXTENT: f64 = 4096.0;
 
@@ -69,12 +71,15 @@ impl<'a> ScreenMesh<'a> {
         let project = |i: usize| {
             let CameraVertex { at, attributes } = camera[i];
             let depth = if screen.perspective { 1.0 / at[2] } else { at[2] };
-            let snapped = |x: f64| (x * PER_SAMPLE).round() / PER_SAMPLE;
-            let on_screen = if screen.is_ahead(at[2]) { screen.project(at).map(snapped) } else { [f64::NAN; 2] };
+            let on_screen = if screen.is_ahead(at[2]) { screen.project(at) } else { [f64::NAN; 2] };
             let value = place(attributes[0]) * if screen.perspective { depth } else { 1.0 };
             ScreenVertex { at: on_screen, depth, value }
         };
-        let vertices: Vec<ScreenVertex> = (0..camera.len()).map(project).collect();
+        let mut vertices: Vec<ScreenVertex> = (0..camera.len()).map(project).collect();
+        let per_sample = lattice(mesh, &vertices);
+        for vertex in &mut vertices {
+            vertex.at = vertex.at.map(|x| (x * per_sample).round() / per_sample);
+        }
         let of_cells = match mesh.values() {
             CellValues::Cells(values) => Some(values.iter().map(|&v| place(v)).collect()),
             CellValues::Vertices(_) => None,
@@ -121,6 +126,18 @@ impl<'a> ScreenMesh<'a> {
     pub(super) fn range(&self, cell: usize) -> [f32; 2] {
         self.ranges[cell]
     }
+}
+
+/// Places of the lattice for each sample: a power of two.
+fn lattice(mesh: &CellMesh, vertices: &[ScreenVertex]) -> f64 {
+    let extents = vr_core::parallel::collect(mesh.cells().len(), |cell| {
+        let at = mesh.cells()[cell].map(|v| vertices[v as usize].at);
+        // Comparisons with NaN are false: cells around the eye do not count.
+        let from_first = |a: usize| at.iter().map(|p| (p[a] - at[0][a]).abs()).fold(0.0, f64::max);
+        (2.0 * from_first(0).max(from_first(1))).min(MAX_EXTENT) as f32
+    });
+    let largest = f64::from(extents.into_iter().fold(0.0, f32::max)).max(MIN_EXTENT);
+    PLACES / libm::exp2(libm::log2(largest).ceil())
 }
 
 /// Six times the volume under a face as seen from the eye: positive if it turns counterclockwise. The same digits whatever vertex is named first.

@@ -68,6 +68,8 @@ fn look_up<S: Simd>(simd: S, table: &[Interval], place: f32x16<S>) -> Found<S> {
 const AT_ONCE: f32 = 0.008;
 const PART: f32 = 0.002;
 const MAX_PARTS: u32 = 16;
+/// Parts of a part that is severe by itself.
+const FINE_PARTS: u32 = 8;
 /// Severity of light that changes in a straight line, by the square of its optical depth.
 const STRAIGHT: f32 = 0.15;
 /// Intervals of the table, below which a difference of two integrals is more rounding than integral.
@@ -161,6 +163,15 @@ impl<S: Simd> Sums<S> {
     }
 }
 
+/// Segments on their way through the table.
+#[derive(Clone, Copy)]
+struct Course<'a, S: Simd> {
+    table: &'a [Interval],
+    /// Place in the table at the first end, and distance there.
+    from: f32x16<S>,
+    near: f32x16<S>,
+}
+
 impl Stamp {
     /// Adds the light of segments. Returns false once all samples are opaque: none is clearer than `min_clear`.
     #[inline(always)]
@@ -170,38 +181,68 @@ impl Stamp {
         let [red, green, blue] = &self.light;
         let light = [red.load(simd), green.load(simd), blue.load(simd)];
         let mut sums = Sums { light, clear: self.clear.load(simd) };
-        let mut start = look_up(simd, table, from);
+        let start = look_up(simd, table, from);
         let end = look_up(simd, table, to);
         let whole = Steps::new(simd, rise, segments.length);
         let whole_sums = whole.sums(simd, &start, &end);
-        let counted = severity(sums.clear, whole_sums[0], segments.length, (&start, &end));
-        if !counted.simd_gt(splat(simd, AT_ONCE)).any_true() {
+        let measure = severity(sums.clear, whole_sums[0], segments.length, (&start, &end));
+        if !measure.simd_gt(splat(simd, AT_ONCE)).any_true() {
             if let Some((hides, before)) = sums.add(simd, &whole, whole_sums, (&start, &end)) {
                 self.note_depth(hides, [before, sums.clear], segments.near, segments.length);
             }
         } else {
-            let deepest = counted.to_array().into_iter().fold(0.0, f32::max);
-            let count = ((deepest / PART).sqrt().ceil() as u32).clamp(2, MAX_PARTS);
-            let share = 1.0 / count as f32;
-            let (rise, length) = (rise * share, segments.length * share);
-            let steps = Steps::new(simd, rise, length);
-            for part in 1..=count {
-                let end = look_up(simd, table, from + rise * part as f32);
-                if let Some((hides, before)) = sums.add(simd, &steps, steps.sums(simd, &start, &end), (&start, &end)) {
-                    let near = segments.near + length * (part - 1) as f32;
-                    self.note_depth(hides, [before, sums.clear], near, length);
-                }
-                if !sums.clear.simd_gt(splat(simd, min_clear)).any_true() {
-                    break;
-                }
-                start = end;
-            }
+            let worst = measure.to_array().into_iter().fold(0.0, f32::max);
+            let count = ((worst / PART).sqrt().ceil() as u32).clamp(2, MAX_PARTS);
+            let course = Course { table, from, near: segments.near };
+            self.add_parts(simd, &mut sums, course, (start, rise, segments.length), count, min_clear);
         }
         self.clear = Lanes::new(sums.clear);
         for c in 0..3 {
             self.light[c] = Lanes::new(sums.light[c]);
         }
         sums.clear.simd_gt(splat(simd, min_clear)).any_true()
+    }
+
+    /// Adds segments in parts; a part that is still severe, because there is a control point in it, in parts of its own.
+    #[inline(always)]
+    fn add_parts<S: Simd>(
+        &mut self,
+        simd: S,
+        sums: &mut Sums<S>,
+        course: Course<'_, S>,
+        (mut start, rise, length): (Found<S>, f32x16<S>, f32x16<S>),
+        count: u32,
+        min_clear: f32,
+    ) {
+        let share = 1.0 / count as f32;
+        let (rise, length) = (rise * share, length * share);
+        let steps = Steps::new(simd, rise, length);
+        let fine_share = 1.0 / FINE_PARTS as f32;
+        let (fine_rise, fine_length) = (rise * fine_share, length * fine_share);
+        for part in 0..count {
+            let (first, near) = (course.from + rise * part as f32, course.near + length * part as f32);
+            let end = look_up(simd, course.table, course.from + rise * (part + 1) as f32);
+            let part_sums = steps.sums(simd, &start, &end);
+            let measure = severity(sums.clear, part_sums[0], length, (&start, &end));
+            if measure.simd_gt(splat(simd, AT_ONCE)).any_true() {
+                let fine = Steps::new(simd, fine_rise, fine_length);
+                for part in 1..=FINE_PARTS {
+                    let end = look_up(simd, course.table, first + fine_rise * part as f32);
+                    if let Some((hides, before)) = sums.add(simd, &fine, fine.sums(simd, &start, &end), (&start, &end))
+                    {
+                        let near = near + fine_length * (part - 1) as f32;
+                        self.note_depth(hides, [before, sums.clear], near, fine_length);
+                    }
+                    start = end;
+                }
+            } else if let Some((hides, before)) = sums.add(simd, &steps, part_sums, (&start, &end)) {
+                self.note_depth(hides, [before, sums.clear], near, length);
+            }
+            if !sums.clear.simd_gt(splat(simd, min_clear)).any_true() {
+                break;
+            }
+            start = end;
+        }
     }
 
     /// Notes where the transmittance falls to a half, on the way between two.

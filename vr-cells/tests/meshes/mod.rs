@@ -79,6 +79,7 @@ pub fn view(yaw: f64, pitch: f64, fov: Option<f64>) -> View {
     View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), yaw, pitch, fov), [24, 20])
 }
 
+#[allow(dead_code, reason = "each test file compiles the whole module")]
 pub const OPERATORS: [Compositing; 6] = [
     Compositing::Over,
     Compositing::Maximum,
