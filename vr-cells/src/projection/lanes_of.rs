@@ -18,19 +18,32 @@ pub(super) struct LineLanes<S: Simd> {
     line: Line,
     /// What the samples have more than the first.
     offsets: f32x16<S>,
+    /// Magnitude below which rounding counts.
+    doubtful: f32,
 }
 
 impl<S: Simd> LineLanes<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, line: Line) -> Self {
         let offsets = RIGHT.load(simd) * line.a as f32 + DOWN.load(simd) * line.b as f32;
-        Self { line, offsets }
+        let doubtful = (DOUBTFUL * (line.a.abs() + line.b.abs())) as f32;
+        Self { line, offsets, doubtful }
     }
 
     /// The values in the stamp whose first sample has its centre at a place.
     #[inline(always)]
     pub(super) fn at(&self, place: [f64; 2]) -> f32x16<S> {
         self.offsets + self.line.at(place) as f32
+    }
+
+    /// The same, of which no sign is in doubt: exact where one comes near 0.
+    #[inline(always)]
+    fn sure_at(&self, simd: S, place: [f64; 2]) -> f32x16<S> {
+        let values = self.at(place);
+        if values.abs().simd_lt(splat(simd, self.doubtful)).any_true() {
+            return exact_values(&self.line, place).load(simd);
+        }
+        values
     }
 }
 
@@ -41,6 +54,20 @@ struct EdgeLanes<S: Simd> {
     scale: f32,
     bias: f32,
     owns_zero: bool,
+}
+
+/// Part of a line's slope below which its values are computed exactly: a sample so many times the size of a stamp away from an edge, between two cells that
+/// may know the edge by different vertices, must be in one of them.
+const DOUBTFUL: f64 = 1e-4;
+
+/// The values of a line in a stamp, exact in f64.
+#[inline(never)]
+fn exact_values(line: &Line, [x, y]: [f64; 2]) -> Lanes {
+    let mut values = Lanes::ZERO;
+    for (i, value) in values.0.iter_mut().enumerate() {
+        *value = line.at([x + f64::from(RIGHT.0[i]), y + f64::from(DOWN.0[i])]) as f32;
+    }
+    values
 }
 
 /// A cell's projection in sixteen lanes.
@@ -93,7 +120,7 @@ impl<S: Simd> OutlineLanes<S> {
     #[inline(always)]
     pub(super) fn edge(&self, simd: S, i: usize, place: [f64; 2]) -> (f32x16<S>, mask32x16<S>) {
         let edge = &self.edges[i];
-        let value = edge.line.at(place);
+        let value = edge.line.sure_at(simd, place);
         let zero = splat(simd, 0.0);
         let inside = if edge.owns_zero { value.simd_ge(zero) } else { value.simd_gt(zero) };
         (value * edge.scale + edge.bias, inside)
@@ -111,7 +138,7 @@ impl<S: Simd> OutlineLanes<S> {
         // Depth and value on the base, and on the other side.
         let (mut depth, mut value) = (self.depth.at(place), self.value.at(place));
         if let Some((kink, more)) = &self.kink {
-            let part = kink.at(place).max(splat(simd, 0.0)).min(splat(simd, 1.0));
+            let part = kink.sure_at(simd, place).max(splat(simd, 0.0)).min(splat(simd, 1.0));
             depth += part * more[0];
             value += part * more[1];
         }
