@@ -111,7 +111,7 @@ impl<S: Simd> OutlineLanes<S> {
         for i in 1..self.count {
             let (part, is_inside) = self.edge(simd, i, place);
             share = share.min(part);
-            inside = inside & is_inside;
+            inside &= is_inside;
         }
         inside.any_true().then(|| (inside, pick(inside, share.max(zero).min(splat(simd, 1.0)), zero)))
     }

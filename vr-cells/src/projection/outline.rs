@@ -76,7 +76,7 @@ impl Outline {
         let at = names.map(|i| corners[i].at);
         let tip = &corners[face];
         let twice_area = area(at);
-        if !(twice_area > 0.0) {
+        if twice_area <= 0.0 {
             return None;
         }
         let plane = |values: [f64; 3]| Line::through(at, values, twice_area);
@@ -119,7 +119,7 @@ impl Outline {
         let [u, v] = behind;
         let (at_u, at_v) = (area([at(first), at(u), at(last)]), area([at(last), at(v), at(first)]));
         let (at_first, at_last) = (area([at(u), at(v), at(first)]).abs(), area([at(u), at(v), at(last)]).abs());
-        if !(at_u > 0.0 && at_v > 0.0 && at_first > 0.0 && at_last > 0.0) {
+        if [at_u, at_v, at_first, at_last].into_iter().any(|area| area <= 0.0) {
             return None;
         }
         let along = at_first / (at_first + at_last);

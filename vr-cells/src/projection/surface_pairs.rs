@@ -22,6 +22,9 @@ pub(super) struct SurfacePairs {
     pub(super) unsure: Vec<bool>,
 }
 
+/// Function of a face, true if rays leave by it, a sample in it, and the shares of its corners there.
+type Visit<'a> = &'a mut dyn FnMut(&SurfaceFace, bool, u32, [f64; 3]);
+
 /// A place at which a ray enters or leaves the mesh.
 #[derive(Clone, Copy)]
 struct Passage {
@@ -63,7 +66,7 @@ impl SurfacePairs {
             let size = pixels.map(|p| p * tiling.per_pixel);
             let side = size[0];
             // Each face, the samples in it, and the shares of its corners there.
-            let each = |visit: &mut dyn FnMut(&SurfaceFace, bool, u32, [f64; 3])| {
+            let each = |visit: Visit<'_>| {
                 for &number in lists.of(tile as usize) {
                     let face = &faces[number as usize];
                     let facing = mesh.facing(face.cell as usize);

@@ -139,7 +139,7 @@ fn stamps_of(corners: &[ScreenVertex; 4], size: [u32; 2]) -> Option<[[u32; 2]; 2
         let [p, q, r, s] = corners.map(|c| c.at[a]);
         let low = (p.min(q).min(r.min(s)) - 0.5).ceil().max(0.0);
         let high = (p.max(q).max(r.max(s)) - 0.5).floor().min(f64::from(size[a]) - 1.0);
-        if !(low <= high) {
+        if low > high {
             return None;
         }
         stamps[a] = [low as u32 / SIDE, high as u32 / SIDE + 1];

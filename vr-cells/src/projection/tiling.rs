@@ -52,7 +52,7 @@ impl Tiling {
             let count = f64::from(self.pixels[a] * self.per_pixel);
             let first = (low[a] - 0.5).ceil().max(0.0);
             let last = (high[a] - 0.5).floor().min(count - 1.0);
-            if !(first <= last) {
+            if first > last {
                 return None;
             }
             range[a] = [(first / side) as u32, (last / side) as u32 + 1];

@@ -72,3 +72,65 @@ impl Visibility {
         Self { order, tangled }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera_space::CameraSpace;
+    use crate::entries::surface;
+    use crate::projection::screen::Screen;
+    use crate::projection::surface_pairs::SurfacePairs;
+    use crate::projection::tiling::Tiling;
+    use glam::DVec3;
+    use vr_core::cells::{CellMesh, CellValues};
+    use vr_core::{Camera, Control, Projection, View};
+
+    /// The order of a mesh as seen from above.
+    fn order(mesh: &CellMesh) -> Visibility {
+        let camera = Camera {
+            eye: DVec3::Z * 9.0,
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            projection: Projection::Orthographic { height: 3.0 },
+        };
+        let view = View::new(camera, [80; 2]);
+        let screen = Screen::new(&view, 1, mesh.mean_spacing());
+        let vertices = CameraSpace::new(&view).unwrap().vertices::<1>(mesh);
+        let on_screen = ScreenMesh::new(mesh, &vertices, &screen, |value| value);
+        let tiling = Tiling::new(&view).unwrap();
+        let pairs = SurfacePairs::new(&on_screen, &surface(mesh), &tiling, &Control::default()).unwrap();
+        assert!(!pairs.unsure.contains(&true));
+        Visibility::new(&on_screen, &pairs.pairs)
+    }
+
+    /// Cells of four corners each, apart from one another.
+    fn apart(cells: &[[DVec3; 4]]) -> CellMesh {
+        let vertices: Vec<DVec3> = cells.iter().flatten().copied().collect();
+        let names = (0..cells.len() as u32).map(|i| [0, 1, 2, 3].map(|k| 4 * i + k)).collect();
+        CellMesh::new(vertices, names, CellValues::Cells(vec![1.0; cells.len()])).unwrap()
+    }
+
+    #[test]
+    fn cells_apart_are_sorted_by_the_samples_that_see_both() {
+        let at = |height: f64| [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|v| v + DVec3::Z * height);
+        let found = order(&apart(&[at(-2.0), at(3.0), at(0.0), at(-5.0)]));
+        assert_eq!((found.order, found.tangled.len()), (vec![1, 2, 0, 3], 0));
+    }
+
+    #[test]
+    fn a_ring_is_told_and_what_is_behind_it_comes_later() {
+        // Three beams, each of which begins below the one before and ends above the next, over a fourth cell.
+        let beam = |k: usize| {
+            let angle = std::f64::consts::TAU * k as f64 / 3.0;
+            let (ahead, aside) =
+                (DVec3::new(angle.cos(), angle.sin(), 0.0), DVec3::new(-angle.sin(), angle.cos(), 0.0));
+            let place = |along: f64, across: f64, up: f64| aside * (0.3 + across) + ahead * along + DVec3::Z * up;
+            [place(-1.0, -0.15, -0.3), place(-1.0, 0.15, -0.3), place(1.0, 0.0, 0.25), place(1.0, 0.05, 0.45)]
+        };
+        let below =
+            [DVec3::new(-1.0, -1.0, -3.0), DVec3::new(1.0, -1.0, -3.0), DVec3::Y - DVec3::Z * 3.0, DVec3::Z * -4.0];
+        let mut found = order(&apart(&[below, beam(0), beam(1), beam(2)]));
+        found.tangled.sort_unstable();
+        assert_eq!((found.order[3], found.tangled), (0, vec![1, 2, 3]));
+    }
+}
