@@ -3,10 +3,8 @@
 //! The faces of the surface are drawn on the screen; behind each place at which a ray leaves the mesh, the next at which it enters tells a pair (the extended
 //! order of Silva, Mitchell & Williams 1998, exact for the samples of a picture). Convex meshes have none.
 
-use vr_core::image_order::in_parallel;
-use vr_core::{Control, RenderError};
-
 use vr_core::cells::FACES;
+use vr_core::{Control, RenderError};
 
 use crate::entries::SurfaceFace;
 
@@ -107,7 +105,13 @@ impl SurfacePairs {
             }
             (pairs, is_unsure)
         };
-        let found = in_parallel(control, tiling.count(), in_tile)?;
+        // Without a report of progress, which is that of the tiles to come.
+        let found = control.run(|| {
+            vr_core::parallel::collect(tiling.count() as usize, |tile| {
+                if control.is_cancelled() { Default::default() } else { in_tile(tile as u32) }
+            })
+        });
+        control.check()?;
         let unsure = found.iter().map(|f| f.1).collect();
         let mut pairs: Pairs = found.into_iter().flat_map(|f| f.0).collect();
         pairs.sort_unstable();
