@@ -1,4 +1,4 @@
-//! Scenes that the marcher draws.
+//! Scenes of meshes that can be drawn.
 
 use std::sync::Arc;
 
@@ -6,11 +6,16 @@ use vr_core::{CellMesh, Configurable, Feature, Field, RenderError, Scene, Unsupp
 
 use crate::marcher::CellMarcher;
 
-/// Returns the mesh of a scene, if it is one of cells.
+/// Returns the mesh of a scene, if the marcher draws it.
 pub(crate) fn check(renderer: &CellMarcher, scene: &Scene) -> Result<Arc<CellMesh>, RenderError> {
     renderer.validate()?;
+    mesh_of(CellMarcher::NAME, scene)
+}
+
+/// Returns the mesh of a scene, if it is one of cells and has the gradients that the scene asks for.
+pub(crate) fn mesh_of(renderer: &'static str, scene: &Scene) -> Result<Arc<CellMesh>, RenderError> {
     scene.validate()?;
-    let mesh = scene.volume.cells().ok_or_else(|| Unsupported::volume_kind(CellMarcher::NAME, &scene.volume))?;
+    let mesh = scene.volume.cells().ok_or_else(|| Unsupported::volume_kind(renderer, &scene.volume))?;
     // Cells that are constant have no gradient.
     let refused = [
         (scene.has_gradient_opacity(), Feature::GradientOpacity, "opacity by the gradient"),
@@ -18,7 +23,7 @@ pub(crate) fn check(renderer: &CellMarcher, scene: &Scene) -> Result<Arc<CellMes
     ];
     if let Some((_, feature, name)) = refused.into_iter().find(|r| r.0 && !mesh.has_gradient()) {
         let what = format!("{name} of a mesh with values of cells, which jump and have no gradient");
-        return Err(Unsupported { renderer: CellMarcher::NAME, feature, what }.into());
+        return Err(Unsupported { renderer, feature, what }.into());
     }
     Ok(Arc::clone(mesh))
 }

@@ -1,10 +1,10 @@
-//! Volume rendering of meshes of tetrahedra, exactly: each ray goes from cell to cell through the faces that they share.
+//! Volume rendering of meshes of tetrahedra, by two renderers: [`CellMarcher`] goes from cell to cell along each ray, [`CellProjector`] draws cell after cell.
 //!
+//! # The marcher
 //! A ray enters the mesh through a face of its surface, and leaves each cell through the face beyond which the next one lies, which is a neighbour
 //! (Garrity 1990, "Raytracing irregular volume data"). Inside a cell the value is linear along the ray, so that a transfer function of straight pieces is
 //! integrated piece by piece, without a step length: there is no setting by which the picture could be made better.
 //!
-//! # How
 //! 1. **Sheared space.** For each ray the vertices are sheared so that the ray becomes the axis. Whether it passes an edge on the left or on
 //!    the right is the sign of one product of two vertices, which two cells that share the edge compute alike but for the sign: no ray falls between them,
 //!    whether it runs along faces, edges or through vertices.
@@ -14,6 +14,35 @@
 //!    barycentric coordinates.
 //! 4. **Light.** Between two faces the transfer function is cut at its control points; each part is integrated by Gauss's rule of three points, the
 //!    depth up to each point by its collocation (order 6), in parts of an optical depth of at most ½.
+//!
+//! # The projector
+//! A cell is drawn as its outline on the screen, from front to back (Shirley & Tuchman 1990, "A polygonal approximation to direct scalar volume rendering"):
+//! 1. **Order.** Of two cells that share a face, the one on the eye's side comes first (Williams 1992). Across hollows and between parts of a mesh, the samples of the
+//!    picture tell: behind the face by which a ray leaves, the one by which it enters next (after Silva, Mitchell & Williams 1998). Together that is exact for
+//!    every sample, convex mesh or not. Cells that lie before one another in a ring are found as strong components (Tarjan 1972); the tiles that they touch are
+//!    drawn ray by ray, with their fragments sorted along each, and so are tiles of cells around the eye.
+//! 2. **Outline.** Vertices are put on a lattice of 2⁻¹⁴ samples, on which the sides of places are exact. A face covers the outline, or two edges cross: the
+//!    apex is there. Thickness, depth and value on both sides are minima and sums of a few functions that are linear on the screen, with reciprocal depths in
+//!    perspective: right in every sample, not only at the corners.
+//! 3. **Light.** The mean of extinction and of the light sent between two values is the difference of two integrals over values, kept in one table, whatever control
+//!    points lie between (after Röttger, Kraus & Ertl 2000, without the table's third dimension). The order of colours within a segment counts to the first
+//!    order of its optical depth; deep segments, and those with a control point inside, are taken in parts.
+//!
+//! Every other operator, shading and walls take the same fragments ray by ray, by the marcher's integrals in f64. The classic approximation
+//! ([`Attenuation::Linear`]) takes opacity and colour at the apex, linear to the rim:
+//!
+//! | scene, 512² pixels | exact: largest, RMSE | linear: largest, RMSE |
+//! |---|---|---|
+//! | Marschner-Lobb, 196,608 cells, translucent peaks | 4·10⁻⁴, 2·10⁻⁵ | 0.33, 0.044 |
+//! | the same, opaque | 1·10⁻³, 1.1·10⁻⁵ | 0.81, 0.067 |
+//! | blobs, 10,368 cells | 1·10⁻⁴, 1·10⁻⁶ | 0.12, 0.006 |
+//! | blobs, 196,608 cells | 3·10⁻⁴, 2·10⁻⁶ | 0.13, 0.004 |
+//! | blobs, 1,971,054 cells | 7·10⁻⁵, 8·10⁻⁷ | 0.05, 0.002 |
+//!
+//! (`cargo run --release -p vr-cells --example project_speed`, against the marcher.)
+//!
+//! Of large cells (25 opaque unit distances across) under a transfer function that jumps, RMSE is up to 8·10⁻⁵ and a pixel off by up to 4·10⁻³. A jump is seen as a
+//! ramp as wide as 1/8192 of all values: a ray that stays that near to it all the way through a deep cell may be off by more.
 //!
 //! # Example
 //! ```
@@ -36,12 +65,12 @@
 //! ```
 //!
 //! # What it integrates
-//! The canonical pixel: [`vr_core::Prepared::model`] is `Canonical`. Its error against `vr-physics` is that of rounding and of Gauss's rule, below 10⁻⁵ (10⁻⁴ in single pixels where shaded normals turn within a cell),
+//! The canonical pixel: [`vr_core::Prepared::model`] is `Canonical`. The marcher's error against `vr-physics` is that of rounding and of Gauss's rule, below 10⁻⁵ (10⁻⁴ in single pixels where shaded normals turn within a cell),
 //! and at most 1 − `termination` where a ray ends early. Every compositing operator, shading, clip planes, opaque surfaces, and a camera inside the mesh are drawn.
 //!
 //! # What cannot be drawn
 //! Answered by [`vr_core::RenderError::Unsupported`]: volumes that are no meshes of cells; shading and opacity by the gradient where cells have values of their own, which
-//! jump and have no gradient.
+//! jump and have no gradient. `attenuation=linear` knows a cell by its apex: it refuses shading, clips, opaque surfaces, emission of its own and operators other than `over`.
 
 mod accumulators;
 mod camera_space;
@@ -52,7 +81,9 @@ mod medium;
 mod options;
 mod packet;
 mod prepared;
+mod projection;
 mod study;
 mod walk;
 
 pub use marcher::CellMarcher;
+pub use projection::{Attenuation, CellProjector};

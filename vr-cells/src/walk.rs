@@ -23,7 +23,7 @@ impl<const N: usize> Part<N> {
     }
 
     /// The part of it between two distances; `None` if nothing is left.
-    fn within(self, [from, to]: [f64; 2]) -> Option<Self> {
+    pub(crate) fn within(self, [from, to]: [f64; 2]) -> Option<Self> {
         let [start, end] = self.ends;
         if from <= start && end <= to {
             return (start < end).then_some(self);

@@ -1,71 +1,15 @@
 //! The marcher against the reference: every operator, views from all sides and from inside, meshes with holes, rays along shared faces.
 
+mod meshes;
+
 use glam::DVec3;
+use meshes::{OPERATORS, error, mesh, transfer, view};
 use vr_cells::CellMarcher;
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::{
-    Camera, Clip, Compositing, Control, ControlPoint, Light, Model, OpacityRule, Plane, Projection, Renderer, Scene,
-    Shading, TransferFunction, View,
+    Camera, Clip, Compositing, Control, ControlPoint, Light, OpacityRule, Plane, Projection, Renderer, Scene, Shading,
+    TransferFunction, View,
 };
-use vr_physics::Reference;
-use vr_physics::check::strategies::uneven_cubes;
-
-/// n³ cubes of six cells over the unit cube, inner vertices moved, without the cells whose middle is where `hole` says.
-fn mesh(n: usize, jitter: f64, of_cells: bool, hole: impl Fn(DVec3) -> bool) -> CellMesh {
-    let (moved, cells) = uneven_cubes([n; 3], jitter, 1);
-    let waves = |p: DVec3| 0.5 + 0.3 * (7.0 * p.x + 3.0 * p.y).sin() + 0.2 * (9.0 * p.z - 4.0 * p.y).cos();
-    let middle = |cell: &[u32; 4]| cell.iter().map(|&v| moved[v as usize]).sum::<DVec3>() * 0.25;
-    let cells: Vec<[u32; 4]> = cells.into_iter().filter(|cell| !hole(middle(cell))).collect();
-    let values = if of_cells {
-        CellValues::Cells(cells.iter().map(|cell| waves(middle(cell))).collect())
-    } else {
-        CellValues::Vertices(moved.iter().map(|&v| waves(v)).collect())
-    };
-    CellMesh::new(moved, cells, values).unwrap()
-}
-
-fn transfer(opacity: f64) -> TransferFunction {
-    let p = ControlPoint::new;
-    let points = vec![
-        p(0.1, [0.1, 0.2, 0.9], 0.0),
-        p(0.45, [0.9, 0.3, 0.1], 0.4 * opacity),
-        p(0.45, [0.2, 0.9, 0.1], 0.1 * opacity),
-        p(0.6, [0.2, 0.8, 0.3], 0.0),
-        p(1.0, [1.0, 1.0, 0.9], opacity),
-    ];
-    TransferFunction::new(points, OpacityRule::Power, 0.1).unwrap()
-}
-
-/// Largest error against the reference, less its bound.
-fn error(scene: &Scene, view: &View) -> f64 {
-    let control = Control::default();
-    let frame = CellMarcher::default().prepare(scene, &control).unwrap().render(view, &control).unwrap().frame;
-    let exact = Reference::default().solve(scene, view, &Model::Canonical, &control).unwrap();
-    let mut largest = 0.0f64;
-    for (i, (found, exact)) in frame.pixels().iter().zip(&exact.pixels).enumerate() {
-        for c in 0..4 {
-            let off = (f64::from(found[c]) - exact.rgba[c]).abs() - exact.certainty.value();
-            if off > largest {
-                println!("pixel {i}: {found:?} for {:?}", exact.rgba);
-                largest = off;
-            }
-        }
-    }
-    largest
-}
-
-fn view(yaw: f64, pitch: f64, fov: Option<f64>) -> View {
-    View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), yaw, pitch, fov), [24, 20])
-}
-
-const OPERATORS: [Compositing; 6] = [
-    Compositing::Over,
-    Compositing::Maximum,
-    Compositing::Minimum,
-    Compositing::Average,
-    Compositing::First { threshold: 0.55 },
-    Compositing::Accumulate { level: 0.5 },
-];
 
 /// The bound of the documentation.
 const EXACT: f64 = 1e-5;
@@ -77,7 +21,7 @@ fn every_operator_is_exact() {
         for compositing in OPERATORS {
             for (yaw, pitch, fov) in [(35.0, 25.0, None), (-120.0, -40.0, Some(50.0))] {
                 let scene = Scene { compositing, ..Scene::new(mesh.clone().into(), transfer(0.7)) };
-                let error = error(&scene, &view(yaw, pitch, fov));
+                let error = error(&CellMarcher::default(), &scene, &view(yaw, pitch, fov));
                 assert!(error < EXACT, "{compositing:?}, {of_cells}: {error}");
             }
         }
@@ -119,7 +63,7 @@ fn shading_clips_walls_and_emission_are_exact() {
         ("emission", Scene { transfer: emission.into(), ..plain.clone() }),
     ] {
         for clip in [Clip::default(), clip.clone()] {
-            let error = error(&scene, &View { clip, ..view.clone() });
+            let error = error(&CellMarcher::default(), &scene, &View { clip, ..view.clone() });
             // Highlights turn within a cell, where the normal is that of an interpolated gradient.
             let allowed = if name.contains("shaded") || name.contains("gradient") { 1e-4 } else { EXACT };
             assert!(error < allowed, "{name}: {error}");
@@ -164,7 +108,7 @@ fn a_camera_inside_sees_what_lies_ahead() {
     for projection in [Projection::Perspective { fov: 80.0 }, Projection::Orthographic { height: 0.7 }] {
         let camera =
             Camera { eye: DVec3::new(0.43, 0.51, 0.47), target: DVec3::new(0.9, 0.1, 0.9), up: DVec3::Y, projection };
-        let error = error(&scene, &View::new(camera, [17, 13]));
+        let error = error(&CellMarcher::default(), &scene, &View::new(camera, [17, 13]));
         assert!(error < EXACT, "{projection:?}: {error}");
     }
 }
@@ -178,5 +122,5 @@ fn threads_and_supersampling_change_nothing_else() {
         CellMarcher::default().prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame
     };
     assert_eq!(draw(1).pixels(), draw(3).pixels());
-    assert!(error(&scene, &view) < EXACT);
+    assert!(error(&CellMarcher::default(), &scene, &view) < EXACT);
 }

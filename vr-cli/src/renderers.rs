@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use vr_cells::CellMarcher;
+use vr_cells::{CellMarcher, CellProjector};
 use vr_core::{OptionSpec, OptionValue, Options, StudiedRenderer, Volume};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
@@ -24,6 +24,7 @@ pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
         Box::new(TextureSlicer::default()),
         Box::new(Splatter::default()),
         Box::new(CellMarcher::default()),
+        Box::new(CellProjector::default()),
         Box::new(Reference::default()),
     ]
 }

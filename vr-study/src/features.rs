@@ -201,6 +201,7 @@ mod tests {
             Box::new(vr_texslice::TextureSlicer::default()),
             Box::new(vr_splat::Splatter::default()),
             Box::new(vr_cells::CellMarcher::default()),
+            Box::new(vr_cells::CellProjector::default()),
             Box::new(vr_physics::Reference::default()),
         ];
         let control = Control::default();
@@ -218,6 +219,6 @@ mod tests {
             }
         }
         let matrix = FeatureMatrix::of(&renderers);
-        assert!(matrix.rows.iter().all(|(_, answers)| answers[5] == Support::Drawn), "{matrix}");
+        assert!(matrix.rows.iter().all(|(_, answers)| answers[6] == Support::Drawn), "{matrix}");
     }
 }

@@ -30,7 +30,10 @@ fn flags_that_cannot_be() {
         ("--transfer ct-bones", &["ct-bones", "ct-bone"]),
         ("--phantom teapot", &["teapot", "fog"]),
         ("--phantom fog --phantom-size 1", &["1"]),
-        ("--renderer raytrace", &["raytrace", "raycast", "shearwarp", "texslice", "splat", "march", "physics"]),
+        (
+            "--renderer raytrace",
+            &["raytrace", "raycast", "shearwarp", "texslice", "splat", "march", "project", "physics"],
+        ),
         ("--set stop=1", &["stop", "step"]),
         ("--set step=-1", &["step", "-1"]),
         ("--set step", &["KEY=VALUE"]),

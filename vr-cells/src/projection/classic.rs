@@ -1,0 +1,98 @@
+//! Light of a cell by the classic approximation: opacity and colour of the thickest point, linear from there to the rim.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+use vr_kernels::vector::{Lanes, pick, splat};
+
+use super::lanes_of::{LineLanes, OutlineLanes};
+use super::line::Line;
+use super::outline::Outline;
+use super::screen_mesh::{ScreenVertex, area};
+use super::stamp::Stamp;
+use super::tile::Painter;
+
+/// A cell's light, in sixteen lanes.
+pub(super) struct ClassicCell<S: Simd> {
+    /// Opacity at the apex.
+    opacity: f32,
+    /// Colour in each triangle between the apex and an edge of the outline.
+    colors: [[LineLanes<S>; 3]; 4],
+}
+
+impl<S: Simd> ClassicCell<S> {
+    /// The light of a cell, of a tile that begins at `origin`.
+    pub(super) fn new(
+        simd: S,
+        painter: &Painter<'_>,
+        (outline, corners): (&Outline, &[ScreenVertex; 4]),
+        origin: [u32; 2],
+    ) -> Self {
+        // Front and back at the apex.
+        let base = [outline.base.depth.at(outline.apex), outline.base.value.at(outline.apex)];
+        let other = [base[0] + outline.rise[0], base[1] + outline.rise[1]];
+        let (values, thickness) = match painter.focus {
+            None => ([base[1], other[1]], outline.rise[0].abs()),
+            Some(focus) => {
+                let along = painter.along(focus, [0, 1].map(|a| outline.apex[a] + f64::from(origin[a])));
+                ([base[1] / base[0], other[1] / other[0]], (1.0 / base[0] - 1.0 / other[0]).abs() * along)
+            }
+        };
+        let optics = |place: f64| painter.transfer.at(painter.table.value(place));
+        let [a, b] = values.map(optics);
+        let extinction = 0.5 * (painter.transfer.extinction(a.opacity) + painter.transfer.extinction(b.opacity));
+        let apex_color: [f64; 3] = std::array::from_fn(|c| 0.5 * (a.color[c] + b.color[c]));
+        let color_of = |i: usize| {
+            let ScreenVertex { depth, value, .. } = corners[i];
+            optics(if painter.focus.is_some() { value / depth } else { value }).color
+        };
+        let triangle = |k: usize| {
+            let ends = outline.edges[k].ends;
+            let at = [corners[ends[0]].at, corners[ends[1]].at, outline.apex];
+            let rim = ends.map(color_of);
+            let twice_area = area(at);
+            std::array::from_fn(|c| {
+                let line = if twice_area > 0.0 {
+                    Line::through(at, [rim[0][c], rim[1][c], apex_color[c]], twice_area)
+                } else {
+                    Line::constant(apex_color[c])
+                };
+                LineLanes::new(simd, line)
+            })
+        };
+        let opacity = -libm::expm1(-extinction * thickness) as f32;
+        Self { opacity, colors: [triangle(0), triangle(1), triangle(2), triangle(outline.count - 1)] }
+    }
+
+    /// Adds the light to a stamp. Returns false once all samples are opaque.
+    #[inline(always)]
+    pub(super) fn add(
+        &self,
+        simd: S,
+        stamp: &mut Stamp,
+        outline: &OutlineLanes<S>,
+        place: [f64; 2],
+        (inside, share): (mask32x16<S>, f32x16<S>),
+        min_clear: f32,
+    ) -> bool {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        // The triangle of a sample is that whose edge leaves the least of the thickness.
+        let mut least = splat(simd, f32::INFINITY);
+        let mut color = [zero; 3];
+        for i in 0..outline.count {
+            let (part, _) = outline.edge(simd, i, place);
+            let is_least = part.simd_lt(least);
+            least = pick(is_least, part, least);
+            for c in 0..3 {
+                color[c] = pick(is_least, self.colors[i][c].at(place), color[c]);
+            }
+        }
+        let clear = stamp.clear.load(simd);
+        let alpha = pick(inside, share * self.opacity, zero);
+        for c in 0..3 {
+            stamp.light[c] = Lanes::new(stamp.light[c].load(simd) + clear * alpha * color[c].max(zero));
+        }
+        let after = clear * (one - alpha);
+        stamp.clear = Lanes::new(after);
+        after.simd_gt(splat(simd, min_clear)).any_true()
+    }
+}

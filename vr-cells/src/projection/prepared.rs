@@ -1,0 +1,185 @@
+//! A mesh that has been prepared, and its pictures.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use glam::DVec3;
+use vr_core::image_order::{ImageSample, trace_pixels, trace_view};
+use vr_core::{
+    CellMesh, Compositing, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats,
+    Rendered, Scene, View,
+};
+
+use crate::accumulators::{Gathered, Seen};
+use crate::camera_space::CameraSpace;
+use crate::entries::{SurfaceFace, surface};
+use crate::medium::{ExtinctionTable, Medium};
+use crate::walk::Part;
+
+use super::bins::Bins;
+use super::fragments::Fragments;
+use super::projector::CellProjector;
+use super::screen::Screen;
+use super::segment_table::SegmentTable;
+use super::sorted::{Sorted, SortedScene};
+
+/// A scene and its mesh.
+pub(super) struct PreparedProjector {
+    renderer: CellProjector,
+    scene: Scene,
+    mesh: Arc<CellMesh>,
+    surface: Vec<SurfaceFace>,
+    /// Integrals of the transfer function; none where the scene has to be drawn ray by ray.
+    table: Option<SegmentTable>,
+}
+
+impl PreparedProjector {
+    pub(super) fn new(renderer: CellProjector, scene: &Scene, control: &Control) -> Result<Self, RenderError> {
+        let mesh = renderer.check(scene)?;
+        control.check()?;
+        let (surface, table) = (surface(&mesh), table_of(scene, &mesh));
+        Ok(Self { renderer, scene: scene.clone(), mesh, surface, table })
+    }
+
+    /// Draws cell by cell, where the scene allows it.
+    fn draw_sorted(
+        &self,
+        view: &View,
+        control: &Control,
+        layer: Option<&Layer>,
+        stats: &mut RenderStats,
+    ) -> Result<Option<Sorted>, RenderError> {
+        let Some(table) = &self.table else { return Ok(None) };
+        SortedScene { renderer: &self.renderer, scene: &self.scene, surface: &self.surface, table }
+            .draw(view, control, layer, stats)
+    }
+
+    /// True if a cell may be seen, by its values.
+    fn is_seen(&self, cell: usize) -> bool {
+        if !matches!(self.scene.compositing, Compositing::Over | Compositing::Accumulate { .. }) {
+            return true;
+        }
+        let values = self.mesh.corner_values(cell);
+        let low = values.into_iter().fold(f64::INFINITY, f64::min);
+        let high = values.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let segments = self.scene.transfer.segments();
+        let first = segments.partition_point(|s| s.to < low);
+        segments[first..].iter().take_while(|s| s.from <= high).any(|s| !s.is_clear())
+    }
+
+    /// Draws rays by themselves, with values alone (`N` = 1) or with gradients (`N` = 4): those of some pixels, or all.
+    fn draw_rays<const N: usize>(
+        &self,
+        view: &View,
+        control: &Control,
+        layer: Option<&Layer>,
+        stats: &mut RenderStats,
+        pixels: Option<&[[u32; 2]]>,
+    ) -> Result<Vec<Seen>, RenderError> {
+        let scene = &self.scene;
+        let camera = CameraSpace::new(view)?;
+        let screen = Screen::new(view, 1, self.mesh.mean_spacing());
+        let vertices = stats.time("vertices", || camera.vertices::<N>(&self.mesh));
+        let bins =
+            stats.time("bins", || control.run(|| Bins::new(&self.mesh, &vertices, &screen, |cell| self.is_seen(cell))));
+        let fragments =
+            Fragments { mesh: &self.mesh, vertices: &vertices, bins: &bins, nudge: 1e-10 * self.mesh.mean_spacing() };
+        let modulation =
+            scene.shading.as_deref().filter(|_| scene.has_gradient_opacity() && !scene.transfer.has_rows());
+        let extinction = ExtinctionTable::new(&scene.transfer);
+        let medium = Medium { transfer: &scene.transfer, modulation, extinction: &extinction };
+        let reflection = scene.reflection();
+        type Scratch<const N: usize> = (Vec<Part<N>>, Option<(DVec3, RayShading<f64>)>);
+        let scratch = || -> Scratch<N> { (Vec::new(), None) };
+        let trace = |(found, shading): &mut Scratch<N>, ray: &Ray, sample: ImageSample, counts: &mut Counts| {
+            let far = layer.map_or(f64::INFINITY, |layer| layer.depth(sample.pixel));
+            let mut seen = Seen::NOTHING;
+            if let Some([from, to]) = ray.inside(&view.clip)
+                && from < to.min(far)
+            {
+                if let Some(reflection) = reflection
+                    && shading.as_ref().is_none_or(|(direction, _)| *direction != ray.direction)
+                {
+                    *shading = Some((ray.direction, reflection.along(&scene.lights, ray.direction)));
+                }
+                let shade = shading.as_ref().map(|(_, shade)| shade);
+                let mut gathered = Gathered::new(scene.compositing, &medium, shade, self.renderer.termination);
+                let mut parts = 0u64;
+                let mut take = |part: &Part<N>| -> ControlFlow<()> {
+                    parts += 1;
+                    gathered.take(part)
+                };
+                fragments.along(&camera.axis(ray), [sample.x, sample.y], [from, to.min(far)], found, &mut take);
+                counts.rays += u64::from(parts > 0);
+                counts.samples += parts;
+                seen = gathered.seen();
+            }
+            layer.map_or(seen, |layer| Seen {
+                rgba: layer.under(sample.pixel, seen.rgba),
+                depth: seen.depth.min(layer.depth(sample.pixel)),
+            })
+        };
+        let (seen, counts) = stats.time("fragments", || match pixels {
+            Some(pixels) => trace_pixels(view, pixels, control, scratch, trace),
+            None => trace_view(view, control, scratch, trace),
+        })?;
+        stats.counts += counts;
+        Ok(seen)
+    }
+}
+
+/// Returns the integrals of a scene's transfer function, if light is all that it asks for.
+fn table_of(scene: &Scene, mesh: &CellMesh) -> Option<SegmentTable> {
+    let is_light = match scene.compositing {
+        Compositing::Over => true,
+        Compositing::Accumulate { level } => level >= 1.0,
+        _ => false,
+    };
+    let follows = scene.reflection().is_some() || scene.has_gradient_opacity() || scene.transfer.has_rows();
+    let (low, high) = mesh.value_range();
+    if is_light && !follows { SegmentTable::new(&scene.transfer, [low, high]) } else { None }
+}
+
+impl Prepared for PreparedProjector {
+    fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
+        let mesh = self.renderer.check(scene)?;
+        control.check()?;
+        if !self.scene.volume.same(&scene.volume) {
+            self.surface = surface(&mesh);
+        }
+        self.table = table_of(scene, &mesh);
+        self.mesh = mesh;
+        self.scene = scene.clone();
+        Ok(())
+    }
+
+    fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        self.renderer.check_view(view)?;
+        control.check()?;
+        let mut stats = RenderStats::default();
+        let layer = self.scene.layer(view, control)?;
+        let needs_gradients = self.scene.reflection().is_some() || self.scene.has_gradient_opacity();
+        let layer = layer.as_ref();
+        let seen = if needs_gradients {
+            self.draw_rays::<4>(view, control, layer, &mut stats, None)?
+        } else if let Some(sorted) = self.draw_sorted(view, control, layer, &mut stats)? {
+            let mut pixels = sorted.pixels;
+            if !sorted.left.is_empty() {
+                let left = self.draw_rays::<1>(view, control, layer, &mut stats, Some(&sorted.left))?;
+                for ([x, y], seen) in sorted.left.iter().zip(left) {
+                    pixels[(y * view.size[0] + x) as usize] = seen;
+                }
+            }
+            pixels
+        } else {
+            self.draw_rays::<1>(view, control, layer, &mut stats, None)?
+        };
+        let pixels = seen.iter().map(|s| s.rgba.map(|x| x as f32)).collect();
+        let depth = seen.iter().map(|s| s.depth as f32).collect();
+        Ok(Rendered { frame: Frame::new(view.size, pixels, Some(depth)), stats })
+    }
+
+    fn model(&self, _view: &View) -> Result<Model, RenderError> {
+        Ok(Model::Canonical)
+    }
+}
