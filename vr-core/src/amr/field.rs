@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::element::interpolated;
+use super::element::{Element, interpolated};
 use super::grid::AmrGrid;
 use super::line::AmrLine;
 use super::nodes::Quantity;
@@ -13,7 +13,11 @@ use crate::view::Clip;
 impl AmrGrid {
     /// Quantity at a world position; NaN in vacuum.
     fn at<Q: Quantity>(&self, at: DVec3) -> Q {
-        let Some(element) = self.element_at(at) else { return Q::NONE };
+        self.element_at(at).map_or(Q::NONE, |element| self.at_element(element, at))
+    }
+
+    /// The same in the element that holds the position.
+    fn at_element<Q: Quantity>(&self, element: Element, at: DVec3) -> Q {
         let place = self.coordinates(element, at).clamp(DVec3::ZERO, DVec3::ONE);
         interpolated(&self.corners::<Q>(element), place)
     }
@@ -63,7 +67,8 @@ impl Field for AmrGrid {
         if !self.is_inside(at) {
             return None;
         }
-        let gradient: DVec3 = self.at(at);
+        let element = self.element_at(at)?;
+        let gradient = self.inner_gradient(element, at).unwrap_or_else(|| self.at_element(element, at));
         (!gradient.is_nan()).then_some(gradient)
     }
 

@@ -53,7 +53,7 @@ impl AmrGrid {
     }
 
     /// True if a level has all cells around one.
-    fn has_neighbors(&self, level: usize, cell: [i64; 3]) -> bool {
+    pub(super) fn has_neighbors(&self, level: usize, cell: [i64; 3]) -> bool {
         let side = |i: i64| i - 1;
         (0..27).all(|i: i64| {
             let by = [side(i % 3), side(i / 3 % 3), side(i / 9)];

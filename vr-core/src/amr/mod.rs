@@ -28,6 +28,7 @@ mod element;
 mod error;
 mod field;
 mod grid;
+mod inner_gradient;
 mod inner_value;
 mod level;
 mod line;

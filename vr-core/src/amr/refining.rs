@@ -70,7 +70,7 @@ impl AmrGrid {
                 return Err(AmrError::Ratio { level, found: ratio });
             }
         }
-        if blocks.iter().any(|&n| n == 0) || block_cells.iter().any(|n| !(1..=256).contains(n)) {
+        if blocks.contains(&0) || block_cells.iter().any(|n| !(1..=256).contains(n)) {
             return Err(wrong_size());
         }
         let cells = block_cells.map(|n| n as i64);
