@@ -36,6 +36,7 @@ mod nodes;
 mod refining;
 mod region;
 mod restriction;
+mod rim;
 mod stretches;
 
 pub use block::{AmrBlock, AmrCentring};
