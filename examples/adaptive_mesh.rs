@@ -14,7 +14,7 @@ fn disc(p: DVec3) -> f64 {
     let (radius, angle) = (p.truncate().length(), p.y.atan2(p.x));
     let arms = 0.55 + 0.45 * (2.0 * angle - 9.0 * (radius + 0.1).ln()).cos();
     let height = 0.04 + 0.08 * radius;
-    arms * (-(p.z / height).powi(2)).exp() * (-2.5 * radius).exp() + 0.8 * (-(p.length() / 0.12).powi(2)).exp()
+    arms * (-(p.z / height).powi(2)).exp() * (-3.5 * radius).exp() + 0.8 * (-(p.length() / 0.12).powi(2)).exp()
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -15,8 +15,12 @@ fn ball(p: DVec3) -> f64 {
     1.0 - 2.0 * (p - DVec3::new(0.45, 0.5, 0.55)).length() + 0.1 * (9.0 * p.x).sin()
 }
 
-/// Three levels over the unit cube, fine where the ball's surface is.
-fn mesh(centring: AmrCentring, value: impl Fn(DVec3) -> f64) -> AmrGrid {
+/// Up to three levels over the unit cube.
+fn refined(
+    centring: AmrCentring,
+    value: impl Fn(DVec3) -> f64,
+    refine: impl Fn(DVec3, DVec3, usize) -> bool,
+) -> AmrGrid {
     let sampling = AmrSampling {
         origin: DVec3::ZERO,
         edge: 0.25,
@@ -25,11 +29,13 @@ fn mesh(centring: AmrCentring, value: impl Fn(DVec3) -> f64) -> AmrGrid {
         ratios: vec![[2; 3]; 2],
         centring,
     };
-    let near = |low: DVec3, high: DVec3, _: usize| {
-        let middle = 0.5 * (low + high);
-        (ball(middle) - 0.55).abs() < (high - low).length()
-    };
-    AmrGrid::refining(&sampling, |p| value(p) as f32, near).unwrap()
+    AmrGrid::refining(&sampling, |p| value(p) as f32, refine).unwrap()
+}
+
+/// Fine where the ball's surface is.
+fn mesh(centring: AmrCentring) -> AmrGrid {
+    let near = |low: DVec3, high: DVec3, _: usize| (ball(0.5 * (low + high)) - 0.55).abs() < (high - low).length();
+    refined(centring, ball, near)
 }
 
 /// Clear below 0.4 and above 0.8.
@@ -96,7 +102,7 @@ fn one_level_has_the_picture_of_a_uniform_grid() {
 fn no_bit_depends_on_what_is_left_out() {
     for centring in CENTRINGS {
         for compositing in [Compositing::Over, Compositing::First { threshold: 0.5 }] {
-            let scene = Scene { compositing, ..Scene::new(mesh(centring, ball).into(), shell()) };
+            let scene = Scene { compositing, ..Scene::new(mesh(centring).into(), shell()) };
             let (a, left_out) = drawn(&RayCaster::uniform(0.5), &scene, 32);
             let all = RayCaster { empty_space: EmptySpace::None, ..RayCaster::uniform(0.5) };
             let (b, counts) = drawn(&all, &scene, 32);
@@ -111,7 +117,7 @@ fn no_bit_depends_on_what_is_left_out() {
 #[test]
 fn converges_to_the_reference() {
     for centring in CENTRINGS {
-        let scene = Scene::new(mesh(centring, ball).into(), shell());
+        let scene = Scene::new(mesh(centring).into(), shell());
         let reference = solved(&scene, 24);
         let error = |step: f64| largest_difference(&drawn(&RayCaster::exact(step), &scene, 24).0, &reference);
         let errors = [0.5, 0.25, 0.125].map(error);
@@ -127,7 +133,13 @@ fn a_linear_field_has_no_cracks() {
     let points = vec![ControlPoint::new(0.0, [1.0, 0.0, 0.0], 0.0), ControlPoint::new(1.0, [0.0, 1.0, 0.0], 1.0)];
     let ramp = TransferFunction::new(points, OpacityRule::Extinction, 0.5).unwrap();
     for centring in CENTRINGS {
-        let grid = mesh(centring, value);
+        // Fine in the middle, and finer in one half of that: the rim is coarse everywhere, so that the box is full.
+        let inner = |low: DVec3, high: DVec3, level: usize| {
+            let middle = 0.5 * (low + high);
+            (middle - 0.5).abs().max_element() < 0.25 && (level == 0 || middle.x < 0.5)
+        };
+        let grid = refined(centring, value, inner);
+        assert_eq!(grid.levels(), 3);
         let (low, high) = grid.bounds();
         let corner = |i: usize| DVec3::select(glam::BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), high, low);
         let corners: Vec<f32> = (0..8).map(|i| value(corner(i)) as f32).collect();

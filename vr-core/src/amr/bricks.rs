@@ -1,5 +1,6 @@
 //! Parts of blocks, with the ranges of the field in them.
 
+use super::block::AmrCentring;
 use super::check::each_index;
 use super::grid::AmrGrid;
 use super::level::{divided, plus};
@@ -16,6 +17,8 @@ pub(super) struct Bricks {
     bricks: Vec<Brick>,
     /// True for blocks whose cells are all leaves.
     leaves: Vec<bool>,
+    /// Sides of each block beyond which all cells are of its level.
+    complete: Vec<u32>,
 }
 
 /// Part of a block.
@@ -44,7 +47,12 @@ impl Bricks {
             Some(*sum)
         }));
         let leaves = lists.iter().map(|list| list.iter().all(|brick| !brick.has_finer)).collect();
-        Self { starts, bricks: lists.concat(), leaves }
+        let complete = match grid.centring {
+            AmrCentring::Points => collect(grid.blocks.len(), |number| complete_sides(grid, number)),
+            // The samples around a place tell.
+            AmrCentring::Cells => Vec::new(),
+        };
+        Self { starts, bricks: lists.concat(), leaves, complete }
     }
 
     /// True if all cells of a block are leaves.
@@ -52,11 +60,33 @@ impl Bricks {
         self.leaves[number]
     }
 
+    /// Sides of a block beyond which all cells are of its level: 27 bits, from the corner at its lowest cell on, x fastest; the bit in the middle is the
+    /// block's own.
+    pub(super) fn complete_sides(&self, number: usize) -> u32 {
+        self.complete.get(number).copied().unwrap_or_default()
+    }
+
     /// The brick at a place among those of a block.
     pub(super) fn at(&self, grid: &AmrGrid, number: usize, at: [i64; 3]) -> &Brick {
         let [_, n] = brick_box(grid, number);
         &self.bricks[self.starts[number] + ((at[2] * n[1] + at[1]) * n[0] + at[0]) as usize]
     }
+}
+
+fn complete_sides(grid: &AmrGrid, number: usize) -> u32 {
+    let block = &grid.blocks[number];
+    let end = plus(block.first, block.cells(grid.centring).map(|n| n as i64));
+    let range = |a: usize, side: i64| match side {
+        0 => [block.first[a] - 1, block.first[a]],
+        1 => [block.first[a], end[a]],
+        _ => [end[a], end[a] + 1],
+    };
+    let is_complete = |side: i64| {
+        let ranges = [range(0, side % 3), range(1, side / 3 % 3), range(2, side / 9)];
+        let [from, to] = [0, 1].map(|i| ranges.map(|r| r[i]));
+        side == 13 || each_index(from, to).all(|cell| grid.holder_of_cell(block.level, cell).is_some())
+    };
+    (0..27).filter(|&side| is_complete(side)).fold(0, |bits, side| bits | 1 << side)
 }
 
 /// Numbers of bricks of a block, from 0.

@@ -57,7 +57,7 @@ pub(super) fn blocks(
     lattices: &Lattices,
     centring: AmrCentring,
 ) -> Result<(), AmrError> {
-    if u32::try_from(blocks.len()).is_ok_and(|n| n == u32::MAX) || blocks.len() > u32::MAX as usize {
+    if blocks.len() >= u32::MAX as usize {
         return Err(AmrError::TooManyBlocks { found: blocks.len() });
     }
     let levels = ratios.len() + 1;

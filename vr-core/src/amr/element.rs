@@ -20,8 +20,7 @@ impl AmrGrid {
     /// upper one, but at the end of the box.
     #[inline]
     pub(super) fn finest_node(&self, at: DVec3) -> [i64; 3] {
-        let elements = self.centring.elements() as f64;
-        let position = (at - self.origin) / self.finest_spacing() * elements;
+        let position = (at - self.origin) * self.levels[self.levels.len() - 1].rate;
         let [low, high] = self.inner_nodes();
         std::array::from_fn(|a| (position[a].floor() as i64).clamp(low[a], high[a] - 1))
     }
@@ -42,8 +41,7 @@ impl AmrGrid {
 
     /// Coordinates of a world position in an element, 0 to 1 inside.
     pub(super) fn coordinates(&self, element: Element, at: DVec3) -> DVec3 {
-        let spacing = self.levels[element.level].spacing;
-        let position = (at - self.origin) / spacing * self.centring.elements() as f64;
+        let position = (at - self.origin) * self.levels[element.level].rate;
         position - DVec3::from_array(element.node.map(|n| n as f64))
     }
 

@@ -2,20 +2,17 @@
 
 use glam::DVec3;
 
-use super::element::interpolated;
+use super::element::{Element, interpolated};
 use super::grid::AmrGrid;
 use super::line::AmrLine;
-use super::nodes::Quantity;
 use crate::field::{Field, FieldLine, Stretch};
 use crate::ray::Ray;
 use crate::view::Clip;
 
 impl AmrGrid {
-    /// Quantity at a world position; NaN in vacuum.
-    fn at<Q: Quantity>(&self, at: DVec3) -> Q {
-        let Some(element) = self.element_at(at) else { return Q::NONE };
-        let place = self.coordinates(element, at).clamp(DVec3::ZERO, DVec3::ONE);
-        interpolated(&self.corners::<Q>(element), place)
+    /// Place of a world position in the element that holds it, 0 to 1.
+    fn place(&self, element: Element, at: DVec3) -> DVec3 {
+        self.coordinates(element, at).clamp(DVec3::ZERO, DVec3::ONE)
     }
 
     /// True if a world position is in the box of the values, up to rounding.
@@ -47,7 +44,9 @@ impl Field for AmrGrid {
         if !self.is_inside(at) {
             return None;
         }
-        let value = self.inner_value(at).unwrap_or_else(|| self.at(at));
+        let element = self.element_at(at)?;
+        let at_rim = || self.rim_value(element, self.place(element, at));
+        let value = self.inner_value(element, at).unwrap_or_else(at_rim);
         (!value.is_nan()).then_some(value)
     }
 
@@ -63,7 +62,9 @@ impl Field for AmrGrid {
         if !self.is_inside(at) {
             return None;
         }
-        let gradient: DVec3 = self.at(at);
+        let element = self.element_at(at)?;
+        let by_corners = || interpolated(&self.corners::<DVec3>(element), self.place(element, at));
+        let gradient = self.inner_gradient(element, at).unwrap_or_else(by_corners);
         (!gradient.is_nan()).then_some(gradient)
     }
 

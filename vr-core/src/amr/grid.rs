@@ -94,7 +94,8 @@ impl AmrGrid {
             let range = blocks.partition_point(|b| b.level < level)..blocks.partition_point(|b| b.level <= level);
             let ratio = if level > 0 { ratios[level - 1].map(i64::from) } else { [1; 3] };
             let index = BinIndex::new(&blocks[range.clone()], range.start);
-            Level { spacing: spacing[level], ratio, to_finest: to_finest[level], blocks: range, index }
+            let rate = centring.elements() as f64 / spacing[level];
+            Level { spacing: spacing[level], rate, ratio, to_finest: to_finest[level], blocks: range, index }
         };
         let levels: Vec<Level> = (0..spacing.len()).map(level).collect();
         let mut grid = Self {

@@ -11,6 +11,8 @@ use super::bin_index::BinIndex;
 pub(super) struct Level {
     /// Edges of a cell, in world units.
     pub(super) spacing: DVec3,
+    /// Elements per world unit.
+    pub(super) rate: DVec3,
     /// Refinement ratio of the level before to this one; 1 for level 0.
     pub(super) ratio: [i64; 3],
     /// Cells of the finest level along the edges of a cell of this one.

@@ -7,7 +7,7 @@ use super::grid::AmrGrid;
 use crate::bound::{Bound, largest};
 use crate::box_tree::LocalLine;
 use crate::clip_error::clip_error;
-use crate::field::{Chord, Cut, FieldLine, LineModel, Poly, distinct_places};
+use crate::field::{Chord, Cut, Field, FieldLine, LineModel, Poly, distinct_places};
 use crate::ray::Ray;
 use crate::view::Clip;
 
@@ -43,7 +43,7 @@ impl<'a> AmrLine<'a> {
         let first = out.len();
         for pair in line.breaks.windows(2) {
             let [from, to] = [pair[0].0, pair[1].0];
-            if line.value_element(0.5 * (from + to)).is_none() {
+            if grid.value(line.at(0.5 * (from + to))).is_none() {
                 continue;
             }
             let [from, to] = [from, to].map(|s| s + line.offset);

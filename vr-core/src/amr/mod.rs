@@ -28,6 +28,7 @@ mod element;
 mod error;
 mod field;
 mod grid;
+mod inner_gradient;
 mod inner_value;
 mod level;
 mod line;
@@ -35,6 +36,7 @@ mod nodes;
 mod refining;
 mod region;
 mod restriction;
+mod rim;
 mod stretches;
 
 pub use block::{AmrBlock, AmrCentring};

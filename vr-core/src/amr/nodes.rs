@@ -14,6 +14,11 @@ pub(super) trait Quantity: Copy + Add<Output = Self> + Mul<f64, Output = Self> {
     const NONE: Self;
 
     fn at_sample(grid: &AmrGrid, level: usize, at: [i64; 3]) -> Self;
+
+    /// Quantity in an element of a level, where there is a faster way to it than by its corners.
+    fn within_block(_grid: &AmrGrid, _level: usize, _node: [i64; 3], _part: [f64; 3]) -> Option<Self> {
+        None
+    }
 }
 
 /// The value.
@@ -23,6 +28,11 @@ impl Quantity for f64 {
 
     fn at_sample(grid: &AmrGrid, level: usize, at: [i64; 3]) -> Self {
         grid.sample(level, at)
+    }
+
+    fn within_block(grid: &AmrGrid, level: usize, node: [i64; 3], part: [f64; 3]) -> Option<Self> {
+        // A sample that is missing may be one that does not count.
+        grid.value_within_block(level, node, part).filter(|value| !value.is_nan())
     }
 }
 
@@ -124,7 +134,7 @@ impl AmrGrid {
     }
 
     /// Leaf of a coarser level that covers a cell which its own level does not have: level and cell; `None` in vacuum.
-    fn coarser_leaf(&self, level: usize, mut cell: [i64; 3]) -> Option<(usize, [i64; 3])> {
+    pub(super) fn coarser_leaf(&self, level: usize, mut cell: [i64; 3]) -> Option<(usize, [i64; 3])> {
         for coarser in (0..level).rev() {
             cell = divided(cell, self.levels[coarser + 1].ratio);
             if self.holder_of_cell(coarser, cell).is_some() {
@@ -135,11 +145,14 @@ impl AmrGrid {
     }
 
     /// Quantity at a node of a level, as a leaf of a coarser level that touches it has it: interpolated between the nodes of that level around it.
-    fn at_coarser<Q: Quantity>(&self, level: usize, node: [i64; 3], coarser: usize) -> Q {
+    pub(super) fn at_coarser<Q: Quantity>(&self, level: usize, node: [i64; 3], coarser: usize) -> Q {
         let [fine, coarse] = [level, coarser].map(|l| self.levels[l].to_finest);
         let ratio: [i64; 3] = std::array::from_fn(|a| coarse[a] / fine[a]);
         let below = divided(node, ratio);
         let part: [f64; 3] = std::array::from_fn(|a| (node[a] - below[a] * ratio[a]) as f64 / ratio[a] as f64);
+        if let Some(found) = Q::within_block(self, coarser, below, part) {
+            return found;
+        }
         let mut sum = Q::ZERO;
         for i in 0..8 {
             let up = corner(i);

@@ -30,13 +30,13 @@ impl AmrGrid {
         let mut region: Option<Region> = None;
         for (value, &at) in out.iter_mut().zip(at) {
             let within = region.and_then(|region| {
-                let position = (at - self.origin) / self.levels[region.level].spacing * elements as f64;
+                let position = (at - self.origin) * self.levels[region.level].rate;
                 let node = position.floor().to_array().map(|x| x as i64);
                 let cell = if elements == 2 { node.map(|n| n >> 1) } else { node };
                 if !region.holds(cell) {
                     return None;
                 }
-                self.within_level(region.level, &self.blocks[region.block], node, at)
+                self.within_level(region.level, region.block, node, position)
             });
             *value = within.unwrap_or_else(|| {
                 region = self.region_at(at).or(region);

@@ -9,6 +9,8 @@ pub(crate) struct ListedWalk {
     steps: Vec<(f64, f64)>,
     /// Index-space positions of the samples, where they do not lie on the ray.
     places: Option<Vec<[f64; 3]>>,
+    /// True for the steps that are walked; empty if all are.
+    seen: Vec<bool>,
     /// Runs not yet walked.
     runs: std::ops::Range<usize>,
     /// Run that was walked last.
@@ -20,17 +22,26 @@ impl ListedWalk {
     /// Begins a walk from step `first`, before which nothing is visible, to the end; or from the far end back to it.
     pub(crate) fn new(steps: Vec<(f64, f64)>, places: Option<Vec<[f64; 3]>>, first: u32, backwards: bool) -> Self {
         let runs = first as usize / RUN..steps.len().div_ceil(RUN);
-        Self { steps, places, runs, run: 0, backwards }
+        Self { steps, places, seen: Vec::new(), runs, run: 0, backwards }
+    }
+
+    /// Begins a walk over the steps that are `seen`, one flag for each. Runs begin at every 32nd of all steps, as if all were walked: sums are rounded run by
+    /// run.
+    pub(crate) fn over_seen(steps: Vec<(f64, f64)>, seen: Vec<bool>, backwards: bool) -> Self {
+        Self { seen, ..Self::new(steps, None, 0, backwards) }
     }
 
     /// Fills the next run; returns false if all are walked.
     pub(crate) fn next(&mut self, steps: &mut Steps) -> bool {
-        let Some(run) = (if self.backwards { self.runs.next_back() } else { self.runs.next() }) else { return false };
-        self.run = run;
         steps.len = 0;
-        for k in self.numbers() {
-            let (begin, length) = self.steps[k];
-            steps.push(begin, length, k as u32);
+        while steps.len == 0 {
+            let next = if self.backwards { self.runs.next_back() } else { self.runs.next() };
+            let Some(run) = next else { return false };
+            self.run = run;
+            for k in self.numbers().filter(|&k| self.seen.get(k) != Some(&false)) {
+                let (begin, length) = self.steps[k];
+                steps.push(begin, length, k as u32);
+            }
         }
         true
     }

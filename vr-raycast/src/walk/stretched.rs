@@ -24,7 +24,7 @@ pub(crate) struct StretchSteps<'a> {
 /// Stretches of one spacing that touch have one lattice of steps: they lie where they lie if all is seen.
 pub(crate) fn stretched_walk(ray: &IndexRay, stretches: &[Stretch], rule: &StretchSteps<'_>) -> (ListedWalk, u64) {
     let mut steps: Vec<(f64, f64)> = Vec::new();
-    let (mut skipped, mut before) = (0, None::<&Stretch>);
+    let (mut seen, mut before) = (Vec::new(), None::<&Stretch>);
     for run in stretches.chunk_by(|a, b| a.spacing == b.spacing && a.touches(b)) {
         let (first, last) = (&run[0], &run[run.len() - 1]);
         let step = rule.step * (first.spacing / rule.spacing);
@@ -40,37 +40,27 @@ pub(crate) fn stretched_walk(ray: &IndexRay, stretches: &[Stretch], rule: &Stret
         let begin = steps.len();
         let jumps = if is_behind_vacuum { &[from][..] } else { &[] };
         cut_steps(&Lattice::new(from, to, step), jumps, &mut steps);
-        skipped += leave_out_unseen(&mut steps, begin, run, rule);
+        mark_seen(&steps, begin, run, rule, &mut seen);
     }
-    (ListedWalk::new(steps, None, 0, rule.backwards), skipped)
+    let skipped = seen.iter().filter(|seen| !**seen).count() as u64;
+    (ListedWalk::over_seen(steps, seen, rule.backwards), skipped)
 }
 
-/// Leaves out the steps from number `begin` on in which nothing can be seen; returns their number.
-fn leave_out_unseen(steps: &mut Vec<(f64, f64)>, begin: usize, run: &[Stretch], rule: &StretchSteps<'_>) -> u64 {
-    let shown: Vec<&Stretch> = run.iter().filter(|stretch| (rule.shows)(stretch.range)).collect();
-    if shown.len() == run.len() {
-        return 0;
+/// Appends whether something can be seen in each step from number `begin` on, or in one of the steps behind it that ask for it.
+fn mark_seen(steps: &[(f64, f64)], begin: usize, run: &[Stretch], rule: &StretchSteps<'_>, seen: &mut Vec<bool>) {
+    let mut shown = run.iter().filter(|stretch| (rule.shows)(stretch.range)).peekable();
+    for &(from, length) in &steps[begin..] {
+        while shown.next_if(|stretch| stretch.to < from).is_some() {}
+        seen.push(shown.peek().is_some_and(|stretch| stretch.from <= from + length));
     }
-    let mut next = 0;
-    let seen: Vec<bool> = steps[begin..]
-        .iter()
-        .map(|&(from, length)| {
-            while shown.get(next).is_some_and(|stretch| stretch.to < from) {
-                next += 1;
-            }
-            shown.get(next).is_some_and(|stretch| stretch.from <= from + length)
-        })
-        .collect();
-    let mut kept = begin;
-    for k in 0..seen.len() {
-        if seen[k..(k + rule.before + 1).min(seen.len())].contains(&true) {
-            steps[kept] = steps[begin + k];
-            kept += 1;
+    // What comes before is walked, too.
+    let mut left = 0;
+    for seen in seen[begin..].iter_mut().rev() {
+        left = if *seen { rule.before } else { left };
+        if !*seen && left > 0 {
+            (*seen, left) = (true, left - 1);
         }
     }
-    let skipped = steps.len() - kept;
-    steps.truncate(kept);
-    skipped as u64
 }
 
 #[cfg(test)]
