@@ -1,9 +1,9 @@
-//! HDF5 in its plainest form: groups that are symbol tables, and datasets of numbers in one run. The library up to version 1.6 wrote no other, and later
-//! ones write it unless they are told otherwise.
+//! HDF5 in its plainest form: groups that are symbol tables, and datasets of numbers in one run. The library up to version 1.6 wrote no other,
+//! and later ones write it unless they are told otherwise.
 //!
-//! The form is that of the HDF5 File Format Specification, version 2.0: superblock 0 or 1 (II.A), B-tree version 1 (III.A.1), symbol table nodes and entries
-//! (III.B, III.C), local heap (III.D), object header version 1 (IV.A.1). Own code: `hdf5-reader`, behind the feature `hdf5`, misreads the layouts of
-//! version 1.6 and before (0.12.1).
+//! The form is that of the HDF5 File Format Specification, version 2.0: superblock 0 or 1 (II.A), B-tree version 1 (III.A.1), symbol table nodes
+//! and entries (III.B, III.C), local heap (III.D), object header version 1 (IV.A.1). Own code: `hdf5-reader` (0.12.1), behind the feature `hdf5`,
+//! misreads the layouts of version 1.6 and before.
 
 mod dataset;
 mod header;
