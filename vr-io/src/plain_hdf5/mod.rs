@@ -111,7 +111,8 @@ impl PlainHdf5 {
         let head = self.window.bytes(at, 8)?;
         let is_table = head.starts_with(b"SNOD");
         // A node of a group's tree: its kind is 0.
-        if !is_table && !(head.starts_with(b"TREE") && head[4] == 0) {
+        let is_node = head.starts_with(b"TREE") && head[4] == 0;
+        if !is_table && !is_node {
             return Err(damaged(at, "no node of a group"));
         }
         let count = u64::from(u16::from_le_bytes([head[6], head[7]]));
