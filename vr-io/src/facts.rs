@@ -41,7 +41,7 @@ impl Facts {
         }
     }
 
-    /// What callers are told: with the number of components of the array that is taken, and the names of all arrays.
+    /// The facts that callers are told, with the number of components of the array that is taken, and the names of all arrays.
     pub fn into_info(self, placed_by: &'static str, components: usize, columns: Vec<String>) -> FileInfo {
         let Self { format, encoding, scalar, endian, frames, files } = self;
         FileInfo {

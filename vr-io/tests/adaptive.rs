@@ -191,7 +191,7 @@ fn data(name: &str) -> Option<PathBuf> {
     None
 }
 
-/// Numbers of leaves, sums over them of value times volume, and ranges, as VTK 9.7 (those of `.vthb`, whose cells under finer ones have marks) and yt 4
+/// Numbers of leaves, sums over them of value times volume, and ranges, as VTK 9.7 (of `.vthb`, where it marks cells under finer ones) and yt 4
 /// find them.
 #[test]
 fn shared_meshes_are_what_other_programs_find() {

@@ -24,4 +24,5 @@ mod report;
 mod resample;
 mod scene_files;
 mod transfer_rows;
+mod uneven_files;
 mod unused;

@@ -1,6 +1,8 @@
 //! A part of the numbers of a box: what is left without ghost cells.
 
-/// Takes the numbers of the box of `dims` from `first` on out of a whole of `whole` places with `components` numbers each. The whole must hold the box.
+/// Takes the numbers of the box of `dims` from `first` on out of a whole of `whole` places with `components` numbers each.
+///
+/// Panics if the whole does not hold the box: a bug in the caller.
 pub(super) fn crop(
     numbers: &[f64],
     whole: [usize; 3],

@@ -70,7 +70,7 @@ impl<'t> Words<'t> {
         Ok(numbers)
     }
 
-    /// What has not been taken.
+    /// The text that has not been taken.
     pub fn rest(&self) -> &'t str {
         self.rest
     }

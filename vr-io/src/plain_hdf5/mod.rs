@@ -1,9 +1,9 @@
-//! HDF5 in its plainest form: groups that are symbol tables, and datasets of numbers in one run. The library up to version 1.6 wrote no other, and later
-//! ones write it unless they are told otherwise.
+//! HDF5 in its plainest form: groups that are symbol tables, and datasets of numbers in one run. The library up to version 1.6 wrote no other,
+//! and later ones write it unless they are told otherwise.
 //!
-//! The form is that of the HDF5 File Format Specification, version 2.0: superblock 0 or 1 (II.A), B-tree version 1 (III.A.1), symbol table nodes and entries
-//! (III.B, III.C), local heap (III.D), object header version 1 (IV.A.1). Own code: `hdf5-reader`, behind the feature `hdf5`, misreads the layouts of
-//! version 1.6 and before (0.12.1).
+//! The form is that of the HDF5 File Format Specification, version 2.0: superblock 0 or 1 (II.A), B-tree version 1 (III.A.1), symbol table nodes
+//! and entries (III.B, III.C), local heap (III.D), object header version 1 (IV.A.1). Own code: `hdf5-reader` (0.12.1), behind the feature `hdf5`,
+//! misreads the layouts of version 1.6 and before.
 
 mod dataset;
 mod header;
@@ -111,8 +111,8 @@ impl PlainHdf5 {
         let head = self.window.bytes(at, 8)?;
         let is_table = head.starts_with(b"SNOD");
         // A node of a group's tree: its kind is 0.
-        let is_tree = head.starts_with(b"TREE") && head[4] == 0;
-        if !(is_table || is_tree) {
+        let is_node = head.starts_with(b"TREE") && head[4] == 0;
+        if !is_table && !is_node {
             return Err(damaged(at, "no node of a group"));
         }
         let count = u64::from(u16::from_le_bytes([head[6], head[7]]));

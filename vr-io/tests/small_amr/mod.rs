@@ -119,8 +119,8 @@ pub fn amrex(double: bool, big: bool, ghosts: i64) -> Folder {
     folder
 }
 
-/// A list of VTK in version 1.1 or 1.0, with the field and the vector `place`; level 1 is in two images. `ghosts` gives one of them a layer of copies with
-/// other values, `blanked` hides one of its cells.
+/// A list of VTK in version 1.1 or 1.0, with the field and the vector `place`; level 1 is in two images. `ghosts` gives one of them a layer of
+/// copies with other values, `blanked` hides one of its cells.
 pub fn vthb(version: &str) -> Folder {
     let folder = Folder::default();
     let old = version == "1.0";
