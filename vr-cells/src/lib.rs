@@ -15,6 +15,11 @@
 //! 4. **Light.** Between two faces the transfer function is cut at its control points; each part is integrated by Gauss's rule of three points, the
 //!    depth up to each point by its collocation (order 6), in parts of an optical depth of at most ½.
 //!
+//! Where light is integrated through a mesh in front of the eye, shaded or not, sixteen rays walk at once, in `f32`: places are kept relative to each ray to the
+//! last bits, and a lane takes the next ray of its tile when it is done. What rays pass is cut into stretches, whose light does not depend on what lies
+//! before; sixteen of any rays are integrated together, by parts, so that one integral by four points serves all colours up to an optical depth of 2½. Walls,
+//! logarithms near them and rays that get stuck are left to the plain code in `f64`, which draws everything else.
+//!
 //! # The projector
 //! A cell is drawn as its outline on the screen, from front to back (Shirley & Tuchman 1990, "A polygonal approximation to direct scalar volume rendering"):
 //! 1. **Order.** Of two cells that share a face, the one on the eye's side comes first (Williams 1992). Across hollows and between parts of a mesh, the samples of the
