@@ -51,7 +51,7 @@ fn a_mesh_becomes_a_grid_with_an_account() {
 fn renderers_of_grids_draw_a_mesh() {
     let vr = cube();
     let flags = "--resample 12x12x12 --size 16 --error none";
-    for renderer in ["shear-warp", "raycast"] {
+    for renderer in ["shearwarp", "raycast"] {
         let run = vr.run(&format!("render m.vtu {flags} --renderer {renderer} -o {renderer}.png")).succeeded();
         assert!(run.stderr.contains("mesh of cells to 12×12×12"), "{}", run.stderr);
         let lit =

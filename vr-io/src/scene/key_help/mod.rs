@@ -323,6 +323,9 @@ mod tests {
                 if name == "volume" && key != "path" {
                     section.as_table_mut().unwrap().insert("path".to_owned(), "x".into());
                 }
+                if ["resample_filter", "conserve"].contains(&key) {
+                    section.as_table_mut().unwrap().insert("resample".to_owned(), "finest".into());
+                }
                 let text = toml::to_string(&table).unwrap();
                 parse_scene(&text, Path::new("x.toml")).unwrap_or_else(|e| panic!("{name}.{key}: {e}"));
             }
