@@ -1,6 +1,6 @@
 //! Adaptive meshes in: overlapping AMR of VTK, plotfiles of AMReX and packed AMR of Enzo become meshes of blocks.
 //!
-//! Every format gives the same ([`AmrFile`]): boxes of blocks on the lattices of their levels, and arrays of values. From there on there is one way:
+//! Every format gives the same (`AmrFile`): boxes of blocks on the lattices of their levels, and arrays of values. From there on there is one way:
 //! an array is chosen (`crate::chosen`), the blocks are read one after the other, and the mesh is made (`load`).
 
 mod align;
