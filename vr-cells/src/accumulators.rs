@@ -2,7 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use vr_core::{Compositing, RayShading, TransferFunction};
+use vr_core::image_order::PixelValue;
+use vr_core::{Compositing, Frame, Layer, RayShading, TransferFunction, View};
 
 use crate::camera_space::gradient;
 use crate::medium::{Crossing, Light, Medium, reflected};
@@ -17,6 +18,39 @@ pub(crate) struct Seen {
 
 impl Seen {
     pub(crate) const NOTHING: Self = Self { rgba: [0.0; 4], depth: f64::INFINITY };
+
+    /// The same in front of the opaque surfaces of its pixel.
+    pub(crate) fn before(self, layer: Option<&Layer>, pixel: usize) -> Self {
+        layer.map_or(self, |layer| Self {
+            rgba: layer.under(pixel, self.rgba),
+            depth: self.depth.min(layer.depth(pixel)),
+        })
+    }
+
+    /// The picture of all pixels.
+    pub(crate) fn frame(pixels: &[Self], view: &View) -> Frame {
+        let colors = pixels.iter().map(|seen| seen.rgba.map(|x| x as f32)).collect();
+        let depths = pixels.iter().map(|seen| seen.depth as f32).collect();
+        Frame::new(view.size, colors, Some(depths))
+    }
+}
+
+impl PixelValue for Seen {
+    fn mean(values: &[Self]) -> Self {
+        let share = 1.0 / values.len() as f64;
+        let sum = |c: usize| values.iter().map(|v| v.rgba[c]).sum::<f64>() * share;
+        let depth = values.iter().map(|v| v.depth).fold(f64::INFINITY, f64::min);
+        Self { rgba: std::array::from_fn(sum), depth }
+    }
+}
+
+/// True if an operator integrates light to the end of each ray.
+pub(crate) fn is_whole_light(compositing: Compositing) -> bool {
+    match compositing {
+        Compositing::Over => true,
+        Compositing::Accumulate { level } => level >= 1.0,
+        _ => false,
+    }
 }
 
 /// State of an operator along a ray.
@@ -59,7 +93,7 @@ impl<'a> Gathered<'a> {
             |level: f64, ends: bool| State::Light { light: Light::NONE, crossing: Crossing { level, at: None, ends } };
         let state = match compositing {
             Compositing::Over => light(0.5, false),
-            Compositing::Accumulate { level } if level >= 1.0 => light(0.5, false),
+            Compositing::Accumulate { .. } if is_whole_light(compositing) => light(0.5, false),
             Compositing::Accumulate { level } => light(1.0 - level, true),
             Compositing::First { threshold } => State::First { threshold, seen: None },
             Compositing::Average => State::Mean { sum: 0.0, length: 0.0 },

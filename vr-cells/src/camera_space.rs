@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use vr_core::cells::CellValues;
-use vr_core::{CellMesh, ParameterError, Projection, Ray, View};
+use vr_core::{CellMesh, ParameterError, Ray, View};
 
 /// Numbers that a ray needs at a vertex: the value, and the gradient's components where something is shaded.
 pub(crate) type Attributes<const N: usize> = [f64; N];
@@ -33,7 +33,7 @@ pub(crate) struct CameraSpace {
 
 impl CameraSpace {
     pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
-        let perspective = matches!(view.camera.projection, Projection::Perspective { .. });
+        let perspective = view.camera.projection.is_perspective();
         Ok(Self { eye: view.camera.eye, to_camera: view.camera.frame()?.transpose(), perspective })
     }
 

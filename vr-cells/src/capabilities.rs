@@ -12,6 +12,11 @@ pub(crate) fn check(renderer: &CellMarcher, scene: &Scene) -> Result<Arc<CellMes
     mesh_of(CellMarcher::NAME, scene)
 }
 
+/// True if a scene asks for the gradients of its mesh.
+pub(crate) fn needs_gradients(scene: &Scene) -> bool {
+    scene.reflection().is_some() || scene.has_gradient_opacity()
+}
+
 /// Returns the mesh of a scene, if it is one of cells and has the gradients that the scene asks for.
 pub(crate) fn mesh_of(renderer: &'static str, scene: &Scene) -> Result<Arc<CellMesh>, RenderError> {
     scene.validate()?;

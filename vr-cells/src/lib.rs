@@ -88,7 +88,9 @@ mod options;
 mod packet;
 mod prepared;
 mod projection;
+mod single_rays;
 mod study;
+mod tile_lists;
 mod walk;
 
 pub use marcher::CellMarcher;

@@ -1,7 +1,7 @@
 //! Light of a stretch on which the value is linear.
 
 use vr_core::transfer::Optical;
-use vr_core::{OpacityRule, RayShading, Shading, TransferFunction};
+use vr_core::{OpacityRule, RayShading, Scene, Shading, TransferFunction};
 
 /// Nodes of Gauss's rule of three points on [0, 1], and its weights.
 const NODES: [f64; 3] = [0.112_701_665_379_258_31, 0.5, 0.887_298_334_620_741_7];
@@ -77,8 +77,8 @@ impl Stretch<'_> {
 pub(crate) struct Medium<'a> {
     pub(crate) transfer: &'a TransferFunction,
     /// Shading by whose gradients opacity is multiplied; `None` under rows, which follow the gradient by themselves.
-    pub(crate) modulation: Option<&'a Shading>,
-    pub(crate) extinction: &'a ExtinctionTable,
+    modulation: Option<&'a Shading>,
+    extinction: &'a ExtinctionTable,
 }
 
 /// Extinction by opacity, per world unit: linear between 4096 places, to 10⁻⁶ of that of an opaque unit.
@@ -127,7 +127,14 @@ pub(crate) struct Crossing {
     pub(crate) ends: bool,
 }
 
-impl Medium<'_> {
+impl<'a> Medium<'a> {
+    /// The medium of a scene.
+    pub(crate) fn of(scene: &'a Scene, extinction: &'a ExtinctionTable) -> Self {
+        let modulation =
+            scene.shading.as_deref().filter(|_| scene.has_gradient_opacity() && !scene.transfer.has_rows());
+        Self { transfer: &scene.transfer, modulation, extinction }
+    }
+
     /// Adds the light of a stretch between two distances, on which the value and the gradient are linear.
     #[inline]
     pub(crate) fn add(

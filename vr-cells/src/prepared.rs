@@ -1,24 +1,22 @@
 //! A mesh that has been prepared, and its pictures.
 
-use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, OnceLock};
 
-use glam::DVec3;
 use vr_core::cells::CellValues;
-use vr_core::image_order::{ImageSample, PixelValue, trace_view};
+use vr_core::image_order::{ImageSample, trace_view};
 use vr_core::{
-    CellMesh, Compositing, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats,
-    Rendered, Scene, View,
+    CellMesh, Control, Counts, Layer, Model, Prepared, Ray, RenderError, RenderStats, Rendered, Scene, View,
 };
 
-use crate::accumulators::{Gathered, Seen};
+use crate::accumulators::{Seen, is_whole_light};
 use crate::camera_space::CameraSpace;
-use crate::capabilities::check;
+use crate::capabilities::{check, needs_gradients};
 use crate::entries::{Entries, SurfaceFace, surface};
 use crate::marcher::CellMarcher;
 use crate::medium::{ExtinctionTable, Medium};
 use crate::packet::{Links, Packets, Projected, Segments};
-use crate::walk::{Part, Walker};
+use crate::single_rays::{Scratch, SingleRays};
+use crate::walk::Walker;
 
 /// A scene, and the surface of its mesh.
 pub(crate) struct PreparedMarcher {
@@ -46,13 +44,11 @@ impl PreparedMarcher {
     /// True if the picture is that of light, which packets draw: of values at vertices, without emission, and without opacity by the gradient.
     fn is_light(&self) -> bool {
         let scene = &self.scene;
-        let is_light = match scene.compositing {
-            Compositing::Over => true,
-            Compositing::Accumulate { level } => level >= 1.0,
-            _ => false,
-        };
         let of_vertices = matches!(self.mesh.values(), CellValues::Vertices(_));
-        is_light && of_vertices && !scene.transfer.has_emission() && !scene.has_gradient_opacity()
+        is_whole_light(scene.compositing)
+            && of_vertices
+            && !scene.transfer.has_emission()
+            && !scene.has_gradient_opacity()
     }
 
     /// Draws with values alone (`N` = 1), or with gradients (`N` = 4).
@@ -73,39 +69,12 @@ impl PreparedMarcher {
             entries: &entries,
             nudge: 1e-10 * self.mesh.mean_spacing(),
         };
-        let modulation =
-            scene.shading.as_deref().filter(|_| scene.has_gradient_opacity() && !scene.transfer.has_rows());
         let extinction = ExtinctionTable::new(&scene.transfer);
-        let medium = Medium { transfer: &scene.transfer, modulation, extinction: &extinction };
-        let reflection = scene.reflection();
-        type Scratch = (Vec<(f64, SurfaceFace)>, Option<(DVec3, RayShading<f64>)>);
-        let scratch = || -> Scratch { (Vec::new(), None) };
-        let trace = |(found, shading): &mut Scratch, ray: &Ray, sample: ImageSample, counts: &mut Counts| {
-            let far = layer.map_or(f64::INFINITY, |layer| layer.depth(sample.pixel));
-            let mut seen = Seen::NOTHING;
-            if let Some([from, to]) = ray.inside(&view.clip)
-                && from < to.min(far)
-            {
-                if let Some(reflection) = reflection
-                    && shading.as_ref().is_none_or(|(direction, _)| *direction != ray.direction)
-                {
-                    *shading = Some((ray.direction, reflection.along(&scene.lights, ray.direction)));
-                }
-                let shade = shading.as_ref().map(|(_, shade)| shade);
-                let mut gathered = Gathered::new(scene.compositing, &medium, shade, self.renderer.termination);
-                let mut parts = 0u64;
-                let mut take = |part: &Part<N>| -> ControlFlow<()> {
-                    parts += 1;
-                    gathered.take(part)
-                };
-                walker.walk(&camera.axis(ray), [sample.x, sample.y], [from, to.min(far)], found, &mut take);
-                counts.rays += u64::from(parts > 0);
-                counts.samples += parts;
-                seen = gathered.seen();
-            }
-            layer.map_or(seen, |layer| Seen {
-                rgba: layer.under(sample.pixel, seen.rgba),
-                depth: seen.depth.min(layer.depth(sample.pixel)),
+        let medium = Medium::of(scene, &extinction);
+        let single = SingleRays { scene, medium: &medium, view, layer, termination: self.renderer.termination };
+        let trace = |scratch: &mut Scratch<(f64, SurfaceFace)>, ray: &Ray, sample: ImageSample, counts: &mut Counts| {
+            single.draw(scratch, ray, sample, counts, |part, found, take| {
+                walker.walk(&camera.axis(ray), [sample.x, sample.y], part, found, take);
             })
         };
         let links = if self.is_light() { self.links() } else { None };
@@ -124,12 +93,12 @@ impl PreparedMarcher {
                     view,
                     layer,
                     opaque: 1.0 - self.renderer.termination,
-                    lit: reflection.map(|shading| (&**shading, &scene.lights[..])),
+                    lit: scene.reflection().map(|shading| (&**shading, &scene.lights[..])),
                     buffers: Mutex::default(),
                 };
-                packets.draw(control, |ray, sample, counts| trace(&mut scratch(), ray, sample, counts))
+                packets.draw(control, |ray, sample, counts| trace(&mut Scratch::default(), ray, sample, counts))
             }
-            None => trace_view(view, control, scratch, trace),
+            None => trace_view(view, control, Scratch::default, trace),
         })?;
         stats.counts += counts;
         Ok(seen)
@@ -152,28 +121,16 @@ impl Prepared for PreparedMarcher {
         control.check()?;
         let mut stats = RenderStats::default();
         let layer = self.scene.layer(view, control)?;
-        let needs_gradients = self.scene.reflection().is_some() || self.scene.has_gradient_opacity();
-        let seen = if needs_gradients {
+        let seen = if needs_gradients(&self.scene) {
             self.draw::<4>(view, control, layer.as_ref(), &mut stats)?
         } else {
             self.draw::<1>(view, control, layer.as_ref(), &mut stats)?
         };
-        let pixels = seen.iter().map(|s| s.rgba.map(|x| x as f32)).collect();
-        let depth = seen.iter().map(|s| s.depth as f32).collect();
-        Ok(Rendered { frame: Frame::new(view.size, pixels, Some(depth)), stats })
+        Ok(Rendered { frame: Seen::frame(&seen, view), stats })
     }
 
     fn model(&self, _view: &View) -> Result<Model, RenderError> {
         Ok(Model::Canonical)
-    }
-}
-
-impl PixelValue for Seen {
-    fn mean(values: &[Self]) -> Self {
-        let share = 1.0 / values.len() as f64;
-        let sum = |c: usize| values.iter().map(|v| v.rgba[c]).sum::<f64>() * share;
-        let depth = values.iter().map(|v| v.depth).fold(f64::INFINITY, f64::min);
-        Self { rgba: std::array::from_fn(sum), depth }
     }
 }
 

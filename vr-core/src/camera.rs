@@ -36,6 +36,29 @@ pub enum Projection {
     },
 }
 
+impl Projection {
+    /// World height of the picture: of any plane across the view, or of the one at distance 1 in perspective.
+    ///
+    /// # Examples
+    /// ```
+    /// use vr_core::Projection;
+    ///
+    /// assert_eq!(Projection::Orthographic { height: 3.0 }.height(), 3.0);
+    /// assert!((Projection::Perspective { fov: 90.0 }.height() - 2.0).abs() < 1e-15);
+    /// ```
+    pub fn height(self) -> f64 {
+        match self {
+            Self::Orthographic { height } => height,
+            Self::Perspective { fov } => 2.0 * libm::tan(0.5 * fov.to_radians()),
+        }
+    }
+
+    /// True if rays start at the eye.
+    pub fn is_perspective(self) -> bool {
+        matches!(self, Self::Perspective { .. })
+    }
+}
+
 /// A camera in world space. Right = forward × up; row 0 of a picture is its top; pixels are square.
 ///
 /// # Examples

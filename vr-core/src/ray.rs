@@ -67,11 +67,7 @@ impl Rays {
     pub fn new(view: &View) -> Result<Self, ParameterError> {
         view.validate()?;
         let frame = view.camera.frame()?;
-        let height = match view.camera.projection {
-            Projection::Orthographic { height } => height,
-            Projection::Perspective { fov } => 2.0 * libm::tan(0.5 * fov.to_radians()),
-        };
-        let pixel = height / f64::from(view.size[1]);
+        let pixel = view.camera.projection.height() / f64::from(view.size[1]);
         Ok(Self { eye: view.camera.eye, frame, projection: view.camera.projection, size: view.size, pixel })
     }
 

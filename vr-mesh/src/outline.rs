@@ -1,7 +1,7 @@
 //! Outlines of triangles in the picture: the pixels that each may cover, more than it does and never fewer.
 
 use glam::{DMat3, DVec2, DVec3};
-use vr_core::{ParameterError, Projection, View};
+use vr_core::{ParameterError, View};
 
 /// Projection of the world onto the picture, in pixels.
 #[derive(Clone, Copy, Debug)]
@@ -41,11 +41,8 @@ impl ScreenProjection {
     /// Same as for [`vr_core::Camera::frame`].
     pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
         let camera = &view.camera;
-        let height = f64::from(view.size[1]);
-        let (perspective, pixel) = match camera.projection {
-            Projection::Orthographic { height: world } => (false, world / height),
-            Projection::Perspective { fov } => (true, 2.0 * libm::tan(0.5 * fov.to_radians()) / height),
-        };
+        let perspective = camera.projection.is_perspective();
+        let pixel = camera.projection.height() / f64::from(view.size[1]);
         let mut largest = camera.eye.abs().max_element();
         if !perspective {
             largest += pixel * f64::from(view.size[0] + view.size[1]);
@@ -149,6 +146,8 @@ impl Outline {
 
 #[cfg(test)]
 mod tests {
+    use vr_core::Projection;
+
     use super::*;
 
     #[test]

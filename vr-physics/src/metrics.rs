@@ -4,7 +4,7 @@
 //! max(1, largest magnitude of the reference): absolute for ordinary pictures, relative for those brighter than 1.
 
 use glam::{DVec2, DVec3};
-use vr_core::{ParameterError, Projection, View, Volume};
+use vr_core::{ParameterError, View, Volume};
 
 /// Pixels this close to a projected edge of the box are left out of comparisons with other programs, which place the box
 /// and its outermost half voxels differently.
@@ -224,15 +224,12 @@ struct EyeSpace {
 impl EyeSpace {
     fn new(view: &View) -> Result<Self, ParameterError> {
         let frame = view.camera.frame()?;
-        let (perspective, extent) = match view.camera.projection {
-            Projection::Orthographic { height } => (false, height),
-            Projection::Perspective { fov } => (true, 2.0 * libm::tan(0.5 * fov.to_radians())),
-        };
+        let projection = view.camera.projection;
         Ok(Self {
             eye: view.camera.eye,
             from_world: frame.transpose(),
-            perspective,
-            pixels_per_unit: f64::from(view.size[1]) / extent,
+            perspective: projection.is_perspective(),
+            pixels_per_unit: f64::from(view.size[1]) / projection.height(),
             middle: 0.5 * DVec2::new(view.size[0].into(), view.size[1].into()),
         })
     }
@@ -273,7 +270,7 @@ fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vr_core::{Calibration, Camera, Placement, UniformGrid};
+    use vr_core::{Calibration, Camera, Placement, Projection, UniformGrid};
 
     #[test]
     fn one_hand_computed_picture() {

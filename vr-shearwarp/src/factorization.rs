@@ -1,7 +1,7 @@
 //! The viewing transformation as a permutation, a shear and a two-dimensional warp (Lacroute & Levoy 1994).
 
 use glam::{DMat3, DVec2, DVec3};
-use vr_core::{ParameterError, Placement, Projection, View};
+use vr_core::{ParameterError, Placement, View};
 
 /// A view in the index space of a grid: where rays start, and how they go.
 #[derive(Clone, Copy, Debug)]
@@ -23,11 +23,8 @@ impl IndexView {
     pub(crate) fn new(view: &View, placement: &Placement) -> Result<Self, ParameterError> {
         view.validate()?;
         let frame = view.camera.frame()?;
-        let (perspective, height) = match view.camera.projection {
-            Projection::Orthographic { height } => (false, height),
-            Projection::Perspective { fov } => (true, 2.0 * libm::tan(0.5 * fov.to_radians())),
-        };
-        let pixel = height / f64::from(view.size[1]);
+        let projection = view.camera.projection;
+        let pixel = projection.height() / f64::from(view.size[1]);
         let inverse = placement.inverse_axes();
         Ok(Self {
             eye: inverse * (view.camera.eye - placement.origin()),
@@ -35,7 +32,7 @@ impl IndexView {
             down: inverse * (frame.y_axis * -pixel),
             ahead: inverse * frame.z_axis,
             size: view.size,
-            perspective,
+            perspective: projection.is_perspective(),
             axes: placement.axes(),
         })
     }
@@ -260,7 +257,7 @@ pub(crate) mod matrices {
 #[cfg(test)]
 mod tests {
     use glam::DVec4;
-    use vr_core::{Camera, Rays};
+    use vr_core::{Camera, Projection, Rays};
 
     use super::*;
 

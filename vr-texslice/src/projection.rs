@@ -1,7 +1,7 @@
 //! From the world to the screen.
 
 use glam::{DMat3, DVec2, DVec3};
-use vr_core::{ParameterError, Projection, View};
+use vr_core::{ParameterError, View};
 
 /// Projection of points of the world onto a view's screen, in pixels from its top left corner.
 #[derive(Clone, Copy, Debug)]
@@ -18,12 +18,15 @@ impl ScreenProjection {
     /// # Errors
     /// A camera that makes no sense.
     pub(crate) fn new(view: &View) -> Result<Self, ParameterError> {
-        let (height, perspective) = match view.camera.projection {
-            Projection::Orthographic { height } => (height, false),
-            Projection::Perspective { fov } => (2.0 * libm::tan(0.5 * fov.to_radians()), true),
-        };
+        let projection = view.camera.projection;
         let size = view.size.map(f64::from);
-        Ok(Self { eye: view.camera.eye, frame: view.camera.frame()?, size, pixel: height / size[1], perspective })
+        Ok(Self {
+            eye: view.camera.eye,
+            frame: view.camera.frame()?,
+            size,
+            pixel: projection.height() / size[1],
+            perspective: projection.is_perspective(),
+        })
     }
 
     /// Distance of a point along the view.

@@ -1,7 +1,7 @@
 //! Vertices of a mesh in pixels, for rays in `f32`.
 
 use vr_core::transfer::Segment;
-use vr_core::{CellMesh, Projection, View};
+use vr_core::{CellMesh, View};
 
 use crate::camera_space::{CameraVertex, gradient};
 
@@ -55,12 +55,8 @@ impl Projected {
         view: &View,
         segments: &[Segment],
     ) -> Option<Self> {
-        let height = f64::from(view.size[1]);
-        let (seen, perspective) = match view.camera.projection {
-            Projection::Orthographic { height } => (height, false),
-            Projection::Perspective { fov } => (2.0 * (0.5 * fov.to_radians()).tan(), true),
-        };
-        let per_unit = height / seen;
+        let projection = view.camera.projection;
+        let (perspective, per_unit) = (projection.is_perspective(), f64::from(view.size[1]) / projection.height());
         let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
         for vertex in vertices {
             (near, far) = (near.min(vertex.at[2]), far.max(vertex.at[2]));

@@ -453,11 +453,7 @@ impl<const N: usize> Packets<'_, N> {
         counts.samples += ray.parts;
         let [r, g, b] = ray.rgb;
         let seen = Seen { rgba: [r, g, b, 1.0 - ray.clear], depth: ray.half.unwrap_or(f64::INFINITY) };
-        let pixel = ray.sample.pixel;
-        self.layer.map_or(seen, |layer| Seen {
-            rgba: layer.under(pixel, seen.rgba),
-            depth: seen.depth.min(layer.depth(pixel)),
-        })
+        seen.before(self.layer, ray.sample.pixel)
     }
 }
 

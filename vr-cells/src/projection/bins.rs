@@ -3,9 +3,9 @@
 use vr_core::CellMesh;
 
 use crate::camera_space::CameraVertex;
+use crate::tile_lists::{TileLists, TileRange};
 
 use super::screen::Screen;
-use super::tiling::{TileLists, TileRange};
 
 /// Pixels along the edge of a tile.
 const TILE: u32 = 16;

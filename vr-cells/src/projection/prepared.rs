@@ -1,19 +1,19 @@
 //! A mesh that has been prepared, and its pictures.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use glam::DVec3;
 use vr_core::image_order::{ImageSample, trace_pixels, trace_view};
 use vr_core::{
-    CellMesh, Compositing, Control, Counts, Frame, Layer, Model, Prepared, Ray, RayShading, RenderError, RenderStats,
-    Rendered, Scene, View,
+    CellMesh, Compositing, Control, Counts, Layer, Model, Prepared, Ray, RenderError, RenderStats, Rendered, Scene,
+    View,
 };
 
-use crate::accumulators::{Gathered, Seen};
+use crate::accumulators::{Seen, is_whole_light};
 use crate::camera_space::CameraSpace;
+use crate::capabilities::needs_gradients;
 use crate::entries::{SurfaceFace, surface};
 use crate::medium::{ExtinctionTable, Medium};
+use crate::single_rays::{Scratch, SingleRays};
 use crate::walk::Part;
 
 use super::bins::Bins;
@@ -84,44 +84,17 @@ impl PreparedProjector {
             stats.time("bins", || control.run(|| Bins::new(&self.mesh, &vertices, &screen, |cell| self.is_seen(cell))));
         let fragments =
             Fragments { mesh: &self.mesh, vertices: &vertices, bins: &bins, nudge: 1e-10 * self.mesh.mean_spacing() };
-        let modulation =
-            scene.shading.as_deref().filter(|_| scene.has_gradient_opacity() && !scene.transfer.has_rows());
         let extinction = ExtinctionTable::new(&scene.transfer);
-        let medium = Medium { transfer: &scene.transfer, modulation, extinction: &extinction };
-        let reflection = scene.reflection();
-        type Scratch<const N: usize> = (Vec<Part<N>>, Option<(DVec3, RayShading<f64>)>);
-        let scratch = || -> Scratch<N> { (Vec::new(), None) };
-        let trace = |(found, shading): &mut Scratch<N>, ray: &Ray, sample: ImageSample, counts: &mut Counts| {
-            let far = layer.map_or(f64::INFINITY, |layer| layer.depth(sample.pixel));
-            let mut seen = Seen::NOTHING;
-            if let Some([from, to]) = ray.inside(&view.clip)
-                && from < to.min(far)
-            {
-                if let Some(reflection) = reflection
-                    && shading.as_ref().is_none_or(|(direction, _)| *direction != ray.direction)
-                {
-                    *shading = Some((ray.direction, reflection.along(&scene.lights, ray.direction)));
-                }
-                let shade = shading.as_ref().map(|(_, shade)| shade);
-                let mut gathered = Gathered::new(scene.compositing, &medium, shade, self.renderer.termination);
-                let mut parts = 0u64;
-                let mut take = |part: &Part<N>| -> ControlFlow<()> {
-                    parts += 1;
-                    gathered.take(part)
-                };
-                fragments.along(&camera.axis(ray), [sample.x, sample.y], [from, to.min(far)], found, &mut take);
-                counts.rays += u64::from(parts > 0);
-                counts.samples += parts;
-                seen = gathered.seen();
-            }
-            layer.map_or(seen, |layer| Seen {
-                rgba: layer.under(sample.pixel, seen.rgba),
-                depth: seen.depth.min(layer.depth(sample.pixel)),
+        let medium = Medium::of(scene, &extinction);
+        let single = SingleRays { scene, medium: &medium, view, layer, termination: self.renderer.termination };
+        let trace = |scratch: &mut Scratch<Part<N>>, ray: &Ray, sample: ImageSample, counts: &mut Counts| {
+            single.draw(scratch, ray, sample, counts, |part, found, take| {
+                fragments.along(&camera.axis(ray), [sample.x, sample.y], part, found, take);
             })
         };
         let (seen, counts) = stats.time("fragments", || match pixels {
-            Some(pixels) => trace_pixels(view, pixels, control, scratch, trace),
-            None => trace_view(view, control, scratch, trace),
+            Some(pixels) => trace_pixels(view, pixels, control, Scratch::default, trace),
+            None => trace_view(view, control, Scratch::default, trace),
         })?;
         stats.counts += counts;
         Ok(seen)
@@ -130,14 +103,9 @@ impl PreparedProjector {
 
 /// Returns the integrals of a scene's transfer function, if light is all that it asks for.
 fn table_of(scene: &Scene, mesh: &CellMesh) -> Option<SegmentTable> {
-    let is_light = match scene.compositing {
-        Compositing::Over => true,
-        Compositing::Accumulate { level } => level >= 1.0,
-        _ => false,
-    };
-    let follows = scene.reflection().is_some() || scene.has_gradient_opacity() || scene.transfer.has_rows();
     let (low, high) = mesh.value_range();
-    if is_light && !follows { SegmentTable::new(&scene.transfer, [low, high]) } else { None }
+    let is_plain = is_whole_light(scene.compositing) && !needs_gradients(scene);
+    if is_plain { SegmentTable::new(&scene.transfer, [low, high]) } else { None }
 }
 
 impl Prepared for PreparedProjector {
@@ -158,9 +126,8 @@ impl Prepared for PreparedProjector {
         control.check()?;
         let mut stats = RenderStats::default();
         let layer = self.scene.layer(view, control)?;
-        let needs_gradients = self.scene.reflection().is_some() || self.scene.has_gradient_opacity();
         let layer = layer.as_ref();
-        let seen = if needs_gradients {
+        let seen = if needs_gradients(&self.scene) {
             self.draw_rays::<4>(view, control, layer, &mut stats, None)?
         } else if let Some(sorted) = self.draw_sorted(view, control, layer, &mut stats)? {
             let mut pixels = sorted.pixels;
@@ -174,9 +141,7 @@ impl Prepared for PreparedProjector {
         } else {
             self.draw_rays::<1>(view, control, layer, &mut stats, None)?
         };
-        let pixels = seen.iter().map(|s| s.rgba.map(|x| x as f32)).collect();
-        let depth = seen.iter().map(|s| s.depth as f32).collect();
-        Ok(Rendered { frame: Frame::new(view.size, pixels, Some(depth)), stats })
+        Ok(Rendered { frame: Seen::frame(&seen, view), stats })
     }
 
     fn model(&self, _view: &View) -> Result<Model, RenderError> {

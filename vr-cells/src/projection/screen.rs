@@ -1,6 +1,6 @@
 //! Places of a mesh on the screen.
 
-use vr_core::{Projection, View};
+use vr_core::View;
 
 use crate::camera_space::CameraVertex;
 
@@ -24,11 +24,8 @@ impl Screen {
     /// The screen of a view of a mesh whose cells have a size, with `per_pixel` samples along the edge of a pixel.
     pub(super) fn new(view: &View, per_pixel: u32, spacing: f64) -> Self {
         let size = view.size.map(|n| n * per_pixel);
-        let (perspective, seen) = match view.camera.projection {
-            Projection::Orthographic { height } => (false, height),
-            Projection::Perspective { fov } => (true, 2.0 * libm::tan(0.5 * fov.to_radians())),
-        };
-        let per_unit = f64::from(size[1]) / seen;
+        let projection = view.camera.projection;
+        let (perspective, per_unit) = (projection.is_perspective(), f64::from(size[1]) / projection.height());
         Self { perspective, size, middle: size.map(|n| 0.5 * f64::from(n)), per_unit, near: NEAR * spacing }
     }
 

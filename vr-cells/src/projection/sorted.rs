@@ -7,6 +7,7 @@ use vr_core::{Control, Layer, Projection, Rays, RenderError, RenderStats, Scene,
 use crate::accumulators::Seen;
 use crate::camera_space::CameraSpace;
 use crate::entries::SurfaceFace;
+use crate::tile_lists::{TileLists, TileRange, each_tile};
 
 use super::projector::CellProjector;
 use super::screen::Screen;
@@ -14,7 +15,7 @@ use super::screen_mesh::{MAX_EXTENT, ScreenMesh};
 use super::segment_table::SegmentTable;
 use super::surface_pairs::SurfacePairs;
 use super::tile::Painter;
-use super::tiling::{TileLists, TileRange, Tiling, each_tile};
+use super::tiling::Tiling;
 use super::visibility::Visibility;
 
 /// Entries of the lists of cells at most.

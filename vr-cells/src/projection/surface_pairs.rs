@@ -7,10 +7,11 @@ use vr_core::cells::FACES;
 use vr_core::{Control, RenderError};
 
 use crate::entries::SurfaceFace;
+use crate::tile_lists::TileLists;
 
 use super::line::samples_in;
 use super::screen_mesh::ScreenMesh;
-use super::tiling::{TileLists, Tiling};
+use super::tiling::Tiling;
 use super::visibility::Pairs;
 
 /// Pairs of cells on the screen.

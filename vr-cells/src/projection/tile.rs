@@ -264,14 +264,10 @@ impl Canvas {
                     let [r, g, b] = [0, 1, 2].map(|c| f64::from(stamp.light[c].0[lane]));
                     counts.rays += u64::from(alpha > 0.0);
                     counts.terminated += u64::from(clear <= f64::from(painter.min_clear));
-                    let mut rgba = [r, g, b, alpha];
-                    let mut depth = f64::from(stamp.depth.0[lane]);
-                    if let Some(layer) = painter.layer {
-                        rgba = layer.under(number, rgba);
-                        depth = depth.min(layer.depth(number));
-                    }
-                    (0..4).for_each(|c| mean.rgba[c] += rgba[c] * share);
-                    mean.depth = mean.depth.min(depth);
+                    let seen = Seen { rgba: [r, g, b, alpha], depth: f64::from(stamp.depth.0[lane]) };
+                    let seen = seen.before(painter.layer, number);
+                    (0..4).for_each(|c| mean.rgba[c] += seen.rgba[c] * share);
+                    mean.depth = mean.depth.min(seen.depth);
                 }
                 seen.push(mean);
             }
