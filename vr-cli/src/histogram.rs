@@ -26,6 +26,13 @@ impl Histogram {
         Some(Self { range, counts })
     }
 
+    /// A histogram of the volume that values take up, from its shares in equal bins over their range. Whatever occurs at all counts.
+    pub fn of_shares(range: [f64; 2], shares: &[f64]) -> Self {
+        /// Number that the whole volume counts.
+        const WHOLE: f64 = 1e6;
+        Self { range: (range[0], range[1]), counts: shares.iter().map(|share| (share * WHOLE).ceil() as u64).collect() }
+    }
+
     /// Draws the bins as columns, as high as the logarithm of their counts, above the ends of the range.
     pub fn draw(&self, rows: usize) -> String {
         /// Characters of columns, each an eighth of a row higher than the one before.

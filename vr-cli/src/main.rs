@@ -3,7 +3,6 @@
 //! It parses, wires and prints. What it prints is found out elsewhere: `vr-io` reads and writes, the renderers draw, and
 //! `vr-physics` solves the reference.
 
-mod amr_info;
 mod animation;
 mod annotate;
 mod args;
@@ -11,7 +10,6 @@ mod bench;
 mod bench_report;
 mod camera_flags;
 mod canvas;
-mod cells_info;
 mod compare;
 mod console;
 mod contact_sheet;
@@ -30,21 +28,17 @@ mod info;
 mod inputs;
 mod interrupt;
 mod joint_histogram;
-mod label_table;
 mod mask;
-mod mesh_info;
 mod number;
 mod output_file;
 mod overrides;
 mod picture_record;
-mod points_info;
 mod preset_sheet;
 mod presets;
 mod process;
 mod progress;
 mod ranking;
 mod ray;
-mod rectilinear_info;
 mod render;
 mod renderers;
 mod report;
@@ -55,7 +49,6 @@ mod scene_file;
 mod scene_setup;
 mod sheet_record;
 mod show;
-mod slices;
 mod table;
 mod target;
 mod text;

@@ -1,16 +1,17 @@
 //! Adaptive meshes of every format: small ones made here, refused where they make no sense, and real ones from `shared/data` (or
 //! `VR_TEST_DATA`), which are compared with what VTK and yt find in them.
 
+mod shared;
 mod small_amr;
 
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use shared::data;
+use small_amr::{Folder, amrex, vthb};
 use vr_core::amr::AmrBlock;
 use vr_core::{AmrGrid, Field, Volume};
 use vr_io::{Endian, Loaded, ReadOptions, ScalarType, read};
-
-use small_amr::{Folder, amrex, vthb};
 
 fn mesh(loaded: &Loaded) -> &AmrGrid {
     match &loaded.volume {
@@ -178,17 +179,6 @@ fn images_that_do_not_overlap() {
         folder.edit("a.vthb", from, to);
     }
     is_the_small_mesh(&read(folder.path().join("a.vthb"), &ReadOptions::default()).unwrap());
-}
-
-/// A file or folder of the shared data, or `None` after a word where there are none.
-fn data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("VR_TEST_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    if root.is_dir() {
-        return Some(root.join(name));
-    }
-    println!("skipped: no shared data at {}", root.display());
-    None
 }
 
 /// Numbers of leaves, sums over them of value times volume, and ranges, as VTK 9.7 (of `.vthb`, where it marks cells under finer ones) and yt 4

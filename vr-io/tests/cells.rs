@@ -1,8 +1,11 @@
 //! Meshes of cells: small files of every form, told apart, chosen from, and refused where they make no sense.
 
+mod shared;
+
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use shared::data;
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::{Field, Volume};
 use vr_io::{CellsOrPoints, Loaded, ReadOptions, read};
@@ -419,17 +422,6 @@ fn nonsense_is_refused_by_its_place() {
             let _ = load("x.vtk", &text[..end], &ReadOptions::default());
         }
     }
-}
-
-/// A file of the shared data, or `None` after a word where there are none.
-fn data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("VR_TEST_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    if root.is_dir() {
-        return Some(root.join(name));
-    }
-    println!("skipped: no shared data at {}", root.display());
-    None
 }
 
 #[test]

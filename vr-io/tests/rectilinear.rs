@@ -1,11 +1,11 @@
 //! Rectilinear grids of VTK in every form, parallel lists of them and of images, and what is refused.
 
+mod shared;
 mod small_points;
 mod tiny;
 
-use std::path::{Path, PathBuf};
-
 use glam::DVec3;
+use shared::data;
 use small_points::{Packed, Stored, base64, packed};
 use vr_core::{Field, RectilinearGrid, Volume};
 use vr_io::{Loaded, ReadOptions, read};
@@ -315,17 +315,6 @@ fn what_is_wrong_is_said() {
     assert!(far.contains("4000000000001") || far.contains("numbers"), "{far}");
     let error = load("a.vtr", plain([0; 3], AXES, ""), &ReadOptions { frame: Some(2), ..ReadOptions::default() });
     assert!(error.unwrap_err().contains("frame: found 2"));
-}
-
-/// A file of the shared data, or `None` after a word where there are none.
-fn data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("VR_TEST_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    if root.is_dir() {
-        return Some(root.join(name));
-    }
-    println!("skipped: no shared data at {}", root.display());
-    None
 }
 
 /// The numbers are those that VTK 9.7 and numpy find.

@@ -1,23 +1,15 @@
 //! Real and broken files from `shared/data` (or `VR_TEST_DATA`). Where they are absent, every test says so and passes.
 
+mod shared;
+
 use std::path::{Path, PathBuf};
 
+use shared::data;
 use vr_core::{AnyGrid, GridError, GridVolume, VoxelType, with_grid};
 use vr_io::{
     FileError, FileErrorKind, FileInfo, Loaded, LoadedPoints, PointOptions, RawDescription, ReadOptions, ScalarType,
     Space, Transform, orientation, read, read_points,
 };
-
-/// A file of the shared data, or `None` after a word where there are none.
-fn data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("VR_TEST_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    if root.is_dir() {
-        return Some(root.join(name));
-    }
-    println!("skipped: no shared data at {}", root.display());
-    None
-}
 
 fn load(name: &str) -> Option<Loaded> {
     load_with(name, &ReadOptions::default())

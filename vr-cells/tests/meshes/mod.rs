@@ -53,12 +53,6 @@ pub fn errors(renderer: &dyn Renderer, scene: &Scene, view: &View) -> (f64, f64)
     (largest, (sum / (4 * frame.pixels().len()) as f64).sqrt())
 }
 
-/// Largest error of a renderer against the reference, less its bound.
-#[allow(dead_code, reason = "each test file compiles the whole module")]
-pub fn error(renderer: &dyn Renderer, scene: &Scene, view: &View) -> f64 {
-    errors(renderer, scene, view).0
-}
-
 pub fn view(yaw: f64, pitch: f64, fov: Option<f64>) -> View {
     View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), yaw, pitch, fov), [24, 20])
 }

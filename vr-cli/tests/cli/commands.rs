@@ -50,7 +50,7 @@ fn info_draws_slices_of_grids() {
     let drawn = vr.run("info --phantom blobs --phantom-size 16 -o slices.png").succeeded().stdout;
     assert!(drawn.contains("wrote        slices.png"), "{drawn}");
     assert!(vr.picture("slices.png").width() > 900, "three slices side by side");
-    assert!(vr.run("info --phantom plummer --points-count 9 -o p.png").failed(2).contains("not of points"));
+    assert!(vr.run("info --phantom plummer --points-count 9 -o p.png").failed(2).contains("found: scattered points"));
     assert!(vr.run("info -o slices.exr").failed(2).contains("must be png"));
 }
 

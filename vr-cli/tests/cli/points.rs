@@ -16,7 +16,7 @@ fn info_tells_of_points() {
     let json = vr.run("info p.csv --json").succeeded().json();
     assert_eq!((&json["points"], &json["radius"][1], &json["values"][0]), (&3.into(), &2.0.into(), &10.0.into()));
     assert_eq!(json["bounds"], serde_json::json!([[-1.0, -2.5, -1.0], [5.0, 3.5, 4.0]]));
-    assert_eq!(json["file"]["columns"][5], "m");
+    assert_eq!(json["file"]["arrays"][5], "m");
 
     let flags = "--value m --kernel cone --radius 0.25 --radius-scale 2 --column weight=h --position-columns y,x,z";
     let json = vr.run(&format!("info p.csv --json {flags}")).succeeded().json();

@@ -2,31 +2,25 @@
 
 use serde::Serialize;
 use vr_core::CellMesh;
-use vr_core::cells::CellValues;
-use vr_core::transfer::Preset;
-use vr_io::FileInfo;
+use vr_core::cells::{CellValues, NO_CELL};
+use vr_io::LoadedVolume;
 
 use crate::histogram::Histogram;
+use crate::info::facts::Facts;
+use crate::info::lines::COLUMNS;
 use crate::number;
-
-/// Number of columns and rows of the drawn histogram.
-const DRAWN: (usize, usize) = (72, 8);
-/// Parts that the whole volume counts in the drawn histogram.
-const PARTS: f64 = 1e6;
 
 /// Description of a mesh of cells.
 #[derive(Serialize)]
 pub struct CellsInfo<'a> {
-    volume: &'a str,
-    file: Option<File<'a>>,
+    #[serde(flatten)]
+    facts: Facts<'a>,
     /// Number of tetrahedra.
     cells: usize,
     /// Number of vertices that belong to one.
     vertices: usize,
     /// `vertices` or `cells`: to which the values belong.
     values_of: &'static str,
-    /// World corners, lower and upper, of the box around all cells.
-    bounds: [[f64; 3]; 2],
     /// Volume of all cells together.
     total_volume: f64,
     /// Edge of a cube of six cells of the mean volume.
@@ -38,23 +32,6 @@ pub struct CellsInfo<'a> {
     repairs: Repairs,
     /// Shares of the volume in equal bins over `range`.
     histogram: Vec<f64>,
-    presets: Vec<&'static str>,
-    look: &'a str,
-    notes: &'a [String],
-}
-
-#[derive(Serialize)]
-struct File<'a> {
-    format: &'a str,
-    encoding: &'a str,
-    #[serde(rename = "type")]
-    scalar: &'static str,
-    /// Time steps in the file.
-    frames: usize,
-    /// Components of the array that is taken.
-    components: usize,
-    /// Arrays that may be chosen with `--value`.
-    arrays: &'a [String],
 }
 
 /// Number of cells that were put right or left out.
@@ -68,39 +45,23 @@ struct Repairs {
 }
 
 impl<'a> CellsInfo<'a> {
-    pub fn new(
-        title: &'a str,
-        mesh: &CellMesh,
-        info: Option<&'a FileInfo>,
-        look: &'a str,
-        notes: &'a [String],
-    ) -> Self {
-        let (low, high) = mesh.bounds();
+    pub fn new(title: &'a str, loaded: &'a LoadedVolume, mesh: &CellMesh) -> Self {
         let (min, max) = mesh.value_range();
         let mut used = vec![false; mesh.vertices().len()];
         mesh.cells().iter().flatten().for_each(|&v| used[v as usize] = true);
-        let (total_volume, histogram) = histogram(mesh, DRAWN.0);
+        let (total_volume, histogram) = histogram(mesh, COLUMNS);
         let r = mesh.repairs();
         Self {
-            volume: title,
-            file: info.map(|i| File {
-                format: i.format,
-                encoding: i.encoding,
-                scalar: i.scalar.name(),
-                frames: i.frames,
-                components: i.components,
-                arrays: &i.columns,
-            }),
+            facts: Facts::new(title, loaded, mesh.bounds(), Some((min, max))),
             cells: mesh.cells().len(),
             vertices: used.into_iter().filter(|&used| used).count(),
             values_of: match mesh.values() {
                 CellValues::Vertices(_) => "vertices",
                 CellValues::Cells(_) => "cells",
             },
-            bounds: [low.to_array(), high.to_array()],
             total_volume,
             mean_size: mesh.mean_spacing(),
-            surface_faces: mesh.neighbours().iter().flatten().filter(|&&n| n == vr_core::cells::NO_CELL).count(),
+            surface_faces: mesh.neighbours().iter().flatten().filter(|&&n| n == NO_CELL).count(),
             range: [min, max],
             repairs: Repairs {
                 inverted: r.inverted,
@@ -110,51 +71,32 @@ impl<'a> CellsInfo<'a> {
                 crowded_faces: r.crowded_faces,
             },
             histogram,
-            presets: Preset::suggest((min, max), false).iter().map(|preset| preset.name()).collect(),
-            look,
-            notes,
         }
     }
 
     /// Returns lines for people.
     pub fn text(&self) -> String {
-        let mut text = format!("volume       {}\n", self.volume);
-        let mut line = |name: &str, what: String| text += &format!("{name:<12} {what}\n");
-        if let Some(File { format, encoding, scalar, frames, components, arrays }) = &self.file {
-            line("format", format!("{format}, {encoding}, positions {scalar}"));
-            line("arrays", arrays.join(", "));
-            if *frames > 1 {
-                line("series", format!("{frames} frames, one of which is shown"));
-            }
-            if *components > 1 {
-                line("components", format!("{components} of the array; their length or one of them is shown"));
-            }
-        }
-        line("size", format!("{} tetrahedra, {} vertices, values of {}", self.cells, self.vertices, self.values_of));
-        let [low, high] = self.bounds.map(|corner| number::triple(corner.map(number::value), " "));
-        line("bounds", format!("{low} to {high}"));
+        let mut lines = self.facts.begin("positions");
+        lines.add(
+            "size",
+            format!("{} tetrahedra, {} vertices, values of {}", self.cells, self.vertices, self.values_of),
+        );
+        lines.add("bounds", self.facts.bounds());
         let (total, mean) = (number::value(self.total_volume), number::value(self.mean_size));
-        line("cells", format!("{total} cubic units in all; six make a cube of {mean} in the mean"));
-        line("surface", format!("{} faces without a neighbour", self.surface_faces));
+        lines.add("cells", format!("{total} cubic units in all; six make a cube of {mean} in the mean"));
+        lines.add("surface", format!("{} faces without a neighbour", self.surface_faces));
         let [min, max] = self.range.map(number::value);
-        line("values", format!("{min} to {max}"));
+        lines.add("values", format!("{min} to {max}"));
         let Repairs { inverted, degenerate, duplicate, missing, crowded_faces } = self.repairs;
         if inverted + degenerate + duplicate + missing + crowded_faces > 0 {
-            line(
+            lines.add(
                 "repairs",
                 format!(
                     "{inverted} inverted, {degenerate} flat, {duplicate} repeated, {missing} without a value; {crowded_faces} crowded faces"
                 ),
             );
         }
-        line("look", self.look.trim_start_matches("look: ").to_owned());
-        if !self.presets.is_empty() {
-            line("try", format!("--transfer {}", self.presets.join(" | ")));
-        }
-        // Whatever occurs at all counts.
-        let counts = self.histogram.iter().map(|share| (share * PARTS).ceil() as u64).collect();
-        let drawn = Histogram { range: (self.range[0], self.range[1]), counts }.draw(DRAWN.1);
-        text + &format!("\nhistogram (height: logarithm of the volume)\n{drawn}")
+        self.facts.end(lines, Some(&Histogram::of_shares(self.range, &self.histogram)), "volume")
     }
 }
 
@@ -201,7 +143,8 @@ mod tests {
         let (total, shares) = histogram(&mesh, 4);
         assert!((total - 1.0 / 3.0).abs() < 1e-15);
         assert!((shares[0] - 0.5).abs() < 1e-12 && (shares[3] - 0.5).abs() < 1e-12, "{shares:?}");
-        let info = CellsInfo::new("two", &mesh, None, "look: plain", &[]);
+        let loaded = LoadedVolume { volume: mesh.clone().into(), info: None, transfer: None, notes: Vec::new() };
+        let info = CellsInfo::new("two", &loaded, &mesh);
         assert_eq!((info.cells, info.vertices, info.surface_faces), (2, 5, 6));
         assert!(info.text().contains("size         2 tetrahedra, 5 vertices, values of cells"), "{}", info.text());
     }

@@ -2,27 +2,21 @@
 
 use serde::Serialize;
 use vr_core::AmrGrid;
-use vr_core::transfer::Preset;
-use vr_io::FileInfo;
+use vr_io::LoadedVolume;
 
 use crate::histogram::Histogram;
+use crate::info::facts::Facts;
+use crate::info::lines::COLUMNS;
 use crate::number;
-
-/// Number of columns and rows of the drawn histogram.
-const DRAWN: (usize, usize) = (72, 8);
-/// Parts that the whole volume counts in the drawn histogram.
-const PARTS: f64 = 1e6;
 
 /// Description of an adaptive mesh.
 #[derive(Serialize)]
 pub struct AmrInfo<'a> {
-    volume: &'a str,
-    file: Option<File<'a>>,
+    #[serde(flatten)]
+    facts: Facts<'a>,
     levels: Vec<Level>,
     /// `cells` or `points`: to which the values belong.
     values_of: &'static str,
-    /// World corners, lower and upper, of the box around all values.
-    bounds: [[f64; 3]; 2],
     /// Cells of a uniform grid over the same box that is as fine everywhere.
     finest_dims: [u64; 3],
     /// Bytes of memory.
@@ -35,21 +29,6 @@ pub struct AmrInfo<'a> {
     repeated: usize,
     /// Shares of the volume in equal bins over `range`.
     histogram: Vec<f64>,
-    presets: Vec<&'static str>,
-    look: &'a str,
-    notes: &'a [String],
-}
-
-#[derive(Serialize)]
-struct File<'a> {
-    format: &'a str,
-    encoding: &'a str,
-    #[serde(rename = "type")]
-    scalar: &'static str,
-    /// Time steps in the file.
-    frames: usize,
-    /// Arrays that may be chosen with `--value`.
-    arrays: &'a [String],
 }
 
 #[derive(Serialize)]
@@ -63,8 +42,7 @@ struct Level {
 }
 
 impl<'a> AmrInfo<'a> {
-    pub fn new(title: &'a str, grid: &AmrGrid, info: Option<&'a FileInfo>, look: &'a str, notes: &'a [String]) -> Self {
-        let (low, high) = grid.bounds();
+    pub fn new(title: &'a str, loaded: &'a LoadedVolume, grid: &AmrGrid) -> Self {
         let (min, max) = grid.value_range();
         let level = |level: usize| Level {
             ratio: grid.ratio_of(level),
@@ -73,43 +51,24 @@ impl<'a> AmrInfo<'a> {
             leaf_cells: grid.leaf_cells(level),
         };
         Self {
-            volume: title,
-            file: info.map(|i| File {
-                format: i.format,
-                encoding: i.encoding,
-                scalar: i.scalar.name(),
-                frames: i.frames,
-                arrays: &i.columns,
-            }),
+            facts: Facts::new(title, loaded, grid.bounds(), Some((min, max))),
             levels: (0..grid.levels()).map(level).collect(),
             values_of: grid.centring().name(),
-            bounds: [low.to_array(), high.to_array()],
             finest_dims: grid.finest_dims(),
             bytes: grid.bytes(),
             range: [min, max],
             missing: grid.missing_values(),
             repeated: grid.repeated_values(),
-            histogram: histogram(grid, DRAWN.0),
-            presets: Preset::suggest((min, max), false).iter().map(|preset| preset.name()).collect(),
-            look,
-            notes,
+            histogram: histogram(grid, COLUMNS),
         }
     }
 
     /// Returns lines for people.
     pub fn text(&self) -> String {
-        let mut text = format!("volume       {}\n", self.volume);
-        let mut line = |name: &str, what: String| text += &format!("{name:<12} {what}\n");
-        if let Some(File { format, encoding, scalar, frames, arrays }) = &self.file {
-            line("format", format!("{format}, {encoding}, values {scalar}"));
-            line("arrays", arrays.join(", "));
-            if *frames > 1 {
-                line("series", format!("{frames} frames, one of which is shown"));
-            }
-        }
+        let mut lines = self.facts.begin("values");
         let (leaves, blocks) =
             self.levels.iter().fold((0, 0), |(cells, blocks), l| (cells + l.leaf_cells, blocks + l.blocks));
-        line(
+        lines.add(
             "size",
             format!("{} levels, {blocks} blocks, {leaves} cells, values of {}", self.levels.len(), self.values_of),
         );
@@ -117,7 +76,7 @@ impl<'a> AmrInfo<'a> {
             let spacing = number::triple(spacing.map(number::value), " × ");
             let refined =
                 if number > 0 { format!(", refined by {}", number::triple(*ratio, "×")) } else { String::new() };
-            line(
+            lines.add(
                 &format!("level {number}"),
                 format!(
                     "{blocks} block{}, {leaf_cells} cells that are not refined, spacing {spacing}{refined}",
@@ -127,7 +86,7 @@ impl<'a> AmrInfo<'a> {
         }
         let uniform = self.finest_dims.iter().map(|&n| n as f64).product::<f64>();
         let bytes = self.bytes as f64;
-        line(
+        lines.add(
             "memory",
             format!(
                 "{:.1} MB; a uniform grid of {} as fine everywhere takes {:.1} MB",
@@ -136,24 +95,19 @@ impl<'a> AmrInfo<'a> {
                 4.0 * uniform / 1e6
             ),
         );
-        let [low, high] = self.bounds.map(|corner| number::triple(corner.map(number::value), " "));
-        line("bounds", format!("{low} to {high}"));
+        lines.add("bounds", self.facts.bounds());
         let [min, max] = self.range.map(number::value);
-        line("values", format!("{min} to {max}"));
+        lines.add("values", format!("{min} to {max}"));
         if self.missing > 0 {
-            line("missing", format!("{} values, around which is vacuum", self.missing));
+            lines.add("missing", format!("{} values, around which is vacuum", self.missing));
         }
         if self.repeated > 0 {
-            line("repeated", format!("{} values that two blocks of a level both have, and are equal", self.repeated));
+            lines.add(
+                "repeated",
+                format!("{} values that two blocks of a level both have, and are equal", self.repeated),
+            );
         }
-        line("look", self.look.trim_start_matches("look: ").to_owned());
-        if !self.presets.is_empty() {
-            line("try", format!("--transfer {}", self.presets.join(" | ")));
-        }
-        // Whatever occurs at all counts.
-        let counts = self.histogram.iter().map(|share| (share * PARTS).ceil() as u64).collect();
-        let drawn = Histogram { range: (self.range[0], self.range[1]), counts }.draw(DRAWN.1);
-        text + &format!("\nhistogram (height: logarithm of the volume)\n{drawn}")
+        self.facts.end(lines, Some(&Histogram::of_shares(self.range, &self.histogram)), "volume")
     }
 }
 
@@ -187,8 +141,9 @@ mod tests {
         };
         let blocks = vec![block(0, [4; 3], 1.0), block(1, [8, 8, 4], 3.0)];
         let grid = AmrGrid::new(DVec3::ZERO, DVec3::ONE, vec![[2; 3]], blocks, AmrCentring::Cells).unwrap();
-        let info = AmrInfo::new("two", &grid, None, "look: plain", &[]);
-        assert_eq!((info.histogram[0], info.histogram[DRAWN.0 - 1]), (0.5, 0.5));
+        let loaded = LoadedVolume { volume: grid.clone().into(), info: None, transfer: None, notes: Vec::new() };
+        let info = AmrInfo::new("two", &loaded, &grid);
+        assert_eq!((info.histogram[0], info.histogram[COLUMNS - 1]), (0.5, 0.5));
         let text = info.text();
         assert!(text.contains("size         2 levels, 2 blocks, 288 cells, values of cells"), "{text}");
         assert!(

@@ -1,85 +1,41 @@
-//! `vr info`.
+//! `vr info` of a uniform grid: facts, a histogram, and slices in a picture.
 
 use std::path::Path;
 
 use serde::Serialize;
 use vr_core::transfer::Preset;
-use vr_core::{Calibration, ColorGrid, GridVolume, Volume, VoxelType};
+use vr_core::{Calibration, ColorGrid, GridVolume, VoxelType};
 use vr_io::{FileInfo, LoadedVolume, PngOptions};
 use vr_look::{Look, Survey};
 
-use crate::amr_info::AmrInfo;
 use crate::args::InfoArgs;
-use crate::cells_info::CellsInfo;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::histogram::Histogram;
+use crate::info::label_table::LabelTable;
+use crate::info::lines::{COLUMNS, Lines};
+use crate::info::slices;
 use crate::inputs::Inputs;
-use crate::label_table::LabelTable;
-use crate::points_info::PointsInfo;
-use crate::rectilinear_info::RectilinearInfo;
-use crate::{mesh_info, number, output_file, picture_record, slices, volume_setup};
+use crate::number;
 
-/// Number of columns and rows of the drawn histogram.
-const DRAWN: (usize, usize) = (72, 8);
 /// Number of bins of the histogram in a picture.
 const FINE: usize = 256;
 
-/// Describes a volume: a grid or scattered points; or a mesh; or a picture with a record.
+/// Describes a grid, and draws its slices where that is asked for.
 ///
 /// # Errors
-/// Any fault of the command line or the file.
-pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
-    if let Some(place) = &args.output {
-        output_file::check(place, &["png"])?;
-    }
-    let no_slices = |what: &str| Failure::usage(format!("--output: slices are drawn of grids, not of {what}"));
-    if let Some((path, record)) = picture_record::named(&args.volume)? {
-        let show = || picture_record::show(path, &record, console);
-        return if args.output.is_some() { Err(no_slices("a picture")) } else { show() };
-    }
-    if let Some(path) = mesh_info::named(&args.volume) {
-        return if args.output.is_some() { Err(no_slices("a mesh")) } else { mesh_info::run(path, console) };
-    }
-    let (title, LoadedVolume { volume, info, notes, .. }) = volume_setup::load(&args.volume, console)?;
-    if let Some(points) = volume.points() {
-        if args.output.is_some() {
-            return Err(no_slices("points"));
-        }
-        let found = PointsInfo::new(&title, points, info.as_ref(), &notes);
-        return console.result(&found.text(), &found);
-    }
-    if let Volume::Cells(mesh) = &volume {
-        if args.output.is_some() {
-            return Err(no_slices("a mesh of cells"));
-        }
-        let look = Survey::of(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
-        let found = CellsInfo::new(&title, mesh, info.as_ref(), &look.reason, &notes);
-        return console.result(&found.text(), &found);
-    }
-    if let Volume::Rectilinear(grid) = &volume {
-        if args.output.is_some() {
-            return Err(no_slices("a rectilinear grid"));
-        }
-        let look = Survey::of(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
-        let found = RectilinearInfo::new(&title, &volume, grid, info.as_ref(), &look.reason, &notes);
-        return console.result(&found.text(), &found);
-    }
-    if let Volume::Amr(grid) = &volume {
-        if args.output.is_some() {
-            return Err(no_slices("an adaptive mesh"));
-        }
-        let look = Survey::of(&volume).look(&info.as_ref().map(FileInfo::hints).unwrap_or_default());
-        let found = AmrInfo::new(&title, grid, info.as_ref(), &look.reason, &notes);
-        return console.result(&found.text(), &found);
-    }
-    let uniform = volume
-        .value_grid()
-        .ok_or_else(|| Failure::failed(format!("{title}: a {} cannot be described yet", volume.kind())))?;
+/// A picture that cannot be written, labels that cannot be read.
+pub fn run(
+    args: &InfoArgs,
+    title: &str,
+    loaded: &LoadedVolume,
+    uniform: &GridVolume,
+    console: Console,
+) -> Result<(), Failure> {
+    let LoadedVolume { volume, info, notes, .. } = loaded;
     let patient = info.as_ref().is_some_and(|file| file.space.is_patient());
     let hints = info.as_ref().map(FileInfo::hints).unwrap_or_default();
     let suggest = |range| Preset::suggest(range, uniform.voxel_type().is_integer());
-    let histogram = Histogram::of(uniform, DRAWN.0);
     if let Some(place) = &args.output {
         let files = info.iter().flat_map(|file| file.files.iter().cloned());
         Inputs::new("a file that is read", files).protect("--output", place)?;
@@ -88,25 +44,26 @@ pub fn run(args: &InfoArgs, console: Console) -> Result<(), Failure> {
         let picture = slices::draw(uniform, patient, window, fine.as_ref());
         vr_io::write(place, &picture, &PngOptions::default()).map_err(Failure::failed)?;
     }
-    let look = Survey::of(&volume).look(&hints);
-    let labels = LabelTable::of(args, &volume, info.as_ref(), &look.kind)?;
-    let description = Description {
-        title: &title,
+    let look = Survey::of(volume).look(&hints);
+    let labels = LabelTable::of(args, volume, info.as_ref(), &look.kind)?;
+    let description = GridInfo {
+        title,
         file: info.as_ref(),
         uniform,
         colors: volume.colors().map(|colors| &**colors),
-        histogram,
+        histogram: Histogram::of(uniform, COLUMNS),
         // Presets are for numbers; colours are shown as they are.
         presets: volume.grid().and_then(|grid| grid.value_range()).map_or_else(Vec::new, suggest),
         picture: args.output.as_deref(),
         look,
         labels,
-        notes: &notes,
+        notes,
     };
     console.result(&description.text(), &description.json())
 }
 
-struct Description<'a> {
+/// Description of a uniform grid.
+struct GridInfo<'a> {
     title: &'a str,
     /// File; `None` for a phantom.
     file: Option<&'a FileInfo>,
@@ -122,33 +79,33 @@ struct Description<'a> {
     notes: &'a [String],
 }
 
-impl Description<'_> {
+impl GridInfo<'_> {
     fn text(&self) -> String {
         let u = self.uniform;
         let dims = u.dims();
-        let mut text = format!("volume       {}\n", self.title);
-        let mut line = |name: &str, what: String| text += &format!("{name:<12} {what}\n");
+        let mut lines = Lines::default();
+        lines.add("volume", self.title);
         if let Some(file) = self.file {
             let mapped = if file.mapped { ", mapped into memory" } else { "" };
             let FileInfo { format, encoding, scalar, endian, .. } = file;
-            line("format", format!("{format}, {encoding} {scalar} {endian}{mapped}"));
+            lines.add("format", format!("{format}, {encoding} {scalar} {endian}{mapped}"));
             if let Some(colors) = self.colors {
-                line(
+                lines.add(
                     "colours",
                     format!("{} components; the value is {}", file.components, colors.value_source().name()),
                 );
             }
             if file.frames > 1 || file.components > 1 && self.colors.is_none() {
-                line(
+                lines.add(
                     "series",
                     format!("{} frames of {} components; one of each is shown", file.frames, file.components),
                 );
             }
         }
         if let Some(modality) = self.file.and_then(|f| f.modality.as_deref()) {
-            line("modality", modality.to_owned());
+            lines.add("modality", modality.to_owned());
         }
-        line(
+        lines.add(
             "size",
             format!(
                 "{} voxels of {}, {}",
@@ -159,17 +116,20 @@ impl Description<'_> {
         );
         let unit = self.file.and_then(|f| f.units.as_deref()).unwrap_or_default();
         let spacing = number::triple(u.placement().spacing().to_array().map(number::value), " ");
-        line("spacing", format!("{spacing} {unit}").trim_end().to_owned());
-        line("orientation", self.orientation());
+        lines.add("spacing", format!("{spacing} {unit}").trim_end().to_owned());
+        lines.add("orientation", self.orientation());
         for row in self.matrix() {
-            line("", format!("[{:>11} {:>11} {:>11} {:>11}]", row[0], row[1], row[2], row[3]));
+            lines.add("", format!("[{:>11} {:>11} {:>11} {:>11}]", row[0], row[1], row[2], row[3]));
         }
         let Calibration { slope, intercept } = u.calibration();
         if u.calibration() != Calibration::default() {
-            line("calibration", format!("value = {} · stored + {}", number::value(slope), number::value(intercept)));
+            lines.add(
+                "calibration",
+                format!("value = {} · stored + {}", number::value(slope), number::value(intercept)),
+            );
         }
         let range = u.value_range();
-        line(
+        lines.add(
             "values",
             range.map_or_else(
                 || "none is finite".to_owned(),
@@ -177,30 +137,26 @@ impl Description<'_> {
             ),
         );
         if let Some([low, high]) = self.file.and_then(|f| f.window) {
-            line("window", format!("{} to {}; --range takes it", number::value(low), number::value(high)));
+            lines.add("window", format!("{} to {}; --range takes it", number::value(low), number::value(high)));
         }
         let stats = u.value_stats();
         if stats.nan + stats.infinite > 0 {
-            line(
+            lines.add(
                 "missing",
                 format!("{} NaN, {} infinite; cells with such a corner are vacuum", stats.nan, stats.infinite),
             );
         }
-        line("look", self.look.reason.trim_start_matches("look: ").to_owned());
-        if !self.presets.is_empty() {
-            let names: Vec<&str> = self.presets.iter().map(|p| p.name()).collect();
-            line("try", format!("--transfer {}", names.join(" | ")));
-        }
+        lines.look(&self.look.reason, &self.presets.iter().map(|p| p.name()).collect::<Vec<_>>());
         if let Some(labels) = &self.labels {
-            text += &labels.text();
+            lines.add_text(&labels.text());
         }
         if let Some(histogram) = &self.histogram {
-            text += &format!("\nhistogram (height: logarithm of the count)\n{}", histogram.draw(DRAWN.1));
+            lines.histogram(histogram, "count");
         }
         if let Some(place) = self.picture {
-            text += &format!("\nwrote        {}\n", place.display());
+            lines.add_text(&format!("\nwrote        {}\n", place.display()));
         }
-        text
+        lines.into_text()
     }
 
     /// Describes the source of the world matrix, and the kind of world.

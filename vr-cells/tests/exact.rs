@@ -1,18 +1,43 @@
-//! The marcher against the reference: every operator, views from all sides and from inside, meshes with holes, rays along shared faces.
+//! Both renderers against the reference: every operator, views from all sides and from inside, meshes with holes, rays along shared faces.
 
 mod meshes;
 
 use glam::DVec3;
-use meshes::{OPERATORS, error, mesh, transfer, view};
-use vr_cells::CellMarcher;
+use meshes::{OPERATORS, errors, mesh, transfer, view};
+use vr_cells::{CellMarcher, CellProjector};
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::{
-    Camera, Clip, Compositing, Control, ControlPoint, Light, OpacityRule, Plane, Projection, Renderer, Scene, Shading,
-    TransferFunction, View,
+    Camera, Clip, Compositing, Control, ControlPoint, Frame, Light, OpacityRule, Plane, Projection, Renderer, Scene,
+    Shading, TransferFunction, View,
 };
 
-/// The bound of the documentation.
-const EXACT: f64 = 1e-5;
+/// A renderer and the bounds of its documentation: of any channel of any pixel, and of the root mean square.
+struct Held {
+    renderer: Box<dyn Renderer>,
+    largest: f64,
+    root_mean_square: f64,
+}
+
+impl Held {
+    fn both() -> [Self; 2] {
+        [
+            Self { renderer: Box::new(CellMarcher::default()), largest: 1e-5, root_mean_square: f64::INFINITY },
+            Self { renderer: Box::new(CellProjector::default()), largest: 1e-3, root_mean_square: 1e-4 },
+        ]
+    }
+
+    /// Panics if a picture is further from the reference than `allowed`, or its root mean square than documented.
+    fn within(&self, allowed: f64, name: &str, scene: &Scene, view: &View) {
+        let (largest, rms) = errors(&*self.renderer, scene, view);
+        println!("{}, {name}: largest {largest:.1e}, root mean square {rms:.1e}", self.renderer.name());
+        assert!(largest < allowed, "{}, {name}: {largest}", self.renderer.name());
+        assert!(rms < self.root_mean_square, "{}, {name}: root mean square {rms}", self.renderer.name());
+    }
+
+    fn draw(&self, scene: &Scene, view: &View, control: &Control) -> Frame {
+        self.renderer.prepare(scene, control).unwrap().render(view, control).unwrap().frame
+    }
+}
 
 #[test]
 fn every_operator_is_exact() {
@@ -21,8 +46,9 @@ fn every_operator_is_exact() {
         for compositing in OPERATORS {
             for (yaw, pitch, fov) in [(35.0, 25.0, None), (-120.0, -40.0, Some(50.0))] {
                 let scene = Scene { compositing, ..Scene::new(mesh.clone().into(), transfer(0.7)) };
-                let error = error(&CellMarcher::default(), &scene, &view(yaw, pitch, fov));
-                assert!(error < EXACT, "{compositing:?}, {of_cells}: {error}");
+                for held in Held::both() {
+                    held.within(held.largest, &format!("{compositing:?}, {of_cells}"), &scene, &view(yaw, pitch, fov));
+                }
             }
         }
     }
@@ -63,10 +89,12 @@ fn shading_clips_walls_and_emission_are_exact() {
         ("emission", Scene { transfer: emission.into(), ..plain.clone() }),
     ] {
         for clip in [Clip::default(), clip.clone()] {
-            let error = error(&CellMarcher::default(), &scene, &View { clip, ..view.clone() });
-            // Highlights turn within a cell, where the normal is that of an interpolated gradient.
-            let allowed = if name.contains("shaded") || name.contains("gradient") { 1e-4 } else { EXACT };
-            assert!(error < allowed, "{name}: {error}");
+            let view = View { clip, ..view.clone() };
+            for held in Held::both() {
+                // Highlights turn within a cell, where the normal is that of an interpolated gradient.
+                let turning = name.contains("shaded") || name.contains("gradient");
+                held.within(if turning { 1e-4 } else { held.largest }, name, &scene, &view);
+            }
         }
     }
 }
@@ -91,11 +119,12 @@ fn a_constant_slab_is_the_same_everywhere() {
         let control = Control::default();
         for size in [8, 15, 16] {
             let view = View::new(camera, [size; 2]);
-            let frame =
-                CellMarcher::default().prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame;
             let exact = 1.0 - (-0.5f64).exp();
-            for (i, pixel) in frame.pixels().iter().enumerate() {
-                assert!((f64::from(pixel[3]) - exact).abs() < 1e-6, "{direction}, {size}, pixel {i}: {pixel:?}");
+            for held in Held::both() {
+                for (i, pixel) in held.draw(&scene, &view, &control).pixels().iter().enumerate() {
+                    let name = held.renderer.name();
+                    assert!((f64::from(pixel[3]) - exact).abs() < 1e-6, "{name}, {direction}, {size}, {i}: {pixel:?}");
+                }
             }
         }
     }
@@ -108,8 +137,9 @@ fn a_camera_inside_sees_what_lies_ahead() {
     for projection in [Projection::Perspective { fov: 80.0 }, Projection::Orthographic { height: 0.7 }] {
         let camera =
             Camera { eye: DVec3::new(0.43, 0.51, 0.47), target: DVec3::new(0.9, 0.1, 0.9), up: DVec3::Y, projection };
-        let error = error(&CellMarcher::default(), &scene, &View::new(camera, [17, 13]));
-        assert!(error < EXACT, "{projection:?}: {error}");
+        for held in Held::both() {
+            held.within(held.largest, &format!("{projection:?}"), &scene, &View::new(camera, [17, 13]));
+        }
     }
 }
 
@@ -117,10 +147,9 @@ fn a_camera_inside_sees_what_lies_ahead() {
 fn threads_and_supersampling_change_nothing_else() {
     let scene = Scene::new(mesh(4, 0.2, false, |_| false).into(), transfer(0.7));
     let view = View { supersampling: 2, ..view(20.0, 10.0, None) };
-    let draw = |threads| {
-        let control = Control::default().with_threads(threads);
-        CellMarcher::default().prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame
-    };
-    assert_eq!(draw(1).pixels(), draw(3).pixels());
-    assert!(error(&CellMarcher::default(), &scene, &view) < EXACT);
+    for held in Held::both() {
+        let draw = |threads| held.draw(&scene, &view, &Control::default().with_threads(threads));
+        assert_eq!(draw(1).pixels(), draw(3).pixels(), "{}", held.renderer.name());
+        held.within(held.largest, "supersampled", &scene, &view);
+    }
 }
