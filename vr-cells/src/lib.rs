@@ -15,7 +15,7 @@
 //! 4. **Light.** Between two faces the transfer function is cut at its control points; each part is integrated by Gauss's rule of three points, the
 //!    depth up to each point by its collocation (order 6), in parts of an optical depth of at most ½.
 //!
-//! Where light is integrated through a mesh in front of the eye, shaded or not, sixteen rays walk at once, in `f32`: places are kept relative to each ray to the
+//! Sixteen rays walk at once, in `f32`, if light is integrated, shaded or not, and the mesh lies in front of the eye: places are kept relative to each ray to the
 //! last bits, and a lane takes the next ray of its tile when it is done. What rays pass is cut into stretches, whose light does not depend on what lies
 //! before; sixteen of any rays are integrated together, by parts, so that one integral by four points serves all colours up to an optical depth of 2½. Walls,
 //! logarithms near them and rays that get stuck are left to the plain code in `f64`, which draws everything else.
@@ -46,7 +46,7 @@
 //!
 //! (`cargo run --release -p vr-cells --example project_speed`, against the marcher.)
 //!
-//! Of large cells (25 opaque unit distances across) under a transfer function that jumps, RMSE is up to 8·10⁻⁵ and a pixel off by up to 4·10⁻³. A jump is seen as a
+//! Large cells (25 opaque unit distances across) under a transfer function that jumps have an RMSE of up to 8·10⁻⁵ and a pixel off by up to 4·10⁻³. A jump is drawn as a
 //! ramp as wide as 1/8192 of all values: a ray that stays that near to it all the way through a deep cell may be off by more.
 //!
 //! # Example

@@ -22,7 +22,7 @@ pub(crate) struct SingleRays<'a> {
     pub(crate) termination: f64,
 }
 
-/// What one ray leaves to the next: a buffer, and the shading along a direction, which many rays may share.
+/// Memory that one ray leaves to the next: a buffer, and the shading along a direction, which many rays may share.
 pub(crate) struct Scratch<T> {
     pub(crate) found: Vec<T>,
     shading: Option<(DVec3, RayShading<f64>)>,

@@ -48,7 +48,7 @@ impl Gate {
         inside.then_some(Self { corners, names, weights })
     }
 
-    /// What the corners have, at the ray's place.
+    /// Interpolates a value of the corners at the ray's place.
     pub(crate) fn at_place(&self, of_corners: [f32; 3]) -> f32 {
         let ([a, b, c], [u, v, w]) = (of_corners, self.weights);
         (a * u + b * v + c * w) / (u + v + w)

@@ -83,7 +83,7 @@ pub(crate) struct Cut<'a> {
     pub(crate) lane: usize,
 }
 
-/// What lies between two places in one piece of the transfer function: the parts of the piece at both.
+/// A stretch of a ray whose values lie in one piece of the transfer function.
 #[derive(Clone, Copy)]
 struct InPiece<const N: usize> {
     index: usize,
@@ -92,7 +92,7 @@ struct InPiece<const N: usize> {
 }
 
 impl<const N: usize> InPiece<N> {
-    /// What lies between two parts of it.
+    /// Returns the stretch between two parts of this one.
     #[inline(always)]
     fn between(&self, from: f32, to: f32) -> Self {
         let [a, b] = &self.ends;

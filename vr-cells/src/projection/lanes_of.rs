@@ -16,7 +16,7 @@ const DOWN: Lanes = Lanes([0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0
 #[derive(Clone, Copy)]
 pub(super) struct LineLanes<S: Simd> {
     line: Line,
-    /// What the samples have more than the first.
+    /// Value at each sample less that at the first.
     offsets: f32x16<S>,
     /// Magnitude below which rounding counts.
     doubtful: f32,

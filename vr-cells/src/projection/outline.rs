@@ -40,7 +40,7 @@ pub(super) struct Outline {
     /// The side that is a plane, or nearly: the front if `base_is_front`.
     pub(super) base: Surface,
     pub(super) base_is_front: bool,
-    /// What depth and value of the other side have more at the apex.
+    /// Depth and value of the other side less those of the base, at the apex.
     pub(super) rise: [f64; 2],
     /// Place of the apex.
     pub(super) apex: [f64; 2],

@@ -1,10 +1,10 @@
-//! What a resampling did, in words.
+//! Report of a resampling, in words.
 
 use super::run::{Correction, Resampled};
 use crate::resample::Integral;
 
 impl Resampled {
-    /// What was done and what it cost, one note a line.
+    /// Describes the steps taken and the error of each, one note a line.
     pub fn notes(&self) -> Vec<String> {
         // Single precision has the digits that people read.
         let short = |x: f64| x as f32;

@@ -3,7 +3,7 @@
 /// Number of voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Resolution {
-    /// That of the finest cells, as far as [`Resampling::max_finest`] allows; the default.
+    /// The spacing of the finest cells, as far as [`Resampling::max_finest`] allows; the default.
     #[default]
     Finest,
     /// So many voxels along x, y and z.

@@ -30,7 +30,7 @@ pub struct ResampleSection {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "must be \"finest\", three numbers of voxels, or a spacing")]
 pub enum ResampleSize {
-    /// As fine as the finest cells.
+    /// The spacing of the finest cells.
     Word(FinestWord),
     /// Voxels along x, y and z.
     Dims([usize; 3]),
@@ -42,7 +42,7 @@ pub enum ResampleSize {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FinestWord {
-    /// As fine as the finest cells, up to 2²⁴ voxels.
+    /// The spacing of the finest cells, or a wider one that gives 2²⁴ voxels.
     Finest,
 }
 
