@@ -15,8 +15,9 @@
 //! 4. **Light.** Between two faces the transfer function is cut at its control points; each part is integrated by Gauss's rule of three points, the
 //!    depth up to each point by its collocation (order 6), in parts of an optical depth of at most ½.
 //!
-//! Sixteen rays walk at once, in `f32`, if light is integrated, shaded or not, and the mesh lies in front of the eye: places are kept relative to each ray to the
-//! last bits, and a lane takes the next ray of its tile when it is done. What rays pass is cut into stretches, whose light does not depend on what lies
+//! Sixteen rays walk at once, in `f32`, if light is integrated, shaded or not, and the mesh lies in front of the eye. Places are kept relative to each ray to the
+//! last bits, and depths and values relative to where it was a few cells ago: a depth among those of the whole mesh is rounded by more than opaque cells forgive.
+//! A lane takes the next ray of its tile when it is done. A ray is cut into stretches, whose light does not depend on what lies
 //! before; sixteen of any rays are integrated together, by parts, so that one integral by four points serves all colours up to an optical depth of 2½. Walls,
 //! logarithms near them and rays that get stuck are left to the plain code in `f64`, which draws everything else.
 //!
@@ -70,8 +71,8 @@
 //! ```
 //!
 //! # What it integrates
-//! The canonical pixel: [`vr_core::Prepared::model`] is `Canonical`. The marcher's error against `vr-physics` is that of rounding and of Gauss's rule, below 10⁻⁵ (in single pixels 4·10⁻⁵ where sixteen rays walk through
-//! steep extinction, and 10⁻⁴ where shaded normals turn within a cell),
+//! The canonical pixel: [`vr_core::Prepared::model`] is `Canonical`. The marcher's error against `vr-physics` is that of rounding and of Gauss's rule, below 10⁻⁵ (10⁻⁴ where shaded
+//! normals turn within a cell),
 //! and at most 1 − `termination` where a ray ends early. Every compositing operator, shading, clip planes, opaque surfaces, and a camera inside the mesh are drawn.
 //!
 //! # What cannot be drawn

@@ -14,13 +14,13 @@ pub(crate) type Place = [f32; 4];
 pub(crate) struct Entry {
     /// Number of the ray in its tile.
     pub(crate) ray: u32,
-    pub(crate) depth: f32,
+    pub(crate) depth: f64,
     pub(crate) face: SurfaceFace,
 }
 
-/// A side that a ray goes through: x, y and depth of its corners, the vertices that they are, and the barycentric coordinates of the ray's place on it.
+/// A side that a ray goes through: x and y of its corners, the vertices that they are, and the barycentric coordinates of the ray's place on it.
 pub(crate) struct Gate {
-    pub(crate) corners: [[f32; 3]; 3],
+    pub(crate) corners: [[f32; 2]; 3],
     pub(crate) names: [u32; 3],
     pub(crate) weights: [f32; 3],
 }
@@ -36,11 +36,7 @@ impl Gate {
         let corners = names.map(|vertex| {
             let ScreenVertex { place, depth_value: [depth, ..] } = projected.vertices[vertex as usize];
             let scale = depth * projected.widening + 1.0;
-            [
-                ((place[0] - ray[0]) + (place[2] - ray[2])) * scale,
-                ((place[1] - ray[1]) + (place[3] - ray[3])) * scale,
-                depth,
-            ]
+            [0, 1].map(|a| ((place[a] - ray[a]) + (place[a + 2] - ray[a + 2])) * scale)
         });
         let side = |a: usize, b: usize| corners[a][0] * corners[b][1] - corners[a][1] * corners[b][0];
         let weights = [side(1, 2), side(2, 0), side(0, 1)];
@@ -49,14 +45,15 @@ impl Gate {
     }
 
     /// Interpolates a value of the corners at the ray's place.
-    pub(crate) fn at_place(&self, of_corners: [f32; 3]) -> f32 {
-        let ([a, b, c], [u, v, w]) = (of_corners, self.weights);
+    pub(crate) fn at_place(&self, of_corners: [f64; 3]) -> f64 {
+        let ([a, b, c], [u, v, w]) = (of_corners, self.weights.map(f64::from));
         (a * u + b * v + c * w) / (u + v + w)
     }
 
-    /// Depth of the ray's place.
-    pub(crate) fn depth(&self) -> f32 {
-        self.at_place(self.corners.map(|corner| corner[2]))
+    /// Depth and value of the ray's place.
+    pub(crate) fn depth_value(&self, projected: &Projected) -> [f64; 2] {
+        let of_corners = self.names.map(|name| projected.vertices[name as usize].depth_value());
+        [0, 1].map(|i| self.at_place(of_corners.map(|corner| corner[i])))
     }
 }
 
@@ -98,7 +95,7 @@ impl Grid<'_> {
             for x in columns.clone() {
                 let ray = y * self.across + x;
                 if let Some(gate) = Gate::new(mesh, projected, face, &self.places[ray]) {
-                    out.push(Entry { ray: ray as u32, depth: gate.depth(), face });
+                    out.push(Entry { ray: ray as u32, depth: gate.depth_value(projected)[0], face });
                 }
             }
         }

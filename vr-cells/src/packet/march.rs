@@ -14,15 +14,17 @@ pub(crate) const STEPS: usize = 8;
 ///
 /// `N` is the number of attributes: 1 for the value, 4 with the gradient.
 pub(crate) struct Sixteen<const N: usize> {
-    /// Corners of the side that each ray goes through, counterclockwise around it: x, y and depth.
+    /// Corners of the side that each ray goes through, counterclockwise around it: x, y and the depth from `base`.
     pub(crate) corners: [[Lanes; 3]; 3],
-    /// Attributes of the corners.
+    /// Attributes of the corners, of which the value is counted from `base`.
     pub(crate) attributes: [[Lanes; N]; 3],
     /// Barycentric coordinates of the ray on it, not normalised.
     pub(crate) weights: [Lanes; 3],
     /// x and y of the ray, and what they lack.
     pub(crate) ray: [Lanes; 4],
-    /// Largest depth so far, and the attributes at the last side.
+    /// Depth and value of a place that each ray passed not long ago, and what they lack: what is counted from there has no digits to lose.
+    pub(crate) base: [Lanes; 4],
+    /// Largest depth so far, and the attributes at the last side; depth and value from `base`.
     pub(crate) depth: Lanes,
     pub(crate) here: [Lanes; N],
     /// 4 · side + turn.
@@ -38,6 +40,7 @@ impl<const N: usize> Default for Sixteen<N> {
             attributes: [[Lanes::ZERO; N]; 3],
             weights: [Lanes::ZERO; 3],
             ray: [Lanes::ZERO; 4],
+            base: [Lanes::ZERO; 4],
             depth: Lanes::ZERO,
             here: [Lanes::ZERO; N],
             places: [OUTSIDE; LANES],
@@ -46,7 +49,21 @@ impl<const N: usize> Default for Sixteen<N> {
     }
 }
 
-/// Depths and attributes of sixteen rays at the sides that they pass, from where they stood on.
+impl<const N: usize> Sixteen<N> {
+    /// Depth and value from which those of a lane are counted.
+    #[inline]
+    pub(crate) fn base_of(&self, lane: usize) -> [f64; 2] {
+        let base = self.base.each_ref().map(|lanes| f64::from(lanes.0[lane]));
+        [base[0] + base[2], base[1] + base[3]]
+    }
+
+    /// Largest depth of a lane so far.
+    pub(crate) fn reached(&self, lane: usize) -> f64 {
+        self.base_of(lane)[0] + f64::from(self.depth.0[lane])
+    }
+}
+
+/// Depths and attributes of sixteen rays at the sides that they pass, from where they stood on; depth and value from [`Sixteen::base`].
 pub(crate) struct Trail<const N: usize> {
     pub(crate) depths: [Lanes; STEPS + 1],
     pub(crate) attributes: [[Lanes; N]; STEPS + 1],
@@ -140,6 +157,7 @@ struct Group<S: Simd, const N: usize> {
     ray: [f32x16<S>; 4],
     corners: [Corner<S, N>; 3],
     weights: [f32x16<S>; 3],
+    base: [f32x16<S>; 4],
     depth: f32x16<S>,
     here: [f32x16<S>; N],
     places: u32x16<S>,
@@ -159,6 +177,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
             ray: load(simd, &rays.ray),
             corners,
             weights: load(simd, &rays.weights),
+            base: load(simd, &rays.base),
             depth: rays.depth.load(simd),
             here: load(simd, &rays.here),
             places: u32x16::load_array_ref(simd, &rays.places),
@@ -173,10 +192,29 @@ impl<S: Simd, const N: usize> Group<S, N> {
             store(&self.corners[i].attributes, &mut rays.attributes[i]);
         }
         store(&self.weights, &mut rays.weights);
+        store(&self.base, &mut rays.base);
         rays.depth = Lanes::new(self.depth);
         store(&self.here, &mut rays.here);
         rays.places = self.places.to_array();
         rays.waited = self.waited.to_array();
+    }
+
+    /// Moves the base of each ray to the place where it is.
+    #[inline(always)]
+    fn rebase(&mut self, simd: S) {
+        let by = [self.depth, self.here[0]];
+        for i in 0..2 {
+            // The sum, and what its rounding loses (Knuth's two-sum).
+            let sum = self.base[i] + by[i];
+            let added = sum - self.base[i];
+            let lost = (self.base[i] - (sum - added)) + (by[i] - added);
+            (self.base[i], self.base[i + 2]) = (sum, self.base[i + 2] + lost);
+        }
+        for corner in &mut self.corners {
+            corner.at[2] -= by[0];
+            corner.attributes[0] -= by[1];
+        }
+        (self.depth, self.here[0]) = (splat(simd, 0.0), splat(simd, 0.0));
     }
 
     /// Notes where the rays are.
@@ -212,8 +250,10 @@ impl<S: Simd, const N: usize> Group<S, N> {
         }
         let rows = transpose(rows);
         let at = transpose(at);
-        let [far, value, ..] = transpose(depth_value);
-        let mut attributes = [value; N];
+        let [far, value, far_rest, value_rest] = transpose(depth_value);
+        let base = &self.base;
+        let far_from_base = (far - base[0]) + (far_rest - base[2]);
+        let mut attributes = [(value - base[1]) + (value_rest - base[3]); N];
         if N > 1 {
             let gradients = transpose(gradients);
             attributes[1..].copy_from_slice(&gradients[..N - 1]);
@@ -221,7 +261,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         let scale = far * scene.widening + 1.0;
         let x = ((at[0] - ray[0]) + (at[2] - ray[2])) * scale;
         let y = ((at[1] - ray[1]) + (at[3] - ray[3])) * scale;
-        let tip = Corner { at: [x, y, far], attributes };
+        let tip = Corner { at: [x, y, far_from_base], attributes };
 
         // The side that is left by has the ray on the inner side of both of its new edges.
         let (to_a, to_b, to_c) = (side(a, &tip), side(b, &tip), side(c, &tip));
@@ -235,12 +275,13 @@ impl<S: Simd, const N: usize> Group<S, N> {
         let (p, q, r) = (u.max(zero), v.max(zero), w.max(zero));
         let sum = p + q + r;
         let flat = !sum.simd_gt(zero);
-        let (p, q, r) = (pick(flat, one, p), pick(flat, one, q), pick(flat, one, r));
+        let (q, r) = (pick(flat, one, q), pick(flat, one, r));
         let part = one / pick(flat, splat(simd, 3.0), sum);
-        let depth = (a.at[2] * p + b.at[2] * q + tip.at[2] * r) * part;
+        let (q, r) = (q * part, r * part);
+        let depth = a.at[2] + ((b.at[2] - a.at[2]) * q + (tip.at[2] - a.at[2]) * r);
         for i in 0..N {
-            let there = (a.attributes[i] * p + b.attributes[i] * q + tip.attributes[i] * r) * part;
-            self.here[i] = pick(idle, self.here[i], there);
+            let [x, y, z] = [a.attributes[i], b.attributes[i], tip.attributes[i]];
+            self.here[i] = pick(idle, self.here[i], x + ((y - x) * q + (z - x) * r));
         }
         (self.corners, self.weights) = ([a, b, tip], [u, v, w]);
 
@@ -272,6 +313,8 @@ impl<const N: usize> Vectorized for March<'_, N> {
     fn run<S: Simd>(self, simd: S) {
         let Self { scene, rays: [rays, more_rays], trails: [trail, more_trail] } = self;
         let (mut group, mut more) = (Group::<S, N>::new(simd, rays), Group::<S, N>::new(simd, more_rays));
+        group.rebase(simd);
+        more.rebase(simd);
         group.mark(trail, 0);
         more.mark(more_trail, 0);
         for step in 1..=STEPS {

@@ -5,15 +5,24 @@ use vr_core::{CellMesh, View};
 
 use crate::camera_space::{CameraVertex, gradient};
 
-/// A vertex on the screen: x and y in pixels from the middle, each as a sum of two, so that their distance from a ray is good to the last bits;
-/// the depth, between −1 and 1; and the value, between 0 and 1 over the range of the mesh.
+/// A vertex on the screen: x and y in pixels from the middle, the depth between −1 and 1, and the value between 0 and 1 over the range of the mesh. Each is a
+/// sum of two, so that its distance from a place near by is good to the last bits.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct ScreenVertex {
     /// x and y, and what they lack.
     pub(crate) place: [f32; 4],
-    /// Depth and value; two that mean nothing.
+    /// Depth and value, and what they lack.
     pub(crate) depth_value: [f32; 4],
+}
+
+impl ScreenVertex {
+    /// Depth and value.
+    #[inline]
+    pub(crate) fn depth_value(&self) -> [f64; 2] {
+        let [depth, value, depth_rest, value_rest] = self.depth_value.map(f64::from);
+        [depth + depth_rest, value + value_rest]
+    }
 }
 
 /// The gradient at a vertex, by the largest component of all; a fourth number that means nothing.
@@ -76,8 +85,9 @@ impl Projected {
             let [x, y, z] = v.at;
             let scale = if perspective { per_unit / z } else { per_unit };
             let ([x, x_rest], [y, y_rest]) = (in_two(x * scale), in_two(y * scale));
-            let (depth, value) = ((z - middle) / half, (v.attributes[0] - low) / range);
-            ScreenVertex { place: [x, y, x_rest, y_rest], depth_value: [depth as f32, value as f32, 0.0, 0.0] }
+            let ([depth, depth_rest], [value, value_rest]) =
+                (in_two((z - middle) / half), in_two((v.attributes[0] - low) / range));
+            ScreenVertex { place: [x, y, x_rest, y_rest], depth_value: [depth, value, depth_rest, value_rest] }
         };
         let (gradients, slope) = scaled_gradients(vertices);
         let vertices: Vec<_> = vertices.iter().map(on_screen).collect();

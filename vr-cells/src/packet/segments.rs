@@ -17,10 +17,10 @@ pub(crate) struct Segments {
 /// The piece between two values.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
-    pub(crate) from: f32,
-    pub(crate) to: f32,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
     /// Parts of the piece for each unit of value; 0 where it is constant.
-    pub(crate) per_value: f32,
+    pub(crate) per_value: f64,
     pub(crate) is_clear: bool,
     /// Largest extinction for each unit of depth; infinite where it is a wall.
     pub(crate) steepest: f32,
@@ -40,7 +40,7 @@ pub(crate) fn bends(a: f32, b: f32) -> bool {
 impl Segments {
     pub(crate) fn new(transfer: &TransferFunction, mesh: &Projected) -> Self {
         let ([low, range], [_, half]) = (mesh.value, mesh.depth);
-        let on_range = |value: f64| ((value - low) / range) as f32;
+        let on_range = |value: f64| (value - low) / range;
         let rule = transfer.rule();
         let segments = transfer.segments();
         let pieces = segments.iter().map(|s| {
@@ -49,7 +49,7 @@ impl Segments {
             Piece {
                 from: on_range(s.from),
                 to: on_range(s.to),
-                per_value: if finite { (range / (s.to - s.from)) as f32 } else { 0.0 },
+                per_value: if finite { range / (s.to - s.from) } else { 0.0 },
                 is_clear: s.is_clear(),
                 steepest: (transfer.extinction(a.max(b)) * half) as f32,
                 bends: rule == OpacityRule::Power && finite && bends(a as f32, b as f32),

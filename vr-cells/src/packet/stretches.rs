@@ -19,16 +19,18 @@ const SEEN_TURN: f32 = 1e-6;
 pub(crate) type Row = [f32; 4];
 
 /// A place on a ray: its depth, and the attributes of the mesh there: the value, and the gradient where something is shaded.
+///
+/// In `f64`: lengths and parts of the transfer function are small differences.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spot<const N: usize> {
-    pub(crate) depth: f32,
-    pub(crate) attributes: [f32; N],
+    pub(crate) depth: f64,
+    pub(crate) attributes: [f64; N],
 }
 
 impl<const N: usize> Spot<N> {
     /// The place at a part of the way to another.
     #[inline(always)]
-    pub(crate) fn towards(&self, other: &Self, part: f32) -> Self {
+    pub(crate) fn towards(&self, other: &Self, part: f64) -> Self {
         let mut spot = *self;
         spot.depth += (other.depth - self.depth) * part;
         for (x, to) in spot.attributes.iter_mut().zip(other.attributes) {
@@ -41,7 +43,7 @@ impl<const N: usize> Spot<N> {
     #[inline(always)]
     fn gradient(&self) -> [f32; 4] {
         match self.attributes[..] {
-            [_, x, y, z] => [x, y, z, 0.0],
+            [_, x, y, z] => [x, y, z, 0.0].map(|x| x as f32),
             _ => [0.0; 4],
         }
     }
@@ -52,7 +54,7 @@ impl<const N: usize> Spot<N> {
 pub(crate) struct Stretches<const N: usize> {
     pub(crate) rows: Vec<Row>,
     /// Depths at which each begins and ends.
-    pub(crate) depths: Vec<[f32; 2]>,
+    pub(crate) depths: Vec<[f64; 2]>,
     /// Gradients at both ends; none where nothing is shaded.
     pub(crate) gradients: Vec<[[f32; 4]; 2]>,
     /// Lane of each; none where nothing is shaded.
@@ -76,11 +78,19 @@ pub(crate) struct Hard<const N: usize> {
 pub(crate) struct Cut<'a> {
     pub(crate) segments: &'a Segments,
     /// Length of the ray for each unit of depth.
-    pub(crate) scale: f32,
+    pub(crate) scale: f64,
     /// Transparency of all that the ray has passed, or more.
     pub(crate) clear: f32,
     pub(crate) ray: usize,
     pub(crate) lane: usize,
+}
+
+impl Cut<'_> {
+    /// Length between two places.
+    #[inline(always)]
+    fn length<const N: usize>(&self, [start, end]: &[Spot<N>; 2]) -> f32 {
+        ((end.depth - start.depth) * self.scale) as f32
+    }
 }
 
 /// A stretch of a ray whose values lie in one piece of the transfer function.
@@ -97,7 +107,8 @@ impl<const N: usize> InPiece<N> {
     fn between(&self, from: f32, to: f32) -> Self {
         let [a, b] = &self.ends;
         let part = |t: f32| self.parts[0] + (self.parts[1] - self.parts[0]) * t;
-        Self { index: self.index, ends: [a.towards(b, from), a.towards(b, to)], parts: [part(from), part(to)] }
+        let ends = [from, to].map(|t| a.towards(b, f64::from(t)));
+        Self { index: self.index, ends, parts: [part(from), part(to)] }
     }
 }
 
@@ -178,9 +189,9 @@ impl<const N: usize> Stretches<N> {
     #[inline(always)]
     fn push(&mut self, cut: &Cut<'_>, index: usize, ends: [Spot<N>; 2]) {
         let piece = &cut.segments.pieces[index];
-        let length = (ends[1].depth - ends[0].depth) * cut.scale;
+        let length = cut.length(&ends);
         // A piece without a lower end has no parts: −∞ times 0.
-        let part = |end: &Spot<N>| ((end.attributes[0] - piece.from) * piece.per_value).clamp(0.0, 1.0);
+        let part = |end: &Spot<N>| ((end.attributes[0] - piece.from) * piece.per_value).clamp(0.0, 1.0) as f32;
         let parts = if piece.per_value == 0.0 { [0.0; 2] } else { [part(&ends[0]), part(&ends[1])] };
         let stretch = InPiece { index, ends, parts };
         if piece.bends || piece.steepest * length > DEPTH || N > 1 {
@@ -199,7 +210,7 @@ impl<const N: usize> Stretches<N> {
         if piece.bends && most > NEAR_WALL || piece.steepest == f32::INFINITY {
             return self.leave(cut, stretch);
         }
-        let length = (stretch.ends[1].depth - stretch.ends[0].depth) * cut.scale;
+        let length = cut.length(&stretch.ends);
         let bent = piece.bends && bends(opacities[0], opacities[1]);
         // Light at stake: no more than what is left, nor than the largest optical depth.
         let at_stake = |turn: f32| cut.clear * (cut.segments.extinction_at_most(most) * length).min(1.0) * turn * turn;
@@ -224,7 +235,7 @@ impl<const N: usize> Stretches<N> {
     #[inline(always)]
     fn keep(&mut self, cut: &Cut<'_>, stretch: &InPiece<N>) {
         let [start, end] = &stretch.ends;
-        let length = (end.depth - start.depth) * cut.scale;
+        let length = cut.length(&stretch.ends);
         self.rows.push([stretch.parts[0], stretch.parts[1], length, f32::from_bits(stretch.index as u32)]);
         self.depths.push([start.depth, end.depth]);
         if N > 1 {

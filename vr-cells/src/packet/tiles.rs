@@ -51,9 +51,9 @@ struct TileRay {
     ray: Ray,
     sample: ImageSample,
     /// Length for each unit of depth.
-    scale: f32,
+    scale: f64,
     /// Depths between which it is drawn.
-    part: [f32; 2],
+    part: [f64; 2],
     /// Entries of the ray that it has not tried yet.
     entries: std::ops::Range<usize>,
     /// Number of the piece of the transfer function that held last.
@@ -182,13 +182,13 @@ impl<const N: usize> Packets<'_, N> {
                 let scale = self.camera.axis(&ray).length;
                 let far = self.layer.map_or(f64::INFINITY, |layer| layer.depth(pixel));
                 let [from, to] = ray.inside(&self.view.clip).map_or([1.0, 0.0], |[from, to]| [from, to.min(far)]);
-                let part = [from, to].map(|s| ((s / scale - middle) / half) as f32);
+                let part = [from, to].map(|s| (s / scale - middle) / half);
                 let ([x_high, x_low], [y_high, y_low]) = (in_two(x - 0.5 * width), in_two(0.5 * height - y));
                 buffers.places.push([x_high, y_high, x_low, y_low]);
                 buffers.rays.push(TileRay {
                     ray,
                     sample: ImageSample { pixel, x, y },
-                    scale: scale as f32,
+                    scale,
                     part,
                     entries: 0..0,
                     piece: 0,
@@ -238,7 +238,7 @@ impl<const N: usize> Packets<'_, N> {
                 let (group, lane) = (&mut groups[all / LANES], all % LANES);
                 while group.places[lane] == OUTSIDE {
                     let Some(i) = of_lane.or_else(|| waiting.next()) else { break };
-                    let reached = of_lane.map(|_| group.depth.0[lane]);
+                    let reached = of_lane.map(|_| group.reached(lane));
                     if let (None, Some((_, lights))) = (&of_lane, self.lit) {
                         of_lanes[all] = SeenLights::along(lights, rays[i].ray.direction);
                     }
@@ -257,7 +257,7 @@ impl<const N: usize> Packets<'_, N> {
             let mut past = [false; ALL_LANES];
             for i in 0..ALL_LANES {
                 if let Some(ray) = of_lane[i] {
-                    past[i] = self.pass(rays, ray, &trails[i / LANES], i, stretches);
+                    past[i] = self.pass(rays, ray, (&groups[i / LANES], &trails[i / LANES]), i, stretches);
                 }
                 ends[i] = stretches.rows.len();
             }
@@ -288,7 +288,7 @@ impl<const N: usize> Packets<'_, N> {
         ray: &mut TileRay,
         place: &Place,
         entries: &[Entry],
-        reached: Option<f32>,
+        reached: Option<f64>,
         sixteen: &mut Sixteen<N>,
         lane: usize,
     ) -> bool {
@@ -299,27 +299,34 @@ impl<const N: usize> Packets<'_, N> {
                 continue;
             }
             let Some(gate) = Gate::new(self.mesh, self.projected, entry.face, place) else { continue };
-            for ((corners, of_gate), (attributes, name)) in
-                sixteen.corners.iter_mut().zip(gate.corners).zip(sixteen.attributes.iter_mut().zip(gate.names))
-            {
-                for (lanes, x) in corners.iter_mut().zip(of_gate) {
+            // Depth and value are counted from those of the place.
+            let [depth, value] = gate.depth_value(self.projected);
+            let ([high_depth, low_depth], [high_value, low_value]) = (in_two(depth), in_two(value));
+            for (lanes, x) in sixteen.base.iter_mut().zip([high_depth, high_value, low_depth, low_value]) {
+                lanes.0[lane] = x;
+            }
+            for (i, name) in gate.names.into_iter().enumerate() {
+                let [of_depth, of_value] = self.projected.vertices[name as usize].depth_value();
+                let [x, y] = gate.corners[i];
+                for (lanes, x) in sixteen.corners[i].iter_mut().zip([x, y, (of_depth - depth) as f32]) {
                     lanes.0[lane] = x;
                 }
-                for (lanes, x) in attributes.iter_mut().zip(self.attributes(name)) {
+                let attributes = self.attributes(name, (of_value - value) as f32);
+                for (lanes, x) in sixteen.attributes[i].iter_mut().zip(attributes) {
                     lanes.0[lane] = x;
                 }
             }
-            for (here, corners) in sixteen.here.iter_mut().zip(0..) {
-                here.0[lane] = gate.at_place(gate.names.map(|name| self.attributes(name)[corners]));
+            for i in 0..N {
+                let of_corners = sixteen.attributes.each_ref().map(|attributes| f64::from(attributes[i].0[lane]));
+                sixteen.here[i].0[lane] = gate.at_place(of_corners) as f32;
             }
+            sixteen.depth.0[lane] = reached.map_or(0.0, |reached| (reached - depth).max(0.0) as f32);
             for (lanes, x) in sixteen.weights.iter_mut().zip(gate.weights) {
                 lanes.0[lane] = x;
             }
             for (lanes, x) in sixteen.ray.iter_mut().zip(*place) {
                 lanes.0[lane] = x;
             }
-            let depth = gate.depth();
-            sixteen.depth.0[lane] = reached.map_or(depth, |reached| depth.max(reached));
             sixteen.waited[lane] = 0;
             sixteen.places[lane] = 4 * (4 * entry.face.cell + u32::from(entry.face.across));
             return true;
@@ -327,10 +334,9 @@ impl<const N: usize> Packets<'_, N> {
         false
     }
 
-    /// Attributes of a vertex.
+    /// Attributes of a vertex that has a value.
     #[inline]
-    fn attributes(&self, vertex: u32) -> [f32; N] {
-        let [_, value, ..] = self.projected.vertices[vertex as usize].depth_value;
+    fn attributes(&self, vertex: u32, value: f32) -> [f32; N] {
         let mut attributes = [value; N];
         if let [_, rest @ ..] = &mut attributes[..]
             && let Some(gradient) = self.projected.gradients.get(vertex as usize)
@@ -346,19 +352,21 @@ impl<const N: usize> Packets<'_, N> {
         &self,
         rays: &mut [TileRay],
         number: usize,
-        trail: &Trail<N>,
+        (sixteen, trail): (&Sixteen<N>, &Trail<N>),
         all: usize,
         stretches: &mut Stretches<N>,
     ) -> bool {
         let (ray, lane) = (&mut rays[number], all % LANES);
         let cut = Cut { segments: self.segments, scale: ray.scale, clear: ray.clear as f32, ray: number, lane: all };
         let [from, to] = ray.part;
+        let [base_depth, base_value] = sixteen.base_of(lane);
         let spot = |step: usize| {
             let mut attributes = [0.0; N];
             for (x, lanes) in attributes.iter_mut().zip(&trail.attributes[step]) {
-                *x = lanes.0[lane];
+                *x = f64::from(lanes.0[lane]);
             }
-            Spot { depth: trail.depths[step].0[lane], attributes }
+            attributes[0] += base_value;
+            Spot { depth: base_depth + f64::from(trail.depths[step].0[lane]), attributes }
         };
         let mut start = spot(0);
         for step in 1..=STEPS {
@@ -366,7 +374,7 @@ impl<const N: usize> Packets<'_, N> {
             if end.depth > start.depth {
                 let mut ends = [start, end];
                 if start.depth < from || end.depth > to {
-                    let at = |depth: f32| start.towards(&end, (depth - start.depth) / (end.depth - start.depth));
+                    let at = |depth: f64| start.towards(&end, (depth - start.depth) / (end.depth - start.depth));
                     ends = [at(start.depth.max(from)), at(end.depth.min(to))];
                 }
                 if ends[0].depth < ends[1].depth {
@@ -395,10 +403,10 @@ impl<const N: usize> Packets<'_, N> {
     fn solve_plainly(&self, ray: &TileRay, hard: &Hard<N>, level: f64) -> (Light, Option<f64>) {
         let [middle, half] = self.projected.depth;
         let [low, range] = self.projected.value;
-        let ends = hard.ends.map(|end| (middle + half * f64::from(end.depth)) * f64::from(ray.scale));
-        let values = hard.ends.map(|end| low + range * f64::from(end.attributes[0]));
+        let ends = hard.ends.map(|end| (middle + half * end.depth) * ray.scale);
+        let values = hard.ends.map(|end| low + range * end.attributes[0]);
         let gradient = |end: &Spot<N>| match end.attributes[..] {
-            [_, x, y, z] => [x, y, z].map(|x| self.projected.slope * f64::from(x)),
+            [_, x, y, z] => [x, y, z].map(|x| self.projected.slope * x),
             _ => [0.0; 3],
         };
         let shade = self.lit.map(|(shading, lights)| shading.along(lights, ray.ray.direction));
@@ -442,9 +450,9 @@ impl<const N: usize> Packets<'_, N> {
         } else {
             0.0
         };
-        let [start, end] = stretches.depths[k].map(f64::from);
+        let [start, end] = stretches.depths[k];
         let [middle, half] = self.projected.depth;
-        (middle + half * (start + (end - start) * t)) * f64::from(ray.scale)
+        (middle + half * (start + (end - start) * t)) * ray.scale
     }
 
     /// The pixel of a ray.
