@@ -8,7 +8,7 @@ use vr_core::{Control, Filter, GridVolume, Volume};
 use vr_io::{FieldError, FileInfo, Levels, LoadedVolume, Reduction, Rounding, WriteError, WriteVolumeOptions};
 use vr_look::{Kind, Survey};
 
-use crate::args::{ChangeArgs, ConvertArgs, CropBox, LevelArgs, Reduce};
+use crate::args::{ChangeArgs, ConvertArgs, CropBox, ErrorMeasure, LevelArgs, Reduce};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::inputs::Inputs;
@@ -29,12 +29,18 @@ pub fn run(args: &ConvertArgs, console: Console, control: &Control) -> Result<()
     let mut account = None;
     let grid = match (&loaded.volume, args.changes.resample.choices()) {
         // A grid is resampled in its turn, after what is cut off.
-        (Volume::Grid(grid), _) => Arc::clone(grid),
+        (Volume::Grid(grid), _) if args.error.is_none() => Arc::clone(grid),
+        (Volume::Grid(_), _) => {
+            return Err(Failure::usage(
+                "--error: must go with a volume that is no uniform grid; pictures of grids are not compared",
+            ));
+        }
         (volume, Some(choices)) if volume.colors().is_none() => {
+            let measure = args.error.unwrap_or(ErrorMeasure::Subgrid);
             let resampled = resampled::run(volume, &choices, console, control)?;
-            let picture = resampled::picture_error(&loaded, &resampled, console, control)?;
+            let picture = resampled::picture_error(&loaded, &resampled, measure, console, control)?;
             let mut said = resampled.notes();
-            said.push(resampled::picture_note(&picture));
+            said.extend(picture.as_ref().map(resampled::picture_note));
             account = Some((said, Account::new(&resampled, picture)));
             Arc::new(GridVolume::new(resampled.grid.into(), Filter::default()))
         }

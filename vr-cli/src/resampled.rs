@@ -8,6 +8,7 @@ use vr_physics::metrics::subgrid;
 use vr_study::figures::ErrorFigures;
 use vr_study::reference::ReferencePixels;
 
+use crate::args::ErrorMeasure;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::progress::under_bar;
@@ -47,12 +48,12 @@ pub struct Account {
     factor: Option<f64>,
     /// Addend to every voxel that conserves the integral, if there is one.
     shift: Option<f64>,
-    /// Error of the picture of the grid against the reference of the volume itself.
-    picture: ErrorFigures,
+    /// Error of the picture of the grid against the reference of the volume itself, if it was measured.
+    picture: Option<ErrorFigures>,
 }
 
 impl Account {
-    pub fn new(resampled: &Resampled, picture: ErrorFigures) -> Self {
+    pub fn new(resampled: &Resampled, picture: Option<ErrorFigures>) -> Self {
         let finite = |x: f64| if x.is_finite() { x } else { f64::MAX };
         Self {
             dims: resampled.grid.dims(),
@@ -69,23 +70,29 @@ impl Account {
 }
 
 /// Error of the picture of a resampled volume: drawn with defaults, against the reference of the volume as it was, in the view and look that
-/// it has where none is named.
+/// it has where none is named; `None` if no pixels are compared.
 ///
 /// # Errors
 /// Any fault of the scene.
 pub fn picture_error(
     loaded: &LoadedVolume,
     resampled: &Resampled,
+    measure: ErrorMeasure,
     console: Console,
     control: &Control,
-) -> Result<ErrorFigures, Failure> {
+) -> Result<Option<ErrorFigures>, Failure> {
     let mut file = SceneFile::default();
     file.image.size = SIZE;
     let around = vr_io::resolve_scene_around(&file, std::path::Path::new(""), loaded.clone());
     let whole = around.map_err(Failure::failed)?;
     let (scene, view) = (&whole.scene, &whole.view);
+    let pixels = match measure {
+        ErrorMeasure::None => return Ok(None),
+        ErrorMeasure::Subgrid => subgrid(PARTS, view.size),
+        ErrorMeasure::Full => subgrid(u32::MAX, view.size),
+    };
     let exact = under_bar(console, control, "measuring the error", |control| {
-        ReferencePixels::solve((scene, view), &Model::Canonical, subgrid(PARTS, view.size), control)
+        ReferencePixels::solve((scene, view), &Model::Canonical, pixels, control)
     });
     let exact = exact.map_err(Failure::failed)?;
     let drawn = Scene { volume: Volume::from(resampled.grid.clone()), ..scene.clone() };
@@ -94,7 +101,7 @@ pub fn picture_error(
         renderer.prepare(&drawn, control)?.render(view, control)
     });
     let frame = frame.map_err(Failure::failed)?.frame;
-    Ok(ErrorFigures::new(&exact.judge(&frame), &exact))
+    Ok(Some(ErrorFigures::new(&exact.judge(&frame), &exact)))
 }
 
 /// Returns the note on the error of the picture.

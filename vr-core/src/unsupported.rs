@@ -29,9 +29,28 @@ pub struct Unsupported {
 }
 
 impl Unsupported {
-    /// The refusal of a kind of volume.
-    pub fn volume_kind(renderer: &'static str, volume: &Volume) -> Self {
-        let what = format!("volumes of the kind '{}'", volume.kind());
+    /// Kinds that a renderer of grids draws, for [`Self::volume_kind`].
+    pub const GRIDS: &str = "uniform grids, to which others can be resampled";
+
+    /// The refusal of a kind of volume by a renderer that draws others.
+    ///
+    /// # Examples
+    /// ```
+    /// use vr_core::{CellMesh, Unsupported, Volume};
+    /// use vr_core::cells::CellValues;
+    /// use glam::DVec3;
+    ///
+    /// let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    /// let mesh = CellMesh::new(corners, vec![[0, 1, 2, 3]], CellValues::Cells(vec![1.0]))?;
+    /// let refusal = Unsupported::volume_kind("shear-warp", &Volume::from(mesh), Unsupported::GRIDS);
+    /// assert_eq!(
+    ///     refusal.to_string(),
+    ///     "renderer shear-warp does not support volumes of the kind 'mesh of cells'; it draws uniform grids, to which others can be resampled"
+    /// );
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn volume_kind(renderer: &'static str, volume: &Volume, draws: &str) -> Self {
+        let what = format!("volumes of the kind '{}'; it draws {draws}", volume.kind());
         Self { renderer, feature: Feature::VolumeKind, what }
     }
 }

@@ -61,7 +61,9 @@ pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderE
         let what = format!("a transfer function by gradient by the rule '{rule}', which integrates over values alone");
         return Err(unsupported(Feature::GradientOpacity, what));
     }
-    let source = Source::of(&scene.volume).ok_or_else(|| Unsupported::volume_kind(RayCaster::NAME, &scene.volume))?;
+    let source = Source::of(&scene.volume).ok_or_else(|| {
+        Unsupported::volume_kind(RayCaster::NAME, &scene.volume, "volumes in a box with finite edges")
+    })?;
     let Source::Grid(volume) = &source else {
         check_field(caster, scene)?;
         return Ok(source);

@@ -43,7 +43,10 @@ pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolum
     if scene.reflection().is_some_and(|shading| shading.gradient == GradientMethod::Analytic) {
         return Err(unsupported(Feature::AnalyticGradients, "analytic gradients: normals are encoded at the voxels"));
     }
-    let volume = scene.volume.grid().ok_or_else(|| Unsupported::volume_kind(ShearWarp::NAME, &scene.volume))?;
+    let volume = scene
+        .volume
+        .grid()
+        .ok_or_else(|| Unsupported::volume_kind(ShearWarp::NAME, &scene.volume, Unsupported::GRIDS))?;
     if volume.filter() != Filter::Trilinear {
         return Err(unsupported(
             Feature::Filter,

@@ -15,6 +15,9 @@ pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderEr
     Unsupported { renderer: Splatter::NAME, feature, what: what.into() }.into()
 }
 
+/// Kinds of volume that can be splatted.
+const DRAWN: &str = "scattered points, and uniform grids, to which others can be resampled";
+
 /// Returns the input that a scene holds, if this renderer can draw it.
 pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, RenderError> {
     renderer.validate()?;
@@ -22,7 +25,7 @@ pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, Re
     let input = match (scene.volume.grid(), scene.volume.points()) {
         (Some(grid), _) => SplatInput::Grid(Arc::clone(grid)),
         (_, Some(points)) => SplatInput::Points(Arc::clone(points)),
-        _ => return Err(Unsupported::volume_kind(Splatter::NAME, &scene.volume).into()),
+        _ => return Err(Unsupported::volume_kind(Splatter::NAME, &scene.volume, DRAWN).into()),
     };
     // A grid's filter, precision and size.
     if let SplatInput::Grid(grid) = &input {

@@ -19,7 +19,10 @@ pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderEr
 pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     renderer.validate()?;
     scene.validate()?;
-    let volume = scene.volume.grid().ok_or_else(|| Unsupported::volume_kind(TextureSlicer::NAME, &scene.volume))?;
+    let volume = scene
+        .volume
+        .grid()
+        .ok_or_else(|| Unsupported::volume_kind(TextureSlicer::NAME, &scene.volume, Unsupported::GRIDS))?;
     // The volume.
     if volume.filter() != Filter::Trilinear {
         return Err(unsupported(

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use vr_core::VoxelType;
 
 use super::value;
-use super::{ResampleArgs, VolumeArgs};
+use super::{ErrorMeasure, ResampleArgs, VolumeArgs};
 
 /// `vr convert`.
 #[derive(Debug, Args)]
@@ -27,6 +27,10 @@ pub struct ConvertArgs {
     /// Levels of a pyramid.
     #[command(flatten)]
     pub levels: LevelArgs,
+    /// Pixels of a picture of the resampled volume that are compared with the reference of the volume itself: all, those of a 48x48 subgrid
+    /// (which is the default), or none; for volumes that are no uniform grids
+    #[arg(long, value_name = "PIXELS", requires = "resample")]
+    pub error: Option<ErrorMeasure>,
 }
 
 impl ConvertArgs {
