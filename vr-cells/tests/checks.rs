@@ -2,13 +2,13 @@
 
 use vr_cells::CellMarcher;
 use vr_physics::check::strategies::mesh_scene;
-use vr_physics::check::{self, Effort};
+use vr_physics::check::{self, Effort, Volumes};
 
 #[test]
 fn obeys_invariants() {
     let marcher = CellMarcher { termination: 1.0 };
-    for report in
-        check::obeys_invariants(&marcher, 1e-5, &Effort::cases(48).of_meshes()).unwrap_or_else(|e| panic!("{e}"))
+    for report in check::obeys_invariants(&marcher, 1e-5, &Effort::cases(48).on(Volumes::Meshes))
+        .unwrap_or_else(|e| panic!("{e}"))
     {
         println!("{report}");
     }
@@ -16,7 +16,7 @@ fn obeys_invariants() {
 
 #[test]
 fn tame_scenes_are_exact() {
-    let effort = Effort::cases(200).of_meshes();
+    let effort = Effort::cases(200).on(Volumes::Meshes);
     let report = check::agrees_with_reference(&CellMarcher { termination: 1.0 }, |_, _| 1e-5, &effort);
     println!("{}", report.unwrap_or_else(|e| panic!("{e}")));
 }

@@ -1,74 +1,28 @@
 //! A plain marcher in f64 that can be told to make one of the classic mistakes: a check that passes it sees nothing.
 
+mod classify;
+mod fault;
+mod march;
+mod mistaken;
+
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use vr_core::filter::Reconstruction;
-use vr_core::optics::{opacity_of_depth, source_weight};
-use vr_core::transfer::Optical;
 use vr_core::{
     Compositing, Configurable, Control, ConvergenceClaim, ConvergenceOrders, DeclaredOption, Documented, Feature,
-    Frame, IndexRay, Model, NumberRange, OptionTable, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer,
-    Sampler, SamplerVisitor, Scene, TransferFunction, Unsupported, View, Voxel,
+    Frame, Model, NumberRange, OptionTable, Prepared, Rays, RenderError, RenderStats, Rendered, Renderer, Scene,
+    Unsupported, View, Volume,
 };
 
-/// The classic mistakes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fault {
-    /// None: a right renderer.
-    None,
-    /// Cell-centred, though the voxels are at lattice points.
-    HalfVoxelShift,
-    /// α of the unit distance, whatever the step.
-    NoOpacityCorrection,
-    /// The last, shorter step is left out.
-    DroppedLastStep,
-    /// The sample at the front of each step: a rule of order 1.
-    LeftSample,
-    /// Missing voxels count as 0.
-    MissingIsZero,
-    /// A number where there is none.
-    Nan,
-    /// Steps of a fixed world length.
-    WorldStep,
-    /// x and y are mixed up.
-    SwappedSpacing,
-    /// Colours are clamped to 1.
-    ClampedLight,
-    /// Every frame is a little brighter than the last.
-    Memory,
-    /// The picture depends on the threads that draw it.
-    CountsThreads,
-    /// It panics.
-    Panic,
-    /// It says that it cannot draw the scene, whatever the scene is.
-    RefusesEverything,
-    /// Voxels are classified before they are interpolated.
-    PreClassification,
-    /// Rays go through the corners of pixels.
-    PixelCorners,
-    /// A table of optics is interpolated across the jumps of the transfer function: the shorter the steps, the more of them land
-    /// between two entries, where there is neither the one side's colour nor the other's.
-    BleedingJumps,
-    /// Values are carried in half the digits of f32, whatever the transfer function tells apart.
-    NarrowValues,
-    /// The second frame and all later ones come without the depth that the first has.
-    LosesDepth,
-    /// An update leaves the old transfer function.
-    StaleTransfer,
-    /// An update leaves the old volume.
-    StaleVolume,
-    /// An update leaves the old filter.
-    StaleFilter,
-    /// An update is not asked whether it can be drawn.
-    StaleSupport,
-}
+pub use fault::Fault;
+use march::light;
+use mistaken::mistaken;
 
-/// Marches along every ray, for over, without shading.
+/// Marches along every ray, for over, without shading: through uniform grids, and through any other field by its values at places.
 #[derive(Clone)]
 pub struct Marcher {
     /// The fault.
     pub fault: Fault,
-    /// Step, as a fraction of the smallest spacing.
+    /// Step, as a fraction of the smallest spacing of a grid, or of the spacing that any other field tells.
     pub step: f64,
 }
 
@@ -120,11 +74,15 @@ impl Renderer for Marcher {
     fn prepare(&self, scene: &Scene, _: &Control) -> Result<Box<dyn Prepared>, RenderError> {
         self.supports(scene, None)?;
         assert!(self.fault != Fault::Panic, "a bug");
-        Ok(Box::new(Marching { marcher: self.clone(), scene: scene.clone(), frames: AtomicU32::new(0) }))
+        let scene = mistaken(self.fault, scene);
+        Ok(Box::new(Marching { marcher: self.clone(), scene, frames: AtomicU32::new(0) }))
     }
 }
 
 fn supports(scene: &Scene) -> Result<(), RenderError> {
+    if matches!(scene.volume, Volume::Color(_)) {
+        return Err(unsupported(Feature::VolumeKind));
+    }
     match (scene.compositing, &scene.shading, &scene.surfaces) {
         (Compositing::Over, None, None) => Ok(()),
         (Compositing::Over, None, Some(_)) => Err(unsupported(Feature::Surfaces)),
@@ -145,7 +103,7 @@ impl Prepared for Marching {
         if fault != Fault::StaleSupport {
             supports(scene)?;
         }
-        self.scene = scene.clone();
+        self.scene = mistaken(fault, scene);
         match fault {
             Fault::StaleTransfer => self.scene.transfer = old.transfer,
             Fault::StaleVolume => self.scene.volume = old.volume,
@@ -160,7 +118,6 @@ impl Prepared for Marching {
 
     fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
         let rays = Rays::new(view)?;
-        let volume = self.scene.volume.grid().expect("a uniform grid");
         let threads = control.run(rayon::current_num_threads);
         let frame_number = self.frames.fetch_add(1, Ordering::Relaxed);
         let [w, h] = view.size;
@@ -172,8 +129,7 @@ impl Prepared for Marching {
                     if self.marcher.fault == Fault::PixelCorners { 0.5 / f64::from(view.supersampling) } else { 0.0 };
                 let at = |pixel: u32, k: u32| f64::from(pixel) + centre(k) - corner;
                 let (x, y) = (at(i % w, k % view.supersampling), at(i / w, k / view.supersampling));
-                let along = IndexRay::new(&rays.at(x, y), volume.placement(), volume.dims(), &view.clip, f64::INFINITY);
-                let March { rgba, .. } = volume.with_sampler(March { marching: self, along, rgba: [0.0; 4] });
+                let rgba = light(&self.marcher, &self.scene, &rays.at(x, y), &view.clip);
                 (0..4).for_each(|c| mean[c] += rgba[c] / f64::from(view.supersampling * view.supersampling));
             }
             match self.marcher.fault {
@@ -194,124 +150,4 @@ impl Prepared for Marching {
     fn model(&self, _: &View) -> Result<Model, RenderError> {
         Ok(Model::Canonical)
     }
-}
-
-struct March<'a> {
-    marching: &'a Marching,
-    along: Option<IndexRay>,
-    rgba: [f64; 4],
-}
-
-impl SamplerVisitor for March<'_> {
-    type Output = Self;
-
-    fn visit<T: Voxel, F: Reconstruction>(mut self, sampler: Sampler<'_, T, F>) -> Self {
-        let Some(ray) = self.along else { return self };
-        let Marching { marcher, scene, .. } = self.marching;
-        let volume = scene.volume.grid().expect("a uniform grid");
-        let fault = marcher.fault;
-        let spacing = volume.placement().spacing();
-        let step = marcher.step
-            * match fault {
-                // With an end to it in a huge world.
-                Fault::WorldStep => (1e-2 * ray.length()).max(1.0),
-                Fault::SwappedSpacing => spacing.x,
-                _ => spacing.min_element(),
-            };
-        let mut transmittance = 1.0;
-        let mut start = ray.start;
-        while start < ray.end {
-            let end = (start + step).min(ray.end);
-            let length = end - start;
-            if fault == Fault::DroppedLastStep && length < step * (1.0 - 1e-9) {
-                break;
-            }
-            let at = if fault == Fault::LeftSample { start } else { 0.5 * (start + end) };
-            let mut p = ray.at(at).to_array();
-            if fault == Fault::HalfVoxelShift {
-                p = std::array::from_fn(|a| (p[a] - 0.5).max(0.0));
-            }
-            start = end;
-            let value = sampler.value(p);
-            let value = if fault == Fault::MissingIsZero && f64::is_nan(value) { 0.0 } else { value };
-            if f64::is_nan(value) {
-                continue;
-            }
-            let value = volume.calibration().value(value);
-            let optical = match fault {
-                Fault::PreClassification => {
-                    classified_before(&sampler, p, |stored| scene.transfer.at(volume.calibration().value(stored)))
-                }
-                Fault::BleedingJumps => bled(&scene.transfer, value),
-                Fault::NarrowValues => scene.transfer.at(narrow(value)),
-                _ => scene.transfer.at(value),
-            };
-            let length = if fault == Fault::NoOpacityCorrection { scene.transfer.unit_distance() } else { length };
-            let tau = scene.transfer.extinction(optical.opacity) * length;
-            let alpha = opacity_of_depth(tau);
-            for c in 0..3 {
-                let light = if scene.transfer.has_emission() {
-                    optical.emission[c] * length * source_weight(tau)
-                } else {
-                    optical.color[c] * alpha
-                };
-                self.rgba[c] += transmittance * light;
-            }
-            transmittance *= 1.0 - alpha;
-        }
-        self.rgba[3] = 1.0 - transmittance;
-        self
-    }
-}
-
-/// A number of 12 binary digits.
-fn narrow(value: f64) -> f64 {
-    let scale = libm::exp2(libm::floor(libm::log2(value.abs().max(f64::MIN_POSITIVE))) - 11.0);
-    (value / scale).round() * scale
-}
-
-/// Linear between the entries of a table of 64, whatever lies between them.
-fn bled(transfer: &TransferFunction, value: f64) -> Optical {
-    const ENTRIES: f64 = 64.0;
-    let points = transfer.points();
-    let (low, high) = (points[0].value, points[points.len() - 1].value);
-    let width = 1.2 * (high - low).max(1e-3 * low.abs()).max(f64::MIN_POSITIVE) / ENTRIES;
-    let place = (value - low) / width;
-    let below = place.floor();
-    let (a, b) = (transfer.at(low + below * width), transfer.at(low + (below + 1.0) * width));
-    let t = place - below;
-    let mix = |a: f64, b: f64| a + t * (b - a);
-    // Opacity as an extinction of 1 is: any share of an opaque entry is opaque, in whatever colour.
-    let opacity = if a.opacity == 1.0 || b.opacity == 1.0 { 1.0 } else { mix(a.opacity, b.opacity) };
-    Optical {
-        opacity,
-        color: std::array::from_fn(|c| mix(a.color[c], b.color[c])),
-        emission: std::array::from_fn(|c| mix(a.emission[c], b.emission[c])),
-    }
-}
-
-/// The mean of what the corners of a cell are classified as, each weighted as trilinear interpolation weights its value.
-fn classified_before<T: Voxel, F: Reconstruction>(
-    sampler: &Sampler<'_, T, F>,
-    p: [f64; 3],
-    classify: impl Fn(f64) -> Optical,
-) -> Optical {
-    let dims = sampler.lattice().dims;
-    let mut mean = Optical::default();
-    for corner in 0..8 {
-        let (mut at, mut weight) = ([0.0; 3], 1.0);
-        for axis in 0..3 {
-            let low = p[axis].floor().clamp(0.0, (dims[axis] - 2) as f64);
-            let t = p[axis] - low;
-            (at[axis], weight) =
-                if corner >> axis & 1 == 1 { (low + 1.0, weight * t) } else { (low, weight * (1.0 - t)) };
-        }
-        let optical = classify(sampler.value(at));
-        mean.opacity += weight * optical.opacity;
-        for c in 0..3 {
-            mean.color[c] += weight * optical.color[c];
-            mean.emission[c] += weight * optical.emission[c];
-        }
-    }
-    mean
 }
