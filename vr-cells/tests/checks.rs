@@ -1,6 +1,6 @@
-//! The marcher through the checks that every renderer can be put through, over random meshes.
+//! The marcher, and the projector on the hard case, through the checks that every renderer can be put through, over random meshes.
 
-use vr_cells::CellMarcher;
+use vr_cells::{Attenuation, CellMarcher, CellProjector};
 use vr_physics::check::strategies::mesh_scene;
 use vr_physics::check::{self, Effort, Volumes};
 
@@ -31,4 +31,15 @@ fn any_scene_is_exact() {
     let report =
         check::agrees_with_reference_on(&CellMarcher { termination: 1.0 }, mesh_scene(), bound, &Effort::cases(200));
     println!("{}", report.unwrap_or_else(|e| panic!("{e}")));
+}
+
+#[test]
+fn slivers_are_survived() {
+    let classic = CellProjector { attenuation: Attenuation::Linear, ..CellProjector::default() };
+    let renderers: [&dyn vr_core::Documented; 4] =
+        [&CellMarcher { termination: 1.0 }, &CellMarcher::default(), &CellProjector::default(), &classic];
+    for renderer in renderers {
+        let table = check::survives_documented_cases(renderer, &vr_physics::Reference::new(1e-7));
+        println!("{}", table.unwrap_or_else(|e| panic!("{e}")));
+    }
 }
