@@ -1,6 +1,6 @@
-//! Settings of the marcher that a study compares. The hard cases are grids, which it does not draw.
+//! Settings of the marcher that a study compares, and its error on the hard case that is a mesh.
 
-use vr_core::{Documented, NamedSetting};
+use vr_core::{Documented, DocumentedError, HardCaseErrors, NamedSetting};
 
 use crate::marcher::CellMarcher;
 
@@ -10,5 +10,10 @@ impl Documented for CellMarcher {
             NamedSetting::new("exact", &Self { termination: 1.0 }, None, 1e-6),
             NamedSetting::new("default", &Self::default(), None, 1e-6),
         ]
+    }
+
+    /// Rounding alone, whatever the cells: a sliver is a cell like any other.
+    fn hard_case_errors(&self) -> HardCaseErrors {
+        HardCaseErrors { by_case: vec![("slivers", DocumentedError::Max(1e-6))], otherwise: None }
     }
 }

@@ -2,14 +2,11 @@
 
 mod brute;
 
-use brute::brute;
+use brute::{OPERATORS, agrees_with_brute_force, same_under_every_operator, transfer, view, waves};
 use glam::DVec3;
 use vr_core::cells::{CellMesh, CellValues};
 use vr_core::field::FunctionField;
-use vr_core::{
-    Camera, Compositing, Control, ControlPoint, Model, OpacityRule, Ray, Rays, Scene, Shading, TransferFunction, View,
-    Volume,
-};
+use vr_core::{Compositing, ControlPoint, OpacityRule, Ray, Scene, Shading, TransferFunction, Volume};
 use vr_physics::Reference;
 use vr_physics::check::strategies::uneven_cubes;
 
@@ -19,30 +16,6 @@ fn mesh(n: usize, jitter: f64, value: impl Fn(DVec3) -> f64) -> CellMesh {
     let values = moved.iter().map(|&v| value(v)).collect();
     CellMesh::new(moved, cells, CellValues::Vertices(values)).unwrap()
 }
-
-fn transfer() -> TransferFunction {
-    let p = ControlPoint::new;
-    let points = vec![
-        p(0.1, [0.1, 0.2, 0.9], 0.0),
-        p(0.45, [0.9, 0.3, 0.1], 0.25),
-        p(0.6, [0.2, 0.8, 0.3], 0.05),
-        p(1.0, [1.0, 1.0, 0.9], 0.6),
-    ];
-    TransferFunction::new(points, OpacityRule::Power, 0.2).unwrap()
-}
-
-fn view(size: u32) -> View {
-    View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), 35.0, 25.0, Some(40.0)), [size; 2])
-}
-
-const OPERATORS: [Compositing; 6] = [
-    Compositing::Over,
-    Compositing::Maximum,
-    Compositing::Minimum,
-    Compositing::Average,
-    Compositing::First { threshold: 0.55 },
-    Compositing::Accumulate { level: 0.5 },
-];
 
 /// The slab on which a ray caster of another program gives 0.35 to 0.88, for rays run along the faces that cells share: 1 − e^(−½) everywhere.
 #[test]
@@ -75,45 +48,16 @@ fn a_linear_field_is_its_function() {
     let function = FunctionField::new((DVec3::ZERO, DVec3::ONE), value).unwrap().with_lipschitz(slope.length());
     let scene = |volume: Volume| Scene::new(volume, transfer());
     let (a, b) = (scene(mesh(4, 0.2, value).into()), scene(function.into()));
-    for compositing in OPERATORS {
-        let solve = |scene: &Scene| {
-            let scene = Scene { compositing, ..scene.clone() };
-            Reference::default().solve(&scene, &view(8), &Model::Canonical, &Control::default()).unwrap().pixels
-        };
-        for (a, b) in solve(&a).iter().zip(&solve(&b)) {
-            for c in 0..4 {
-                let off = (a.rgba[c] - b.rgba[c]).abs();
-                let bound = a.certainty.value() + b.certainty.value();
-                assert!(off <= bound + 1e-9, "{compositing:?}: {off} beyond {bound}");
-                assert!(a.certainty.value() < 1e-8, "{compositing:?}: {:?}", a.certainty);
-            }
-        }
-    }
+    same_under_every_operator([&a, &b], 8, 1e-9, 1e-8);
 }
 
 /// Waves on a mesh of uneven cells, against many samples of its values.
 #[test]
 fn every_operator_agrees_with_brute_force() {
-    let waves = |p: DVec3| 0.5 + 0.3 * (7.0 * p.x + 3.0 * p.y).sin() + 0.2 * (9.0 * p.z - 4.0 * p.y).cos();
     let mesh = mesh(4, 0.25, waves);
-    let view = view(6);
-    let rays = Rays::new(&view).unwrap();
     for (compositing, shading) in OPERATORS.map(|o| (o, false)).into_iter().chain([(Compositing::Over, true)]) {
-        let scene = Scene {
-            compositing,
-            shading: shading.then(Shading::default).map(Into::into),
-            ..Scene::new(mesh.clone().into(), transfer())
-        };
-        let solved = Reference::default().solve(&scene, &view, &Model::Canonical, &Control::default()).unwrap();
-        for (i, pixel) in solved.pixels.iter().enumerate() {
-            let ray = rays.at((i % 6) as f64 + 0.5, (i / 6) as f64 + 0.5);
-            let expected = brute(&scene, &ray);
-            for c in 0..4 {
-                let off = (pixel.rgba[c] - expected[c]).abs();
-                // Midpoint samples are a 1/20000 apart; what they pick is off by as much of the slope.
-                assert!(off <= pixel.certainty.value() + 2e-3, "{compositing:?}, {shading}: {off} at {i}");
-                assert!(pixel.certainty.value() < 1e-3, "{compositing:?}, {shading}: {:?}", pixel.certainty);
-            }
-        }
+        let shading = shading.then(Shading::default).map(Into::into);
+        let scene = Scene { compositing, shading, ..Scene::new(mesh.clone().into(), transfer()) };
+        agrees_with_brute_force(&scene, 1e-3);
     }
 }

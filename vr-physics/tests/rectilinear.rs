@@ -2,24 +2,16 @@
 
 mod brute;
 
-use brute::brute;
+use brute::{
+    OPERATORS, agrees_with_brute_force, brute, difference, same_under_every_operator, solved, transfer, view, waves,
+};
 use glam::{DMat3, DVec3};
 use vr_core::field::FunctionField;
 use vr_core::rectilinear::{Centering, RectilinearGrid};
 use vr_core::{
-    Calibration, Camera, Clip, Compositing, Control, ControlPoint, Field, GradientMethod, Model, OpacityRule,
-    Placement, Plane, Rays, Scene, Shading, TransferFunction, UniformGrid, View, Volume,
+    Calibration, Camera, Clip, Compositing, Field, GradientMethod, Placement, Plane, Rays, Scene, Shading, UniformGrid,
+    View, Volume,
 };
-use vr_physics::{Pixel, Reference};
-
-const OPERATORS: [Compositing; 6] = [
-    Compositing::Over,
-    Compositing::Maximum,
-    Compositing::Minimum,
-    Compositing::Average,
-    Compositing::First { threshold: 0.55 },
-    Compositing::Accumulate { level: 0.5 },
-];
 
 /// Axes over the unit cube whose steps differ up to fortyfold.
 fn uneven() -> [Vec<f64>; 3] {
@@ -40,34 +32,9 @@ fn sampled(axes: [Vec<f64>; 3], f: impl Fn(DVec3) -> f64) -> RectilinearGrid {
     RectilinearGrid::new(axes, values, Centering::Points).unwrap()
 }
 
-fn waves(p: DVec3) -> f64 {
-    0.5 + 0.3 * (7.0 * p.x + 3.0 * p.y).sin() + 0.2 * (9.0 * p.z - 4.0 * p.y).cos()
-}
-
-fn transfer() -> TransferFunction {
-    let p = ControlPoint::new;
-    let points = vec![
-        p(0.1, [0.1, 0.2, 0.9], 0.0),
-        p(0.45, [0.9, 0.3, 0.1], 0.25),
-        p(0.6, [0.2, 0.8, 0.3], 0.05),
-        p(1.0, [1.0, 1.0, 0.9], 0.6),
-    ];
-    TransferFunction::new(points, OpacityRule::Power, 0.2).unwrap()
-}
-
-fn view(size: u32) -> View {
-    View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), 35.0, 25.0, Some(40.0)), [size; 2])
-}
-
-fn solved(scene: &Scene, view: &View) -> Vec<Pixel> {
-    Reference::default().solve(scene, view, &Model::Canonical, &Control::default()).unwrap().pixels
-}
-
 #[test]
 fn every_operator_agrees_with_brute_force() {
     let grid = sampled(uneven(), waves);
-    let view = view(6);
-    let rays = Rays::new(&view).unwrap();
     let plain = OPERATORS.map(|o| (o, None));
     let lit = [GradientMethod::Analytic, GradientMethod::CentralDifferences].map(|m| (Compositing::Over, Some(m)));
     for (compositing, shading) in plain.into_iter().chain(lit) {
@@ -75,16 +42,7 @@ fn every_operator_agrees_with_brute_force() {
         let volume = shading.map_or(volume.clone(), |method| volume.with_gradient(method));
         let shading = shading.map(|gradient| Shading { gradient, ..Shading::default() }.into());
         let scene = Scene { compositing, shading, ..Scene::new(volume, transfer()) };
-        for (i, pixel) in solved(&scene, &view).iter().enumerate() {
-            let ray = rays.at((i % 6) as f64 + 0.5, (i / 6) as f64 + 0.5);
-            let expected = brute(&scene, &ray);
-            for c in 0..4 {
-                let off = (pixel.rgba[c] - expected[c]).abs();
-                // Midpoint samples are a 1/4000 apart, and what they pick is off by as much of the slope.
-                assert!(off <= pixel.certainty.value() + 2e-3, "{compositing:?}, {:?}: {off} at {i}", scene.shading);
-                assert!(pixel.certainty.value() < 1e-8, "{compositing:?}: {:?}", pixel.certainty);
-            }
-        }
+        agrees_with_brute_force(&scene, 1e-8);
     }
 }
 
@@ -104,16 +62,8 @@ fn a_linear_field_is_its_function_on_uneven_axes() {
     let function = FunctionField::new((DVec3::ZERO, DVec3::ONE), value).unwrap().with_lipschitz(slope.length());
     let scene = |volume: Volume| Scene::new(volume, transfer());
     let (a, b) = (scene(grid.into()), scene(function.into()));
-    for compositing in OPERATORS {
-        let solve = |scene: &Scene| solved(&Scene { compositing, ..scene.clone() }, &view(8));
-        for (a, b) in solve(&a).iter().zip(&solve(&b)) {
-            for c in 0..4 {
-                let off = (a.rgba[c] - b.rgba[c]).abs();
-                // The surface of `First` moves by the rounding of the values, and colours by their slope of 10 at most.
-                assert!(off <= a.certainty.value() + b.certainty.value() + 1e-6, "{compositing:?}: {off}");
-            }
-        }
-    }
+    // The surface of `First` moves by the rounding of the values, and colours by their slope of 10 at most.
+    same_under_every_operator([&a, &b], 8, 1e-6, f64::INFINITY);
 }
 
 /// Values on even axes, as both kinds of grid, with two voxels missing: the same picture under every operator, lit both ways, clipped.
@@ -156,7 +106,7 @@ fn even_axes_are_a_uniform_grid() {
             view.clip = Clip { planes: vec![Plane { normal: DVec3::new(1.0, 0.3, -0.2), offset: 0.21 }], crop: None };
             let pictures = [scene(uniform.clone().into()), scene(uneven.clone().into())].map(|s| solved(&s, &view));
             for (i, (a, b)) in pictures[0].iter().zip(&pictures[1]).enumerate() {
-                let off = (0..4).map(|c| (a.rgba[c] - b.rgba[c]).abs()).fold(0.0, f64::max);
+                let off = difference(&a.rgba, &b.rgba);
                 let bound = a.certainty.value() + b.certainty.value();
                 assert!(
                     off <= bound.min(1e-6),
@@ -186,7 +136,7 @@ fn rays_in_planes_and_far_eyes_keep_their_bounds() {
             let rays = Rays::new(&view).unwrap();
             for (i, pixel) in solved(&scene, &view).iter().enumerate() {
                 let expected = brute(&scene, &rays.at((i % 3) as f64 + 0.5, (i / 3) as f64 + 0.5));
-                let off = (0..4).map(|c| (pixel.rgba[c] - expected[c]).abs()).fold(0.0, f64::max);
+                let off = difference(&pixel.rgba, &expected);
                 // Coordinates of the eye are rounded, and values rise by 10 a unit at most.
                 assert!(
                     pixel.certainty.value() < 1e-8 + 1e-10 * distance,

@@ -8,7 +8,7 @@ use crate::caster::{ImageSampling, RayCaster, Step};
 const FINE: f64 = 0.2;
 
 /// Measured errors, and half as much again: of uniform steps of ⅕, and of local steps that aim at an RMSE of 5·10⁻⁴.
-const ERRORS: [(&str, f64, f64); 15] = [
+const ERRORS: [(&str, f64, f64); 18] = [
     // The wall's place is known to a step, and where a ray just passes it or just not, all of it is at stake.
     ("opaque-wall", 0.8, 0.85),
     // A hundredth of a step wide: most rays that cross it at a right angle never see it.
@@ -33,6 +33,12 @@ const ERRORS: [(&str, f64, f64); 15] = [
     // equally often.
     ("many-faint-steps", 3e-7, 4e-4),
     ("constant", 3e-7, 3e-7),
+    // A front that is a coarse cell thick, five samples of which carry all of the light.
+    ("level-boundary", 7.5e-2, 7.5e-2),
+    // Steps follow the cells: each decade has as many.
+    ("uneven-axes", 4.5e-3, 4.5e-3),
+    // A jump, in effect: its place is known to a step.
+    ("slivers", 8e-2, 8e-2),
 ];
 
 impl RayCaster {

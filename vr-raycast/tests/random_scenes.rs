@@ -46,6 +46,12 @@ fn errors_fall_with_the_step_whatever_is_hard() {
     errors_of(&[uniform(), local()], &Kind::ALL);
 }
 
+/// Adaptive meshes, rectilinear grids and meshes of cells are sampled at places: local steps are not theirs.
+#[test]
+fn errors_fall_with_the_step_on_other_volumes() {
+    errors_of(&[exact(), uniform()], &Kind::OF_OTHER_VOLUMES);
+}
+
 #[test]
 fn an_update_is_a_new_preparation() {
     for caster in [RayCaster::default(), RayCaster::uniform(0.2), RayCaster::exact(0.5)] {

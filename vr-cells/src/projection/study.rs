@@ -1,6 +1,6 @@
-//! Settings of the projector that a study compares. The hard cases are grids, which it does not draw.
+//! Settings of the projector that a study compares, and its error on the hard case that is a mesh.
 
-use vr_core::{Documented, NamedSetting};
+use vr_core::{Documented, DocumentedError, HardCaseErrors, NamedSetting};
 
 use super::projector::{Attenuation, CellProjector};
 
@@ -12,5 +12,14 @@ impl Documented for CellProjector {
             NamedSetting::new("default", &Self::default(), None, 1e-4),
             NamedSetting::new("classic", &classic, None, 0.1),
         ]
+    }
+
+    /// Measured errors, and half as much again or more.
+    fn hard_case_errors(&self) -> HardCaseErrors {
+        let error = match self.attenuation {
+            Attenuation::Exact => 1e-4,
+            Attenuation::Linear => 0.23,
+        };
+        HardCaseErrors { by_case: vec![("slivers", DocumentedError::Max(error))], otherwise: None }
     }
 }

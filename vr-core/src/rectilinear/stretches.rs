@@ -18,7 +18,7 @@ impl RectilinearLine<'_> {
         let Chord { offset, .. } = line.chord();
         let mut breaks = Vec::new();
         line.breakpoints(&mut breaks);
-        let vacuum = grid.lattice().vacuum_cells();
+        let (vacuum, mean) = (grid.lattice().vacuum_cells(), grid.mean_spacing());
         for pair in breaks.windows(2) {
             let [begin, end] = [pair[0].max(from - offset), pair[1]];
             let cell = line.cell(pair[0], pair[1]);
@@ -26,7 +26,7 @@ impl RectilinearLine<'_> {
                 continue;
             }
             let widths = DVec3::from_array(std::array::from_fn(|a| grid.axes()[a].width(cell[a])));
-            let spacing = pace((ray.direction / widths).length_recip());
+            let spacing = pace((ray.direction / widths).length_recip(), mean);
             let range = grid.lattice().with_lattice(CellRange(cell));
             let range = range.map(|stored| grid.lattice().calibration().value(stored));
             let [low, high] = [range[0].min(range[1]) as f32, range[0].max(range[1]) as f32];
@@ -36,10 +36,10 @@ impl RectilinearLine<'_> {
     }
 }
 
-/// World length of an index step, to the nearest power of √2: cells of about one size share a lattice of steps, and faces between them make no
-/// short ones.
-fn pace(length: f64) -> f64 {
-    libm::exp2(0.5 * (2.0 * libm::log2(length)).round())
+/// World length of an index step, to the nearest power of √2 in mean steps of the axes: cells of about one size share a lattice of steps, and faces
+/// between them make no short ones. A larger world has longer steps in proportion.
+fn pace(length: f64, mean: f64) -> f64 {
+    mean * libm::exp2(0.5 * (2.0 * libm::log2(length / mean)).round())
 }
 
 /// Smallest and largest stored number at the corners of a cell.

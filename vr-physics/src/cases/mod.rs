@@ -2,8 +2,9 @@
 //!
 //! Every renderer is run on all of them, and the error that it may have on each is written down beside it. Volumes are at most
 //! 33³ (or 2 × 2 × 4097) voxels and pictures at most 32² pixels, so that all of them together take seconds. They are made from
-//! formulas alone: the same numbers on every machine.
+//! formulas alone: the same numbers on every machine. Most are uniform grids; the last three are volumes that not every renderer draws.
 
+mod lattices;
 mod magnitudes;
 mod rays;
 mod values;
@@ -88,6 +89,21 @@ const TABLE: &[(&str, &str, Maker)] = &[
     ),
     ("constant", "all samples equal: no range of values to divide by, gradient zero under shading", voxels::constant),
     ("full-u16", "0 to 65535 in u16, with a transfer function that tells neighbouring numbers apart", voxels::full_u16),
+    (
+        "level-boundary",
+        "a steep front of an adaptive mesh that passes from the finest level to the coarsest: steps of one end are wrong at the other, and a crack between them would shine",
+        lattices::level_boundary,
+    ),
+    (
+        "uneven-axes",
+        "a rectilinear grid with steps from 10⁻⁴ to 1, each decade as dense as the next: one step for all is too long or never ends",
+        lattices::uneven_axes,
+    ),
+    (
+        "slivers",
+        "a bent layer of cells a hundred thousand times as wide as thick, over which the value jumps: rounding puts faces in the wrong order",
+        lattices::slivers,
+    ),
 ];
 
 /// All hard cases.
@@ -173,7 +189,7 @@ fn middle(volume: &Volume) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vr_core::{IndexRay, Rays};
+    use vr_core::{Clip, Rays};
 
     #[test]
     fn every_case_is_small_valid_and_meets_its_volume() {
@@ -181,13 +197,21 @@ mod tests {
             case.scene.validate().unwrap();
             case.view.validate().unwrap();
             assert!(case.view.size.iter().all(|&n| n <= 32), "{}", case.name);
-            let volume = case.scene.volume.grid().unwrap();
-            assert!(volume.dims().iter().product::<usize>() <= 33 * 33 * 33, "{}", case.name);
+            let volume = &case.scene.volume;
+            let values = match volume {
+                Volume::Grid(grid) => grid.dims().iter().product::<usize>(),
+                Volume::Amr(mesh) => mesh.blocks().iter().map(|block| block.values.len()).sum(),
+                Volume::Rectilinear(grid) => grid.dims().iter().product(),
+                Volume::Cells(mesh) => mesh.vertices().len(),
+                other => panic!("{}: a {}", case.name, other.kind()),
+            };
+            assert!(values <= 33 * 33 * 33, "{}: {values}", case.name);
+            let bounds = Clip { crop: Some(volume.bounds()), ..Clip::default() };
             let rays = Rays::new(&case.view).unwrap();
             let [w, h] = case.view.size;
             let hits = (0..w * h).filter(|i| {
                 let ray = rays.at(f64::from(i % w) + 0.5, f64::from(i / w) + 0.5);
-                IndexRay::new(&ray, volume.placement(), volume.dims(), &case.view.clip, f64::INFINITY).is_some()
+                ray.inside(&bounds).is_some()
             });
             assert!(hits.count() as u32 * 4 >= w * h, "{}: most rays miss", case.name);
         }

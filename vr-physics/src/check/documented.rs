@@ -1,26 +1,34 @@
 //! A renderer held to what it documents: settings, claims of convergence, and errors on hard cases.
 
-use vr_core::{Configurable, Documented, OptionError, Options};
+use vr_core::{Configurable, Documented, DocumentedError, OptionError, Options};
 
 use super::convergence::{Convergence, Refinement, converges};
 use super::effort::Effort;
-use super::hard_cases::{HardCases, survives_hard_cases};
+use super::hard_cases::{CaseOutcome, HardCases, survives_hard_cases};
 use super::outcome::CheckFailure;
 use crate::Reference;
 use crate::cases::Case;
 
-/// Every [named case](crate::cases) gives a finite picture within the error that the renderer documents for it.
+/// Every [named case](crate::cases) that the renderer does not refuse gives a finite picture within the error that it documents for it.
 ///
 /// # Errors
-/// The first case that fails.
-///
-/// # Panics
-/// Panics if the renderer documents no error for a case.
+/// The first case that fails, or that is drawn though no error is documented for it.
 pub fn survives_documented_cases(renderer: &dyn Documented, reference: &Reference) -> Result<HardCases, CheckFailure> {
     let errors = renderer.hard_case_errors();
-    let bound =
-        |case: &Case| errors.for_case(case.name).unwrap_or_else(|| panic!("{}: no error is documented", case.name));
-    survives_hard_cases(renderer, bound, reference)
+    let documented = |name: &str| errors.for_case(name);
+    // Without a bound, the reference has nothing to do.
+    let bound = |case: &Case| documented(case.name).unwrap_or(DocumentedError::Max(f64::INFINITY));
+    let table = survives_hard_cases(renderer, bound, reference)?;
+    let undocumented = table.results.iter().find(|r| r.outcome != CaseOutcome::Refused && documented(r.name).is_none());
+    match undocumented {
+        None => Ok(table),
+        Some(result) => Err(CheckFailure {
+            check: "survives the hard cases",
+            renderer: renderer.name(),
+            reason: format!("{}: drawn, and no error is documented", result.name),
+            scene: None,
+        }),
+    }
 }
 
 /// Errors fall at the order of each claim of the renderer, as its option is halved. One result for each claim, by the claim's name.

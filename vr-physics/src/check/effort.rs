@@ -7,7 +7,10 @@ use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestCaseError, TestEr
 use vr_core::{RenderError, Renderer};
 
 use super::outcome::{CheckFailure, Report};
-use super::strategies::{Kind, mesh_scene, scene, scene_of, tame_mesh_scene, tame_scene};
+use super::strategies::{
+    Kind, adaptive_scene, mesh_scene, rectilinear_scene, scene, scene_of, tame_adaptive_scene, tame_mesh_scene,
+    tame_rectilinear_scene, tame_scene,
+};
 use super::test_scene::TestScene;
 use crate::Reference;
 
@@ -35,6 +38,10 @@ pub enum Volumes {
     Grids,
     /// Meshes of cells.
     Meshes,
+    /// Adaptive meshes.
+    AdaptiveMeshes,
+    /// Rectilinear grids.
+    RectilinearGrids,
 }
 
 impl Default for Effort {
@@ -62,18 +69,20 @@ impl Effort {
         Self { kinds: Some(kinds.to_vec()), ..self }
     }
 
-    /// The same with scenes of meshes of cells, for renderers that draw no grids. Kinds of scenes are those of grids, and count no more.
+    /// The same with scenes of other volumes, for renderers that draw them. [Kinds](Kind) of scenes are of uniform grids, and count no more of others.
     #[must_use]
-    pub fn of_meshes(self) -> Self {
-        Self { volumes: Volumes::Meshes, ..self }
+    pub fn on(self, volumes: Volumes) -> Self {
+        Self { volumes, ..self }
     }
 
-    /// Any scenes: of the kinds asked for, or of [`scene`].
+    /// Any scenes: of the kinds asked for, or of all that is valid of the volumes.
     pub(super) fn any_scene(&self) -> BoxedStrategy<TestScene> {
         match (self.volumes, &self.kinds) {
-            (Volumes::Meshes, _) => mesh_scene().boxed(),
             (Volumes::Grids, Some(kinds)) => scene_of(kinds).boxed(),
             (Volumes::Grids, None) => scene().boxed(),
+            (Volumes::Meshes, _) => mesh_scene().boxed(),
+            (Volumes::AdaptiveMeshes, _) => adaptive_scene().boxed(),
+            (Volumes::RectilinearGrids, _) => rectilinear_scene().boxed(),
         }
     }
 
@@ -82,6 +91,8 @@ impl Effort {
         match self.volumes {
             Volumes::Grids => tame_scene().boxed(),
             Volumes::Meshes => tame_mesh_scene().boxed(),
+            Volumes::AdaptiveMeshes => tame_adaptive_scene().boxed(),
+            Volumes::RectilinearGrids => tame_rectilinear_scene().boxed(),
         }
     }
 }

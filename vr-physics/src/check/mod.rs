@@ -29,7 +29,7 @@
 //! the [`CheckFailure`] as a scene file, which `vr render --scene` draws. Scenes that a renderer refuses with
 //! [`RenderError::Unsupported`](vr_core::RenderError::Unsupported) are counted, not failed; refusing all of them is a failure.
 //!
-//! The checks draw grids, or meshes of cells under [`Effort::of_meshes`]; [`agrees_with_reference_on`] and [`agrees_with_its_model`] take scenes
+//! The checks draw uniform grids, or the other volumes that [`Effort::on`] is told; [`agrees_with_reference_on`] and [`agrees_with_its_model`] take scenes
 //! of the caller, such as [scattered points](strategies::tame_point_scene).
 //!
 //! [`strategies`] has the random scenes for the caller's own checks, [`transformed`] the scenes that must look the same, [`pictures`] small
@@ -51,10 +51,13 @@ pub mod strategies;
 mod suite;
 mod test_scene;
 pub mod transformed;
+mod transformed_volume;
 mod updates;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod volume_tests;
 
 pub use agreement::{agrees_with_its_model, agrees_with_reference, agrees_with_reference_on};
 pub use convergence::{Convergence, Refinement, converges};

@@ -40,6 +40,10 @@ fn hard_bound(case: &crate::cases::Case) -> f64 {
         "opaque-wall" | "thin-shell" => 0.6,
         "full-u16" => 0.05,
         "missing-voxels" => 0.02,
+        // Steps of the mean spacing are longer than half of the layers.
+        "uneven-axes" => 0.4,
+        "slivers" => 0.055,
+        "level-boundary" => 0.022,
         "marschner-lobb" => 5e-3,
         "bright" => 3e-3,
         _ => 2e-4,

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use vr_core::{
-    AnyGrid, CellMesh, Clip, Control, ControlPoint, Layer, Light, Placement, Plane, Projection, Scene, Shading,
-    Surfaces, TransferFunction, UniformGrid, Volume, Voxel, with_grid,
+    Clip, Control, ControlPoint, Layer, Light, Plane, Projection, Scene, Shading, Surfaces, TransferFunction,
 };
 
 use super::fixed_layer::FixedLayer;
 use super::test_scene::TestScene;
+use super::transformed_volume::{quarter_turned as quarter_turned_volume, scaled as scaled_volume};
 
 /// The scene with another transfer function of the same kind.
 fn with_points(scene: &Scene, change: impl Fn(usize, &ControlPoint) -> ControlPoint, unit_distance: f64) -> Scene {
@@ -49,14 +49,7 @@ pub fn scaled_world(test: &TestScene, s: f64) -> TestScene {
     let unit_distance = test.scene.transfer.unit_distance() * s;
     let change = |_: usize, p: &ControlPoint| ControlPoint { emission: p.emission.map(|e| e.map(|x| x / s)), ..*p };
     let mut scene = with_points(&test.scene, change, unit_distance);
-    scene.volume = match &test.scene.volume {
-        Volume::Cells(mesh) => with_vertices(mesh, |v| v * s),
-        _ => {
-            let old = placement(&test.scene);
-            let axes = DMat3::from_cols(old.axes().x_axis * s, old.axes().y_axis * s, old.axes().z_axis * s);
-            with_placement(&test.scene, Placement::new(old.origin() * s, axes).expect("still a placement"))
-        }
-    };
+    scene.volume = scaled_volume(&test.scene.volume, s);
     scene.shading = test.scene.shading.as_ref().map(|shading| {
         let gradient_opacity = shading.gradient_opacity.iter().map(|&(magnitude, f)| (magnitude / s, f)).collect();
         Arc::new(Shading { gradient_opacity, ..(**shading).clone() })
@@ -80,7 +73,7 @@ pub fn scaled_world(test: &TestScene, s: f64) -> TestScene {
 }
 
 /// Everything turned by 90° about a world axis (0 x, 1 y, 2 z), counter-clockwise seen from its tip: camera, clip and lights; and
-/// the voxels are laid out anew, so that two axes of the grid swap and one of them runs the other way. The same picture, up to
+/// the values are laid out anew, so that two axes of a grid swap and one of them runs the other way. The same picture, up to
 /// rounding (the nearest filter excepted, which takes the voxel of higher index at the middle between two).
 ///
 /// A grid whose axes are those of the world keeps this.
@@ -108,76 +101,17 @@ pub fn quarter_turned(test: &TestScene, axis: usize) -> TestScene {
         planes: view.clip.planes.iter().map(|p| Plane { normal: turn(p.normal), ..*p }).collect(),
     };
     let mut scene = test.scene.clone();
-    scene.volume = match &test.scene.volume {
-        Volume::Cells(mesh) => with_vertices(mesh, turn),
-        _ => on_grid(&test.scene, quarter_turned_grid(&test.scene, (a, b), turn)),
-    };
+    scene.volume = quarter_turned_volume(&test.scene.volume, (a, b), turn);
     scene.lights = scene.lights.iter().map(|l| Light { direction: l.direction.map(turn), ..*l }).collect();
     TestScene { scene, view }
-}
-
-/// Voxel i of the old grid becomes voxel j of the new one: j_b = i_a, j_a = n_b − 1 − i_b.
-fn quarter_turned_grid(scene: &Scene, (a, b): (usize, usize), turn: impl Fn(DVec3) -> DVec3) -> AnyGrid {
-    fn build<T: Voxel>(grid: &UniformGrid<T>, (a, b): (usize, usize), placement: Placement) -> UniformGrid<T> {
-        let old = grid.dims();
-        let mut dims = old;
-        dims.swap(a, b);
-        let mut samples = Vec::with_capacity(grid.samples().len());
-        for z in 0..dims[2] {
-            for y in 0..dims[1] {
-                for x in 0..dims[0] {
-                    let j = [x, y, z];
-                    let mut i = j;
-                    i[a] = j[b];
-                    i[b] = old[b] - 1 - j[a];
-                    samples.push(grid.samples()[(i[2] * old[1] + i[1]) * old[0] + i[0]]);
-                }
-            }
-        }
-        UniformGrid::new(dims, samples, placement, grid.calibration()).expect("still a grid")
-    }
-    let old = placement(scene);
-    let columns = [old.axes().x_axis, old.axes().y_axis, old.axes().z_axis];
-    let mut axes = columns.map(&turn);
-    axes[b] = turn(columns[a]);
-    axes[a] = DVec3::ZERO - turn(columns[b]);
-    let steps = with_grid!(grid(scene), g => g.dims()[b] - 1) as f64;
-    let origin = turn(old.origin() + columns[b] * steps);
-    let placement = Placement::new(origin, DMat3::from_cols(axes[0], axes[1], axes[2])).expect("still a placement");
-    with_grid!(grid(scene), g => build(g, (a, b), placement).into())
-}
-
-/// A mesh with its vertices in other places.
-fn with_vertices(mesh: &CellMesh, moved: impl Fn(DVec3) -> DVec3) -> Volume {
-    let vertices = mesh.vertices().iter().map(|&v| moved(v)).collect();
-    CellMesh::new(vertices, mesh.cells().to_vec(), mesh.values().clone()).expect("still a mesh").into()
-}
-
-fn grid(scene: &Scene) -> &AnyGrid {
-    scene.volume.grid().expect("only grids and meshes can be transformed").values()
-}
-
-fn placement(scene: &Scene) -> Placement {
-    with_grid!(grid(scene), g => *g.placement())
-}
-
-fn with_placement(scene: &Scene, placement: Placement) -> Volume {
-    fn build<T: Voxel>(grid: &UniformGrid<T>, placement: Placement) -> UniformGrid<T> {
-        UniformGrid::new(grid.dims(), grid.samples().to_vec(), placement, grid.calibration()).expect("still a grid")
-    }
-    on_grid(scene, with_grid!(grid(scene), g => build(g, placement).into()))
-}
-
-/// A grid under the filter of a scene's.
-fn on_grid(scene: &Scene, grid: AnyGrid) -> Volume {
-    Volume::from(grid).with_filter(scene.volume.filter().unwrap_or_default())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cases;
-    use vr_core::{GridVolume, Sampler, SamplerVisitor, filter::Reconstruction};
+    use glam::DMat3;
+    use vr_core::{GridVolume, Sampler, SamplerVisitor, Voxel, filter::Reconstruction};
 
     struct At([f64; 3]);
     impl SamplerVisitor for At {

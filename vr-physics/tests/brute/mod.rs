@@ -1,7 +1,85 @@
-//! Brute force: many samples of a field's values along a ray, no polynomials.
+//! Brute force: many samples of a field's values along a ray, no polynomials; and the scene that volumes over the unit cube are put into.
+
+#![allow(dead_code, reason = "each test crate uses its part")]
 
 use glam::DVec3;
-use vr_core::{Clip, Compositing, Ray, Scene};
+use vr_core::{
+    Camera, Clip, Compositing, Control, ControlPoint, Model, OpacityRule, Ray, Rays, Scene, TransferFunction, View,
+};
+use vr_physics::{Pixel, Reference};
+
+/// Every compositing operator.
+pub const OPERATORS: [Compositing; 6] = [
+    Compositing::Over,
+    Compositing::Maximum,
+    Compositing::Minimum,
+    Compositing::Average,
+    Compositing::First { threshold: 0.55 },
+    Compositing::Accumulate { level: 0.5 },
+];
+
+/// A function over the unit cube, from 0 to 1.
+pub fn waves(p: DVec3) -> f64 {
+    0.5 + 0.3 * (7.0 * p.x + 3.0 * p.y).sin() + 0.2 * (9.0 * p.z - 4.0 * p.y).cos()
+}
+
+/// A transfer function with kinks, without jumps.
+pub fn transfer() -> TransferFunction {
+    let p = ControlPoint::new;
+    let points = vec![
+        p(0.1, [0.1, 0.2, 0.9], 0.0),
+        p(0.45, [0.9, 0.3, 0.1], 0.25),
+        p(0.6, [0.2, 0.8, 0.3], 0.05),
+        p(1.0, [1.0, 1.0, 0.9], 0.6),
+    ];
+    TransferFunction::new(points, OpacityRule::Power, 0.2).unwrap()
+}
+
+/// A view of the unit cube.
+pub fn view(size: u32) -> View {
+    View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), 35.0, 25.0, Some(40.0)), [size; 2])
+}
+
+/// Pixels of the reference.
+pub fn solved(scene: &Scene, view: &View) -> Vec<Pixel> {
+    Reference::default().solve(scene, view, &Model::Canonical, &Control::default()).unwrap().pixels
+}
+
+/// Asserts that two scenes have the same pixels under every operator, up to the bounds of both and `slack`; and that those of the first are certain to `certainty`.
+pub fn same_under_every_operator([a, b]: [&Scene; 2], size: u32, slack: f64, certainty: f64) {
+    for compositing in OPERATORS {
+        let [a, b] = [a, b].map(|scene| solved(&Scene { compositing, ..scene.clone() }, &view(size)));
+        for (a, b) in a.iter().zip(&b) {
+            let bound = a.certainty.value() + b.certainty.value();
+            let off = difference(&a.rgba, &b.rgba);
+            assert!(off <= bound + slack, "{compositing:?}: {off} beyond {bound}");
+            assert!(a.certainty.value() < certainty, "{compositing:?}: {:?}", a.certainty);
+        }
+    }
+}
+
+/// Asserts that a small picture is what brute force makes of it; and that each pixel is certain to `certainty`.
+pub fn agrees_with_brute_force(scene: &Scene, certainty: f64) {
+    const SIDE: u32 = 6;
+    let view = view(SIDE);
+    let rays = Rays::new(&view).unwrap();
+    let name = format!("{:?}, {:?}", scene.compositing, scene.shading);
+    for (i, pixel) in (0..).zip(&solved(scene, &view)) {
+        let expected = brute(scene, &rays.at(f64::from(i % SIDE) + 0.5, f64::from(i / SIDE) + 0.5));
+        let off = difference(&pixel.rgba, &expected);
+        // Midpoint samples are 1/4000 of the chord apart; those that pick a place are off by as much of the slope.
+        assert!(off <= pixel.certainty.value() + 2e-3, "{name}: {off} at {i}");
+        assert!(pixel.certainty.value() < certainty, "{name}: {:?}", pixel.certainty);
+    }
+}
+
+/// Largest difference of two pixels.
+pub fn difference(a: &[f64; 4], b: &[f64; 4]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, |worst, off| if off.is_nan() || off > worst { off } else { worst })
+}
 
 /// The same scene by many samples along a ray.
 pub fn brute(scene: &Scene, ray: &Ray) -> [f64; 4] {

@@ -1,9 +1,9 @@
-//! Random cameras and clips. They are placed in the volume's own box: 0 to 1 along each axis of the grid, or of the bounds of points.
+//! Random cameras and clips. They are placed in the volume's own box: 0 to 1 along each axis of the grid, or of the bounds of other volumes.
 
 use glam::DVec3;
 use proptest::collection::vec;
 use proptest::prelude::*;
-use vr_core::{Camera, Clip, GridVolume, Plane, Projection, Volume};
+use vr_core::{Camera, Clip, Plane, Projection, Volume};
 
 /// A camera apart from the volume that it looks at.
 #[derive(Clone, Debug)]
@@ -12,10 +12,12 @@ pub(super) enum Viewpoint {
     Generic { eye: [f64; 3], target: [f64; 3], up: usize, fov: Option<f64>, zoom: f64 },
     /// A view from ten to a million diagonals away, the volume filling the picture.
     Far { direction: [f64; 3], decades: f64, perspective: bool, zoom: f64 },
-    /// An orthographic view along an axis of the grid, the image centre on a lattice line, two pixels a voxel.
+    /// An orthographic view along an axis of a lattice, the image centre on a lattice line, two pixels a voxel.
     AlongAxis { axis: usize, backwards: bool, rows: u32 },
     /// An orthographic view, nearly parallel to a face of the box and in it.
     Grazing { axis: usize, tilt: f64, upper: bool },
+    /// A view along an axis of the world, straight at the first of scattered points.
+    AtPoint { axis: usize, backwards: bool, perspective: bool },
 }
 
 impl Viewpoint {
@@ -47,9 +49,7 @@ impl Viewpoint {
                 Camera { eye, target, up: upright(direction, 0), projection }
             }
             Self::AlongAxis { axis, backwards, .. } => {
-                let (grid, columns) = lattice(volume);
-                let lattice_middle = grid.dims().map(|n| ((n - 1) / 2) as f64);
-                let target = grid.placement().to_world(lattice_middle.into());
+                let (target, columns) = lattice(volume);
                 let along = columns[axis] * if backwards { -10.0 } else { 10.0 };
                 let up = columns[(axis + 1) % 3];
                 let projection = Projection::Orthographic { height: 0.5 * f64::from(rows) * up.length() };
@@ -67,14 +67,27 @@ impl Viewpoint {
                 let eye = target - (along + up * tilt) * diagonal;
                 Camera { eye, target, up, projection: Projection::Orthographic { height: 0.5 * diagonal } }
             }
+            Self::AtPoint { axis, backwards, perspective } => {
+                let points = volume.points().expect("only points are looked at one by one");
+                let (target, radius) = (points.positions()[0], f64::from(points.radii()[0]));
+                let along = DVec3::AXES[axis] * if backwards { -4.0 } else { 4.0 };
+                let projection = if perspective {
+                    Projection::Perspective { fov: 30.0 }
+                } else {
+                    Projection::Orthographic { height: 2.5 * radius }
+                };
+                Camera { eye: target - along, target, up: DVec3::AXES[(axis + 1) % 3], projection }
+            }
         }
     }
 
-    /// The rows of pixels that the viewpoint needs to meet lattice lines; any other may be drawn with any number.
-    pub fn rows(&self) -> Option<u32> {
+    /// The size of the picture that is wanted, or the nearest at which rays meet what the viewpoint wants them to.
+    pub fn size(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         match *self {
-            Self::AlongAxis { rows, .. } => Some(rows),
-            Self::Generic { .. } | Self::Far { .. } | Self::Grazing { .. } => None,
+            Self::AlongAxis { rows, .. } => [width, rows],
+            // An odd number of pixels: the middle one looks at the point itself.
+            Self::AtPoint { .. } => [width | 1, height | 1],
+            Self::Generic { .. } | Self::Far { .. } | Self::Grazing { .. } => [width, height],
         }
     }
 }
@@ -97,11 +110,28 @@ fn diagonal(volume: &Volume) -> f64 {
     (place(volume, DVec3::ONE) - place(volume, DVec3::ZERO)).length()
 }
 
-/// The grid, which only grids are seen along, and its axes.
-fn lattice(volume: &Volume) -> (&GridVolume, [DVec3; 3]) {
-    let grid = volume.grid().expect("only grids are seen along their axes");
-    let axes = grid.placement().axes();
-    (grid, [axes.x_axis, axes.y_axis, axes.z_axis])
+/// A point of the volume's lattice near the middle, and the lattice's steps along its axes: of an adaptive mesh those of its finest level, and of a
+/// rectilinear grid the mean ones.
+fn lattice(volume: &Volume) -> (DVec3, [DVec3; 3]) {
+    let along_axes = |steps: DVec3| [0, 1, 2].map(|a| DVec3::AXES[a] * steps[a]);
+    match volume {
+        Volume::Amr(mesh) => {
+            let (origin, spacing) = (mesh.origin(), mesh.finest_spacing());
+            let middle = place(volume, DVec3::splat(0.5));
+            (origin + ((middle - origin) / spacing).round() * spacing, along_axes(spacing))
+        }
+        Volume::Rectilinear(grid) => {
+            let axes = grid.axes();
+            let middle = DVec3::from_array(axes.each_ref().map(|axis| axis.places()[(axis.places().len() - 1) / 2]));
+            (middle, along_axes(DVec3::from_array(axes.each_ref().map(|axis| axis.mean_step()))))
+        }
+        _ => {
+            let grid = volume.grid().expect("only volumes with a lattice are seen along its axes");
+            let middle = grid.dims().map(|n| ((n - 1) / 2) as f64);
+            let axes = grid.placement().axes();
+            (grid.placement().to_world(middle.into()), [axes.x_axis, axes.y_axis, axes.z_axis])
+        }
+    }
 }
 
 /// A world axis that is not parallel to the view: the wanted one, unless the view is too close to it.
@@ -153,7 +183,7 @@ pub(super) fn inside() -> impl Strategy<Value = Viewpoint> {
 /// Any camera that looks at a volume: orthographic and perspective, from inside and outside, along the axes of the grid with
 /// rays in the faces of cells, and nearly parallel to a face of the box.
 pub fn camera(volume: Volume) -> impl Strategy<Value = Camera> {
-    viewpoint().prop_map(move |v| v.camera(&volume, v.rows().unwrap_or(8)))
+    viewpoint().prop_map(move |v| v.camera(&volume, v.size([8; 2])[1]))
 }
 
 /// A camera from outside or inside whose rays have nothing in common with the grid.

@@ -6,14 +6,18 @@ use glam::DVec3;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use vr_core::{
-    Calibration, Compositing, Control, Filter, Layer, Light, Rays, RenderError, Scene, Shading, Surfaces, View, Volume,
+    Calibration, Compositing, Control, Filter, Layer, Light, Rays, RenderError, Shading, Surfaces, View, Volume,
     VoxelType,
 };
 
+use super::adaptive::adaptive_mesh;
+use super::assembly::{Look, Picture, assemble};
 use super::cameras::{Cuts, Viewpoint, cuts, far, generic, inside};
 use super::grids::{self, Data};
-use super::looks::{Lit, filter, lit, modulation, scheme, stretched};
-use super::transfers::{self as transfers, Recipe};
+use super::looks::{Lit, filter, lit, modulation, scheme};
+use super::meshes::cell_mesh;
+use super::rectilinear::rectilinear_grid;
+use super::transfers::{self as transfers, Recipe, value_range};
 use crate::check::{Effort, TestScene};
 
 /// One thing that is hard about a scene; the rest of it is plain, so that the kind of a scene that fails says why.
@@ -67,10 +71,19 @@ pub enum Kind {
     Inside,
     /// Everything above at once, with crops, planes and several rays a pixel.
     Mixed,
+    /// Meshes of cells.
+    Cells,
+    /// Adaptive meshes.
+    Adaptive,
+    /// Rectilinear grids.
+    Rectilinear,
 }
 
 impl Kind {
-    /// All of them.
+    /// Those of other volumes than uniform grids, which not every renderer draws.
+    pub const OF_OTHER_VOLUMES: [Self; 3] = [Self::Cells, Self::Adaptive, Self::Rectilinear];
+
+    /// All of uniform grids.
     pub const ALL: [Self; 24] = [
         Self::Plain,
         Self::Jumps,
@@ -125,12 +138,15 @@ impl Kind {
             Self::Far => "far",
             Self::Inside => "inside",
             Self::Mixed => "mixed",
+            Self::Cells => "cells",
+            Self::Adaptive => "adaptive",
+            Self::Rectilinear => "rectilinear",
         }
     }
 
     /// The kind of a name.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|k| k.name() == name)
+        Self::ALL.into_iter().chain(Self::OF_OTHER_VOLUMES).find(|k| k.name() == name)
     }
 
     /// Random scenes of this kind.
@@ -143,6 +159,7 @@ impl Kind {
             compositing,
             ..Parts::plain()
         };
+        let of_volume = |volume| Parts { volume, recipe: over_jumps(), ..any_operator(Parts::plain()) };
         let parts = match self {
             Self::Plain => plain,
             Self::Jumps => Parts { recipe: transfers::jumping_recipe().boxed(), ..plain },
@@ -197,6 +214,9 @@ impl Kind {
             Self::Far => Parts { viewpoint: far().boxed(), recipe: over_jumps(), ..plain },
             Self::Inside => Parts { viewpoint: inside().boxed(), recipe: over_jumps(), ..plain },
             Self::Mixed => Parts::mixed(),
+            Self::Cells => of_volume(cell_mesh().prop_map(Volume::from).boxed()),
+            Self::Adaptive => of_volume(adaptive_mesh().prop_map(Volume::from).boxed()),
+            Self::Rectilinear => of_volume(rectilinear_grid().prop_map(Volume::from).boxed()),
         };
         parts.scenes()
     }
@@ -283,31 +303,28 @@ impl Parts {
         (self.volume, self.recipe, self.viewpoint, [4u32..=6, 4u32..=6], self.cuts, look)
             .prop_map(
                 |(volume, recipe, viewpoint, size, cuts, (filter, shading, compositing, layer, supersampling))| {
-                    let range = volume.value_range().unwrap_or((0.0, 1.0));
-                    let clip = cuts.map(|c| c.of_volume(&volume)).unwrap_or_default();
-                    let view = View { supersampling, clip, ..View::new(viewpoint.camera(&volume, size[1]), size) };
                     let surfaces = layer.map(|plane| Arc::new(plane.of(&volume)) as Arc<dyn Surfaces>);
-                    let steepest = (range.1 - range.0) / volume.mean_spacing();
-                    let transfer = recipe.of_volume(&volume);
-                    let compositing = stretched(compositing, range);
-                    let mut scene = Scene { surfaces, compositing, ..Scene::new(volume.with_filter(filter), transfer) };
-                    if let Some((shading, lights)) = shading {
-                        (scene.shading, scene.lights) = (Some(with_slopes(shading, steepest)), lights);
-                    }
-                    TestScene { scene, view }
+                    let (low, high) = value_range(&volume);
+                    let steepest = (high - low) / volume.mean_spacing();
+                    let shading = shading.map(|(shading, lights)| (with_slopes(shading, steepest), lights));
+                    let look = Look { filter, ..Look::plain(compositing, shading) };
+                    let picture = Picture { viewpoint, size, supersampling, cuts };
+                    let mut test = assemble(volume, &recipe, &picture, look);
+                    test.scene.surfaces = surfaces;
+                    test
                 },
             )
             .boxed()
     }
 }
 
-fn with_slopes(mut shading: Shading, steepest: f64) -> Arc<Shading> {
+fn with_slopes(mut shading: Shading, steepest: f64) -> Shading {
     // Slopes that cannot be told apart are none: constant data, or values next to nothing.
     if !(steepest > 1e-300 && steepest < 1e300) {
         shading.gradient_opacity.clear();
     }
     shading.gradient_opacity.iter_mut().for_each(|(magnitude, _)| *magnitude *= steepest);
-    Arc::new(shading)
+    shading
 }
 
 fn label_filter() -> BoxedStrategy<Filter> {
@@ -456,7 +473,7 @@ mod tests {
 
     #[test]
     fn every_kind_is_valid_and_what_it_is_called() {
-        for kind in Kind::ALL {
+        for kind in Kind::ALL.into_iter().chain(Kind::OF_OTHER_VOLUMES) {
             assert_eq!(Kind::from_name(kind.name()), Some(kind));
             let scenes: Vec<TestScene> = (0..60).map(|seed| kind.draw(seed)).collect();
             for t in &scenes {
@@ -510,6 +527,9 @@ mod tests {
                     55,
                 ),
                 Kind::Mixed => (share(&|t| t.scene.compositing == Compositing::Over), 10),
+                Kind::Cells => (share(&|t| t.scene.volume.cells().is_some()), 60),
+                Kind::Adaptive => (share(&|t| t.scene.volume.amr().is_some_and(|mesh| mesh.levels() > 1)), 20),
+                Kind::Rectilinear => (share(&|t| t.scene.volume.rectilinear().is_some()), 60),
             };
             assert!(found >= min, "{}: {found} of 60", kind.name());
         }

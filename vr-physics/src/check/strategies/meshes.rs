@@ -1,21 +1,13 @@
 //! Random meshes of cells, and scenes of them.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 use proptest::prelude::*;
 use vr_core::cells::{CellMesh, CellValues};
-use vr_core::{
-    Calibration, Compositing, Filter, GradientMethod, GridVolume, Placement, Scene, Shading, UniformGrid, View, Volume,
-};
+use vr_core::{Calibration, Filter, GridVolume, Placement, UniformGrid};
 
-use super::cameras::{Cuts, Viewpoint, cuts, generic};
-use super::looks::{Lit, scheme, shading, stretched, tame_compositing};
-use super::transfers::{Recipe, recipe, tame_recipe};
+use super::assembly;
+use super::cameras::generic;
 use crate::check::TestScene;
-
-/// Largest number of pixels along a side of a random picture.
-const MAX_PIXELS: u32 = 8;
 
 /// Vertices and cells of a box of cubes, six cells each, from 0 to 1 on every axis. Inner vertices are moved on each axis by up to `jitter` of a
 /// cube's edge: from 0.3 on, some cells are slivers, or turned inside out.
@@ -77,66 +69,18 @@ pub fn cell_mesh() -> impl Strategy<Value = CellMesh> {
 
 /// Any scene of a mesh: every transfer function, every compositing, clips, shading where the mesh has gradients.
 pub fn mesh_scene() -> impl Strategy<Value = TestScene> {
-    scenes(recipe(), scheme(), shading())
+    assembly::any_scene(cell_mesh(), generic())
 }
 
 /// A scene of a mesh whose picture depends continuously on every number: no jumps, no opacity near 1, no threshold, no shading.
 pub fn tame_mesh_scene() -> impl Strategy<Value = TestScene> {
-    scenes(tame_recipe(), tame_compositing(), Just(None))
-}
-
-fn scenes(
-    recipe: impl Strategy<Value = Recipe>,
-    compositing: impl Strategy<Value = Compositing>,
-    shading: impl Strategy<Value = Option<Lit>>,
-) -> impl Strategy<Value = TestScene> {
-    let size = [1..=MAX_PIXELS, 1..=MAX_PIXELS];
-    let supersampling = prop_oneof![5 => Just(1u32), 1 => 2u32..=3];
-    let picture = (generic(), size, supersampling, cuts());
-    (cell_mesh(), recipe, picture, compositing, shading).prop_map(assemble)
-}
-
-type Picture = (Viewpoint, [u32; 2], u32, Cuts);
-
-fn assemble(
-    (mesh, recipe, (viewpoint, size, supersampling, cuts), compositing, shading): (
-        CellMesh,
-        Recipe,
-        Picture,
-        Compositing,
-        Option<Lit>,
-    ),
-) -> TestScene {
-    let range = mesh.value_range();
-    let transfer = recipe.of_range(range, mesh.mean_spacing());
-    let has_gradient = matches!(mesh.values(), CellValues::Vertices(_));
-    let volume = Volume::from(mesh);
-    let clip = cuts.of_volume(&volume);
-    let view = View { supersampling, clip, ..View::new(viewpoint.camera(&volume, size[1]), size) };
-    let mut scene = Scene { compositing: stretched(compositing, range), ..Scene::new(volume, transfer) };
-    if let Some((shading, lights)) = shading.filter(|_| has_gradient) {
-        let shading = Shading { gradient: GradientMethod::default(), ..shading };
-        (scene.shading, scene.lights) = (Some(Arc::new(shading)), lights);
-    }
-    TestScene { scene, view }
+    assembly::tame_scene(cell_mesh())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::Effort;
-    use crate::{Certainty, Reference};
-    use proptest::strategy::ValueTree;
-    use vr_core::{Control, Model};
-
-    fn draw(scenes: impl Strategy<Value = TestScene>, n: usize) -> Vec<TestScene> {
-        let mut runner = Effort::default().runner();
-        (0..n).map(|_| scenes.new_tree(&mut runner).unwrap().current()).collect()
-    }
-
-    fn solve(t: &TestScene) -> crate::Solution {
-        Reference::default().solve(&t.scene, &t.view, &Model::Canonical, &Control::default()).unwrap()
-    }
+    use crate::check::strategies::drawn::{draw, scenes_are_solved, tame_scenes_are_certain};
 
     #[test]
     fn every_scene_is_solved_and_every_feature_is_drawn() {
@@ -155,25 +99,12 @@ mod tests {
             let (low, high) = mesh.bounds();
             t.view.camera.eye.cmpgt(low).all() && t.view.camera.eye.cmplt(high).all()
         });
-        for t in &scenes {
-            t.scene.validate().unwrap();
-            let solved = solve(t);
-            assert!(solved.pixels.iter().all(|p| p.rgba.iter().all(|x| x.is_finite())), "{t:?}");
-            assert!(matches!(solved.certainty(), Certainty::Bound(_)), "{t:?}");
-        }
+        scenes_are_solved(&scenes);
     }
 
     #[test]
     fn tame_scenes_are_certain_and_most_are_visible() {
-        let scenes = draw(tame_mesh_scene(), 200);
-        let mut visible = 0;
-        for t in &scenes {
-            let solved = solve(t);
-            let peak = solved.pixels.iter().flat_map(|p| p.rgba).fold(1.0, f64::max);
-            // Meshes that lie 200 of their widths away from the origin lose two digits.
-            assert!(solved.certainty().value() <= 1e-7 * peak, "{:?} {t:?}", solved.certainty());
-            visible += usize::from(solved.pixels.iter().any(|p| p.rgba.iter().any(|&x| x > 1e-3)));
-        }
-        assert!(visible > 100, "{visible} of 200");
+        // Meshes that lie 200 of their widths away from the origin lose two digits.
+        tame_scenes_are_certain(&draw(tame_mesh_scene(), 200), 1e-7);
     }
 }

@@ -12,23 +12,37 @@
 //! [`Kind`] names what can be hard about a scene, and [`scene_of`] draws any of it: what [`errors_fall`](super::errors_fall) and
 //! the long runs of `vr-benches` look at.
 //!
-//! All of these are grids. [`point_scene`] and [`tame_point_scene`] are the first two of scattered points, [`mesh_scene`] and [`tame_mesh_scene`]
-//! those of meshes of cells.
+//! The three are uniform grids. The first two are there of other volumes, too:
+//!
+//! | volume | any | tame |
+//! |---|---|---|
+//! | scattered points | [`point_scene`] | [`tame_point_scene`] |
+//! | meshes of cells | [`mesh_scene`] | [`tame_mesh_scene`] |
+//! | adaptive meshes | [`adaptive_scene`] | [`tame_adaptive_scene`] |
+//! | rectilinear grids | [`rectilinear_scene`] | [`tame_rectilinear_scene`] |
 
+mod adaptive;
+mod assembly;
 mod cameras;
+#[cfg(test)]
+pub(super) mod drawn;
 mod grids;
+mod hashed;
 mod kinds;
 mod looks;
 mod meshes;
 mod points;
+mod rectilinear;
 mod scenes;
 mod transfers;
 
+pub use adaptive::{adaptive_mesh, adaptive_scene, tame_adaptive_mesh, tame_adaptive_scene};
 pub use cameras::{camera, clip, generic_camera};
 pub use grids::{grid, smooth_grid, tame_grid};
 pub use kinds::{Kind, scene_of};
 pub use looks::{compositing, filter, shading, tame_compositing};
 pub use meshes::{cell_mesh, mesh_scene, tame_mesh_scene, uneven_cubes};
 pub use points::{point_scene, point_set, tame_point_scene};
+pub use rectilinear::{rectilinear_grid, rectilinear_scene, tame_rectilinear_grid, tame_rectilinear_scene};
 pub use scenes::{scene, smooth_scene, tame_scene};
 pub use transfers::{smooth_transfer, tame_transfer, transfer};

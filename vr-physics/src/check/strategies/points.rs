@@ -3,15 +3,13 @@
 use glam::DVec3;
 use proptest::collection::vec;
 use proptest::prelude::*;
-use vr_core::{Camera, PointKernel, PointSet, Projection, Scene, TransferFunction, View, Volume};
+use vr_core::{PointKernel, PointSet};
 
-use super::cameras::{Viewpoint, cuts, generic};
-use super::looks::{scheme, stretched, tame_compositing};
-use super::transfers::{Recipe, recipe, tame_recipe};
+use super::assembly::{self, Look, plain_picture};
+use super::cameras::{Viewpoint, generic};
+use super::looks::{scheme, tame_compositing};
+use super::transfers::{recipe, tame_recipe};
 use crate::check::TestScene;
-
-/// Largest number of pixels along a side of a random picture.
-const MAX_PIXELS: u32 = 8;
 
 /// 1 to 40 points with any kernel: clustered in place, with radii over two orders of magnitude, some coincident or in each other's
 /// supports, some apart; weights of one sign, values of one or both; around the origin, or far from it.
@@ -37,88 +35,29 @@ pub fn point_set() -> impl Strategy<Value = PointSet> {
 
 /// Any valid scene of points: every transfer function, every compositing, clips, rays exactly through points.
 pub fn point_scene() -> impl Strategy<Value = TestScene> {
-    let compositing = scheme();
-    scenes(recipe(), Sight::any(), cuts(), compositing)
+    let look = scheme().prop_map(|compositing| Look::plain(compositing, None));
+    assembly::scenes(point_set(), recipe(), plain_picture(viewpoint()), look)
 }
 
 /// A scene of points whose picture depends continuously on every number: no jumps, no opacity near 1, no threshold.
 pub fn tame_point_scene() -> impl Strategy<Value = TestScene> {
-    scenes(tame_recipe(), generic().prop_map(Sight::Generic), cuts(), tame_compositing())
+    let look = tame_compositing().prop_map(|compositing| Look::plain(compositing, None));
+    assembly::scenes(point_set(), tame_recipe(), plain_picture(generic()), look)
 }
 
-fn scenes(
-    recipe: impl Strategy<Value = Recipe>,
-    sight: impl Strategy<Value = Sight>,
-    cuts: impl Strategy<Value = super::cameras::Cuts>,
-    compositing: impl Strategy<Value = vr_core::Compositing>,
-) -> impl Strategy<Value = TestScene> {
-    let size = [1..=MAX_PIXELS, 1..=MAX_PIXELS];
-    (point_set(), recipe, sight, size, cuts, compositing).prop_map(
-        |(points, recipe, sight, size, cuts, compositing)| {
-            let (low, high) = points.value_range();
-            let range = (low.min(0.0), high.max(0.0));
-            let (aimed_at, radius) = (points.positions()[0], f64::from(points.radii()[0]));
-            let transfer: TransferFunction = recipe.of_range(range, points.mean_spacing());
-            let volume = Volume::from(points);
-            let (camera, size) = match sight {
-                Sight::Generic(viewpoint) => (viewpoint.camera(&volume, size[1]), size),
-                // An odd number of pixels: the middle one looks at the point itself.
-                Sight::Exact { axis, backwards, perspective } => {
-                    let along = DVec3::AXES[axis] * if backwards { -4.0 } else { 4.0 };
-                    let projection = if perspective {
-                        Projection::Perspective { fov: 30.0 }
-                    } else {
-                        Projection::Orthographic { height: 2.5 * radius }
-                    };
-                    let up = DVec3::AXES[(axis + 1) % 3];
-                    (Camera { eye: aimed_at - along, target: aimed_at, up, projection }, size.map(|n| n | 1))
-                }
-            };
-            let view = View { clip: cuts.of_volume(&volume), ..View::new(camera, size) };
-            let scene = Scene { compositing: stretched(compositing, range), ..Scene::new(volume, transfer) };
-            TestScene { scene, view }
-        },
-    )
-}
-
-/// The place from which a set is seen.
-#[derive(Clone, Debug)]
-enum Sight {
-    Generic(Viewpoint),
-    /// A view along an axis, straight at the first point.
-    Exact {
-        axis: usize,
-        backwards: bool,
-        perspective: bool,
-    },
-}
-
-impl Sight {
-    fn any() -> impl Strategy<Value = Self> {
-        prop_oneof![
-            3 => generic().prop_map(Self::Generic),
-            1 => (0usize..3, any::<bool>(), any::<bool>())
-                .prop_map(|(axis, backwards, perspective)| Self::Exact { axis, backwards, perspective }),
-        ]
-    }
+/// Any viewpoint, or a view along an axis, straight at the first point.
+fn viewpoint() -> impl Strategy<Value = Viewpoint> {
+    prop_oneof![
+        3 => generic(),
+        1 => (0usize..3, any::<bool>(), any::<bool>())
+            .prop_map(|(axis, backwards, perspective)| Viewpoint::AtPoint { axis, backwards, perspective }),
+    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::Effort;
-    use crate::{Certainty, Reference};
-    use proptest::strategy::ValueTree;
-    use vr_core::{Control, Model};
-
-    fn draw(scenes: impl Strategy<Value = TestScene>, n: usize) -> Vec<TestScene> {
-        let mut runner = Effort::default().runner();
-        (0..n).map(|_| scenes.new_tree(&mut runner).unwrap().current()).collect()
-    }
-
-    fn solve(t: &TestScene) -> crate::Solution {
-        Reference::default().solve(&t.scene, &t.view, &Model::Canonical, &Control::default()).unwrap()
-    }
+    use crate::check::strategies::drawn::{draw, scenes_are_solved, tame_scenes_are_certain};
 
     #[test]
     fn every_scene_is_solved_and_every_feature_is_drawn() {
@@ -137,24 +76,11 @@ mod tests {
             p.radii().iter().fold(0.0f32, |m, &r| m.max(r)) / p.radii().iter().fold(f32::MAX, |m, &r| m.min(r))
         };
         some("very different radii", &|p| spread(p) > 30.0);
-        for t in &scenes {
-            t.scene.validate().unwrap();
-            let solved = solve(t);
-            assert!(solved.pixels.iter().all(|p| p.rgba.iter().all(|x| x.is_finite())), "{t:?}");
-            assert!(matches!(solved.certainty(), Certainty::Bound(_)), "{t:?}");
-        }
+        scenes_are_solved(&scenes);
     }
 
     #[test]
     fn tame_scenes_are_certain_and_most_are_visible() {
-        let scenes = draw(tame_point_scene(), 200);
-        let mut visible = 0;
-        for t in &scenes {
-            let solved = solve(t);
-            let peak = solved.pixels.iter().flat_map(|p| p.rgba).fold(1.0, f64::max);
-            assert!(solved.certainty().value() <= 1e-8 * peak, "{:?} {t:?}", solved.certainty());
-            visible += usize::from(solved.pixels.iter().any(|p| p.rgba.iter().any(|&x| x > 1e-3)));
-        }
-        assert!(visible > 100, "{visible} of 200");
+        tame_scenes_are_certain(&draw(tame_point_scene(), 200), 1e-8);
     }
 }

@@ -1,40 +1,29 @@
 //! Random whole scenes.
 
-use std::sync::Arc;
-
 use proptest::prelude::*;
-use vr_core::{Clip, Compositing, Filter, Scene, View, Volume};
+use vr_core::{Filter, Scene, View};
 
-use super::cameras::{Cuts, Viewpoint, cuts, generic, viewpoint};
+use super::assembly::{self, Look, MAX_PIXELS, picture};
+use super::cameras::{generic, viewpoint};
 use super::grids::{grid, smooth_grid, tame_grid};
-use super::looks::{Lit, filter, scheme, shading, stretched, tame_compositing};
-use super::transfers::{Recipe, recipe, smooth_recipe, tame_recipe};
+use super::looks::{filter, scheme, shading, tame_compositing};
+use super::transfers::{recipe, smooth_recipe, tame_recipe};
 use crate::check::TestScene;
-
-/// Largest number of pixels along a side of a random picture.
-const MAX_PIXELS: u32 = 8;
 
 /// Any valid scene, the unkind included; see the [module](super).
 pub fn scene() -> impl Strategy<Value = TestScene> {
     let background = prop_oneof![3 => Just([0.0f32; 3]), 1 => [0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0]];
-    let look = (filter(), shading(), scheme(), background);
-    (grid(), recipe(), viewpoint(), picture(), cuts(), look).prop_map(
-        |(volume, recipe, viewpoint, picture, cuts, (filter, shading, compositing, background))| {
-            let look = Look { filter, shading, compositing, background };
-            assemble(volume, &recipe, &viewpoint, picture, &cuts, look)
-        },
-    )
+    let look = (filter(), shading(), scheme(), background)
+        .prop_map(|(filter, shading, compositing, background)| Look { filter, shading, compositing, background });
+    assembly::scenes(grid(), recipe(), picture(viewpoint()), look)
 }
 
 /// A scene whose picture depends continuously on every number; see the [module](super).
 pub fn tame_scene() -> impl Strategy<Value = TestScene> {
     let filter = filter().prop_map(|f| if f == Filter::Nearest { Filter::Trilinear } else { f });
-    (tame_grid(), tame_recipe(), generic(), picture(), cuts(), (filter, tame_compositing())).prop_map(
-        |(volume, recipe, viewpoint, picture, cuts, (filter, compositing))| {
-            let look = Look { filter, shading: None, compositing, background: [0.0; 3] };
-            assemble(volume, &recipe, &viewpoint, picture, &cuts, look)
-        },
-    )
+    let look = (filter, tame_compositing())
+        .prop_map(|(filter, compositing)| Look { filter, ..Look::plain(compositing, None) });
+    assembly::scenes(tame_grid(), tame_recipe(), picture(generic()), look)
 }
 
 /// A trilinear scene under emission and absorption that is as smooth as such a scene can be, with unequal extinction at both ends
@@ -47,53 +36,11 @@ pub fn smooth_scene() -> impl Strategy<Value = TestScene> {
     })
 }
 
-/// Width, height, and rays along a side of a pixel.
-fn picture() -> impl Strategy<Value = ([u32; 2], u32)> {
-    ([1..=MAX_PIXELS, 1..=MAX_PIXELS], prop_oneof![5 => Just(1u32), 1 => 2u32..=3])
-}
-
-struct Look {
-    filter: Filter,
-    shading: Option<Lit>,
-    compositing: Compositing,
-    background: [f32; 3],
-}
-
-fn assemble(
-    volume: Volume,
-    recipe: &Recipe,
-    viewpoint: &Viewpoint,
-    ([width, height], supersampling): ([u32; 2], u32),
-    cuts: &Cuts,
-    look: Look,
-) -> TestScene {
-    let height = viewpoint.rows().unwrap_or(height);
-    let camera = viewpoint.camera(&volume, height);
-    let clip: Clip = cuts.of_volume(&volume);
-    let view = View { supersampling, clip, ..View::new(camera, [width, height]) };
-    let transfer = recipe.of_volume(&volume);
-    let mut scene = Scene {
-        compositing: stretched(look.compositing, volume.value_range().unwrap_or((0.0, 1.0))),
-        background: look.background,
-        ..Scene::new(volume.with_filter(look.filter), transfer)
-    };
-    if let Some((shading, lights)) = look.shading {
-        (scene.shading, scene.lights) = (Some(Arc::new(shading)), lights);
-    }
-    TestScene { scene, view }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::Effort;
-    use proptest::strategy::ValueTree;
+    use crate::check::strategies::drawn::draw;
     use vr_core::{IndexRay, Rays};
-
-    fn draw(scenes: impl Strategy<Value = TestScene>, n: usize) -> Vec<TestScene> {
-        let mut runner = Effort::default().runner();
-        (0..n).map(|_| scenes.new_tree(&mut runner).unwrap().current()).collect()
-    }
 
     fn assert_valid(t: &TestScene) {
         t.scene.validate().unwrap();

@@ -26,10 +26,7 @@ enum Kind {
 
 impl Recipe {
     pub fn of_volume(&self, volume: &Volume) -> TransferFunction {
-        self.of_range(volume.value_range().unwrap_or((0.0, 1.0)), volume.mean_spacing())
-    }
-
-    pub fn of_range(&self, (low, high): (f64, f64), mean_spacing: f64) -> TransferFunction {
+        let ((low, high), mean_spacing) = (value_range(volume), volume.mean_spacing());
         // A constant volume: points on both sides of its value, as likely as one on it.
         let (low, high) = if low == high { (low - 1.0, low + 1.0) } else { (low, high) };
         let unit_distance = self.unit_distance * mean_spacing;
@@ -47,6 +44,12 @@ impl Recipe {
         TransferFunction::new(self.points.iter().map(point).collect(), self.rule, unit_distance)
             .expect("strategies make valid transfer functions")
     }
+}
+
+/// Range of values that parts of scenes are fractions of. The field of points falls to 0 between them.
+pub(super) fn value_range(volume: &Volume) -> (f64, f64) {
+    let (low, high) = volume.value_range().unwrap_or((0.0, 1.0));
+    if volume.points().is_some() { (low.min(0.0), high.max(0.0)) } else { (low, high) }
 }
 
 /// Any transfer function for a volume: one to six points, jumps, opacities from 10⁻¹² to plateaus of 1, both rules, density
