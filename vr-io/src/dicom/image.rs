@@ -97,7 +97,8 @@ impl Image {
             return Err(FieldError::new(tags::PIXEL_DATA.name(), "nothing", "the object holds no image").into());
         };
         if syntax.frames == FrameCoding::Unread {
-            let allowed = "must be uncompressed, deflated, RLE, or JPEG (baseline, extended of 8 bits, lossless)";
+            let allowed =
+                "must be uncompressed, deflated, RLE, JPEG (baseline, extended of 8 bits, lossless) or JPEG-LS";
             return Err(FieldError::new(tags::TRANSFER_SYNTAX_UID.name(), &syntax.name, allowed).into());
         }
         let photometric = elements.text(tags::PHOTOMETRIC_INTERPRETATION).unwrap_or_default().into_owned();

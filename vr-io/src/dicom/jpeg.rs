@@ -4,6 +4,7 @@ use std::io;
 
 use jpeg_decoder::{CodingProcess, ColorTransform, Decoder, PixelFormat};
 
+use super::coded_frame::CodedFrame;
 use super::image::Shape;
 use crate::encoding::invalid;
 
@@ -17,21 +18,14 @@ pub(super) fn decode(coded: &[u8], shape: &Shape, photometric: &str) -> io::Resu
     decoder.read_info().map_err(refused)?;
     let info = decoder.info().ok_or_else(|| invalid("no frame".into()))?;
     let (width, height) = (usize::from(info.width), usize::from(info.height));
-    if (width, height) != (shape.columns, shape.rows) {
-        let (columns, rows) = (shape.columns, shape.rows);
-        return Err(invalid(format!("{width}x{height} pixels, not {columns}x{rows} as Columns and Rows say")));
-    }
     let (samples, bytes) = match info.pixel_format {
         PixelFormat::L8 => (1, 1),
         PixelFormat::L16 => (1, 2),
         PixelFormat::RGB24 => (3, 1),
         PixelFormat::CMYK32 => (4, 1),
     };
+    CodedFrame { columns: width, rows: height, samples, bits: 8 * bytes as u32 }.check(shape)?;
     let wanted = shape.numbers.scalar.bytes();
-    if samples != shape.samples || bytes > wanted || wanted > 2 {
-        let allowed = format!("not {} of {wanted} bytes as the header says", shape.samples);
-        return Err(invalid(format!("{samples} samples of {bytes} bytes a pixel, {allowed}")));
-    }
     if (width * height) as u64 > MAX_EXPANSION.saturating_mul(coded.len() as u64) {
         return Err(invalid(format!("{} bytes for {width}x{height} pixels", coded.len())));
     }
@@ -100,7 +94,7 @@ mod tests {
         let (_, code) = coded(1);
         let refused = |shape| decode(&code, &shape, "MONOCHROME2").unwrap_err().to_string();
         assert!(refused(Shape { rows: 16, ..shape(1, ScalarType::U8) }).contains("24x17 pixels, not 24x16"));
-        assert!(refused(shape(3, ScalarType::U8)).contains("1 samples of 1 bytes a pixel, not 3"));
+        assert!(refused(shape(3, ScalarType::U8)).contains("1 samples of 8 bits a pixel, not 3"));
         for cut in 0..code.len() / 2 {
             assert!(decode(&code[..cut], &shape(1, ScalarType::U8), "MONOCHROME2").is_err(), "{cut}");
         }

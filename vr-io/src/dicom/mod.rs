@@ -5,12 +5,16 @@
 //! never from SliceThickness. Patient space is left, posterior, superior, turned to RAS. Nothing that tells who the patient is (name, number,
 //! dates, institution) is kept, noted or put into a message.
 
+mod coded_frame;
+#[cfg(test)]
+mod coded_samples;
 mod element_header;
 mod elements;
 mod encapsulated;
 mod file;
 mod image;
 mod jpeg;
+mod jpeg_ls;
 mod pixels;
 mod rle;
 #[cfg(test)]

@@ -10,7 +10,7 @@ use vr_core::parallel;
 use super::encapsulated::{self, Fragment};
 use super::image::{Image, Numbers};
 use super::transfer_syntax::FrameCoding;
-use super::{jpeg, rle};
+use super::{jpeg, jpeg_ls, rle};
 use crate::encoding::Encoding;
 use crate::error::{FileError, FileErrorKind};
 use crate::payload::{Payload, Segment, Skip};
@@ -49,6 +49,7 @@ pub(super) fn source(images: Vec<Image>, slices: &[SliceId], notes: &mut Vec<Str
     let encoding = match (&images[0].syntax.frames, images[0].syntax.deflated) {
         (FrameCoding::Rle, _) => "RLE",
         (FrameCoding::Jpeg, _) => "JPEG",
+        (FrameCoding::JpegLs, _) => "JPEG-LS",
         (_, true) => "deflate",
         _ => "raw",
     };
@@ -168,13 +169,14 @@ fn frame(image: &Image, frames: &Frames, index: usize) -> Result<Vec<u8>, FileEr
         Frames::Inflated(all) => Ok(all[start as usize..(start + bytes) as usize].to_vec()),
         Frames::Coded(fragments) => {
             let coded = encapsulated::read(&image.path, &fragments[index])?;
-            if image.syntax.frames == FrameCoding::Rle {
-                let pixels = shape.rows * shape.columns;
-                rle::decode(&coded, pixels, shape.samples, shape.numbers.scalar.bytes())
-                    .map_err(|source| FileErrorKind::Damaged { encoding: "RLE", source })
-            } else {
-                jpeg::decode(&coded, shape, &image.photometric)
-                    .map_err(|source| FileErrorKind::Damaged { encoding: "JPEG", source })
+            let damaged = |encoding| move |source| FileErrorKind::Damaged { encoding, source };
+            match image.syntax.frames {
+                FrameCoding::Rle => {
+                    let pixels = shape.rows * shape.columns;
+                    rle::decode(&coded, pixels, shape.samples, shape.numbers.scalar.bytes()).map_err(damaged("RLE"))
+                }
+                FrameCoding::JpegLs => jpeg_ls::decode(&coded, shape).map_err(damaged("JPEG-LS")),
+                _ => jpeg::decode(&coded, shape, &image.photometric).map_err(damaged("JPEG")),
             }
         }
     }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use tempfile::TempDir;
 use vr_core::{Voxel, with_grid};
 
+use super::coded_samples::{COLUMNS, ROWS, picture};
 use super::sample::{Sample, element, encapsulated, item, meta};
 use super::tags::{self, Tag};
 use crate::{FileError, Loaded, ReadOptions, Space, orientation, read};
@@ -356,8 +357,34 @@ fn other_codings_of_the_same_voxels() {
         refusal(&[[sample.bytes(), encapsulated(&[vec![0; 8]])].concat()])
     };
     assert!(unread("1.2.840.10008.1.2.4.90").contains("TransferSyntaxUID (0002,0010): found JPEG 2000 lossless"));
-    assert!(unread("1.2.840.10008.1.2.4.80").contains("JPEG-LS lossless"));
+    assert!(unread("1.2.840.10008.1.2.4.201").contains("found High-Throughput JPEG 2000"));
     assert!(unread("1.2.840.10008.1.2.4.50").contains("slices"));
+}
+
+/// A file of two frames of a coded sample.
+fn coded_frames(uid: &str, code: &[u8], bits: u16, samples: u16, photometric: &str) -> Vec<u8> {
+    let allocated = bits.next_multiple_of(8);
+    let sample = Sample::slice(0.0, 0).without(tags::PIXEL_DATA).text(tags::NUMBER_OF_FRAMES, "2");
+    let sample = sample.short(tags::BITS_ALLOCATED, allocated).short(tags::BITS_STORED, bits);
+    let sample = sample.short(tags::HIGH_BIT, bits - 1).short(tags::PIXEL_REPRESENTATION, 0);
+    let sample = sample.short(tags::ROWS, ROWS as u16).short(tags::COLUMNS, COLUMNS as u16);
+    let sample = sample.short(tags::SAMPLES_PER_PIXEL, samples).text(tags::PHOTOMETRIC_INTERPRETATION, photometric);
+    let mut sample = sample.short(tags::PLANAR_CONFIGURATION, 0).text(tags::SLICE_THICKNESS, "2");
+    sample.transfer_syntax = uid.into();
+    [sample.bytes(), encapsulated(&[code.to_vec(), code.to_vec()])].concat()
+}
+
+#[test]
+fn frames_in_jpeg_ls() {
+    let grey = include_bytes!("coded_samples/grey12_near0.jls");
+    let loaded = read_all(&[coded_frames("1.2.840.10008.1.2.4.80", grey, 12, 1, "MONOCHROME2")]).unwrap();
+    let wanted: Vec<f32> = picture(12, 1).repeat(2).into_iter().map(|x| x as f32).collect();
+    assert_eq!((values(&loaded), loaded.info.encoding), (wanted, "JPEG-LS"));
+    let colors = include_bytes!("coded_samples/rgb_lines_near0.jls");
+    let loaded = read_all(&[coded_frames("1.2.840.10008.1.2.4.80", colors, 8, 3, "RGB")]).unwrap();
+    assert!(loaded.volume.colors().is_some());
+    let cut = coded_frames("1.2.840.10008.1.2.4.81", &grey[..grey.len() / 2], 12, 1, "MONOCHROME2");
+    assert!(refusal(&[cut]).contains("JPEG-LS data are damaged"));
 }
 
 #[test]

@@ -22,6 +22,7 @@ pub(super) enum FrameCoding {
     Rle,
     /// JPEG of 8 bits (baseline, extended) or lossless.
     Jpeg,
+    JpegLs,
     /// One that is not read.
     Unread,
 }
@@ -31,7 +32,7 @@ const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
 /// UIDs (a star stands for any end), names and codings. Whatever is not here has frames that are not read, in a data set of explicit little
 /// endian, as every coded picture.
 const KNOWN: [(&str, &str, Headers, FrameCoding); 18] = {
-    use FrameCoding::{Jpeg, Native, Rle, Unread};
+    use FrameCoding::{Jpeg, JpegLs, Native, Rle, Unread};
     use Headers::{Explicit, ExplicitBig, Implicit};
     [
         ("1.2.840.10008.1.2", "implicit little endian", Implicit, Native),
@@ -44,8 +45,8 @@ const KNOWN: [(&str, &str, Headers, FrameCoding); 18] = {
         ("1.2.840.10008.1.2.4.51", "JPEG extended", Explicit, Jpeg),
         ("1.2.840.10008.1.2.4.57", "JPEG lossless", Explicit, Jpeg),
         ("1.2.840.10008.1.2.4.70", "JPEG lossless, first-order prediction", Explicit, Jpeg),
-        ("1.2.840.10008.1.2.4.80", "JPEG-LS lossless", Explicit, Unread),
-        ("1.2.840.10008.1.2.4.81", "JPEG-LS near-lossless", Explicit, Unread),
+        ("1.2.840.10008.1.2.4.80", "JPEG-LS lossless", Explicit, JpegLs),
+        ("1.2.840.10008.1.2.4.81", "JPEG-LS near-lossless", Explicit, JpegLs),
         ("1.2.840.10008.1.2.4.90", "JPEG 2000 lossless", Explicit, Unread),
         ("1.2.840.10008.1.2.4.91", "JPEG 2000", Explicit, Unread),
         ("1.2.840.10008.1.2.4.201", "High-Throughput JPEG 2000", Explicit, Unread),
