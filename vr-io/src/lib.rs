@@ -67,7 +67,7 @@
 //! | raw | described by [`RawDescription`] or by the name | raw, gzip, bzip2 |
 //! | NRRD 1 to 5 | attached, detached, lists and patterns of files | raw, gzip, bzip2, hex, ascii |
 //! | MetaImage | `.mha`, `.mhd`, lists and patterns of files | raw, zlib, ascii |
-//! | DICOM | a folder of slices, one of them with its siblings, files of many frames | raw, deflate, RLE, JPEG (8 bits, lossless), JPEG-LS |
+//! | DICOM | a folder of slices, one of them with its siblings, files of many frames | raw, deflate, RLE, JPEG (8 bits, lossless), JPEG-LS; JPEG 2000 with the feature `jpeg2000` |
 //! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
 //! | VTK ImageData, XML | `.vti`, pieces of one file or, of `.pvti`, of several | text, base64, appended (base64 or raw), zlib, LZ4 |
 //! | VTK STRUCTURED_POINTS, legacy | `.vtk` up to version 5.1 | text, raw |
@@ -228,10 +228,11 @@
 //! Of VTK's files, those with blocks packed with LZMA are recognised and refused by name; so are parallel files of points (`.pvtp`), of which the parts can be
 //! read, and trees of cells (`.htg`). Adaptive meshes of two dimensions, in cylindrical or spherical coordinates, or of Enzo's older formats are refused. Of ParaView's colour maps, those with indexed (categorical)
 //! colours are refused.
-//! In DICOM, frames in JPEG 2000, JPEG XL and JPEG of 12 bits are, and images of single bits.
+//! In DICOM, frames in High-Throughput JPEG 2000, JPEG XL and JPEG of 12 bits are, and images of single bits.
 //!
 //! # Features
 //! * `hdf5`, off by default: points and grids in HDF5, NetCDF-4 among them, and Enzo's meshes in HDF5 of any form, through a reader in Rust alone.
+//! * `jpeg2000`, off by default: frames of DICOM in JPEG 2000, through a decoder in Rust alone; needs Rust 1.92.
 
 mod advice;
 mod amr;

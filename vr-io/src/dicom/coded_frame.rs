@@ -35,18 +35,26 @@ impl CodedFrame {
     }
 }
 
-/// Appends numbers of `bits` bits, little endian in a type of 8 or 16 bits. The top one is the sign where the type has one: codecs differ in
-/// whether they repeat it.
-pub(super) fn pack(numbers: impl Iterator<Item = i32>, bits: u32, scalar: ScalarType, out: &mut Vec<u8>) {
+/// Puts the planes of components together: little endian, the numbers of a pixel side by side, in a type of 8 or 16 bits. `number` gives one of
+/// `bits` bits. The top one is the sign where the type has one: codecs differ in whether they repeat it.
+pub(super) fn pack<T: Copy>(planes: &[&[T]], number: impl Fn(T) -> i32, bits: u32, scalar: ScalarType) -> Vec<u8> {
     let spare = 32 - bits;
-    let signed = |x: i32| (x << spare >> spare).to_le_bytes();
-    let unsigned = |x: i32| (x.cast_unsigned() << spare >> spare).to_le_bytes();
-    match scalar {
-        ScalarType::I8 => out.extend(numbers.map(|x| signed(x)[0])),
-        ScalarType::U8 => out.extend(numbers.map(|x| unsigned(x)[0])),
-        ScalarType::I16 => out.extend(numbers.flat_map(|x| [signed(x)[0], signed(x)[1]])),
-        _ => out.extend(numbers.flat_map(|x| [unsigned(x)[0], unsigned(x)[1]])),
+    let low_bytes = |x: i32| match scalar {
+        ScalarType::I8 | ScalarType::I16 => (x << spare >> spare).to_le_bytes(),
+        _ => (x.cast_unsigned() << spare >> spare).to_le_bytes(),
+    };
+    let mut out = vec![0; planes.iter().map(|plane| plane.len()).sum::<usize>() * scalar.bytes()];
+    for (c, plane) in planes.iter().enumerate() {
+        let numbers = plane.iter().map(|&x| low_bytes(number(x)));
+        if scalar.bytes() == 1 {
+            let places = out.iter_mut().skip(c).step_by(planes.len());
+            places.zip(numbers).for_each(|(to, [low, ..])| *to = low);
+        } else {
+            let places = out.as_chunks_mut().0.iter_mut().skip(c).step_by(planes.len());
+            places.zip(numbers).for_each(|(to, [low, high, ..])| *to = [low, high]);
+        }
     }
+    out
 }
 
 #[cfg(test)]
@@ -55,15 +63,18 @@ mod tests {
 
     #[test]
     fn the_sign_is_the_top_bit_of_the_code() {
-        let packed = |scalar, numbers: [i32; 3]| {
-            let mut out = Vec::new();
-            pack(numbers.into_iter(), 12, scalar, &mut out);
-            out
-        };
         // 2047, −2048 and −1, with the sign repeated and without.
         for numbers in [[0x7ff, 0x800, 0xfff], [0x7ff, -0x800, -1]] {
-            assert_eq!(packed(ScalarType::I16, numbers), [0xff, 7, 0, 0xf8, 0xff, 0xff]);
-            assert_eq!(packed(ScalarType::U16, numbers), [0xff, 7, 0, 8, 0xff, 0xf]);
+            let packed = |scalar| pack(&[&numbers], |x| x, 12, scalar);
+            assert_eq!(packed(ScalarType::I16), [0xff, 7, 0, 0xf8, 0xff, 0xff]);
+            assert_eq!(packed(ScalarType::U16), [0xff, 7, 0, 8, 0xff, 0xf]);
         }
+    }
+
+    #[test]
+    fn numbers_of_a_pixel_stand_side_by_side() {
+        let planes = [[1u16, 2].as_slice(), &[3, 4], &[5, 0xff]];
+        assert_eq!(pack(&planes, i32::from, 8, ScalarType::U8), [1, 3, 5, 2, 4, 0xff]);
+        assert_eq!(pack(&planes, i32::from, 8, ScalarType::I16), [1, 0, 3, 0, 5, 0, 2, 0, 4, 0, 0xff, 0xff]);
     }
 }

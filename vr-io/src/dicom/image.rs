@@ -97,9 +97,11 @@ impl Image {
             return Err(FieldError::new(tags::PIXEL_DATA.name(), "nothing", "the object holds no image").into());
         };
         if syntax.frames == FrameCoding::Unread {
-            let allowed =
-                "must be uncompressed, deflated, RLE, JPEG (baseline, extended of 8 bits, lossless) or JPEG-LS";
+            let allowed = "must be uncompressed, deflated, RLE, JPEG (baseline, extended of 8 bits, lossless), JPEG-LS or JPEG 2000";
             return Err(FieldError::new(tags::TRANSFER_SYNTAX_UID.name(), &syntax.name, allowed).into());
+        }
+        if syntax.frames == FrameCoding::Jpeg2000 && !cfg!(feature = "jpeg2000") {
+            return Err(FileErrorKind::Feature { format: "DICOM with frames in JPEG 2000", feature: "jpeg2000" });
         }
         let photometric = elements.text(tags::PHOTOMETRIC_INTERPRETATION).unwrap_or_default().into_owned();
         let shape = shape(&elements, &pixels)?;

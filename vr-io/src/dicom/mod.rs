@@ -14,6 +14,8 @@ mod encapsulated;
 mod file;
 mod image;
 mod jpeg;
+#[cfg(feature = "jpeg2000")]
+mod jpeg_2000;
 mod jpeg_ls;
 mod pixels;
 mod rle;
@@ -153,8 +155,14 @@ fn note_values(images: &[Image], notes: &mut Vec<String>) {
 fn axes(image: &Image, stack: &Stack) -> Vec<Axis> {
     let axis = |size, role| Axis { size, role };
     let Shape { rows, columns, samples, planar, .. } = image.shape;
-    // What a JPEG holds in another form, its decoder turns to RGB.
-    let is_color = samples == 3 && (image.photometric == "RGB" || image.syntax.frames == FrameCoding::Jpeg);
+    // JPEG of other colours is decoded to RGB, and JPEG 2000 where the code itself transformed them.
+    let transformed = ["YBR_RCT", "YBR_ICT"].contains(&image.photometric.as_str());
+    let is_rgb = match image.syntax.frames {
+        FrameCoding::Jpeg => true,
+        FrameCoding::Jpeg2000 if transformed => true,
+        _ => image.photometric == "RGB",
+    };
+    let is_color = samples == 3 && is_rgb;
     let components = axis(samples, if is_color { Role::Color } else { Role::Component });
     let (x, y) = (axis(columns, Role::Space), axis(rows, Role::Space));
     let (z, t) = (axis(stack.slices, Role::Space), axis(stack.times, Role::Frame));

@@ -9,6 +9,8 @@ use vr_core::parallel;
 
 use super::encapsulated::{self, Fragment};
 use super::image::{Image, Numbers};
+#[cfg(feature = "jpeg2000")]
+use super::jpeg_2000;
 use super::transfer_syntax::FrameCoding;
 use super::{jpeg, jpeg_ls, rle};
 use crate::encoding::Encoding;
@@ -50,6 +52,7 @@ pub(super) fn source(images: Vec<Image>, slices: &[SliceId], notes: &mut Vec<Str
         (FrameCoding::Rle, _) => "RLE",
         (FrameCoding::Jpeg, _) => "JPEG",
         (FrameCoding::JpegLs, _) => "JPEG-LS",
+        (FrameCoding::Jpeg2000, _) => "JPEG 2000",
         (_, true) => "deflate",
         _ => "raw",
     };
@@ -176,6 +179,8 @@ fn frame(image: &Image, frames: &Frames, index: usize) -> Result<Vec<u8>, FileEr
                     rle::decode(&coded, pixels, shape.samples, shape.numbers.scalar.bytes()).map_err(damaged("RLE"))
                 }
                 FrameCoding::JpegLs => jpeg_ls::decode(&coded, shape).map_err(damaged("JPEG-LS")),
+                #[cfg(feature = "jpeg2000")]
+                FrameCoding::Jpeg2000 => jpeg_2000::decode(&coded, shape).map_err(damaged("JPEG 2000")),
                 _ => jpeg::decode(&coded, shape, &image.photometric).map_err(damaged("JPEG")),
             }
         }

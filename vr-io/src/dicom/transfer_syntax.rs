@@ -23,6 +23,8 @@ pub(super) enum FrameCoding {
     /// JPEG of 8 bits (baseline, extended) or lossless.
     Jpeg,
     JpegLs,
+    /// JPEG 2000, read by builds with the feature `jpeg2000` alone.
+    Jpeg2000,
     /// One that is not read.
     Unread,
 }
@@ -32,7 +34,7 @@ const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
 /// UIDs (a star stands for any end), names and codings. Whatever is not here has frames that are not read, in a data set of explicit little
 /// endian, as every coded picture.
 const KNOWN: [(&str, &str, Headers, FrameCoding); 18] = {
-    use FrameCoding::{Jpeg, JpegLs, Native, Rle, Unread};
+    use FrameCoding::{Jpeg, Jpeg2000, JpegLs, Native, Rle, Unread};
     use Headers::{Explicit, ExplicitBig, Implicit};
     [
         ("1.2.840.10008.1.2", "implicit little endian", Implicit, Native),
@@ -47,8 +49,8 @@ const KNOWN: [(&str, &str, Headers, FrameCoding); 18] = {
         ("1.2.840.10008.1.2.4.70", "JPEG lossless, first-order prediction", Explicit, Jpeg),
         ("1.2.840.10008.1.2.4.80", "JPEG-LS lossless", Explicit, JpegLs),
         ("1.2.840.10008.1.2.4.81", "JPEG-LS near-lossless", Explicit, JpegLs),
-        ("1.2.840.10008.1.2.4.90", "JPEG 2000 lossless", Explicit, Unread),
-        ("1.2.840.10008.1.2.4.91", "JPEG 2000", Explicit, Unread),
+        ("1.2.840.10008.1.2.4.90", "JPEG 2000 lossless", Explicit, Jpeg2000),
+        ("1.2.840.10008.1.2.4.91", "JPEG 2000", Explicit, Jpeg2000),
         ("1.2.840.10008.1.2.4.201", "High-Throughput JPEG 2000", Explicit, Unread),
         ("1.2.840.10008.1.2.4.202", "High-Throughput JPEG 2000", Explicit, Unread),
         ("1.2.840.10008.1.2.4.203", "High-Throughput JPEG 2000", Explicit, Unread),

@@ -1,4 +1,5 @@
-//! Small frames in this folder, and the picture that they hold: its numbers follow from a formula. CharLS wrote those in JPEG-LS.
+//! Small frames in this folder, and the picture that they hold: its numbers follow from a formula. CharLS wrote those in JPEG-LS,
+//! OpenJPEG those in JPEG 2000.
 
 use super::image::{Numbers, Shape};
 use crate::scalar::ScalarType;

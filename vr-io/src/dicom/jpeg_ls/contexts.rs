@@ -98,8 +98,7 @@ impl Contexts {
             d.signum()
                 * (i32::from(size > near) + i32::from(size >= t1) + i32::from(size >= t2) + i32::from(size >= t3))
         };
-        let [a, b, c] = gradients.map(level);
-        81 * a + 9 * b + c
+        81 * level(gradients[0]) + 9 * level(gradients[1]) + level(gradients[2])
     }
 
     /// A number, from its prediction; `None` where the scan is damaged (A.4 to A.6).

@@ -6,7 +6,7 @@ use super::super::coded_frame::CodedFrame;
 use super::contexts::Parameters;
 use crate::encoding::invalid;
 
-/// What lies before a scan.
+/// Statements that hold for the scans which follow.
 #[derive(Clone, Debug)]
 pub(super) struct Header {
     pub frame: CodedFrame,

@@ -46,10 +46,8 @@ pub(super) fn decode(coded: &[u8], shape: &Shape) -> io::Result<Vec<u8>> {
             .ok_or_else(|| invalid("a scan ends early, or is damaged".into()))?;
         markers.skip_bits();
     }
-    let mut out = Vec::new();
-    let pixels = (0..frame.columns * frame.rows).flat_map(|i| planes.iter().map(move |plane| plane[i].into()));
-    pack(pixels, frame.bits, shape.numbers.scalar, &mut out);
-    Ok(out)
+    let planes: Vec<&[u16]> = planes.iter().map(Vec::as_slice).collect();
+    Ok(pack(&planes, i32::from, frame.bits, shape.numbers.scalar))
 }
 
 fn append(plane: &mut Vec<u16>, line: &LinePair) {
