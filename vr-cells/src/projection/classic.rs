@@ -1,30 +1,32 @@
 //! Light of a cell by the classic approximation: opacity and colour of the thickest point, linear from there to the rim.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
-use vr_kernels::vector::{Lanes, pick, splat};
+use fearless_simd::{Simd, f32x16};
+use vr_kernels::vector::{pick, splat};
 
-use super::lanes_of::{LineLanes, OutlineLanes};
 use super::line::Line;
 use super::outline::Outline;
+use super::outline_lanes::{LocalLine, OutlineLanes};
+use super::samples::{Numbers, Samples};
 use super::screen_mesh::{ScreenVertex, area};
-use super::stamp::Stamp;
 use super::tile::Painter;
 
-/// A cell's light, in sixteen lanes.
-pub(super) struct ClassicCell<S: Simd> {
+/// A cell's light.
+pub(super) struct ClassicCell {
     /// Opacity at the apex.
     opacity: f32,
     /// Colour in each triangle between the apex and an edge of the outline.
-    colors: [[LineLanes<S>; 3]; 4],
+    colors: [[LocalLine; 3]; 4],
+    /// Edges of the outline.
+    count: usize,
 }
 
-impl<S: Simd> ClassicCell<S> {
+impl ClassicCell {
     /// The light of a cell, of a tile that begins at `origin`.
     pub(super) fn new(
-        simd: S,
         painter: &Painter<'_>,
         (outline, corners): (&Outline, &[ScreenVertex; 4]),
+        lanes: &OutlineLanes,
         origin: [u32; 2],
     ) -> Self {
         // Front and back at the apex.
@@ -56,43 +58,45 @@ impl<S: Simd> ClassicCell<S> {
                 } else {
                     Line::constant(apex_color[c])
                 };
-                LineLanes::new(simd, line)
+                LocalLine::new(&line, lanes.centre)
             })
         };
         let opacity = -libm::expm1(-extinction * thickness) as f32;
-        Self { opacity, colors: [triangle(0), triangle(1), triangle(2), triangle(outline.count - 1)] }
+        let colors = [triangle(0), triangle(1), triangle(2), triangle(outline.count - 1)];
+        Self { opacity, colors, count: outline.count }
     }
 
-    /// Adds the light to a stamp. Returns false once all samples are opaque.
+    /// Adds the light to some samples.
     #[inline(always)]
-    pub(super) fn add(
+    pub(super) fn add<S: Simd>(
         &self,
         simd: S,
-        stamp: &mut Stamp,
-        outline: &OutlineLanes<S>,
-        place: [f64; 2],
-        (inside, share): (mask32x16<S>, f32x16<S>),
+        samples: &mut Samples,
+        numbers: &Numbers,
+        outline: &OutlineLanes,
+        places: [f32x16<S>; 2],
         min_clear: f32,
-    ) -> bool {
+    ) {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         // The triangle of a sample is that whose edge leaves the least of the thickness.
         let mut least = splat(simd, f32::INFINITY);
         let mut color = [zero; 3];
-        for i in 0..outline.count {
-            let (part, _) = outline.edge(simd, i, place);
+        for i in 0..self.count {
+            let part = outline.edge(i, places);
             let is_least = part.simd_lt(least);
             least = pick(is_least, part, least);
             for c in 0..3 {
-                color[c] = pick(is_least, self.colors[i][c].at(place), color[c]);
+                color[c] = pick(is_least, self.colors[i][c].at(places), color[c]);
             }
         }
-        let clear = stamp.clear.load(simd);
-        let alpha = pick(inside, share * self.opacity, zero);
+        let mut sums = samples.load(simd, numbers);
+        let before = sums.clear;
+        let alpha = outline.share(simd, places) * self.opacity;
         for c in 0..3 {
-            stamp.light[c] = Lanes::new(stamp.light[c].load(simd) + clear * alpha * color[c].max(zero));
+            sums.light[c] += before * alpha * color[c].max(zero);
         }
-        let after = clear * (one - alpha);
-        stamp.clear = Lanes::new(after);
-        after.simd_gt(splat(simd, min_clear)).any_true()
+        sums.clear = before * (one - alpha);
+        samples.store(numbers, &sums);
+        samples.close_dark(simd, numbers, [before, sums.clear], min_clear);
     }
 }

@@ -16,7 +16,7 @@ const MIN_EXTENT: f64 = 64.0;
 pub(super) const MAX_EXTENT: f64 = 4096.0;
 
 /// A vertex on the screen.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ScreenVertex {
     /// Place in samples; NaN if it cannot be projected.
     pub(super) at: [f64; 2],

@@ -2,6 +2,8 @@
 
 use vr_core::{OpacityRule, TransferFunction};
 
+use super::samples::boxed;
+
 /// Intervals of a table, and values by which it goes on beyond the range.
 const MIN_INTERVALS: usize = 4096;
 const MAX_INTERVALS: usize = 1 << 14;
@@ -18,12 +20,29 @@ const PARTS: usize = 128;
 const NODES: [f64; 3] = [0.112_701_665_379_258_31, 0.5, 0.887_298_334_620_741_7];
 const WEIGHTS: [f64; 3] = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
 
-/// One interval of values: integrals of (extinction, light) from the table's start up to a fraction `f` of it are `start + f rate`.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(align(32))]
-pub(super) struct Interval {
-    pub(super) start: [f32; 4],
-    pub(super) rate: [f32; 4],
+/// Rows of four in a table: more than the most intervals have, and a power of two, so that any number can be made one of them by its lower bits.
+const ROWS: usize = 4 * MAX_INTERVALS;
+
+/// The intervals of a table, two rows each, and zeros: integrals of (extinction, light) from the table's start up to a fraction `f` of one are `start + f rate`.
+pub(super) struct Intervals {
+    rows: Box<[[f32; 4]; ROWS]>,
+    count: usize,
+}
+
+impl Intervals {
+    /// Number of intervals.
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// An interval.
+    #[inline(always)]
+    pub(super) fn at(&self, index: u32) -> [&[f32; 4]; 2] {
+        // Without a check: the lower bits of any number are good for one.
+        let first = (2 * index as usize) & (ROWS - 2);
+        [&self.rows[first], &self.rows[first + 1]]
+    }
 }
 
 /// Integrals of extinction and of the light sent, over values, at equal intervals.
@@ -31,7 +50,7 @@ pub(super) struct Interval {
 /// The mean of both over any range of values is a difference of two integrals, exact whatever control points lie between: no table of two values and a length
 /// is needed, and a mesh of cells of all sizes has one table.
 pub(super) struct SegmentTable {
-    pub(super) intervals: Vec<Interval>,
+    pub(super) intervals: Intervals,
     low: f64,
     per_value: f64,
     /// Largest extinction between two parts of the range; NaN-free, −1 where nothing is seen.
@@ -64,7 +83,7 @@ impl SegmentTable {
         let per_value = count as f64 / spread;
         let low = low - BEYOND as f64 / per_value;
         let mut table = Self {
-            intervals: Vec::with_capacity(count + 2 * BEYOND),
+            intervals: Intervals { rows: boxed([0.0; 4]), count: 0 },
             low,
             per_value,
             largest: Vec::new(),
@@ -110,9 +129,11 @@ impl SegmentTable {
                     parts[part] = parts[part].max(most as f32);
                 }
             }
-            self.intervals.push(Interval { start: sum.map(|x| x as f32), rate: integral.map(|x| x as f32) });
+            self.intervals.rows[2 * i] = sum.map(|x| x as f32);
+            self.intervals.rows[2 * i + 1] = integral.map(|x| x as f32);
             (0..4).for_each(|c| sum[c] += integral[c]);
         }
+        self.intervals.count = count;
         // The largest between each two parts.
         self.largest = vec![-1.0; PARTS * PARTS];
         for from in 0..PARTS {
@@ -161,7 +182,7 @@ mod tests {
         let up_to = |value: f64| {
             let place = table.place(value);
             let (i, f) = (place as usize, (place - place.floor()) as f32);
-            let Interval { start, rate } = table.intervals[i];
+            let [start, rate] = table.intervals.at(i as u32);
             f64::from(start[0] + f * rate[0]) / table.per_value
         };
         // Extinction is opacity by 0.5: two triangles and what is constant.

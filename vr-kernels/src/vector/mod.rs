@@ -22,7 +22,7 @@ pub use field::{Cells, Field, Pairs, Stage, TwoRows, cells, inside};
 pub use lanes::Lanes;
 pub use level::{Vectorized, run};
 pub use operator::Operator;
-pub use rows::{packed, transpose, transpose_packed};
+pub use rows::{packed, rows_of, transpose, transpose_packed};
 pub use shade::{PacketLights, PacketShading, SeenLights, Shade, reflect};
 pub use sums::{Sums, share_to_level};
 pub use table::{OpticsTable, Rows, step_light};
