@@ -2,8 +2,6 @@
 
 mod shared;
 
-use std::path::{Path, PathBuf};
-
 use glam::DVec3;
 use shared::data;
 use vr_core::cells::{CellMesh, CellValues};
