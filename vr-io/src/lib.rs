@@ -69,7 +69,7 @@
 //! | MetaImage | `.mha`, `.mhd`, lists and patterns of files | raw, zlib, ascii |
 //! | DICOM | a folder of slices, one of them with its siblings, files of many frames | raw, deflate, RLE, JPEG (8 bits, lossless), JPEG-LS; JPEG 2000 with the feature `jpeg2000` |
 //! | NIfTI-1, NIfTI-2 | `.nii`, pairs of `.hdr` and `.img` | raw, gzip |
-//! | VTK ImageData, XML | `.vti`, pieces of one file or, of `.pvti`, of several | text, base64, appended (base64 or raw), zlib, LZ4 |
+//! | VTK ImageData, XML | `.vti`, pieces of one file or, of `.pvti`, of several | text, base64, appended (base64 or raw), zlib, LZ4, LZMA |
 //! | VTK STRUCTURED_POINTS, legacy | `.vtk` up to version 5.1 | text, raw |
 //! | MRC, CCP4 | `.mrc`, `.map`; modes 0, 1, 2, 6 and 12, cells with any angles | raw, gzip, bzip2 |
 //! | PVM 1 to 3 | `.pvm` | raw, gzip, bzip2, Differential Data Streams v3d and v3e |
@@ -89,6 +89,7 @@
 //! voxels that memory can hold as they are stay in the file, mapped. One frame of a series and one component of several are
 //! picked by [`ReadOptions`], and so are one series of DICOM, one resolution of OME-Zarr, and one array of a file that holds several under names: else it is the one that VTK calls the active
 //! scalars, the first with one component, or the first; of NetCDF and HDF5 the largest of at most 2²⁷ numbers, and a note lists the others. VTK's numbers of cells are placed at the centres of the cells.
+//! Points and cells that `vtkGhostType` hides in VTK's images have no value: then all become floats.
 //!
 //! Voxels of three or four components that are colours become a [`vr_core::ColorGrid`]: RGB24 and RGBA32 of NIfTI, the kinds RGB-color and
 //! RGBA-color of NRRD, RGB TIFF and slices of colour, RGB of DICOM, and three or four bytes a voxel in NRRD, MetaImage, VTK, Voreen
@@ -128,7 +129,7 @@
 //! | format | files | what is taken |
 //! |---|---|---|
 //! | text | `.csv`, `.tsv`, `.txt`; commas, semicolons, tabs or blanks; with a line of names, or x y z \[radius \[value \[weight\]\]\] | columns by name |
-//! | VTK, XML | `.vtp`, `.vtu`: text, base64, appended (base64 or raw), zlib, LZ4 | points of all pieces, point data by name |
+//! | VTK, XML | `.vtp`, `.vtu`: text, base64, appended (base64 or raw), zlib, LZ4, LZMA | points of all pieces, point data by name |
 //! | VTK, legacy | `.vtk` up to version 5.1 with POLYDATA or UNSTRUCTURED_GRID, text or binary | points, point data by name |
 //! | NumPy | `.npy`, N×3 | positions |
 //! | HDF5, feature `hdf5` | snapshots of Gadget's family (`PartType0/Coordinates`), dumps of Phantom (`particles/xyz`) | one kind of particle, datasets by name |
@@ -142,7 +143,7 @@
 //! | format | files | what is taken |
 //! |---|---|---|
 //! | VTK, legacy | `.vtk` up to version 5.1 with UNSTRUCTURED_GRID or STRUCTURED_GRID, text or binary | cells of three dimensions, data of points or cells |
-//! | VTK, XML | `.vtu`, `.vts`: text, base64, appended (base64 or raw), zlib, LZ4; pieces, also in files of their own (`.pvtu`, `.pvts`) | the same; ghosts and blanked cells are left out |
+//! | VTK, XML | `.vtu`, `.vts`: text, base64, appended (base64 or raw), zlib, LZ4, LZMA; pieces, also in files of their own (`.pvtu`, `.pvts`) | the same; ghosts and blanked cells are left out |
 //! | PLOT3D | binary grids of three dimensions with a solution beside: both byte orders, 32 and 64 bits, with record marks or without, several grids, `iblank` | Density, Momentum, Energy |
 //! | Exodus II | NetCDF's classic formats: blocks of TETRA, PYRAMID, WEDGE and HEX | values of nodes and elements at one time step; vectors of three names that end in x, y, z |
 //!
@@ -157,7 +158,7 @@
 //! | format | files | what is taken |
 //! |---|---|---|
 //! | VTK, legacy | `.vtk` up to version 5.1 with RECTILINEAR_GRID, text or binary | planes, data of points or cells |
-//! | VTK, XML | `.vtr`: text, base64, appended (base64 or raw), zlib, LZ4; pieces, also in files of their own (`.pvtr`) | the same |
+//! | VTK, XML | `.vtr`: text, base64, appended (base64 or raw), zlib, LZ4, LZMA; pieces, also in files of their own (`.pvtr`) | the same |
 //!
 //! [`read()`] gives a [`vr_core::RectilinearGrid`] with values of 32 bits or, where all planes are at even distances but for rounding, a uniform grid. Points
 //! and cells that `vtkGhostType` hides have no value. Of vectors the length is taken, or the component that [`ReadOptions::component`] names. Planes
@@ -225,8 +226,7 @@
 //!
 //! # What is not here yet
 //!
-//! Of VTK's files, those with blocks packed with LZMA are recognised and refused by name; so are parallel files of points (`.pvtp`), of which the parts can be
-//! read, and trees of cells (`.htg`). Adaptive meshes of two dimensions, in cylindrical or spherical coordinates, or of Enzo's older formats are refused. Of ParaView's colour maps, those with indexed (categorical)
+//! Of VTK's files, parallel files of points (`.pvtp`), of which the parts can be read, and trees of cells (`.htg`) are recognised and refused by name. Adaptive meshes of two dimensions, in cylindrical or spherical coordinates, or of Enzo's older formats are refused. Of ParaView's colour maps, those with indexed (categorical)
 //! colours are refused.
 //! In DICOM, frames in High-Throughput JPEG 2000, JPEG XL and JPEG of 12 bits are, and images of single bits.
 //!

@@ -13,7 +13,7 @@ use vr_physics::fit_order_above;
 use vr_physics::metrics::subgrid;
 
 use crate::error::StudyError;
-use crate::order_scenes::{Waves, inner_view, jumping, smooth, view};
+use crate::order_scenes::{Waves, adaptive, inner_view, jumping, smooth, uneven, view};
 use crate::reference::{ReferenceCache, ReferencePixels};
 use crate::refined_grid::refined;
 
@@ -25,6 +25,10 @@ pub enum Refined {
     Step,
     /// The step, where the transfer function jumps.
     StepAtJumps,
+    /// The step on an adaptive mesh, in cells of each level.
+    StepOnLevels,
+    /// The step on a rectilinear grid, in cells of each width.
+    StepOnUnevenAxes,
     /// The grid of a smooth field, the step being held fixed in voxels.
     Grid,
     /// The pixels.
@@ -32,11 +36,17 @@ pub enum Refined {
 }
 
 impl Refined {
+    /// All of them, in the order of a report.
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Step, Self::StepAtJumps, Self::StepOnLevels, Self::StepOnUnevenAxes, Self::Grid, Self::Pixels];
+
     /// Returns the name in tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Step => "step",
             Self::StepAtJumps => "step, at jumps",
+            Self::StepOnLevels => "step, adaptive mesh",
+            Self::StepOnUnevenAxes => "step, uneven axes",
             Self::Grid => "grid",
             Self::Pixels => "pixels",
         }
@@ -176,6 +186,7 @@ impl OrderCheck<'_> {
         for (i, claim) in claims.iter().enumerate() {
             results.push(self.step(renderer, claim, Refined::Step, ("waves", &smooth(SAMPLES)))?);
             results.push(self.step(renderer, claim, Refined::StepAtJumps, ("waves, jumps", &jumping(SAMPLES)))?);
+            results.extend(self.other_lattices(renderer, claim)?);
             results.push(self.grid(renderer, claim)?);
             if i == 0 {
                 results.push(self.pixels(renderer, claim)?);
@@ -244,6 +255,22 @@ impl OrderCheck<'_> {
         let reference = self.cache.solve((first, &view), &Model::Canonical, pixels, self.control)?;
         let judge = |frame: &Frame, _: &Model, _: usize| Ok(reference.judge(frame).rmse);
         self.fill(blank, (renderer, &claim), sizes, &pictures, |_| view.clone(), judge).map(Some)
+    }
+
+    /// Refines the step on lattices of unequal cells, where the renderer draws them by the rule of the claim.
+    fn other_lattices(
+        &self,
+        renderer: &dyn StudiedRenderer,
+        claim: &ConvergenceClaim,
+    ) -> Result<Vec<Convergence>, StudyError> {
+        let lattices = [
+            (Refined::StepOnLevels, "waves, adaptive mesh", adaptive()),
+            (Refined::StepOnUnevenAxes, "waves, uneven axes", uneven(SAMPLES)),
+        ];
+        let found = lattices.iter().map(|(refined, name, scene)| self.step(renderer, claim, *refined, (name, scene)));
+        // Most rules are of uniform grids: what they refuse here says nothing about the claim.
+        let is_drawn = |c: &Result<Convergence, _>| !c.as_ref().is_ok_and(|c| c.outcome() == Outcome::Refused);
+        found.filter(is_drawn).collect()
     }
 
     fn step(
@@ -367,6 +394,8 @@ fn blank(renderer: &dyn StudiedRenderer, claim: &ConvergenceClaim, refined: Refi
     let expected = match refined {
         Refined::Step => orders.smooth,
         Refined::StepAtJumps => orders.jumps,
+        // Fields have kinks at the faces of cells, of all sizes here.
+        Refined::StepOnLevels | Refined::StepOnUnevenAxes => orders.smooth.min(2.0),
         Refined::Grid => orders.grid,
         Refined::Pixels => orders.pixels,
     };
@@ -424,6 +453,25 @@ mod tests {
         let found: Vec<f64> = patches(&pixels, 2, 2).iter().map(|p| p[0]).collect();
         assert_eq!(found, [2.5, 4.5, 10.5, 12.5]);
         assert_eq!(patches(&pixels, 4, 1), pixels);
+    }
+
+    /// Steps follow the cells: the orders are those of uniform grids, for the rules that draw such lattices.
+    #[test]
+    fn orders_hold_on_unequal_cells() {
+        let (cache, control) = (ReferenceCache::none(), Control::default());
+        let check = OrderCheck { cache: &cache, control: &control };
+        let renderers: [&dyn StudiedRenderer; 2] =
+            [&vr_raycast::RayCaster::default(), &vr_physics::check::faulty_marcher::Marcher::default()];
+        for (renderer, claim) in renderers.iter().flat_map(|r| r.convergence().into_iter().map(move |claim| (r, claim)))
+        {
+            let found = check.other_lattices(*renderer, &claim).unwrap();
+            let is_drawn = ["midpoint", "left"].contains(&claim.name.as_str());
+            assert_eq!(found.len(), if is_drawn { 2 } else { 0 }, "{}", claim.name);
+            for c in found {
+                println!("{} {}: {:.3?} of {}, {:?}", c.claim, c.refined.word(), c.measured, c.expected, c.errors);
+                assert_eq!(c.outcome(), Outcome::Holds, "{c:?}");
+            }
+        }
     }
 
     #[test]

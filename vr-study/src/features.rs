@@ -4,11 +4,13 @@ use std::fmt;
 use std::sync::Arc;
 
 use glam::DVec3;
+use vr_core::amr::{AmrBlock, AmrCentring};
 use vr_core::field::FunctionField;
+use vr_core::rectilinear::Centering;
 use vr_core::{
-    Calibration, Camera, CellMesh, Clip, Compositing, Control, ControlPoint, Filter, GradientMethod, Layer, Light,
-    OpacityRule, Placement, Plane, PointKernel, PointSet, RenderError, Scene, Shading, StudiedRenderer, Surfaces,
-    TransferFunction, UniformGrid, View, Volume,
+    AmrGrid, Calibration, Camera, CellMesh, Clip, Compositing, Control, ControlPoint, Filter, GradientMethod, Layer,
+    Light, OpacityRule, Placement, Plane, PointKernel, PointSet, RectilinearGrid, RenderError, Scene, Shading,
+    StudiedRenderer, Surfaces, TransferFunction, UniformGrid, View, Volume,
 };
 
 /// Answer of a renderer for a feature.
@@ -129,6 +131,12 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
     let view = View::new(camera(None), [8, 8]);
     let points = PointSet::new(vec![DVec3::ONE], vec![1.0], vec![1.0], vec![1.0], PointKernel::CubicSpline);
     let mesh = CellMesh::of_grid(plain.volume.grid().expect("a grid")).expect("cells");
+    let ramp = |n: usize| (0..n * n * n).map(|i| (i % n) as f32 / n as f32).collect::<Vec<f32>>();
+    let axis = vec![0.0, 0.5, 2.0];
+    let uneven = RectilinearGrid::new([axis.clone(), axis.clone(), axis], ramp(3), Centering::Points);
+    let block = |level: usize, n: usize| AmrBlock { level, first: [0; 3], dims: [n; 3], values: ramp(n) };
+    let blocks = vec![block(0, 3), block(1, 2)];
+    let adaptive = AmrGrid::new(DVec3::ZERO, DVec3::splat(0.7), vec![[2; 3]], blocks, AmrCentring::Cells);
     let function = FunctionField::new((DVec3::ZERO, DVec3::splat(2.0)), |p| 0.5 * p.x).expect("a box");
     let with_volume = |volume: Volume| Scene { volume, ..plain.clone() };
     let shaded = |shading: Shading| Scene { shading: Some(Arc::new(shading)), ..plain.clone() };
@@ -147,6 +155,8 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
         of_scene("volume: uniform grid", plain.clone()),
         of_scene("volume: scattered points", with_volume(points.expect("a point").into())),
         of_scene("volume: mesh of cells", with_volume(mesh.into())),
+        of_scene("volume: rectilinear grid", with_volume(uneven.expect("a grid").into())),
+        of_scene("volume: adaptive mesh", with_volume(adaptive.expect("a mesh").into())),
         of_scene("volume: function", with_volume(function.into())),
         of_scene("missing values", with_volume(grid(true))),
         of_scene("filter: nearest", plain.with_filter(Filter::Nearest)),

@@ -12,6 +12,7 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
+use lzma_rust2::XzReader;
 
 use crate::scalar::Endian;
 
@@ -19,7 +20,12 @@ use crate::scalar::Endian;
 pub(super) enum Compressor {
     Zlib,
     Lz4,
+    /// LZMA2 in the container of `.xz` files.
+    Lzma,
 }
+
+/// Largest memory that a block of LZMA may ask for, in KiB: its dictionary at the highest preset is 64 MiB.
+const MAX_LZMA_KIB: u32 = 80 << 10;
 
 /// Layout of the numbers before the bytes of an array.
 #[derive(Clone, Copy, Debug)]
@@ -178,10 +184,12 @@ pub(super) fn read_range(path: &Path, at: &Range<u64>) -> io::Result<Vec<u8>> {
 impl Compressor {
     /// Appends what a block unpacks to: `size` bytes, or some more or less where it is not what it claims to be.
     fn unpack(self, block: &[u8], size: u64, out: &mut Vec<u8>) -> Result<(), String> {
+        let mut read = |unpacker: &mut dyn Read| {
+            unpacker.take(size.saturating_add(1)).read_to_end(out).map(|_| ()).map_err(|e| e.to_string())
+        };
         match self {
-            Self::Zlib => {
-                ZlibDecoder::new(block).take(size.saturating_add(1)).read_to_end(out).map_err(|e| e.to_string())?;
-            }
+            Self::Zlib => read(&mut ZlibDecoder::new(block))?,
+            Self::Lzma => read(&mut XzReader::new_mem_limit(block, false, MAX_LZMA_KIB))?,
             Self::Lz4 => {
                 // A byte stands for at most 255.
                 let max_size = (block.len() as u64 + 1).saturating_mul(255);
@@ -192,5 +200,52 @@ impl Compressor {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The numbers 0 to 15, as `lzma_easy_buffer_encode` packs them for VTK: preset 5, CRC32.
+    const PACKED: &str = "fd377a585a0000016922de360200210116000000742fe5a301000f000102030405060708090a0b0c0d0e0f0088e2cece00012410e944d9cc9042990d010000000001595a";
+
+    fn bytes(hex: &str) -> Vec<u8> {
+        (0..hex.len() / 2).map(|i| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).unwrap()).collect()
+    }
+
+    fn unpacked(block: &[u8], size: u64) -> Result<Vec<u8>, String> {
+        let mut out = Vec::new();
+        Compressor::Lzma.unpack(block, size, &mut out).map(|()| out)
+    }
+
+    #[test]
+    fn blocks_of_lzma_unpack() {
+        let packed = bytes(PACKED);
+        assert_eq!(unpacked(&packed, 16).unwrap(), (0..16).collect::<Vec<u8>>());
+        // No more than one byte beyond what is claimed, so that a small block does not fill the memory.
+        assert_eq!(unpacked(&packed, 3).unwrap().len(), 4);
+        // 64 KiB of zeros at the highest preset.
+        let zeros = "fd377a585a0000016922de36020021011c00000010cf58cce0ffff004c5d00006ffdffffa3b7ff473e481572396151b89228e6a38607f9eee41e82d32fc53a3c014bb17ec98a8a4d2fa30dd97fa6e38c231153e05918c5758ae277f8b6947f0c6ac0de7449645c9e3ad10000eb8e97d70001648080040000e437860b3e300d8b020000000001595a";
+        assert_eq!(unpacked(&bytes(zeros), 1 << 16).unwrap(), vec![0; 1 << 16]);
+    }
+
+    #[test]
+    fn damaged_blocks_of_lzma_are_errors() {
+        let packed = bytes(PACKED);
+        for length in 0..packed.len() {
+            let _ = unpacked(&packed[..length], 16);
+        }
+        // Within the data and the checks of the headers; the last bytes are the stream's end, which need not be read.
+        for place in 0..48 {
+            let mut damaged = packed.clone();
+            damaged[place] ^= 0x55;
+            // A chunk that is longer than the block is seen by its length.
+            let length = unpacked(&damaged, 16).map(|out| out.len());
+            assert_ne!(length, Ok(16), "byte {place}");
+        }
+        // A dictionary of 4 GiB, in a header that is sound.
+        let greedy = "fd377a585a0000016922de360200210128000000e6a011b301000f000102030405060708090a0b0c0d0e0f0088e2cece00012410e944d9cc9042990d010000000001595a";
+        assert!(unpacked(&bytes(greedy), 16).is_err());
     }
 }

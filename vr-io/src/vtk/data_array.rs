@@ -76,12 +76,13 @@ impl DataArray {
         Ok(Self { name, scalar, components, form })
     }
 
-    /// The encoding in a word: `ascii`, `base64`, `raw`, `zlib` or `lz4`.
+    /// The encoding in a word: `ascii`, `base64`, `raw`, `zlib`, `lz4` or `lzma`.
     pub fn encoding(&self, store: &Store) -> &'static str {
         match (&self.form, store.compressor) {
             (Form::Ascii(_), _) => "ascii",
             (_, Some(Compressor::Zlib)) => "zlib",
             (_, Some(Compressor::Lz4)) => "lz4",
+            (_, Some(Compressor::Lzma)) => "lzma",
             (Form::Appended(_), None) if !store.appended.base64 => "raw",
             _ => "base64",
         }

@@ -3,6 +3,7 @@
 //! The formats are those of the VTK User's Guide (11th edition, 2010, "VTK file formats"), and where it is silent those of VTK 9's readers and
 //! writers: `vtkXMLDataElement`, `vtkXMLWriter`, `vtkDataReader`, `vtkDataWriter`.
 
+mod blanking;
 mod coded;
 mod content;
 mod data_array;

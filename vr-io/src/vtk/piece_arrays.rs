@@ -62,6 +62,11 @@ impl PieceArrays {
         self.first().map_or("ascii", |array| array.encoding(&self.pieces[0].store))
     }
 
+    /// The files that hold them.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.files.clone()
+    }
+
     /// Byte order of [`Self::bytes`].
     pub fn endian(&self) -> Endian {
         self.pieces[0].store.endian

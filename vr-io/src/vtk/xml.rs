@@ -91,8 +91,10 @@ impl XmlFile {
             None | Some("") => None,
             Some("vtkZLibDataCompressor") => Some(Compressor::Zlib),
             Some("vtkLZ4DataCompressor") => Some(Compressor::Lz4),
+            Some("vtkLZMADataCompressor") => Some(Compressor::Lzma),
             Some(other) => {
-                return wrong("compressor", other, "vtkZLibDataCompressor and vtkLZ4DataCompressor are read");
+                let read = "vtkZLibDataCompressor, vtkLZ4DataCompressor and vtkLZMADataCompressor are read";
+                return wrong("compressor", other, read);
             }
         };
         let sizes = SizeWords { endian, bytes };

@@ -15,14 +15,16 @@ pub(crate) fn fingerprint(
     pixels: &[[u32; 2]],
     tolerance: f64,
 ) -> Option<[u8; 32]> {
-    let model = match model {
-        Model::Canonical => scene.volume.filter()?,
-        Model::Filtered(filter) => *filter,
+    // What makes a field of the values.
+    let model = match (model, scene.volume.filter(), scene.volume.rectilinear()) {
+        (Model::Canonical, Some(filter), _) => format!("{filter:?}"),
+        (Model::Canonical, None, Some(grid)) => format!("{:?}", grid.gradient_method()),
+        (Model::Canonical, None, None) => String::new(),
+        (Model::Filtered(filter), ..) => format!("{filter:?}"),
         _ => return None,
     };
-    scene.volume.grid()?;
     let volume = volume_hash(&scene.volume)?;
-    let text = format!("{VERSION} {volume} {tolerance:e} {model:?} {pixels:?} {}", described(scene, view)?);
+    let text = format!("{VERSION} {volume} {tolerance:e} {model} {pixels:?} {}", described(scene, view)?);
     Some(Sha256::digest(text).into())
 }
 
@@ -60,9 +62,10 @@ fn described(scene: &Scene, view: &View) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::order_scenes;
     use crate::subject::phantom_subject;
     use std::sync::Arc;
-    use vr_core::{Compositing, Filter, TransferFunction};
+    use vr_core::{Compositing, Filter, GradientMethod, TransferFunction};
 
     #[test]
     fn whatever_changes_a_pixel_changes_the_fingerprint() {
@@ -98,6 +101,11 @@ mod tests {
         seen.push(of(&scene, &view, &Model::Filtered(Filter::CatmullRom), &all, 1e-10));
         seen.push(of(&scene, &view, &Model::Canonical, &all[..1], 1e-10));
         seen.push(of(&scene, &view, &Model::Canonical, &all, 1e-9));
+        // Volumes that are no uniform grids.
+        let uneven = order_scenes::uneven(3);
+        let volume = uneven.volume.with_gradient(GradientMethod::Analytic);
+        let others = [uneven.clone(), Scene { volume, ..uneven }, order_scenes::adaptive()];
+        seen.extend(others.iter().map(|s| of(s, &view, &Model::Canonical, &all, 1e-10)));
         let different: std::collections::BTreeSet<_> = seen.iter().collect();
         assert_eq!(different.len(), seen.len());
 

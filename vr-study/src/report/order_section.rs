@@ -26,7 +26,7 @@ pub(super) fn section(results: &[Convergence]) -> Result<Markup, StudyError> {
                 @let own: Vec<&Convergence> = results.iter().filter(|c| c.renderer == renderer).collect();
                 h3 { (renderer) }
                 div.row {
-                    @for refined in [Refined::Step, Refined::StepAtJumps, Refined::Grid, Refined::Pixels] {
+                    @for refined in Refined::ALL {
                         @if own.iter().any(|c| c.refined == refined) { (narrow(&plots::orders(&own, refined), html! {})?) }
                     }
                 }

@@ -67,6 +67,7 @@ pub(super) fn orders(results: &[&Convergence], refined: Refined) -> Chart {
     }
     let x = match refined {
         Refined::Step | Refined::StepAtJumps => "step in voxels",
+        Refined::StepOnLevels | Refined::StepOnUnevenAxes => "step in cells",
         Refined::Grid => "distance of samples (the volume is 2 wide)",
         Refined::Pixels => "size of a pixel in patches",
     };

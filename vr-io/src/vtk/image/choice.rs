@@ -17,7 +17,7 @@ pub(crate) struct Candidate {
 
 impl Candidate {
     /// Marks of points and cells that a reader should not show.
-    fn is_ghost(&self) -> bool {
+    pub fn is_ghost(&self) -> bool {
         matches!(self.name.as_str(), "vtkGhostType" | "vtkGhostLevels" | "vtkValidPointMask")
     }
 }

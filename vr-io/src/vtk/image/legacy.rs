@@ -1,6 +1,6 @@
 //! STRUCTURED_POINTS of legacy files (.vtk).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
@@ -73,6 +73,14 @@ pub(in crate::vtk) fn lattice_arrays(
 impl Numbers for Array {
     fn scalar(&self) -> Option<ScalarType> {
         Some(self.scalar)
+    }
+
+    fn numbers(&self, path: &Path, _: usize) -> Result<Vec<f64>, FileError> {
+        self.numbers(path).map_err(|kind| FileError::new(path, kind))
+    }
+
+    fn held_by(&self, path: &Path) -> (&'static str, Vec<PathBuf>) {
+        (self.encoding(), vec![path.into()])
     }
 
     fn source(self, path: &Path, _: usize) -> Result<Source, FileError> {

@@ -1,6 +1,6 @@
 //! ImageData of VTK's XML (.vti), and lists of such files (.pvti).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DVec3};
 
@@ -31,6 +31,14 @@ pub(super) fn header(path: &Path) -> Result<(&'static str, Header<PieceArrays>),
 impl Numbers for PieceArrays {
     fn scalar(&self) -> Option<ScalarType> {
         self.scalar()
+    }
+
+    fn numbers(&self, path: &Path, count: usize) -> Result<Vec<f64>, FileError> {
+        self.numbers(path, count)
+    }
+
+    fn held_by(&self, _: &Path) -> (&'static str, Vec<PathBuf>) {
+        (self.encoding(), self.files())
     }
 
     fn source(self, path: &Path, count: usize) -> Result<Source, FileError> {

@@ -4,7 +4,6 @@
 //! grid is a uniform one.
 
 mod axes;
-mod blanking;
 
 use std::path::Path;
 
@@ -17,13 +16,12 @@ use crate::narrow::Narrowed;
 use crate::read::{Loaded, ReadOptions};
 use crate::scalar::{Endian, ScalarType};
 
+use super::blanking::{GHOST_TYPE, Marks};
 use super::content::{Content, content};
 use super::image::{Candidate, Extent, extent_of, lattice_arrays};
 use super::lattice_file::{LatticeFile, RECTILINEAR};
 use super::legacy::{Array, Legacy};
 use super::piece_arrays::PieceArrays;
-
-use blanking::{GHOST_TYPE, Marks};
 
 /// The kind of data of legacy files.
 const DATA_SET: &str = "RECTILINEAR_GRID";
@@ -168,11 +166,8 @@ impl RectilinearFile {
 
 fn marks_of(marks: &[(Candidate, LatticeArray)], extent: &Extent, path: &Path) -> Result<Marks, FileError> {
     let mut found = Marks::default();
-    for (Candidate { of_cells, components, .. }, array) in marks.iter().filter(|(c, _)| c.components == 1) {
-        let count = extent.dims(*of_cells).iter().try_fold(*components, |n, &size| n.checked_mul(size));
-        let many = || FieldError::new(GHOST_TYPE, "too many points", "must be fewer").in_file(path);
-        let numbers = array.numbers(path, count.ok_or_else(many)?)?;
-        *if *of_cells { &mut found.of_cells } else { &mut found.of_points } = Some(numbers);
+    for (Candidate { of_cells, .. }, array) in marks.iter().filter(|(c, _)| c.components == 1) {
+        found.take(*of_cells, extent, path, |count| array.numbers(path, count))?;
     }
     Ok(found)
 }

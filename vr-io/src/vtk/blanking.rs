@@ -1,6 +1,11 @@
 //! Values that VTK's marks want left out become NaN.
 
 use std::ops::Range;
+use std::path::Path;
+
+use crate::error::{FieldError, FileError};
+
+use super::image::Extent;
 
 /// Cells that finer ones cover, or that are blanked (`vtkDataSetAttributes::REFINEDCELL`, `HIDDENCELL`). Copies of other pieces' cells stay: their
 /// values are right.
@@ -19,6 +24,23 @@ pub(super) struct Marks {
 }
 
 impl Marks {
+    /// Takes the marks of all points or of all cells of a lattice; `numbers` gives so many of them.
+    ///
+    /// # Errors
+    /// Those of `numbers`, and a lattice of more points than can be counted.
+    pub fn take(
+        &mut self,
+        of_cells: bool,
+        extent: &Extent,
+        path: &Path,
+        numbers: impl FnOnce(usize) -> Result<Vec<f64>, FileError>,
+    ) -> Result<(), FileError> {
+        let count = extent.dims(of_cells).iter().try_fold(1usize, |n, &size| n.checked_mul(size));
+        let many = || FieldError::new(GHOST_TYPE, "too many points", "must be fewer").in_file(path);
+        *if of_cells { &mut self.of_cells } else { &mut self.of_points } = Some(numbers(count.ok_or_else(many)?)?);
+        Ok(())
+    }
+
     /// Blanks the values of a lattice of so many points along each axis; returns the number of cells that stay although they are marked.
     ///
     /// A value of a cell goes with the cell or with one of its points. A value of a point goes with the point, or where all cells around it are
