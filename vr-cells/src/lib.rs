@@ -7,7 +7,8 @@
 //!
 //! 1. **Sheared space.** For each ray the vertices are sheared so that the ray becomes the axis. Whether it passes an edge on the left or on
 //!    the right is the sign of one product of two vertices, which two cells that share the edge compute alike but for the sign: no ray falls between them,
-//!    whether it runs along faces, edges or through vertices.
+//!    whether it runs along faces, edges or through vertices (in `f64` that sign is exact, and a ray that meets an edge is taken to pass a little beside it).
+//!    Seen from among cells, rays begin in those around the eye.
 //! 2. **Entries.** The faces of the surface are sorted into tiles of the picture; a ray tries those of its tile. Meshes may have holes and hollows: there
 //!    are as many entries as there are parts of the ray inside.
 //! 3. **Walk.** Each step takes one vertex, three products and the choice of a face. Value, gradient and depth at a face come from the same products, as
@@ -26,15 +27,17 @@
 //! 1. **Order.** Of two cells that share a face, the one on the eye's side comes first (Williams 1992). Across hollows and between parts of a mesh, the samples of the
 //!    picture tell: behind the face by which a ray leaves, the one by which it enters next (after Silva, Mitchell & Williams 1998). Together that is exact for
 //!    every sample, convex mesh or not. Cells that lie before one another in a ring are found as strong components (Tarjan 1972); the tiles that they touch are
-//!    drawn ray by ray, with their fragments sorted along each, and so are tiles of cells around the eye.
+//!    drawn ray by ray, from cell to cell, and so are tiles of cells around the eye.
 //! 2. **Outline.** Vertices are put on a lattice of 2⁻¹⁴ samples, on which the sides of places are exact. A face covers the outline, or two edges cross: the
 //!    apex is there. Thickness, depth and value on both sides are minima and sums of a few functions that are linear on the screen, with reciprocal depths in
 //!    perspective: right in every sample, not only at the corners.
+//!    The samples inside are found row by row, from where each edge crosses it, which both cells beside the edge compute alike; sixteen of them are drawn at once,
+//!    wherever they lie.
 //! 3. **Light.** The mean of extinction and of the light sent between two values is the difference of two integrals over values, kept in one table, whatever control
 //!    points lie between (after Röttger, Kraus & Ertl 2000, without the table's third dimension). The order of colours within a segment counts to the first
 //!    order of its optical depth; deep segments, and those with a control point inside, are taken in parts.
 //!
-//! Every other operator, shading and walls take the same fragments ray by ray, by the marcher's integrals in f64. The classic approximation
+//! Every other operator, shading and walls are drawn ray by ray, from cell to cell, by the marcher's integrals in f64. The classic approximation
 //! ([`Attenuation::Linear`]) takes opacity and colour at the apex, linear to the rim:
 //!
 //! | scene, 512² pixels | exact: largest, RMSE | linear: largest, RMSE |
@@ -89,6 +92,7 @@ mod options;
 mod packet;
 mod prepared;
 mod projection;
+mod screen;
 mod single_rays;
 mod study;
 mod tile_lists;

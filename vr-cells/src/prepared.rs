@@ -62,13 +62,8 @@ impl PreparedMarcher {
         let scene = &self.scene;
         let camera = CameraSpace::new(view)?;
         let vertices = stats.time("vertices", || camera.vertices::<N>(&self.mesh));
-        let entries = stats.time("entries", || Entries::new(&self.surface, &self.mesh, &vertices, &camera, view));
-        let walker = Walker {
-            mesh: &self.mesh,
-            vertices: &vertices,
-            entries: &entries,
-            nudge: 1e-10 * self.mesh.mean_spacing(),
-        };
+        let entries = stats.time("entries", || Entries::new(&self.surface, &self.mesh, &vertices, view));
+        let walker = Walker::new(&self.mesh, &vertices, &entries);
         let extinction = ExtinctionTable::new(&scene.transfer);
         let medium = Medium::of(scene, &extinction);
         let single = SingleRays { scene, medium: &medium, view, layer, termination: self.renderer.termination };

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use vr_core::CellMesh;
 use vr_core::cells::{CellValues, FACES, NO_CELL};
 
-use crate::camera_space::{Attributes, Axis, CameraVertex, ShearedVertex, side};
+use crate::camera_space::{Attributes, Axis, CameraVertex, ShearedVertex, goes_around, side};
 use crate::entries::{Entries, SurfaceFace};
 
 /// A part of a ray inside one cell: the distances of its ends along the ray, and the attributes at both.
@@ -36,11 +36,11 @@ impl<const N: usize> Part<N> {
 
 /// A mesh in a view.
 pub(crate) struct Walker<'a, const N: usize> {
-    pub(crate) mesh: &'a CellMesh,
-    pub(crate) vertices: &'a [CameraVertex<N>],
-    pub(crate) entries: &'a Entries<'a>,
+    mesh: &'a CellMesh,
+    vertices: &'a [CameraVertex<N>],
+    entries: &'a Entries<'a>,
     /// A length far below what matters, by which a ray is moved aside that rounding keeps on the spot.
-    pub(crate) nudge: f64,
+    nudge: f64,
 }
 
 /// A face that a ray goes through, counterclockwise around it.
@@ -72,7 +72,11 @@ struct Stuck;
 /// Steps without progress after which a ray counts as stuck: more cells than meet in a vertex.
 const PATIENCE: u32 = 256;
 
-impl<const N: usize> Walker<'_, N> {
+impl<'a, const N: usize> Walker<'a, N> {
+    pub(crate) fn new(mesh: &'a CellMesh, vertices: &'a [CameraVertex<N>], entries: &'a Entries<'a>) -> Self {
+        Self { mesh, vertices, entries, nudge: 1e-10 * mesh.mean_spacing() }
+    }
+
     /// Calls `take` with every part of a ray inside a cell between two distances, in order.
     pub(crate) fn walk(
         &self,
@@ -123,7 +127,10 @@ impl<const N: usize> Walker<'_, N> {
         let corners = names.map(|v| axis.shear(&self.vertices[v as usize]));
         let [a, b, c] = &corners;
         let weights = [side(b, c), side(c, a), side(a, b)];
-        let inside = weights.iter().all(|&w| w >= 0.0) && weights.iter().any(|&w| w > 0.0);
+        let inside = (0..3).all(|i| {
+            let [from, to] = [(i + 1) % 3, (i + 2) % 3];
+            goes_around(weights[i], [&corners[from], &corners[to]], [names[from], names[to]])
+        });
         inside.then_some(Gate { corners, names, weights })
     }
 
@@ -152,11 +159,16 @@ impl<const N: usize> Walker<'_, N> {
             let tip = axis.shear(&self.vertices[d as usize]);
             let [pa, pb, pc] = gate.corners;
             let (to_a, to_b, to_c) = (side(&pa, &tip), side(&pb, &tip), side(&pc, &tip));
+            let around = [
+                goes_around(to_a, [&pa, &tip], [a, d]),
+                goes_around(to_b, [&pb, &tip], [b, d]),
+                goes_around(to_c, [&pc, &tip], [c, d]),
+            ];
             // The face that is left by has the ray on the inner side of both of its new edges. The vertex that is not on it names the neighbour.
             let left;
-            (gate, left) = if to_a <= 0.0 && to_b >= 0.0 {
+            (gate, left) = if !around[0] && around[1] {
                 (Gate { corners: [pa, pb, tip], names: [a, b, d], weights: [to_b, -to_a, gate.weights[2]] }, c)
-            } else if to_b <= 0.0 && to_c >= 0.0 {
+            } else if !around[1] && around[2] {
                 (Gate { corners: [pb, pc, tip], names: [b, c, d], weights: [to_c, -to_b, gate.weights[0]] }, a)
             } else {
                 (Gate { corners: [pc, pa, tip], names: [c, a, d], weights: [to_a, -to_c, gate.weights[1]] }, b)

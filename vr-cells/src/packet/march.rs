@@ -104,10 +104,19 @@ struct Corner<S: Simd, const N: usize> {
 }
 
 /// On which side of the axis the edge from a to b passes: positive if it goes around it counterclockwise. Swapping a and b changes the sign and no digit.
+///
+/// Also where that is in doubt: a ray that runs along faces finds nothing but rounding here.
 #[inline(always)]
-fn side<S: Simd, const N: usize>(a: &Corner<S, N>, b: &Corner<S, N>) -> f32x16<S> {
-    a.at[0] * b.at[1] - a.at[1] * b.at[0]
+fn side<S: Simd, const N: usize>(simd: S, a: &Corner<S, N>, b: &Corner<S, N>) -> (f32x16<S>, mask32x16<S>) {
+    let forth = a.at[0] * b.at[1];
+    let side = forth - a.at[1] * b.at[0];
+    (side, side.abs().simd_le(forth.abs() * splat(simd, DOUBTFUL)))
 }
+
+/// Part of two products by which they must differ: some ten times of what rounding takes.
+const DOUBTFUL: f32 = 1e-6;
+/// Steps without progress of a ray that is in doubt: it is left to the plain code.
+const IN_DOUBT: i32 = 1 << 20;
 
 #[inline(always)]
 fn load<S: Simd, const N: usize>(simd: S, lanes: &[Lanes; N]) -> [f32x16<S>; N] {
@@ -264,7 +273,9 @@ impl<S: Simd, const N: usize> Group<S, N> {
         let tip = Corner { at: [x, y, far_from_base], attributes };
 
         // The side that is left by has the ray on the inner side of both of its new edges.
-        let (to_a, to_b, to_c) = (side(a, &tip), side(b, &tip), side(c, &tip));
+        let ((to_a, doubt_a), (to_b, doubt_b), (to_c, doubt_c)) =
+            (side(simd, a, &tip), side(simd, b, &tip), side(simd, c, &tip));
+        let doubt = doubt_a | doubt_b | doubt_c;
         let first = to_a.simd_le(zero) & to_b.simd_ge(zero);
         let second = to_b.simd_le(zero) & to_c.simd_ge(zero);
         let exit = Exit { first, second };
@@ -287,7 +298,8 @@ impl<S: Simd, const N: usize> Group<S, N> {
 
         // Where nothing lies beyond, the ray stands still from then on.
         let further = depth.simd_gt(self.depth);
-        self.waited = further.select(i32x16::splat(simd, 0), self.waited + 1);
+        let waited = further.select(i32x16::splat(simd, 0), self.waited + 1);
+        self.waited = idle.select(self.waited, doubt.select(i32x16::splat(simd, IN_DOUBT), waited));
         self.depth = pick(idle, self.depth, self.depth.max(depth));
         // The names of the corners begin at the turn: the side that is left by is that many further on.
         let number = (first
@@ -296,7 +308,7 @@ impl<S: Simd, const N: usize> Group<S, N> {
         let is_first = number.simd_eq(i32x16::splat(simd, 0)) | number.simd_eq(i32x16::splat(simd, 3));
         let is_second = number.simd_eq(i32x16::splat(simd, 1)) | number.simd_eq(i32x16::splat(simd, 4));
         let to = pick(is_first, rows[1], pick(is_second, rows[2], rows[3]));
-        self.places = idle.select(outside, to.bitcast());
+        self.places = (idle | doubt).select(outside, to.bitcast());
     }
 
     /// True if a ray is on its way.

@@ -39,6 +39,28 @@ fn centres_before(place: f64, count: u32) -> u32 {
     whole + u32::from(f64::from(whole) < before)
 }
 
+/// Part of a sample within which the crossing of an edge counts as near to a centre.
+const DOUBTFUL: f64 = 1e-6;
+
+/// Numbers of centres before an edge in some rows, by sides of the centres: on the vertices' lattice both products are exact, and so is the sign.
+#[inline(never)]
+fn exact_counts(
+    before: [f64; ROWS_AT_ONCE],
+    row: u32,
+    [[x, y], [to_x, to_y]]: [[f64; 2]; 2],
+    most: f64,
+) -> [f64; ROWS_AT_ONCE] {
+    std::array::from_fn(|i| {
+        let nearest = libm::floor(before[i] + 0.5);
+        if (before[i] - nearest).abs() >= DOUBTFUL {
+            return libm::ceil(before[i]);
+        }
+        let below = f64::from(row) + i as f64 + 0.5 - y;
+        let is_before = (nearest + 0.5 - x) * (to_y - y) < below * (to_x - x);
+        (nearest + f64::from(u8::from(is_before))).min(most)
+    })
+}
+
 impl CellSamples {
     /// None.
     pub(super) fn new() -> Self {
@@ -47,8 +69,8 @@ impl CellSamples {
 
     /// Finds the open samples inside an outline.
     ///
-    /// Where an edge crosses a row is computed from its ends alone, whatever cell it belongs to: of two cells on both sides of it one has each sample of the row,
-    /// and no rounding changes that. Each row is crossed by one edge on the left and by one on the right.
+    /// Where an edge crosses a row is computed from its ends alone, whatever cell it belongs to, and exactly where a sample is near: of two cells on both sides of it
+    /// one has each sample of the row. Each row is crossed by one edge on the left and by one on the right.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &mut self,
@@ -72,12 +94,21 @@ impl CellSamples {
             let slope = (to_x - x) / (to_y - y);
             for row in (first..end).step_by(ROWS_AT_ONCE) {
                 let before = (down + (f64::from(row) + 0.5 - y)) * slope + (x - 0.5);
-                let before = before.max(f64x8::splat(simd, 0.0)).min(f64x8::splat(simd, most)).ceil();
+                let before = before.max(f64x8::splat(simd, 0.0)).min(f64x8::splat(simd, most));
+                let mut whole = before.ceil();
+                // A centre that is met, or nearly: rounding must not tell the side, because other edges may lie in the same line.
+                let off = before - (before + 0.5).floor();
+                if off.abs().simd_lt(f64x8::splat(simd, DOUBTFUL)).any_true() {
+                    whole = f64x8::load_array_ref(
+                        simd,
+                        &exact_counts(before.to_array(), row, [[x, y], [to_x, to_y]], most),
+                    );
+                }
                 // The rows below are another edge's.
                 let is_on_edge = down.simd_lt(f64x8::splat(simd, f64::from(end - row)));
                 let row = row as usize % MAX_SIDE as usize;
                 let spans = &mut self.spans[side][row..row + ROWS_AT_ONCE];
-                is_on_edge.select(before, f64x8::from_slice(simd, spans)).store_slice(spans);
+                is_on_edge.select(whole, f64x8::from_slice(simd, spans)).store_slice(spans);
             }
             rows = [rows[0].min(first), rows[1].max(end)];
         }

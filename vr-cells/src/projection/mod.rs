@@ -1,10 +1,7 @@
 //! Projection of cells: each cell is drawn as its outline on the screen, cell by cell in the order in which rays meet them.
 
-mod bins;
 mod cell_samples;
 mod classic;
-mod crossing;
-mod fragments;
 mod line;
 mod options;
 mod outline;
@@ -12,7 +9,6 @@ mod outline_lanes;
 mod prepared;
 mod projector;
 mod samples;
-mod screen;
 mod screen_mesh;
 mod segment_light;
 mod segment_table;

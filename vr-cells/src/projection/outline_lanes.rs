@@ -2,11 +2,12 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, u32x16};
-use vr_kernels::vector::splat;
+use vr_kernels::vector::{LANES, Lanes, splat};
 
 use super::line::Line;
 use super::outline::Outline;
 use super::samples::{Numbers, ROW};
+use super::screen_mesh::ScreenVertex;
 use super::steps::Segments;
 use super::tile_rays::Ends;
 use super::tiling::MAX_SIDE;
@@ -17,19 +18,38 @@ pub(super) struct LocalLine {
     at: f32,
     a: f32,
     b: f32,
+    /// The same numbers, for slivers.
+    long: [f64; 3],
 }
 
 impl LocalLine {
     /// A line from the centre of a sample on.
     #[inline(always)]
     pub(super) fn new(line: &Line, centre: [f64; 2]) -> Self {
-        Self { at: line.at(centre) as f32, a: line.a as f32, b: line.b as f32 }
+        let long = [line.at(centre), line.a, line.b];
+        let [at, a, b] = long.map(|x| x as f32);
+        Self { at, a, b, long }
     }
 
     /// The values at some samples.
     #[inline(always)]
     pub(super) fn at<S: Simd>(&self, [x, y]: [f32x16<S>; 2]) -> f32x16<S> {
         x * self.a + (y * self.b + self.at)
+    }
+
+    /// The values at some samples, in `f64` where they change by much from one to the next.
+    #[inline(always)]
+    fn of<S: Simd>(&self, simd: S, places: [f32x16<S>; 2], is_steep: bool) -> f32x16<S> {
+        if is_steep {
+            return self.slowly([places[0].to_array(), places[1].to_array()]).load(simd);
+        }
+        self.at(places)
+    }
+
+    #[inline(never)]
+    fn slowly(&self, [x, y]: [[f32; LANES]; 2]) -> Lanes {
+        let [at, a, b] = self.long;
+        Lanes(std::array::from_fn(|i| (at + a * f64::from(x[i]) + b * f64::from(y[i])) as f32))
     }
 }
 
@@ -50,12 +70,17 @@ pub(super) struct OutlineLanes {
     rise: [f32; 2],
     /// Lowest and highest place in the table of the cell's values.
     range: [f32; 2],
+    /// True for a sliver.
+    is_steep: bool,
 }
+
+/// Change of the part of the thickness over a tile, or a cell in it, from which on digits are short: as many times the rounding of `f32` are lost.
+const STEEP: f64 = 64.0;
 
 impl OutlineLanes {
     /// The projection of a cell that has a sample, with the lowest and the highest place in the table of its values.
     #[inline(always)]
-    pub(super) fn new(outline: &Outline, range: [f32; 2], sample: u32) -> Self {
+    pub(super) fn new(outline: &Outline, corners: &[ScreenVertex; 4], range: [f32; 2], sample: u32) -> Self {
         let from = [sample % MAX_SIDE, (sample >> ROW) % MAX_SIDE];
         let centre = from.map(|n| f64::from(n) + 0.5);
         let edges = outline.edges.each_ref().map(|edge| {
@@ -64,6 +89,12 @@ impl OutlineLanes {
             LocalLine::new(&line, centre)
         });
         let (kink, more) = outline.base.kink.unwrap_or((Line::constant(0.0), [0.0; 2]));
+        let [width, height] = [0, 1].map(|a| {
+            let [p, q, r, s] = corners.map(|c| c.at[a]);
+            (p.max(q).max(r.max(s)) - p.min(q).min(r.min(s))).min(f64::from(MAX_SIDE))
+        });
+        let change = |line: &Line| line.a.abs() * width + line.b.abs() * height;
+        let is_steep = outline.edges.iter().any(|e| change(&e.line) * e.scale > STEEP) || change(&kink) > STEEP;
         Self {
             from: from.map(|n| n as f32),
             centre,
@@ -75,6 +106,7 @@ impl OutlineLanes {
             base_is_front: outline.base_is_front,
             rise: outline.rise.map(|x| x as f32),
             range,
+            is_steep,
         }
     }
 
@@ -88,14 +120,17 @@ impl OutlineLanes {
 
     /// The part of the thickness at the apex as far as one edge goes.
     #[inline(always)]
-    pub(super) fn edge<S: Simd>(&self, i: usize, places: [f32x16<S>; 2]) -> f32x16<S> {
-        self.edges[i].at(places)
+    pub(super) fn edge<S: Simd>(&self, simd: S, i: usize, places: [f32x16<S>; 2]) -> f32x16<S> {
+        self.edges[i].of(simd, places, self.is_steep)
     }
 
     /// Samples' part of the thickness at the apex.
     #[inline(always)]
     pub(super) fn share<S: Simd>(&self, simd: S, places: [f32x16<S>; 2]) -> f32x16<S> {
-        let [a, b] = [self.edge(0, places).min(self.edge(1, places)), self.edge(2, places).min(self.edge(3, places))];
+        let [a, b] = [
+            self.edge(simd, 0, places).min(self.edge(simd, 1, places)),
+            self.edge(simd, 2, places).min(self.edge(simd, 3, places)),
+        ];
         a.min(b).max(splat(simd, 0.0)).min(splat(simd, 1.0))
     }
 
@@ -110,9 +145,9 @@ impl OutlineLanes {
     ) -> Segments<S> {
         // Depth and value on the base, and on the other side.
         let share = self.share(simd, places);
-        let behind = self.kink.at(places).max(splat(simd, 0.0)).min(splat(simd, 1.0));
-        let depth = self.depth.at(places) + behind * self.more[0];
-        let value = self.value.at(places) + behind * self.more[1];
+        let behind = self.kink.of(simd, places, self.is_steep).max(splat(simd, 0.0)).min(splat(simd, 1.0));
+        let depth = self.depth.of(simd, places, self.is_steep) + behind * self.more[0];
+        let value = self.value.of(simd, places, self.is_steep) + behind * self.more[1];
         let other = [depth + share * self.rise[0], value + share * self.rise[1]];
         let thickness = share * self.rise[0].abs();
         let (near, length, [base, other]) = match ends {

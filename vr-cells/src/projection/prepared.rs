@@ -4,22 +4,18 @@ use std::sync::Arc;
 
 use vr_core::image_order::{ImageSample, trace_pixels, trace_view};
 use vr_core::{
-    CellMesh, Compositing, Control, Counts, Layer, Model, Prepared, Ray, RenderError, RenderStats, Rendered, Scene,
-    View,
+    CellMesh, Control, Counts, Layer, Model, Prepared, Ray, RenderError, RenderStats, Rendered, Scene, View,
 };
 
 use crate::accumulators::{Seen, is_whole_light};
 use crate::camera_space::CameraSpace;
 use crate::capabilities::needs_gradients;
-use crate::entries::{SurfaceFace, surface};
+use crate::entries::{Entries, SurfaceFace, surface};
 use crate::medium::{ExtinctionTable, Medium};
 use crate::single_rays::{Scratch, SingleRays};
-use crate::walk::Part;
+use crate::walk::Walker;
 
-use super::bins::Bins;
-use super::fragments::Fragments;
 use super::projector::CellProjector;
-use super::screen::Screen;
 use super::segment_table::SegmentTable;
 use super::sorted::{Sorted, SortedScene};
 
@@ -54,19 +50,6 @@ impl PreparedProjector {
             .draw(view, control, layer, stats)
     }
 
-    /// True if a cell may be seen, by its values.
-    fn is_seen(&self, cell: usize) -> bool {
-        if !matches!(self.scene.compositing, Compositing::Over | Compositing::Accumulate { .. }) {
-            return true;
-        }
-        let values = self.mesh.corner_values(cell);
-        let low = values.into_iter().fold(f64::INFINITY, f64::min);
-        let high = values.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let segments = self.scene.transfer.segments();
-        let first = segments.partition_point(|s| s.to < low);
-        segments[first..].iter().take_while(|s| s.from <= high).any(|s| !s.is_clear())
-    }
-
     /// Draws rays by themselves, with values alone (`N` = 1) or with gradients (`N` = 4): those of some pixels, or all.
     fn draw_rays<const N: usize>(
         &self,
@@ -78,21 +61,18 @@ impl PreparedProjector {
     ) -> Result<Vec<Seen>, RenderError> {
         let scene = &self.scene;
         let camera = CameraSpace::new(view)?;
-        let screen = Screen::new(view, 1, self.mesh.mean_spacing());
         let vertices = stats.time("vertices", || camera.vertices::<N>(&self.mesh));
-        let bins =
-            stats.time("bins", || control.run(|| Bins::new(&self.mesh, &vertices, &screen, |cell| self.is_seen(cell))));
-        let fragments =
-            Fragments { mesh: &self.mesh, vertices: &vertices, bins: &bins, nudge: 1e-10 * self.mesh.mean_spacing() };
+        let entries = stats.time("entries", || Entries::new(&self.surface, &self.mesh, &vertices, view));
+        let walker = Walker::new(&self.mesh, &vertices, &entries);
         let extinction = ExtinctionTable::new(&scene.transfer);
         let medium = Medium::of(scene, &extinction);
         let single = SingleRays { scene, medium: &medium, view, layer, termination: self.renderer.termination };
-        let trace = |scratch: &mut Scratch<Part<N>>, ray: &Ray, sample: ImageSample, counts: &mut Counts| {
+        let trace = |scratch: &mut Scratch<(f64, SurfaceFace)>, ray: &Ray, sample: ImageSample, counts: &mut Counts| {
             single.draw(scratch, ray, sample, counts, |part, found, take| {
-                fragments.along(&camera.axis(ray), [sample.x, sample.y], part, found, take);
+                walker.walk(&camera.axis(ray), [sample.x, sample.y], part, found, take);
             })
         };
-        let (seen, counts) = stats.time("fragments", || match pixels {
+        let (seen, counts) = stats.time("rays", || match pixels {
             Some(pixels) => trace_pixels(view, pixels, control, Scratch::default, trace),
             None => trace_view(view, control, Scratch::default, trace),
         })?;

@@ -5,7 +5,7 @@ use vr_core::cells::{CellValues, FACES};
 
 use crate::camera_space::CameraVertex;
 
-use super::screen::Screen;
+use crate::screen::Screen;
 
 /// Places of the lattice across the largest cell: differences of places within a cell have exact products in f64, so that the side of a line on which a place lies is
 /// never in doubt, and two cells that share a face agree.

@@ -10,13 +10,13 @@ use crate::entries::SurfaceFace;
 use crate::tile_lists::{TileLists, TileRange, each_tile};
 
 use super::projector::CellProjector;
-use super::screen::Screen;
 use super::screen_mesh::{MAX_EXTENT, ScreenMesh};
 use super::segment_table::SegmentTable;
 use super::surface_pairs::SurfacePairs;
 use super::tile::Painter;
 use super::tiling::Tiling;
 use super::visibility::Visibility;
+use crate::screen::Screen;
 
 /// Entries of the lists of cells at most.
 const MAX_ENTRIES: usize = 1 << 28;

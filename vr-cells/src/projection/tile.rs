@@ -131,7 +131,7 @@ impl Vectorized for TileJob<'_> {
                     continue;
                 }
                 counts.samples += inside.count as u64;
-                let lanes = OutlineLanes::new(&outline, *range, inside.sixteen(0)[0]);
+                let lanes = OutlineLanes::new(&outline, &corners, *range, inside.sixteen(0)[0]);
                 let classic = is_classic.then(|| ClassicCell::new(painter, (&outline, &corners), &lanes, origin));
                 for first in (0..inside.count).step_by(LANES) {
                     let numbers = inside.sixteen(first);

@@ -78,9 +78,9 @@ mod tests {
     use super::*;
     use crate::camera_space::CameraSpace;
     use crate::entries::surface;
-    use crate::projection::screen::Screen;
     use crate::projection::surface_pairs::SurfacePairs;
     use crate::projection::tiling::Tiling;
+    use crate::screen::Screen;
     use glam::DVec3;
     use vr_core::cells::{CellMesh, CellValues};
     use vr_core::{Camera, Control, Projection, View};

@@ -6,13 +6,11 @@ use crate::camera_space::CameraVertex;
 
 /// A view's screen, in samples from its top left corner: sample (i, j) has its centre at (i + ½, j + ½).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Screen {
-    pub(super) perspective: bool,
-    /// Samples along both axes.
-    pub(super) size: [u32; 2],
+pub(crate) struct Screen {
+    pub(crate) perspective: bool,
     middle: [f64; 2],
     /// Samples for each world unit, at depth 1 in perspective.
-    pub(super) per_unit: f64,
+    pub(crate) per_unit: f64,
     /// Depth in front of the eye from which on something can be projected.
     near: f64,
 }
@@ -22,29 +20,34 @@ const NEAR: f64 = 1e-9;
 
 impl Screen {
     /// The screen of a view of a mesh whose cells have a size, with `per_pixel` samples along the edge of a pixel.
-    pub(super) fn new(view: &View, per_pixel: u32, spacing: f64) -> Self {
+    pub(crate) fn new(view: &View, per_pixel: u32, spacing: f64) -> Self {
         let size = view.size.map(|n| n * per_pixel);
         let projection = view.camera.projection;
         let (perspective, per_unit) = (projection.is_perspective(), f64::from(size[1]) / projection.height());
-        Self { perspective, size, middle: size.map(|n| 0.5 * f64::from(n)), per_unit, near: NEAR * spacing }
+        Self { perspective, middle: size.map(|n| 0.5 * f64::from(n)), per_unit, near: NEAR * spacing }
     }
 
     /// True if a depth lies ahead of the eye, so that it can be projected.
-    pub(super) fn is_ahead(&self, depth: f64) -> bool {
+    pub(crate) fn is_ahead(&self, depth: f64) -> bool {
         !self.perspective || depth >= self.near
     }
 
     /// Projects a place that [`is_ahead`](Self::is_ahead).
-    pub(super) fn project(&self, [x, y, depth]: [f64; 3]) -> [f64; 2] {
+    pub(crate) fn project(&self, [x, y, depth]: [f64; 3]) -> [f64; 2] {
         let scale = if self.perspective { self.per_unit / depth } else { self.per_unit };
         [self.middle[0] + x * scale, self.middle[1] - y * scale]
     }
 
     /// The smallest box around the part of a cell ahead of the eye, as lowest and highest corner; `None` if there is none.
-    pub(super) fn bounds<const N: usize>(&self, corners: &[&CameraVertex<N>; 4]) -> Option<[[f64; 2]; 2]> {
+    pub(crate) fn bounds<const N: usize>(&self, corners: &[&CameraVertex<N>; 4]) -> Option<[[f64; 2]; 2]> {
         if corners.iter().all(|c| c.at[2] < 0.0) {
             return None;
         }
+        self.box_around(corners)
+    }
+
+    /// The smallest box around what can be projected of the hull of some vertices; `None` if nothing can.
+    pub(crate) fn box_around<const N: usize>(&self, corners: &[&CameraVertex<N>]) -> Option<[[f64; 2]; 2]> {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let mut take = |at: [f64; 3]| {
             let at = self.project(at);
