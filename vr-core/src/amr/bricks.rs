@@ -30,6 +30,8 @@ pub(super) struct Brick {
     pub(super) has_finer: bool,
     /// True if it holds a leaf.
     pub(super) has_leaf: bool,
+    /// Edge of the largest cubes of cells, aligned with the block, each of which finer cells cover all or none of.
+    pub(super) grain: u8,
     /// True if parts of it may be vacuum.
     pub(super) has_vacuum: bool,
 }
@@ -100,12 +102,21 @@ fn brick(grid: &AmrGrid, number: usize, at: [i64; 3]) -> Brick {
     let cells = block.cells(grid.centring);
     let from: [i64; 3] = std::array::from_fn(|a| block.first[a] + at[a] * EDGE);
     let to: [i64; 3] = std::array::from_fn(|a| (from[a] + EDGE).min(block.first[a] + cells[a] as i64));
-    let covered = each_index(from, to).filter(|&cell| grid.is_covered(block.level, cell)).count();
+    let is_covered = |cell: [i64; 3]| grid.is_covered(block.level, cell);
+    let covered = each_index(from, to).filter(|&cell| is_covered(cell)).count();
     let cells_in = each_index(from, to).count();
+    // Every cell is as the first one of its cube.
+    let is_even = |grain: i64| {
+        let first = |cell: [i64; 3]| std::array::from_fn(|a| from[a] + (cell[a] - from[a]) / grain * grain);
+        each_index(from, to).all(|cell| is_covered(cell) == is_covered(first(cell)))
+    };
+    let grain =
+        if covered == 0 || covered == cells_in { EDGE } else { [4, 2].into_iter().find(|&g| is_even(g)).unwrap_or(1) };
     let mut brick = Brick {
         range: [f32::INFINITY, f32::NEG_INFINITY],
         has_finer: covered > 0,
         has_leaf: covered < cells_in,
+        grain: grain as u8,
         has_vacuum: false,
     };
     if brick.has_leaf {

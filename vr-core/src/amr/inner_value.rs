@@ -46,7 +46,7 @@ impl AmrGrid {
     }
 
     /// True if all cells around one at the rim of a block are known to be of its level.
-    fn has_same_level_around(&self, number: usize, cell: [i64; 3]) -> bool {
+    pub(super) fn has_same_level_around(&self, number: usize, cell: [i64; 3]) -> bool {
         let block = &self.blocks[number];
         let complete = self.bricks().complete_sides(number);
         (0..27).all(|direction: i64| {
