@@ -349,7 +349,7 @@ fn rays_leap_between_blocks_that_are_far_apart() {
     let ray = Ray { origin: DVec3::new(-5.0, 2.1, 1.9), direction: DVec3::X };
     let parts: Vec<_> = grid.parts_along(&ray, [0.0, 1e12]).collect();
     let of_block = |number: usize| parts.iter().filter(move |p| p.block == number);
-    let ends = [0, 1].map(|n| (of_block(n).map(|p| p.from).next().unwrap(), of_block(n).map(|p| p.to).last().unwrap()));
+    let ends = [0, 1].map(|n| (of_block(n).next().unwrap().from, of_block(n).next_back().unwrap().to));
     let wanted = [(5.5, 8.5), (far as f64 + 5.5, far as f64 + 8.5)];
     assert!(ends.iter().zip(wanted).all(|(e, w)| (e.0 - w.0).abs() < 1e-3 && (e.1 - w.1).abs() < 1e-3), "{ends:?}");
 }
@@ -363,7 +363,7 @@ fn samples_around_a_place_make_the_field_and_its_gradient() {
             let grid = patchy(seed as u64, ratios, centring, |_| values.borrow_mut().next());
             let samples = grid.samples();
             let mut random = Random(seed as u64 + 99);
-            let (mut told, mut inner, mut sloped) = (0, 0, 0);
+            let (mut told, mut inner, mut sloped, mut rims) = (0, 0, 0, 0);
             for _ in 0..3000 {
                 let at = place(&grid, &mut random);
                 let Some(level) = level_at(&grid, at) else { continue };
@@ -384,6 +384,11 @@ fn samples_around_a_place_make_the_field_and_its_gradient() {
                     told += 1;
                     let value: f64 = (0..8).map(|i| f64::from(corners[i]) * weight(i)).sum();
                     assert!((value - grid.value(at).unwrap()).abs() < 1e-6, "{at}");
+                } else if let Some(value) = samples.value_at_rim(number, low, t) {
+                    rims += 1;
+                    assert!((value - grid.value(at).unwrap()).abs() < 1e-9, "{at}: {value}");
+                } else {
+                    assert!(grid.value(at).is_none(), "{at}");
                 }
                 let [first, last] = samples.inner(number);
                 let is_inner = (0..3).all(|a| first[a] <= low[a] && low[a] <= last[a]);
@@ -407,7 +412,7 @@ fn samples_around_a_place_make_the_field_and_its_gradient() {
                     }
                 }
             }
-            assert!(told > 300 && inner > 50 && sloped > 20, "{told} {inner} {sloped}");
+            assert!(told > 300 && inner > 50 && sloped > 20 && rims > 50, "{told} {inner} {sloped} {rims}");
         }
     }
 }

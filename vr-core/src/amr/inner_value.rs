@@ -66,15 +66,6 @@ impl AmrGrid {
             complete >> (side(0) + 3 * side(1) + 9 * side(2)) & 1 == 1
         })
     }
-
-    /// True if a level has all cells around one.
-    pub(super) fn has_neighbors(&self, level: usize, cell: [i64; 3]) -> bool {
-        let side = |i: i64| i - 1;
-        (0..27).all(|i: i64| {
-            let by = [side(i % 3), side(i / 3 % 3), side(i / 9)];
-            self.holder_of_cell(level, plus(cell, by)).is_some()
-        })
-    }
 }
 
 /// The eight samples of a block from one on, which it has.

@@ -38,6 +38,7 @@ mod refining;
 mod region;
 mod restriction;
 mod rim;
+mod rim_samples;
 mod samples;
 mod stretches;
 mod traversal;

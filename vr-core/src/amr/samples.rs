@@ -4,7 +4,6 @@ use glam::DVec3;
 
 use super::block::{AmrBlock, AmrCentring};
 use super::grid::AmrGrid;
-use super::level::corner;
 use super::neighbors::Neighbors;
 
 /// Access to the samples of blocks, and of those beside them, by whole numbers: a place is counted in samples of a block from its first one, and may lie a
@@ -30,7 +29,7 @@ use super::neighbors::Neighbors;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct AmrSamples<'a> {
-    grid: &'a AmrGrid,
+    pub(super) grid: &'a AmrGrid,
     neighbors: &'a Neighbors,
 }
 
@@ -88,30 +87,99 @@ impl<'a> AmrSamples<'a> {
         if !self.tells(number, low) {
             return None;
         }
-        let mut found = [0.0; 8];
-        for (i, found) in found.iter_mut().enumerate() {
-            let by = corner(i);
-            *found = self.at(number, std::array::from_fn(|a| low[a] + by[a] as i32));
+        let block = &self.grid.blocks[number];
+        let side = |a: usize, at: i32| match at {
+            ..0 => 0,
+            i if (i as usize) < block.dims[a] => 1,
+            _ => 2,
+        };
+        let sides: [[usize; 2]; 3] = std::array::from_fn(|a| [side(a, low[a]), side(a, low[a] + 1)]);
+        // Where one axis leads from a block to another, the samples of each side are a face of one block: as a rule.
+        let mut found = [f32::NAN; 8];
+        let crossed: u32 = (0..3).filter(|&a| sides[a][0] != sides[a][1]).fold(0, |bits, a| bits | 1 << a);
+        if let (1 | 2 | 4, axis) = (crossed, crossed.trailing_zeros() as usize) {
+            let [b, c] = [[1, 2], [0, 2], [0, 1]][axis];
+            for up in 0..2 {
+                let mut places = sides.map(|side| side[0]);
+                places[axis] = sides[axis][up];
+                let Some(number) = self.neighbors.of(number, places[0] + 3 * places[1] + 9 * places[2]) else {
+                    continue;
+                };
+                let holder = &self.grid.blocks[number];
+                let mut from = low;
+                from[axis] += up as i32;
+                let offset = offset_from(block, holder, from);
+                let strides = [1, holder.dims[0], holder.dims[0] * holder.dims[1]];
+                for i in 0..4 {
+                    let at = offset + (i & 1) * strides[b] + (i >> 1) * strides[c];
+                    let corner = up << axis | (i & 1) << b | (i >> 1) << c;
+                    found[corner] = holder.values.get(at).copied().unwrap_or(f32::NAN);
+                }
+            }
+        }
+        // One by one: from more blocks than two, or where no single one holds a side.
+        let is_told = found.iter().all(|v| !v.is_nan());
+        for i in (0..8).filter(|_| !is_told) {
+            let local: [i32; 3] = std::array::from_fn(|a| low[a] + (i >> a & 1) as i32);
+            found[i] = self.at(number, self.place_of(number, local), local);
         }
         found.iter().all(|v| !v.is_nan()).then_some(found)
     }
 
-    /// Fills the samples around eight of them, from `low` on; false if the gradient is not made of these alone.
+    /// Fills the samples around eight of them, from `low` on; false if the gradient is not made of these alone. Beyond the level, the field is taken; where
+    /// that is vacuum, what makes the difference one-sided.
     #[inline]
     pub fn stencil(&self, number: usize, low: [i32; 3], out: &mut AmrStencil) -> bool {
-        if !self.tells(number, low) {
-            return false;
-        }
         let block = &self.grid.blocks[number];
         let is_within = (0..3).all(|a| low[a] >= 1 && low[a] as usize + 2 < block.dims[a]);
-        if is_within {
+        if is_within && self.tells(number, low) {
             within(block, low.map(|i| i as usize), out);
-        } else {
-            for (sample, by) in out.iter_mut().zip(&PLACES) {
-                *sample = self.at(number, std::array::from_fn(|a| low[a] + by[a]));
-            }
+            return out.iter().all(|v| !v.is_nan());
         }
-        out.iter().all(|v| !v.is_nan())
+        let found = self.stencil_at_rim(number, low);
+        if let Some(found) = found {
+            *out = found.map(|sample| sample as f32);
+        }
+        found.is_some()
+    }
+
+    /// The same with the full precision of what lies beyond the level.
+    pub(super) fn exact_stencil(&self, number: usize, low: [i32; 3]) -> Option<[f64; 32]> {
+        let block = &self.grid.blocks[number];
+        let is_within = (0..3).all(|a| low[a] >= 1 && low[a] as usize + 2 < block.dims[a]);
+        if is_within && self.tells(number, low) {
+            let mut stencil = [0.0; 32];
+            within(block, low.map(|i| i as usize), &mut stencil);
+            return stencil.iter().all(|v| !v.is_nan()).then(|| stencil.map(f64::from));
+        }
+        self.stencil_at_rim(number, low)
+    }
+
+    /// The same where some of the samples are not those of the block.
+    #[inline(never)]
+    fn stencil_at_rim(&self, number: usize, low: [i32; 3]) -> Option<[f64; 32]> {
+        let block = &self.grid.blocks[number];
+        let corners = self.corners(number, low)?.map(f64::from);
+        let mut out = [0.0; 32];
+        out[..8].copy_from_slice(&corners);
+        for (i, by) in PLACES.iter().enumerate().skip(8) {
+            let local: [i32; 3] = std::array::from_fn(|a| low[a] + by[a]);
+            let mut sample = f64::from(self.at(number, self.place_of(number, local), local));
+            if sample.is_nan() {
+                let at = std::array::from_fn(|a| block.first[a] + i64::from(local[a]));
+                sample = self.grid.beyond_level(block.level, at);
+            }
+            if sample.is_nan() {
+                // The sample beside it, and the one behind that.
+                let (axis, plane) = ((i - 8) / 8, i % 4);
+                let others = [[1, 2], [0, 2], [0, 1]][axis];
+                let lower = (plane & 1) << others[0] | (plane >> 1) << others[1];
+                let [near, far] = if by[axis] < 0 { [lower, lower | 1 << axis] } else { [lower | 1 << axis, lower] };
+                sample = 2.0 * corners[near] - corners[far];
+            }
+            out[i] = sample;
+        }
+        Some(out)
     }
 
     /// True if the samples around a place tell the field there, as far as there are any.
@@ -119,7 +187,7 @@ impl<'a> AmrSamples<'a> {
     fn tells(&self, number: usize, low: [i32; 3]) -> bool {
         let block = &self.grid.blocks[number];
         match self.grid.centring {
-            AmrCentring::Cells => true,
+            AmrCentring::Cells => (0..3).all(|a| low[a] >= -1 && low[a] < block.dims[a] as i32),
             AmrCentring::Points => {
                 let is_within = (0..3).all(|a| low[a] >= 0 && low[a] as usize + 1 < block.dims[a]);
                 let cell = std::array::from_fn(|a| block.first[a] + i64::from(low[a]));
@@ -128,22 +196,36 @@ impl<'a> AmrSamples<'a> {
         }
     }
 
-    /// Sample at a place of a block or beside it; NaN for none.
+    /// Place of a sample among the neighbours of a block.
     #[inline]
-    fn at(&self, number: usize, local: [i32; 3]) -> f32 {
+    pub(super) fn place_of(&self, number: usize, local: [i32; 3]) -> usize {
         let block = &self.grid.blocks[number];
         let side = |a: usize| match local[a] {
             ..0 => 0,
             i if (i as usize) < block.dims[a] => 1,
             _ => 2,
         };
-        let at = std::array::from_fn(|a| block.first[a] + i64::from(local[a]));
-        let holder = self.neighbors.of(number, side(0) + 3 * side(1) + 9 * side(2)).map(|n| &self.grid.blocks[n]);
-        match holder.and_then(|holder| Some(holder.values[holder.offset(at)?])) {
-            Some(value) => value,
-            None => self.grid.sample(block.level, at) as f32,
-        }
+        side(0) + 3 * side(1) + 9 * side(2)
     }
+
+    /// Sample of a block or beside it, in one of its 27 places; NaN for none.
+    #[inline]
+    pub(super) fn at(&self, number: usize, place: usize, local: [i32; 3]) -> f32 {
+        let block = &self.grid.blocks[number];
+        let holder = self.neighbors.of(number, place).map(|n| &self.grid.blocks[n]);
+        let found = holder.and_then(|holder| holder.values.get(offset_from(block, holder, local)));
+        found.copied().unwrap_or_else(|| {
+            let at = std::array::from_fn(|a| block.first[a] + i64::from(local[a]));
+            self.grid.sample(block.level, at) as f32
+        })
+    }
+}
+
+/// Place of a sample in the values of a block that has it, by its place from the first sample of another one.
+#[inline]
+fn offset_from(block: &AmrBlock, holder: &AmrBlock, local: [i32; 3]) -> usize {
+    let at = |a: usize| (block.first[a] - holder.first[a] + i64::from(local[a])) as usize;
+    (at(2) * holder.dims[1] + at(1)) * holder.dims[0] + at(0)
 }
 
 /// Places of a stencil's samples, from the lowest of the eight in the middle.
@@ -172,11 +254,21 @@ const fn places() -> [[i32; 3]; 32] {
 
 /// The samples of a block from one step below `low` to two above it, which it has.
 #[inline]
-fn within(block: &AmrBlock, low: [usize; 3], out: &mut AmrStencil) {
-    let (row, layer) = (block.dims[0] as isize, (block.dims[0] * block.dims[1]) as isize);
-    let first = ((low[2] * block.dims[1] + low[1]) * block.dims[0] + low[0]) as isize;
-    for (sample, by) in out.iter_mut().zip(&PLACES) {
-        let offset = first + by[2] as isize * layer + by[1] as isize * row + by[0] as isize;
-        *sample = block.values[offset as usize];
+fn within(block: &AmrBlock, [x, y, z]: [usize; 3], out: &mut AmrStencil) {
+    let (row, layer) = (block.dims[0], block.dims[0] * block.dims[1]);
+    let first = (z * block.dims[1] + y) * row + x;
+    let values = &block.values;
+    for (i, begin) in [first, first + row, first + layer, first + layer + row].into_iter().enumerate() {
+        let four = &values[begin - 1..begin + 3];
+        (out[8 + i], out[2 * i], out[2 * i + 1], out[12 + i]) = (four[0], four[1], four[2], four[3]);
+    }
+    let mut pair = |to: usize, begin: usize| out[to..to + 2].copy_from_slice(&values[begin..begin + 2]);
+    for (i, begin) in [first, first + layer].into_iter().enumerate() {
+        pair(16 + 2 * i, begin - row);
+        pair(20 + 2 * i, begin + 2 * row);
+    }
+    for (i, begin) in [first, first + row].into_iter().enumerate() {
+        pair(24 + 2 * i, begin - layer);
+        pair(28 + 2 * i, begin + 2 * layer);
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::bricks::{Brick, Bricks, EDGE};
+use super::bricks::{Bricks, EDGE};
 use super::grid::AmrGrid;
 use super::level::{divided, plus, times};
 use crate::box_tree::LocalLine;
@@ -18,6 +18,8 @@ pub struct AmrPart {
     pub to: f64,
     /// Number of the block.
     pub block: usize,
+    /// Number of the brick in the mesh; `None` if the block is crossed as a whole.
+    pub brick: Option<usize>,
     /// Two numbers that enclose every value on it.
     pub range: [f32; 2],
 }
@@ -61,11 +63,17 @@ pub struct AmrTraversal<'a> {
     level: usize,
     /// Distance at which the mesh was left last.
     left: f64,
+    /// Blocks that are crossed as a whole, if they can be, with the ranges of their values.
+    whole: Option<&'a [Option<[f32; 2]>]>,
+    /// Such a block that is known to come next.
+    next: Option<usize>,
 }
 
 /// Leaves of a block that are crossed at once.
 struct Region {
     block: usize,
+    /// Number of the brick; `None` if it is all of the block.
+    brick: Option<usize>,
     /// Lattice nodes of its level at the lowest and the highest corner.
     nodes: [[i64; 3]; 2],
     range: [f32; 2],
@@ -92,7 +100,28 @@ impl AmrGrid {
             node: self.finest_node(base + direction * at),
             level: self.levels.len() - 1,
             left: f64::NEG_INFINITY,
+            whole: None,
+            next: None,
         }
+    }
+
+    /// Numbers of the bricks of a block, and of each the range of its values; parts of rays are parts of these as a rule. Empty where finer cells cover it.
+    pub fn brick_ranges(&self, block: usize) -> impl Iterator<Item = (usize, [f32; 2])> {
+        let bricks = self.bricks();
+        bricks.of_block(block).map(|number| (number, bricks.get(number).range))
+    }
+
+    /// Number of bricks of all blocks.
+    pub fn brick_count(&self) -> usize {
+        self.blocks.len().checked_sub(1).map_or(0, |last| self.bricks().of_block(last).end)
+    }
+}
+
+impl<'a> AmrTraversal<'a> {
+    /// Crosses blocks that have a range at once, where all of their cells are leaves and none is vacuum: one entry for each block.
+    #[must_use]
+    pub fn by_blocks(self, whole: &'a [Option<[f32; 2]>]) -> Self {
+        Self { whole: Some(whole), ..self }
     }
 }
 
@@ -106,30 +135,45 @@ impl AmrTraversal<'_> {
             let cell = divided(node, [elements; 3]);
             grid.holder_of_cell(level, cell).map(|block| (level, block, node, cell))
         };
-        let brick = |block: usize, cell: [i64; 3]| -> &Brick {
+        let brick = |block: usize, cell: [i64; 3]| {
             let first = grid.blocks[block].first;
-            self.bricks.at(grid, block, std::array::from_fn(|a| (cell[a] - first[a]) / EDGE))
+            let number = self.bricks.number_at(grid, block, std::array::from_fn(|a| (cell[a] - first[a]) / EDGE));
+            (number, self.bricks.get(number))
         };
         // The finest level that has the cell; no other needs to be asked where nothing finer is near.
         let (level, block, node, cell) = match holder(self.level) {
-            Some(own @ (_, block, _, cell)) if brick(block, cell).has_finer => {
+            Some(own @ (_, block, _, cell)) if brick(block, cell).1.has_finer => {
                 (self.level + 1..grid.levels.len()).rev().find_map(holder).unwrap_or(own)
             }
             Some(own) => own,
             None => (0..self.level).rev().find_map(holder)?,
         };
-        self.level = level;
-        let brick = *brick(block, cell);
-        if brick.has_vacuum {
-            return Some(Region { block, nodes: [node, plus(node, [1; 3])], range: brick.range, is_doubtful: true });
+        if let Some(region) = self.whole_region(block) {
+            self.level = level;
+            return Some(region);
         }
-        let grain = i64::from(brick.grain);
+        let (number, found) = brick(block, cell);
+        let (found, number) = (*found, Some(number));
+        self.level = level;
+        if found.has_vacuum {
+            let nodes = [node, plus(node, [1; 3])];
+            return Some(Region { block, brick: number, nodes, range: found.range, is_doubtful: true });
+        }
+        let grain = i64::from(found.grain);
         let held = &grid.blocks[block];
         let (first, end) = (held.first, plus(held.first, held.cells(grid.centring).map(|n| n as i64)));
         let from: [i64; 3] = std::array::from_fn(|a| first[a] + (cell[a] - first[a]) / grain * grain);
         let to = std::array::from_fn(|a| (from[a] + grain).min(end[a]));
         let nodes = [from, to].map(|cell| times(cell, [elements; 3]));
-        Some(Region { block, nodes, range: brick.range, is_doubtful: false })
+        Some(Region { block, brick: number, nodes, range: found.range, is_doubtful: false })
+    }
+
+    /// All of a block, if it is to be crossed at once and can be.
+    #[inline]
+    fn whole_region(&self, block: usize) -> Option<Region> {
+        let range = (*self.whole?.get(block)?)?;
+        let nodes = self.grid.nodes_of_block(block);
+        self.bricks.is_solid(block).then_some(Region { block, brick: None, nodes, range, is_doubtful: false })
     }
 
     /// Goes on to the face by which the ray leaves a region.
@@ -145,6 +189,14 @@ impl AmrTraversal<'_> {
             }
         }
         self.at = if nearest < self.end { nearest.max(self.at) } else { self.end };
+        if region.brick.is_none() {
+            let face = 2 * axis + usize::from(self.direction[axis] > 0.0);
+            self.next =
+                self.bricks.beside(region.block, face).filter(|&next| self.whole.is_some_and(|w| w[next].is_some()));
+            if self.next.is_some() {
+                return;
+            }
+        }
         // Along the other axes it is where it was, whatever rounding says.
         let finest = self.grid.levels[self.grid.levels.len() - 1].rate;
         let place = (self.base + self.direction * self.at - self.grid.origin) * finest;
@@ -195,7 +247,8 @@ impl Iterator for AmrTraversal<'_> {
 
     fn next(&mut self) -> Option<AmrPart> {
         while self.at < self.end {
-            let Some(region) = self.region() else {
+            let known = self.next.take().and_then(|block| self.whole_region(block));
+            let Some(region) = known.or_else(|| self.region()) else {
                 self.leap();
                 continue;
             };
@@ -204,7 +257,7 @@ impl Iterator for AmrTraversal<'_> {
             let middle = self.base + self.direction * (0.5 * (from + self.at));
             let [from, to] = [from, self.at].map(|s| s + self.offset);
             if from < to && !(region.is_doubtful && self.grid.value(middle).is_none()) {
-                return Some(AmrPart { from, to, block: region.block, range: region.range });
+                return Some(AmrPart { from, to, block: region.block, brick: region.brick, range: region.range });
             }
         }
         None
