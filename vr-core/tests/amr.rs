@@ -3,7 +3,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use vr_core::amr::{AmrBlock, AmrCentring, AmrError, AmrGrid, AmrSampling};
-use vr_core::{Calibration, Field, Filter, GridVolume, Placement, UniformGrid, gradient_between_samples};
+use vr_core::{Calibration, Field, Filter, GridVolume, Placement, Ray, UniformGrid, gradient_between_samples};
 
 const CENTRINGS: [AmrCentring; 2] = [AmrCentring::Cells, AmrCentring::Points];
 
@@ -262,4 +262,157 @@ fn memory_is_that_of_the_blocks() {
     assert!(cells > 100_000_000, "{cells}");
     let values: usize = grid.blocks().iter().map(|b| 4 * b.values.len()).sum();
     assert!(grid.bytes() < values + values / 8, "{} for {values}", grid.bytes());
+}
+
+/// Level of the finest cell that covers a place.
+fn level_at(grid: &AmrGrid, at: DVec3) -> Option<usize> {
+    let covers = |block: &AmrBlock| {
+        let index = (at - grid.origin()) / grid.spacing_of(block.level);
+        let cells = block.cells(grid.centring());
+        (0..3).all(|a| {
+            let from = block.first[a] as f64;
+            from <= index[a] && index[a] < from + cells[a] as f64
+        })
+    };
+    grid.blocks().iter().filter(|b| covers(b)).map(|b| b.level).max()
+}
+
+/// A ray through a place of the mesh; along an axis or across a face of blocks now and then.
+fn ray_through(grid: &AmrGrid, random: &mut Random) -> Ray {
+    let mut at = place(grid, random);
+    let mut direction = DVec3::new(random.next(), random.next(), random.next()) * 2.0 - 1.0;
+    if random.next() < 0.3 {
+        // In a face of cells, and parallel to it.
+        let spacing = grid.spacing_of(0);
+        at.x = grid.origin().x + ((at.x - grid.origin().x) / spacing.x).round() * spacing.x;
+        direction.x = 0.0;
+    }
+    let direction = direction.normalize();
+    Ray { origin: at - direction * 40.0 * random.next(), direction }
+}
+
+#[test]
+fn parts_of_rays_are_all_that_is_not_vacuum() {
+    let mut random = Random(7);
+    for centring in CENTRINGS {
+        for (seed, ratios) in RATIOS.into_iter().enumerate() {
+            let mut noise = Random(seed as u64);
+            let holed = seed % 2 == 1;
+            let values = std::cell::RefCell::new(&mut noise);
+            let value = |_: DVec3| {
+                let v = values.borrow_mut().next();
+                if holed && v < 0.01 { f64::NAN } else { v }
+            };
+            let grid = patchy(seed as u64, ratios, centring, value);
+            for _ in 0..60 {
+                let ray = ray_through(&grid, &mut random);
+                let parts: Vec<_> = grid.parts_along(&ray, [0.0, 60.0]).collect();
+                let mut last = 0.0;
+                for part in &parts {
+                    assert!(part.from >= last && part.to > part.from, "{part:?} behind {last}");
+                    let level = grid.blocks()[part.block].level;
+                    for t in [0.03, 0.4, 0.97] {
+                        let at = ray.origin + ray.direction * (part.from + (part.to - part.from) * t);
+                        let Some(value) = grid.value(at) else { panic!("vacuum at {at} in {part:?}") };
+                        let within = part.range.map(f64::from);
+                        assert!(within[0] - 1e-6 <= value && value <= within[1] + 1e-6, "{value} in {part:?}");
+                        // Rounding may put what is in a face of two levels to either.
+                        let off_faces = ray.direction.x != 0.0 && part.to - part.from > 1e-6;
+                        assert!(!off_faces || level_at(&grid, at) == Some(level), "{at} in {part:?}");
+                    }
+                    // Nothing but vacuum lies between two parts.
+                    for t in [0.1, 0.5, 0.9] {
+                        let at = ray.origin + ray.direction * (last + (part.from - last) * t);
+                        assert!(part.from - last < 1e-9 || grid.value(at).is_none(), "{at} before {part:?}");
+                    }
+                    last = part.to;
+                }
+                let total: f64 = parts.iter().map(|p| p.to - p.from).sum();
+                let n = 4000;
+                let along = |k: i32| ray.origin + ray.direction * (60.0 * (f64::from(k) + 0.5) / f64::from(n));
+                let seen = (0..n).filter(|&k| grid.value(along(k)).is_some()).count();
+                let off = (total - 60.0 * seen as f64 / f64::from(n)).abs();
+                // Each end of a run of parts is known to one of the places.
+                let ends = 2 + 2 * parts.windows(2).filter(|w| w[0].to != w[1].from).count();
+                assert!(off < 60.0 / f64::from(n) * ends as f64, "{total}, but {seen} of {n}");
+            }
+        }
+    }
+}
+
+/// Blocks in places so far apart that no one could go from cell to cell between them.
+#[test]
+fn rays_leap_between_blocks_that_are_far_apart() {
+    let far = 1i64 << 35;
+    let blocks = vec![block(0, [0; 3], [4; 3], 1.0), block(0, [far, 0, 0], [4; 3], 2.0)];
+    let grid = new(&[], blocks).unwrap();
+    let ray = Ray { origin: DVec3::new(-5.0, 2.1, 1.9), direction: DVec3::X };
+    let parts: Vec<_> = grid.parts_along(&ray, [0.0, 1e12]).collect();
+    let of_block = |number: usize| parts.iter().filter(move |p| p.block == number);
+    let ends = [0, 1].map(|n| (of_block(n).next().unwrap().from, of_block(n).next_back().unwrap().to));
+    let wanted = [(5.5, 8.5), (far as f64 + 5.5, far as f64 + 8.5)];
+    assert!(ends.iter().zip(wanted).all(|(e, w)| (e.0 - w.0).abs() < 1e-3 && (e.1 - w.1).abs() < 1e-3), "{ends:?}");
+}
+
+#[test]
+fn samples_around_a_place_make_the_field_and_its_gradient() {
+    for centring in CENTRINGS {
+        for (seed, ratios) in RATIOS.into_iter().enumerate() {
+            let mut noise = Random(seed as u64);
+            let values = std::cell::RefCell::new(&mut noise);
+            let grid = patchy(seed as u64, ratios, centring, |_| values.borrow_mut().next());
+            let samples = grid.samples();
+            let mut random = Random(seed as u64 + 99);
+            let (mut told, mut inner, mut sloped, mut rims) = (0, 0, 0, 0);
+            for _ in 0..3000 {
+                let at = place(&grid, &mut random);
+                let Some(level) = level_at(&grid, at) else { continue };
+                let spacing = grid.spacing_of(level);
+                let in_block = |b: &AmrBlock| {
+                    let index = (at - grid.origin()) / spacing - DVec3::from_array(b.first.map(|i| i as f64));
+                    let cells = DVec3::from_array(b.cells(centring).map(|n| n as f64));
+                    b.level == level && index.cmpge(DVec3::ZERO).all() && index.cmplt(cells).all()
+                };
+                let number = grid.blocks().iter().position(in_block).unwrap();
+                let local = (at - samples.first_place(number)) / spacing;
+                let low = local.floor().to_array().map(|x| x as i32);
+                let t = local - local.floor();
+                let weight =
+                    |i: usize| -> f64 { (0..3).map(|a| if i >> a & 1 == 1 { t[a] } else { 1.0 - t[a] }).product() };
+                let corners = samples.corners(number, low);
+                if let Some(corners) = corners {
+                    told += 1;
+                    let value: f64 = (0..8).map(|i| f64::from(corners[i]) * weight(i)).sum();
+                    assert!((value - grid.value(at).unwrap()).abs() < 1e-6, "{at}");
+                } else if let Some(value) = samples.value_at_rim(number, low, t) {
+                    rims += 1;
+                    assert!((value - grid.value(at).unwrap()).abs() < 1e-9, "{at}: {value}");
+                } else {
+                    assert!(grid.value(at).is_none(), "{at}");
+                }
+                let [first, last] = samples.inner(number);
+                let is_inner = (0..3).all(|a| first[a] <= low[a] && low[a] <= last[a]);
+                assert!(!is_inner || corners.is_some());
+                inner += usize::from(is_inner);
+                let mut s = [0.0; 32];
+                if samples.stencil(number, low, &mut s) {
+                    sloped += 1;
+                    let rise = |a: usize, i: usize| {
+                        let (bit, up) = (1 << a, i >> a & 1 == 1);
+                        let others = [[1, 2], [0, 2], [0, 1]][a];
+                        let plane = (i >> others[0] & 1) + 2 * (i >> others[1] & 1);
+                        let (low, high) =
+                            if up { (s[i - bit], s[12 + 8 * a + plane]) } else { (s[8 + 8 * a + plane], s[i + bit]) };
+                        0.5 * f64::from(high - low) / spacing[a]
+                    };
+                    let gradient = grid.gradient(at).unwrap();
+                    for a in 0..3 {
+                        let slope: f64 = (0..8).map(|i| rise(a, i) * weight(i)).sum();
+                        assert!((slope - gradient[a]).abs() < 1e-5 / spacing[a], "{slope} for {gradient}");
+                    }
+                }
+            }
+            assert!(told > 300 && inner > 50 && sloped > 20 && rims > 50, "{told} {inner} {sloped} {rims}");
+        }
+    }
 }

@@ -1,14 +1,15 @@
-//! Time of a sample in adaptive meshes beside that in a uniform grid, in the same engine: `cargo run --release -p vr-raycast --example amr_time`.
+//! Time of a sample in adaptive meshes beside that in a uniform grid, in the plain engine and in packets: `cargo run --release -p vr-raycast --example amr_time`.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{DMat3, DVec3};
 use vr_core::amr::{AmrCentring, AmrGrid, AmrSampling};
 use vr_core::{
-    Calibration, Camera, Control, ControlPoint, OpacityRule, Placement, Renderer, Scene, TransferFunction, UniformGrid,
-    View, Volume,
+    Calibration, Camera, Control, ControlPoint, OpacityRule, Placement, Renderer, Scene, Shading, TransferFunction,
+    UniformGrid, View, Volume,
 };
-use vr_raycast::{EmptySpace, RayCaster};
+use vr_raycast::{CompositingOrder, EmptySpace, RayCaster};
 
 /// Finest cells along the edge of the unit cube.
 const SIDE: usize = 128;
@@ -51,20 +52,33 @@ fn main() {
     let transfer = TransferFunction::new(points, OpacityRule::Power, step).expect("it is one");
     let view = View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), 35.0, 25.0, Some(40.0)), [192; 2]);
     let control = Control::default().with_threads(1);
-    let caster = RayCaster { empty_space: EmptySpace::None, ..RayCaster::exact(0.5) };
-    let mut first = None;
-    for (name, volume) in volumes {
-        let mut prepared = caster.prepare(&Scene::new(volume, transfer.clone()), &control).expect("it can draw this");
-        let mut best = f64::INFINITY;
-        let mut samples = 0;
-        for _ in 0..3 {
-            let begin = Instant::now();
-            let rendered = prepared.render(&view, &control).expect("it is drawn");
-            best = best.min(begin.elapsed().as_secs_f64());
-            samples = rendered.stats.counts.samples;
+    let plain = RayCaster { empty_space: EmptySpace::None, ..RayCaster::exact(0.5) };
+    let packets =
+        RayCaster { empty_space: EmptySpace::None, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.5) };
+    let shaded = |scene: &Scene| Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
+    // Times of a sample in the uniform grid.
+    let mut first = [None; 3];
+    let only = std::env::args().nth(1);
+    println!("{:<32} {:>10}  {:^22} {:^22} {:^22}", "ns a sample", "samples", "plain", "packets", "packets, shaded");
+    for (name, volume) in volumes.into_iter().filter(|v| only.as_ref().is_none_or(|only| v.0.contains(only))) {
+        let scene = Scene::new(volume, transfer.clone());
+        let mut line = String::new();
+        let mut taken = 0;
+        for (i, (caster, scene)) in
+            [(&plain, scene.clone()), (&packets, scene.clone()), (&packets, shaded(&scene))].into_iter().enumerate()
+        {
+            let mut prepared = caster.prepare(&scene, &control).expect("it can draw this");
+            let mut best = f64::INFINITY;
+            for _ in 0..3 {
+                let begin = Instant::now();
+                let rendered = prepared.render(&view, &control).expect("it is drawn");
+                best = best.min(begin.elapsed().as_secs_f64());
+                taken = rendered.stats.counts.samples;
+            }
+            let each = best / taken as f64 * 1e9;
+            let beside = each / *first[i].get_or_insert(each);
+            line += &format!("  {each:7.1}, {beside:4.2} times");
         }
-        let each = best / samples as f64 * 1e9;
-        let beside = each / *first.get_or_insert(each);
-        println!("{name:<32} {:7.1} ms, {samples:9} samples, {each:6.1} ns each, {beside:4.2} times", best * 1e3);
+        println!("{name:<32} {taken:10}{line}");
     }
 }

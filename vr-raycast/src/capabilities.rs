@@ -2,7 +2,7 @@
 
 use vr_core::{Compositing, Configurable, Feature, Field, Projection, RenderError, Scene, Unsupported, View};
 
-use crate::caster::{CompositingOrder, ImageSampling, RayCaster, Rule, Step, Traversal};
+use crate::caster::{CompositingOrder, ImageSampling, RayCaster, Rule, Step, Traversal, knows_ranges};
 use crate::error_bound::ErrorBound;
 use crate::source::Source;
 
@@ -111,14 +111,16 @@ fn check_field(caster: &RayCaster, scene: &Scene) -> Result<(), RenderError> {
     if caster.filter.is_some() {
         return Err(unsupported(Feature::Filter, format!("a filter over volumes of the kind '{kind}'")));
     }
-    let plain = matches!(caster.step, Step::Uniform(_))
+    let follows = matches!(caster.step, Step::Local { .. }) && knows_ranges(&scene.volume);
+    let plain = (matches!(caster.step, Step::Uniform(_)) || follows)
         && caster.traversal == Traversal::Samples
         && matches!(caster.rule, Rule::Midpoint | Rule::Left)
         && !caster.empty_space.is_named()
         && matches!(caster.image_sampling, ImageSampling::EveryPixel | ImageSampling::Adaptive { .. });
     if !plain {
         let what = format!(
-            "volumes of the kind '{kind}' but in uniform steps by the rule midpoint or left: nothing is known of them between samples"
+            "volumes of the kind '{kind}' but in {} steps by the rule midpoint or left: no more is known of them between samples",
+            if knows_ranges(&scene.volume) { "uniform or local" } else { "uniform" }
         );
         return Err(unsupported(Feature::Setting, what));
     }

@@ -1,12 +1,16 @@
 //! Engines that draw a scene.
 
-use vr_core::{RenderError, Scene};
+use std::sync::Arc;
+
+use vr_core::{Placement, RenderError, Scene};
 
 use crate::caster::{RayCaster, Step};
 use crate::error_bound::ErrorBound;
-use crate::packet::PacketEngine;
+use crate::pace::{Lengths, cells_of_parts};
+use crate::packet::{PacketEngine, PatchEngine};
 use crate::render_tables::TablesByPrecision;
 use crate::source::Source;
+use crate::step_map::RangeSteps;
 
 /// Engine that draws a scene.
 pub(crate) enum Engine {
@@ -14,6 +18,10 @@ pub(crate) enum Engine {
     Plain(TablesByPrecision),
     /// Vector engine: sixteen rays at once, where it knows the scene and the settings.
     Packets(Box<PacketEngine>, TablesByPrecision),
+    /// Vector engine for volumes that are regular lattices patch by patch.
+    Patches(Box<PatchEngine>, TablesByPrecision, Lengths),
+    /// Plain engine for a field that is no grid's, with the lengths of its steps.
+    Field(TablesByPrecision, Lengths),
     /// Engine whose steps keep a bound of the error.
     ErrorBound(Box<ErrorBound>),
 }
@@ -22,8 +30,18 @@ impl Engine {
     /// Tables of the plain engine, where it may draw.
     pub(crate) fn kernel(&self) -> Option<&TablesByPrecision> {
         match self {
-            Self::Plain(kernel) | Self::Packets(_, kernel) => Some(kernel),
+            Self::Plain(kernel) | Self::Packets(_, kernel) | Self::Patches(_, kernel, _) | Self::Field(kernel, _) => {
+                Some(kernel)
+            }
             Self::ErrorBound(_) => None,
+        }
+    }
+
+    /// Lengths of steps in a field that is no grid's.
+    pub(crate) fn lengths(&self) -> Option<&Lengths> {
+        match self {
+            Self::Patches(_, _, lengths) | Self::Field(_, lengths) => Some(lengths),
+            Self::Plain(_) | Self::Packets(..) | Self::ErrorBound(_) => None,
         }
     }
 
@@ -38,7 +56,12 @@ impl Engine {
         last: Option<(&Scene, &Self)>,
     ) -> Result<Self, RenderError> {
         let Source::Grid(volume) = source else {
-            return Ok(Self::Plain(TablesByPrecision::of_field(scene, source.placement())));
+            let kernel = TablesByPrecision::of_field(scene, source.placement());
+            let lengths = lengths(caster, scene, source.placement());
+            return Ok(match PatchEngine::new(caster, scene, source, lengths.clone()) {
+                Some(engine) => Self::Patches(Box::new(engine), kernel, lengths),
+                None => Self::Field(kernel, lengths),
+            });
         };
         if let Step::ErrorBound(error) = caster.step {
             let error_bound = ErrorBound::new(error, scene, volume)?;
@@ -62,5 +85,15 @@ impl Engine {
                 Self::Plain(kernel)
             }
         })
+    }
+}
+
+/// Returns the lengths of a caster's steps in a field that is no grid's.
+pub(crate) fn lengths(caster: &RayCaster, scene: &Scene, placement: &Placement) -> Lengths {
+    match (caster.step, cells_of_parts(&scene.volume), scene.volume.value_range()) {
+        (Step::Local { error }, Some([edge, shortest]), Some(range)) => {
+            Lengths::Local { steps: Arc::new(RangeSteps::new(scene, range, error)), edge, shortest }
+        }
+        _ => Lengths::Uniform { step: caster.world_step(placement), spacing: scene.volume.mean_spacing() },
     }
 }

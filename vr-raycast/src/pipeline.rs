@@ -1,14 +1,15 @@
 //! Plain engine: one ray after another through the passes.
 
 use glam::DVec3;
+use vr_core::field::Stretch;
 use vr_core::image_order::ImageSample;
 use vr_core::{ColorGrid, Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
 
 use crate::caster::CompositingOrder;
 use crate::chord::Chord;
 use crate::classify::Classifier;
-use crate::leap::Visibility;
 use crate::operator::{Needs, Operator, Recording, operator};
+use crate::pace::Pace;
 use crate::ray_value::RayValue;
 use crate::run::Run;
 use crate::shade::Shader;
@@ -26,8 +27,8 @@ pub(crate) struct Pipeline<'a, R> {
     pub(crate) source: &'a Source,
     pub(crate) colors: Option<&'a ColorGrid>,
     pub(crate) walks: Walks<'a>,
-    /// Values that can be seen, for fields that know their stretches; `None` if all are sampled.
-    pub(crate) visibility: Option<Visibility<R>>,
+    /// Pace of rays through fields that know their stretches; `None` for grids.
+    pub(crate) pace: Option<Pace<R>>,
     /// Place of a step's sample, as a fraction of the step.
     pub(crate) offset: f64,
     pub(crate) classifier: &'a Classifier<R>,
@@ -98,11 +99,13 @@ impl<R: Real> Pipeline<'_, R> {
     /// Begins the walk of a ray through the volume.
     fn walk(&self, ray: &Ray, part: IndexRay, start: u32, needs: Needs, counts: &mut Counts) -> Walk<'_> {
         let step = self.walks.step;
-        if let Some((stretches, spacing)) = self.source.stretches(ray, &part) {
-            let shows =
-                |[low, high]: [f32; 2]| self.visibility.as_ref().is_none_or(|visibility| visibility.shows(low, high));
+        if let Some(pace) = &self.pace
+            && let Some(stretches) = self.source.stretches(ray, &part)
+        {
+            let shows = |range: [f32; 2]| pace.shows(range);
+            let length = |stretch: &Stretch| pace.lengths.of(stretch.range, stretch.spacing);
             let before = usize::from(needs.brackets);
-            let rule = StretchSteps { step, spacing, shows: &shows, before, backwards: needs.backwards };
+            let rule = StretchSteps { length: &length, shows: &shows, before, backwards: needs.backwards };
             let (walk, skipped) = stretched_walk(&part, &stretches, &rule);
             counts.skipped += skipped;
             return Walk::Listed(walk);

@@ -9,7 +9,8 @@ use crate::caster::{EmptySpace, Precision, RayCaster, Rule, Traversal};
 use crate::engine::Engine;
 use crate::error_bound::BoundedRays;
 use crate::leap::visibility;
-use crate::packet::PacketFrame;
+use crate::pace::Pace;
+use crate::packet::{PacketFrame, PatchFrame};
 use crate::pipeline::Pipeline;
 use crate::render_tables::{RenderTables, TablesByPrecision};
 use crate::screen;
@@ -116,8 +117,8 @@ impl Prepared for PreparedCaster {
             control.run(|| kernel.find_empty_space(&self.caster, &self.scene, &engine.volume, None));
         }
         let (kernel, own_kernel) = match &self.engine {
-            Engine::Plain(kernel) => (kernel, true),
-            Engine::Packets(_, kernel) => (kernel, false),
+            Engine::Plain(kernel) | Engine::Field(kernel, _) => (kernel, true),
+            Engine::Packets(_, kernel) | Engine::Patches(_, kernel, _) => (kernel, false),
             Engine::ErrorBound(_) => return Ok(None),
         };
         control.run(|| match kernel {
@@ -134,9 +135,12 @@ impl PreparedCaster {
         seen @ (view, layer): (&'a View, Option<&'a Layer>),
     ) -> Result<Box<dyn Tracer + 'a>, RenderError> {
         Ok(match &self.engine {
-            Engine::Plain(TablesByPrecision::F32(tables)) => Box::new(self.pipeline(tables, seen)?),
-            Engine::Plain(TablesByPrecision::F64(tables)) => Box::new(self.pipeline(tables, seen)?),
+            Engine::Plain(kernel) | Engine::Field(kernel, _) => match kernel {
+                TablesByPrecision::F32(tables) => Box::new(self.pipeline(tables, seen)?),
+                TablesByPrecision::F64(tables) => Box::new(self.pipeline(tables, seen)?),
+            },
             Engine::Packets(engine, _) => Box::new(PacketFrame::new(engine, &engine.volume, seen)?),
+            Engine::Patches(engine, ..) => Box::new(PatchFrame::new(engine, &self.source, seen)?),
             Engine::ErrorBound(error_bound) => {
                 let single = self.caster.precision == Precision::F32;
                 Box::new(BoundedRays {
@@ -169,11 +173,11 @@ impl PreparedCaster {
                 voxel: placement.spacing().min_element(),
                 dims: source.dims(),
             },
-            visibility: if source.grid().is_none() && caster.empty_space != EmptySpace::None {
-                visibility(scene, &tables.classifier)
-            } else {
-                None
-            },
+            pace: self.engine.lengths().map(|lengths| {
+                let leaps = caster.empty_space != EmptySpace::None;
+                let visibility = if leaps { visibility(scene, &tables.classifier) } else { None };
+                Pace { lengths: lengths.clone(), visibility }
+            }),
             offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
             classifier: &tables.classifier,
             shader: tables.shader.as_ref(),

@@ -59,9 +59,8 @@ impl Source {
         jumps
     }
 
-    /// Returns the stretches of a part of a ray in its own distances, and the spacing that the field's steps are counted in; `None` for grids, and for
-    /// fields that do not know them.
-    pub(crate) fn stretches(&self, ray: &Ray, part: &IndexRay) -> Option<(Vec<Stretch>, f64)> {
+    /// Returns the stretches of a part of a ray in its own distances; `None` for grids, and for fields that do not know them.
+    pub(crate) fn stretches(&self, ray: &Ray, part: &IndexRay) -> Option<Vec<Stretch>> {
         let Self::Other(other) = self else { return None };
         let (field, mut stretches) = (other.field()?, Vec::new());
         if !field.stretches(ray, [part.start, part.end].map(|s| s + part.offset), &mut stretches) {
@@ -70,7 +69,7 @@ impl Source {
         for stretch in &mut stretches {
             (stretch.from, stretch.to) = (stretch.from - part.offset, stretch.to - part.offset);
         }
-        Some((stretches, field.spacing()))
+        Some(stretches)
     }
 
     /// Returns the placement of index space in the world.

@@ -53,10 +53,13 @@ pub(crate) fn resolves<R: Real>(table: &BakedTransfer<R>, volume: &GridVolume) -
     table.resolves() || (integers && table.spacing() <= 1.0)
 }
 
-/// True if f32 resolves the transfer function: a value that is rounded a few times is known to 10⁻³ of the narrowest
-/// ramp, and the place of a jump to 10⁻³ of the field.
+/// Largest rounding of a value to f32, in widths of the narrowest ramp, with which kernels in f32 draw: a value that is rounded a few times is known to
+/// 10⁻³ of the ramp, and the place of a jump to 10⁻³ of the field.
+pub(crate) const MAX_ROUNDING: f64 = 1.0 / 4096.0;
+
+/// True if f32 resolves the transfer function.
 pub(crate) fn single_precision_resolves(volume: &GridVolume, transfer: &TransferFunction) -> bool {
-    tables::rounding_in_f32(volume, transfer) <= 1.0 / 4096.0
+    tables::rounding_in_f32(volume, transfer) <= MAX_ROUNDING
 }
 
 #[cfg(test)]

@@ -17,9 +17,16 @@ pub(super) struct Bricks {
     bricks: Vec<Brick>,
     /// True for blocks whose cells are all leaves.
     leaves: Vec<bool>,
-    /// Sides of each block beyond which all cells are of its level.
+    /// True for blocks whose cells are all leaves, and none vacuum.
+    solid: Vec<bool>,
+    /// For each block, the block that holds all cells beside each of its six faces, lower and upper for each axis; both without vacuum, and all leaves.
+    faces: Vec<[u32; 6]>,
+    /// Sides of each block that no coarser leaf touches.
     complete: Vec<u32>,
 }
+
+/// Number for a face beside which no such block lies.
+const NONE: u32 = u32::MAX;
 
 /// Part of a block.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,6 +37,8 @@ pub(super) struct Brick {
     pub(super) has_finer: bool,
     /// True if it holds a leaf.
     pub(super) has_leaf: bool,
+    /// Edge of the largest cubes of cells, aligned with the block, each of which finer cells cover all or none of.
+    pub(super) grain: u8,
     /// True if parts of it may be vacuum.
     pub(super) has_vacuum: bool,
 }
@@ -47,12 +56,21 @@ impl Bricks {
             Some(*sum)
         }));
         let leaves = lists.iter().map(|list| list.iter().all(|brick| !brick.has_finer)).collect();
+        let solid: Vec<bool> =
+            lists.iter().map(|list| list.iter().all(|brick| !brick.has_finer && !brick.has_vacuum)).collect();
+        let beside = |number: usize| match solid[number] {
+            true => std::array::from_fn(|face| {
+                block_beside(grid, number, face).filter(|&n| solid[n]).map_or(NONE, |n| n as u32)
+            }),
+            false => [NONE; 6],
+        };
+        let faces = collect(grid.blocks.len(), beside);
         let complete = match grid.centring {
             AmrCentring::Points => collect(grid.blocks.len(), |number| complete_sides(grid, number)),
             // The samples around a place tell.
             AmrCentring::Cells => Vec::new(),
         };
-        Self { starts, bricks: lists.concat(), leaves, complete }
+        Self { starts, bricks: lists.concat(), leaves, solid, faces, complete }
     }
 
     /// True if all cells of a block are leaves.
@@ -60,17 +78,59 @@ impl Bricks {
         self.leaves[number]
     }
 
-    /// Sides of a block beyond which all cells are of its level: 27 bits, from the corner at its lowest cell on, x fastest; the bit in the middle is the
-    /// block's own.
+    /// True if all cells of a block are leaves, and none is vacuum.
+    #[inline]
+    pub(super) fn is_solid(&self, number: usize) -> bool {
+        self.solid[number]
+    }
+
+    /// Block that holds all cells beside a face of another one: lower and upper for each axis. None of both has vacuum, or finer cells.
+    #[inline]
+    pub(super) fn beside(&self, number: usize, face: usize) -> Option<usize> {
+        let found = self.faces[number][face];
+        (found != NONE).then_some(found as usize)
+    }
+
+    /// Numbers of the bricks of a block.
+    pub(super) fn of_block(&self, number: usize) -> std::ops::Range<usize> {
+        self.starts[number]..self.starts[number + 1]
+    }
+
+    /// Sides of a block that no coarser leaf touches: 27 bits, from the corner at its lowest cell on, x fastest; the bit in the middle is the block's own.
     pub(super) fn complete_sides(&self, number: usize) -> u32 {
         self.complete.get(number).copied().unwrap_or_default()
     }
 
+    /// Number of the brick at a place among those of a block.
+    #[inline]
+    pub(super) fn number_at(&self, grid: &AmrGrid, number: usize, at: [i64; 3]) -> usize {
+        let [_, n] = brick_box(grid, number);
+        self.starts[number] + ((at[2] * n[1] + at[1]) * n[0] + at[0]) as usize
+    }
+
+    /// The brick of a number.
+    #[inline]
+    pub(super) fn get(&self, number: usize) -> &Brick {
+        &self.bricks[number]
+    }
+
     /// The brick at a place among those of a block.
     pub(super) fn at(&self, grid: &AmrGrid, number: usize, at: [i64; 3]) -> &Brick {
-        let [_, n] = brick_box(grid, number);
-        &self.bricks[self.starts[number] + ((at[2] * n[1] + at[1]) * n[0] + at[0]) as usize]
+        self.get(self.number_at(grid, number, at))
     }
+}
+
+/// Block that holds all cells beside a face of another one.
+fn block_beside(grid: &AmrGrid, number: usize, face: usize) -> Option<usize> {
+    let block = &grid.blocks[number];
+    let end = plus(block.first, block.cells(grid.centring).map(|n| n as i64));
+    let (axis, is_upper) = (face / 2, face % 2 == 1);
+    let (mut from, mut last) = (block.first, end.map(|e| e - 1));
+    let layer = if is_upper { end[axis] } else { block.first[axis] - 1 };
+    (from[axis], last[axis]) = (layer, layer);
+    let beyond = grid.centring.beyond();
+    let near = grid.levels[block.level].index.around(from);
+    near.iter().map(|&n| n as usize).find(|&n| grid.blocks[n].holds(from, last.map(|i| i + beyond)))
 }
 
 fn complete_sides(grid: &AmrGrid, number: usize) -> u32 {
@@ -84,7 +144,10 @@ fn complete_sides(grid: &AmrGrid, number: usize) -> u32 {
     let is_complete = |side: i64| {
         let ranges = [range(0, side % 3), range(1, side / 3 % 3), range(2, side / 9)];
         let [from, to] = [0, 1].map(|i| ranges.map(|r| r[i]));
-        side == 13 || each_index(from, to).all(|cell| grid.holder_of_cell(block.level, cell).is_some())
+        let is_fine = |cell: [i64; 3]| {
+            grid.holder_of_cell(block.level, cell).is_some() || grid.coarser_leaf(block.level, cell).is_none()
+        };
+        side == 13 || each_index(from, to).all(is_fine)
     };
     (0..27).filter(|&side| is_complete(side)).fold(0, |bits, side| bits | 1 << side)
 }
@@ -100,12 +163,21 @@ fn brick(grid: &AmrGrid, number: usize, at: [i64; 3]) -> Brick {
     let cells = block.cells(grid.centring);
     let from: [i64; 3] = std::array::from_fn(|a| block.first[a] + at[a] * EDGE);
     let to: [i64; 3] = std::array::from_fn(|a| (from[a] + EDGE).min(block.first[a] + cells[a] as i64));
-    let covered = each_index(from, to).filter(|&cell| grid.is_covered(block.level, cell)).count();
+    let is_covered = |cell: [i64; 3]| grid.is_covered(block.level, cell);
+    let covered = each_index(from, to).filter(|&cell| is_covered(cell)).count();
     let cells_in = each_index(from, to).count();
+    // Every cell is as the first one of its cube.
+    let is_even = |grain: i64| {
+        let first = |cell: [i64; 3]| std::array::from_fn(|a| from[a] + (cell[a] - from[a]) / grain * grain);
+        each_index(from, to).all(|cell| is_covered(cell) == is_covered(first(cell)))
+    };
+    let grain =
+        if covered == 0 || covered == cells_in { EDGE } else { [4, 2].into_iter().find(|&g| is_even(g)).unwrap_or(1) };
     let mut brick = Brick {
         range: [f32::INFINITY, f32::NEG_INFINITY],
         has_finer: covered > 0,
         has_leaf: covered < cells_in,
+        grain: grain as u8,
         has_vacuum: false,
     };
     if brick.has_leaf {

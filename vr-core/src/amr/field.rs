@@ -93,5 +93,6 @@ impl Field for AmrGrid {
     fn prepare_derived(&self) {
         self.tree();
         self.bricks();
+        self.neighbors();
     }
 }

@@ -10,6 +10,7 @@ use super::bricks::Bricks;
 use super::check::{self, Lattices, each_index};
 use super::error::AmrError;
 use super::level::{Level, plus, times};
+use super::neighbors::Neighbors;
 use super::restriction::{restrict, unify_points};
 use crate::box_tree::{Bounds, BoxTree};
 use crate::derived::Derived;
@@ -55,6 +56,8 @@ pub struct AmrGrid {
     tree: OnceLock<BoxTree>,
     /// Ranges of parts of blocks, likewise.
     bricks: OnceLock<Bricks>,
+    /// Blocks beside each other, likewise.
+    neighbors: OnceLock<Neighbors>,
     derived: Arc<Derived>,
 }
 
@@ -94,8 +97,9 @@ impl AmrGrid {
             let range = blocks.partition_point(|b| b.level < level)..blocks.partition_point(|b| b.level <= level);
             let ratio = if level > 0 { ratios[level - 1].map(i64::from) } else { [1; 3] };
             let index = BinIndex::new(&blocks[range.clone()], range.start);
-            let rate = centring.elements() as f64 / spacing[level];
-            Level { spacing: spacing[level], rate, ratio, to_finest: to_finest[level], blocks: range, index }
+            let (edge, rate) =
+                (spacing[level] / centring.elements() as f64, centring.elements() as f64 / spacing[level]);
+            Level { spacing: spacing[level], edge, rate, ratio, to_finest: to_finest[level], blocks: range, index }
         };
         let levels: Vec<Level> = (0..spacing.len()).map(level).collect();
         let mut grid = Self {
@@ -111,6 +115,7 @@ impl AmrGrid {
             missing: values - finite,
             tree: OnceLock::new(),
             bricks: OnceLock::new(),
+            neighbors: OnceLock::new(),
             derived: Arc::default(),
         };
         grid.repeated = check::overlaps(&grid, &numbers)?;
@@ -213,6 +218,11 @@ impl AmrGrid {
         self.levels[level].spacing
     }
 
+    /// Mean edge of the cells of a level, in world units.
+    pub fn mean_spacing_of(&self, level: usize) -> f64 {
+        self.levels[level].spacing.element_sum() / 3.0
+    }
+
     /// Edges of a cell of the finest level.
     pub fn finest_spacing(&self) -> DVec3 {
         self.levels[self.levels.len() - 1].spacing
@@ -267,7 +277,7 @@ impl AmrGrid {
 
     /// Mean edge of the finest cells, in world units.
     pub fn mean_spacing(&self) -> f64 {
-        self.finest_spacing().element_sum() / 3.0
+        self.mean_spacing_of(self.levels.len() - 1)
     }
 
     /// Structures that others derive from the mesh and keep with it.
@@ -277,8 +287,7 @@ impl AmrGrid {
 
     /// World position of a lattice node of a level: nodes are the corners of elements, two for each cell with a value in its middle.
     pub(super) fn position(&self, level: usize, node: [i64; 3]) -> DVec3 {
-        let elements = self.centring.elements() as f64;
-        self.origin + DVec3::from_array(node.map(|n| n as f64)) * (self.levels[level].spacing / elements)
+        self.origin + DVec3::from_array(node.map(|n| n as f64)) * self.levels[level].edge
     }
 
     /// Lattice nodes of a block's first and last value.
@@ -306,6 +315,11 @@ impl AmrGrid {
     /// Ranges of parts of blocks.
     pub(super) fn bricks(&self) -> &Bricks {
         self.bricks.get_or_init(|| Bricks::new(self))
+    }
+
+    /// Blocks beside each other.
+    pub(super) fn neighbors(&self) -> &Neighbors {
+        self.neighbors.get_or_init(|| Neighbors::new(self))
     }
 
     /// Tree of the boxes that the cells of blocks fill.

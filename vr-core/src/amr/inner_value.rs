@@ -46,7 +46,7 @@ impl AmrGrid {
     }
 
     /// True if all cells around one at the rim of a block are known to be of its level.
-    fn has_same_level_around(&self, number: usize, cell: [i64; 3]) -> bool {
+    pub(super) fn has_same_level_around(&self, number: usize, cell: [i64; 3]) -> bool {
         let block = &self.blocks[number];
         let complete = self.bricks().complete_sides(number);
         (0..27).all(|direction: i64| {
@@ -64,15 +64,6 @@ impl AmrGrid {
                 }
             };
             complete >> (side(0) + 3 * side(1) + 9 * side(2)) & 1 == 1
-        })
-    }
-
-    /// True if a level has all cells around one.
-    pub(super) fn has_neighbors(&self, level: usize, cell: [i64; 3]) -> bool {
-        let side = |i: i64| i - 1;
-        (0..27).all(|i: i64| {
-            let by = [side(i % 3), side(i / 3 % 3), side(i / 9)];
-            self.holder_of_cell(level, plus(cell, by)).is_some()
         })
     }
 }

@@ -11,6 +11,8 @@ use super::bin_index::BinIndex;
 pub(super) struct Level {
     /// Edges of a cell, in world units.
     pub(super) spacing: DVec3,
+    /// Edges of an element, in world units.
+    pub(super) edge: DVec3,
     /// Elements per world unit.
     pub(super) rate: DVec3,
     /// Refinement ratio of the level before to this one; 1 for level 0.
@@ -23,10 +25,13 @@ pub(super) struct Level {
     pub(super) index: BinIndex,
 }
 
-/// Component-wise quotient, rounded down.
+/// Component-wise quotient, rounded down, by numbers above 0.
 #[inline]
 pub(super) fn divided(at: [i64; 3], by: [i64; 3]) -> [i64; 3] {
-    std::array::from_fn(|a| at[a].div_euclid(by[a]))
+    // Ratios are powers of two as a rule, and divisions take ten times as long.
+    std::array::from_fn(|a| {
+        if by[a] & (by[a] - 1) == 0 { at[a] >> by[a].trailing_zeros() } else { at[a].div_euclid(by[a]) }
+    })
 }
 
 /// Component-wise product.

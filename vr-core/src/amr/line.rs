@@ -7,7 +7,7 @@ use super::grid::AmrGrid;
 use crate::bound::{Bound, largest};
 use crate::box_tree::LocalLine;
 use crate::clip_error::clip_error;
-use crate::field::{Chord, Cut, Field, FieldLine, LineModel, Poly, distinct_places};
+use crate::field::{Chord, Cut, FieldLine, LineModel, Poly, distinct_places};
 use crate::ray::Ray;
 use crate::view::Clip;
 
@@ -34,34 +34,7 @@ impl<'a> AmrLine<'a> {
     /// The mesh along a ray; `None` where the ray does not meet its box.
     pub(super) fn new(grid: &'a AmrGrid, ray: &Ray, clip: &Clip, far: f64, gradients: bool) -> Option<Self> {
         let [from, to] = ray.inside(clip)?;
-        Self::between_ends(grid, ray, [from, to.min(far)], Some(clip), gradients)
-    }
-
-    /// Appends the parts of a ray between two world distances that are not vacuum, ascending.
-    pub(super) fn solid_parts(grid: &AmrGrid, ray: &Ray, part: [f64; 2], out: &mut Vec<[f64; 2]>) {
-        let Some(line) = AmrLine::between_ends(grid, ray, part, None, false) else { return };
-        let first = out.len();
-        for pair in line.breaks.windows(2) {
-            let [from, to] = [pair[0].0, pair[1].0];
-            if grid.value(line.at(0.5 * (from + to))).is_none() {
-                continue;
-            }
-            let [from, to] = [from, to].map(|s| s + line.offset);
-            match out[first..].last_mut() {
-                Some(last) if last[1] == from => last[1] = to,
-                _ => out.push([from, to]),
-            }
-        }
-    }
-
-    /// The mesh between two distances from the ray's own origin.
-    fn between_ends(
-        grid: &'a AmrGrid,
-        ray: &Ray,
-        part: [f64; 2],
-        clip: Option<&Clip>,
-        gradients: bool,
-    ) -> Option<Self> {
+        let part = [from, to.min(far)];
         let (low, high) = grid.bounds();
         let offset = (0.5 * low + 0.5 * high - ray.origin).dot(ray.direction);
         let (base, direction) = (ray.origin + ray.direction * offset, ray.direction);
@@ -97,9 +70,8 @@ impl<'a> AmrLine<'a> {
     }
 
     /// Both ends of the part inside the box of the values, each with a bound on its error.
-    fn ends(&self, part: [f64; 2], (ray, clip): (&Ray, Option<&Clip>)) -> Option<[(f64, f64); 2]> {
-        let clipped = |at: f64| clip.map_or(0.0, |clip| clip_error(ray, clip, self.offset, at));
-        let [mut start, mut end] = part.map(|at| (at, clipped(at)));
+    fn ends(&self, part: [f64; 2], (ray, clip): (&Ray, &Clip)) -> Option<[(f64, f64); 2]> {
+        let [mut start, mut end] = part.map(|at| (at, clip_error(ray, clip, self.offset, at)));
         let (low, high) = self.grid.bounds();
         for a in 0..3 {
             let (rate, off) = (self.direction[a], self.place_error[a]);

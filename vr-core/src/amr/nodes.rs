@@ -5,6 +5,7 @@ use std::ops::{Add, Mul};
 use glam::DVec3;
 
 use super::block::AmrCentring;
+use super::element::Element;
 use super::grid::AmrGrid;
 use super::level::{corner, divided, plus, times};
 
@@ -43,6 +44,10 @@ impl Quantity for DVec3 {
 
     fn at_sample(grid: &AmrGrid, level: usize, at: [i64; 3]) -> Self {
         grid.gradient_at_sample(level, at)
+    }
+
+    fn within_block(grid: &AmrGrid, level: usize, node: [i64; 3], part: [f64; 3]) -> Option<Self> {
+        grid.gradient_within_level(Element { level, node }, DVec3::from_array(part))
     }
 }
 
@@ -186,7 +191,7 @@ impl AmrGrid {
     }
 
     /// Value of the field at a lattice point that a level does not have; NaN in vacuum.
-    fn beyond_level(&self, level: usize, at: [i64; 3]) -> f64 {
+    pub(super) fn beyond_level(&self, level: usize, at: [i64; 3]) -> f64 {
         let (node, leaf) = match self.centring {
             AmrCentring::Cells => (at.map(|i| 2 * i + 1), self.coarser_leaf(level, at)),
             AmrCentring::Points => {

@@ -13,7 +13,7 @@ impl AmrGrid {
     pub(super) fn rim_value(&self, element: Element, place: DVec3) -> f64 {
         let corners = match self.centring {
             AmrCentring::Cells => self.corners_from_cells(element),
-            AmrCentring::Points => Some(self.corners::<f64>(element)),
+            AmrCentring::Points => Some(self.corners_from_points(element)),
         };
         corners.map_or(f64::NAN, |corners| interpolated(&corners, place))
     }
@@ -44,6 +44,23 @@ impl AmrGrid {
             if coarsest == level { sum / count } else { self.at_coarser(level, at, coarsest) }
         };
         Some(std::array::from_fn(at_corner))
+    }
+
+    /// Values at the corners of a cell between points: each touches eight of the 27 cells around; NaN for those in vacuum.
+    fn corners_from_points(&self, Element { level, node }: Element) -> [f64; 8] {
+        let leaf_of = |i: usize| {
+            let cell = plus(node, [i % 3, i / 3 % 3, i / 9].map(|side| side as i64 - 1));
+            let is_own = i == 13 || self.holder_of_cell(level, cell).is_some();
+            if is_own { level } else { self.coarser_leaf(level, cell).map_or(level, |leaf| leaf.0) }
+        };
+        let leaves: [usize; 27] = std::array::from_fn(leaf_of);
+        std::array::from_fn(|number| {
+            let up = corner(number);
+            let touched = (0..8).map(|i| (0..3).map(|a| (up[a] + corner(i)[a]) as usize * [1, 3, 9][a]).sum::<usize>());
+            let coarsest = touched.map(|i| leaves[i]).min().unwrap_or(level);
+            let at = plus(node, up);
+            if coarsest == level { self.sample(level, at) } else { self.at_coarser(level, at, coarsest) }
+        })
     }
 
     /// The value in an element of a level, of which `part` is the place, if the samples of one block tell it.

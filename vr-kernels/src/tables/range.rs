@@ -60,14 +60,20 @@ pub(super) fn resolves_ramps(spacing: f64, calibration: Calibration, transfer: &
 /// are rounded there, too, and their fields may leave the range of the voxels. Ramps that no number of the field comes near do not
 /// count, nor does how narrow a jump is: no precision has room for it.
 pub fn rounding_in_f32(volume: &GridVolume, transfer: &TransferFunction) -> f64 {
-    let Some((low, high)) = volume.value_stats().range.map(|(low, high)| (f64::from(low), f64::from(high))) else {
-        return 0.0;
-    };
-    let wide = volume.filter().reach() > 0;
+    let range = volume.value_stats().range.map(|(low, high)| (f64::from(low), f64::from(high)));
+    range.map_or(0.0, |range| rounding_over(range, volume.calibration(), volume.filter().reach() > 0, transfer))
+}
+
+/// The same of a field between two stored numbers; `wide` if it may leave their range.
+pub fn rounding_over(
+    (low, high): (f64, f64),
+    calibration: Calibration,
+    wide: bool,
+    transfer: &TransferFunction,
+) -> f64 {
     if low == high && !wide {
         return 0.0;
     }
-    let calibration = volume.calibration();
     let rounding = 0.5 * f64::from(f32::EPSILON) * low.abs().max(high.abs());
     let inside = |at: f64| low <= at && at <= high;
     let jumps = transfer.points().windows(2).filter(|pair| pair[0].value == pair[1].value);

@@ -31,6 +31,27 @@ impl<T: Voxel> Default for Stage<T> {
     }
 }
 
+impl<T: Pairs> Stage<T> {
+    /// Puts the eight voxels around the place of a lane: four pairs of x-neighbours, y faster than z.
+    #[inline(always)]
+    pub fn put(&mut self, lane: usize, [p00, p10, p01, p11]: [[T; 2]; 4]) {
+        let [[s0, s1], [s2, s3]] = &mut self.0;
+        (s0[lane], s1[lane], s2[lane], s3[lane]) = (p00, p10, p01, p11);
+    }
+
+    /// The trilinear field at fractions of the staged cells: f = Σ w f over their corners.
+    #[inline(always)]
+    pub fn trilinear<S: Simd>(&self, simd: S, [tx, ty, tz]: [f32x16<S>; 3]) -> f32x16<S> {
+        let [[a00, b00], [a10, b10]] = T::split(simd, &self.0[0]);
+        let [[a01, b01], [a11, b11]] = T::split(simd, &self.0[1]);
+        let (f00, f10) = (a00 + tx * (b00 - a00), a10 + tx * (b10 - a10));
+        let (f01, f11) = (a01 + tx * (b01 - a01), a11 + tx * (b11 - a11));
+        let f0 = f00 + ty * (f10 - f00);
+        let f1 = f01 + ty * (f11 - f01);
+        f0 + tz * (f1 - f0)
+    }
+}
+
 /// A voxel type whose pairs can be taken apart.
 pub trait Pairs: Voxel {
     /// The left and the right voxels of two staged rows, as floats.
@@ -153,17 +174,10 @@ impl<T: Pairs> Field<'_, T> {
         }
     }
 
-    /// The field at places whose voxels have been staged: f = Σ w f over the corners of their cells.
+    /// The field at places whose voxels have been staged.
     #[inline(always)]
     pub fn value<S: Simd>(&self, simd: S, at: &Cells<S>, stage: &Stage<T>) -> f32x16<S> {
-        let [tx, ty, tz] = at.fraction;
-        let [[a00, b00], [a10, b10]] = T::split(simd, &stage.0[0]);
-        let [[a01, b01], [a11, b11]] = T::split(simd, &stage.0[1]);
-        let (f00, f10) = (a00 + tx * (b00 - a00), a10 + tx * (b10 - a10));
-        let (f01, f11) = (a01 + tx * (b01 - a01), a11 + tx * (b11 - a11));
-        let f0 = f00 + ty * (f10 - f00);
-        let f1 = f01 + ty * (f11 - f01);
-        f0 + tz * (f1 - f0)
+        stage.trilinear(simd, at.fraction)
     }
 }
 

@@ -11,6 +11,7 @@ mod level;
 mod operator;
 mod rows;
 mod shade;
+mod stencils;
 mod sums;
 mod table;
 
@@ -24,6 +25,7 @@ pub use level::{Vectorized, run};
 pub use operator::Operator;
 pub use rows::{packed, rows_of, transpose, transpose_packed};
 pub use shade::{PacketLights, PacketShading, SeenLights, Shade, reflect};
+pub use stencils::Stencils;
 pub use sums::{Sums, share_to_level};
 pub use table::{OpticsTable, Rows, step_light};
 

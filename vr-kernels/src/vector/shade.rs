@@ -147,8 +147,29 @@ impl Shade<'_> {
         light: &mut [Lanes; 4],
         stage: &mut Stage<T>,
     ) {
-        // World gradients in the middles of the steps, and what they reflect.
         let [g, turn] = gradient(simd, field, at, step, stage);
+        self.light_by(simd, g, turn, light);
+    }
+
+    /// Shades light of sixteen samples whose gradients are known, and that stand for themselves.
+    ///
+    /// Its own function, as [`apply`](Self::apply) is.
+    #[inline(never)]
+    pub fn apply_to_gradients<S: Simd>(&self, simd: S, gradient: &[Lanes; 3], light: &mut [Lanes; 4]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let none = splat(simd, 0.0);
+                let gradient = [gradient[0].load(simd), gradient[1].load(simd), gradient[2].load(simd)];
+                self.light_by(simd, gradient, [none; 3], light);
+            },
+        );
+    }
+
+    /// Shades light by gradients, and by how they change over the steps.
+    #[inline(always)]
+    fn light_by<S: Simd>(&self, simd: S, g: [f32x16<S>; 3], turn: [f32x16<S>; 3], light: &mut [Lanes; 4]) {
+        // World gradients in the middles of the steps, and what they reflect.
         let (w, turn) = (world(&self.shading.to_world, g), world(&self.shading.to_world, turn));
         let shading = &self.shading.shading;
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));

@@ -8,7 +8,9 @@ mod rule;
 mod step;
 mod traversal;
 
-use vr_core::{Filter, Placement, Scene};
+use vr_core::{Filter, Placement, Scene, Volume};
+
+use crate::pace::cells_of_parts;
 
 pub use compositing_order::CompositingOrder;
 pub use empty_space::EmptySpace;
@@ -77,10 +79,10 @@ impl RayCaster {
         self.filter.map_or_else(|| scene.clone(), |filter| scene.with_filter(filter))
     }
 
-    /// Returns the caster that draws a scene: [`Step::Auto`] is replaced by the steps that it means there. Local steps follow what is known of a grid.
+    /// Returns the caster that draws a scene: [`Step::Auto`] is replaced by the steps that it means there. Local steps follow what is known of the ranges of values.
     pub(crate) fn settled_for(&self, scene: &Scene) -> Self {
         let step = match (self.step, self.traversal) {
-            (Step::Auto, _) if !self.follows_light(scene) || scene.volume.value_grid().is_none() => {
+            (Step::Auto, _) if !self.follows_light(scene) || !knows_ranges(&scene.volume) => {
                 Step::Uniform(Step::OTHERWISE)
             }
             (Step::Auto, Traversal::Samples) => Step::Local { error: Step::ERROR },
@@ -108,4 +110,9 @@ impl RayCaster {
             _ => self.world_step(placement),
         }
     }
+}
+
+/// True if the ranges of a volume's values are known part by part, so that steps can follow them.
+pub(crate) fn knows_ranges(volume: &Volume) -> bool {
+    volume.value_grid().is_some() || cells_of_parts(volume).is_some()
 }

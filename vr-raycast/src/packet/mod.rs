@@ -35,6 +35,8 @@ mod leap;
 mod level;
 mod local;
 mod march;
+mod patches;
 mod setup;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};
+pub(crate) use patches::{PatchEngine, PatchFrame};

@@ -77,63 +77,101 @@ impl Variation {
     }
 }
 
-impl Classes {
-    pub(super) fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
+/// Number of levels that ranges of values are rounded to.
+pub(super) const LEVELS: usize = LevelRanges::LAST as usize + 1;
+
+/// What a transfer function does between levels of values.
+pub(super) struct LevelVariations {
+    values: Vec<f64>,
+    /// Variation at each level, and from each to the next.
+    at: Vec<Variation>,
+    between: Vec<Variation>,
+    features: Features,
+    shaded: bool,
+}
+
+impl LevelVariations {
+    /// Looks at a scene's transfer function between levels of these values.
+    pub(super) fn new(scene: &Scene, value: impl Fn(usize) -> f64) -> Self {
         // What one row shows and another does not comes and goes with the gradient, as shaded light does.
         let rows: Vec<&TransferFunction> = match scene.transfer.rows() {
             [] => vec![&scene.transfer],
             rows => rows.iter().map(|row| &row.transfer).collect(),
         };
         let shaded = scene.shading.is_some() || scene.transfer.has_rows();
-        const N: usize = LevelRanges::LAST as usize + 1;
-        let value = |level: usize| calibration.value(levels.stored(level as u8));
+        let values: Vec<f64> = (0..LEVELS).map(value).collect();
         let of_rows = |variation: &dyn Fn(&TransferFunction) -> Variation| {
             let all = rows.iter().map(|row| variation(row));
             all.reduce(|a, b| a.or(&b)).expect("a transfer function has a row at least")
         };
         let at = |value: f64| of_rows(&|row| Variation::of(std::iter::once(optics(row, &row.at(value)))));
         // From a level to the next, both included, with the points between them: all of a jump counts.
-        let between: Vec<Variation> = (0..N - 1)
-            .map(|level| {
-                let (a, b) = (value(level), value(level + 1));
-                let (a, b) = (a.min(b), a.max(b));
-                of_rows(&|row| {
-                    let at = |value: f64| optics(row, &row.at(value));
-                    let points = row.points().iter().filter(|p| p.value >= a && p.value <= b);
-                    let points = points.map(|p| optics(row, &Optical::at_point(p)));
-                    Variation::of(std::iter::once(at(a.next_down())).chain(points).chain([at(b)]))
-                })
+        let between = |pair: &[f64]| {
+            let (a, b) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
+            of_rows(&|row| {
+                let at = |value: f64| optics(row, &row.at(value));
+                let points = row.points().iter().filter(|p| p.value >= a && p.value <= b);
+                let points = points.map(|p| optics(row, &Optical::at_point(p)));
+                Variation::of(std::iter::once(at(a.next_down())).chain(points).chain([at(b)]))
             })
-            .collect();
+        };
         let points = |row: &&TransferFunction| {
             let points = row.points().iter().map(|p| (p.value, optics(row, &Optical::at_point(p))));
             points.collect::<Vec<_>>()
         };
         let features = Features::new(&rows.iter().map(points).collect::<Vec<_>>());
-        let class = |variation: &Variation, low: usize, high: usize| {
-            if variation.greatest == [0.0; 4] {
-                return CLEAR;
-            }
-            let change = (variation.largest(shaded) * voxel).min(SATURATION);
-            let voxels = if change > 0.0 { StepMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
-            let (a, b) = (value(low), value(high));
-            class_of(features.longest_step([a.min(b), a.max(b)], voxels, voxel, error))
-        };
-        // An empty range (all vacuum) is clear.
-        let mut table = vec![CLEAR; N * N];
-        for low in 0..N {
-            let mut variation = at(value(low));
-            table[low * N + low] = class(&variation, low, low);
-            for high in low + 1..N {
-                variation = variation.then(&between[high - 1]);
-                table[low * N + high] = class(&variation, low, high);
+        let at = values.iter().map(|&value| at(value)).collect();
+        Self { between: values.windows(2).map(between).collect(), at, values, features, shaded }
+    }
+
+    /// Calls `each` with every range of levels, lower and upper, and the largest variation of extinction and emission over it; `None` where there is
+    /// neither.
+    pub(super) fn each_range(&self, mut each: impl FnMut(usize, usize, Option<f64>)) {
+        let largest = |variation: &Variation| (variation.greatest != [0.0; 4]).then(|| variation.largest(self.shaded));
+        for low in 0..LEVELS {
+            let mut variation = self.at[low];
+            each(low, low, largest(&variation));
+            for high in low + 1..LEVELS {
+                variation = variation.then(&self.between[high - 1]);
+                each(low, high, largest(&variation));
             }
         }
+    }
+
+    /// Returns the length, in voxels, of the longest step in a block of `edge` voxels over whose range of levels the medium varies by so much per world
+    /// unit; `voxel` is the world length of a voxel.
+    pub(super) fn longest_step(
+        &self,
+        variation: f64,
+        [low, high]: [usize; 2],
+        (voxel, edge): (f64, f64),
+        error: f64,
+    ) -> f64 {
+        // Blocks of 4³ are what the rate is calibrated on; in others the medium varies as much more as they are larger.
+        let change = (variation * voxel * (StepMap::EDGE as f64 / edge)).min(SATURATION);
+        let voxels = if change > 0.0 { StepMap::EDGE as f64 * libm::sqrt(RATE * error / change) } else { LONGEST };
+        let (a, b) = (self.values[low], self.values[high]);
+        // In a larger block the field may cross its range in a part of it.
+        let crossed = edge.min(StepMap::EDGE as f64);
+        self.features.longest_step([a.min(b), a.max(b)], voxels, (voxel, crossed), error)
+    }
+}
+
+impl Classes {
+    pub(super) fn new(levels: &LevelRanges, scene: &Scene, calibration: Calibration, voxel: f64, error: f64) -> Self {
+        let variations = LevelVariations::new(scene, |level| calibration.value(levels.stored(level as u8)));
+        // An empty range (all vacuum) is clear.
+        let mut table = vec![CLEAR; LEVELS * LEVELS];
+        variations.each_range(|low, high, variation| {
+            let block = (voxel, StepMap::EDGE as f64);
+            let step = |variation| class_of(variations.longest_step(variation, [low, high], block, error));
+            table[low * LEVELS + high] = variation.map_or(CLEAR, step);
+        });
         Self { table }
     }
 
     pub(super) fn of(&self, [low, high]: [u8; 2]) -> u8 {
-        self.table[usize::from(low) * (usize::from(LevelRanges::LAST) + 1) + usize::from(high)]
+        self.table[usize::from(low) * LEVELS + usize::from(high)]
     }
 }
 

@@ -1,7 +1,5 @@
 //! Features of a transfer function so narrow that a step may miss them: peaks and gaps, as thick in space as the field's slope makes them.
 
-use super::StepMap;
-
 /// Peak or gap of extinction, or of emission, over values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Feature {
@@ -34,15 +32,15 @@ impl Features {
         Self(all)
     }
 
-    /// Returns the length in voxels of the longest step that misses no more than `error` of a picture in a block with values between `low` and `high`, if
-    /// steps of `usual` voxels, which know nothing of features, are not short beside all of them. `voxel`: its world length.
+    /// Returns the length in voxels of the longest step that misses no more than `error` of a picture in a block of `edge` voxels with values between `low`
+    /// and `high`, if steps of `usual` voxels, which know nothing of features, are not short beside all of them. `voxel`: its world length.
     ///
     /// The field is taken to cross its range on the way through the block: a feature of width w is W = e·w/(high − low) voxels
     /// thick, and adds light of min(1, A) with A = height·W. Midpoints at a distance h catch it but for [`MISSED`]·(h/W)² of that.
-    pub(super) fn longest_step(&self, [low, high]: [f64; 2], usual: f64, voxel: f64, error: f64) -> f64 {
+    pub(super) fn longest_step(&self, [low, high]: [f64; 2], usual: f64, (voxel, edge): (f64, f64), error: f64) -> f64 {
         let mut longest = usual;
         for feature in &self.0 {
-            let thick = StepMap::EDGE as f64 * feature.width / (high - low);
+            let thick = edge * feature.width / (high - low);
             // They are sorted: no further one is thinner.
             if thick >= 2.0 * usual {
                 break;
@@ -143,7 +141,7 @@ mod tests {
     fn steps_shorten_where_a_feature_is_thinner_than_they_are() {
         let spike = |value: f64, kappa: f64| (value, [kappa, 0.0, 0.0, 0.0]);
         let features = Features::new(&[vec![spike(99.0, 0.0), spike(100.0, 2.0), spike(101.0, 0.0)]]);
-        let step = |low: f64, high: f64, usual: f64| features.longest_step([low, high], usual, 1.0, 5e-4);
+        let step = |low: f64, high: f64, usual: f64| features.longest_step([low, high], usual, (1.0, 4.0), 5e-4);
         assert_eq!(step(0.0, 90.0, 0.25), 0.25, "it lies elsewhere");
         assert_eq!(step(98.0, 102.0, 0.25), 0.25, "it is a voxel thick");
         let short = step(60.0, 140.0, 0.25);

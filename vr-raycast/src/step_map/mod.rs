@@ -2,6 +2,9 @@
 
 mod classes;
 mod features;
+mod range_steps;
+
+pub(crate) use range_steps::RangeSteps;
 
 use std::sync::Arc;
 

@@ -5,10 +5,10 @@ use vr_core::IndexRay;
 use super::{Lattice, ListedWalk};
 
 /// Part of a step that is taken by itself behind a jump: a surface begins there, and its normal is that of the point at which it is met.
-const SKIN: f64 = 1e-3;
+pub(crate) const SKIN: f64 = 1e-3;
 
 /// Fraction of a step below which a part of one is rounding, and falls to its neighbour.
-pub(super) const SLIVER: f64 = 1e-9;
+pub(crate) const SLIVER: f64 = 1e-9;
 
 /// Begins a walk along a ray in steps of one length, each of which ends early where the field jumps. `jumps` are distances along the ray, ascending.
 pub(crate) fn cut_walk(ray: &IndexRay, step: f64, jumps: &[f64], backwards: bool) -> ListedWalk {

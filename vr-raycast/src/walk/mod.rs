@@ -10,7 +10,7 @@ mod stretched;
 mod visible_steps;
 
 pub(crate) use block_ray::BlockRay;
-pub(crate) use cut::cut_walk;
+pub(crate) use cut::{SKIN, SLIVER, cut_walk};
 pub(crate) use lattice::Lattice;
 pub(crate) use listed::ListedWalk;
 pub(crate) use stretched::{StretchSteps, stretched_walk};

@@ -8,9 +8,8 @@ use super::{Lattice, ListedWalk};
 
 /// Rule that the steps of a ray follow through a field that knows its stretches.
 pub(crate) struct StretchSteps<'a> {
-    /// World length of a step where the field's spacing is `spacing`.
-    pub(crate) step: f64,
-    pub(crate) spacing: f64,
+    /// World length of a step on a stretch.
+    pub(crate) length: &'a dyn Fn(&Stretch) -> f64,
     /// True if anything in a range of values can be seen.
     pub(crate) shows: &'a dyn Fn([f32; 2]) -> bool,
     /// Number of steps before what is visible that are walked, too.
@@ -18,16 +17,16 @@ pub(crate) struct StretchSteps<'a> {
     pub(crate) backwards: bool,
 }
 
-/// Begins a walk along a ray whose stretches, in its own distances, are given: in steps in proportion to the spacing of each stretch, that end where vacuum
+/// Begins a walk along a ray whose stretches, in its own distances, are given: in steps of the length that each stretch asks for, that end where vacuum
 /// begins, without those in which nothing can be seen; returns the number of these, too.
 ///
-/// Stretches of one spacing that touch have one lattice of steps: they lie where they lie if all is seen.
+/// Stretches of one length of steps that touch have one lattice of them: they lie where they lie if all is seen.
 pub(crate) fn stretched_walk(ray: &IndexRay, stretches: &[Stretch], rule: &StretchSteps<'_>) -> (ListedWalk, u64) {
     let mut steps: Vec<(f64, f64)> = Vec::new();
     let (mut seen, mut before) = (Vec::new(), None::<&Stretch>);
-    for run in stretches.chunk_by(|a, b| a.spacing == b.spacing && a.touches(b)) {
+    for run in stretches.chunk_by(|a, b| (rule.length)(a) == (rule.length)(b) && a.touches(b)) {
         let (first, last) = (&run[0], &run[run.len() - 1]);
-        let step = rule.step * (first.spacing / rule.spacing);
+        let step = (rule.length)(first);
         // An end of the field is one of the ray's part, if only rounding keeps them apart.
         let is_at = |a: f64, b: f64| (a - b).abs() <= SLIVER * step;
         let from = if is_at(first.from, ray.start) { ray.start } else { first.from.max(ray.start) };
@@ -77,7 +76,8 @@ mod tests {
             .map(|&(from, to, spacing, value)| Stretch { from, to, spacing, range: [0.0, value] })
             .collect();
         let shows = |range: [f32; 2]| range[1] > 0.0;
-        let rule = StretchSteps { step: 0.5, spacing: 1.0, shows: &shows, before, backwards: false };
+        let length = |stretch: &Stretch| 0.5 * stretch.spacing;
+        let rule = StretchSteps { length: &length, shows: &shows, before, backwards: false };
         let (mut walk, skipped) = stretched_walk(&ray, &stretches, &rule);
         let (mut steps, mut all) = (Steps::new(), Vec::new());
         while walk.next(&mut steps) {

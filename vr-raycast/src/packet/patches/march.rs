@@ -1,0 +1,260 @@
+//! March of packets through patches.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use vr_core::{IndexRay, Ray};
+use vr_kernels::vector::{
+    LANES, Lanes, OpticsTable, PacketLights, PacketShading, Shade, Stage, Stencils, Sums, pick, splat, step_light,
+};
+
+use super::lanes::{LaneSteps, WorldRay};
+use super::steps::{Batch, Part, StepBatches};
+use crate::packet::march::PacketResult;
+
+/// Volume that is a regular lattice patch by patch.
+pub(crate) trait Patches: Sync {
+    /// Patches that sixteen lanes are in.
+    type Lanes;
+
+    /// Lanes in no patch.
+    fn nowhere(&self) -> Self::Lanes;
+
+    /// Parts of a ray that are not vacuum, in its own distances.
+    fn parts(&self, ray: Ray, part: IndexRay) -> impl Iterator<Item = Part>;
+
+    /// Leads a lane into the patch of a batch of steps, and gives it the steps.
+    fn enter(&self, within: &mut Self::Lanes, steps: &mut LaneSteps, lane: usize, ray: &WorldRay, batch: &Batch);
+
+    /// Stages the samples around the places of the lanes' steps of these numbers, where lanes are live; a place where there is no field gets NaN.
+    fn fetch<S: Simd>(
+        &self,
+        simd: S,
+        within: &Self::Lanes,
+        steps: &LaneSteps,
+        number: f32x16<S>,
+        live: u32,
+        stage: &mut Stage<f32>,
+    ) -> Place<S>;
+
+    /// Gradients at places of live lanes, in the units that the shading is made for.
+    fn gradients<S: Simd>(
+        &self,
+        simd: S,
+        within: &Self::Lanes,
+        steps: &LaneSteps,
+        number: f32x16<S>,
+        place: &Place<S>,
+        live: u32,
+        stencils: &mut Stencils,
+    ) -> [Lanes; 3];
+}
+
+/// Places of sixteen samples among those of their patches.
+pub(crate) struct Place<S: Simd> {
+    /// Sample below, axis by axis.
+    pub(crate) low: [i32x16<S>; 3],
+    /// Fraction of the way to the next.
+    pub(crate) fraction: [f32x16<S>; 3],
+}
+
+/// Volume, and all that a packet's rays share.
+pub(crate) struct PatchMedium<'a, P> {
+    pub(crate) patches: P,
+    pub(crate) optics: &'a OpticsTable,
+    /// Shading; `None` if unshaded.
+    pub(crate) shading: Option<&'a PacketShading>,
+    /// Amount at which a ray ends: no more than this could be added to any component.
+    pub(crate) negligible: f32,
+    /// World length that lengths of steps are counted in.
+    pub(crate) unit: f64,
+}
+
+/// Ray of a lane, and its steps to come.
+pub(crate) struct LaneRay<'b, I> {
+    pub(crate) world: WorldRay,
+    pub(crate) parts: I,
+    pub(crate) batches: &'b mut StepBatches,
+}
+
+/// Working memory of the march.
+pub(crate) struct Work<P: Patches> {
+    steps: LaneSteps,
+    within: P::Lanes,
+    stages: [Stage<f32>; 2],
+    stencils: Stencils,
+}
+
+impl<P: Patches> Work<P> {
+    pub(crate) fn new(patches: &P) -> Self {
+        Self {
+            steps: LaneSteps::NONE,
+            within: patches.nowhere(),
+            stages: [Stage::default(), Stage::default()],
+            stencils: Stencils::default(),
+        }
+    }
+}
+
+/// Takes the rays to their ends. `max_light` is the largest light or opacity that can come from behind, per transmittance left.
+#[inline(never)]
+pub(crate) fn march<S: Simd, P: Patches, I: Iterator<Item = Part>>(
+    simd: S,
+    medium: &PatchMedium<'_, P>,
+    rays: &mut [Option<LaneRay<'_, I>>; LANES],
+    max_light: &Lanes,
+    lights: &PacketLights,
+    work: &mut Work<P>,
+) -> PacketResult {
+    simd.vectorize(
+        #[inline(always)]
+        || through(simd, medium, rays, max_light, lights, work),
+    )
+}
+
+#[inline(always)]
+fn through<S: Simd, P: Patches, I: Iterator<Item = Part>>(
+    simd: S,
+    medium: &PatchMedium<'_, P>,
+    rays: &mut [Option<LaneRay<'_, I>>; LANES],
+    max_light: &Lanes,
+    lights: &PacketLights,
+    work: &mut Work<P>,
+) -> PacketResult {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let negligible = splat(simd, medium.negligible);
+    let max_light = max_light.load(simd);
+    let rows = medium.optics.rows();
+    let mut sums = Sums::new(simd);
+    let (mut samples, mut terminated) = (0, 0u32);
+    work.steps = LaneSteps::NONE;
+    // Lanes whose rays may have more steps.
+    let mut unfinished = (1u32 << LANES) - 1;
+    loop {
+        // Lanes whose batch is done take the next one of their rays.
+        let idle = unfinished & !(work.steps.left.load(simd).simd_gt(zero).to_bitmask() as u32);
+        if idle != 0 {
+            unfinished &= !refill(medium, rays, idle, work);
+        }
+        let left = work.steps.left.load(simd);
+        let live = left.simd_gt(zero);
+        let bits = live.to_bitmask() as u32;
+        if bits == 0 {
+            break;
+        }
+        // Two steps at once: while the first waits for its samples, those of the second are fetched.
+        let (number, length) = (work.steps.number.load(simd), work.steps.length.load(simd));
+        let begin = work.steps.begin.load(simd);
+        let (then, twice) = (number + one, left.simd_gt(one));
+        let bits_then = twice.to_bitmask() as u32;
+        let Work { steps, within, stages: [now, next], stencils } = &mut *work;
+        let place = medium.patches.fetch(simd, within, steps, number, bits, now);
+        let place_then = medium.patches.fetch(simd, within, steps, then, bits_then, next);
+        let value = now.trilinear(simd, place.fraction);
+        let value_then = next.trilinear(simd, place_then.fraction);
+        let light = light_of(simd, medium, rows.at(simd, known(simd, value)), value, length);
+        let light_then = light_of(simd, medium, rows.at(simd, known(simd, value_then)), value_then, length);
+        let light = shaded(simd, medium, lights, (within, steps), (live, number, &place), light, stencils);
+        let light_then =
+            shaded(simd, medium, lights, (within, steps), (twice, then, &place_then), light_then, stencils);
+        // Composite them front to back.
+        samples += bits.count_ones();
+        sums.add(simd, live, [begin + number * length, length], light);
+        let ended = live & (sums.clear(simd) * max_light).simd_le(negligible);
+        let on = twice & !ended;
+        samples += (on.to_bitmask() as u32).count_ones();
+        sums.add(simd, on, [begin + then * length, length], light_then);
+        let ended = live & (sums.clear(simd) * max_light).simd_le(negligible);
+        steps.number = Lanes::new(number + 2.0);
+        let after = left - 2.0;
+        steps.left = Lanes::new(pick(ended, zero, after));
+        let ended = ended.to_bitmask() as u32;
+        if ended != 0 {
+            unfinished &= !ended;
+            terminated |= terminate(rays, ended, &Lanes::new(after));
+        }
+    }
+    let [r, g, b, a] = sums.rgba();
+    PacketResult {
+        rgba: [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(a)],
+        half: sums.half(simd),
+        samples,
+        terminated,
+    }
+}
+
+/// Gives lanes that have nothing to do the next steps of their rays; returns the lanes whose rays have no more.
+#[inline(never)]
+fn refill<P: Patches, I: Iterator<Item = Part>>(
+    medium: &PatchMedium<'_, P>,
+    rays: &mut [Option<LaneRay<'_, I>>; LANES],
+    idle: u32,
+    work: &mut Work<P>,
+) -> u32 {
+    let mut finished = 0;
+    for (lane, slot) in rays.iter_mut().enumerate().filter(|(lane, _)| idle >> lane & 1 == 1) {
+        match slot.as_mut().and_then(|ray| Some((ray.world, ray.batches.next(&mut ray.parts)?))) {
+            Some((world, batch)) => medium.patches.enter(&mut work.within, &mut work.steps, lane, &world, &batch),
+            None => {
+                work.steps.left.0[lane] = 0.0;
+                finished |= 1 << lane;
+            }
+        }
+    }
+    finished
+}
+
+/// Ends rays; returns those of which steps were left.
+#[inline(never)]
+fn terminate<I: Iterator<Item = Part>>(rays: &mut [Option<LaneRay<'_, I>>; LANES], ended: u32, left: &Lanes) -> u32 {
+    let mut early = 0;
+    for (lane, slot) in rays.iter_mut().enumerate().filter(|(lane, _)| ended >> lane & 1 == 1) {
+        if let Some(mut ray) = slot.take() {
+            let has_more = left.0[lane] > 0.0 || ray.batches.next(&mut ray.parts).is_some();
+            early |= u32::from(has_more) << lane;
+        }
+    }
+    early
+}
+
+/// Values in the place of those that are none.
+#[inline(always)]
+fn known<S: Simd>(simd: S, value: f32x16<S>) -> f32x16<S> {
+    pick(value.simd_eq(value), value, splat(simd, 0.0))
+}
+
+/// Light of steps of a length; none in vacuum.
+#[inline(always)]
+fn light_of<S: Simd, P>(
+    simd: S,
+    medium: &PatchMedium<'_, P>,
+    optics: [f32x16<S>; 4],
+    value: f32x16<S>,
+    length: f32x16<S>,
+) -> [f32x16<S>; 4] {
+    let (is_value, zero) = (value.simd_eq(value), splat(simd, 0.0));
+    let [r, g, b, a] = step_light(simd, optics, length, medium.optics.emits);
+    [pick(is_value, r, zero), pick(is_value, g, zero), pick(is_value, b, zero), pick(is_value, a, zero)]
+}
+
+/// Light after shading, where something is shaded, of samples of live lanes.
+#[inline(always)]
+fn shaded<S: Simd, P: Patches>(
+    simd: S,
+    medium: &PatchMedium<'_, P>,
+    lights: &PacketLights,
+    (within, steps): (&P::Lanes, &LaneSteps),
+    (live, number, place): (mask32x16<S>, f32x16<S>, &Place<S>),
+    light: [f32x16<S>; 4],
+    stencils: &mut Stencils,
+) -> [f32x16<S>; 4] {
+    let Some(shading) = medium.shading else { return light };
+    let [r, g, b, alpha] = light;
+    let bits = (live & alpha.simd_gt(splat(simd, 0.0))).to_bitmask() as u32;
+    if bits == 0 {
+        return light;
+    }
+    let gradient = medium.patches.gradients(simd, within, steps, number, place, bits, stencils);
+    let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
+    Shade { shading, lights }.apply_to_gradients(simd, &gradient, &mut lanes);
+    [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]
+}
