@@ -93,19 +93,19 @@ impl CellSamples {
             }
             let slope = (to_x - x) / (to_y - y);
             for row in (first..end).step_by(ROWS_AT_ONCE) {
-                let before = (down + (f64::from(row) + 0.5 - y)) * slope + (x - 0.5);
-                let before = before.max(f64x8::splat(simd, 0.0)).min(f64x8::splat(simd, most));
+                let crossing = (down + (f64::from(row) + 0.5 - y)) * slope + (x - 0.5);
+                let before = crossing.max(f64x8::splat(simd, 0.0)).min(f64x8::splat(simd, most));
                 let mut whole = before.ceil();
-                // A centre that is met, or nearly: rounding must not tell the side, because other edges may lie in the same line.
-                let off = before - (before + 0.5).floor();
-                if off.abs().simd_lt(f64x8::splat(simd, DOUBTFUL)).any_true() {
-                    whole = f64x8::load_array_ref(
-                        simd,
-                        &exact_counts(before.to_array(), row, [[x, y], [to_x, to_y]], most),
-                    );
-                }
                 // The rows below are another edge's.
                 let is_on_edge = down.simd_lt(f64x8::splat(simd, f64::from(end - row)));
+                // A centre that is met, or nearly: rounding must not tell the side, because other edges may lie in the same line.
+                let off = crossing - (crossing + 0.5).floor();
+                let is_inside = (crossing - before).abs().simd_lt(f64x8::splat(simd, 0.5));
+                let doubtful = off.abs().simd_lt(f64x8::splat(simd, DOUBTFUL)) & is_on_edge & is_inside;
+                if doubtful.any_true() {
+                    let ends = [[x, y], [to_x, to_y]];
+                    whole = f64x8::load_array_ref(simd, &exact_counts(before.to_array(), row, ends, most));
+                }
                 let row = row as usize % MAX_SIDE as usize;
                 let spans = &mut self.spans[side][row..row + ROWS_AT_ONCE];
                 is_on_edge.select(whole, f64x8::from_slice(simd, spans)).store_slice(spans);

@@ -82,7 +82,7 @@ impl ClassicCell {
         let mut least = splat(simd, f32::INFINITY);
         let mut color = [zero; 3];
         for i in 0..self.count {
-            let part = outline.edge(simd, i, places);
+            let part = outline.edge(i, places);
             let is_least = part.simd_lt(least);
             least = pick(is_least, part, least);
             for c in 0..3 {

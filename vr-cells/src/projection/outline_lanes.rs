@@ -37,17 +37,9 @@ impl LocalLine {
         x * self.a + (y * self.b + self.at)
     }
 
-    /// The values at some samples, in `f64` where they change by much from one to the next.
-    #[inline(always)]
-    fn of<S: Simd>(&self, simd: S, places: [f32x16<S>; 2], is_steep: bool) -> f32x16<S> {
-        if is_steep {
-            return self.slowly([places[0].to_array(), places[1].to_array()]).load(simd);
-        }
-        self.at(places)
-    }
-
+    /// The values at some samples, in `f64`.
     #[inline(never)]
-    fn slowly(&self, [x, y]: [[f32; LANES]; 2]) -> Lanes {
+    fn slowly(&self, [x, y]: &[[f32; LANES]; 2]) -> Lanes {
         let [at, a, b] = self.long;
         Lanes(std::array::from_fn(|i| (at + a * f64::from(x[i]) + b * f64::from(y[i])) as f32))
     }
@@ -75,7 +67,7 @@ pub(super) struct OutlineLanes {
 }
 
 /// Change of the part of the thickness over a tile, or a cell in it, from which on digits are short: as many times the rounding of `f32` are lost.
-const STEEP: f64 = 64.0;
+const STEEP: f64 = 512.0;
 
 impl OutlineLanes {
     /// The projection of a cell that has a sample, with the lowest and the highest place in the table of its values.
@@ -120,18 +112,34 @@ impl OutlineLanes {
 
     /// The part of the thickness at the apex as far as one edge goes.
     #[inline(always)]
-    pub(super) fn edge<S: Simd>(&self, simd: S, i: usize, places: [f32x16<S>; 2]) -> f32x16<S> {
-        self.edges[i].of(simd, places, self.is_steep)
+    pub(super) fn edge<S: Simd>(&self, i: usize, places: [f32x16<S>; 2]) -> f32x16<S> {
+        self.edges[i].at(places)
+    }
+
+    /// The edges' parts, depth and value on the base, and the function of the kink.
+    #[inline(always)]
+    fn values<S: Simd>(&self, simd: S, places: [f32x16<S>; 2]) -> [f32x16<S>; 7] {
+        let [a, b, c, d] = &self.edges;
+        if self.is_steep {
+            let [p, q, r, s, t, u, v] = self.slow_values(&[places[0].to_array(), places[1].to_array()]);
+            return [p.load(simd), q.load(simd), r.load(simd), s.load(simd), t.load(simd), u.load(simd), v.load(simd)];
+        }
+        let (depth, value, kink) = (self.depth.at(places), self.value.at(places), self.kink.at(places));
+        [a.at(places), b.at(places), c.at(places), d.at(places), depth, value, kink]
+    }
+
+    /// The same, in `f64`.
+    #[inline(never)]
+    fn slow_values(&self, places: &[[f32; LANES]; 2]) -> [Lanes; 7] {
+        let [a, b, c, d] = &self.edges;
+        [a, b, c, d, &self.depth, &self.value, &self.kink].map(|line| line.slowly(places))
     }
 
     /// Samples' part of the thickness at the apex.
     #[inline(always)]
     pub(super) fn share<S: Simd>(&self, simd: S, places: [f32x16<S>; 2]) -> f32x16<S> {
-        let [a, b] = [
-            self.edge(simd, 0, places).min(self.edge(simd, 1, places)),
-            self.edge(simd, 2, places).min(self.edge(simd, 3, places)),
-        ];
-        a.min(b).max(splat(simd, 0.0)).min(splat(simd, 1.0))
+        let [a, b, c, d, ..] = self.values(simd, places);
+        a.min(b).min(c.min(d)).max(splat(simd, 0.0)).min(splat(simd, 1.0))
     }
 
     /// The segments of samples' rays inside the cell.
@@ -144,10 +152,11 @@ impl OutlineLanes {
         perspective: bool,
     ) -> Segments<S> {
         // Depth and value on the base, and on the other side.
-        let share = self.share(simd, places);
-        let behind = self.kink.of(simd, places, self.is_steep).max(splat(simd, 0.0)).min(splat(simd, 1.0));
-        let depth = self.depth.of(simd, places, self.is_steep) + behind * self.more[0];
-        let value = self.value.of(simd, places, self.is_steep) + behind * self.more[1];
+        let [a, b, c, d, depth, value, kink] = self.values(simd, places);
+        let share = a.min(b).min(c.min(d)).max(splat(simd, 0.0)).min(splat(simd, 1.0));
+        let behind = kink.max(splat(simd, 0.0)).min(splat(simd, 1.0));
+        let depth = depth + behind * self.more[0];
+        let value = value + behind * self.more[1];
         let other = [depth + share * self.rise[0], value + share * self.rise[1]];
         let thickness = share * self.rise[0].abs();
         let (near, length, [base, other]) = match ends {
