@@ -158,8 +158,7 @@ fn a_linear_field_has_no_cracks() {
     }
 }
 
-/// Steps follow what is known of the values: the error that the default aims at, also where what is seen is thinner than a cell, which steps in
-/// proportion to the cells miss.
+/// Steps follow what is known of the values: the error that the default aims at, also where what is seen is thinner than a cell.
 #[test]
 fn default_steps_find_thin_sheets() {
     let point = |value, opacity| ControlPoint::new(value, [1.0, 0.5, 0.1], opacity);
@@ -174,8 +173,8 @@ fn default_steps_find_thin_sheets() {
             let square: f64 = both.map(|(a, b)| f64::from(a - b).powi(2)).sum();
             (square / (4.0 * 32.0 * 32.0)).sqrt()
         };
-        let [local, even] = [RayCaster::default(), RayCaster::uniform(0.2)].map(|caster| rmse(&caster));
+        let local = rmse(&RayCaster::default());
         // Aimed at 5·10⁻⁴: an estimate of the size of changes, not of their shape.
-        assert!(local < 1e-3 && even > 5e-3, "{centring:?}: {local}, {even}");
+        assert!(local < 1e-3, "{centring:?}: {local}");
     }
 }

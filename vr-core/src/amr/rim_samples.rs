@@ -88,9 +88,9 @@ impl AmrSamples<'_> {
     /// Axis and side of the one face of a cell between points beyond which the level has no cells, if it has all others around.
     fn open_face(&self, number: usize, low: [i32; 3], at: [i64; 3]) -> Option<(usize, bool)> {
         let block = &self.grid.blocks[number];
-        let is_last = |a: usize| low[a] as usize + 2 == block.dims[a];
+        let is_last = |a: usize| low[a] + 2 == block.dims[a] as i32;
         let rim = |a: usize| low[a] == 0 || is_last(a);
-        let is_within = (0..3).all(|a| low[a] >= 0 && low[a] as usize + 1 < block.dims[a]);
+        let is_within = (0..3).all(|a| low[a] >= 0 && low[a] + 1 < block.dims[a] as i32);
         let axis = (0..3).find(|&a| rim(a)).filter(|&axis| is_within && (axis + 1..3).all(|a| !rim(a)))?;
         let is_upper = is_last(axis);
         if is_upper && low[axis] == 0 {

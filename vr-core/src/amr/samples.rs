@@ -224,8 +224,10 @@ impl<'a> AmrSamples<'a> {
 /// Place of a sample in the values of a block that has it, by its place from the first sample of another one.
 #[inline]
 fn offset_from(block: &AmrBlock, holder: &AmrBlock, local: [i32; 3]) -> usize {
+    // What the block does not have is beyond any of its values.
     let at = |a: usize| (block.first[a] - holder.first[a] + i64::from(local[a])) as usize;
-    (at(2) * holder.dims[1] + at(1)) * holder.dims[0] + at(0)
+    let row = at(2).wrapping_mul(holder.dims[1]).wrapping_add(at(1));
+    row.wrapping_mul(holder.dims[0]).wrapping_add(at(0))
 }
 
 /// Places of a stencil's samples, from the lowest of the eight in the middle.

@@ -71,9 +71,7 @@ impl PatchEngine {
         if !plain {
             return None;
         }
-        if scene.volume.amr().is_none() {
-            return None;
-        }
+        scene.volume.amr()?;
         let range = scene.volume.value_range()?;
         let calibration = Calibration::default();
         if rounding_over(range, calibration, false, &scene.transfer) > MAX_ROUNDING {

@@ -37,6 +37,7 @@ pub(crate) trait Patches: Sync {
     ) -> Place<S>;
 
     /// Gradients at places of live lanes, in the units that the shading is made for.
+    #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
     fn gradients<S: Simd>(
         &self,
         simd: S,

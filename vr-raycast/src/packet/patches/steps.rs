@@ -132,7 +132,8 @@ impl StepBatches {
             // Steps with their middle in this part, and the end of the lattice, as far as they must be known.
             let (from, step) = (self.run.from, part.step);
             let middles = ((part.to - from) / step - 0.5).ceil().max(0.0) as u32;
-            let needed = from + f64::from(middles.max(1)) * step;
+            // One step more: if it is the last one, and shorter, its middle may lie here.
+            let needed = from + (f64::from(middles) + 1.0) * step;
             let (known, is_closed) = self.known_end();
             if !is_closed && known < needed {
                 self.pull(parts);
