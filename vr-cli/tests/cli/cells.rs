@@ -81,7 +81,7 @@ fn wrong_choices_get_one_line() {
         ("info m.vtu --frame 3", 1, &["frame", "the file has 1"]),
         ("info m.vtu --radius 1", 2, &["volume.radius", "as = \"points\""]),
         ("info m.vtu --as lines", 2, &["--as", "`points`"]),
-        ("info m.vtu -o x.png", 2, &["--output", "a mesh of cells"]),
+        ("info m.vtu -o x.png", 2, &["--output", "found: mesh of cells"]),
         ("info bad.vtu", 1, &["bad.vtu: cell 1", "vertex 7", "there are 5"]),
         ("info p.csv --as cells", 1, &["as", "only files of cells"]),
         ("info --phantom fog --as points", 2, &["volume.as"]),
