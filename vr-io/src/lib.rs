@@ -226,9 +226,11 @@
 //!
 //! # What is not here yet
 //!
-//! Of VTK's files, parallel files of points (`.pvtp`), of which the parts can be read, and trees of cells (`.htg`) are recognised and refused by name. Adaptive meshes of two dimensions, in cylindrical or spherical coordinates, or of Enzo's older formats are refused. Of ParaView's colour maps, those with indexed (categorical)
-//! colours are refused.
-//! In DICOM, frames in High-Throughput JPEG 2000, JPEG XL and JPEG of 12 bits are, and images of single bits.
+//! These are recognised, and refused by name:
+//! * VTK: parallel files of points (`.pvtp`; their parts can be read), and trees of cells (`.htg`);
+//! * adaptive meshes of two dimensions, in cylindrical or spherical coordinates, or of Enzo's older formats;
+//! * ParaView's colour maps with indexed (categorical) colours;
+//! * DICOM: frames in High-Throughput JPEG 2000, JPEG XL and JPEG of 12 bits, and images of single bits.
 //!
 //! # Features
 //! * `hdf5`, off by default: points and grids in HDF5, NetCDF-4 among them, and Enzo's meshes in HDF5 of any form, through a reader in Rust alone.

@@ -46,7 +46,7 @@ fn one_level_has_the_pixels_of_a_uniform_grid() {
         let grid = AmrGrid::new(DVec3::ZERO, DVec3::splat(step), vec![], vec![block], centring).unwrap();
         for shading in [None, Some(Shading::default().into())] {
             let [a, b] = [uniform.clone(), grid.clone().into()]
-                .map(|volume| Scene { shading: shading.clone(), ..Scene::new(volume, transfer()) });
+                .map(|volume| Scene { shading: shading.clone(), ..Scene::new(volume, transfer(0.2)) });
             same_under_every_operator([&a, &b], 8, 1e-12, 1e-6);
         }
     }
@@ -60,7 +60,7 @@ fn a_linear_field_is_its_function() {
     for centring in CENTRINGS {
         let grid = mesh(centring, value);
         let function = FunctionField::new(grid.bounds(), value).unwrap().with_lipschitz(slope.length());
-        let [a, b] = [grid.into(), function.into()].map(|volume: Volume| Scene::new(volume, transfer()));
+        let [a, b] = [grid.into(), function.into()].map(|volume: Volume| Scene::new(volume, transfer(0.2)));
         // The rim of the mesh is coarse everywhere, so that both boxes are full. Values are rounded to f32.
         same_under_every_operator([&a, &b], 8, 1e-6, 1e-7);
     }
@@ -73,7 +73,7 @@ fn every_operator_agrees_with_brute_force() {
         let grid = mesh(centring, waves);
         for (compositing, shading) in OPERATORS.map(|o| (o, false)).into_iter().chain([(Compositing::Over, true)]) {
             let shading = shading.then(Shading::default).map(Into::into);
-            let scene = Scene { compositing, shading, ..Scene::new(grid.clone().into(), transfer()) };
+            let scene = Scene { compositing, shading, ..Scene::new(grid.clone().into(), transfer(0.2)) };
             agrees_with_brute_force(&scene, 1e-3);
         }
     }

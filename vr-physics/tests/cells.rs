@@ -46,7 +46,7 @@ fn a_linear_field_is_its_function() {
     let slope = DVec3::new(0.5, -0.3, 0.7);
     let value = move |p: DVec3| 0.2 + slope.dot(p);
     let function = FunctionField::new((DVec3::ZERO, DVec3::ONE), value).unwrap().with_lipschitz(slope.length());
-    let scene = |volume: Volume| Scene::new(volume, transfer());
+    let scene = |volume: Volume| Scene::new(volume, transfer(0.2));
     let (a, b) = (scene(mesh(4, 0.2, value).into()), scene(function.into()));
     same_under_every_operator([&a, &b], 8, 1e-9, 1e-8);
 }
@@ -57,7 +57,7 @@ fn every_operator_agrees_with_brute_force() {
     let mesh = mesh(4, 0.25, waves);
     for (compositing, shading) in OPERATORS.map(|o| (o, false)).into_iter().chain([(Compositing::Over, true)]) {
         let shading = shading.then(Shading::default).map(Into::into);
-        let scene = Scene { compositing, shading, ..Scene::new(mesh.clone().into(), transfer()) };
+        let scene = Scene { compositing, shading, ..Scene::new(mesh.clone().into(), transfer(0.2)) };
         agrees_with_brute_force(&scene, 1e-3);
     }
 }

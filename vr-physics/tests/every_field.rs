@@ -1,13 +1,16 @@
 //! Every filter, shading and compositing scheme against brute force: many samples through the public sampler, no polynomials.
 
+mod brute;
+
 use std::sync::Arc;
 
+use brute::transfer;
 use glam::{DMat3, DVec3};
 use vr_core::field::{FunctionField, FunctionLine};
 use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::phantom::{self, Phantom};
 use vr_core::{
-    Camera, Clip, Compositing, ContinuousModel, Control, ControlPoint, DiscreteModel, Filter, GradientMethod, IndexRay,
+    Camera, Clip, Compositing, ContinuousModel, Control, DiscreteModel, Filter, GradientMethod, IndexRay,
     LatticeVisitor, Light, Medium, MediumBounds, Model, OpacityRule, Placement, Projection, Ray, Rays, Sampler,
     SamplerVisitor, Scene, SegmentTerm, Shading, TransferFunction, UniformGrid, View, Voxel, gradient_between_samples,
     optics,
@@ -26,16 +29,8 @@ fn scene(filter: Filter) -> Scene {
     let axes = DMat3::from_cols(DVec3::new(1.0, 0.1, 0.0), DVec3::new(0.0, 0.8, 0.0), DVec3::new(0.2, 0.0, 1.3));
     let placement = Placement::new(DVec3::new(-1.0, 2.0, 0.5), axes).unwrap();
     let volume = UniformGrid::new(dims, samples, placement, Default::default()).unwrap();
-    let p = ControlPoint::new;
-    let points = vec![
-        p(0.1, [0.1, 0.2, 0.9], 0.0),
-        p(0.45, [0.9, 0.3, 0.1], 0.25),
-        p(0.6, [0.2, 0.8, 0.3], 0.05),
-        p(1.0, [1.0, 1.0, 0.9], 0.6),
-    ];
     let light = Light { direction: Some(DVec3::new(0.3, 1.0, 0.5)), color: [1.0, 0.8, 0.6] };
-    let transfer = TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap();
-    Scene { lights: vec![Light::default(), light], ..Scene::new(volume.into(), transfer).with_filter(filter) }
+    Scene { lights: vec![Light::default(), light], ..Scene::new(volume.into(), transfer(1.0)).with_filter(filter) }
 }
 
 fn view(scene: &Scene) -> View {

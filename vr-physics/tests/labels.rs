@@ -1,7 +1,10 @@
 //! Labelled grids: closed forms, and every filter against brute force through the field's values alone.
 
+mod brute;
+
 use std::sync::Arc;
 
+use brute::transfer;
 use glam::{DMat3, DVec3};
 use vr_core::labels::{LabelMap, LabelStyle, LabelledGrid};
 use vr_core::{
@@ -136,17 +139,6 @@ fn random(seed: u64, filter: Filter, apart: bool) -> LabelledGrid {
     LabelledGrid::new(volume, labels, style).unwrap()
 }
 
-fn transfer() -> TransferFunction {
-    let p = ControlPoint::new;
-    let points = vec![
-        p(0.1, [0.1, 0.2, 0.9], 0.0),
-        p(0.45, [0.9, 0.3, 0.1], 0.25),
-        p(0.6, [0.2, 0.8, 0.3], 0.05),
-        p(1.0, [1.0, 1.0, 0.9], 0.6),
-    ];
-    TransferFunction::new(points, OpacityRule::Power, 1.0).unwrap()
-}
-
 /// The midpoint rule between jumps of the field, by its values and gradients at points alone.
 fn brute(scene: &Scene, field: &dyn Field, ray: &Ray, samples: usize) -> [f64; 4] {
     let (low, high) = field.bounds();
@@ -194,7 +186,7 @@ fn every_filter_and_lattice_against_brute_force() {
                 let labelled = random(seed, filter, apart);
                 let labelled = if let Some(method) = shaded { labelled.with_gradient(method) } else { labelled };
                 let field = Arc::new(labelled);
-                let mut scene = Scene::new(Volume::Field(field.clone()), field.transfer(&transfer()).unwrap());
+                let mut scene = Scene::new(Volume::Field(field.clone()), field.transfer(&transfer(1.0)).unwrap());
                 scene.shading = shaded.map(|gradient| Arc::new(Shading { gradient, ..Shading::default() }));
                 let view = View::new(Camera::framing(scene.bounds(), 35.0, 25.0, Some(40.0)), [5, 5]);
                 let rays = Rays::new(&view).unwrap();
@@ -223,7 +215,7 @@ fn every_filter_and_lattice_against_brute_force() {
 
 #[test]
 fn codes_are_not_compared() {
-    let scene = labelled_scene(random(5, Filter::Trilinear, false), &transfer());
+    let scene = labelled_scene(random(5, Filter::Trilinear, false), &transfer(1.0));
     let refused = Scene { compositing: Compositing::Maximum, ..scene.clone() }.validate().unwrap_err();
     assert_eq!(refused.field, "render.compositing");
     // A mask shows the values themselves.
@@ -234,7 +226,7 @@ fn codes_are_not_compared() {
     let volume = Arc::new(GridVolume::new(grid.into(), Filter::Trilinear));
     let labels = map([3; 3], |[_, _, z]| u8::from(z < 2), placement);
     let keep = |label| if label == 1 { LabelStyle::VOLUME } else { LabelStyle::Hidden };
-    let scene = labelled_scene(LabelledGrid::new(volume, labels, keep).unwrap(), &transfer());
+    let scene = labelled_scene(LabelledGrid::new(volume, labels, keep).unwrap(), &transfer(1.0));
     let scene = Scene { compositing: Compositing::Maximum, ..scene };
     scene.validate().unwrap();
 }

@@ -41,7 +41,7 @@ fn every_operator_agrees_with_brute_force() {
         let volume: Volume = grid.clone().into();
         let volume = shading.map_or(volume.clone(), |method| volume.with_gradient(method));
         let shading = shading.map(|gradient| Shading { gradient, ..Shading::default() }.into());
-        let scene = Scene { compositing, shading, ..Scene::new(volume, transfer()) };
+        let scene = Scene { compositing, shading, ..Scene::new(volume, transfer(0.2)) };
         agrees_with_brute_force(&scene, 1e-8);
     }
 }
@@ -60,7 +60,7 @@ fn a_linear_field_is_its_function_on_uneven_axes() {
         }
     }
     let function = FunctionField::new((DVec3::ZERO, DVec3::ONE), value).unwrap().with_lipschitz(slope.length());
-    let scene = |volume: Volume| Scene::new(volume, transfer());
+    let scene = |volume: Volume| Scene::new(volume, transfer(0.2));
     let (a, b) = (scene(grid.into()), scene(function.into()));
     // The surface of `First` moves by the rounding of the values, and colours by their slope of 10 at most.
     same_under_every_operator([&a, &b], 8, 1e-6, f64::INFINITY);
@@ -100,7 +100,7 @@ fn even_axes_are_a_uniform_grid() {
             let shading = method.map(|gradient| Shading { gradient, ..Shading::default() }.into());
             let scene = |volume: Volume| {
                 let volume = method.map_or(volume.clone(), |m| volume.with_gradient(m));
-                Scene { compositing, shading: shading.clone(), ..Scene::new(volume, transfer()) }
+                Scene { compositing, shading: shading.clone(), ..Scene::new(volume, transfer(0.2)) }
             };
             let mut view = view(9);
             view.clip = Clip { planes: vec![Plane { normal: DVec3::new(1.0, 0.3, -0.2), offset: 0.21 }], crop: None };
@@ -121,7 +121,7 @@ fn even_axes_are_a_uniform_grid() {
 #[test]
 fn rays_in_planes_and_far_eyes_keep_their_bounds() {
     let grid = sampled(uneven(), waves);
-    let scene = Scene::new(grid.into(), transfer());
+    let scene = Scene::new(grid.into(), transfer(0.2));
     for distance in [3.0, 1e4, 1e7] {
         for (direction, up) in [(DVec3::X, DVec3::Z), (DVec3::Y, DVec3::X), (DVec3::Z, DVec3::Y)] {
             let at = DVec3::new(0.4, 0.35, 0.25);

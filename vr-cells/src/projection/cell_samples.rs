@@ -69,8 +69,8 @@ impl CellSamples {
 
     /// Finds the open samples inside an outline.
     ///
-    /// Where an edge crosses a row is computed from its ends alone, whatever cell it belongs to, and exactly where a sample is near: of two cells on both sides of it
-    /// one has each sample of the row. Each row is crossed by one edge on the left and by one on the right.
+    /// The place at which an edge crosses a row follows from the ends of the edge alone, and is exact if a sample is near: two cells that share the edge get the
+    /// same place, so that each sample of the row belongs to one of them. One edge on the left and one on the right cross each row.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &mut self,

@@ -75,7 +75,7 @@ struct TileJob<'a> {
     cells: &'a [u32],
 }
 
-/// What is drawn of a cell.
+/// A cell's corners on the screen, how it faces the eye, and the range of its values.
 #[derive(Clone, Copy, Default)]
 struct FetchedCell {
     corners: [ScreenVertex; 4],

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use fearless_simd::{Level, dispatch};
 
-    /// Of a trilinear function, whose central differences are its slopes.
+    /// Central differences of a trilinear function are its slopes.
     #[test]
     fn gradients_of_trilinear_functions_are_exact() {
         let f = |[x, y, z]: [f32; 3]| 1.0 + 2.0 * x - 3.0 * y + 0.5 * z + 4.0 * x * y * z;

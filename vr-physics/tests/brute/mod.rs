@@ -23,8 +23,8 @@ pub fn waves(p: DVec3) -> f64 {
     0.5 + 0.3 * (7.0 * p.x + 3.0 * p.y).sin() + 0.2 * (9.0 * p.z - 4.0 * p.y).cos()
 }
 
-/// A transfer function with kinks, without jumps.
-pub fn transfer() -> TransferFunction {
+/// A transfer function with kinks, without jumps, for a unit distance.
+pub fn transfer(unit_distance: f64) -> TransferFunction {
     let p = ControlPoint::new;
     let points = vec![
         p(0.1, [0.1, 0.2, 0.9], 0.0),
@@ -32,7 +32,7 @@ pub fn transfer() -> TransferFunction {
         p(0.6, [0.2, 0.8, 0.3], 0.05),
         p(1.0, [1.0, 1.0, 0.9], 0.6),
     ];
-    TransferFunction::new(points, OpacityRule::Power, 0.2).unwrap()
+    TransferFunction::new(points, OpacityRule::Power, unit_distance).unwrap()
 }
 
 /// A view of the unit cube.

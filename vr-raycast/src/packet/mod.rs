@@ -30,6 +30,8 @@
 //! instead of half: 0.95. Rules that pre-integrate, gradients of the filter itself, and opacity that follows the gradient are left to the plain
 //! engine.
 
+#[cfg(test)]
+mod compared;
 mod engine;
 mod leap;
 mod level;

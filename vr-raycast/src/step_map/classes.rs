@@ -80,7 +80,7 @@ impl Variation {
 /// Number of levels that ranges of values are rounded to.
 pub(super) const LEVELS: usize = LevelRanges::LAST as usize + 1;
 
-/// What a transfer function does between levels of values.
+/// Variation of a transfer function at levels of values and between them.
 pub(super) struct LevelVariations {
     values: Vec<f64>,
     /// Variation at each level, and from each to the next.

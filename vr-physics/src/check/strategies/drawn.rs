@@ -12,6 +12,12 @@ pub(in crate::check) fn draw<T>(strategy: impl Strategy<Value = T>, n: usize) ->
     (0..n).map(|_| strategy.new_tree(&mut runner).unwrap().current()).collect()
 }
 
+/// Asserts that at least ten scenes have a feature.
+pub(in crate::check) fn some(scenes: &[TestScene], what: &str, test: impl Fn(&TestScene) -> bool) {
+    let n = scenes.iter().filter(|t| test(t)).count();
+    assert!(n >= 10, "{what}: {n} of {}", scenes.len());
+}
+
 fn solve(t: &TestScene) -> Solution {
     Reference::default().solve(&t.scene, &t.view, &Model::Canonical, &Control::default()).unwrap()
 }

@@ -466,6 +466,7 @@ impl Surfaces for Backdrop {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::check::strategies::drawn;
 
     fn grid(t: &TestScene) -> &vr_core::GridVolume {
         t.scene.volume.grid().unwrap()
@@ -539,9 +540,7 @@ mod tests {
     fn jumps_are_of_all_sorts() {
         let scenes: Vec<TestScene> = (0..200).map(|seed| Kind::Jumps.draw(seed)).collect();
         let some = |what: &str, test: &dyn Fn(&vr_core::transfer::Segment, &vr_core::transfer::Segment) -> bool| {
-            let has = |t: &&TestScene| t.scene.transfer.segments().windows(2).any(|w| test(&w[0], &w[1]));
-            let n = scenes.iter().filter(has).count();
-            assert!(n >= 10, "{what}: {n} of 200");
+            drawn::some(&scenes, what, |t| t.scene.transfer.segments().windows(2).any(|w| test(&w[0], &w[1])));
         };
         some("to 1", &|a, b| a.end.opacity < 1.0 && b.start.opacity == 1.0);
         some("to 0.999", &|a, b| a.end.opacity < 0.9 && b.start.opacity == 0.999);

@@ -6,14 +6,14 @@ use fearless_simd::Level;
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use vr_core::{
-    Calibration, Camera, Clip, Control, ControlPoint, Light, OpacityRule, Placement, Plane, Rendered, Renderer,
-    Shading, TransferFunction, UniformGrid, Volume,
+    Calibration, Camera, Clip, Control, ControlPoint, Light, OpacityRule, Placement, Plane, Shading, TransferFunction,
+    UniformGrid, Volume,
 };
 
 use vr_physics::check::FixedLayer;
 
+use super::super::compared::{bits, plain, row_by_row, same};
 use super::*;
-use crate::caster::Vector;
 use crate::render_tables::TablesByPrecision;
 
 /// Returns every level that the machine has.
@@ -157,12 +157,6 @@ fn set_edge(engine: &mut PacketEngine, scene: &Scene, edge: Option<usize>) {
     *distances = edge.and_then(|edge| PacketEngine::distances(scene.volume.grid().unwrap(), scene, table, edge));
 }
 
-fn plain(caster: &RayCaster, scene: &Scene, view: &View) -> Rendered {
-    let control = Control::default();
-    let caster = RayCaster { vector: Vector::Off, ..caster.clone() };
-    caster.prepare(scene, &control).unwrap().render(view, &control).unwrap()
-}
-
 fn trace(
     engine: &PacketEngine,
     scene: &Scene,
@@ -175,36 +169,6 @@ fn trace(
     let (mut values, mut counts) = (Vec::new(), Counts::default());
     frame.trace(spots, starts, &mut values, &mut counts);
     (values, counts)
-}
-
-fn row_by_row(view: &View) -> Vec<ImageSample> {
-    let [w, h] = view.size;
-    let spot = |i: u32| ImageSample { pixel: i as usize, x: f64::from(i % w) + 0.5, y: f64::from(i / w) + 0.5 };
-    (0..w * h).map(spot).collect()
-}
-
-fn bits(values: &[RaySample]) -> Vec<[u32; 5]> {
-    let of = |t: &RaySample| [t.rgba[0], t.rgba[1], t.rgba[2], t.rgba[3], t.depth].map(f32::to_bits);
-    values.iter().map(of).collect()
-}
-
-/// Checks that two engines' pictures are the same but for `tolerance` times the brightest pixel, and depth where it is well defined.
-fn same(values: &[RaySample], plain: &Rendered, tolerance: f32) -> Result<(), TestCaseError> {
-    let brightest = values.iter().flat_map(|t| t.rgba).fold(1.0f32, f32::max);
-    for (i, traced) in values.iter().enumerate() {
-        let want = plain.frame.pixels()[i];
-        for c in 0..4 {
-            let off = (traced.rgba[c] - want[c]).abs();
-            prop_assert!(off <= tolerance * brightest, "pixel {i}: {:?} for {want:?}", traced.rgba);
-        }
-        let depth = plain.frame.depth().unwrap()[i];
-        // Near a half that is just reached or just not, depth may be anything.
-        if (traced.rgba[3] - 0.5).abs() > 1e-3 && traced.rgba[3] < 0.999 {
-            let near = (traced.depth - depth).abs() <= 1e-3 * (1.0 + depth.abs());
-            prop_assert!(traced.depth == depth || near, "pixel {i}: {} for {depth}", traced.depth);
-        }
-    }
-    Ok(())
 }
 
 /// Largest difference of the engines: positions differ by some units in the last place of f32 (10⁻⁶ of a cell here), and the steepest

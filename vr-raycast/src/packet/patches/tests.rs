@@ -8,13 +8,14 @@ use proptest::prelude::*;
 use vr_core::amr::{AmrCentring, AmrGrid, AmrSampling};
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    Camera, Clip, Control, ControlPoint, Counts, Light, OpacityRule, Plane, Rendered, Renderer, Scene, Shading,
-    TransferFunction, View, Volume,
+    Camera, Clip, Control, ControlPoint, Counts, Light, OpacityRule, Plane, Scene, Shading, TransferFunction, View,
+    Volume,
 };
 use vr_physics::check::FixedLayer;
 
+use super::super::compared::{bits, plain, row_by_row, same};
 use super::{PatchEngine, PatchFrame};
-use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Step, Vector};
+use crate::caster::{CompositingOrder, EmptySpace, RayCaster, Step};
 use crate::engine::lengths;
 use crate::source::Source;
 use crate::tracer::{RaySample, Tracer};
@@ -109,12 +110,6 @@ fn engine(caster: &RayCaster, scene: &Scene) -> PatchEngine {
     PatchEngine::new(caster, scene, &source, lengths(caster, scene, source.placement())).expect("it can draw this")
 }
 
-fn plain(caster: &RayCaster, scene: &Scene, view: &View) -> Rendered {
-    let control = Control::default();
-    let caster = RayCaster { vector: Vector::Off, ..caster.clone() };
-    caster.prepare(scene, &control).unwrap().render(view, &control).unwrap()
-}
-
 fn trace(engine: &PatchEngine, scene: &Scene, view: &View, spots: &[ImageSample]) -> (Vec<RaySample>, Counts) {
     let layer = scene.layer(view, &Control::default()).unwrap();
     let source = Source::of(&scene.volume).unwrap();
@@ -122,41 +117,6 @@ fn trace(engine: &PatchEngine, scene: &Scene, view: &View, spots: &[ImageSample]
     let (mut values, mut counts) = (Vec::new(), Counts::default());
     frame.trace(spots, None, &mut values, &mut counts);
     (values, counts)
-}
-
-fn row_by_row(view: &View) -> Vec<ImageSample> {
-    let [w, h] = view.size;
-    let spot = |i: u32| ImageSample { pixel: i as usize, x: f64::from(i % w) + 0.5, y: f64::from(i / w) + 0.5 };
-    (0..w * h).map(spot).collect()
-}
-
-fn bits(values: &[RaySample]) -> Vec<[u32; 5]> {
-    let of = |t: &RaySample| [t.rgba[0], t.rgba[1], t.rgba[2], t.rgba[3], t.depth].map(f32::to_bits);
-    values.iter().map(of).collect()
-}
-
-/// Checks that two engines' pictures are the same but for `tolerance` times the brightest pixel, and depth where it is well defined.
-fn same(values: &[RaySample], plain: &Rendered, tolerance: f32) -> Result<(), TestCaseError> {
-    let brightest = plain.frame.pixels().as_flattened().iter().fold(1.0f32, |a, b| a.max(*b));
-    for (i, traced) in values.iter().enumerate() {
-        let want = plain.frame.pixels()[i];
-        for c in 0..4 {
-            let off = (traced.rgba[c] - want[c]).abs();
-            prop_assert!(
-                off <= tolerance * brightest,
-                "pixel {i}: {:?} for {want:?}, {}",
-                traced.rgba,
-                off / brightest
-            );
-        }
-        let depth = plain.frame.depth().unwrap()[i];
-        // Near a half that is just reached or just not, depth may be anything.
-        if (traced.rgba[3] - 0.5).abs() > 1e-3 && traced.rgba[3] < 0.999 {
-            let near = (traced.depth - depth).abs() <= 1e-3 * (1.0 + depth.abs());
-            prop_assert!(traced.depth == depth || near, "pixel {i}: {} for {depth}", traced.depth);
-        }
-    }
-    Ok(())
 }
 
 /// Largest difference of the engines, in parts of the brightest pixel, or of 1: a value is rounded some ten times in f32, to 3·10⁻⁷ of it, and its place to

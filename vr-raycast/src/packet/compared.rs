@@ -1,0 +1,55 @@
+//! Pictures of packets beside those of the plain engine, for tests.
+
+use proptest::prelude::*;
+use vr_core::image_order::ImageSample;
+use vr_core::{Control, Rendered, Renderer, Scene, View};
+
+use crate::caster::{RayCaster, Vector};
+use crate::tracer::RaySample;
+
+/// The picture of the plain engine.
+pub(super) fn plain(caster: &RayCaster, scene: &Scene, view: &View) -> Rendered {
+    let control = Control::default();
+    let caster = RayCaster { vector: Vector::Off, ..caster.clone() };
+    caster.prepare(scene, &control).unwrap().render(view, &control).unwrap()
+}
+
+/// The centres of all pixels.
+pub(super) fn row_by_row(view: &View) -> Vec<ImageSample> {
+    let [w, h] = view.size;
+    let spot = |i: u32| ImageSample { pixel: i as usize, x: f64::from(i % w) + 0.5, y: f64::from(i / w) + 0.5 };
+    (0..w * h).map(spot).collect()
+}
+
+/// Every bit of the samples.
+pub(super) fn bits(values: &[RaySample]) -> Vec<[u32; 5]> {
+    let of = |t: &RaySample| [t.rgba[0], t.rgba[1], t.rgba[2], t.rgba[3], t.depth].map(f32::to_bits);
+    values.iter().map(of).collect()
+}
+
+/// Checks that two engines' pictures are the same but for `tolerance` times the brightest pixel, and depth where it is well defined.
+pub(super) fn same(values: &[RaySample], plain: &Rendered, tolerance: f32) -> Result<(), TestCaseError> {
+    let of = |numbers: &mut dyn Iterator<Item = f32>| numbers.fold(1.0f32, f32::max);
+    // The darker picture tells: a mistake must not make room for itself.
+    let brightest =
+        of(&mut values.iter().flat_map(|t| t.rgba)).min(of(&mut plain.frame.pixels().as_flattened().iter().copied()));
+    for (i, traced) in values.iter().enumerate() {
+        let want = plain.frame.pixels()[i];
+        for c in 0..4 {
+            let off = (traced.rgba[c] - want[c]).abs();
+            prop_assert!(
+                off <= tolerance * brightest,
+                "pixel {i}: {:?} for {want:?}, {}",
+                traced.rgba,
+                off / brightest
+            );
+        }
+        let depth = plain.frame.depth().unwrap()[i];
+        // Near a half that is just reached or just not, depth may be anything.
+        if (traced.rgba[3] - 0.5).abs() > 1e-3 && traced.rgba[3] < 0.999 {
+            let near = (traced.depth - depth).abs() <= 1e-3 * (1.0 + depth.abs());
+            prop_assert!(traced.depth == depth || near, "pixel {i}: {} for {depth}", traced.depth);
+        }
+    }
+    Ok(())
+}
