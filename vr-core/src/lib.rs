@@ -81,6 +81,7 @@ pub mod rectilinear;
 mod renderer;
 pub mod resample;
 mod sampler;
+pub mod scattering;
 mod scene;
 mod shading;
 mod stats;

@@ -1,0 +1,8 @@
+//! The whole equation of transfer for light, and only as much of it as a scene needs.
+//!
+//! Along a ray, s being the distance behind its front, radiance I obeys dI/ds = χ I − q − j: the total extinction χ = κ + σ takes away what is
+//! absorbed (κ) and what is scattered into other directions (σ); the thermal source q adds what the medium emits, and the scattered source
+//! j = σ/4π ∫ p I dω what comes from all other directions by the phase function p.
+//! All lengths are world units, coefficients are per world unit, radiance is linear.
+
+pub mod slab;

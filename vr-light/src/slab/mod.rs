@@ -1,0 +1,1 @@
+//! Plane-parallel slabs, solved without random numbers.
