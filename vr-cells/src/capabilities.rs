@@ -20,6 +20,7 @@ pub(crate) fn needs_gradients(scene: &Scene) -> bool {
 /// Returns the mesh of a scene, if it is one of cells and has the gradients that the scene asks for.
 pub(crate) fn mesh_of(renderer: &'static str, scene: &Scene) -> Result<Arc<CellMesh>, RenderError> {
     scene.validate()?;
+    scene.without_scattering(renderer)?;
     let mesh =
         scene.volume.cells().ok_or_else(|| Unsupported::volume_kind(renderer, &scene.volume, "meshes of cells"))?;
     // Cells that are constant have no gradient.

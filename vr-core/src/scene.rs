@@ -8,9 +8,11 @@ use crate::compositing::Compositing;
 use crate::control::Control;
 use crate::error::{ParameterError, RenderError};
 use crate::field::Field;
+use crate::scattering::Scattering;
 use crate::shading::{Light, Shading};
 use crate::surfaces::{Layer, Surfaces};
 use crate::transfer::TransferFunction;
+use crate::unsupported::{Feature, Unsupported};
 use crate::view::View;
 use crate::volume::Volume;
 
@@ -42,6 +44,8 @@ pub struct Scene {
     pub shading: Option<Arc<Shading>>,
     /// Lights of the volume, where it is shaded, and of the surfaces.
     pub lights: Vec<Light>,
+    /// Scattering of light in the medium; `None`: it absorbs and emits alone. Lights shine into a medium that scatters, with shadows.
+    pub scattering: Option<Arc<Scattering>>,
     /// Opaque things among the volume.
     pub surfaces: Option<Arc<dyn Surfaces>>,
     /// Operator that makes a pixel of the field along a ray.
@@ -87,6 +91,7 @@ impl Scene {
             transfer: Arc::new(transfer),
             shading: None,
             lights: vec![Light::default()],
+            scattering: None,
             surfaces: None,
             compositing: Compositing::default(),
             background: [0.0; 3],
@@ -143,6 +148,9 @@ impl Scene {
             self.validate_rows()?;
         }
         Light::validate_all(&self.lights)?;
+        if let Some(scattering) = &self.scattering {
+            self.validate_scattering(scattering)?;
+        }
         self.shading.as_ref().map_or(Ok(()), |s| s.validate())
     }
 
@@ -157,6 +165,33 @@ impl Scene {
             return Err(ParameterError::new("shading.gradient_opacity", &shading.gradient_opacity, allowed));
         }
         Ok(())
+    }
+
+    /// Checks scattering, and what goes with it.
+    fn validate_scattering(&self, scattering: &Scattering) -> Result<(), ParameterError> {
+        scattering.validate()?;
+        if !self.compositing.integrates_light() {
+            let allowed =
+                "a medium that scatters goes with over and accumulate: a picked or averaged value is no light";
+            return Err(ParameterError::new("render.compositing", self.compositing.name(), allowed));
+        }
+        if self.shading.is_some() {
+            let allowed = "must be absent beside shading: that imitates the light which scattering computes";
+            return Err(ParameterError::new("scattering", "shading", allowed));
+        }
+        Ok(())
+    }
+
+    /// Refuses a medium that scatters, for renderers of emission and absorption.
+    ///
+    /// # Errors
+    /// [`Unsupported`] with [`Feature::Scattering`].
+    pub fn without_scattering(&self, renderer: &'static str) -> Result<(), Unsupported> {
+        let what = "scattering: it draws emission and absorption alone";
+        match self.scattering {
+            None => Ok(()),
+            Some(_) => Err(Unsupported { renderer, feature: Feature::Scattering, what: what.into() }),
+        }
     }
 
     /// Draws the scene's surfaces as they are seen in a view; `None` where it has none.

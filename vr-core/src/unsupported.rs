@@ -87,6 +87,8 @@ pub enum Feature {
     AnalyticGradients,
     /// Opacity that follows the gradient.
     GradientOpacity,
+    /// Scattering of light in the medium.
+    Scattering,
     /// Colours, or lights of a colour.
     Color,
     /// Opaque surfaces among the volume.
@@ -115,6 +117,7 @@ impl fmt::Display for Feature {
             Self::Shading => "shading",
             Self::AnalyticGradients => "analytic gradients",
             Self::GradientOpacity => "gradient opacity",
+            Self::Scattering => "scattering",
             Self::Color => "colour",
             Self::Surfaces => "opaque surfaces",
             Self::Perspective => "perspective",

@@ -51,6 +51,7 @@ fn unsupported(feature: Feature, what: String) -> RenderError {
 /// Checks that a scene, or a renderer's model of it, can be solved.
 pub(crate) fn check(scene: &Scene, model: &Model) -> Result<(), RenderError> {
     scene.validate()?;
+    scene.without_scattering("physics")?;
     match (model, scene.volume.field()) {
         (Model::Filtered(_), Some(field)) => {
             let what = format!("a reconstruction filter over volumes of the kind '{}'", field.kind());

@@ -14,6 +14,7 @@ pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderEr
 pub(crate) fn check(caster: &RayCaster, scene: &Scene) -> Result<Source, RenderError> {
     caster.validate()?;
     scene.validate()?;
+    scene.without_scattering(RayCaster::NAME)?;
     if caster.order == CompositingOrder::BackToFront && scene.compositing != Compositing::Over {
         return Err(unsupported(
             Feature::Compositing,

@@ -19,6 +19,7 @@ pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderEr
 pub(crate) fn check(renderer: &ShearWarp, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     renderer.validate()?;
     scene.validate()?;
+    scene.without_scattering(ShearWarp::NAME)?;
     if let Compositing::First { .. } = scene.compositing {
         return Err(unsupported(
             Feature::Compositing,

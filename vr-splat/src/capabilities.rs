@@ -22,6 +22,7 @@ const DRAWN: &str = "scattered points, and uniform grids, to which others can be
 pub(crate) fn check(renderer: &Splatter, scene: &Scene) -> Result<SplatInput, RenderError> {
     renderer.validate()?;
     scene.validate()?;
+    scene.without_scattering(Splatter::NAME)?;
     let input = match (scene.volume.grid(), scene.volume.points()) {
         (Some(grid), _) => SplatInput::Grid(Arc::clone(grid)),
         (_, Some(points)) => SplatInput::Points(Arc::clone(points)),

@@ -19,6 +19,7 @@ pub(crate) fn unsupported(feature: Feature, what: impl Into<String>) -> RenderEr
 pub(crate) fn check(renderer: &TextureSlicer, scene: &Scene) -> Result<Arc<GridVolume>, RenderError> {
     renderer.validate()?;
     scene.validate()?;
+    scene.without_scattering(TextureSlicer::NAME)?;
     let volume = scene
         .volume
         .grid()
