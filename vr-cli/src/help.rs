@@ -27,13 +27,14 @@ All flags: --help. Renderers, their features and options: vr help renderers, vr 
 const DRAWING: [&str; 9] = ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray"];
 
 /// Flags of the headings below that the short help shows; flags of other headings are all shown.
-const ESSENTIAL: [&str; 30] = [
+const ESSENTIAL: [&str; 31] = [
     "path",
     "phantom",
     "scene",
     "preset",
     "transfer",
     "no_shading",
+    "model",
     "labels",
     "mesh",
     "azimuth",
@@ -61,11 +62,12 @@ const ESSENTIAL: [&str; 30] = [
 ];
 
 /// Headings with too many flags for the short help.
-const LONG: [&str; 14] = [
+const LONG: [&str; 15] = [
     "Volume",
     "Scene",
     "Transfer function",
     "Shading",
+    "Scattering",
     "Labels",
     "Opaque surface",
     "Camera",

@@ -2,18 +2,26 @@
 
 use std::path::Path;
 
-use vr_core::{ControlPoint, Plane};
+use vr_core::{ControlPoint, Options, Plane};
 use vr_io::{
-    FileSource, GridDescription, LabelsSection, LightEntry, MeshSection, PointOptions, ResampleSection, SceneFile,
-    ShadingSection, TransferSection, VolumeSection, VolumeSource,
+    AlbedoEntry, FileSource, GridDescription, LabelsSection, LightEntry, MeshSection, PhaseEntry, PointOptions,
+    ResampleSection, SceneFile, ShadingSection, TransferSection, VolumeSection, VolumeSource,
 };
 
 use crate::args::{
-    Background, CameraArgs, CompositingArgs, ImageArgs, LabelArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs,
-    VolumeArgs,
+    Background, CameraArgs, CompositingArgs, ImageArgs, LabelArgs, MeshArgs, ScatteringArgs, SceneArgs, ShadingArgs,
+    TransferArgs, VolumeArgs,
 };
 use crate::failure::Failure;
 use crate::transfer_box::TransferBox;
+
+/// Renderer of media that scatter.
+const LIGHT: &str = "light";
+
+/// An albedo as scene files state it.
+fn albedo_entry([r, g, b]: [f64; 3]) -> AlbedoEntry {
+    if r == g && g == b { AlbedoEntry::Grey(r) } else { AlbedoEntry::Bands([r, g, b]) }
+}
 
 /// Writer of flags into a scene file that remembers the fields that they set: an error in one of those is about the command
 /// line.
@@ -37,6 +45,7 @@ impl Overrides {
         self.set_some("volume.resample", resample, &mut file.volume.resample);
         self.transfer(&args.transfer, file);
         self.shading(&args.shading, file);
+        self.scattering(&args.scattering, file);
         self.labels(&args.labels, file)?;
         self.mesh(&args.mesh, file)?;
         self.image(&args.image, file);
@@ -241,6 +250,39 @@ impl Overrides {
             section.enabled = true;
             file.shading = Some(section);
         }
+    }
+
+    /// Writes the flags of `[scattering]`. The lights of shading shine into the medium in place of those of the section.
+    fn scattering(&mut self, args: &ScatteringArgs, file: &mut SceneFile) {
+        let before = self.fields.len();
+        let mut section = file.scattering.clone().unwrap_or_default();
+        let lit_by_flag = self.set_by_flag("shading.lights");
+        self.set("scattering.albedo", args.albedo.map(albedo_entry), &mut section.albedo);
+        self.set("scattering.phase", args.anisotropy.map(PhaseEntry::HenyeyGreenstein), &mut section.phase);
+        self.set("scattering.environment", args.environment, &mut section.environment);
+        match args.model.map(|model| model.option()) {
+            Some(None) => {
+                file.scattering = None;
+                if file.render.renderer.as_deref() == Some(LIGHT) {
+                    (file.render.renderer, file.render.options) = (None, Options::new());
+                }
+                return;
+            }
+            Some(Some(word)) => {
+                if file.render.renderer.as_deref() != Some(LIGHT) {
+                    (file.render.renderer, file.render.options) = (Some(LIGHT.to_owned()), Options::new());
+                }
+                file.render.options.0.insert("model".to_owned(), word.into());
+            }
+            None if file.scattering.is_none() && self.fields.len() == before => return,
+            None => {}
+        }
+        if let Some(shading) = file.shading.take()
+            && (lit_by_flag || file.scattering.is_none())
+        {
+            section.lights = shading.lights;
+        }
+        file.scattering = Some(section);
     }
 
     fn labels(&mut self, args: &LabelArgs, file: &mut SceneFile) -> Result<(), Failure> {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use vr_cells::{CellMarcher, CellProjector};
-use vr_core::{OptionSpec, OptionValue, Options, StudiedRenderer, Volume};
+use vr_core::{OptionSpec, OptionValue, Options, Scene, StudiedRenderer, Volume};
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
@@ -42,9 +42,10 @@ pub fn named(name: &str) -> Result<Box<dyn StudiedRenderer>, String> {
         .ok_or_else(|| format!("render.renderer: found {name:?}; must be one of {names}"))
 }
 
-/// Returns the name of the renderer that draws volumes of a kind where no other is named.
-pub fn usual(volume: &Volume) -> &'static str {
-    match &volume {
+/// Returns the name of the renderer that draws a scene where no other is named.
+pub fn usual(scene: &Scene) -> &'static str {
+    match &scene.volume {
+        _ if scene.scattering.is_some() => "light",
         // No ray caster finds the few points, of all, that a ray meets.
         Volume::Points(_) => "splat",
         Volume::Cells(_) => "march",

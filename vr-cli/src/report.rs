@@ -113,7 +113,7 @@ fn own_subject(setup: &mut Setup, args: &ReportArgs, suite: Suite) -> Result<(Su
     let phantom = setup.phantom.as_deref().and_then(vr_core::phantom::by_name).map(Into::into);
 
     // Each command names the renderer and its options: the scene file is to say nothing of them.
-    let usual = renderers::named(renderers::usual(&setup.scene.volume)).map_err(Failure::failed)?;
+    let usual = renderers::named(renderers::usual(&setup.scene)).map_err(Failure::failed)?;
     let stated = StatedRenderer::of(&*usual, None);
     let mut file = read_from(setup.complete_file(&stated), &args.output, setup);
     file.annotations = AnnotationsSection::default();

@@ -96,7 +96,7 @@ pub fn picture_error(
     });
     let exact = exact.map_err(Failure::failed)?;
     let drawn = Scene { volume: Volume::from(resampled.grid.clone()), ..scene.clone() };
-    let renderer = renderers::named(renderers::usual(&drawn.volume)).map_err(Failure::failed)?;
+    let renderer = renderers::named(renderers::usual(&drawn)).map_err(Failure::failed)?;
     let frame = under_bar(console, control, "drawing the grid", |control| {
         renderer.prepare(&drawn, control)?.render(view, control)
     });

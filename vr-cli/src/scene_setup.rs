@@ -221,7 +221,7 @@ impl Setup {
             _ => Failure::usage(message),
         };
         // Choose the renderer: a flag's, the scene file's, or the usual one.
-        let own_name = self.renderer.as_deref().unwrap_or_else(|| renderers::usual(&self.scene.volume));
+        let own_name = self.renderer.as_deref().unwrap_or_else(|| renderers::usual(&self.scene));
         let name = args.renderer.as_deref().unwrap_or(own_name);
         let renderer = renderers::named(name).map_err(|e| complaint(args.renderer.is_some(), e))?;
         // Another renderer than the scene file's: the options there are not for it.

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use vr_core::{Filter, GradientMethod, OpacityRule};
 use vr_io::{ColorEncoding, CompositingName, LookName, ProjectionName};
 
-use super::{Background, LabelArgs, ResampleArgs, VolumeArgs, value};
+use super::{Background, LabelArgs, ResampleArgs, ScatteringArgs, VolumeArgs, value};
 use crate::failure::Failure;
 use crate::transfer_box::TransferBox;
 
@@ -31,6 +31,9 @@ pub struct SceneArgs {
     /// `[shading]`.
     #[command(flatten)]
     pub shading: ShadingArgs,
+    /// `[scattering]`.
+    #[command(flatten)]
+    pub scattering: ScatteringArgs,
     /// `[labels]`.
     #[command(flatten)]
     pub labels: LabelArgs,

@@ -11,6 +11,14 @@ pub fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(deserializer).map_err(|e| e.to_string())
 }
 
+/// Parses one number for red, green and blue, or three.
+pub fn grey_or_rgb(text: &str) -> Result<[f64; 3], String> {
+    match text.parse() {
+        Ok(grey) => Ok([grey; 3]),
+        Err(_) => triple(text).map_err(|_| "expected a number, or R,G,B".to_owned()),
+    }
+}
+
 /// Parses a size: `512x256`; `512` is `512x512`.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let expected = "expected WIDTHxHEIGHT or one number, as in 512x256";

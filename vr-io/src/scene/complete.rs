@@ -7,6 +7,7 @@ use vr_core::{Options, Scene, View, Volume};
 use crate::read::FileInfo;
 
 use super::labels_section::LabelsSection;
+use super::scattering_section::ScatteringSection;
 use super::scene_file::SceneFile;
 use super::sections::{CameraSection, RenderSection, ShadingSection, TransferSection};
 use super::volume_section::{FileSource, VolumeSource};
@@ -45,6 +46,7 @@ impl SceneFile {
             Some(shading) => ShadingSection::describe(shading, &scene.lights),
             None => ShadingSection { enabled: false, ..ShadingSection::default() },
         });
+        file.scattering = scene.scattering.as_deref().map(|s| ScatteringSection::describe(s, &scene.lights));
         file.camera = Some(CameraSection::from(&view.camera));
         file.clip = view.clip.clone();
         file.image.size = view.size;

@@ -147,6 +147,7 @@ pub fn resolve_scene_around(
             let look = Survey::of(&found.volume).look(&hints);
             notes.push(look.reason);
             if file.shading.is_none()
+                && file.scattering.is_none()
                 && let Some(shading) = &look.shading
             {
                 file.shading = Some(ShadingSection::describe(shading, &[Light::default()]));
@@ -172,7 +173,7 @@ pub fn resolve_scene_around(
         }
     };
     // Solids are lit, unless the file says otherwise.
-    if file.shading.is_none() && labels.as_ref().is_some_and(SceneLabels::has_solids) {
+    if file.shading.is_none() && file.scattering.is_none() && labels.as_ref().is_some_and(SceneLabels::has_solids) {
         notes.push("labels are lit by a headlight: no shading is named".to_owned());
         file.shading = Some(ShadingSection::default());
     }

@@ -8,6 +8,7 @@ use vr_core::{Camera, Clip, ParameterError, Scene, View, Volume};
 use super::annotations_section::AnnotationsSection;
 use super::inline::inline_volume;
 use super::labels_section::LabelsSection;
+use super::scattering_section::ScatteringSection;
 use super::sections::{CameraSection, ImageSection, MeshSection, RenderSection, ShadingSection, TransferSection};
 use super::transfer_points::TransferPoints;
 use super::volume_section::VolumeSection;
@@ -26,6 +27,8 @@ pub struct SceneFile {
     pub transfer: Option<TransferSection>,
     /// Absent: unshaded, or as the automatic look has it.
     pub shading: Option<ShadingSection>,
+    /// Absent: the medium absorbs and emits alone.
+    pub scattering: Option<ScatteringSection>,
     /// Absent: what is visible, from slightly above and to the right; a patient from the front.
     pub camera: Option<CameraSection>,
     /// Absent: no opaque surface.
@@ -62,6 +65,10 @@ impl SceneFile {
             },
             transfer: Some(TransferSection::describe(&scene.transfer)),
             shading: scene.shading.as_deref().map(|shading| ShadingSection::describe(shading, &scene.lights)),
+            scattering: scene
+                .scattering
+                .as_deref()
+                .map(|scattering| ScatteringSection::describe(scattering, &scene.lights)),
             camera: Some(CameraSection::from(&view.camera)),
             mesh: None,
             labels: None,
@@ -97,6 +104,10 @@ impl SceneFile {
             let shading = section.shading();
             scene.volume = scene.volume.with_gradient(shading.gradient);
             scene.shading = Some(Arc::new(shading));
+            scene.lights = section.lights()?;
+        }
+        if let Some(section) = &self.scattering {
+            scene.scattering = Some(Arc::new(section.scattering()?));
             scene.lights = section.lights()?;
         }
         scene.validate()?;

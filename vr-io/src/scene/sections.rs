@@ -86,14 +86,13 @@ impl Default for ShadingSection {
 impl ShadingSection {
     /// Describes shading, and the lights.
     pub(crate) fn describe(s: &Shading, lights: &[Light]) -> Self {
-        let light = |l: &Light| LightEntry { headlight: l.direction.is_none(), direction: l.direction, color: l.color };
         Self {
             enabled: true,
             ambient: s.ambient,
             diffuse: s.diffuse,
             specular: s.specular,
             power: s.power,
-            lights: lights.iter().map(light).collect(),
+            lights: lights.iter().map(LightEntry::from).collect(),
             gradient: s.gradient,
             gradient_opacity: s.gradient_opacity.clone(),
         }
@@ -111,14 +110,7 @@ impl ShadingSection {
     }
 
     pub(super) fn lights(&self) -> Result<Vec<Light>, ParameterError> {
-        let light = |(i, l): (usize, &LightEntry)| {
-            if l.headlight == l.direction.is_some() {
-                let allowed = "must be either a headlight or have a direction";
-                return Err(ParameterError::new(format!("shading.lights[{i}]"), l, allowed));
-            }
-            Ok(Light { direction: l.direction, color: l.color })
-        };
-        self.lights.iter().enumerate().map(light).collect()
+        LightEntry::lights(&self.lights, "shading")
     }
 }
 
@@ -134,6 +126,29 @@ pub struct LightEntry {
     /// Linear RGB.
     #[serde(default = "white")]
     pub color: [f64; 3],
+}
+
+impl From<&Light> for LightEntry {
+    fn from(light: &Light) -> Self {
+        Self { headlight: light.direction.is_none(), direction: light.direction, color: light.color }
+    }
+}
+
+impl LightEntry {
+    /// The lights that a section lists.
+    ///
+    /// # Errors
+    /// One that is neither a headlight nor has a direction, or both.
+    pub(super) fn lights(entries: &[Self], section: &str) -> Result<Vec<Light>, ParameterError> {
+        let light = |(i, l): (usize, &Self)| {
+            if l.headlight == l.direction.is_some() {
+                let allowed = "must be either a headlight or have a direction";
+                return Err(ParameterError::new(format!("{section}.lights[{i}]"), l, allowed));
+            }
+            Ok(Light { direction: l.direction, color: l.color })
+        };
+        entries.iter().enumerate().map(light).collect()
+    }
 }
 
 fn white() -> [f64; 3] {

@@ -36,11 +36,16 @@ fn key(key: &'static str, absent: Absent, meaning: impl Into<String>) -> KeyHelp
 
 /// Sections of a scene file in the order in which they are written, each with a line on what it is; `[volume]` comes with the keys that
 /// mean something to its source.
-pub(super) fn sections(source: Option<&VolumeSource>) -> [(&'static str, &'static str, Vec<KeyHelp>); 10] {
+pub(super) fn sections(source: Option<&VolumeSource>) -> [(&'static str, &'static str, Vec<KeyHelp>); 11] {
     [
         ("volume", "Volume: numbers in space. It has one source: path, phantom, data or points.", volume(source)),
         ("transfer", "Transfer function: from the value of the volume to colour and opacity.", transfer()),
         ("shading", "Shading: how surfaces in the volume reflect light (Blinn-Phong).", shading()),
+        (
+            "scattering",
+            "Scattering: the medium scatters the light that shines into it, with shadows. Drawn by the renderer light; goes without [shading].",
+            scattering(),
+        ),
         ("camera", "Camera, in the world units of the volume.", camera()),
         ("mesh", "Opaque surface among the volume, lit as [shading] says.", mesh()),
         (
@@ -109,6 +114,34 @@ fn transfer() -> Vec<KeyHelp> {
             "rows",
             Nothing,
             "Rows in place of points, for a transfer function of two dimensions, value and gradient: each with gradient (a magnitude, in value per world              unit, in order) and points, as above, of opacities up to 0.999. Between two rows extinction and emission change linearly with the              magnitude; beyond the first and the last they stay.",
+        ),
+    ]
+}
+
+fn scattering() -> Vec<KeyHelp> {
+    vec![
+        key(
+            "albedo",
+            Usual("\"color\""),
+            "Share of the extinction that is scattering, the rest being absorption: color (that of the transfer function; the medium does not glow \
+             then), or a number from 0 to 1, or one for each of red, green and blue (the colour is that of the glow then).",
+        ),
+        key(
+            "phase",
+            Usual("\"isotropic\""),
+            "Directions of scattered light: isotropic, rayleigh, { henyey-greenstein = g } with the mean cosine g between -1 and 1, \
+             { double-henyey-greenstein = { g = [0.8, -0.3], share = 0.7 } }, or { tabulated = [[-1.0, 0.5], [1.0, 1.5]] }: cosine and value.",
+        ),
+        key(
+            "environment",
+            Usual("[0.0, 0.0, 0.0]"),
+            "Radiance that comes from all sides and is scattered, 0 to 1e6; it is not seen behind the medium (image.background is).",
+        ),
+        key(
+            "lights",
+            Usual("[{ headlight = true, color = [1.0, 1.0, 1.0] }]"),
+            "Lights at infinity: each is either a headlight or has a direction, a world vector towards it; and a colour. One of colour L sheds pi L on \
+             a surface that faces it, so that a white one shows L.",
         ),
     ]
 }

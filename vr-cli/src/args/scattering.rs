@@ -1,0 +1,46 @@
+//! Flags of `[scattering]`.
+
+use clap::{Args, ValueEnum};
+
+use super::value;
+
+/// Part of the equation of transfer that is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LightModel {
+    /// No scattering.
+    EmissionAbsorption,
+    /// Light that is scattered once.
+    Single,
+    /// All of it.
+    Full,
+}
+
+impl LightModel {
+    /// The word for it among the options of the renderer `light`; `None` where another renderer draws it.
+    pub fn option(self) -> Option<&'static str> {
+        match self {
+            Self::EmissionAbsorption => None,
+            Self::Single => Some("single"),
+            Self::Full => Some("full"),
+        }
+    }
+}
+
+/// `[scattering]`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Scattering")]
+pub struct ScatteringArgs {
+    /// Light that is drawn: emission-absorption (none is scattered), single (scattered once: shadows, no noise) or full (any number of times, by
+    /// random paths); the last two light the medium as --light says, in place of shading
+    #[arg(long, value_name = "MODEL", hide_possible_values = true)]
+    pub model: Option<LightModel>,
+    /// Share of the extinction that is scattering, 0 to 1, or one each for red, green and blue; that of the transfer function's colour if absent
+    #[arg(long, value_name = "SHARE", value_parser = value::grey_or_rgb, allow_hyphen_values = true)]
+    pub albedo: Option<[f64; 3]>,
+    /// Mean cosine of the angle by which light is scattered: 0 all directions alike, 0.9 forward as in clouds (Henyey-Greenstein)
+    #[arg(long, value_name = "G", allow_hyphen_values = true)]
+    pub anisotropy: Option<f64>,
+    /// Radiance that comes from all sides, a number or linear RGB
+    #[arg(long, value_name = "RADIANCE", value_parser = value::grey_or_rgb, allow_hyphen_values = true)]
+    pub environment: Option<[f64; 3]>,
+}
