@@ -5,7 +5,7 @@
 
 mod phase;
 
-pub use phase::{HenyeyGreenstein, PhaseFunction};
+pub use phase::{DoubleHenyeyGreenstein, HenyeyGreenstein, PhaseFunction, TabulatedPhase};
 
 use crate::error::ParameterError;
 

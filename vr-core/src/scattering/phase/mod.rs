@@ -1,6 +1,17 @@
 //! Phase functions.
 
+mod double_henyey_greenstein;
+mod henyey_greenstein;
+mod rayleigh;
+mod tabulated;
+#[cfg(test)]
+mod tests;
+
 use std::f64::consts::PI;
+
+pub use double_henyey_greenstein::DoubleHenyeyGreenstein;
+pub use henyey_greenstein::HenyeyGreenstein;
+pub use tabulated::TabulatedPhase;
 
 use glam::DVec3;
 
@@ -28,6 +39,12 @@ pub enum PhaseFunction {
     Isotropic,
     /// A lobe forwards or backwards.
     HenyeyGreenstein(HenyeyGreenstein),
+    /// Two lobes.
+    DoubleHenyeyGreenstein(DoubleHenyeyGreenstein),
+    /// Particles much smaller than the wavelength: p = 3/4 (1 + cos² θ).
+    Rayleigh,
+    /// Values at some cosines.
+    Tabulated(TabulatedPhase),
 }
 
 impl PhaseFunction {
@@ -39,19 +56,41 @@ impl PhaseFunction {
         Ok(Self::HenyeyGreenstein(HenyeyGreenstein::new(g)?))
     }
 
+    /// Two lobes of Henyey and Greenstein with the mean cosines g; `share` of the light goes to the first.
+    ///
+    /// # Errors
+    /// A mean cosine that is not between −1 and 1, a share outside of 0 to 1.
+    pub fn double_henyey_greenstein(g: [f64; 2], share: f64) -> Result<Self, ParameterError> {
+        Ok(Self::DoubleHenyeyGreenstein(DoubleHenyeyGreenstein::new(g, share)?))
+    }
+
+    /// The phase function with these values at these cosines, `[cosine, value]`, linear between them; the cosines rise from −1 to 1, and the values are
+    /// normalised.
+    ///
+    /// # Errors
+    /// Same as for [`TabulatedPhase::new`].
+    pub fn tabulated(points: &[[f64; 2]]) -> Result<Self, ParameterError> {
+        Ok(Self::Tabulated(TabulatedPhase::new(points)?))
+    }
+
     /// p at the cosine of the angle between the directions of travel before and after.
     pub fn value(&self, cosine: f64) -> f64 {
         match self {
             Self::Isotropic => 1.0,
             Self::HenyeyGreenstein(lobe) => lobe.value(cosine),
+            Self::DoubleHenyeyGreenstein(lobes) => lobes.value(cosine),
+            Self::Rayleigh => rayleigh::value(cosine),
+            Self::Tabulated(table) => table.value(cosine),
         }
     }
 
     /// Mean of the cosine over scattered light.
     pub fn mean_cosine(&self) -> f64 {
         match self {
-            Self::Isotropic => 0.0,
-            Self::HenyeyGreenstein(lobe) => lobe.g,
+            Self::Isotropic | Self::Rayleigh => 0.0,
+            Self::HenyeyGreenstein(lobe) => lobe.g(),
+            Self::DoubleHenyeyGreenstein(lobes) => lobes.mean_cosine(),
+            Self::Tabulated(table) => table.mean_cosine(),
         }
     }
 
@@ -59,7 +98,10 @@ impl PhaseFunction {
     pub fn max_value(&self) -> f64 {
         match self {
             Self::Isotropic => 1.0,
-            Self::HenyeyGreenstein(lobe) => lobe.value(lobe.g.signum()),
+            Self::HenyeyGreenstein(lobe) => lobe.max_value(),
+            Self::DoubleHenyeyGreenstein(lobes) => lobes.max_value(),
+            Self::Rayleigh => rayleigh::value(1.0),
+            Self::Tabulated(table) => table.max_value(),
         }
     }
 
@@ -68,6 +110,9 @@ impl PhaseFunction {
         match self {
             Self::Isotropic => 1.0 - 2.0 * uniform,
             Self::HenyeyGreenstein(lobe) => lobe.sample_cosine(uniform),
+            Self::DoubleHenyeyGreenstein(lobes) => lobes.sample_cosine(uniform),
+            Self::Rayleigh => rayleigh::sample_cosine(uniform),
+            Self::Tabulated(table) => table.sample_cosine(uniform),
         }
     }
 
@@ -79,54 +124,5 @@ impl PhaseFunction {
         let (sin, cos) = libm::sincos(2.0 * PI * uniform[1]);
         let (a, b) = direction.any_orthonormal_pair();
         (cosine * direction + sine * (cos * a + sin * b)).normalize()
-    }
-}
-
-/// p = (1 − g²) / (1 + g² − 2 g cos θ)^(3/2) (Henyey & Greenstein, "Diffuse radiation in the Galaxy", 1941).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HenyeyGreenstein {
-    g: f64,
-}
-
-/// Below this, the formula of the sampled angle loses its digits, and light is all but isotropic.
-const SMALL: f64 = 1e-4;
-
-impl HenyeyGreenstein {
-    /// The lobe with the mean cosine g.
-    ///
-    /// # Errors
-    /// A mean cosine that is not between −1 and 1.
-    pub fn new(g: f64) -> Result<Self, ParameterError> {
-        let lobe = Self { g };
-        if g.abs() < 1.0 {
-            Ok(lobe)
-        } else {
-            Err(ParameterError::new("scattering.phase.g", g, "must be above -1 and below 1"))
-        }
-    }
-
-    /// The mean cosine.
-    pub fn g(self) -> f64 {
-        self.g
-    }
-
-    /// p at the cosine of an angle.
-    pub fn value(self, cosine: f64) -> f64 {
-        let g = self.g;
-        // 1 + g² − 2 g cos θ, without cancellation near the lobe's peak.
-        let denominator = (1.0 - g.abs()).powi(2) + 2.0 * g.abs() * (1.0 - g.signum() * cosine).max(0.0);
-        (1.0 - g * g) / (denominator * denominator.sqrt())
-    }
-
-    /// Cosine of a random angle, of a number uniform in [0, 1).
-    pub fn sample_cosine(self, uniform: f64) -> f64 {
-        let g = self.g;
-        let isotropic = 1.0 - 2.0 * uniform;
-        if g.abs() < SMALL {
-            // The first order of the formula below in g.
-            return (isotropic + 1.5 * g * (1.0 - isotropic * isotropic)).clamp(-1.0, 1.0);
-        }
-        let ratio = (1.0 - g * g) / (1.0 + g * isotropic);
-        ((1.0 + g * g - ratio * ratio) / (2.0 * g)).clamp(-1.0, 1.0)
     }
 }
