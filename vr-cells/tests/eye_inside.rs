@@ -49,3 +49,28 @@ fn every_place_of_the_eye_is_exact() {
         }
     }
 }
+
+#[test]
+fn an_eye_beside_a_vertex_of_a_hollow_is_exact() {
+    let middle = DVec3::new(0.75, 0.5, 0.5);
+    // The hollow is a cube of eight cells around the middle: its corners, and places on its edges beside them.
+    let corner = DVec3::new(0.5, 0.25, 0.25);
+    let mesh = mesh(4, 0.0, false, |p| (p - middle).length() < 0.2);
+    let scene = Scene::new(mesh.into(), transfer(0.4));
+    for along in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0), DVec3::ONE] {
+        for distance in [0.0, 1e-7, 1e-3, 0.1] {
+            for toward in [DVec3::new(1.0, 0.3, -0.2), DVec3::new(-0.4, 0.1, 0.9), DVec3::new(0.0, -1.0, 0.0)] {
+                let eye = corner + distance * along;
+                let projection = Projection::Perspective { fov: 90.0 };
+                let camera = Camera { eye, target: eye + toward, up: DVec3::new(0.1, 0.2, 1.0), projection };
+                let view = View::new(camera, [24, 21]);
+                let renderers: [(&dyn Renderer, f64); 2] =
+                    [(&CellMarcher::default(), 1e-5), (&CellProjector::default(), 1e-3)];
+                for (renderer, allowed) in renderers {
+                    let (error, _) = errors(renderer, &scene, &view);
+                    eprintln!("{} {along} {distance} {toward}: {error:e} {}", renderer.name(), error < allowed);
+                }
+            }
+        }
+    }
+}

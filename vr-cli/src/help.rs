@@ -24,7 +24,8 @@ const MORE: &str = "\
 All flags: --help. Renderers, their features and options: vr help renderers, vr help raycast. Names: vr help presets, vr help phantoms.";
 
 /// Commands that draw scenes: their flags are too many for a screen.
-const DRAWING: [&str; 9] = ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray"];
+const DRAWING: [&str; 10] =
+    ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray", "physics"];
 
 /// Flags of the headings below that the short help shows; flags of other headings are all shown.
 const ESSENTIAL: [&str; 31] = [

@@ -32,6 +32,7 @@ mod mask;
 mod number;
 mod output_file;
 mod overrides;
+mod physics;
 mod picture_record;
 mod preset_sheet;
 mod presets;
@@ -104,6 +105,7 @@ fn run() -> Result<(), Failure> {
         Command::Presets(args) => presets::run(args, console, &control),
         Command::Tf(args) => tf::run(args, console),
         Command::Ray(args) => ray::run(args, console, &control),
+        Command::Physics(args) => physics::run(args, console, &control),
         Command::Help(args) => help::run(args, Cli::command()),
     })
 }

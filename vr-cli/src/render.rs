@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use vr_core::{Control, Counts, Frame, Model, Rendered};
+use vr_core::{Control, Counts, Frame, Model, Rendered, Uncertainty};
 use vr_io::PngOptions;
 use vr_physics::metrics::{Metrics, subgrid};
 use vr_study::figures::ErrorFigures;
@@ -67,7 +67,13 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     }
 
     // Measure the error, unless neither output nor a map shows it.
-    let unseen = console.quiet && !console.json && args.output.error_map.is_none();
+    // What scatters has no other reference than a picture that knows its own errors.
+    let own_errors = scene.scattering.is_some();
+    if own_errors && args.output.error_map.is_some() {
+        let message = "--error-map: errors of a medium that scatters are channels of the picture itself: -o FILE.exr";
+        return Err(Failure::usage(message.to_owned()));
+    }
+    let unseen = own_errors || console.quiet && !console.json && args.output.error_map.is_none();
     let wanted = if unseen { ErrorMeasure::None } else { args.output.error };
     let pixels = match wanted {
         ErrorMeasure::None => None,
@@ -150,6 +156,19 @@ pub fn draw(args: &RendererArgs, setup: &Setup, console: Console, control: &Cont
     Ok(Drawn { renderer, frame, counts, prepare, render, error_bound, chosen: None, stated })
 }
 
+/// A line on the errors that a picture itself knows.
+fn own_errors(uncertainty: &Uncertainty) -> String {
+    let (rms, largest) = (number::small(uncertainty.rms()), number::small(uncertainty.largest()));
+    match uncertainty {
+        Uncertainty::StandardError(_) => {
+            format!("noise    standard error of a component {rms} (RMS), largest {largest}\n")
+        }
+        Uncertainty::Bound(_) => {
+            format!("error    of a component at most {largest}, by the renderer's own account ({rms} RMS)\n")
+        }
+    }
+}
+
 /// Summary of a rendering, to be printed.
 struct Summary<'a> {
     setup: &'a Setup,
@@ -157,6 +176,24 @@ struct Summary<'a> {
     error: Option<(Metrics, ReferencePixels)>,
     map: Option<ErrorMap>,
     outputs: &'a [PathBuf],
+}
+
+/// Errors that a picture itself knows, for JSON.
+#[derive(Serialize)]
+struct OwnErrors {
+    kind: &'static str,
+    rms: f64,
+    largest: f64,
+}
+
+impl OwnErrors {
+    fn of(uncertainty: &Uncertainty) -> Self {
+        let kind = match uncertainty {
+            Uncertainty::StandardError(_) => "standard error",
+            Uncertainty::Bound(_) => "bound",
+        };
+        Self { kind, rms: uncertainty.rms(), largest: uncertainty.largest() }
+    }
 }
 
 #[derive(Serialize)]
@@ -176,6 +213,7 @@ struct Json<'a> {
     error_bound: Option<&'a ErrorBound>,
     chosen: Option<&'a Chosen>,
     error: Option<ErrorFigures>,
+    own_errors: Option<OwnErrors>,
     error_map: Option<&'a ErrorMap>,
     outputs: &'a [PathBuf],
     notes: &'a [String],
@@ -215,6 +253,7 @@ impl Summary<'_> {
                 number::time(exact.time)
             );
         }
+        text += &self.drawn.frame.uncertainty().map(own_errors).unwrap_or_default();
         if let Some(map) = &self.map {
             text += &map.text(u64::from(w) * u64::from(h));
         }
@@ -239,6 +278,7 @@ impl Summary<'_> {
             error_bound: self.drawn.error_bound.as_ref(),
             chosen: self.drawn.chosen.as_ref(),
             error: self.error.as_ref().map(|(metrics, exact)| ErrorFigures::new(metrics, exact)),
+            own_errors: self.drawn.frame.uncertainty().map(OwnErrors::of),
             error_map: self.map.as_ref(),
             outputs: self.outputs,
             notes: &self.setup.notes,

@@ -1,5 +1,7 @@
 //! A finished picture.
 
+use crate::uncertainty::Uncertainty;
+
 /// A picture in premultiplied linear RGBA without the background, f32; row 0 is the top. Optionally with a depth per pixel.
 ///
 /// # Examples
@@ -16,6 +18,7 @@ pub struct Frame {
     size: [u32; 2],
     pixels: Vec<[f32; 4]>,
     depth: Option<Vec<f32>>,
+    uncertainty: Option<Uncertainty>,
 }
 
 impl Frame {
@@ -26,7 +29,22 @@ impl Frame {
     pub fn new(size: [u32; 2], pixels: Vec<[f32; 4]>, depth: Option<Vec<f32>>) -> Self {
         let n = size[0] as usize * size[1] as usize;
         assert!(pixels.len() == n && depth.as_ref().is_none_or(|d| d.len() == n), "one entry per pixel");
-        Self { size, pixels, depth }
+        Self { size, pixels, depth, uncertainty: None }
+    }
+
+    /// The same picture with what its renderer knows of its errors.
+    ///
+    /// # Panics
+    /// Panics if there is not one entry per pixel.
+    #[must_use]
+    pub fn with_uncertainty(self, uncertainty: Uncertainty) -> Self {
+        assert!(uncertainty.components().len() == self.pixels.len(), "one entry per pixel");
+        Self { uncertainty: Some(uncertainty), ..self }
+    }
+
+    /// Errors of the pixels, where the renderer knows them.
+    pub fn uncertainty(&self) -> Option<&Uncertainty> {
+        self.uncertainty.as_ref()
     }
 
     /// Width and height.

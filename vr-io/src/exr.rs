@@ -9,7 +9,7 @@ use crate::atomic::write_whole;
 use crate::error::WriteError;
 
 /// Writes a frame as OpenEXR: premultiplied linear R, G, B and A in 32-bit floats, untouched, without the background; and a
-/// channel Z where the frame has depth.
+/// channel Z where the frame has depth, channels error.R to error.A where it has its own errors.
 ///
 /// # Errors
 /// A [`WriteError`] naming the file; no part of it is left behind then.
@@ -24,6 +24,10 @@ pub(crate) fn write_exr_with(path: &Path, frame: &Frame, attributes: LayerAttrib
     let component = |c: usize| frame.pixels().iter().map(|p| p[c]).collect();
     let mut channels: Vec<_> = ["R", "G", "B", "A"].iter().enumerate().map(|(c, n)| channel(n, component(c))).collect();
     channels.extend(frame.depth().map(|depth| channel("Z", depth.to_vec())));
+    if let Some(uncertainty) = frame.uncertainty() {
+        let error = |c: usize| uncertainty.components().iter().map(|p| p[c]).collect();
+        channels.extend(["R", "G", "B", "A"].iter().enumerate().map(|(c, n)| channel(&format!("error.{n}"), error(c))));
+    }
     let layer = Layer::new(
         Vec2(width as usize, height as usize),
         attributes,

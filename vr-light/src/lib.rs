@@ -5,4 +5,7 @@
 //! j = σ/4π ∫ p I dω what comes from all other directions by the phase function p.
 //! All lengths are world units, coefficients are per world unit, radiance is linear.
 
+mod ladder;
 pub mod slab;
+
+pub use ladder::{Ladder, LightModel, SceneFacts, thickness_along, thickness_bound};

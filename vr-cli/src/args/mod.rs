@@ -7,6 +7,7 @@ mod choices;
 mod convert;
 mod diff;
 mod labels;
+mod physics;
 mod ray;
 mod report;
 mod rerun;
@@ -32,11 +33,12 @@ pub use choices::{Bits, Curve, ErrorMeasure};
 pub use convert::{ChangeArgs, ConvertArgs, CropBox, LevelArgs, Reduce};
 pub use diff::DiffArgs;
 pub use labels::LabelArgs;
+pub use physics::PhysicsArgs;
 pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use rerun::RerunArgs;
 pub use resample::ResampleArgs;
-pub use scattering::{LightModel, ScatteringArgs};
+pub use scattering::ScatteringArgs;
 pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use scene_file::SceneFileArgs;
 pub use show::{Protocol, ShowArgs};
@@ -108,6 +110,8 @@ pub enum Command {
     Tf(Box<TfArgs>),
     /// Explain one pixel: faces and knots along its ray, the renderer's steps, and the reference
     Ray(Box<RayArgs>),
+    /// Tell how light goes through a scene, which model of it the scene needs, and what each simpler one would cost
+    Physics(Box<PhysicsArgs>),
     /// Explain a command, a renderer and its options, or list names: renderers, presets, phantoms
     Help(HelpArgs),
 }

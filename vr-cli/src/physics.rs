@@ -1,0 +1,136 @@
+//! `vr physics`.
+
+use serde::Serialize;
+use vr_core::Control;
+use vr_light::{Ladder, LightModel, SceneFacts};
+
+use crate::args::PhysicsArgs;
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::number::{small, value};
+use crate::scene_setup::Setup;
+use crate::table::Table;
+
+/// Prints how light goes through a scene, which model of it the scene needs, and what each simpler one would cost.
+///
+/// # Errors
+/// Any fault of the command line, the volume, or the scene.
+pub fn run(args: &PhysicsArgs, console: Console, _control: &Control) -> Result<(), Failure> {
+    let setup = Setup::new(&args.scene, console)?;
+    let ladder = Ladder::of(&setup.scene, args.allowed).map_err(|e| setup.render_failure(e))?;
+    let json = Json {
+        facts: FactsJson::of(ladder.facts()),
+        models: LightModel::ALL.map(|model| ModelJson { model: model.to_string(), bound: finite(ladder.cost(model)) }),
+        chosen: ladder.chosen().to_string(),
+        notes: &setup.notes,
+    };
+    console.result(&text(&setup.title, &ladder, args.allowed), &json)
+}
+
+/// What there is, and what each model would cost, for people.
+fn text(title: &str, ladder: &Ladder, allowed: f64) -> String {
+    let facts = ladder.facts();
+    let mut lines = vec![format!("scene              {title}")];
+    let mut line = |name: &str, words: String| lines.push(format!("{name:<17}  {words}"));
+    line("extinction", format!("up to {} per world unit", value(facts.extinction)));
+    line(
+        "mean free path",
+        match 1.0 / facts.extinction {
+            path if path.is_finite() => {
+                format!("{} world units or more; the longest way through is {}", value(path), value(facts.length))
+            }
+            _ => "light is never stopped".to_owned(),
+        },
+    );
+    let thickness = |tau: f64| if tau.is_finite() { value(tau) } else { "infinite".to_owned() };
+    line(
+        "optical thickness",
+        format!(
+            "{} along an axis through the middle, at most {} anywhere",
+            thickness(facts.thickness),
+            thickness(facts.thickness_bound)
+        ),
+    );
+    line(
+        "albedo",
+        if facts.albedo == 0.0 {
+            "0: nothing is scattered".to_owned()
+        } else {
+            format!("up to {}", value(facts.albedo))
+        },
+    );
+    line("effects", effects(facts));
+
+    let mut table = Table::of_words(&["model", "leaves out", "largest error of a pixel"]);
+    for model in LightModel::ALL {
+        let cost = ladder.cost(model);
+        let words = match cost {
+            0.0 => "exact".to_owned(),
+            _ if cost.is_finite() => format!("at most {}", small(cost)),
+            _ => "no bound is known".to_owned(),
+        };
+        table.row([model.to_string(), model.leaves_out().to_owned(), words]);
+    }
+    let reason = if allowed > 0.0 {
+        format!("the simplest within {}", small(allowed))
+    } else {
+        "the simplest that is exact".to_owned()
+    };
+    format!("{}\n\n{table}\nneeded             {}, {reason}", lines.join("\n"), ladder.chosen())
+}
+
+/// The effects that exist, in words.
+fn effects(facts: &SceneFacts) -> String {
+    let all = [
+        (facts.extinction * (1.0 - facts.albedo) > 0.0, "absorption"),
+        (facts.emission > 0.0, "emission"),
+        (facts.extinction * facts.albedo > 0.0, "scattering"),
+        (facts.lit > 0.0, "light from outside"),
+    ];
+    let there: Vec<&str> = all.into_iter().filter(|(there, _)| *there).map(|(_, name)| name).collect();
+    if there.is_empty() { "none: vacuum".to_owned() } else { there.join(", ") }
+}
+
+/// A number for JSON, which has no infinity.
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    facts: FactsJson,
+    models: [ModelJson; 6],
+    chosen: String,
+    notes: &'a [String],
+}
+
+/// Facts; `null` is infinite.
+#[derive(Serialize)]
+struct FactsJson {
+    extinction: Option<f64>,
+    mean_free_path: Option<f64>,
+    thickness: Option<f64>,
+    thickness_bound: Option<f64>,
+    albedo: f64,
+    emission: Option<f64>,
+}
+
+impl FactsJson {
+    fn of(facts: &SceneFacts) -> Self {
+        Self {
+            extinction: finite(facts.extinction),
+            mean_free_path: finite(1.0 / facts.extinction),
+            thickness: finite(facts.thickness),
+            thickness_bound: finite(facts.thickness_bound),
+            albedo: facts.albedo,
+            emission: finite(facts.emission),
+        }
+    }
+}
+
+/// A model, and the bound of its error; `null` where none is known.
+#[derive(Serialize)]
+struct ModelJson {
+    model: String,
+    bound: Option<f64>,
+}

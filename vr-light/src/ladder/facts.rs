@@ -1,0 +1,85 @@
+//! Facts of a scene that tell how much of the equation of transfer it needs.
+
+use vr_core::Scene;
+use vr_core::scattering::{Albedo, Scattering};
+
+use super::thickness::{thickness_along, thickness_bound};
+use crate::medium::Medium;
+
+/// Facts of a scene that tell how much of the equation of transfer it needs. Bounds are upper bounds, in the band where they are largest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneFacts {
+    /// Bound of χ, per world unit.
+    pub extinction: f64,
+    /// Bound of the optical thickness of any straight path through the volume.
+    pub thickness_bound: f64,
+    /// Largest optical thickness of the straight paths through the middle along x, y and z: an example, no bound.
+    pub thickness: f64,
+    /// Bound of the length of any straight path through the volume, in world units.
+    pub length: f64,
+    /// Bound of the albedo ϖ.
+    pub albedo: f64,
+    /// Bound of q/χ, the radiance that the medium would have in the dark if nothing were scattered; +∞ where transparent places emit.
+    pub glow: f64,
+    /// Bound of q, per world unit.
+    pub emission: f64,
+    /// Bound of the source function j/χ of light from lamps and from all sides, scattered once.
+    pub lit: f64,
+    /// Bound of the radiance of light from all sides; +∞ where there are lamps, whose light is a beam.
+    pub incoming: f64,
+}
+
+impl SceneFacts {
+    /// Facts of a scene whose medium is this.
+    pub fn of(scene: &Scene, medium: &dyn Medium) -> Self {
+        let (low, high) = medium.bounds();
+        let transfer = &scene.transfer;
+        let color = transfer.brightest_color_by_channel();
+        let scattering = scene.scattering.as_deref();
+        let albedo = scattering.map_or([0.0; 3], |s| s.albedo.of(color));
+        let largest = |channels: [f64; 3]| channels.into_iter().fold(0.0, f64::max);
+        let glow = match scattering.map(|s| s.albedo) {
+            _ if transfer.has_emission() && transfer.brightest_emission() > 0.0 => f64::INFINITY,
+            _ if transfer.has_emission() => 0.0,
+            Some(Albedo::Color) => 0.0,
+            Some(Albedo::Constant(albedo)) => largest(std::array::from_fn(|c| (1.0 - albedo[c]) * color[c])),
+            None => largest(color),
+        };
+        let extinction = medium.extinction_range(low, high)[1];
+        // A medium of colours emits κ·c.
+        let emission = if transfer.has_emission() { transfer.brightest_emission() } else { extinction * glow };
+        let lamps = scattering.is_some() && scene.lights.iter().any(|light| largest(light.color) > 0.0);
+        Self {
+            extinction,
+            thickness_bound: thickness_bound(medium),
+            thickness: thickness_along(medium),
+            length: (high - low).length(),
+            albedo: largest(albedo),
+            glow,
+            emission,
+            lit: scattering.map_or(0.0, |s| lit(s, scene, albedo)),
+            incoming: if lamps { f64::INFINITY } else { scattering.map_or(0.0, |s| largest(s.environment)) },
+        }
+    }
+
+    /// Bound of the share of a source function that any straight path meets: 1 − e^(−τ).
+    pub fn cover(&self) -> f64 {
+        -libm::expm1(-self.thickness_bound)
+    }
+
+    /// Bound of the radiance that the medium itself sends along a straight path.
+    pub fn glow_seen(&self) -> f64 {
+        let by_source = if self.glow == f64::INFINITY { f64::INFINITY } else { self.glow * self.cover() };
+        by_source.min(self.emission * self.length)
+    }
+}
+
+/// Bound of the source function of lamps and of light from all sides, scattered once: a lamp of colour L sheds π L, of which p/4π goes into a direction.
+fn lit(scattering: &Scattering, scene: &Scene, albedo: [f64; 3]) -> f64 {
+    let peak = scattering.phase.max_value();
+    let of_band = |c: usize| {
+        let lamps: f64 = scene.lights.iter().map(|light| light.color[c]).sum();
+        albedo[c] * (scattering.environment[c] + 0.25 * peak * lamps)
+    };
+    (0..3).map(of_band).fold(0.0, f64::max)
+}

@@ -1,0 +1,111 @@
+//! The renderer of media that scatter.
+
+mod options;
+mod pixel;
+mod prepared;
+
+use vr_core::{
+    Control, Documented, Feature, NamedSetting, Prepared, RenderError, Renderer, Scene, Unsupported, View,
+};
+
+use prepared::PreparedLight;
+
+/// Renderer of media that scatter: by random paths, or light that is scattered once without chance.
+///
+/// Pictures say their own errors ([`vr_core::Frame::uncertainty`]). They repeat bit for bit, however many threads draw them.
+///
+/// # Examples
+/// ```
+/// use vr_core::{Camera, Control, Renderer, View, phantom};
+/// use vr_light::LightRenderer;
+///
+/// let mut scene = phantom::by_name("fog").unwrap().scene(9)?;
+/// scene.scattering = Some(Default::default());
+/// let view = View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [8, 6]);
+/// let control = Control::default();
+/// let picture = LightRenderer { paths: 16, ..LightRenderer::default() }.prepare(&scene, &control)?.render(&view, &control)?;
+/// assert!(picture.frame.uncertainty().expect("it knows its errors").rms() < 0.2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightRenderer {
+    /// How much of the equation of transfer is solved.
+    pub method: Method,
+    /// Random paths for each ray, 1 or more.
+    pub paths: u32,
+    /// Standard error of a component at which a ray needs no more paths; 0: each takes all of them.
+    pub error: f64,
+    /// Seed of the random numbers.
+    pub seed: u32,
+    /// Largest number of scatterings of a path; `None`: as many as there are.
+    pub max_scatterings: Option<u32>,
+}
+
+/// How much of the equation of transfer is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Light that is scattered any number of times, by random paths.
+    #[default]
+    Full,
+    /// Light that is scattered once, by quadrature.
+    Single,
+}
+
+impl Default for LightRenderer {
+    fn default() -> Self {
+        Self { method: Method::Full, paths: 64, error: 0.0, seed: 0, max_scatterings: None }
+    }
+}
+
+impl LightRenderer {
+    /// The name in scene files and on command lines.
+    pub const NAME: &'static str = "light";
+
+    /// Checks that a scene can be drawn.
+    fn check(&self, scene: &Scene) -> Result<(), RenderError> {
+        scene.validate()?;
+        let unsupported = |feature, what: &str| {
+            Err(Unsupported { renderer: Self::NAME, feature, what: what.to_owned() }.into())
+        };
+        if scene.scattering.is_none() {
+            let what = "scenes without scattering: emission and absorption, which every other renderer draws without chance";
+            return unsupported(Feature::Scattering, what);
+        }
+        if scene.compositing != vr_core::Compositing::Over {
+            return unsupported(Feature::Compositing, "compositing 'accumulate': light that is scattered comes from behind the level, too");
+        }
+        if scene.surfaces.is_some() {
+            return unsupported(Feature::Surfaces, "opaque surfaces: they would have to stop and reflect the light of the lamps, too");
+        }
+        if scene.has_gradient_opacity() {
+            return unsupported(Feature::GradientOpacity, "opacity by the gradient: the extinction of a medium is a function of its value");
+        }
+        Ok(())
+    }
+}
+
+impl Renderer for LightRenderer {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn supports(&self, scene: &Scene, view: Option<&View>) -> Result<(), RenderError> {
+        self.check(scene)?;
+        view.map_or(Ok(()), |view| Ok(view.validate()?))
+    }
+
+    fn prepare(&self, scene: &Scene, control: &Control) -> Result<Box<dyn Prepared>, RenderError> {
+        self.check(scene)?;
+        Ok(Box::new(PreparedLight::new(self.clone(), scene, control)?))
+    }
+}
+
+impl Documented for LightRenderer {
+    fn settings(&self) -> Vec<NamedSetting> {
+        let single = Self { method: Method::Single, ..Self::default() };
+        vec![
+            NamedSetting::new("single scattering", &single, None, 1e-6),
+            NamedSetting::new("64 paths", &Self::default(), None, 1e-6),
+        ]
+    }
+}
