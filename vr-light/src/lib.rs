@@ -5,4 +5,9 @@
 //! j = σ/4π ∫ p I dω what comes from all other directions by the phase function p.
 //! All lengths are world units, coefficients are per world unit, radiance is linear.
 
+pub mod medium;
+mod random;
 pub mod slab;
+
+pub use medium::{BandMatrix, Coefficients, FunctionMedium, Homogeneous, Medium, SceneMedium};
+pub use random::RandomStream;
