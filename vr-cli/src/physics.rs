@@ -17,7 +17,7 @@ use crate::table::Table;
 /// Any fault of the command line, the volume, or the scene.
 pub fn run(args: &PhysicsArgs, console: Console, _control: &Control) -> Result<(), Failure> {
     let setup = Setup::new(&args.scene, console)?;
-    let ladder = Ladder::of(&setup.scene, args.allowed).map_err(|e| setup.render_failure(e))?;
+    let ladder = Ladder::of(&setup.scene, &setup.view.clip, args.allowed).map_err(|e| setup.render_failure(e))?;
     let json = Json {
         facts: FactsJson::of(ladder.facts()),
         models: LightModel::ALL.map(|model| ModelJson { model: model.to_string(), bound: finite(ladder.cost(model)) }),

@@ -6,6 +6,10 @@
 //! All lengths are world units, coefficients are per world unit, radiance is linear.
 
 mod ladder;
+pub mod medium;
+mod random;
 pub mod slab;
 
 pub use ladder::{Ladder, LightModel, SceneFacts, thickness_along, thickness_bound};
+pub use medium::{BandMatrix, Coefficients, FunctionMedium, Homogeneous, Medium, SceneMedium};
+pub use random::RandomStream;

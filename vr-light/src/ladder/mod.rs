@@ -16,7 +16,7 @@ pub use thickness::{thickness_along, thickness_bound};
 
 use std::fmt;
 
-use vr_core::{RenderError, Scene};
+use vr_core::{Clip, RenderError, Scene};
 
 use crate::medium::SceneMedium;
 
@@ -79,14 +79,14 @@ impl fmt::Display for LightModel {
 /// # Examples
 /// ```
 /// use std::sync::Arc;
-/// use vr_core::phantom;
+/// use vr_core::{Clip, phantom};
 /// use vr_core::scattering::{Albedo, Scattering};
 /// use vr_light::{Ladder, LightModel};
 ///
 /// let mut scene = phantom::by_name("fog").unwrap().scene(9)?;
-/// assert_eq!(Ladder::of(&scene, 0.0)?.chosen(), LightModel::EmissionAbsorption);
+/// assert_eq!(Ladder::of(&scene, &Clip::default(), 0.0)?.chosen(), LightModel::EmissionAbsorption);
 /// scene.scattering = Some(Arc::new(Scattering { albedo: Albedo::Constant([0.5; 3]), ..Scattering::default() }));
-/// let ladder = Ladder::of(&scene, 0.0)?;
+/// let ladder = Ladder::of(&scene, &Clip::default(), 0.0)?;
 /// assert_eq!(ladder.chosen(), LightModel::MultipleScattering);
 /// assert!(ladder.cost(LightModel::SingleScattering) < ladder.cost(LightModel::EmissionAbsorption));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -99,13 +99,13 @@ pub struct Ladder {
 }
 
 impl Ladder {
-    /// The models of a scene. The lowest one is chosen whose pixels differ from those of the whole equation by at most `allowed`.
+    /// The models of what a clip leaves of a scene. The lowest one is chosen whose pixels differ from those of the whole equation by at most `allowed`.
     ///
     /// # Errors
     /// A scene that makes no sense.
-    pub fn of(scene: &Scene, allowed: f64) -> Result<Self, RenderError> {
+    pub fn of(scene: &Scene, clip: &Clip, allowed: f64) -> Result<Self, RenderError> {
         scene.validate()?;
-        let medium = SceneMedium::new(scene, scene.scattering.as_deref().unwrap_or(&cost::NO_SCATTERING))?;
+        let medium = SceneMedium::new(scene, clip, scene.scattering.as_deref().unwrap_or(&cost::NO_SCATTERING))?;
         Ok(Self::of_facts(SceneFacts::of(scene, &medium), allowed))
     }
 

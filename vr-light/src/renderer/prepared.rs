@@ -1,0 +1,1 @@
+//! A scene that the renderer has seen.
