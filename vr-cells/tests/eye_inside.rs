@@ -68,7 +68,8 @@ fn an_eye_beside_a_vertex_of_a_hollow_is_exact() {
                     [(&CellMarcher::default(), 1e-5), (&CellProjector::default(), 1e-3)];
                 for (renderer, allowed) in renderers {
                     let (error, _) = errors(renderer, &scene, &view);
-                    eprintln!("{} {along} {distance} {toward}: {error:e} {}", renderer.name(), error < allowed);
+                    let place = format!("{distance} along {along} toward {toward}");
+                    assert!(error < allowed, "{}, {place}: {error}", renderer.name());
                 }
             }
         }
