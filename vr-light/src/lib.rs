@@ -8,6 +8,8 @@
 pub mod medium;
 mod random;
 pub mod slab;
+pub mod tracking;
 
 pub use medium::{BandMatrix, Coefficients, FunctionMedium, Homogeneous, Medium, SceneMedium};
 pub use random::RandomStream;
+pub use tracking::{MajorantGrid, TrackedMedium, TransmittanceEstimator, Walk};
