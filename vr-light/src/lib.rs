@@ -9,7 +9,9 @@ mod ladder;
 pub mod medium;
 mod random;
 pub mod slab;
+pub mod tracking;
 
 pub use ladder::{Ladder, LightModel, SceneFacts, thickness_along, thickness_bound};
 pub use medium::{BandMatrix, Coefficients, FunctionMedium, Homogeneous, Medium, SceneMedium};
 pub use random::RandomStream;
+pub use tracking::{MajorantGrid, TrackedMedium, TransmittanceEstimator, Walk};
