@@ -6,6 +6,7 @@
 //! All lengths are world units, coefficients are per world unit, radiance is linear.
 
 mod ladder;
+pub mod marched;
 pub mod medium;
 mod random;
 pub mod slab;

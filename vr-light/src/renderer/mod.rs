@@ -31,9 +31,9 @@ use prepared::PreparedLight;
 pub struct LightRenderer {
     /// How much of the equation of transfer is solved.
     pub method: Method,
-    /// Random paths for each ray, 1 or more.
+    /// Random paths for each pixel, 1 or more.
     pub paths: u32,
-    /// Standard error of a component at which a ray needs no more paths; 0: each takes all of them.
+    /// Standard error of the picture, as the root mean square over its components, at which it needs no more paths; 0: each pixel takes all of them.
     pub error: f64,
     /// Seed of the random numbers.
     pub seed: u32,

@@ -23,7 +23,7 @@ impl Configurable for LightRenderer {
                 ),
                 DeclaredOption::<Self>::number(
                     "paths",
-                    "random paths for each ray of the picture; half the noise takes four times as many",
+                    "random paths for each pixel; half the noise takes four times as many",
                     counts,
                     |r| r.paths.into(),
                     |r, x| r.paths = x as u32,
@@ -31,7 +31,7 @@ impl Configurable for LightRenderer {
                 .refuse("goes with model=full alone", |r| r.method == Method::Single && r.paths != 64),
                 DeclaredOption::<Self>::number(
                     "error",
-                    "standard error of a component at which a ray needs no more paths; 0: each takes all of them",
+                    "standard error of the picture (RMS of its components) at which it needs no more paths; 0: each pixel takes all",
                     NumberRange::at_least(0.0).up_to(1.0),
                     |r| r.error,
                     |r, x| r.error = x,

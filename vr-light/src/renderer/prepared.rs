@@ -1,1 +1,126 @@
 //! A scene that the renderer has seen.
+
+use std::sync::Arc;
+
+use vr_core::image_order::trace_view;
+use vr_core::{
+    Clip, Control, Feature, Frame, Model, Prepared, RenderError, RenderStats, Rendered, Scene, Uncertainty,
+    Unsupported, View,
+};
+
+use super::pixel::LightPixel;
+use super::{LightRenderer, Method};
+use crate::boundary::{Environment, LightSource};
+use crate::light_scene::LightScene;
+use crate::medium::SceneMedium;
+use crate::paths::{Film, PathTracer, Until};
+use crate::single::SingleScattering;
+use crate::spectrum::Spectrum;
+
+/// Tolerance of the quadrature of light that is scattered once.
+const TOLERANCE: f64 = 1e-4;
+
+/// A scene, and how it is drawn.
+pub(super) struct PreparedLight {
+    renderer: LightRenderer,
+    scene: Scene,
+    /// Medium and lights with the clip that they were made for: most views have the same.
+    lit: Option<(Clip, Arc<LightScene>)>,
+}
+
+impl PreparedLight {
+    pub(super) fn new(renderer: LightRenderer, scene: &Scene, _control: &Control) -> Result<Self, RenderError> {
+        scene.volume.prepare_derived();
+        Ok(Self { renderer, scene: scene.clone(), lit: None })
+    }
+
+    /// Medium and lights within a clip.
+    fn lit(&mut self, clip: &Clip) -> Result<Arc<LightScene>, RenderError> {
+        if let Some((known, lit)) = &self.lit
+            && known == clip
+        {
+            return Ok(Arc::clone(lit));
+        }
+        let lit = Arc::new(light_scene(&self.scene, clip)?);
+        self.lit = Some((clip.clone(), Arc::clone(&lit)));
+        Ok(lit)
+    }
+
+    /// Draws by random paths.
+    fn full(&mut self, view: &View, control: &Control, stats: &mut RenderStats) -> Result<Frame, RenderError> {
+        let lit = stats.time("medium", || self.lit(&view.clip))?;
+        let LightRenderer { paths, error, seed, max_scatterings, .. } = self.renderer;
+        let mut film = Film::new(view.size, lit.bands())?;
+        let until = Until { error: (error > 0.0).then_some(error), ..Until::samples(paths.into()) };
+        let tracer = PathTracer::new(&lit, seed.into()).with_max_scatterings(max_scatterings);
+        stats.time("paths", || tracer.run(view, &mut film, &until, control, &mut |_| {}))?;
+        let count = view.size[0] as usize * view.size[1] as usize;
+        stats.counts.rays = (0..count).map(|pixel| film.count(pixel)).sum();
+        let pixels = (0..count).map(|pixel| std::array::from_fn(|c| film.mean(pixel, c) as f32)).collect();
+        // A single sample has an error that is not known: half of what can be.
+        let error = |pixel: usize, c: usize| film.standard_error(pixel, c) as f32;
+        let errors = (0..count).map(|pixel| std::array::from_fn(|c| error(pixel, c))).collect();
+        Ok(Frame::new(view.size, pixels, None).with_uncertainty(Uncertainty::StandardError(errors)))
+    }
+
+    /// Draws light that is scattered once.
+    fn single(&self, view: &View, control: &Control, stats: &mut RenderStats) -> Result<Frame, RenderError> {
+        let scattering = self.scene.scattering.as_deref().expect("checked in prepare");
+        let single = stats.time("medium", || SingleScattering::new(&self.scene, scattering, &view.clip, TOLERANCE))?;
+        let trace = |_: &mut (), ray: &vr_core::Ray, _, counts: &mut vr_core::Counts| -> LightPixel {
+            counts.rays += 1;
+            let light = single.ray(ray, f64::INFINITY);
+            counts.samples += light.samples;
+            let [r, g, b] = light.radiance;
+            let error = light.certainty.value();
+            LightPixel { rgba: [r, g, b, light.opacity()], error: [error; 4], random: false, depth: light.half_way }
+        };
+        let (pixels, counts) = stats.time("rays", || trace_view(view, control, || (), trace))?;
+        stats.counts = counts;
+        let colors = pixels.iter().map(|p| p.rgba.map(|x| x as f32)).collect();
+        let depth = pixels.iter().map(|p| p.depth as f32).collect();
+        let errors = pixels.iter().map(|p| p.error.map(|x| x as f32)).collect();
+        Ok(Frame::new(view.size, colors, Some(depth)).with_uncertainty(Uncertainty::Bound(errors)))
+    }
+}
+
+/// Medium and lights of a scene within a clip.
+fn light_scene(scene: &Scene, clip: &Clip) -> Result<LightScene, RenderError> {
+    let scattering = scene.scattering.as_deref().expect("checked in prepare");
+    let medium = SceneMedium::new(scene, clip, scattering)?;
+    let lights = scene.lights.iter().map(|light| {
+        let color = Spectrum::new(light.color.to_vec());
+        match light.direction {
+            Some(direction) => LightSource::Directional { towards: direction.normalize(), color },
+            None => LightSource::Headlight { color },
+        }
+    });
+    let lit = LightScene::new(Some(Arc::new(medium)), 3)?
+        .with_lights(lights.collect())?
+        .with_environment(Environment::from(scattering.environment))?
+        .with_hidden_environment();
+    Ok(lit)
+}
+
+impl Prepared for PreparedLight {
+    fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
+        self.renderer.check(scene)?;
+        *self = Self::new(self.renderer.clone(), scene, control)?;
+        Ok(())
+    }
+
+    fn render(&mut self, view: &View, control: &Control) -> Result<Rendered, RenderError> {
+        view.validate()?;
+        let mut stats = RenderStats::default();
+        let frame = match self.renderer.method {
+            Method::Full => self.full(view, control, &mut stats)?,
+            Method::Single => self.single(view, control, &mut stats)?,
+        };
+        Ok(Rendered { frame, stats })
+    }
+
+    fn model(&self, _view: &View) -> Result<Model, RenderError> {
+        let what = "a model of emission and absorption: light comes from all directions".to_owned();
+        Err(Unsupported { renderer: LightRenderer::NAME, feature: Feature::Model, what }.into())
+    }
+}

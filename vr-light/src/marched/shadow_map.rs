@@ -1,0 +1,90 @@
+//! Light of a lamp at infinity that gets to each place.
+
+use std::sync::Mutex;
+
+use glam::DVec3;
+use vr_core::parallel::{locked, try_each};
+use vr_core::{Control, RenderError};
+
+use crate::medium::Medium;
+
+/// Largest number of places along an axis of the map.
+const MAX_PLACES: usize = 384;
+
+/// Optical depth between each place of a lattice and a lamp at infinity (Kniss et al., "Interactive volume rendering using multi-dimensional transfer
+/// functions and direct manipulation widgets", 2002, keep slices of it; here it is whole).
+///
+/// The lattice is turned so that one axis points towards the lamp; between its places depths are interpolated.
+#[derive(Clone, Debug)]
+pub struct ShadowMap {
+    /// Unit vectors of the lattice; the last one points towards the lamp.
+    axes: [DVec3; 3],
+    /// Place of the first entry, along the axes.
+    low: DVec3,
+    step: DVec3,
+    size: [usize; 3],
+    /// Depths, the axis towards the lamp fastest.
+    depths: Vec<f32>,
+}
+
+impl ShadowMap {
+    /// The map of a medium in a box for a lamp in a unit direction, its places about a spacing apart.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`].
+    pub fn new(medium: &dyn Medium, towards: DVec3, spacing: f64, control: &Control) -> Result<Self, RenderError> {
+        // A box along the axes around the medium.
+        let (a, b) = towards.any_orthonormal_pair();
+        let axes = [a, b, towards];
+        let (low, high) = medium.bounds();
+        let corners = (0..8).map(|i| DVec3::select(glam::BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), low, high));
+        let along = |corner: DVec3| DVec3::from_array(axes.map(|axis| axis.dot(corner)));
+        let (first, last) = corners.map(along).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), place| {
+            (low.min(place), high.max(place))
+        });
+        let extent = last - first;
+        let size: [usize; 3] =
+            std::array::from_fn(|i| ((extent[i] / spacing).ceil() as usize).clamp(1, MAX_PLACES) + 1);
+        let step = extent / DVec3::from_array(size.map(|n| (n - 1) as f64));
+        // Each column is summed up from the lamp on, by the extinction in the middle between two places.
+        let mut depths = vec![0f32; size.iter().product()];
+        let columns: Vec<_> = depths.chunks_mut(size[2]).map(Mutex::new).collect();
+        let fill = |column: usize| {
+            control.check()?;
+            let (i, j) = (column / size[1], column % size[1]);
+            let foot = axes[0] * (first.x + step.x * i as f64) + axes[1] * (first.y + step.y * j as f64);
+            let mut sum = 0.0;
+            let mut depths = locked(&columns[column]);
+            for k in (0..size[2] - 1).rev() {
+                let at = foot + towards * (first.z + step.z * (k as f64 + 0.5));
+                sum += medium.extinction(at, -towards, 0) * step.z;
+                depths[k] = sum as f32;
+            }
+            Ok(())
+        };
+        control.run(|| try_each(columns.len(), &fill))?;
+        drop(columns);
+        Ok(Self { axes, low: first, step, size, depths })
+    }
+
+    /// Optical depth between a place and the lamp; that of the nearest place of the box outside of it.
+    #[inline]
+    pub fn depth(&self, at: DVec3) -> f64 {
+        let [x, y, z]: [(usize, f32); 3] = std::array::from_fn(|i| {
+            let place = ((self.axes[i].dot(at) - self.low[i]) / self.step[i]).clamp(0.0, (self.size[i] - 1) as f64);
+            let cell = (place as usize).min(self.size[i] - 2);
+            (cell, (place - cell as f64) as f32)
+        });
+        let column = |i: usize, j: usize| {
+            let first = (i * self.size[1] + j) * self.size[2] + z.0;
+            let [near, far] = [self.depths[first], self.depths[first + 1]];
+            near + z.1 * (far - near)
+        };
+        let row = |i: usize| {
+            let (near, far) = (column(i, y.0), column(i, y.0 + 1));
+            near + y.1 * (far - near)
+        };
+        let (near, far) = (row(x.0), row(x.0 + 1));
+        f64::from(near + x.1 * (far - near))
+    }
+}
