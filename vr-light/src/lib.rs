@@ -5,11 +5,19 @@
 //! j = σ/4π ∫ p I dω what comes from all other directions by the phase function p.
 //! All lengths are world units, coefficients are per world unit, radiance is linear.
 
+pub mod boundary;
+mod light_scene;
 pub mod medium;
+pub mod paths;
 mod random;
 pub mod slab;
+mod spectrum;
 pub mod tracking;
 
+pub use boundary::{Environment, EnvironmentMap, LightSource, Reflection, Shape, Surface};
+pub use light_scene::LightScene;
 pub use medium::{BandMatrix, Coefficients, FunctionMedium, Homogeneous, Medium, SceneMedium};
+pub use paths::{Film, PathSampler, PathTracer, Until};
 pub use random::RandomStream;
+pub use spectrum::Spectrum;
 pub use tracking::{MajorantGrid, TrackedMedium, TransmittanceEstimator, Walk};
