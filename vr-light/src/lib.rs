@@ -9,6 +9,7 @@ pub mod boundary;
 mod light_scene;
 pub mod medium;
 pub mod paths;
+pub mod quantities;
 mod random;
 pub mod slab;
 mod spectrum;

@@ -7,10 +7,10 @@ use vr_core::Ray;
 use vr_core::scattering::PhaseFunction;
 
 use super::path::{Path, PathSampler};
-use crate::boundary::{Reflection, SurfaceHit, nearest};
+use crate::boundary::{LightSource, Reflection, SurfaceHit, nearest};
 use crate::random::RandomStream;
 use crate::spectrum::{LANES, Lanes};
-use crate::tracking::TransmittanceEstimator;
+use crate::tracking::{TrackedMedium, TransmittanceEstimator};
 
 /// What light is scattered by.
 pub(super) enum Scatterer<'a> {
@@ -74,6 +74,31 @@ impl PathSampler<'_> {
             let added = |i: usize| share * value[i] * light[i];
             self.add_unless_hidden(path, at, towards, f64::INFINITY, None, added, random);
         }
+    }
+
+    /// Light that comes to a place from lights without size and without scattering on its way, times a weight of the direction towards each: no ray
+    /// ever meets them. Headlights are left out, for there is no eye.
+    pub(crate) fn unscattered_light(
+        &self,
+        at: DVec3,
+        band: usize,
+        weight: &dyn Fn(DVec3) -> f64,
+        random: &mut RandomStream,
+    ) -> f64 {
+        let mut sum = 0.0;
+        for light in self.scene.lights().iter().filter(|light| !matches!(light, LightSource::Headlight { .. })) {
+            let Some(from) = light.illuminate(at, DVec3::X) else { continue };
+            let ray = Ray { origin: at, direction: from.towards };
+            let weight = weight(from.towards);
+            let hidden = || nearest(self.scene.surfaces(), &ray, None).is_some_and(|hit| hit.distance < from.distance);
+            if weight > 0.0 && !hidden() {
+                let through = |medium: &TrackedMedium| {
+                    medium.transmittance(&ray, from.distance, band, TransmittanceEstimator::default(), random)
+                };
+                sum += weight * light.color().at(band) * from.irradiance * self.scene.medium().map_or(1.0, through);
+            }
+        }
+        sum
     }
 
     /// Adds the light of one point of one emitter.
