@@ -7,12 +7,21 @@
 
 mod ladder;
 pub mod marched;
+pub mod boundary;
+mod light_scene;
 pub mod medium;
+pub mod paths;
+pub mod quantities;
 mod random;
 pub mod slab;
+mod spectrum;
 pub mod tracking;
 
 pub use ladder::{Ladder, LightModel, SceneFacts, thickness_along, thickness_bound};
+pub use boundary::{Environment, EnvironmentMap, LightSource, Reflection, Shape, Surface};
+pub use light_scene::LightScene;
 pub use medium::{BandMatrix, Coefficients, FunctionMedium, Homogeneous, Medium, SceneMedium};
+pub use paths::{Film, PathSampler, PathTracer, Until};
 pub use random::RandomStream;
+pub use spectrum::Spectrum;
 pub use tracking::{MajorantGrid, TrackedMedium, TransmittanceEstimator, Walk};

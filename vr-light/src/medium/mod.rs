@@ -9,7 +9,7 @@ mod scene_field;
 pub use band_matrix::BandMatrix;
 pub use function::FunctionMedium;
 pub use homogeneous::Homogeneous;
-pub use scene::SceneMedium;
+pub use scene::{SceneMedium, WALL_DEPTH};
 
 use std::fmt::Debug;
 

@@ -1,0 +1,70 @@
+//! Surfaces: shapes that emit and reflect.
+
+use glam::DVec3;
+use vr_core::{ParameterError, Ray};
+
+use super::{Reflection, Shape};
+use crate::spectrum::Spectrum;
+
+/// An opaque surface, which emits and reflects on both sides alike.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_light::{Reflection, Shape, Spectrum, Surface};
+///
+/// let lamp = Surface::emitter(Shape::Sphere { centre: DVec3::Z, radius: 0.1 }, Spectrum::grey(5.0));
+/// assert_eq!(lamp.reflection, Reflection::Black);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Its shape.
+    pub shape: Shape,
+    /// Radiance that it emits in all directions.
+    pub emission: Spectrum,
+    /// Kernel by which it reflects.
+    pub reflection: Reflection,
+}
+
+/// Place at which a ray meets a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfaceHit {
+    /// Number of the surface.
+    pub index: usize,
+    pub distance: f64,
+    pub at: DVec3,
+    /// Unit normal on the side that the ray comes from.
+    pub normal: DVec3,
+}
+
+impl Surface {
+    /// A surface that emits and reflects nothing.
+    pub fn emitter(shape: Shape, emission: Spectrum) -> Self {
+        Self { shape, emission, reflection: Reflection::Black }
+    }
+
+    /// Checks the numbers for a number of bands.
+    pub(crate) fn validate(&self, field: &str, bands: usize) -> Result<(), ParameterError> {
+        self.shape.validate(&format!("{field}.shape"))?;
+        self.emission.validate(&format!("{field}.emission"), bands, f64::MAX)?;
+        self.reflection.validate(&format!("{field}.reflection"), bands)
+    }
+}
+
+/// The first surface that a ray meets; `from` is the one that it starts on.
+pub(crate) fn nearest(surfaces: &[Surface], ray: &Ray, from: Option<usize>) -> Option<SurfaceHit> {
+    let mut first: Option<(usize, f64)> = None;
+    for (index, surface) in surfaces.iter().enumerate() {
+        if let Some(distance) = surface.shape.intersect(ray, from == Some(index))
+            && first.is_none_or(|(_, nearer)| distance < nearer)
+        {
+            first = Some((index, distance));
+        }
+    }
+    first.map(|(index, distance)| {
+        let at = ray.origin + ray.direction * distance;
+        let normal = surfaces[index].shape.normal(at);
+        let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+        SurfaceHit { index, distance, at, normal }
+    })
+}

@@ -1,0 +1,130 @@
+//! Everything that light meets and comes from.
+
+use std::sync::Arc;
+
+use vr_core::ParameterError;
+
+use crate::boundary::{Environment, LightSource, Surface};
+use crate::medium::Medium;
+use crate::tracking::TrackedMedium;
+
+/// A medium, its boundaries and its lights: what the equation of transfer is solved for.
+///
+/// # Examples
+/// ```
+/// use vr_light::{Environment, LightScene};
+///
+/// // Nothing but the light of the sky.
+/// let empty = LightScene::new(None, 3)?.with_environment(Environment::from([0.2, 0.3, 0.5]))?;
+/// assert_eq!(empty.bands(), 3);
+/// # Ok::<(), vr_core::ParameterError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LightScene {
+    medium: Option<TrackedMedium>,
+    bands: usize,
+    surfaces: Vec<Surface>,
+    lights: Vec<LightSource>,
+    environment: Environment,
+    hides_environment: bool,
+    /// Numbers of the surfaces that emit and have an end: those that paths aim at.
+    emitters: Vec<usize>,
+}
+
+impl LightScene {
+    /// A medium in darkness; vacuum where there is none, in so many bands.
+    ///
+    /// # Errors
+    /// No band, or not as many as the medium has.
+    pub fn new(medium: Option<Arc<dyn Medium>>, bands: usize) -> Result<Self, ParameterError> {
+        if bands == 0 || medium.as_ref().is_some_and(|medium| medium.bands() != bands) {
+            return Err(ParameterError::new("medium.bands", bands, "must be those of the medium, at least 1"));
+        }
+        Ok(Self {
+            medium: medium.map(TrackedMedium::new),
+            bands,
+            surfaces: Vec::new(),
+            lights: Vec::new(),
+            environment: Environment::default(),
+            hides_environment: false,
+            emitters: Vec::new(),
+        })
+    }
+
+    /// The same scene with these surfaces in place of its own.
+    ///
+    /// # Errors
+    /// Numbers that are out of range.
+    pub fn with_surfaces(mut self, surfaces: Vec<Surface>) -> Result<Self, ParameterError> {
+        for (i, surface) in surfaces.iter().enumerate() {
+            surface.validate(&format!("surfaces[{i}]"), self.bands)?;
+        }
+        let aimed = |surface: &Surface| !surface.emission.is_black() && surface.shape.area().is_finite();
+        self.emitters = (0..surfaces.len()).filter(|&i| aimed(&surfaces[i])).collect();
+        self.surfaces = surfaces;
+        Ok(self)
+    }
+
+    /// The same scene under these lights in place of its own.
+    ///
+    /// # Errors
+    /// Numbers that are out of range.
+    pub fn with_lights(mut self, lights: Vec<LightSource>) -> Result<Self, ParameterError> {
+        for (i, light) in lights.iter().enumerate() {
+            light.validate(&format!("lights[{i}]"), self.bands)?;
+        }
+        self.lights = lights;
+        Ok(self)
+    }
+
+    /// The same scene in this environment.
+    ///
+    /// # Errors
+    /// Numbers that are out of range.
+    pub fn with_environment(mut self, environment: Environment) -> Result<Self, ParameterError> {
+        environment.validate(self.bands)?;
+        self.environment = environment;
+        Ok(self)
+    }
+
+    /// The same scene, whose environment lights it without being seen behind it: a primary ray that meets nothing is dark.
+    #[must_use]
+    pub fn with_hidden_environment(self) -> Self {
+        Self { hides_environment: true, ..self }
+    }
+
+    /// The medium with the bounds of its extinction.
+    pub fn medium(&self) -> Option<&TrackedMedium> {
+        self.medium.as_ref()
+    }
+
+    /// Number of spectral bands.
+    pub fn bands(&self) -> usize {
+        self.bands
+    }
+
+    /// The surfaces.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// The lights without size.
+    pub fn lights(&self) -> &[LightSource] {
+        &self.lights
+    }
+
+    /// The environment.
+    pub fn environment(&self) -> &Environment {
+        &self.environment
+    }
+
+    /// True if primary rays do not see the environment.
+    pub fn hides_environment(&self) -> bool {
+        self.hides_environment
+    }
+
+    /// Numbers of the surfaces that emit and have an end.
+    pub(crate) fn emitters(&self) -> &[usize] {
+        &self.emitters
+    }
+}

@@ -1,0 +1,296 @@
+//! One random path.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use vr_core::{Control, Ray, RenderError};
+
+use super::direct_light::{Scatterer, competing_weight};
+use crate::boundary::{SurfaceHit, nearest};
+use crate::light_scene::LightScene;
+use crate::medium::{Coefficients, Medium};
+use crate::random::RandomStream;
+use crate::spectrum::{BandGroup, LANES, Lanes};
+use crate::tracking::{Flight, TransmittanceEstimator};
+
+/// Random paths through a scene: each gives an estimate of the radiance that comes along a ray, whose expectation is the solution of the equation of
+/// transfer.
+///
+/// # Examples
+/// ```
+/// use glam::DVec3;
+/// use vr_core::{Control, Ray};
+/// use vr_light::{Environment, LightScene, PathSampler, RandomStream};
+///
+/// let empty = LightScene::new(None, 3)?.with_environment(Environment::from([0.2, 0.3, 0.5]))?;
+/// let ray = Ray { origin: DVec3::ZERO, direction: DVec3::X };
+/// let mut sample = [0.0; 4];
+/// PathSampler::new(&empty).sample(&ray, &mut RandomStream::new(0, 0, 0), &Control::default(), &mut sample)?;
+/// assert_eq!(sample, [0.2, 0.3, 0.5, 0.0]);
+/// # Ok::<(), vr_core::RenderError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct PathSampler<'a> {
+    pub(super) scene: &'a LightScene,
+    max_scatterings: Option<u32>,
+}
+
+/// Scatterings and reflections after which a path of little weight may end by chance.
+const ROULETTE_FROM: u32 = 4;
+/// Smallest chance of a path to go on.
+const MIN_SURVIVAL: f64 = 0.05;
+/// Scatterings and reflections between two looks at the cancel flag.
+const CHECK_EVERY: u32 = 4096;
+
+/// State of a path.
+pub(super) struct Path {
+    pub ray: Ray,
+    /// Surface that the ray starts on.
+    pub from: Option<usize>,
+    pub group: BandGroup,
+    /// Light that arrives here counts with this weight.
+    pub weight: Lanes,
+    pub radiance: Lanes,
+    /// Scatterings and reflections so far.
+    pub scatterings: u32,
+    /// Density per solid angle by which the ray was chosen, where light of its direction was also aimed at; `None` where it was not.
+    pub density: Option<f64>,
+    /// Direction of the primary ray.
+    pub primary: DVec3,
+}
+
+/// Reason for which a path goes on or ends.
+enum Step {
+    Scattered,
+    Ended,
+}
+
+impl<'a> PathSampler<'a> {
+    /// Paths with as many scatterings as light has.
+    pub fn new(scene: &'a LightScene) -> Self {
+        Self { scene, max_scatterings: None }
+    }
+
+    /// Paths with at most so many scatterings and reflections; light that has more is lost.
+    #[must_use]
+    pub fn with_max_scatterings(self, max: Option<u32>) -> Self {
+        Self { max_scatterings: max, ..self }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &'a LightScene {
+        self.scene
+    }
+
+    /// Bands of the path that begins with the band `first`.
+    fn group(&self, first: usize) -> BandGroup {
+        let elastic = |medium: &dyn Medium| medium.is_grey() && medium.band_matrix().is_none();
+        let together = self.scene.medium().is_none_or(|tracked| elastic(tracked.medium()));
+        BandGroup { first, count: if together { LANES.min(self.scene.bands() - first) } else { 1 } }
+    }
+
+    /// Fills an estimate of the radiance of each band that comes along a ray, and behind them one of the opacity, 1 − the mean transmittance of the
+    /// bands. Bands of one extinction share a path; others have one each.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`].
+    ///
+    /// # Panics
+    /// If `out` does not have one place more than there are bands.
+    pub fn sample(
+        &self,
+        ray: &Ray,
+        random: &mut RandomStream,
+        control: &Control,
+        out: &mut [f64],
+    ) -> Result<(), RenderError> {
+        let bands = self.scene.bands();
+        assert_eq!(out.len(), bands + 1, "one place for each band, and one for the opacity");
+        out[bands] = 0.0;
+        let mut first = 0;
+        while first < bands {
+            let group = self.group(first);
+            out[bands] += self.opacity(ray, first, random) * group.count as f64 / bands as f64;
+            let radiance = self.radiance(ray, group, random, control)?;
+            out[first..first + group.count].copy_from_slice(&radiance[..group.count]);
+            first += group.count;
+        }
+        Ok(())
+    }
+
+    /// Opacity of a band along the primary ray: 1 if it ends on a surface.
+    fn opacity(&self, ray: &Ray, band: usize, random: &mut RandomStream) -> f64 {
+        if nearest(self.scene.surfaces(), ray, None).is_some() {
+            return 1.0;
+        }
+        let estimator = TransmittanceEstimator::default();
+        let through = |medium: &crate::TrackedMedium| medium.transmittance(ray, f64::INFINITY, band, estimator, random);
+        1.0 - self.scene.medium().map_or(1.0, through)
+    }
+
+    /// Radiance of a group of bands along one path.
+    fn radiance(
+        &self,
+        ray: &Ray,
+        group: BandGroup,
+        random: &mut RandomStream,
+        control: &Control,
+    ) -> Result<Lanes, RenderError> {
+        let weight = std::array::from_fn(|i| if i < group.count { 1.0 } else { 0.0 });
+        let mut path = Path {
+            ray: *ray,
+            from: None,
+            group,
+            weight,
+            radiance: [0.0; LANES],
+            scatterings: 0,
+            density: None,
+            primary: ray.direction,
+        };
+        loop {
+            let hit = nearest(self.scene.surfaces(), &path.ray, path.from);
+            let step = match self.collide(&mut path, hit.map_or(f64::INFINITY, |hit| hit.distance), random) {
+                Some((at, bands)) => self.scatter(&mut path, at, &bands, random),
+                None => match hit {
+                    Some(hit) => self.reflect(&mut path, &hit, random),
+                    None => {
+                        self.escape(&mut path);
+                        Step::Ended
+                    }
+                },
+            };
+            if matches!(step, Step::Ended) || !survives(&mut path, random) {
+                return Ok(path.radiance);
+            }
+            if path.scatterings.is_multiple_of(CHECK_EVERY) {
+                control.check()?;
+            }
+        }
+    }
+
+    /// Flies to the next collision before the distance `far`, and adds the light that the medium emits on the way; returns place and coefficients.
+    fn collide(&self, path: &mut Path, far: f64, random: &mut RandomStream) -> Option<(DVec3, [Coefficients; LANES])> {
+        let tracked = self.scene.medium()?;
+        let (medium, group) = (tracked.medium(), path.group);
+        // Light travels against the ray.
+        let travel = -path.ray.direction;
+        let emits = medium.has_emission();
+        let mut bands = [Coefficients::default(); LANES];
+        let mut flight = Flight::new(tracked, &path.ray, far, random);
+        while let Some((distance, rate)) = flight.tentative() {
+            let at = flight.place(distance);
+            let extinction = if emits {
+                medium.coefficients(at, travel, group.first, &mut bands[..group.count]);
+                // Each tentative collision stands for a length 1/μ.
+                (0..group.count).for_each(|i| path.radiance[i] += path.weight[i] * bands[i].emission / rate);
+                bands[0].extinction()
+            } else {
+                medium.extinction(at, travel, group.first)
+            };
+            if flight.collides(extinction, random) {
+                if !emits {
+                    medium.coefficients(at, travel, group.first, &mut bands[..group.count]);
+                }
+                return Some((at, bands));
+            }
+        }
+        None
+    }
+
+    /// Scatters a path in the medium: absorption lowers its weight.
+    fn scatter(&self, path: &mut Path, at: DVec3, bands: &[Coefficients; LANES], random: &mut RandomStream) -> Step {
+        let Some(tracked) = self.scene.medium() else { return Step::Ended };
+        let medium = tracked.medium();
+        if !self.may_scatter(path) {
+            return Step::Ended;
+        }
+        match medium.band_matrix() {
+            None => (0..path.group.count).for_each(|i| path.weight[i] *= bands[i].albedo()),
+            // Light of this band came from another: of those, one is followed.
+            Some(matrix) => {
+                let to = path.group.first;
+                let Some((from, share)) = matrix.sample_source(to, random.uniform()) else { return Step::Ended };
+                let mut source = [bands[0]];
+                if from != to {
+                    medium.coefficients(at, -path.ray.direction, from, &mut source);
+                }
+                path.weight[0] *= share * source[0].scattering / bands[0].extinction();
+                path.group.first = from;
+            }
+        }
+        if path.weight.iter().all(|&w| w == 0.0) {
+            return Step::Ended;
+        }
+        path.from = None;
+        let phase = medium.phase();
+        self.add_direct_light(path, at, &Scatterer::Phase(phase), random);
+        let before = path.ray.direction;
+        let direction = phase.sample(before, random.pair());
+        path.density = Some(phase.value(before.dot(direction)) / (4.0 * PI));
+        path.ray = Ray { origin: at, direction };
+        Step::Scattered
+    }
+
+    /// Adds the emission of a surface, and reflects a path.
+    fn reflect(&self, path: &mut Path, hit: &SurfaceHit, random: &mut RandomStream) -> Step {
+        let surface = &self.scene.surfaces()[hit.index];
+        if !surface.emission.is_black() {
+            let share = match path.density {
+                Some(density) => competing_weight(density, self.emitter_density(hit, path.ray.direction)),
+                None => 1.0,
+            };
+            let emission = surface.emission.lanes(path.group);
+            (0..path.group.count).for_each(|i| path.radiance[i] += path.weight[i] * share * emission[i]);
+        }
+        if !self.may_scatter(path) {
+            return Step::Ended;
+        }
+        let to = -path.ray.direction;
+        path.from = Some(hit.index);
+        if surface.reflection.is_smooth() {
+            let scatterer = Scatterer::Surface { reflection: &surface.reflection, normal: hit.normal, to };
+            self.add_direct_light(path, hit.at, &scatterer, random);
+        }
+        let Some(reflected) = surface.reflection.sample(hit.normal, to, path.group, random.pair()) else {
+            return Step::Ended;
+        };
+        (0..path.group.count).for_each(|i| path.weight[i] *= reflected.weight[i]);
+        path.density = reflected.density;
+        path.ray = Ray { origin: hit.at, direction: reflected.direction };
+        Step::Scattered
+    }
+
+    /// Adds the environment that a path escapes to.
+    fn escape(&self, path: &mut Path) {
+        if path.scatterings == 0 && self.scene.hides_environment() {
+            return;
+        }
+        let environment = self.scene.environment();
+        let share = match (path.density, environment.map()) {
+            (Some(density), Some(map)) => competing_weight(density, map.density(path.ray.direction)),
+            _ => 1.0,
+        };
+        let light = environment.lanes(path.ray.direction, path.group);
+        (0..path.group.count).for_each(|i| path.radiance[i] += path.weight[i] * share * light[i]);
+    }
+
+    /// Counts a scattering or reflection; false if it is one too many.
+    fn may_scatter(&self, path: &mut Path) -> bool {
+        path.scatterings = path.scatterings.saturating_add(1);
+        self.max_scatterings.is_none_or(|max| path.scatterings <= max)
+    }
+}
+
+/// Ends long paths of little weight by chance, and makes up for it in those that go on (Russian roulette).
+fn survives(path: &mut Path, random: &mut RandomStream) -> bool {
+    let largest = path.weight.iter().copied().fold(0.0, f64::max);
+    if path.scatterings < ROULETTE_FROM || largest >= 1.0 {
+        return largest > 0.0;
+    }
+    let chance = largest.max(MIN_SURVIVAL);
+    if random.uniform() >= chance {
+        return false;
+    }
+    path.weight = path.weight.map(|w| w / chance);
+    largest > 0.0
+}
