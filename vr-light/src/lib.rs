@@ -5,4 +5,5 @@
 //! j = σ/4π ∫ p I dω what comes from all other directions by the phase function p.
 //! All lengths are world units, coefficients are per world unit, radiance is linear.
 
+pub mod single;
 pub mod slab;
