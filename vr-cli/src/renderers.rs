@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use vr_cells::{CellMarcher, CellProjector};
 use vr_core::{OptionSpec, OptionValue, Options, Scene, StudiedRenderer, Volume};
+use vr_light::LightRenderer;
 use vr_physics::Reference;
 use vr_raycast::RayCaster;
 use vr_shearwarp::ShearWarp;
@@ -25,6 +26,7 @@ pub fn all() -> Vec<Box<dyn StudiedRenderer>> {
         Box::new(Splatter::default()),
         Box::new(CellMarcher::default()),
         Box::new(CellProjector::default()),
+        Box::new(LightRenderer::default()),
         Box::new(Reference::default()),
     ]
 }

@@ -5,23 +5,26 @@
 //! j = σ/4π ∫ p I dω what comes from all other directions by the phase function p.
 //! All lengths are world units, coefficients are per world unit, radiance is linear.
 
-mod ladder;
-pub mod marched;
 pub mod boundary;
+mod ladder;
 mod light_scene;
+pub mod marched;
 pub mod medium;
 pub mod paths;
 pub mod quantities;
 mod random;
+mod renderer;
+pub mod single;
 pub mod slab;
 mod spectrum;
 pub mod tracking;
 
-pub use ladder::{Ladder, LightModel, SceneFacts, thickness_along, thickness_bound};
 pub use boundary::{Environment, EnvironmentMap, LightSource, Reflection, Shape, Surface};
+pub use ladder::{Ladder, LightModel, SceneFacts, thickness_along, thickness_bound};
 pub use light_scene::LightScene;
 pub use medium::{BandMatrix, Coefficients, FunctionMedium, Homogeneous, Medium, SceneMedium};
 pub use paths::{Film, PathSampler, PathTracer, Until};
 pub use random::RandomStream;
+pub use renderer::{LightRenderer, Method};
 pub use spectrum::Spectrum;
 pub use tracking::{MajorantGrid, TrackedMedium, TransmittanceEstimator, Walk};

@@ -92,9 +92,12 @@ impl MarchedScattering {
         let mut light = MarchedLight { radiance: [0.0; 3], depth: 0.0, half_way: f64::INFINITY, samples: 0 };
         let phase = self.medium.medium().phase();
         // Light travels against the ray on its way to the eye. Of a lamp of colour L, L p/4 of what is scattered goes there.
-        let shares: Vec<f64> = self.lamps.iter().map(|lamp| 0.25 * phase.value(ray.direction.dot(lamp.towards))).collect();
+        let shares: Vec<f64> =
+            self.lamps.iter().map(|lamp| 0.25 * phase.value(ray.direction.dot(lamp.towards))).collect();
         let back = 0.25 * phase.value(-1.0);
-        for stretch in Walk::new(self.medium.grid(), ray, f64::INFINITY).filter(|s| s.cell.rate > 0.0 && s.end > s.start) {
+        for stretch in
+            Walk::new(self.medium.grid(), ray, f64::INFINITY).filter(|s| s.cell.rate > 0.0 && s.end > s.start)
+        {
             let steps = ((stretch.end - stretch.start) / self.step).ceil().max(1.0);
             let length = (stretch.end - stretch.start) / steps;
             for i in 0..steps as u64 {
@@ -118,7 +121,8 @@ impl MarchedScattering {
         let thickness = extinction * length;
         // Shares of the source function that are seen: once dimmed, and, of a headlight, dimmed on both ways. Vacuum that emits has no source function.
         let through = libm::exp(-light.depth);
-        let weight = |ways: f64| if thickness > 0.0 { -libm::expm1(-ways * thickness) / (ways * extinction) } else { length };
+        let weight =
+            |ways: f64| if thickness > 0.0 { -libm::expm1(-ways * thickness) / (ways * extinction) } else { length };
         let (once, twice) = (through * weight(1.0), through * through * weight(2.0));
         let mut lit = [0.0; 3];
         if bands.iter().any(|band| band.scattering > 0.0) {

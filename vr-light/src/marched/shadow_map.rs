@@ -39,9 +39,9 @@ impl ShadowMap {
         let (low, high) = medium.bounds();
         let corners = (0..8).map(|i| DVec3::select(glam::BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), low, high));
         let along = |corner: DVec3| DVec3::from_array(axes.map(|axis| axis.dot(corner)));
-        let (first, last) = corners.map(along).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), place| {
-            (low.min(place), high.max(place))
-        });
+        let (first, last) = corners
+            .map(along)
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), place| (low.min(place), high.max(place)));
         let extent = last - first;
         let size: [usize; 3] =
             std::array::from_fn(|i| ((extent[i] / spacing).ceil() as usize).clamp(1, MAX_PLACES) + 1);

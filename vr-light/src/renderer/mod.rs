@@ -4,9 +4,8 @@ mod options;
 mod pixel;
 mod prepared;
 
-use vr_core::{
-    Control, Documented, Feature, NamedSetting, Prepared, RenderError, Renderer, Scene, Unsupported, View,
-};
+use vr_core::scattering::Scattering;
+use vr_core::{Control, Documented, Feature, NamedSetting, Prepared, RenderError, Renderer, Scene, Unsupported, View};
 
 use prepared::PreparedLight;
 
@@ -39,6 +38,10 @@ pub struct LightRenderer {
     pub seed: u32,
     /// Largest number of scatterings of a path; `None`: as many as there are.
     pub max_scatterings: Option<u32>,
+    /// Step of light that is scattered once, in spacings of the volume.
+    pub step: f64,
+    /// True to integrate light that is scattered once to a tolerance, which is slow, in place of steps.
+    pub exact: bool,
 }
 
 /// How much of the equation of transfer is solved.
@@ -47,13 +50,13 @@ pub enum Method {
     /// Light that is scattered any number of times, by random paths.
     #[default]
     Full,
-    /// Light that is scattered once, by quadrature.
+    /// Light that is scattered once, without chance.
     Single,
 }
 
 impl Default for LightRenderer {
     fn default() -> Self {
-        Self { method: Method::Full, paths: 64, error: 0.0, seed: 0, max_scatterings: None }
+        Self { method: Method::Full, paths: 64, error: 0.0, seed: 0, max_scatterings: None, step: 0.5, exact: false }
     }
 }
 
@@ -64,21 +67,37 @@ impl LightRenderer {
     /// Checks that a scene can be drawn.
     fn check(&self, scene: &Scene) -> Result<(), RenderError> {
         scene.validate()?;
-        let unsupported = |feature, what: &str| {
-            Err(Unsupported { renderer: Self::NAME, feature, what: what.to_owned() }.into())
-        };
+        let unsupported =
+            |feature, what: &str| Err(Unsupported { renderer: Self::NAME, feature, what: what.to_owned() }.into());
         if scene.scattering.is_none() {
-            let what = "scenes without scattering: emission and absorption, which every other renderer draws without chance";
+            let what =
+                "scenes without scattering: emission and absorption, which every other renderer draws without chance";
             return unsupported(Feature::Scattering, what);
         }
         if scene.compositing != vr_core::Compositing::Over {
-            return unsupported(Feature::Compositing, "compositing 'accumulate': light that is scattered comes from behind the level, too");
+            return unsupported(
+                Feature::Compositing,
+                "compositing 'accumulate': light that is scattered comes from behind the level, too",
+            );
         }
         if scene.surfaces.is_some() {
-            return unsupported(Feature::Surfaces, "opaque surfaces: they would have to stop and reflect the light of the lamps, too");
+            return unsupported(
+                Feature::Surfaces,
+                "opaque surfaces: they would have to stop and reflect the light of the lamps, too",
+            );
         }
         if scene.has_gradient_opacity() {
-            return unsupported(Feature::GradientOpacity, "opacity by the gradient: the extinction of a medium is a function of its value");
+            return unsupported(
+                Feature::GradientOpacity,
+                "opacity by the gradient: the extinction of a medium is a function of its value",
+            );
+        }
+        let sky = |scattering: &Scattering| scattering.environment.iter().any(|&radiance| radiance > 0.0);
+        if self.method == Method::Single && !self.exact && scene.scattering.as_deref().is_some_and(sky) {
+            return unsupported(
+                Feature::Scattering,
+                "light from all sides in steps: exact=true integrates it, model=full samples it",
+            );
         }
         Ok(())
     }

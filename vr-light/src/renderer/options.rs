@@ -52,6 +52,21 @@ impl Configurable for LightRenderer {
                     |r, x| r.max_scatterings = (x >= 1.0).then_some(x as u32),
                 )
                 .refuse("goes with model=full alone", |r| r.method == Method::Single && r.max_scatterings.is_some()),
+                DeclaredOption::<Self>::number(
+                    "step",
+                    "step of model=single, in spacings of the volume; the error falls with its square",
+                    NumberRange::above(0.0).up_to(16.0),
+                    |r| r.step,
+                    |r, x| r.step = x,
+                )
+                .refuse("goes with model=single exact=false alone", |r| (r.method == Method::Full || r.exact) && r.step != 0.5),
+                DeclaredOption::<Self>::switch(
+                    "exact",
+                    "model=single by quadrature with an account of its error, ray by ray: slow",
+                    |r| r.exact,
+                    |r, on| r.exact = on,
+                )
+                .refuse("goes with model=single alone", |r| r.method == Method::Full && r.exact),
             ],
         )
     }

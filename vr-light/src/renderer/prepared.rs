@@ -1,21 +1,22 @@
 //! A scene that the renderer has seen.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
-use vr_core::image_order::trace_view;
+use vr_core::image_order::{ImageSample, trace_view};
+use vr_core::parallel::locked;
 use vr_core::{
-    Clip, Control, Feature, Frame, Model, Prepared, RenderError, RenderStats, Rendered, Scene, Uncertainty,
-    Unsupported, View,
+    Clip, Control, Counts, Feature, Frame, Model, Prepared, Ray, RenderError, RenderStats, Rendered, Scene,
+    Uncertainty, Unsupported, View,
 };
 
 use super::pixel::LightPixel;
 use super::{LightRenderer, Method};
 use crate::boundary::{Environment, LightSource};
 use crate::light_scene::LightScene;
+use crate::marched::MarchedScattering;
 use crate::medium::SceneMedium;
 use crate::paths::{Film, PathTracer, Until};
 use crate::single::SingleScattering;
-use crate::spectrum::Spectrum;
 
 /// Tolerance of the quadrature of light that is scattered once.
 const TOLERANCE: f64 = 1e-4;
@@ -26,12 +27,14 @@ pub(super) struct PreparedLight {
     scene: Scene,
     /// Medium and lights with the clip that they were made for: most views have the same.
     lit: Option<(Clip, Arc<LightScene>)>,
+    /// The same for light that is scattered once, in steps.
+    marched: Option<(Clip, MarchedScattering)>,
 }
 
 impl PreparedLight {
     pub(super) fn new(renderer: LightRenderer, scene: &Scene, _control: &Control) -> Result<Self, RenderError> {
         scene.volume.prepare_derived();
-        Ok(Self { renderer, scene: scene.clone(), lit: None })
+        Ok(Self { renderer, scene: scene.clone(), lit: None, marched: None })
     }
 
     /// Medium and lights within a clip.
@@ -57,44 +60,77 @@ impl PreparedLight {
         let count = view.size[0] as usize * view.size[1] as usize;
         stats.counts.rays = (0..count).map(|pixel| film.count(pixel)).sum();
         let pixels = (0..count).map(|pixel| std::array::from_fn(|c| film.mean(pixel, c) as f32)).collect();
-        // A single sample has an error that is not known: half of what can be.
         let error = |pixel: usize, c: usize| film.standard_error(pixel, c) as f32;
         let errors = (0..count).map(|pixel| std::array::from_fn(|c| error(pixel, c))).collect();
         Ok(Frame::new(view.size, pixels, None).with_uncertainty(Uncertainty::StandardError(errors)))
     }
 
-    /// Draws light that is scattered once.
-    fn single(&self, view: &View, control: &Control, stats: &mut RenderStats) -> Result<Frame, RenderError> {
-        let scattering = self.scene.scattering.as_deref().expect("checked in prepare");
-        let single = stats.time("medium", || SingleScattering::new(&self.scene, scattering, &view.clip, TOLERANCE))?;
-        let trace = |_: &mut (), ray: &vr_core::Ray, _, counts: &mut vr_core::Counts| -> LightPixel {
+    /// Draws light that is scattered once, in steps.
+    fn marched(&mut self, view: &View, control: &Control, stats: &mut RenderStats) -> Result<Frame, RenderError> {
+        if self.marched.as_ref().is_none_or(|(clip, _)| *clip != view.clip) {
+            let made = stats
+                .time("shadows", || MarchedScattering::new(&self.scene, &view.clip, self.renderer.step, control))?;
+            self.marched = Some((view.clip.clone(), made));
+        }
+        let (_, marched) = self.marched.as_ref().expect("made just now");
+        let trace = |_: &mut (), ray: &Ray, _: ImageSample, counts: &mut Counts| {
+            let light = marched.along(ray);
             counts.rays += 1;
-            let light = single.ray(ray, f64::INFINITY);
             counts.samples += light.samples;
             let [r, g, b] = light.radiance;
-            let error = light.certainty.value();
-            LightPixel { rgba: [r, g, b, light.opacity()], error: [error; 4], random: false, depth: light.half_way }
+            let alpha = -libm::expm1(-light.depth);
+            LightPixel { rgba: [r, g, b, alpha], error: 0.0, depth: light.half_way }
         };
         let (pixels, counts) = stats.time("rays", || trace_view(view, control, || (), trace))?;
         stats.counts = counts;
-        let colors = pixels.iter().map(|p| p.rgba.map(|x| x as f32)).collect();
-        let depth = pixels.iter().map(|p| p.depth as f32).collect();
-        let errors = pixels.iter().map(|p| p.error.map(|x| x as f32)).collect();
-        Ok(Frame::new(view.size, colors, Some(depth)).with_uncertainty(Uncertainty::Bound(errors)))
+        Ok(frame(view, &pixels))
     }
+
+    /// Draws light that is scattered once, by quadrature with an account of its error.
+    fn exact(&self, view: &View, control: &Control, stats: &mut RenderStats) -> Result<Frame, RenderError> {
+        let scattering = self.scene.scattering.as_deref().expect("checked in prepare");
+        let single = SingleScattering::new(&self.scene, scattering, &view.clip, TOLERANCE)?;
+        let failed = Mutex::new(None);
+        let trace = |_: &mut (), ray: &Ray, _: ImageSample, counts: &mut Counts| {
+            counts.rays += 1;
+            match single.ray(ray, f64::INFINITY) {
+                Ok(light) => {
+                    counts.samples += light.samples;
+                    let [r, g, b] = light.radiance;
+                    LightPixel {
+                        rgba: [r, g, b, light.opacity()],
+                        error: light.certainty.value(),
+                        depth: light.half_way,
+                    }
+                }
+                Err(e) => {
+                    *locked(&failed) = Some(e);
+                    LightPixel { rgba: [0.0; 4], error: f64::INFINITY, depth: f64::INFINITY }
+                }
+            }
+        };
+        let (pixels, counts) = stats.time("rays", || trace_view(view, control, || (), trace))?;
+        if let Some(e) = locked(&failed).take() {
+            return Err(e);
+        }
+        stats.counts = counts;
+        let errors = pixels.iter().map(|p| [p.error as f32; 4]).collect();
+        Ok(frame(view, &pixels).with_uncertainty(Uncertainty::Bound(errors)))
+    }
+}
+
+/// The picture of pixels.
+fn frame(view: &View, pixels: &[LightPixel]) -> Frame {
+    let colors = pixels.iter().map(|p| p.rgba.map(|x| x as f32)).collect();
+    let depth = pixels.iter().map(|p| p.depth as f32).collect();
+    Frame::new(view.size, colors, Some(depth))
 }
 
 /// Medium and lights of a scene within a clip.
 fn light_scene(scene: &Scene, clip: &Clip) -> Result<LightScene, RenderError> {
     let scattering = scene.scattering.as_deref().expect("checked in prepare");
     let medium = SceneMedium::new(scene, clip, scattering)?;
-    let lights = scene.lights.iter().map(|light| {
-        let color = Spectrum::new(light.color.to_vec());
-        match light.direction {
-            Some(direction) => LightSource::Directional { towards: direction.normalize(), color },
-            None => LightSource::Headlight { color },
-        }
-    });
+    let lights = scene.lights.iter().map(|&light| LightSource::from(light));
     let lit = LightScene::new(Some(Arc::new(medium)), 3)?
         .with_lights(lights.collect())?
         .with_environment(Environment::from(scattering.environment))?
@@ -114,7 +150,8 @@ impl Prepared for PreparedLight {
         let mut stats = RenderStats::default();
         let frame = match self.renderer.method {
             Method::Full => self.full(view, control, &mut stats)?,
-            Method::Single => self.single(view, control, &mut stats)?,
+            Method::Single if self.renderer.exact => self.exact(view, control, &mut stats)?,
+            Method::Single => self.marched(view, control, &mut stats)?,
         };
         Ok(Rendered { frame, stats })
     }
