@@ -32,6 +32,7 @@ pub(super) fn unlit(scene: &Scene) -> Result<Scene, RenderError> {
     scene.validate()?;
     let mut unlit = scene.clone();
     unlit.shading = None;
+    unlit.scattering = None;
     unlit.surfaces = None;
     unlit.compositing = vr_core::Compositing::Over;
     let transfer = &scene.transfer;
