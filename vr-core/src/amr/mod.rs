@@ -40,6 +40,7 @@ mod restriction;
 mod rim;
 mod rim_samples;
 mod samples;
+mod solid_elements;
 mod stretches;
 mod traversal;
 
