@@ -1,9 +1,12 @@
 //! Parts of blocks, with the ranges of the field in them.
 
+use std::collections::HashMap;
+
 use super::block::AmrCentring;
 use super::check::each_index;
 use super::grid::AmrGrid;
 use super::level::{divided, plus};
+use super::solid_elements::SolidElements;
 use crate::parallel::collect;
 
 /// Largest number of cells along the edge of a brick.
@@ -23,6 +26,8 @@ pub(super) struct Bricks {
     faces: Vec<[u32; 6]>,
     /// Sides of each block that no coarser leaf touches.
     complete: Vec<u32>,
+    /// Elements of the bricks parts of which may be vacuum.
+    solid_elements: HashMap<usize, SolidElements>,
 }
 
 /// Number for a face beside which no such block lies.
@@ -70,7 +75,10 @@ impl Bricks {
             // The samples around a place tell.
             AmrCentring::Cells => Vec::new(),
         };
-        Self { starts, bricks: lists.concat(), leaves, solid, faces, complete }
+        let bricks = lists.concat();
+        let doubtful = |number: usize| bricks_with_vacuum(grid, number, &starts, &bricks);
+        let solid_elements = collect(grid.blocks.len(), doubtful).into_iter().flatten().collect();
+        Self { starts, bricks, leaves, solid, faces, complete, solid_elements }
     }
 
     /// True if all cells of a block are leaves.
@@ -114,10 +122,34 @@ impl Bricks {
         &self.bricks[number]
     }
 
+    /// Elements that are not vacuum of a brick parts of which may be.
+    #[inline]
+    pub(super) fn solid_elements(&self, number: usize) -> Option<&SolidElements> {
+        self.solid_elements.get(&number)
+    }
+
     /// The brick at a place among those of a block.
     pub(super) fn at(&self, grid: &AmrGrid, number: usize, at: [i64; 3]) -> &Brick {
         self.get(self.number_at(grid, number, at))
     }
+}
+
+/// Elements of the bricks of a block parts of which may be vacuum, with the numbers of these.
+fn bricks_with_vacuum(grid: &AmrGrid, block: usize, starts: &[usize], bricks: &[Brick]) -> Vec<(usize, SolidElements)> {
+    let [from, to] = brick_box(grid, block);
+    let found = |(number, at): (usize, [i64; 3])| {
+        let [first, end] = cells_of_brick(grid, block, at);
+        bricks[number].has_vacuum.then(|| (number, SolidElements::new(grid, grid.blocks[block].level, first, end)))
+    };
+    (starts[block]..).zip(each_index(from, to)).filter_map(found).collect()
+}
+
+/// First cell of a brick, and the end of its cells.
+fn cells_of_brick(grid: &AmrGrid, number: usize, at: [i64; 3]) -> [[i64; 3]; 2] {
+    let block = &grid.blocks[number];
+    let cells = block.cells(grid.centring);
+    let from: [i64; 3] = std::array::from_fn(|a| block.first[a] + at[a] * EDGE);
+    [from, std::array::from_fn(|a| (from[a] + EDGE).min(block.first[a] + cells[a] as i64))]
 }
 
 /// Block that holds all cells beside a face of another one.
@@ -160,9 +192,7 @@ fn brick_box(grid: &AmrGrid, number: usize) -> [[i64; 3]; 2] {
 
 fn brick(grid: &AmrGrid, number: usize, at: [i64; 3]) -> Brick {
     let block = &grid.blocks[number];
-    let cells = block.cells(grid.centring);
-    let from: [i64; 3] = std::array::from_fn(|a| block.first[a] + at[a] * EDGE);
-    let to: [i64; 3] = std::array::from_fn(|a| (from[a] + EDGE).min(block.first[a] + cells[a] as i64));
+    let [from, to] = cells_of_brick(grid, number, at);
     let is_covered = |cell: [i64; 3]| grid.is_covered(block.level, cell);
     let covered = each_index(from, to).filter(|&cell| is_covered(cell)).count();
     let cells_in = each_index(from, to).count();

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::block::{AmrBlock, AmrCentring};
 use super::grid::AmrGrid;
+use super::level::divided;
 use super::neighbors::Neighbors;
 
 /// Access to the samples of blocks, and of those beside them, by whole numbers: a place is counted in samples of a block from its first one, and may lie a
@@ -180,6 +181,15 @@ impl<'a> AmrSamples<'a> {
             out[i] = sample;
         }
         Some(out)
+    }
+
+    /// Block of the next coarser level that holds the cell which covers one of a block; that is counted from the block's first one, and may lie beside it.
+    #[inline]
+    pub fn coarser_block(&self, number: usize, cell: [i32; 3]) -> Option<usize> {
+        let block = &self.grid.blocks[number];
+        let cell = std::array::from_fn(|a| block.first[a] + i64::from(cell[a]));
+        let coarser = block.level.checked_sub(1)?;
+        self.grid.holder_of_cell(coarser, divided(cell, self.grid.levels[block.level].ratio))
     }
 
     /// True if the samples around a place tell the field there, as far as there are any.

@@ -6,7 +6,6 @@ use super::bricks::{Bricks, EDGE};
 use super::grid::AmrGrid;
 use super::level::{divided, plus, times};
 use crate::box_tree::LocalLine;
-use crate::field::Field;
 use crate::ray::Ray;
 
 /// Part of a ray among leaves of one block, which is not vacuum.
@@ -26,8 +25,8 @@ pub struct AmrPart {
 
 /// Parts of a ray through an adaptive mesh that are not vacuum, from its begin on, each found when it is asked for.
 ///
-/// The ray goes from region to region: a brick of a block without finer cells, an evenly covered part of a brick, or a single element where some of a
-/// brick is vacuum. The face by which it leaves a region is known as a whole number, so that the next region is found without doubt, and every
+/// The ray goes from region to region: a brick of a block without finer cells, an evenly covered part of a brick, or a cube of elements that are all
+/// solid where some of a brick is vacuum. The face by which it leaves a region is known as a whole number, so that the next region is found without doubt, and every
 /// step leads further along an axis.
 ///
 /// # Examples
@@ -81,8 +80,8 @@ struct Region {
     /// Lattice nodes of its level at the lowest and the highest corner.
     nodes: [[i64; 3]; 2],
     range: [f32; 2],
-    /// True if it is one element that may be vacuum.
-    is_doubtful: bool,
+    /// True if there is no field in it.
+    is_vacuum: bool,
 }
 
 impl AmrGrid {
@@ -156,20 +155,32 @@ impl AmrTraversal<'_> {
             self.level = level;
             return Some(region);
         }
-        let (number, found) = brick(block, cell);
-        let (found, number) = (*found, Some(number));
+        let (place, found) = brick(block, cell);
+        let (found, number) = (*found, Some(place));
         self.level = level;
-        if found.has_vacuum {
-            let nodes = [node, plus(node, [1; 3])];
-            return Some(Region { block, brick: number, nodes, range: found.range, is_doubtful: true });
-        }
-        let grain = i64::from(found.grain);
         let held = &grid.blocks[block];
         let (first, end) = (held.first, plus(held.first, held.cells(grid.centring).map(|n| n as i64)));
+        if let Some(solid) = found.has_vacuum.then(|| self.bricks.solid_elements(place)).flatten() {
+            let from = std::array::from_fn(|a| (first[a] + (cell[a] - first[a]) / EDGE * EDGE) * elements);
+            let cube = solid.cube_at(plus(node, from.map(|i| -i)));
+            // Vacuum and finer cells are told apart element by element.
+            let is_single = !cube.is_solid && found.has_finer;
+            let low = if is_single { node } else { plus(from, cube.first) };
+            let edge = if is_single { 1 } else { cube.edge };
+            let high = std::array::from_fn(|a| (low[a] + edge).min(end[a] * elements));
+            return Some(Region {
+                block,
+                brick: number,
+                nodes: [low, high],
+                range: found.range,
+                is_vacuum: !cube.is_solid,
+            });
+        }
+        let grain = i64::from(found.grain);
         let from: [i64; 3] = std::array::from_fn(|a| first[a] + (cell[a] - first[a]) / grain * grain);
         let to = std::array::from_fn(|a| (from[a] + grain).min(end[a]));
         let nodes = [from, to].map(|cell| times(cell, [elements; 3]));
-        Some(Region { block, brick: number, nodes, range: found.range, is_doubtful: false })
+        Some(Region { block, brick: number, nodes, range: found.range, is_vacuum: false })
     }
 
     /// All of a block, if it is to be crossed at once and can be.
@@ -177,7 +188,7 @@ impl AmrTraversal<'_> {
     fn whole_region(&self, block: usize) -> Option<Region> {
         let range = (*self.whole?.get(block)?)?;
         let nodes = self.grid.nodes_of_block(block);
-        self.bricks.is_solid(block).then_some(Region { block, brick: None, nodes, range, is_doubtful: false })
+        self.bricks.is_solid(block).then_some(Region { block, brick: None, nodes, range, is_vacuum: false })
     }
 
     /// Goes on to the face by which the ray leaves a region.
@@ -258,9 +269,8 @@ impl Iterator for AmrTraversal<'_> {
             };
             let from = self.at;
             self.leave(&region);
-            let middle = self.base + self.direction * (0.5 * (from + self.at));
             let [from, to] = [from, self.at].map(|s| s + self.offset);
-            if from < to && !(region.is_doubtful && self.grid.value(middle).is_none()) {
+            if from < to && !region.is_vacuum {
                 return Some(AmrPart { from, to, block: region.block, brick: region.brick, range: region.range });
             }
         }

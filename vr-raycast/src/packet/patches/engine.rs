@@ -14,6 +14,7 @@ use vr_kernels::vector::{self, LANES, Lanes, OpticsTable, PacketLights, PacketSh
 use super::lanes::WorldRay;
 use super::march::{LaneRay, PatchMedium, Patches, Work, march};
 use super::mesh::{MeshBlock, MeshPatches};
+use super::mesh_lattices::MeshLattices;
 use super::mesh_paces::MeshPaces;
 use super::steps::StepBatches;
 use crate::caster::{CompositingOrder, EmptySpace, Precision, RayCaster, Rule, TransferLookup};
@@ -42,7 +43,7 @@ pub(crate) struct PatchEngine {
 /// Volume that is a regular lattice patch by patch.
 #[derive(Clone, Debug)]
 enum PatchVolume {
-    Amr(Arc<AmrGrid>, Arc<Vec<MeshBlock>>, Arc<MeshPaces>),
+    Amr { grid: Arc<AmrGrid>, blocks: Arc<Vec<MeshBlock>>, lattices: Arc<MeshLattices>, paces: Arc<MeshPaces> },
 }
 
 impl PatchVolume {
@@ -50,7 +51,10 @@ impl PatchVolume {
         match volume {
             Volume::Amr(grid) => {
                 let blocks = grid.derived().get((), || MeshBlock::all_of(grid));
-                Some(Self::Amr(Arc::clone(grid), blocks, Arc::new(MeshPaces::new(grid, pace))))
+                let paces = Arc::new(MeshPaces::new(grid, pace));
+                let lattices = grid.derived().get((), || MeshLattices::new(grid));
+                lattices.make(grid, |block| paces.is_seen(grid, block));
+                Some(Self::Amr { grid: Arc::clone(grid), blocks, lattices, paces })
             }
             _ => None,
         }
@@ -139,8 +143,8 @@ impl Tracer for PatchFrame<'_> {
     fn trace(&self, spots: &[ImageSample], _: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let engine = self.engine;
         match &engine.volume {
-            PatchVolume::Amr(grid, blocks, paces) => {
-                let patches = MeshPatches { grid, samples: grid.samples(), blocks, paces, unit: engine.unit };
+            PatchVolume::Amr { grid, blocks, lattices, paces } => {
+                let patches = MeshPatches { grid, samples: grid.samples(), lattices, blocks, paces, unit: engine.unit };
                 let medium = self.medium(patches);
                 vector::run(engine.level, Trace { frame: self, medium: &medium, spots, values, counts });
             }

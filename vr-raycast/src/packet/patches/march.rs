@@ -25,7 +25,8 @@ pub(crate) trait Patches: Sync {
     /// Leads a lane into the patch of a batch of steps, and gives it the steps.
     fn enter(&self, within: &mut Self::Lanes, steps: &mut LaneSteps, lane: usize, ray: &WorldRay, batch: &Batch);
 
-    /// Stages the samples around the places of the lanes' steps of these numbers, where lanes are live; a place where there is no field gets NaN.
+    /// Stages the samples around the places of the lanes' steps of these numbers, where lanes are live; a place where there is no field gets NaN, and so
+    /// may one that [`complete`](Self::complete) gives a value.
     fn fetch<S: Simd>(
         &self,
         simd: S,
@@ -35,6 +36,22 @@ pub(crate) trait Patches: Sync {
         live: u32,
         stage: &mut Stage<f32>,
     ) -> Place<S>;
+
+    /// Values at places of live lanes, from those that were interpolated between the staged samples.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
+    fn complete<S: Simd>(
+        &self,
+        _: S,
+        _: &Self::Lanes,
+        _: &LaneSteps,
+        _: f32x16<S>,
+        _: &Place<S>,
+        _: u32,
+        value: f32x16<S>,
+    ) -> f32x16<S> {
+        value
+    }
 
     /// Gradients at places of live lanes, in the units that the shading is made for.
     #[expect(clippy::too_many_arguments, reason = "lanes in registers: what held them would be kept in memory")]
@@ -152,6 +169,8 @@ fn through<S: Simd, P: Patches, I: Iterator<Item = Part>>(
         let place_then = medium.patches.fetch(simd, within, steps, then, bits_then, next);
         let value = now.trilinear(simd, place.fraction);
         let value_then = next.trilinear(simd, place_then.fraction);
+        let value = medium.patches.complete(simd, within, steps, number, &place, bits, value);
+        let value_then = medium.patches.complete(simd, within, steps, then, &place_then, bits_then, value_then);
         let light = light_of(simd, medium, rows.at(simd, known(simd, value)), value, length);
         let light_then = light_of(simd, medium, rows.at(simd, known(simd, value_then)), value_then, length);
         let light = shaded(simd, medium, lights, (within, steps), (live, number, &place), light, stencils);

@@ -2,23 +2,21 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
-use vr_core::amr::{AmrGrid, AmrSamples};
+use vr_core::amr::{AmrGrid, AmrLattice, AmrSamples};
 use vr_core::{Field, IndexRay, Ray};
 use vr_kernels::vector::{LANES, Lanes, Stage, Stencils, splat};
 
 use super::lanes::{LaneSteps, PatchPlace, WorldRay};
 use super::march::{Patches, Place};
+use super::mesh_lattices::MeshLattices;
 use super::mesh_paces::MeshPaces;
+use super::mesh_rim::MeshRim;
 use super::steps::{Batch, Part};
 
 /// Data of a block that lanes need: made once for a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshBlock {
     place: PatchPlace,
-    /// First and last place whose samples are the block's own.
-    inner: [[i32; 3]; 2],
-    /// Samples from one y to the next, and from one z.
-    strides: [i32; 2],
     /// Edges of the smallest cells, in those of the block's: factors from gradients per sample to gradients of one unit.
     slope: [f32; 3],
 }
@@ -27,13 +25,11 @@ impl MeshBlock {
     pub(crate) fn all_of(grid: &AmrGrid) -> Vec<Self> {
         let samples = grid.samples();
         let unit = gradient_unit(grid);
+        let shift = AmrLattice::border(grid.centring()) as f64;
         let of = |(number, block): (usize, &vr_core::amr::AmrBlock)| {
             let spacing = grid.spacing_of(block.level);
             Self {
-                // One more than the place, so that cutting off the fraction rounds down.
-                place: PatchPlace { origin: samples.first_place(number), rate: spacing.recip(), shift: 1.0 },
-                inner: samples.inner(number),
-                strides: [block.dims[0] as i32, (block.dims[0] * block.dims[1]) as i32],
+                place: PatchPlace { origin: samples.first_place(number), rate: spacing.recip(), shift },
                 slope: (unit / spacing).as_vec3().to_array(),
             }
         };
@@ -51,6 +47,7 @@ fn gradient_unit(grid: &AmrGrid) -> f64 {
 pub(crate) struct MeshPatches<'a> {
     pub(crate) grid: &'a AmrGrid,
     pub(crate) samples: AmrSamples<'a>,
+    pub(crate) lattices: &'a MeshLattices,
     pub(crate) blocks: &'a [MeshBlock],
     pub(crate) paces: &'a MeshPaces,
     pub(crate) unit: f64,
@@ -59,9 +56,11 @@ pub(crate) struct MeshPatches<'a> {
 /// Blocks that sixteen lanes are in.
 pub(crate) struct MeshLanes<'a> {
     number: [usize; LANES],
+    /// Samples of their lattices.
     values: [&'a [f32]; LANES],
-    first: [[i32; LANES]; 3],
+    /// Last place of each lattice that has samples behind it.
     last: [[i32; LANES]; 3],
+    /// Samples from one y to the next, and from one z.
     strides: [[i32; LANES]; 2],
     slope: [Lanes; 3],
 }
@@ -72,8 +71,7 @@ impl<'a> Patches for MeshPatches<'a> {
     fn nowhere(&self) -> MeshLanes<'a> {
         MeshLanes {
             number: [0; LANES],
-            values: [&[]; LANES],
-            first: [[0; LANES]; 3],
+            values: [&[0.0; 2]; LANES],
             last: [[0; LANES]; 3],
             strides: [[0; LANES]; 2],
             slope: [Lanes::ZERO; 3],
@@ -97,14 +95,15 @@ impl<'a> Patches for MeshPatches<'a> {
         let block = &self.blocks[batch.patch];
         steps.set(lane, ray, batch, self.unit, &block.place);
         within.number[lane] = batch.patch;
-        within.values[lane] = &self.grid.blocks()[batch.patch].values;
+        // Blocks without a lattice are none that can be seen.
+        let (dims, values) = self.lattices.of(self.grid, batch.patch).unwrap_or(([2, 1, 1], &[f32::NAN; 2]));
+        within.values[lane] = values;
         for a in 0..3 {
-            within.first[a][lane] = block.inner[0][a];
-            within.last[a][lane] = block.inner[1][a];
+            within.last[a][lane] = dims[a] as i32 - 2;
             within.slope[a].0[lane] = block.slope[a];
         }
-        within.strides[0][lane] = block.strides[0];
-        within.strides[1][lane] = block.strides[1];
+        within.strides[0][lane] = dims[0] as i32;
+        within.strides[1][lane] = (dims[0] * dims[1]) as i32;
     }
 
     #[inline(always)]
@@ -114,33 +113,48 @@ impl<'a> Patches for MeshPatches<'a> {
         within: &MeshLanes<'a>,
         steps: &LaneSteps,
         number: f32x16<S>,
-        live: u32,
+        _: u32,
         stage: &mut Stage<f32>,
     ) -> Place<S> {
-        let place = place(simd, steps, number);
+        let place = place(simd, within, steps, number);
         let [x, y, z] = place.low;
-        let (first, last) = (&within.first, &within.last);
-        let is_inner = (x.simd_ge(i32x16::load_array(simd, first[0])) & x.simd_le(i32x16::load_array(simd, last[0])))
-            & (y.simd_ge(i32x16::load_array(simd, first[1])) & y.simd_le(i32x16::load_array(simd, last[1])))
-            & (z.simd_ge(i32x16::load_array(simd, first[2])) & z.simd_le(i32x16::load_array(simd, last[2])));
         let [row, layer] = [i32x16::load_array(simd, within.strides[0]), i32x16::load_array(simd, within.strides[1])];
-        let offset = (z * layer + y * row + x).to_array();
-        let inner = is_inner.to_bitmask() as u32 & live;
+        let first = z * layer + y * row + x;
+        let offsets =
+            [first.to_array(), (first + row).to_array(), (first + layer).to_array(), (first + layer + row).to_array()];
         for lane in 0..LANES {
-            if inner >> lane & 1 == 1 {
-                let values = &within.values[lane][offset[lane] as u32 as usize..];
-                let (row, layer) = (within.strides[0][lane] as usize, within.strides[1][lane] as usize);
-                // A slice of two: one check, where two indices take two.
-                let pair = |at: usize| -> [f32; 2] { std::array::from_fn(|i| values[at..at + 2][i]) };
-                stage.put(lane, [pair(0), pair(row), pair(layer), pair(layer + row)]);
-            }
-        }
-        let outer = live & !inner;
-        if outer != 0 {
-            let low = [x.to_array(), y.to_array(), z.to_array()];
-            self.gather(within, steps, &number.to_array(), &low, outer, stage);
+            let values = within.values[lane];
+            // A slice of two: one check, where two indices take two.
+            let pair = |row: usize| -> [f32; 2] {
+                let at = offsets[row][lane] as u32 as usize;
+                std::array::from_fn(|i| values[at..at + 2][i])
+            };
+            stage.put(lane, [pair(0), pair(1), pair(2), pair(3)]);
         }
         place
+    }
+
+    #[inline(always)]
+    fn complete<S: Simd>(
+        &self,
+        simd: S,
+        within: &MeshLanes<'a>,
+        steps: &LaneSteps,
+        number: f32x16<S>,
+        place: &Place<S>,
+        live: u32,
+        value: f32x16<S>,
+    ) -> f32x16<S> {
+        let is_known = value.abs().simd_le(splat(simd, f32::MAX));
+        let lanes = live & !(is_known.to_bitmask() as u32);
+        if lanes == 0 {
+            return value;
+        }
+        let low = [place.low[0].to_array(), place.low[1].to_array(), place.low[2].to_array()];
+        let fraction = [place.fraction[0].to_array(), place.fraction[1].to_array(), place.fraction[2].to_array()];
+        let mut value = Lanes::new(value);
+        self.complete_at_rim(within, steps, &number.to_array(), (&low, &fraction), lanes, &mut value);
+        value.load(simd)
     }
 
     #[inline(always)]
@@ -172,44 +186,51 @@ impl<'a> Patches for MeshPatches<'a> {
 
 /// Places of the lanes' samples.
 #[inline(always)]
-fn place<S: Simd>(simd: S, steps: &LaneSteps, number: f32x16<S>) -> Place<S> {
-    let zero = splat(simd, 0.0);
+fn place<S: Simd>(simd: S, within: &MeshLanes<'_>, steps: &LaneSteps, number: f32x16<S>) -> Place<S> {
+    let zero = i32x16::splat(simd, 0);
     let at = [
-        (steps.base[0].load(simd) + number * steps.delta[0].load(simd)).max(zero),
-        (steps.base[1].load(simd) + number * steps.delta[1].load(simd)).max(zero),
-        (steps.base[2].load(simd) + number * steps.delta[2].load(simd)).max(zero),
+        steps.base[0].load(simd) + number * steps.delta[0].load(simd),
+        steps.base[1].load(simd) + number * steps.delta[1].load(simd),
+        steps.base[2].load(simd) + number * steps.delta[2].load(simd),
     ];
-    let whole: [i32x16<S>; 3] = [at[0].to_int(), at[1].to_int(), at[2].to_int()];
+    let low: [i32x16<S>; 3] = [
+        at[0].to_int::<i32x16<S>>().max(zero).min(i32x16::load_array(simd, within.last[0])),
+        at[1].to_int::<i32x16<S>>().max(zero).min(i32x16::load_array(simd, within.last[1])),
+        at[2].to_int::<i32x16<S>>().max(zero).min(i32x16::load_array(simd, within.last[2])),
+    ];
     let fraction = [
-        at[0] - whole[0].to_float::<f32x16<S>>(),
-        at[1] - whole[1].to_float::<f32x16<S>>(),
-        at[2] - whole[2].to_float::<f32x16<S>>(),
+        at[0] - low[0].to_float::<f32x16<S>>(),
+        at[1] - low[1].to_float::<f32x16<S>>(),
+        at[2] - low[2].to_float::<f32x16<S>>(),
     ];
-    Place { low: [whole[0] - 1, whole[1] - 1, whole[2] - 1], fraction }
+    Place { low, fraction }
 }
 
 impl<'a> MeshPatches<'a> {
-    /// Stages the samples of lanes that are not among those of their blocks alone.
+    /// Sets the values of lanes beside samples that their levels do not have; NaN in vacuum.
     #[inline(never)]
-    fn gather(
+    fn complete_at_rim(
         &self,
         within: &MeshLanes<'a>,
         steps: &LaneSteps,
         number: &[f32; LANES],
-        low: &[[i32; LANES]; 3],
+        (low, fraction): (&[[i32; LANES]; 3], &[[f32; LANES]; 3]),
         lanes: u32,
-        stage: &mut Stage<f32>,
+        value: &mut Lanes,
     ) {
+        let rim = MeshRim { grid: self.grid, samples: self.samples, lattices: self.lattices };
+        let border = AmrLattice::border(self.grid.centring()) as i32;
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let low = [low[0][lane], low[1][lane], low[2][lane]];
+            let low = [low[0][lane] - border, low[1][lane] - border, low[2][lane] - border];
+            let fraction = [fraction[0][lane], fraction[1][lane], fraction[2][lane]];
             let block = within.number[lane];
-            let c = self.samples.corners(block, low).unwrap_or_else(|| {
+            let near = (border == 1).then(|| rim.value(block, low, fraction)).flatten();
+            value.0[lane] = near.unwrap_or_else(|| {
                 let at = steps.world_at(lane, number[lane]);
-                let fraction = || (at - self.blocks[block].place.origin) * self.blocks[block].place.rate - low_of(low);
-                let value = self.samples.value_at_rim(block, low, fraction()).or_else(|| self.grid.value(at));
-                [value.map_or(f32::NAN, |value| value as f32); 8]
+                let fraction = (at - self.blocks[block].place.origin) * self.blocks[block].place.rate - low_of(low);
+                let value = self.samples.value_at_rim(block, low, fraction).or_else(|| self.grid.value(at));
+                value.map_or(f32::NAN, |value| value as f32)
             });
-            stage.put(lane, [[c[0], c[1]], [c[2], c[3]], [c[4], c[5]], [c[6], c[7]]]);
         }
     }
 
@@ -222,9 +243,10 @@ impl<'a> MeshPatches<'a> {
         lanes: u32,
         stencils: &mut Stencils,
     ) -> u32 {
+        let border = AmrLattice::border(self.grid.centring()) as i32;
         let mut rims = 0;
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let low = [low[0][lane], low[1][lane], low[2][lane]];
+            let low = [low[0][lane] - border, low[1][lane] - border, low[2][lane] - border];
             if !self.samples.stencil(within.number[lane], low, stencils.of_lane(lane)) {
                 rims |= 1 << lane;
             }

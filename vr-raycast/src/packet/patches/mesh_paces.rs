@@ -33,4 +33,9 @@ impl MeshPaces {
         }
         Self { of_bricks, of_blocks, whole }
     }
+
+    /// True if something in a block can be seen.
+    pub(crate) fn is_seen(&self, grid: &AmrGrid, block: usize) -> bool {
+        grid.brick_ranges(block).any(|(brick, _)| self.of_bricks[brick].1)
+    }
 }

@@ -5,15 +5,17 @@
 //! patch. Sixteen lanes work them off at once ([`march`]), in f32 relative to the patch; a lane whose batch is done takes the next one of its ray while
 //! the others wait, which is rare: lanes are full until rays end.
 //!
-//! In a patch the field is trilinear between the patch's own samples ([`mesh`]), which are gathered as those of uniform grids are.
-//! Between two blocks of a level, a lane gathers its samples from both; at the rim of a level it asks the field itself. Nothing is copied: the memory is
-//! that of the blocks, some 70 bytes more for each and 16 for each brick of 8³ cells.
+//! In a patch the field is trilinear between the patch's own samples and a layer of those beside it ([`mesh_lattices`]), which are loaded as those of uniform
+//! grids are. A sample that the level does not have is NaN there, so that a value that is NaN tells a lane which is at the rim of a
+//! level: it gets its value from the samples of both levels ([`mesh_rim`]).
 
 mod engine;
 mod lanes;
 mod march;
 mod mesh;
+mod mesh_lattices;
 mod mesh_paces;
+mod mesh_rim;
 mod steps;
 
 pub(crate) use engine::{PatchEngine, PatchFrame};

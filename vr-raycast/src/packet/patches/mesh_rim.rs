@@ -1,0 +1,123 @@
+//! Values at the rim of a level of an adaptive mesh, in the precision of the packets.
+
+use vr_core::amr::{AmrGrid, AmrSamples};
+
+use super::mesh_lattices::MeshLattices;
+
+/// Field of a mesh with values in the middles of cells, beside cells that its level does not have.
+#[derive(Clone, Copy)]
+pub(crate) struct MeshRim<'a> {
+    pub(crate) grid: &'a AmrGrid,
+    pub(crate) samples: AmrSamples<'a>,
+    pub(crate) lattices: &'a MeshLattices,
+}
+
+impl MeshRim<'_> {
+    /// The value between eight samples of a block from `low` on, NaN for those that its level does not have, if only leaves of the next coarser
+    /// level are beside it; `None` where more is to be looked at.
+    ///
+    /// The octant of the cell has the samples' means at the corners that only cells of the level touch, and the values of the coarser level at the others: there,
+    /// that level's field is trilinear in the whole octant.
+    pub(crate) fn value(&self, number: usize, low: [i32; 3], fraction: [f32; 3]) -> Option<f32> {
+        let own = &self.eight(number, low)?;
+        if own.iter().any(|sample| sample.is_infinite()) {
+            return None;
+        }
+        let octant = Octant::new(low, fraction);
+        let own = octant.own_corners(own);
+        let (place, coarse) = self.coarser(number, &octant)?;
+        let coarse = between(&coarse, place);
+        let corners: [f32; 8] = std::array::from_fn(|i| if own[i].is_nan() { coarse[i] } else { own[i] });
+        let value = trilinear(&corners, octant.place);
+        value.is_finite().then_some(value)
+    }
+
+    /// Samples of the next coarser level around an octant, and the places of its lower and upper faces between them along each axis.
+    fn coarser(&self, number: usize, octant: &Octant) -> Option<([[f32; 2]; 3], [f32; 8])> {
+        let blocks = self.grid.blocks();
+        let block = &blocks[number];
+        let holder = self.samples.coarser_block(number, octant.cell)?;
+        let first = blocks[holder].first;
+        let ratio = self.grid.ratio_of(block.level);
+        // The octant's faces, among the samples of the coarser block.
+        let mut low = [0; 3];
+        let mut place = [[0.0; 2]; 3];
+        for a in 0..3 {
+            let rate = 1.0 / f64::from(ratio[a]);
+            let origin = first[a] as f64 + 0.5;
+            let lower = (block.first[a] as f64 + f64::from(octant.lower[a]) + 0.5) * rate - origin;
+            low[a] = (lower + 0.25 * rate).floor() as i32;
+            place[a] = [0.0, 0.5].map(|by| (lower + by * rate - f64::from(low[a])) as f32);
+        }
+        let samples = self.eight(holder, low)?;
+        samples.iter().all(|sample| sample.is_finite()).then_some((place, samples))
+    }
+
+    /// Samples of a block from `low` on; NaN for those that its level does not have.
+    fn eight(&self, number: usize, low: [i32; 3]) -> Option<[f32; 8]> {
+        let Some((dims, values)) = self.lattices.of(self.grid, number) else {
+            return self.samples.corners(number, low);
+        };
+        let [x, y, z] = low.map(|i| (i + 1) as usize);
+        let (row, layer) = (dims[0], dims[0] * dims[1]);
+        let values = values.get(z * layer + y * row + x..)?;
+        let far = values.get(layer + row..layer + row + 2)?;
+        Some([values[0], values[1], values[row], values[row + 1], values[layer], values[layer + 1], far[0], far[1]])
+    }
+}
+
+/// Octant of a cell.
+struct Octant {
+    /// Its cell, counted from the first of the block.
+    cell: [i32; 3],
+    /// Place of its lowest corner among the samples of the block.
+    lower: [f32; 3],
+    /// True if it is the lower half of its cell, axis by axis: the upper half of the way between two samples.
+    is_upper: [bool; 3],
+    /// Place in it, 0 to 1.
+    place: [f32; 3],
+}
+
+impl Octant {
+    /// The octant at a fraction of the way between samples from `low` on.
+    fn new(low: [i32; 3], fraction: [f32; 3]) -> Self {
+        let is_upper = fraction.map(|t| t >= 0.5);
+        let half = |a: usize| if is_upper[a] { 0.5 } else { 0.0 };
+        Self {
+            cell: std::array::from_fn(|a| low[a] + i32::from(is_upper[a])),
+            lower: std::array::from_fn(|a| low[a] as f32 + half(a)),
+            is_upper,
+            place: std::array::from_fn(|a| (fraction[a] - half(a)) * 2.0),
+        }
+    }
+
+    /// Means of the samples around each corner, which are the samples themselves in the middles of cells; NaN if one of them is missing.
+    fn own_corners(&self, samples: &[f32; 8]) -> [f32; 8] {
+        let mut at = *samples;
+        for a in 0..3 {
+            let bit = 1 << a;
+            for i in (0..8).filter(|i| i & bit == 0) {
+                let middle = (at[i] + at[i | bit]) * 0.5;
+                at[if self.is_upper[a] { i } else { i | bit }] = middle;
+            }
+        }
+        at
+    }
+}
+
+/// Trilinear interpolation between eight samples, at all combinations of two places along each axis.
+fn between(samples: &[f32; 8], places: [[f32; 2]; 3]) -> [f32; 8] {
+    let mut at = *samples;
+    for a in 0..3 {
+        let bit = 1 << a;
+        for i in (0..8).filter(|i| i & bit == 0) {
+            let (low, rise) = (at[i], at[i | bit] - at[i]);
+            (at[i], at[i | bit]) = (low + places[a][0] * rise, low + places[a][1] * rise);
+        }
+    }
+    at
+}
+
+fn trilinear(samples: &[f32; 8], at: [f32; 3]) -> f32 {
+    between(samples, at.map(|t| [t; 2]))[0]
+}
