@@ -1,4 +1,4 @@
-//! Packets through volumes that are regular lattices patch by patch: adaptive meshes, whose blocks are such.
+//! Packets through volumes that are regular lattices patch by patch: adaptive meshes, whose blocks are such, and rectilinear grids, where segments of the axes are.
 //!
 //! Each ray of a packet walks by itself, in f64, from part to part of its own course ([`steps`]): a part lies in one patch and has a pace, and the steps
 //! of the parts of one pace that touch are one lattice, as the plain engine has it. What comes of that are batches of steps of one length in one
@@ -8,12 +8,20 @@
 //! In a patch the field is trilinear between the patch's own samples ([`mesh`]), which are gathered as those of uniform grids are.
 //! Between two blocks of a level, a lane gathers its samples from both; at the rim of a level it asks the field itself. Nothing is copied: the memory is
 //! that of the blocks, some 70 bytes more for each and 16 for each brick of 8³ cells.
+//!
+//! In a patch of a rectilinear grid ([`rectilinear`]) cells are of about one width along each axis. Places are counted in bins no wider than a cell, and a
+//! table leads from the bin to the cell ([`axis_table`]); where all cells are of one width, bins are cells, and nothing is looked up. Samples and gradients
+//! are gathered from the whole grid, as in a uniform one.
 
+mod axis_table;
 mod engine;
 mod lanes;
 mod march;
+mod merged;
 mod mesh;
 mod mesh_paces;
+mod rectilinear;
+mod rectilinear_paces;
 mod steps;
 
 pub(crate) use engine::{PatchEngine, PatchFrame};
