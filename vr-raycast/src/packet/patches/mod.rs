@@ -9,7 +9,7 @@
 //! Between two blocks of a level, a lane gathers its samples from both; at the rim of a level it asks the field itself. Nothing is copied: the memory is
 //! that of the blocks, some 70 bytes more for each and 16 for each brick of 8³ cells.
 //!
-//! In a patch of a rectilinear grid ([`rectilinear`]) cells are of about one width along each axis. Places are counted in bins no wider than a cell, and a
+//! In a patch of a rectilinear grid ([`rectilinear`]) cells are of similar widths along each axis. Places are counted in bins no wider than a cell, and a
 //! table leads from the bin to the cell ([`axis_table`]); where all cells are of one width, bins are cells, and nothing is looked up. Samples and gradients
 //! are gathered from the whole grid, as in a uniform one.
 

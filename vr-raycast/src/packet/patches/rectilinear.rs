@@ -1,4 +1,4 @@
-//! Segments of a rectilinear grid as patches.
+//! Boxes of a rectilinear grid as patches.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -15,7 +15,7 @@ use super::merged::Merged;
 use super::rectilinear_paces::RectilinearPaces;
 use super::steps::{Batch, Part};
 
-/// Rectilinear grid, whose patches are boxes of one segment of each axis, and the pace of rays in it.
+/// Rectilinear grid, whose patches are boxes of one reach of each axis, and the pace of rays in it.
 #[derive(Clone, Copy)]
 pub(crate) struct RectilinearPatches<'a> {
     grid: &'a RectilinearGrid,
@@ -26,15 +26,15 @@ pub(crate) struct RectilinearPatches<'a> {
     unit: f64,
 }
 
-/// Segments that sixteen lanes are in: for each axis ...
-pub(crate) struct SegmentLanes {
+/// Reaches that sixteen lanes are in: for each axis ...
+pub(crate) struct ReachLanes {
     /// the number of the first cell,
     first: [[i32; LANES]; 3],
     /// that of the first bin in the table,
     start: [[i32; LANES]; 3],
     /// the number of bins,
     bins: [Lanes; 3],
-    /// and a mask of the lanes whose segments are uneven.
+    /// and a mask of the lanes whose reaches are uneven.
     uneven: [u32; 3],
 }
 
@@ -67,11 +67,11 @@ impl<'a> RectilinearPatches<'a> {
 }
 
 impl Patches for RectilinearPatches<'_> {
-    type Lanes = SegmentLanes;
+    type Lanes = ReachLanes;
     type Around = Stage<f32>;
 
-    fn nowhere(&self) -> SegmentLanes {
-        SegmentLanes {
+    fn nowhere(&self) -> ReachLanes {
+        ReachLanes {
             first: [[0; LANES]; 3],
             start: [[0; LANES]; 3],
             // Bins are numbered from 0.
@@ -86,22 +86,22 @@ impl Patches for RectilinearPatches<'_> {
         let paces = self.paces;
         Merged::new(parts.map(|found| {
             let (step, is_seen) = paces.of(found.brick, found.spacing);
-            let [x, y, z] = found.segments;
+            let [x, y, z] = [0, 1, 2].map(|a| self.tables[a].reach_of(found.segments[a]));
             Part { from: found.from, to: found.to, patch: x | y << BITS | z << (2 * BITS), step, is_seen }
         }))
     }
 
     #[inline]
-    fn enter(&self, within: &mut SegmentLanes, steps: &mut LaneSteps, lane: usize, ray: &WorldRay, batch: &Batch) {
+    fn enter(&self, within: &mut ReachLanes, steps: &mut LaneSteps, lane: usize, ray: &WorldRay, batch: &Batch) {
         let mut place = PatchPlace { origin: DVec3::ZERO, rate: DVec3::ZERO, shift: 0.0 };
         for a in 0..3 {
             let number = batch.patch >> (BITS * a as u32) & ((1 << BITS) - 1);
-            let segment = self.tables[a].segment(number);
-            (place.origin[a], place.rate[a]) = (segment.origin, segment.rate);
-            within.first[a][lane] = segment.first;
-            within.start[a][lane] = segment.start;
-            within.bins[a].0[lane] = segment.bins as f32;
-            within.uneven[a] = within.uneven[a] & !(1 << lane) | u32::from(!segment.is_even) << lane;
+            let reach = self.tables[a].reach(number);
+            (place.origin[a], place.rate[a]) = (reach.origin, reach.rate);
+            within.first[a][lane] = reach.first;
+            within.start[a][lane] = reach.start;
+            within.bins[a].0[lane] = reach.bins as f32;
+            within.uneven[a] = within.uneven[a] & !(1 << lane) | u32::from(!reach.is_even) << lane;
         }
         steps.set(lane, ray, batch, self.unit, &place);
     }
@@ -110,7 +110,7 @@ impl Patches for RectilinearPatches<'_> {
     fn fetch<S: Simd>(
         &self,
         simd: S,
-        within: &SegmentLanes,
+        within: &ReachLanes,
         steps: &LaneSteps,
         number: f32x16<S>,
         live: u32,
@@ -120,7 +120,7 @@ impl Patches for RectilinearPatches<'_> {
         for a in 0..3 {
             let bins = within.bins[a].load(simd);
             let mut x = (steps.base[a].load(simd) + number * steps.delta[a].load(simd)).max(splat(simd, 0.0)).min(bins);
-            // Bins of even segments are cells.
+            // Bins of even reaches are cells.
             if within.uneven[a] & live != 0 {
                 let bin: i32x16<S> = x.min(bins - 1.0).to_int();
                 x = self.tables[a].to_cells(simd, x, bin + i32x16::load_array(simd, within.start[a]));
@@ -139,7 +139,7 @@ impl Patches for RectilinearPatches<'_> {
     fn gradients<S: Simd>(
         &self,
         simd: S,
-        _: &SegmentLanes,
+        _: &ReachLanes,
         _: &LaneSteps,
         _: f32x16<S>,
         place: &Place<S>,
