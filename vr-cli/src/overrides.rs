@@ -9,7 +9,7 @@ use vr_io::{
 };
 
 use crate::args::{
-    Background, CameraArgs, CompositingArgs, ImageArgs, LabelArgs, MeshArgs, ScatteringArgs, SceneArgs, ShadingArgs,
+    Background, CameraArgs, CompositingArgs, ImageArgs, LabelArgs, LightModel, MeshArgs, ScatteringArgs, SceneArgs, ShadingArgs,
     TransferArgs, VolumeArgs,
 };
 use crate::failure::Failure;
@@ -277,10 +277,15 @@ impl Overrides {
             None if file.scattering.is_none() && self.fields.len() == before => return,
             None => {}
         }
-        if let Some(shading) = file.shading.take()
-            && (lit_by_flag || file.scattering.is_none())
-        {
-            section.lights = shading.lights;
+        let shading = file.shading.take().filter(|_| lit_by_flag || file.scattering.is_none());
+        match shading {
+            Some(shading) => section.lights = shading.lights,
+            // Of light that is scattered once a quarter comes back at most, and less than half of all.
+            None if file.scattering.is_none() => {
+                let color = [if args.model == Some(LightModel::Single) { 4.0 } else { 2.0 }; 3];
+                section.lights = vec![LightEntry { headlight: true, direction: None, color }];
+            }
+            None => {}
         }
         file.scattering = Some(section);
     }

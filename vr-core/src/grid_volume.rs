@@ -162,6 +162,15 @@ impl GridVolume {
         self.values.filled.get_or_init(make).as_ref()
     }
 
+    /// The voxels of a grid of floats, with missing ones replaced.
+    pub(crate) fn filled_floats(&self) -> Option<&[f32]> {
+        match (self.filled(), self.values()) {
+            (Some((filled, _)), _) => Some(filled.samples()),
+            (None, AnyGrid::F32(grid)) => Some(grid.samples()),
+            (None, _) => None,
+        }
+    }
+
     /// Coefficients of the interpolating B-spline.
     fn coefficients(&self) -> &[f32] {
         self.values.coefficients.get_or_init(|| match self.filled() {

@@ -1,27 +1,14 @@
 //! Time of a sample in adaptive meshes beside that in a uniform grid, in the plain engine and in packets: `cargo run --release -p vr-raycast --example amr_time`.
 
-use std::sync::Arc;
-use std::time::Instant;
+mod sample_time;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use vr_core::amr::{AmrCentring, AmrGrid, AmrSampling};
-use vr_core::{
-    Calibration, Camera, Control, ControlPoint, OpacityRule, Placement, Renderer, Scene, Shading, TransferFunction,
-    UniformGrid, View, Volume,
-};
-use vr_raycast::{CompositingOrder, EmptySpace, RayCaster};
 
-/// Finest cells along the edge of the unit cube.
-const SIDE: usize = 128;
+use sample_time::{SIDE, value};
 
 fn main() {
-    let value = |p: DVec3| (0.5 + 0.5 * (9.0 * p.x).sin() * (7.0 * p.y).cos() * (5.0 * p.z).sin()) as f32;
     let step = 1.0 / SIDE as f64;
-    let at = |i: usize| DVec3::new((i % SIDE) as f64, (i / SIDE % SIDE) as f64, (i / (SIDE * SIDE)) as f64);
-    let samples: Vec<f32> = (0..SIDE.pow(3)).map(|i| value((at(i) + 0.5) * step)).collect();
-    let placement =
-        Placement::new(DVec3::splat(0.5 * step), DMat3::from_diagonal(DVec3::splat(step))).expect("it is one");
-    let uniform = UniformGrid::new([SIDE; 3], samples, placement, Calibration::default()).expect("it is one");
     let mesh = |levels: usize, block: usize, centring| {
         let sampling = AmrSampling {
             origin: DVec3::ZERO,
@@ -38,8 +25,7 @@ fn main() {
         };
         AmrGrid::refining(&sampling, value, near).expect("sizes are sound")
     };
-    let volumes: [(&str, Volume); 8] = [
-        ("uniform grid", uniform.into()),
+    sample_time::print(vec![
         ("1 level, one block", mesh(1, 128, AmrCentring::Cells).into()),
         ("1 level, blocks of 16", mesh(1, 16, AmrCentring::Cells).into()),
         ("1 level, blocks of 8", mesh(1, 8, AmrCentring::Cells).into()),
@@ -47,38 +33,5 @@ fn main() {
         ("3 levels, blocks of 8", mesh(3, 8, AmrCentring::Cells).into()),
         ("1 level, points, blocks of 16", mesh(1, 16, AmrCentring::Points).into()),
         ("3 levels, points, blocks of 16", mesh(3, 16, AmrCentring::Points).into()),
-    ];
-    let points = vec![ControlPoint::new(0.0, [0.2, 0.4, 1.0], 0.001), ControlPoint::new(1.0, [1.0, 0.7, 0.2], 0.01)];
-    let transfer = TransferFunction::new(points, OpacityRule::Power, step).expect("it is one");
-    let view = View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), 35.0, 25.0, Some(40.0)), [192; 2]);
-    let control = Control::default().with_threads(1);
-    let plain = RayCaster { empty_space: EmptySpace::None, ..RayCaster::exact(0.5) };
-    let packets =
-        RayCaster { empty_space: EmptySpace::None, order: CompositingOrder::WHOLE_RAY, ..RayCaster::uniform(0.5) };
-    let shaded = |scene: &Scene| Scene { shading: Some(Arc::new(Shading::default())), ..scene.clone() };
-    // Times of a sample in the uniform grid.
-    let mut first = [None; 3];
-    let only = std::env::args().nth(1);
-    println!("{:<32} {:>10}  {:^22} {:^22} {:^22}", "ns a sample", "samples", "plain", "packets", "packets, shaded");
-    for (name, volume) in volumes.into_iter().filter(|v| only.as_ref().is_none_or(|only| v.0.contains(only))) {
-        let scene = Scene::new(volume, transfer.clone());
-        let mut line = String::new();
-        let mut taken = 0;
-        for (i, (caster, scene)) in
-            [(&plain, scene.clone()), (&packets, scene.clone()), (&packets, shaded(&scene))].into_iter().enumerate()
-        {
-            let mut prepared = caster.prepare(&scene, &control).expect("it can draw this");
-            let mut best = f64::INFINITY;
-            for _ in 0..3 {
-                let begin = Instant::now();
-                let rendered = prepared.render(&view, &control).expect("it is drawn");
-                best = best.min(begin.elapsed().as_secs_f64());
-                taken = rendered.stats.counts.samples;
-            }
-            let each = best / taken as f64 * 1e9;
-            let beside = each / *first[i].get_or_insert(each);
-            line += &format!("  {each:7.1}, {beside:4.2} times");
-        }
-        println!("{name:<32} {taken:10}{line}");
-    }
+    ]);
 }

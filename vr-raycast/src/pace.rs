@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use vr_core::rectilinear::Bricks;
 use vr_core::{Real, Volume};
 use vr_kernels::ranges::Visibility;
 
@@ -46,7 +47,7 @@ impl<R: Real> Pace<R> {
 pub(crate) fn cells_of_parts(volume: &Volume) -> Option<[f64; 2]> {
     match volume {
         Volume::Amr(grid) => Some([8.0, grid.finest_spacing().min_element() / grid.mean_spacing()]),
-        Volume::Rectilinear(_) => Some([1.0, 1.0]),
+        Volume::Rectilinear(_) => Some([Bricks::EDGE as f64, 1.0]),
         Volume::Grid(_) | Volume::Color(_) | Volume::Points(_) | Volume::Cells(_) | Volume::Field(_) => None,
     }
 }

@@ -38,7 +38,7 @@ pub use ray::RayArgs;
 pub use report::{CacheArgs, ReportArgs, SuiteName, VerifyArgs};
 pub use rerun::RerunArgs;
 pub use resample::ResampleArgs;
-pub use scattering::ScatteringArgs;
+pub use scattering::{LightModel, ScatteringArgs};
 pub use scene::{CameraArgs, CompositingArgs, Fit, ImageArgs, MeshArgs, SceneArgs, ShadingArgs, TransferArgs};
 pub use scene_file::SceneFileArgs;
 pub use show::{Protocol, ShowArgs};

@@ -112,7 +112,7 @@ impl Axis {
 
     /// Factors of the rises below and above a place in the slope there, per world unit: the derivative of the parabola through three places and,
     /// at the ends, that of the line through two.
-    pub(super) fn slope_factors(&self, place: usize) -> [f64; 2] {
+    pub fn slope_factors(&self, place: usize) -> [f64; 2] {
         match place {
             0 => [0.0, 1.0 / self.width(0)],
             p if p + 1 == self.places.len() => [1.0 / self.width(p - 1), 0.0],

@@ -115,7 +115,7 @@ impl Field for RectilinearGrid {
     }
 
     fn stretches(&self, ray: &Ray, part: [f64; 2], out: &mut Vec<Stretch>) -> bool {
-        RectilinearLine::stretches(self, ray, part, out);
+        self.append_stretches(ray, part, out);
         true
     }
 
@@ -125,5 +125,6 @@ impl Field for RectilinearGrid {
 
     fn prepare_derived(&self) {
         self.lattice().prepare_derived();
+        self.bricks();
     }
 }

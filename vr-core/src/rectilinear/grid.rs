@@ -1,16 +1,18 @@
 //! A grid of values between uneven planes.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DMat3, DVec3};
 
 use super::axis::Axis;
+use super::bricks::Bricks;
 use super::error::RectilinearError;
 use crate::any_grid::AnyGrid;
 use crate::derived::Derived;
 use crate::filter::Filter;
 use crate::grid::{Calibration, UniformGrid, sample_count};
 use crate::grid_volume::GridVolume;
+use crate::lazy::computed;
 use crate::placement::Placement;
 use crate::shading::GradientMethod;
 use crate::volume::Volume;
@@ -53,6 +55,7 @@ pub struct RectilinearGrid {
     /// The box from the first to the last value, as a grid of one cell.
     extent: Placement,
     gradient: GradientMethod,
+    bricks: Arc<OnceLock<Bricks>>,
 }
 
 impl RectilinearGrid {
@@ -95,7 +98,7 @@ impl RectilinearGrid {
         let placement = Placement::from_spacing([1.0; 3])?;
         let lattice = UniformGrid::new(dims, values, placement, Calibration::default())?;
         let lattice = GridVolume::new(lattice.into(), Filter::Trilinear);
-        Ok(Self { axes: Arc::new(axes), lattice, extent, gradient: GradientMethod::default() })
+        Ok(Self { axes: Arc::new(axes), lattice, extent, gradient: GradientMethod::default(), bricks: Arc::default() })
     }
 
     /// The same with another source of the gradient.
@@ -138,6 +141,16 @@ impl RectilinearGrid {
     /// Mean of the mean steps of the axes, in world units.
     pub fn mean_spacing(&self) -> f64 {
         self.axes.iter().map(Axis::mean_step).sum::<f64>() / 3.0
+    }
+
+    /// Bricks of cells, and segments of the axes; made at the first call.
+    pub fn bricks(&self) -> &Bricks {
+        computed(&self.bricks, || Bricks::new(&self.axes, &self.lattice))
+    }
+
+    /// Stored numbers, x fastest, with missing ones replaced: those of cells that are vacuum mean nothing.
+    pub fn stored(&self) -> &[f32] {
+        self.lattice.filled_floats().expect("the values of a rectilinear grid are floats")
     }
 
     /// Structures that others derive from the grid and keep with it.

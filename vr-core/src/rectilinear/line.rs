@@ -12,7 +12,7 @@ use crate::stretch::Stretch;
 use crate::view::Clip;
 
 /// Size of the grid of one cell that the box of a rectilinear grid is.
-const ONE_CELL: [usize; 3] = [2; 3];
+pub(super) const ONE_CELL: [usize; 3] = [2; 3];
 
 /// A rectilinear grid along a ray: cut at its planes, and between two of them a cubic.
 #[derive(Debug)]
@@ -33,11 +33,6 @@ impl<'a> RectilinearLine<'a> {
         let chord = Chord { start, end, offset };
         let ray = RectilinearRay::new(grid, ray, offset, start.abs().max(end.abs()));
         Some(Self { grid, ray, chord, gradients, clip_error })
-    }
-
-    /// The cell of a stretch between two distances.
-    pub(super) fn cell(&self, from: f64, to: f64) -> [usize; 3] {
-        self.ray.stretch(from, to).1
     }
 
     /// Appends the world distances between two at which vacuum begins or ends.

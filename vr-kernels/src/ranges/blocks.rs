@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use vr_core::filter::{Filter, Reconstruction};
+use vr_core::filter::{Filter, Reconstruction, Trilinear};
 use vr_core::parallel::{each, locked};
 use vr_core::{GridVolume, Sampler, SamplerVisitor, VacuumCells, Voxel};
 
@@ -29,6 +29,12 @@ pub struct BlockRange {
 }
 
 impl BlockRange {
+    /// Bounds of a trilinear field between two stored numbers: wider by what kernels in f32 round.
+    pub fn of_trilinear([low, high]: [f32; 2]) -> Self {
+        let (low, high) = bounds::<Trilinear>(low, high);
+        Self { low, high, vacuum: false }
+    }
+
     /// True if the field exists nowhere in the block.
     pub fn is_empty(&self) -> bool {
         self.low > self.high

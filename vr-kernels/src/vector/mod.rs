@@ -14,6 +14,7 @@ mod shade;
 mod stencils;
 mod sums;
 mod table;
+mod uneven_gradient;
 
 pub use chords::Chords;
 pub use elementary::{

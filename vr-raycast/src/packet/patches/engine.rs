@@ -6,23 +6,27 @@ use fearless_simd::{Level, Simd};
 use vr_core::amr::AmrGrid;
 use vr_core::image_order::ImageSample;
 use vr_core::{
-    Calibration, Compositing, Counts, IndexRay, Layer, MaxRadiance, ParameterError, Rays, Scene, View, Volume,
+    Calibration, Compositing, Counts, IndexRay, Layer, MaxRadiance, ParameterError, Rays, RectilinearGrid, Scene, View,
+    Volume,
 };
 use vr_kernels::tables::{BakedTransfer, rounding_over, table_range};
 use vr_kernels::vector::{self, LANES, Lanes, OpticsTable, PacketLights, PacketShading, Vectorized};
 
+use super::axis_table::AxisTable;
 use super::lanes::WorldRay;
 use super::march::{LaneRay, PatchMedium, Patches, Work, march};
 use super::mesh::{MeshBlock, MeshPatches};
 use super::mesh_lattices::MeshLattices;
 use super::mesh_paces::MeshPaces;
+use super::rectilinear::RectilinearPatches;
+use super::rectilinear_paces::RectilinearPaces;
 use super::steps::StepBatches;
 use crate::caster::{CompositingOrder, EmptySpace, Precision, RayCaster, Rule, TransferLookup};
 use crate::leap::Visibility;
 use crate::pace::{Lengths, Pace};
 use crate::packet::level;
 use crate::source::Source;
-use crate::table_range::MAX_ROUNDING;
+use crate::table_range::{MAX_ROUNDING, field_range};
 use crate::tracer::{RaySample, Tracer};
 
 /// State that the engine keeps from frame to frame.
@@ -44,6 +48,7 @@ pub(crate) struct PatchEngine {
 #[derive(Clone, Debug)]
 enum PatchVolume {
     Amr { grid: Arc<AmrGrid>, blocks: Arc<Vec<MeshBlock>>, lattices: Arc<MeshLattices>, paces: Arc<MeshPaces> },
+    Rectilinear(Arc<RectilinearGrid>, Arc<[AxisTable; 3]>, Arc<RectilinearPaces>),
 }
 
 impl PatchVolume {
@@ -56,8 +61,23 @@ impl PatchVolume {
                 lattices.make(grid, |block| paces.is_seen(grid, block));
                 Some(Self::Amr { grid: Arc::clone(grid), blocks, lattices, paces })
             }
+            Volume::Rectilinear(grid) => {
+                let paces = Arc::new(RectilinearPaces::new(grid, pace));
+                Some(Self::Rectilinear(Arc::clone(grid), RectilinearPatches::tables(grid), paces))
+            }
             _ => None,
         }
+    }
+}
+
+/// Range of a volume's numbers as packets read them, and their calibration; `None` for a volume that packets cannot read.
+fn range_of(volume: &Volume) -> Option<((f64, f64), Calibration)> {
+    match volume {
+        Volume::Amr(grid) => Some((grid.value_range(), Calibration::default())),
+        Volume::Rectilinear(grid) if RectilinearPatches::can_number(grid) => {
+            Some((field_range(grid.lattice())?, grid.lattice().calibration()))
+        }
+        _ => None,
     }
 }
 
@@ -75,9 +95,7 @@ impl PatchEngine {
         if !plain {
             return None;
         }
-        scene.volume.amr()?;
-        let range = scene.volume.value_range()?;
-        let calibration = Calibration::default();
+        let (range, calibration) = range_of(&scene.volume)?;
         if rounding_over(range, calibration, false, &scene.transfer) > MAX_ROUNDING {
             return None;
         }
@@ -146,6 +164,10 @@ impl Tracer for PatchFrame<'_> {
             PatchVolume::Amr { grid, blocks, lattices, paces } => {
                 let patches = MeshPatches { grid, samples: grid.samples(), lattices, blocks, paces, unit: engine.unit };
                 let medium = self.medium(patches);
+                vector::run(engine.level, Trace { frame: self, medium: &medium, spots, values, counts });
+            }
+            PatchVolume::Rectilinear(grid, tables, paces) => {
+                let medium = self.medium(RectilinearPatches::new(grid, tables, paces, engine.unit));
                 vector::run(engine.level, Trace { frame: self, medium: &medium, spots, values, counts });
             }
         }

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use vr_core::{IndexRay, Ray};
 use vr_kernels::vector::{
-    LANES, Lanes, OpticsTable, PacketLights, PacketShading, Shade, Stage, Stencils, Sums, pick, splat, step_light,
+    LANES, Lanes, OpticsTable, PacketLights, PacketShading, Shade, Stage, Sums, pick, splat, step_light,
 };
 
 use super::lanes::{LaneSteps, WorldRay};
@@ -15,6 +15,9 @@ use crate::packet::march::PacketResult;
 pub(crate) trait Patches: Sync {
     /// Patches that sixteen lanes are in.
     type Lanes;
+
+    /// Samples that gradients are made of.
+    type Around: Default;
 
     /// Lanes in no patch.
     fn nowhere(&self) -> Self::Lanes;
@@ -63,7 +66,7 @@ pub(crate) trait Patches: Sync {
         number: f32x16<S>,
         place: &Place<S>,
         live: u32,
-        stencils: &mut Stencils,
+        around: &mut Self::Around,
     ) -> [Lanes; 3];
 }
 
@@ -99,7 +102,7 @@ pub(crate) struct Work<P: Patches> {
     steps: LaneSteps,
     within: P::Lanes,
     stages: [Stage<f32>; 2],
-    stencils: Stencils,
+    around: P::Around,
 }
 
 impl<P: Patches> Work<P> {
@@ -108,7 +111,7 @@ impl<P: Patches> Work<P> {
             steps: LaneSteps::NONE,
             within: patches.nowhere(),
             stages: [Stage::default(), Stage::default()],
-            stencils: Stencils::default(),
+            around: P::Around::default(),
         }
     }
 }
@@ -164,7 +167,7 @@ fn through<S: Simd, P: Patches, I: Iterator<Item = Part>>(
         let begin = work.steps.begin.load(simd);
         let (then, twice) = (number + one, left.simd_gt(one));
         let bits_then = twice.to_bitmask() as u32;
-        let Work { steps, within, stages: [now, next], stencils } = &mut *work;
+        let Work { steps, within, stages: [now, next], around } = &mut *work;
         let place = medium.patches.fetch(simd, within, steps, number, bits, now);
         let place_then = medium.patches.fetch(simd, within, steps, then, bits_then, next);
         let value = now.trilinear(simd, place.fraction);
@@ -173,9 +176,8 @@ fn through<S: Simd, P: Patches, I: Iterator<Item = Part>>(
         let value_then = medium.patches.complete(simd, within, steps, then, &place_then, bits_then, value_then);
         let light = light_of(simd, medium, rows.at(simd, known(simd, value)), value, length);
         let light_then = light_of(simd, medium, rows.at(simd, known(simd, value_then)), value_then, length);
-        let light = shaded(simd, medium, lights, (within, steps), (live, number, &place), light, stencils);
-        let light_then =
-            shaded(simd, medium, lights, (within, steps), (twice, then, &place_then), light_then, stencils);
+        let light = shaded(simd, medium, lights, (within, steps), (live, number, &place), light, around);
+        let light_then = shaded(simd, medium, lights, (within, steps), (twice, then, &place_then), light_then, around);
         // Composite them front to back.
         samples += bits.count_ones();
         sums.add(simd, live, [begin + number * length, length], light);
@@ -265,7 +267,7 @@ fn shaded<S: Simd, P: Patches>(
     (within, steps): (&P::Lanes, &LaneSteps),
     (live, number, place): (mask32x16<S>, f32x16<S>, &Place<S>),
     light: [f32x16<S>; 4],
-    stencils: &mut Stencils,
+    around: &mut P::Around,
 ) -> [f32x16<S>; 4] {
     let Some(shading) = medium.shading else { return light };
     let [r, g, b, alpha] = light;
@@ -273,7 +275,7 @@ fn shaded<S: Simd, P: Patches>(
     if bits == 0 {
         return light;
     }
-    let gradient = medium.patches.gradients(simd, within, steps, number, place, bits, stencils);
+    let gradient = medium.patches.gradients(simd, within, steps, number, place, bits, around);
     let mut lanes = [Lanes::new(r), Lanes::new(g), Lanes::new(b), Lanes::new(alpha)];
     Shade { shading, lights }.apply_to_gradients(simd, &gradient, &mut lanes);
     [lanes[0].load(simd), lanes[1].load(simd), lanes[2].load(simd), lanes[3].load(simd)]

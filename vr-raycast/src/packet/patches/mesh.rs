@@ -67,6 +67,7 @@ pub(crate) struct MeshLanes<'a> {
 
 impl<'a> Patches for MeshPatches<'a> {
     type Lanes = MeshLanes<'a>;
+    type Around = Stencils;
 
     fn nowhere(&self) -> MeshLanes<'a> {
         MeshLanes {

@@ -7,9 +7,10 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vr_core::amr::{AmrCentring, AmrGrid, AmrSampling};
 use vr_core::image_order::ImageSample;
+use vr_core::rectilinear::{Centering, RectilinearGrid};
 use vr_core::{
-    Camera, Clip, Control, ControlPoint, Counts, Light, OpacityRule, Plane, Scene, Shading, TransferFunction, View,
-    Volume,
+    Camera, Clip, Control, ControlPoint, Counts, GradientMethod, Light, OpacityRule, Plane, Scene, Shading,
+    TransferFunction, View, Volume,
 };
 use vr_physics::check::FixedLayer;
 
@@ -59,9 +60,49 @@ fn mesh(seed: u64, ratios: &[[u32; 3]], cells: bool, holed: bool) -> Volume {
     AmrGrid::refining(&sampling, value, refine).unwrap().into()
 }
 
+/// A rectilinear grid of the same, whose axes are even, graded and random by turns; with holes or without, with either gradient.
+fn uneven(seed: u64, is_analytic: bool, holed: bool) -> Volume {
+    let mut random = Random(seed);
+    let axes: [Vec<f64>; 3] = std::array::from_fn(|_| {
+        let (mut places, mut width) = (vec![random.next()], 0.2);
+        for _ in 0..1 + (random.next() * 3.0) as usize {
+            let (kind, cells) = ((random.next() * 3.0) as usize, 1 + (random.next() * 11.0) as usize);
+            let ratio = 0.7 + 0.7 * random.next();
+            for _ in 0..cells {
+                let own = [width, width, width * (0.4 + 1.2 * random.next())][kind];
+                places.push(places[places.len() - 1] + own);
+                width = (if kind == 1 { ratio * width } else { width }).clamp(0.02, 0.5);
+            }
+        }
+        places
+    });
+    let mut values = Vec::new();
+    for &z in &axes[2] {
+        for &y in &axes[1] {
+            for &x in &axes[0] {
+                let wave = 0.5 + 0.4 * (1.7 * x + seed as f64).sin() * (1.3 * y).cos() * (2.1 * z).sin();
+                let value = wave + 0.02 * random.next();
+                values.push(if holed && random.next() < 0.003 { f32::NAN } else { value as f32 });
+            }
+        }
+    }
+    let grid = RectilinearGrid::new(axes, values, Centering::Points).unwrap();
+    let gradient = if is_analytic { GradientMethod::Analytic } else { GradientMethod::CentralDifferences };
+    Volume::Rectilinear(Arc::new(grid.with_gradient(gradient)))
+}
+
 fn volumes() -> impl Strategy<Value = Volume> {
-    (0u64..1000, 0..RATIOS.len(), any::<bool>(), prop::bool::weighted(0.3))
-        .prop_map(|(seed, ratios, cells, holed)| mesh(seed, RATIOS[ratios], cells, holed))
+    let meshes = (0u64..1000, 0..RATIOS.len(), any::<bool>(), prop::bool::weighted(0.3))
+        .prop_map(|(seed, ratios, cells, holed)| mesh(seed, RATIOS[ratios], cells, holed));
+    let uneven = (any::<u64>(), any::<bool>(), prop::bool::weighted(0.3))
+        .prop_map(|(seed, is_analytic, holed)| uneven(seed % 100_000, is_analytic, holed));
+    prop_oneof![meshes, uneven]
+}
+
+/// True if a value of a volume is missing.
+fn has_holes(volume: &Volume) -> bool {
+    volume.amr().is_some_and(|grid| grid.missing_values() > 0)
+        || volume.rectilinear().is_some_and(|grid| grid.lattice().vacuum_cells().is_some())
 }
 
 /// Clear below 0.3; its points lie on entries of the table, and its extinction is linear between them: the table has no error.
@@ -83,7 +124,7 @@ fn scenes() -> impl Strategy<Value = (Scene, View)> {
             let scene = Scene::new(volume, transfer(unit, opacity, emits));
             let bounds = scene.volume.bounds();
             // In the very face of a hole, the two precisions may be on either side of it.
-            let turned = if scene.volume.amr().is_some_and(|grid| grid.missing_values() > 0) { 0.37 } else { 0.0 };
+            let turned = if has_holes(&scene.volume) { 0.37 } else { 0.0 };
             let mut camera = Camera::framing(bounds, azimuth + turned, elevation + turned, fov);
             if cut & 1 == 1 {
                 camera.eye = camera.target + (camera.eye - camera.target) * 0.05;
