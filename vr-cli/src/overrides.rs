@@ -9,8 +9,8 @@ use vr_io::{
 };
 
 use crate::args::{
-    Background, CameraArgs, CompositingArgs, ImageArgs, LabelArgs, LightModel, MeshArgs, ScatteringArgs, SceneArgs, ShadingArgs,
-    TransferArgs, VolumeArgs,
+    Background, CameraArgs, CompositingArgs, ImageArgs, LabelArgs, LightModel, MeshArgs, ScatteringArgs, SceneArgs,
+    ShadingArgs, TransferArgs, VolumeArgs,
 };
 use crate::failure::Failure;
 use crate::transfer_box::TransferBox;

@@ -1,0 +1,108 @@
+//! The renderer, its ways to draw light that is scattered once, and its refusals.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use vr_core::scattering::{Albedo, PhaseFunction, Scattering};
+use vr_core::*;
+use vr_light::*;
+
+/// Fog under a lamp and a headlight.
+fn fog() -> Scene {
+    let mut scene = phantom::by_name("fog").unwrap().scene(17).unwrap();
+    let phase = PhaseFunction::henyey_greenstein(0.3).unwrap();
+    let scattering = Scattering { albedo: Albedo::Constant([0.9, 0.5, 0.2]), phase, environment: [0.0; 3] };
+    scene.scattering = Some(Arc::new(scattering));
+    let sun = Light { direction: Some(DVec3::new(1.0, 0.8, 0.4)), color: [2.0, 1.5, 1.0] };
+    scene.lights = vec![sun, Light::default()];
+    scene
+}
+
+fn draw(renderer: &LightRenderer, scene: &Scene, size: [u32; 2]) -> Frame {
+    let camera = Camera::framing(scene.volume.bounds(), 30.0, 20.0, Some(30.0));
+    let (view, control) = (View::new(camera, size), Control::default());
+    renderer.prepare(scene, &control).unwrap().render(&view, &control).unwrap().frame
+}
+
+fn single() -> LightRenderer {
+    LightRenderer { method: Method::Single, ..LightRenderer::default() }
+}
+
+fn largest(a: &Frame, b: &Frame) -> f64 {
+    let pairs = a.pixels().iter().flatten().zip(b.pixels().iter().flatten());
+    pairs.map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max)
+}
+
+#[test]
+fn steps_converge_to_the_integral_of_light_scattered_once() {
+    let scene = fog();
+    let exact = draw(&LightRenderer { exact: true, ..single() }, &scene, [6, 5]);
+    let bound = exact.uncertainty().unwrap().largest();
+    assert!(bound <= 2e-4, "{bound}");
+    let errors = [2.0, 1.0, 0.5].map(|step| largest(&draw(&LightRenderer { step, ..single() }, &scene, [6, 5]), &exact));
+    // The order is 2 until the spacing of the shadow map tells, which stays as it is.
+    assert!(errors[0] > 2.0 * errors[1] && errors[2] < 3e-3, "{errors:?}");
+}
+
+#[test]
+fn paths_of_one_scattering_are_the_integral() {
+    let scene = fog();
+    let exact = draw(&LightRenderer { exact: true, ..single() }, &scene, [6, 5]);
+    let once = LightRenderer { paths: 4000, max_scatterings: Some(1), ..LightRenderer::default() };
+    let paths = draw(&once, &scene, [6, 5]);
+    let errors = paths.uncertainty().unwrap().components();
+    let (mut count, mut beyond) = (0, 0);
+    for (i, (found, expected)) in paths.pixels().iter().zip(exact.pixels()).enumerate() {
+        for c in 0..4 {
+            count += 1;
+            beyond += usize::from((found[c] - expected[c]).abs() > 3.0 * errors[i][c] + 2e-4);
+        }
+    }
+    // 0.27 % of normal means are beyond 3 standard errors; of those of a few bright paths, more.
+    assert!(beyond * 50 <= count, "{beyond} of {count}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
+    let scene = fog();
+    let camera = Camera::framing(scene.volume.bounds(), 30.0, 20.0, None);
+    let view = View { supersampling: 2, ..View::new(camera, [7, 5]) };
+    let renderer = LightRenderer { paths: 8, ..LightRenderer::default() };
+    let draw = |threads: u16, seed| {
+        let control = Control::default().with_threads(threads.into());
+        let renderer = LightRenderer { seed, ..renderer.clone() };
+        renderer.prepare(&scene, &control).unwrap().render(&view, &control).unwrap().frame
+    };
+    assert_eq!(draw(1, 3), draw(3, 3));
+    assert_ne!(draw(1, 3), draw(1, 4));
+}
+
+#[test]
+fn noise_ends_a_run() {
+    let scene = fog();
+    let few = draw(&LightRenderer { paths: 100_000, error: 0.05, ..LightRenderer::default() }, &scene, [6, 5]);
+    assert!(few.uncertainty().unwrap().rms() < 0.06);
+}
+
+#[test]
+fn what_is_not_drawn_is_refused_with_a_reason() {
+    let refused = |renderer: &LightRenderer, scene: &Scene| match renderer.supports(scene, None) {
+        Err(RenderError::Unsupported(refusal)) => refusal.feature,
+        other => panic!("{other:?}"),
+    };
+    let scene = fog();
+    let full = LightRenderer::default();
+    assert!(full.supports(&scene, None).is_ok() && single().supports(&scene, None).is_ok());
+    assert_eq!(refused(&full, &Scene { scattering: None, ..scene.clone() }), Feature::Scattering);
+    let level = Compositing::Accumulate { level: 0.5 };
+    assert_eq!(refused(&full, &Scene { compositing: level, ..scene.clone() }), Feature::Compositing);
+    let sky = Scattering { environment: [1.0; 3], ..Scattering::default() };
+    assert_eq!(refused(&single(), &Scene { scattering: Some(sky.into()), ..scene.clone() }), Feature::Scattering);
+    // What is nonsense is an error of the scene.
+    for scene in [
+        Scene { compositing: Compositing::Maximum, ..scene.clone() },
+        Scene { shading: Some(Shading::default().into()), ..scene.clone() },
+    ] {
+        assert!(matches!(full.supports(&scene, None), Err(RenderError::Parameter(_))));
+    }
+}
