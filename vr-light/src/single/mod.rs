@@ -2,12 +2,15 @@
 //! is what makes shadows.
 //!
 //! Along a ray, I = ∫ T (q + σ Σ L p/4 Tₗ + σ E T̄) ds: T is the transmittance from the eye, q the medium's own emission, L the colour of a
-//! light and Tₗ the transmittance towards it, E the environment's radiance and T̄ the mean transmittance to the outside, weighted by the phase function.
-//! A light of colour L has the irradiance πL, so that a white surface that faces it shows L. A headlight shines along each ray, and its light comes in
+//! light and Tₗ the transmittance towards it, E the environment's radiance and T̄ the mean transmittance to the outside, weighted by the phase
+//! function.
+//! A light of colour L has the irradiance πL, so that a white surface that faces it shows L. A headlight shines along each ray, and its light
+//! comes in
 //! by the same transmittance T.
 //!
 //! # How
-//! Ray and light rays are solved by the reference ([`vr_physics::Reference`]), with bounds. The ray is cut at every face of a cell and at every knot of
+//! Ray and light rays are solved by the reference ([`vr_physics::Reference`]), with bounds. The ray is cut at every face of a cell and at every
+//! knot of
 //! the transfer function; between them the integrand is smooth but for the shadows of edges. It is integrated by Kronrod's rule of seven
 //! points, and intervals are halved until the estimated error fits the tolerance.
 //!
@@ -90,7 +93,8 @@ impl SingleScattering {
         })
     }
 
-    /// Tabulates the optical depth towards each light with a direction, at this many nodes along each axis: rays are solved several times as fast then.
+    /// Tabulates the optical depth towards each light with a direction, at this many nodes along each axis: rays are solved several times as fast
+    /// then.
     /// Shadows are interpolated between the nodes, of which there should be two for each voxel along the diagonal. The error told holds an
     /// estimate of what that misses, good for the mean of a picture; it may be above the tolerance.
     ///

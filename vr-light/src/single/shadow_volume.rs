@@ -54,7 +54,8 @@ impl ShadowVolume {
         Ok(Self { axes, low, step, nodes, depths: columns.concat() })
     }
 
-    /// Transmittance from a place to the light, and an estimate of its error: twice the difference to that of every second node alone, for beside an edge of a
+    /// Transmittance from a place to the light, and an estimate of its error: twice the difference to that of every second node alone, for beside
+    /// an edge of a
     /// shadow error falls no faster than the step.
     pub(super) fn transmittance(&self, at: DVec3) -> [f64; 2] {
         let fine = libm::exp(-self.depth(at, 1));
