@@ -134,6 +134,35 @@ fn a_soft_ball_casts_its_shadow_on_itself() {
     assert!(matches!(found.certainty, Certainty::Estimate(error) if error < 1e-4), "{found:?}");
 }
 
+/// Tabulated shadows are about as wrong as they say, and less with more nodes.
+#[test]
+fn tabulated_shadows_come_near_to_the_solved_ones() {
+    let mut scene = phantom::by_name("blobs").unwrap().scene(12).unwrap();
+    scene.shading = None;
+    scene.lights = vec![Light { direction: Some(DVec3::new(1.0, 1.0, -1.0)), color: [1.0; 3] }];
+    let rays = Rays::new(&View::new(Camera::framing(scene.volume.bounds(), 30.0, 20.0, None), [4, 4])).unwrap();
+    let solved = SingleScattering::new(&scene, &Scattering::default(), &Clip::default(), 1e-4).unwrap();
+    let mut max = [0.0f64; 2];
+    for (i, nodes) in [33, 65].into_iter().enumerate() {
+        let tabulated = solved.clone().with_tabulated_shadows(nodes).unwrap();
+        let mut sums = [0.0; 2];
+        for place in 0..16 {
+            let ray = rays.at(f64::from(place % 4) + 0.5, f64::from(place / 4) + 0.5);
+            let light = |single: &SingleScattering| single.ray(&ray, f64::INFINITY).unwrap();
+            let (truth, found) = (light(&solved), light(&tabulated));
+            let error = (truth.radiance[0] - found.radiance[0]).abs();
+            max[i] = max[i].max(error);
+            sums[0] += error;
+            sums[1] += found.certainty.value() + truth.certainty.value();
+            assert_eq!(truth.depth, found.depth);
+        }
+        // The estimates hold for the mean: a single ray may be off by thrice its own, where it lies beside an edge that coarse nodes do not see.
+        assert!(sums[0] <= sums[1], "{nodes}: {sums:?}");
+    }
+    assert!(max[1] < 0.5 * max[0], "{max:?}");
+    assert!(solved.with_tabulated_shadows(16).is_err());
+}
+
 /// Thin fog in an environment of radiance E: ϖ χ E of each unit of length, less what is lost on the way in and out.
 #[test]
 fn an_environment_lights_thin_fog() {

@@ -17,6 +17,12 @@ pub(super) struct Incoming<'a> {
     headlight: [f64; 3],
 }
 
+/// Lights that shine and have a direction, each with the unit vector towards it.
+pub(super) fn suns(lights: &[Light]) -> impl Iterator<Item = (DVec3, &Light)> {
+    let shining = lights.iter().filter(|light| light.color != [0.0; 3]);
+    shining.filter_map(|light| Some((light.direction?.normalize(), light)))
+}
+
 /// Radiance per scattering coefficient, and an estimate of its error.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct InScattered {
@@ -30,22 +36,15 @@ impl<'a> Incoming<'a> {
     /// A light of colour L lights a white surface that faces it to the radiance L: its irradiance is πL, of which p/4π is scattered per solid angle.
     pub(super) fn new(lights: &[Light], scattering: &'a Scattering, direction: DVec3) -> Self {
         let sent = |light: &Light, cosine: f64| light.color.map(|l| 0.25 * scattering.phase.value(cosine) * l);
-        let mut suns = Vec::new();
+        // Light travels from the light, then to the eye: both are opposite to the vectors at hand.
+        let of_sun =
+            |(towards, light): (DVec3, &Light)| (towards, sent(light, towards.dot(direction).clamp(-1.0, 1.0)));
         let mut headlight = [0.0; 3];
-        for light in lights.iter().filter(|light| light.color != [0.0; 3]) {
-            match light.direction {
-                // Light travels from the light, then to the eye: both are opposite to the vectors at hand.
-                Some(towards) => {
-                    let towards = towards.normalize();
-                    suns.push((towards, sent(light, towards.dot(direction).clamp(-1.0, 1.0))));
-                }
-                None => {
-                    let back = sent(light, -1.0);
-                    (0..3).for_each(|c| headlight[c] += back[c]);
-                }
-            }
+        for light in lights.iter().filter(|light| light.direction.is_none()) {
+            let back = sent(light, -1.0);
+            (0..3).for_each(|c| headlight[c] += back[c]);
         }
-        Self { scattering, direction, suns, headlight }
+        Self { scattering, direction, suns: suns(lights).map(of_sun).collect(), headlight }
     }
 
     /// Largest radiance per scattering coefficient at any place.
@@ -58,11 +57,16 @@ impl<'a> Incoming<'a> {
     }
 
     /// Light scattered into the ray at a place where a headlight's light comes in by `front`; `transmittance` tells, with its error, the share of the
-    /// light from a direction that reaches a place.
-    pub(super) fn at(&self, at: DVec3, front: f64, transmittance: impl Fn(&Ray) -> [f64; 2]) -> InScattered {
+    /// light that reaches the origin of a ray towards it: of the light with this number, or of the environment.
+    pub(super) fn at(
+        &self,
+        at: DVec3,
+        front: f64,
+        transmittance: impl Fn(Option<usize>, &Ray) -> [f64; 2],
+    ) -> InScattered {
         let mut sum = InScattered { radiance: self.headlight.map(|l| l * front), error: 0.0 };
-        for (towards, radiance) in &self.suns {
-            let [passed, error] = transmittance(&Ray { origin: at, direction: *towards });
+        for (sun, (towards, radiance)) in self.suns.iter().enumerate() {
+            let [passed, error] = transmittance(Some(sun), &Ray { origin: at, direction: *towards });
             (0..3).for_each(|c| sum.radiance[c] += passed * radiance[c]);
             sum.error += error * radiance.iter().copied().fold(0.0, f64::max);
         }
@@ -80,7 +84,7 @@ impl<'a> Incoming<'a> {
         &self,
         at: DVec3,
         [cosines, azimuths]: [usize; 2],
-        transmittance: &impl Fn(&Ray) -> [f64; 2],
+        transmittance: &impl Fn(Option<usize>, &Ray) -> [f64; 2],
     ) -> f64 {
         let mut sum = 0.0;
         for i in 0..cosines {
@@ -89,7 +93,7 @@ impl<'a> Incoming<'a> {
                 let azimuth = (j as f64 + 0.5 * (i % 2) as f64) / azimuths as f64;
                 let uniform = [(i as f64 + 0.5) / cosines as f64, azimuth];
                 let direction = self.scattering.phase.sample(self.direction, uniform);
-                sum += transmittance(&Ray { origin: at, direction })[0];
+                sum += transmittance(None, &Ray { origin: at, direction })[0];
             }
         }
         sum / (cosines * azimuths) as f64
@@ -107,7 +111,7 @@ mod tests {
         let scattering = Scattering { environment: [0.5, 0.0, 0.0], ..Scattering::default() };
         let lights = [Light { direction: Some(DVec3::X), color: [2.0; 3] }, Light::default()];
         let incoming = Incoming::new(&lights, &scattering, DVec3::Z);
-        let light = incoming.at(DVec3::ZERO, 0.5, |_| [1.0, 0.0]);
+        let light = incoming.at(DVec3::ZERO, 0.5, |_, _| [1.0, 0.0]);
         let sun = 2.0 * PI / (4.0 * PI);
         assert!((light.radiance[0] - (sun + 0.125 + 0.5)).abs() < 1e-14);
         assert!((light.radiance[1] - (sun + 0.125)).abs() < 1e-14);

@@ -1,6 +1,7 @@
 //! Kronrod's rule of seven points, which holds Gauss's of three.
 
-/// Points on [−1, 1], ascending, with Kronrod's and Gauss's weights (Kronrod 1965; Patterson, "The optimum addition of points to quadrature formulae",
+/// Points on [−1, 1], ascending, with Kronrod's and Gauss's weights (Kronrod 1965; Patterson, "The optimum addition of points to quadrature
+/// formulae",
 /// 1968).
 pub(super) const RULE: [[f64; 3]; 7] = [
     [-0.960_491_268_708_020_3, 0.104_656_226_026_467_27, 0.0],
@@ -14,7 +15,8 @@ pub(super) const RULE: [[f64; 3]; 7] = [
 
 /// Integral over an interval of this length of a function with these values at the points, and an estimate of its error.
 ///
-/// The estimate is that of QUADPACK (Piessens et al., 1983): the difference of the two rules, much smaller where it is small beside the function's own
+/// The estimate is that of QUADPACK (Piessens et al., 1983): the difference of the two rules, much smaller where it is small beside the function's
+/// own
 /// variation.
 pub(super) fn integrate(values: &[[f64; 3]; 7], length: f64) -> ([f64; 3], f64) {
     let half = 0.5 * length;

@@ -48,7 +48,10 @@ struct Interval {
     from: f64,
     to: f64,
     light: [f64; 3],
+    /// Estimate of the rule's error, which smaller intervals have less of.
     error: f64,
+    /// Error that the samples bring.
+    of_samples: f64,
     solved: bool,
 }
 
@@ -86,7 +89,7 @@ impl SingleScattering {
         let mut radiance = [0.0; 3];
         for interval in &intervals {
             (0..3).for_each(|c| radiance[c] += interval.light[c]);
-            left_out += interval.error;
+            left_out += interval.error + interval.of_samples;
         }
         Ok(RayLight {
             radiance,
@@ -118,7 +121,14 @@ impl SingleScattering {
                 left_out += most;
                 continue;
             }
-            intervals.push(Interval { from: segment.from, to: segment.to, light: [0.0; 3], error: 0.0, solved: false });
+            intervals.push(Interval {
+                from: segment.from,
+                to: segment.to,
+                light: [0.0; 3],
+                error: 0.0,
+                of_samples: 0.0,
+                solved: false,
+            });
         }
         (intervals, left_out)
     }
@@ -140,7 +150,7 @@ impl SingleScattering {
             let length = interval.to - interval.from;
             let (light, error) = integrate(&values, length);
             let of_samples: f64 = RULE.iter().zip(samples).map(|(point, s)| point[1] * s.error).sum();
-            *interval = Interval { light, error: error + 0.5 * length * of_samples, solved: true, ..*interval };
+            *interval = Interval { light, error, of_samples: 0.5 * length * of_samples, solved: true, ..*interval };
         }
         Ok(places.len() as u64)
     }
@@ -172,8 +182,12 @@ impl SingleScattering {
             return Ok(Sample { source, error });
         }
         let failed = RefCell::new(None);
-        let scattered = incoming.at(ray.origin + s * ray.direction, front, |towards| {
-            self.transmittance(towards).unwrap_or_else(|error| {
+        let scattered = incoming.at(ray.origin + s * ray.direction, front, |sun, towards| {
+            let found = match sun {
+                Some(sun) => self.sun_transmittance(sun, towards),
+                None => self.transmittance(towards),
+            };
+            found.unwrap_or_else(|error| {
                 failed.borrow_mut().get_or_insert(error);
                 [0.0, 1.0]
             })
@@ -196,7 +210,7 @@ fn halves(interval: &Interval, share: f64) -> Vec<Interval> {
     if interval.error <= share || small {
         return vec![*interval];
     }
-    let open = Interval { light: [0.0; 3], error: 0.0, solved: false, ..*interval };
+    let open = Interval { light: [0.0; 3], error: 0.0, of_samples: 0.0, solved: false, ..*interval };
     vec![Interval { to: middle, ..open }, Interval { from: middle, ..open }]
 }
 

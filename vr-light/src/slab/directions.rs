@@ -15,7 +15,8 @@ pub(super) struct Directions {
 impl Directions {
     /// Gauss's points over the root of the cosine, and some directions besides.
     ///
-    /// Radiance has a kink like μ ln μ at grazing directions; over the root of μ it is smoother, and the points crowd there. An even polynomial of the
+    /// Radiance has a kink like μ ln μ at grazing directions; over the root of μ it is smoother, and the points crowd there. An even polynomial of
+    /// the
     /// cosine up to degree n − 1 is still integrated exactly, which conserves the energy of scattered light.
     pub(super) fn new(points: usize, besides: &[f64]) -> Self {
         let (mut cosines, mut weights): (Vec<f64>, Vec<f64>) = gauss_legendre(points)

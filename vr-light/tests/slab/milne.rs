@@ -43,7 +43,8 @@ pub fn exponential_integral(n: u32, x: f64) -> f64 {
     }
 }
 
-/// Reflected and transmitted share of uniform light, and of a beam at right angles, of an isotropic slab; and by how much the last extrapolation changed
+/// Reflected and transmitted share of uniform light, and of a beam at right angles, of an isotropic slab; and by how much the last extrapolation
+/// changed
 /// any of them.
 pub fn isotropic_slab(thickness: f64, albedo: f64) -> ([[f64; 2]; 2], f64) {
     let [a, b, c] = [64, 128, 256].map(|cells| galerkin(thickness, albedo, cells));

@@ -13,7 +13,8 @@ fn van_de_hulst_table_12_fluxes() {
     near(t, 0.65867, 1e-5);
 }
 
-/// van de Hulst, table 12, pages 260 and 261: reflection and transmission functions of isotropic scattering, albedo 0.8, thickness 2, seen at a cosine
+/// van de Hulst, table 12, pages 260 and 261: reflection and transmission functions of isotropic scattering, albedo 0.8, thickness 2, seen at a
+/// cosine
 /// of 0.5.
 #[test]
 fn van_de_hulst_table_12_radiances() {
@@ -83,7 +84,8 @@ fn discrete_ordinates_of_stamnes() {
     near(b.bottom.down.value, 1.54958, 3e-5);
 }
 
-/// Chandrasekhar, "Radiative Transfer" (1950), table XI: H(1) = 2.9078 of the conservative isotropic half-space; and H of his equation, iterated here,
+/// Chandrasekhar, "Radiative Transfer" (1950), table XI: H(1) = 2.9078 of the conservative isotropic half-space; and H of his equation, iterated
+/// here,
 /// for other albedos. The radiance of a half-space under a beam of irradiance πF is ϖF/4 · μ₀/(μ + μ₀) · H(μ) H(μ₀).
 #[test]
 fn chandrasekhars_h_functions() {
@@ -122,7 +124,8 @@ fn h_function(albedo: f64, cosine: f64) -> f64 {
     next(&h, cosine)
 }
 
-/// Spherical albedo of a conservative half-space is 1, and nothing passes: 4/(3τ) of diffuse light, τ with the extrapolation lengths of 0.7104 (Hopf).
+/// Spherical albedo of a conservative half-space is 1, and nothing passes: 4/(3τ) of diffuse light, τ with the extrapolation lengths of 0.7104
+/// (Hopf).
 #[test]
 fn a_thick_conservative_slab_passes_what_diffusion_says() {
     for (thickness, g) in [(1e2, 0.0), (1e4, 0.0), (1e4, 0.75)] {

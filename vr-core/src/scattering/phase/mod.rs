@@ -64,7 +64,8 @@ impl PhaseFunction {
         Ok(Self::DoubleHenyeyGreenstein(DoubleHenyeyGreenstein::new(g, share)?))
     }
 
-    /// The phase function with these values at these cosines, `[cosine, value]`, linear between them; the cosines rise from −1 to 1, and the values are
+    /// The phase function with these values at these cosines, `[cosine, value]`, linear between them; the cosines rise from −1 to 1, and the
+    /// values are
     /// normalised.
     ///
     /// # Errors
@@ -116,7 +117,8 @@ impl PhaseFunction {
         }
     }
 
-    /// A random direction after scattering of light that travels in a unit direction, of two numbers uniform in [0, 1). Its density per solid angle is
+    /// A random direction after scattering of light that travels in a unit direction, of two numbers uniform in [0, 1). Its density per solid
+    /// angle is
     /// p / 4π.
     pub fn sample(&self, direction: DVec3, uniform: [f64; 2]) -> DVec3 {
         let cosine = self.sample_cosine(uniform[0]);

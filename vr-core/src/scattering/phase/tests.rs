@@ -23,7 +23,8 @@ fn all() -> Vec<PhaseFunction> {
     all
 }
 
-/// Cosines that crowd geometrically at both ends: a sharp peak is as wide as 10⁻¹² there. They are numbers of f64, so that their differences are exact.
+/// Cosines that crowd geometrically at both ends: a sharp peak is as wide as 10⁻¹² there. They are numbers of f64, so that their differences are
+/// exact.
 fn cosines() -> Vec<f64> {
     const RATIO: f64 = 1.0005;
     let mut distances: Vec<f64> =
