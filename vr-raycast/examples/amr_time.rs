@@ -1,4 +1,7 @@
 //! Time of a sample in adaptive meshes beside that in a uniform grid, in the plain engine and in packets: `cargo run --release -p vr-raycast --example amr_time`.
+//!
+//! Arguments, each of which may be left out from the end: part of the name of a mesh; `plain`, `packets` or `shaded`, or `all`; number of frames, of which the
+//! fastest counts. The uniform grid is always measured, so that ratios are those of one run. Asked for is a ratio of 2 at most in packets.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -59,17 +62,24 @@ fn main() {
     // Times of a sample in the uniform grid.
     let mut first = [None; 3];
     let only = std::env::args().nth(1);
+    let kind = std::env::args().nth(2);
+    let frames = std::env::args().nth(3).and_then(|n| n.parse().ok()).unwrap_or(3);
     println!("{:<32} {:>10}  {:^22} {:^22} {:^22}", "ns a sample", "samples", "plain", "packets", "packets, shaded");
-    for (name, volume) in volumes.into_iter().filter(|v| only.as_ref().is_none_or(|only| v.0.contains(only))) {
+    for (name, volume) in
+        volumes.into_iter().filter(|v| v.0 == "uniform grid" || only.as_ref().is_none_or(|only| v.0.contains(only)))
+    {
         let scene = Scene::new(volume, transfer.clone());
         let mut line = String::new();
         let mut taken = 0;
         for (i, (caster, scene)) in
             [(&plain, scene.clone()), (&packets, scene.clone()), (&packets, shaded(&scene))].into_iter().enumerate()
         {
+            if kind.as_ref().is_some_and(|kind| kind != "all" && *kind != ["plain", "packets", "shaded"][i]) {
+                continue;
+            }
             let mut prepared = caster.prepare(&scene, &control).expect("it can draw this");
             let mut best = f64::INFINITY;
-            for _ in 0..3 {
+            for _ in 0..frames {
                 let begin = Instant::now();
                 let rendered = prepared.render(&view, &control).expect("it is drawn");
                 best = best.min(begin.elapsed().as_secs_f64());
