@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use vr_core::amr::{AmrBlock, AmrCentring, AmrError, AmrGrid, AmrSampling};
+use vr_core::amr::{AmrBlock, AmrCentring, AmrError, AmrGrid, AmrLattice, AmrSampling};
 use vr_core::{Calibration, Field, Filter, GridVolume, Placement, Ray, UniformGrid, gradient_between_samples};
 
 const CENTRINGS: [AmrCentring; 2] = [AmrCentring::Cells, AmrCentring::Points];
@@ -352,6 +352,56 @@ fn rays_leap_between_blocks_that_are_far_apart() {
     let ends = [0, 1].map(|n| (of_block(n).next().unwrap().from, of_block(n).next_back().unwrap().to));
     let wanted = [(5.5, 8.5), (far as f64 + 5.5, far as f64 + 8.5)];
     assert!(ends.iter().zip(wanted).all(|(e, w)| (e.0 - w.0).abs() < 1e-3 && (e.1 - w.1).abs() < 1e-3), "{ends:?}");
+}
+
+/// Lattices have the samples of `corners` and `stencil`, and say where there are none.
+#[test]
+fn lattices_hold_the_samples_around_every_place_of_a_block() {
+    for centring in CENTRINGS {
+        for (seed, ratios) in RATIOS.into_iter().enumerate() {
+            let mut noise = Random(seed as u64);
+            let values = std::cell::RefCell::new(&mut noise);
+            let grid = patchy(seed as u64, ratios, centring, |_| values.borrow_mut().next());
+            let samples = grid.samples();
+            let border = AmrLattice::border(centring) as i32;
+            let (mut known, mut sloped) = (0, 0);
+            for (number, block) in grid.blocks().iter().enumerate() {
+                let own = AmrLattice { dims: block.dims, values: block.values.clone() };
+                let lattice = samples.lattice(number).unwrap_or(own);
+                let differences = samples.difference_lattice(number);
+                let at = |lattice: &AmrLattice, place: [i32; 3]| {
+                    let [x, y, z] = place.map(|i| i as usize);
+                    lattice.values[(z * lattice.dims[1] + y) * lattice.dims[0] + x]
+                };
+                let mut random = Random(number as u64);
+                for _ in 0..50 {
+                    let low: [i32; 3] =
+                        std::array::from_fn(|a| (random.next() * (lattice.dims[a] - 1) as f64) as i32 - border);
+                    let up = |i: usize| [i as i32 & 1, i as i32 >> 1 & 1, i as i32 >> 2];
+                    let eight: [f32; 8] =
+                        std::array::from_fn(|i| at(&lattice, std::array::from_fn(|a| low[a] + up(i)[a] + border)));
+                    if let Some(corners) = samples.corners(number, low) {
+                        known += 1;
+                        assert_eq!(eight, corners, "{low:?} of {number}");
+                    } else if centring == AmrCentring::Cells {
+                        assert!(eight.iter().any(|v| !v.is_finite()), "{low:?} of {number}");
+                    }
+                    let mut stencil = [0.0; 32];
+                    if samples.stencil(number, low, &mut stencil) {
+                        sloped += 1;
+                        // The samples in the middle, and those before them along x.
+                        for i in 0..4 {
+                            let by = |x: i32| [low[0] + x, low[1] + (i as i32 & 1), low[2] + (i as i32 >> 1)];
+                            let got = at(&differences, by(-1).map(|i| i + border + 1));
+                            assert!(got.is_nan() || (got - stencil[8 + i]).abs() < 1e-6, "{low:?} of {number}");
+                            assert_eq!(at(&differences, by(0).map(|i| i + border + 1)), stencil[2 * i]);
+                        }
+                    }
+                }
+            }
+            assert!(known > 100 && sloped > 100, "{known} {sloped}");
+        }
+    }
 }
 
 #[test]

@@ -11,7 +11,8 @@ use vr_light::*;
 fn fog() -> Scene {
     let mut scene = phantom::by_name("fog").unwrap().scene(17).unwrap();
     let phase = PhaseFunction::henyey_greenstein(0.3).unwrap();
-    let scattering = Scattering { albedo: Albedo::Constant([0.9, 0.5, 0.2]), phase, environment: [0.0; 3] };
+    // It does not glow: paths of one scattering would scatter that light, too, which the model of single scattering leaves out.
+    let scattering = Scattering { albedo: Albedo::Color, phase, environment: [0.0; 3] };
     scene.scattering = Some(Arc::new(scattering));
     let sun = Light { direction: Some(DVec3::new(1.0, 0.8, 0.4)), color: [2.0, 1.5, 1.0] };
     scene.lights = vec![sun, Light::default()];
@@ -39,8 +40,9 @@ fn steps_converge_to_the_integral_of_light_scattered_once() {
     let exact = draw(&LightRenderer { exact: true, ..single() }, &scene, [6, 5]);
     let bound = exact.uncertainty().unwrap().largest();
     assert!(bound <= 2e-4, "{bound}");
-    let errors = [2.0, 1.0, 0.5].map(|step| largest(&draw(&LightRenderer { step, ..single() }, &scene, [6, 5]), &exact));
-    // The order is 2 until the spacing of the shadow map tells, which stays as it is.
+    let errors =
+        [8.0, 4.0, 0.5].map(|step| largest(&draw(&LightRenderer { step, ..single() }, &scene, [6, 5]), &exact));
+    // The order is 2 until the spacing of the shadow map tells, which stays as it is: an edge of the box is blurred over 1/160 of it.
     assert!(errors[0] > 2.0 * errors[1] && errors[2] < 3e-3, "{errors:?}");
 }
 

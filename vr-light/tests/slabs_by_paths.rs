@@ -62,7 +62,9 @@ fn radiance_from_slabs_is_that_of_the_solver() {
                 cases += 1;
                 if (found - expected.value).abs() > 3.0 * error + expected.error + 1e-12 {
                     beyond += 1;
-                    eprintln!("g {g}, albedo {albedo}, thickness {thickness}, cosine {cosine}, above {above}: {found} ± {error} for {expected:?}");
+                    eprintln!(
+                        "g {g}, albedo {albedo}, thickness {thickness}, cosine {cosine}, above {above}: {found} ± {error} for {expected:?}"
+                    );
                 }
             }
         }

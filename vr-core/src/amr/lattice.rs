@@ -3,6 +3,7 @@
 use super::block::AmrCentring;
 use super::check::each_index;
 use super::grid::AmrGrid;
+use super::level::plus;
 use super::samples::AmrSamples;
 
 /// Samples of a block, and a layer of those beside it, in one box: between eight of them, none of which is NaN or infinite, the field is trilinear. A
@@ -50,6 +51,49 @@ impl AmrSamples<'_> {
         match self.grid.centring() {
             AmrCentring::Cells => Some(self.bordered(number)),
             AmrCentring::Points => self.unified(number),
+        }
+    }
+
+    /// Samples of a block with those that central differences at the samples of its [`lattice`](Self::lattice) are made of: with a border of one more
+    /// than that has. Beyond the level it has the field, and where that is vacuum, the value that makes the difference one-sided; NaN where two differences
+    /// ask for different ones, and where none asks for any.
+    pub fn difference_lattice(&self, number: usize) -> AmrLattice {
+        let block = &self.grid.blocks()[number];
+        let border = AmrLattice::border(self.grid.centring()) as i32 + 1;
+        let dims = block.dims.map(|n| n + 2 * border as usize);
+        let sample = |local: [i32; 3]| self.at(number, self.place_of(number, local), local);
+        let value = |from_first: [i64; 3]| {
+            let local = from_first.map(|i| i as i32);
+            let own = sample(local);
+            if own.is_nan() { self.beyond_sample(number, local, sample) } else { own }
+        };
+        let first = [-i64::from(border); 3];
+        let values = each_index(first, plus(first, dims.map(|n| n as i64))).map(value);
+        AmrLattice { dims, values: values.collect() }
+    }
+
+    /// Value in place of a sample that the level does not have, beside one that it has.
+    fn beyond_sample(&self, number: usize, local: [i32; 3], sample: impl Fn([i32; 3]) -> f32) -> f32 {
+        let block = &self.grid.blocks()[number];
+        let behind = |a: usize, by: i32| {
+            let mut at = local;
+            at[a] += by;
+            sample(at)
+        };
+        let sides = || (0..3).flat_map(|a| [(a, -1), (a, 1)]);
+        if sides().all(|(a, by)| behind(a, by).is_nan()) {
+            return f32::NAN;
+        }
+        let at = std::array::from_fn(|a| block.first[a] + i64::from(local[a]));
+        let field = self.grid.beyond_level(block.level, at);
+        if !field.is_nan() {
+            return field as f32;
+        }
+        // The sample beside it, and the one behind that.
+        let mut one_sided = sides().map(|(a, by)| 2.0 * behind(a, by) - behind(a, 2 * by)).filter(|v| !v.is_nan());
+        match (one_sided.next(), one_sided.next()) {
+            (Some(only), None) => only,
+            _ => f32::NAN,
         }
     }
 

@@ -218,7 +218,7 @@ impl AmrTraversal<'_> {
         for a in 0..3 {
             let (first, end) = (low[a] * level.to_finest[a], high[a] * level.to_finest[a]);
             self.node[a] = match () {
-                () if a != axis => (place[a].floor() as i64).clamp(first, end - 1),
+                () if a != axis => floor(place[a]).clamp(first, end - 1),
                 () if self.direction[a] > 0.0 => end,
                 () => first - 1,
             };
@@ -276,6 +276,13 @@ impl Iterator for AmrTraversal<'_> {
         }
         None
     }
+}
+
+/// Largest whole number that is not above another: where a machine has no instruction for it, several times as fast as the standard library's.
+#[inline]
+fn floor(x: f64) -> i64 {
+    let cut = x as i64;
+    cut - i64::from(cut as f64 > x)
 }
 
 /// Part of a line between two distances that is inside a box; `None` if nothing of positive length is.

@@ -10,6 +10,8 @@ use crate::medium::Medium;
 
 /// Largest number of places along an axis of the map.
 const MAX_PLACES: usize = 384;
+/// Smallest number along its longest axis: the faces of the volume's box, at which depths bend, must not be blurred, however few voxels there are.
+const MIN_PLACES: usize = 160;
 
 /// Optical depth between each place of a lattice and a lamp at infinity (Kniss et al., "Interactive volume rendering using multi-dimensional transfer
 /// functions and direct manipulation widgets", 2002, keep slices of it; here it is whole).
@@ -28,7 +30,7 @@ pub struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// The map of a medium in a box for a lamp in a unit direction, its places about a spacing apart.
+    /// The map of a medium in a box for a lamp in a unit direction, its places about a spacing apart, or closer.
     ///
     /// # Errors
     /// [`RenderError::Cancelled`].
@@ -43,6 +45,7 @@ impl ShadowMap {
             .map(along)
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), place| (low.min(place), high.max(place)));
         let extent = last - first;
+        let spacing = spacing.min(extent.max_element() / MIN_PLACES as f64);
         let size: [usize; 3] =
             std::array::from_fn(|i| ((extent[i] / spacing).ceil() as usize).clamp(1, MAX_PLACES) + 1);
         let step = extent / DVec3::from_array(size.map(|n| (n - 1) as f64));

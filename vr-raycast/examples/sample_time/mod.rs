@@ -19,6 +19,7 @@ pub fn value(p: DVec3) -> f32 {
 }
 
 /// Prints the time of a sample in the plain engine and in packets, of volumes whose names hold the first argument of the program; a uniform grid comes first.
+/// The second argument, `plain`, `packets`, `shaded` or `all`, leaves ways of drawing out; the third is the number of frames, of which the fastest counts.
 pub fn print(volumes: Vec<(&str, Volume)>) {
     let step = 1.0 / SIDE as f64;
     let at = |i: usize| DVec3::new((i % SIDE) as f64, (i / SIDE % SIDE) as f64, (i / (SIDE * SIDE)) as f64);
@@ -37,6 +38,8 @@ pub fn print(volumes: Vec<(&str, Volume)>) {
     // Times of a sample in the uniform grid.
     let mut first = [None; 3];
     let only = std::env::args().nth(1);
+    let kind = std::env::args().nth(2);
+    let frames = std::env::args().nth(3).and_then(|n| n.parse().ok()).unwrap_or(5);
     println!("{:<32} {:>10}  {:^22} {:^22} {:^22}", "ns a sample", "samples", "plain", "packets", "packets, shaded");
     let is_asked = |name: &str| only.as_ref().is_none_or(|only| name.contains(only));
     let volumes = volumes.into_iter().filter(|(name, _)| is_asked(name));
@@ -47,9 +50,12 @@ pub fn print(volumes: Vec<(&str, Volume)>) {
         for (i, (caster, scene)) in
             [(&plain, scene.clone()), (&packets, scene.clone()), (&packets, shaded(&scene))].into_iter().enumerate()
         {
+            if kind.as_ref().is_some_and(|kind| kind != "all" && *kind != ["plain", "packets", "shaded"][i]) {
+                continue;
+            }
             let mut prepared = caster.prepare(&scene, &control).expect("it can draw this");
             let mut best = f64::INFINITY;
-            for _ in 0..5 {
+            for _ in 0..frames {
                 let begin = Instant::now();
                 let rendered = prepared.render(&view, &control).expect("it is drawn");
                 best = best.min(begin.elapsed().as_secs_f64());

@@ -52,13 +52,13 @@ enum PatchVolume {
 }
 
 impl PatchVolume {
-    fn new(volume: &Volume, pace: &Pace<f32>) -> Option<Self> {
+    fn new(volume: &Volume, pace: &Pace<f32>, is_shaded: bool) -> Option<Self> {
         match volume {
             Volume::Amr(grid) => {
                 let blocks = grid.derived().get((), || MeshBlock::all_of(grid));
                 let paces = Arc::new(MeshPaces::new(grid, pace));
                 let lattices = grid.derived().get((), || MeshLattices::new(grid));
-                lattices.make(grid, |block| paces.is_seen(grid, block));
+                lattices.make(grid, is_shaded, |block| paces.is_seen(grid, block));
                 Some(Self::Amr { grid: Arc::clone(grid), blocks, lattices, paces })
             }
             Volume::Rectilinear(grid) => {
@@ -108,7 +108,7 @@ impl PatchEngine {
         let leaps = caster.empty_space != EmptySpace::None;
         let visibility = leaps.then(|| Visibility::of_light(&scene.transfer, calibration, Some(&table), None));
         let pace = Pace { lengths, visibility };
-        let volume = PatchVolume::new(&scene.volume, &pace)?;
+        let volume = PatchVolume::new(&scene.volume, &pace, scene.reflection().is_some())?;
         let shading = scene.reflection().map(|shading| PacketShading {
             shading: Arc::clone(shading),
             lights: scene.lights.clone(),

@@ -2,13 +2,13 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
-use vr_core::amr::{AmrGrid, AmrLattice, AmrSamples};
+use vr_core::amr::{AmrCentring, AmrGrid, AmrLattice, AmrSamples};
 use vr_core::{Field, IndexRay, Ray};
 use vr_kernels::vector::{LANES, Lanes, Stage, Stencils, splat};
 
 use super::lanes::{LaneSteps, PatchPlace, WorldRay};
 use super::march::{Patches, Place};
-use super::mesh_lattices::MeshLattices;
+use super::mesh_lattices::{MeshLattices, stencil};
 use super::mesh_paces::MeshPaces;
 use super::mesh_rim::MeshRim;
 use super::steps::{Batch, Part};
@@ -17,6 +17,8 @@ use super::steps::{Batch, Part};
 #[derive(Clone, Debug)]
 pub(crate) struct MeshBlock {
     place: PatchPlace,
+    /// First and last place of its lattice whose samples are the level's own, as far as that does not depend on the samples.
+    inner: [[i32; 3]; 2],
     /// Edges of the smallest cells, in those of the block's: factors from gradients per sample to gradients of one unit.
     slope: [f32; 3],
 }
@@ -30,6 +32,10 @@ impl MeshBlock {
             let spacing = grid.spacing_of(block.level);
             Self {
                 place: PatchPlace { origin: samples.first_place(number), rate: spacing.recip(), shift },
+                inner: match grid.centring() {
+                    AmrCentring::Points => samples.inner(number),
+                    AmrCentring::Cells => [[0; 3], block.dims.map(|n| n as i32)],
+                },
                 slope: (unit / spacing).as_vec3().to_array(),
             }
         };
@@ -60,6 +66,10 @@ pub(crate) struct MeshLanes<'a> {
     values: [&'a [f32]; LANES],
     /// Last place of each lattice that has samples behind it.
     last: [[i32; LANES]; 3],
+    /// Samples that gradients are made of; `None` where they are asked for one by one.
+    differences: [Option<&'a AmrLattice>; LANES],
+    /// First and last place whose samples are the level's own, where values do not tell it: between points.
+    inner: [[[i32; 3]; 2]; LANES],
     /// Samples from one y to the next, and from one z.
     strides: [[i32; LANES]; 2],
     slope: [Lanes; 3],
@@ -74,6 +84,8 @@ impl<'a> Patches for MeshPatches<'a> {
             number: [0; LANES],
             values: [&[0.0; 2]; LANES],
             last: [[0; LANES]; 3],
+            differences: [None; LANES],
+            inner: [[[0; 3]; 2]; LANES],
             strides: [[0; LANES]; 2],
             slope: [Lanes::ZERO; 3],
         }
@@ -82,13 +94,14 @@ impl<'a> Patches for MeshPatches<'a> {
     fn parts(&self, ray: Ray, part: IndexRay) -> impl Iterator<Item = Part> {
         let (paces, offset) = (self.paces, part.offset);
         let parts = self.grid.parts_along(&ray, [part.start + offset, part.end + offset]).by_blocks(&paces.whole);
-        parts.map(move |found| {
+        let parts = parts.map(move |found| {
             let (step, is_seen) = match found.brick {
                 Some(brick) => paces.of_bricks[brick],
                 None => paces.of_blocks[found.block],
             };
             Part { from: found.from - offset, to: found.to - offset, patch: found.block, step, is_seen }
-        })
+        });
+        joined(parts)
     }
 
     #[inline]
@@ -99,6 +112,8 @@ impl<'a> Patches for MeshPatches<'a> {
         // Blocks without a lattice are none that can be seen.
         let (dims, values) = self.lattices.of(self.grid, batch.patch).unwrap_or(([2, 1, 1], &[f32::NAN; 2]));
         within.values[lane] = values;
+        within.differences[lane] = self.lattices.differences(batch.patch);
+        within.inner[lane] = block.inner;
         for a in 0..3 {
             within.last[a][lane] = dims[a] as i32 - 2;
             within.slope[a].0[lane] = block.slope[a];
@@ -179,10 +194,26 @@ impl<'a> Patches for MeshPatches<'a> {
             Lanes::new(z * slope[2].load(simd)),
         ];
         if rims != 0 {
-            self.rim_gradients(steps, &number.to_array(), rims, &mut gradient);
+            let fraction = [place.fraction[0].to_array(), place.fraction[1].to_array(), place.fraction[2].to_array()];
+            self.rim_gradients(within, steps, &number.to_array(), (&low, &fraction), rims, &mut gradient);
         }
         gradient
     }
+}
+
+/// Parts that touch made one, where they are in one patch and alike.
+fn joined(parts: impl Iterator<Item = Part>) -> impl Iterator<Item = Part> {
+    let mut parts = parts.peekable();
+    std::iter::from_fn(move || {
+        let mut part = parts.next()?;
+        let goes_on = |next: &Part, part: &Part| {
+            next.from == part.to && (next.patch, next.step, next.is_seen) == (part.patch, part.step, part.is_seen)
+        };
+        while let Some(next) = parts.next_if(|next| goes_on(next, &part)) {
+            part.to = next.to;
+        }
+        Some(part)
+    })
 }
 
 /// Places of the lanes' samples.
@@ -247,22 +278,55 @@ impl<'a> MeshPatches<'a> {
         let border = AmrLattice::border(self.grid.centring()) as i32;
         let mut rims = 0;
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let low = [low[0][lane] - border, low[1][lane] - border, low[2][lane] - border];
-            if !self.samples.stencil(within.number[lane], low, stencils.of_lane(lane)) {
+            let low = [low[0][lane], low[1][lane], low[2][lane]];
+            let out = stencils.of_lane(lane);
+            let [first, last] = within.inner[lane];
+            let is_inner = (0..3).all(|a| first[a] <= low[a] && low[a] <= last[a]) && {
+                let [row, layer] = [within.strides[0][lane], within.strides[1][lane]];
+                let begin = (low[2] * layer + low[1] * row + low[0]) as usize;
+                let (row, layer) = (row as usize, layer as usize);
+                // A sum of finite numbers and one that is not is none.
+                let sum = within.values[lane].get(begin..begin + layer + row + 2).map_or(f32::NAN, |values| {
+                    let pair = |at: usize| values[at] * 0.0 + values[at + 1] * 0.0;
+                    pair(0) + pair(row) + pair(layer) + pair(layer + row)
+                });
+                sum == 0.0
+            };
+            let differences = within.differences[lane].filter(|_| is_inner);
+            if differences.is_some_and(|d| stencil(d, low, out) && out.iter().all(|sample| !sample.is_nan())) {
+                continue;
+            }
+            if !self.samples.stencil(within.number[lane], low.map(|i| i - border), out) {
                 rims |= 1 << lane;
             }
         }
         rims
     }
 
-    /// Fills the gradients of lanes that the field itself is asked for.
+    /// Fills the gradients of lanes beside samples that their levels do not have.
     #[inline(never)]
-    fn rim_gradients(&self, steps: &LaneSteps, number: &[f32; LANES], lanes: u32, gradient: &mut [Lanes; 3]) {
+    fn rim_gradients(
+        &self,
+        within: &MeshLanes<'a>,
+        steps: &LaneSteps,
+        number: &[f32; LANES],
+        (low, fraction): (&[[i32; LANES]; 3], &[[f32; LANES]; 3]),
+        lanes: u32,
+        gradient: &mut [Lanes; 3],
+    ) {
+        let rim = MeshRim { grid: self.grid, samples: self.samples, lattices: self.lattices };
+        let border = AmrLattice::border(self.grid.centring()) as i32;
         let unit = gradient_unit(self.grid);
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let found = self.grid.gradient(steps.world_at(lane, number[lane])).unwrap_or_default() * unit;
+            let low = [low[0][lane] - border, low[1][lane] - border, low[2][lane] - border];
+            let fraction = [fraction[0][lane], fraction[1][lane], fraction[2][lane]];
+            let near = (border == 1).then(|| rim.gradient(within.number[lane], low, fraction, unit)).flatten();
+            let found = near.unwrap_or_else(|| {
+                let found = self.grid.gradient(steps.world_at(lane, number[lane])).unwrap_or_default() * unit;
+                found.as_vec3().to_array()
+            });
             for a in 0..3 {
-                gradient[a].0[lane] = found[a] as f32;
+                gradient[a].0[lane] = found[a];
             }
         }
     }

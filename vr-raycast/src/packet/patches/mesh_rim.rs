@@ -2,7 +2,7 @@
 
 use vr_core::amr::{AmrGrid, AmrSamples};
 
-use super::mesh_lattices::MeshLattices;
+use super::mesh_lattices::{MeshLattices, stencil};
 
 /// Field of a mesh with values in the middles of cells, beside cells that its level does not have.
 #[derive(Clone, Copy)]
@@ -25,15 +25,58 @@ impl MeshRim<'_> {
         }
         let octant = Octant::new(low, fraction);
         let own = octant.own_corners(own);
-        let (place, coarse) = self.coarser(number, &octant)?;
-        let coarse = between(&coarse, place);
+        let (place, holder, low) = self.coarser(number, &octant)?;
+        let coarse = between(&self.eight(holder, low)?, place);
         let corners: [f32; 8] = std::array::from_fn(|i| if own[i].is_nan() { coarse[i] } else { own[i] });
         let value = trilinear(&corners, octant.place);
         value.is_finite().then_some(value)
     }
 
-    /// Samples of the next coarser level around an octant, and the places of its lower and upper faces between them along each axis.
-    fn coarser(&self, number: usize, octant: &Octant) -> Option<([[f32; 2]; 3], [f32; 8])> {
+    /// The gradient there, in the world units of `unit`, likewise.
+    pub(crate) fn gradient(&self, number: usize, low: [i32; 3], fraction: [f32; 3], unit: f64) -> Option<[f32; 3]> {
+        let samples = self.eight(number, low)?;
+        if samples.iter().any(|sample| sample.is_infinite()) {
+            return None;
+        }
+        let octant = Octant::new(low, fraction);
+        let (place, holder, coarse_low) = self.coarser(number, &octant)?;
+        if self.eight(holder, coarse_low)?.iter().any(|sample| !sample.is_finite()) {
+            return None;
+        }
+        let (fine, coarse) = (self.rises(number, low)?, self.rises(holder, coarse_low)?);
+        let slope =
+            |number: usize| (unit / self.grid.spacing_of(self.grid.blocks()[number].level)).as_vec3().to_array();
+        let (fine_slope, coarse_slope) = (slope(number), slope(holder));
+        let is_own = octant.own_corners(&samples).map(|mean| !mean.is_nan());
+        let mut gradient = [0.0; 3];
+        for a in 0..3 {
+            let own = octant.own_corners(&fine[a].map(|rise| rise * fine_slope[a]));
+            let coarse = between(&coarse[a].map(|rise| rise * coarse_slope[a]), place);
+            let corners: [f32; 8] = std::array::from_fn(|i| if is_own[i] { own[i] } else { coarse[i] });
+            gradient[a] = trilinear(&corners, octant.place);
+        }
+        gradient.iter().all(|g| g.is_finite()).then_some(gradient)
+    }
+
+    /// Differences from sample to sample, axis by axis, at eight samples from `low` on.
+    fn rises(&self, number: usize, low: [i32; 3]) -> Option<[[f32; 8]; 3]> {
+        let mut around = [0.0; 32];
+        if !stencil(self.lattices.differences(number)?, low.map(|i| i + 1), &mut around) {
+            return None;
+        }
+        let rise = |a: usize, i: usize| {
+            let [t, u] = [[1, 2], [0, 2], [0, 1]][a].map(|other| i >> other & 1);
+            let (bit, beyond) = (1 << a, 8 + 8 * a + t + 2 * u);
+            let both =
+                if i & bit == 0 { [around[beyond], around[i | bit]] } else { [around[i & !bit], around[beyond + 4]] };
+            (both[1] - both[0]) * 0.5
+        };
+        Some(std::array::from_fn(|a| std::array::from_fn(|i| rise(a, i))))
+    }
+
+    /// Places of an octant's lower and upper faces along each axis between samples of the next coarser level; the block of that, and the place of
+    /// the lowest of these samples in it.
+    fn coarser(&self, number: usize, octant: &Octant) -> Option<([[f32; 2]; 3], usize, [i32; 3])> {
         let blocks = self.grid.blocks();
         let block = &blocks[number];
         let holder = self.samples.coarser_block(number, octant.cell)?;
@@ -49,8 +92,7 @@ impl MeshRim<'_> {
             low[a] = (lower + 0.25 * rate).floor() as i32;
             place[a] = [0.0, 0.5].map(|by| (lower + by * rate - f64::from(low[a])) as f32);
         }
-        let samples = self.eight(holder, low)?;
-        samples.iter().all(|sample| sample.is_finite()).then_some((place, samples))
+        Some((place, holder, low))
     }
 
     /// Samples of a block from `low` on; NaN for those that its level does not have.
