@@ -22,3 +22,8 @@ pub use paths::{Film, PathSampler, PathTracer, Until};
 pub use random::RandomStream;
 pub use spectrum::Spectrum;
 pub use tracking::{MajorantGrid, TrackedMedium, TransmittanceEstimator, Walk};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
