@@ -9,7 +9,7 @@ use std::time::Instant;
 use glam::DVec3;
 use vr_core::phantom;
 use vr_core::scattering::{Albedo, PhaseFunction, Scattering};
-use vr_core::{Camera, Clip, Control, View};
+use vr_core::{Camera, Clip, Control, ControlPoint, TransferFunction, View};
 use vr_light::{Environment, Film, LightScene, LightSource, PathTracer, SceneMedium, Spectrum, Until};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -17,7 +17,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut next = |default: usize| numbers.next().unwrap_or(Ok(default));
     let (grid, size, samples) = (next(256)?, next(128)?, next(16)?);
 
-    let fog = phantom::by_name("fog").ok_or("there is a fog")?.scene(grid)?;
+    let mut fog = phantom::by_name("fog").ok_or("there is a fog")?.scene(grid)?;
+    // Black: under a constant albedo the colour is that of a glow, which this fog does not have.
+    let black = fog.transfer.points().iter().map(|point| ControlPoint { color: [0.0; 3], ..*point }).collect();
+    fog.transfer = Arc::new(TransferFunction::new(black, fog.transfer.rule(), fog.transfer.unit_distance())?);
     let scattering = Scattering {
         albedo: Albedo::Constant([0.9; 3]),
         phase: PhaseFunction::henyey_greenstein(0.5)?,
@@ -51,6 +54,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pixels = (size * size) as f64;
     let mean: f64 = (0..size * size).map(|pixel| film.mean(pixel, 1)).sum::<f64>() / pixels;
     let opacity: f64 = (0..size * size).map(|pixel| film.mean(pixel, 3)).sum::<f64>() / pixels;
-    println!("mean green {mean:.5}, mean opacity {opacity:.5}");
+    println!("mean green {mean:.5} and, of the light behind, {:.5}", 0.5 * (1.0 - opacity));
     Ok(())
 }

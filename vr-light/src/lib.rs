@@ -28,3 +28,8 @@ pub use random::RandomStream;
 pub use renderer::{LightRenderer, Method};
 pub use spectrum::Spectrum;
 pub use tracking::{MajorantGrid, TrackedMedium, TransmittanceEstimator, Walk};
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
