@@ -42,8 +42,9 @@ fn steps_converge_to_the_integral_of_light_scattered_once() {
     assert!(bound <= 2e-4, "{bound}");
     let errors =
         [8.0, 4.0, 0.5].map(|step| largest(&draw(&LightRenderer { step, ..single() }, &scene, [6, 5]), &exact));
-    // The order is 2 until the spacing of the shadow map tells, which stays as it is: an edge of the box is blurred over 1/160 of it.
-    assert!(errors[0] > 2.0 * errors[1] && errors[2] < 3e-3, "{errors:?}");
+    // Long steps are cut at the cells of the grid of bounds, and share out what is left: their errors fall by no clean order. At short ones the spacing of
+    // the shadow map stays: an edge of the box is blurred over 1/160 of it.
+    assert!(errors[0] > errors[1] && errors[1] > 10.0 * errors[2] && errors[2] < 1e-3, "{errors:?}");
 }
 
 #[test]

@@ -22,6 +22,7 @@ mod ray;
 mod records;
 mod report;
 mod resample;
+mod scattering;
 mod scene_files;
 mod transfer_rows;
 mod uneven_files;

@@ -1,0 +1,81 @@
+//! Media that scatter, as a user asks for them.
+
+use crate::harness::Vr;
+
+/// A scene of fog whose colour is its albedo, under one lamp.
+const SCENE: &str = "[volume]\nphantom = \"fog\"\nsize = 9\n[scattering]\nalbedo = 0.9\nphase = { henyey-greenstein = 0.5 }\n\
+                     environment = [0.1, 0.1, 0.2]\nlights = [{ direction = [0.0, 1.0, 0.0] }]\n[image]\nsize = [12, 9]\n";
+
+#[test]
+fn pictures_tell_their_noise_and_more_paths_make_less_of_it() {
+    let vr = Vr::new();
+    vr.write("fog.toml", SCENE);
+    let noise = |paths: u32| {
+        let json = vr.run(&format!("render --scene fog.toml --set paths={paths} --json -o x.exr")).succeeded().json();
+        assert_eq!(
+            (json["renderer"].as_str(), json["own_errors"]["kind"].as_str()),
+            (Some("light"), Some("standard error"))
+        );
+        assert!(json["error"].is_null(), "{json}");
+        json["own_errors"]["rms"].as_f64().unwrap()
+    };
+    let (few, many) = (noise(16), noise(256));
+    assert!(few > 2.0 * many && many > 0.0, "{few} {many}");
+    let run = vr.run("render --scene fog.toml --set paths=16 -o x.png").succeeded();
+    assert!(run.stdout.contains("noise    standard error"), "{}", run.stdout);
+}
+
+#[test]
+fn flags_choose_the_model_and_light_it() {
+    let vr = Vr::new();
+    let phantom = "--phantom blobs --phantom-size 12 --size 16 -o x.png --json";
+    let full = vr.run(&format!("render {phantom} --model full --set paths=8 --light 1,1,0")).succeeded().json();
+    assert_eq!(full["renderer"], "light");
+    let single = vr.run(&format!("render {phantom} --model single")).succeeded().json();
+    assert!(single["own_errors"].is_null() && single["samples"].as_u64().unwrap() > 0, "{single}");
+    let exact = vr.run(&format!("render {phantom} --size 4 --model single --set exact=true")).succeeded().json();
+    assert_eq!(exact["own_errors"]["kind"], "bound");
+    let none = vr.run(&format!("render {phantom} --model emission-absorption")).succeeded().json();
+    assert_eq!(none["renderer"], "raycast");
+    // Another renderer says what it lacks; so does this one without scattering.
+    let refused = vr.run(&format!("render {phantom} --model full --renderer raycast"));
+    assert!(refused.code == 1 && refused.stderr.contains("does not support scattering"), "{}", refused.stderr);
+    let refused = vr.run(&format!("render {phantom} --renderer light"));
+    assert!(refused.code == 1 && refused.stderr.contains("without scattering"), "{}", refused.stderr);
+    let refused = vr.run(&format!("render {phantom} --model full --albedo 2"));
+    assert!(refused.code == 2 && refused.stderr.contains("scattering.albedo"), "{}", refused.stderr);
+}
+
+#[test]
+fn physics_tells_which_model_a_scene_needs() {
+    let vr = Vr::new();
+    vr.write("fog.toml", SCENE);
+    let run = vr.run("physics --scene fog.toml").succeeded();
+    for word in [
+        "mean free path",
+        "optical thickness",
+        "albedo             up to 0.9",
+        "needed             multiple scattering",
+    ] {
+        assert!(run.stdout.contains(word), "{word}: {}", run.stdout);
+    }
+    let json = vr.run("physics --phantom fog --phantom-size 9 --json").succeeded().json();
+    assert_eq!(json["chosen"], "emission-absorption");
+    assert_eq!(json["models"][3]["bound"], 0.0);
+    let json = vr.run("physics --scene fog.toml --allowed 1000 --json").succeeded().json();
+    assert_eq!(json["chosen"], "vacuum");
+}
+
+#[test]
+fn scenes_with_scattering_come_back_from_files_and_records() {
+    let vr = Vr::new();
+    vr.write("fog.toml", SCENE);
+    vr.run("scene --scene fog.toml -o whole.toml").succeeded();
+    let [first, again] = ["fog.toml", "whole.toml"].map(|scene| {
+        vr.run(&format!("render --scene {scene} --set paths=4 -o {scene}.png --no-record")).succeeded();
+        std::fs::read(vr.folder().join(format!("{scene}.png"))).unwrap()
+    });
+    assert_eq!(first, again);
+    vr.run("render --scene fog.toml --set paths=4 -o x.png").succeeded();
+    vr.run("rerun x.png").succeeded();
+}
