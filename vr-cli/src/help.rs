@@ -125,7 +125,11 @@ pub fn run(args: &HelpArgs, command: Command) -> Result<(), Failure> {
         "presets" => presets(),
         "phantoms" => phantoms(),
         topic => match command.find_subcommand_mut(topic) {
-            Some(sub) => sub.render_long_help().to_string(),
+            // One word is both a command and a renderer.
+            Some(sub) => {
+                sub.render_long_help().to_string()
+                    + &renderers::option_help(topic).map(|page| format!("\n{page}")).unwrap_or_default()
+            }
             None => renderers::option_help(topic).ok_or_else(|| unknown(topic, &command))?,
         },
     };

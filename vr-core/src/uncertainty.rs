@@ -8,7 +8,7 @@
 ///
 /// let noise = Uncertainty::StandardError(vec![[0.3, 0.1, 0.0, 0.0], [0.1, 0.1, 0.0, 0.0]]);
 /// assert_eq!(noise.largest(), 0.3);
-/// assert!((noise.rms() - (0.12f64 / 8.0).sqrt()).abs() < 1e-8);
+/// assert!((noise.rms() - (0.12f64 / 8.0).sqrt()).abs() < 1e-7);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Uncertainty {
