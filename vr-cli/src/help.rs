@@ -28,7 +28,7 @@ const DRAWING: [&str; 10] =
     ["render", "compare", "bench", "report", "turntable", "animate", "presets", "scene", "ray", "physics"];
 
 /// Flags of the headings below that the short help shows; flags of other headings are all shown.
-const ESSENTIAL: [&str; 31] = [
+const ESSENTIAL: [&str; 30] = [
     "path",
     "phantom",
     "scene",
@@ -57,7 +57,6 @@ const ESSENTIAL: [&str; 31] = [
     "frames",
     "turn",
     "fps",
-    "once",
     "time_series",
     "quiet",
 ];
