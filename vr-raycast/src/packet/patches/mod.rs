@@ -13,6 +13,7 @@ mod engine;
 mod lanes;
 mod march;
 mod mesh;
+mod mesh_lanes;
 mod mesh_lattices;
 mod mesh_paces;
 mod mesh_rim;
