@@ -3,20 +3,19 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use vr_core::amr::{AmrCentring, AmrGrid, AmrLattice, AmrSamples};
-use vr_core::{Field, IndexRay, Ray};
+use vr_core::{IndexRay, Ray};
 use vr_kernels::vector::{LANES, Lanes, Stage, Stencils, splat};
 
 use super::lanes::{LaneSteps, PatchPlace, WorldRay};
 use super::march::{Patches, Place};
-use super::mesh_lattices::{MeshLattices, stencil};
+use super::mesh_lattices::MeshLattices;
 use super::mesh_paces::MeshPaces;
-use super::mesh_rim::MeshRim;
 use super::steps::{Batch, Part};
 
 /// Data of a block that lanes need: made once for a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshBlock {
-    place: PatchPlace,
+    pub(super) place: PatchPlace,
     /// First and last place of its lattice whose samples are the level's own, as far as that does not depend on the samples.
     inner: [[i32; 3]; 2],
     /// Edges of the smallest cells, in those of the block's: factors from gradients per sample to gradients of one unit.
@@ -44,7 +43,7 @@ impl MeshBlock {
 }
 
 /// World length that gradients are counted in.
-fn gradient_unit(grid: &AmrGrid) -> f64 {
+pub(super) fn gradient_unit(grid: &AmrGrid) -> f64 {
     grid.finest_spacing().min_element()
 }
 
@@ -61,17 +60,17 @@ pub(crate) struct MeshPatches<'a> {
 
 /// Blocks that sixteen lanes are in.
 pub(crate) struct MeshLanes<'a> {
-    number: [usize; LANES],
+    pub(super) number: [usize; LANES],
     /// Samples of their lattices.
-    values: [&'a [f32]; LANES],
+    pub(super) values: [&'a [f32]; LANES],
     /// Last place of each lattice that has samples behind it.
     last: [[i32; LANES]; 3],
     /// Samples that gradients are made of; `None` where they are asked for one by one.
-    differences: [Option<&'a AmrLattice>; LANES],
+    pub(super) differences: [Option<&'a AmrLattice>; LANES],
     /// First and last place whose samples are the level's own, where values do not tell it: between points.
-    inner: [[[i32; 3]; 2]; LANES],
+    pub(super) inner: [[[i32; 3]; 2]; LANES],
     /// Samples from one y to the next, and from one z.
-    strides: [[i32; LANES]; 2],
+    pub(super) strides: [[i32; LANES]; 2],
     slope: [Lanes; 3],
 }
 
@@ -236,102 +235,4 @@ fn place<S: Simd>(simd: S, within: &MeshLanes<'_>, steps: &LaneSteps, number: f3
         at[2] - low[2].to_float::<f32x16<S>>(),
     ];
     Place { low, fraction }
-}
-
-impl<'a> MeshPatches<'a> {
-    /// Sets the values of lanes beside samples that their levels do not have; NaN in vacuum.
-    #[inline(never)]
-    fn complete_at_rim(
-        &self,
-        within: &MeshLanes<'a>,
-        steps: &LaneSteps,
-        number: &[f32; LANES],
-        (low, fraction): (&[[i32; LANES]; 3], &[[f32; LANES]; 3]),
-        lanes: u32,
-        value: &mut Lanes,
-    ) {
-        let rim = MeshRim { grid: self.grid, samples: self.samples, lattices: self.lattices };
-        let border = AmrLattice::border(self.grid.centring()) as i32;
-        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let low = [low[0][lane] - border, low[1][lane] - border, low[2][lane] - border];
-            let fraction = [fraction[0][lane], fraction[1][lane], fraction[2][lane]];
-            let block = within.number[lane];
-            let near = (border == 1).then(|| rim.value(block, low, fraction)).flatten();
-            value.0[lane] = near.unwrap_or_else(|| {
-                let at = steps.world_at(lane, number[lane]);
-                let fraction = (at - self.blocks[block].place.origin) * self.blocks[block].place.rate - low_of(low);
-                let value = self.samples.value_at_rim(block, low, fraction).or_else(|| self.grid.value(at));
-                value.map_or(f32::NAN, |value| value as f32)
-            });
-        }
-    }
-
-    /// Stages what gradients of lanes are made of; returns the lanes at the rim of a level, of which that does not hold.
-    #[inline(never)]
-    fn gather_stencils(
-        &self,
-        within: &MeshLanes<'a>,
-        low: &[[i32; LANES]; 3],
-        lanes: u32,
-        stencils: &mut Stencils,
-    ) -> u32 {
-        let border = AmrLattice::border(self.grid.centring()) as i32;
-        let mut rims = 0;
-        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let low = [low[0][lane], low[1][lane], low[2][lane]];
-            let out = stencils.of_lane(lane);
-            let [first, last] = within.inner[lane];
-            let is_inner = (0..3).all(|a| first[a] <= low[a] && low[a] <= last[a]) && {
-                let [row, layer] = [within.strides[0][lane], within.strides[1][lane]];
-                let begin = (low[2] * layer + low[1] * row + low[0]) as usize;
-                let (row, layer) = (row as usize, layer as usize);
-                // A sum of finite numbers and one that is not is none.
-                let sum = within.values[lane].get(begin..begin + layer + row + 2).map_or(f32::NAN, |values| {
-                    let pair = |at: usize| values[at] * 0.0 + values[at + 1] * 0.0;
-                    pair(0) + pair(row) + pair(layer) + pair(layer + row)
-                });
-                sum == 0.0
-            };
-            let differences = within.differences[lane].filter(|_| is_inner);
-            if differences.is_some_and(|d| stencil(d, low, out) && out.iter().all(|sample| !sample.is_nan())) {
-                continue;
-            }
-            if !self.samples.stencil(within.number[lane], low.map(|i| i - border), out) {
-                rims |= 1 << lane;
-            }
-        }
-        rims
-    }
-
-    /// Fills the gradients of lanes beside samples that their levels do not have.
-    #[inline(never)]
-    fn rim_gradients(
-        &self,
-        within: &MeshLanes<'a>,
-        steps: &LaneSteps,
-        number: &[f32; LANES],
-        (low, fraction): (&[[i32; LANES]; 3], &[[f32; LANES]; 3]),
-        lanes: u32,
-        gradient: &mut [Lanes; 3],
-    ) {
-        let rim = MeshRim { grid: self.grid, samples: self.samples, lattices: self.lattices };
-        let border = AmrLattice::border(self.grid.centring()) as i32;
-        let unit = gradient_unit(self.grid);
-        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let low = [low[0][lane] - border, low[1][lane] - border, low[2][lane] - border];
-            let fraction = [fraction[0][lane], fraction[1][lane], fraction[2][lane]];
-            let near = (border == 1).then(|| rim.gradient(within.number[lane], low, fraction, unit)).flatten();
-            let found = near.unwrap_or_else(|| {
-                let found = self.grid.gradient(steps.world_at(lane, number[lane])).unwrap_or_default() * unit;
-                found.as_vec3().to_array()
-            });
-            for a in 0..3 {
-                gradient[a].0[lane] = found[a];
-            }
-        }
-    }
-}
-
-fn low_of(low: [i32; 3]) -> glam::DVec3 {
-    glam::DVec3::from_array(low.map(f64::from))
 }

@@ -19,6 +19,7 @@ mod lanes;
 mod march;
 mod merged;
 mod mesh;
+mod mesh_lanes;
 mod mesh_lattices;
 mod mesh_paces;
 mod mesh_rim;

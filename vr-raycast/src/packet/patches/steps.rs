@@ -131,7 +131,7 @@ impl StepBatches {
 
             // Steps with their middle in this part, and the end of the lattice, as far as they must be known.
             let (from, step) = (self.run.from, part.step);
-            let middles = ((part.to - from) / step - 0.5).ceil().max(0.0) as u32;
+            let middles = ceil((part.to - from) / step - 0.5);
             // One step more: if it is the last one, and shorter, its middle may lie here.
             let needed = from + (f64::from(middles) + 1.0) * step;
             let (known, is_closed) = self.known_end();
@@ -214,6 +214,13 @@ impl StepBatches {
         }
         (end, self.is_closed)
     }
+}
+
+/// Smallest whole number that is not below another, 0 at least: where a machine has no instruction for it, several times as fast as the standard library's.
+#[inline]
+fn ceil(x: f64) -> u32 {
+    let cut = x as u32;
+    cut.saturating_add(u32::from(f64::from(cut) < x))
 }
 
 fn single(patch: usize, [begin, length]: [f64; 2]) -> Batch {
