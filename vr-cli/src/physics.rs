@@ -27,7 +27,7 @@ pub fn run(args: &PhysicsArgs, console: Console, _control: &Control) -> Result<(
     console.result(&text(&setup.title, &ladder, args.allowed), &json)
 }
 
-/// What there is, and what each model would cost, for people.
+/// Formats the facts of a scene and the cost of each model as text.
 fn text(title: &str, ladder: &Ladder, allowed: f64) -> String {
     let facts = ladder.facts();
     let mut lines = vec![format!("scene              {title}")];

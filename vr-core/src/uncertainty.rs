@@ -1,4 +1,4 @@
-//! What a renderer itself says of the error of its picture.
+//! Errors of a picture that its renderer knows.
 
 /// Error of each component of each pixel, as the renderer that drew them knows it: red, green, blue and opacity, row by row from the top.
 ///

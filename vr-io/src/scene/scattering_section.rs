@@ -40,11 +40,11 @@ impl Default for ScatteringSection {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum AlbedoEntry {
-    /// That of the transfer function's colour.
+    /// The albedo is the colour of the transfer function.
     Word(ColorWord),
     /// The same in all bands.
     Grey(f64),
-    /// Of red, green and blue.
+    /// One albedo each for red, green and blue.
     Bands([f64; 3]),
 }
 
@@ -52,7 +52,7 @@ pub enum AlbedoEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ColorWord {
-    /// That of the transfer function.
+    /// The colour of the transfer function.
     Color,
 }
 

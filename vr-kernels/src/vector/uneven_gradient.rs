@@ -61,7 +61,7 @@ mod tests {
 
     use super::*;
 
-    /// Of a trilinear function of the places, slopes are exact, in the middle and at the faces.
+    /// Slopes of a trilinear function of the positions are exact, in the middle and at the faces.
     #[test]
     fn gradients_of_trilinear_functions_are_exact() {
         let places = [[0.0f32, 1.0, 3.0, 3.5], [0.0, 0.25, 0.75, 2.0], [-1.0, 0.0, 4.0, 4.5]];

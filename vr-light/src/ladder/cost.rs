@@ -41,8 +41,8 @@ fn orders_after(times: u32, facts: &SceneFacts) -> f64 {
         return 0.0;
     }
     let series = cover * first / (1.0 - ratio);
-    // Without lamps no radiance is above the brightest that comes in or is made.
-    series.min(facts.incoming.max(facts.glow))
+    // Without lamps no radiance is above the brightest that comes in, or that of the medium in equilibrium with itself.
+    series.min(facts.incoming.max(facts.thermal))
 }
 
 #[cfg(test)]
@@ -56,6 +56,7 @@ mod tests {
         length: 2.0,
         albedo: 0.0,
         glow: 0.0,
+        thermal: 0.0,
         emission: 0.0,
         lit: 0.0,
         incoming: 0.0,
@@ -68,7 +69,7 @@ mod tests {
         assert_eq!(of(&SceneFacts { thickness_bound: 0.0, ..DARK }), [0.0; 6]);
         let dark = of(&DARK);
         assert!((dark[0] - cover).abs() < 1e-15 && dark[1] == 0.0, "{dark:?}");
-        let glowing = of(&SceneFacts { glow: 3.0, emission: 3.0, ..DARK });
+        let glowing = of(&SceneFacts { glow: 3.0, thermal: 3.0, emission: 3.0, ..DARK });
         assert!((glowing[1] - 3.0 * cover).abs() < 1e-12 && glowing[3] == 0.0, "{glowing:?}");
         assert!((glowing[2] - 3.0 * (2.0 - cover)).abs() < 1e-12);
     }
@@ -82,5 +83,10 @@ mod tests {
         // A white fog without end in the light of a sky is as bright as the sky at most.
         let sky = SceneFacts { albedo: 1.0, lit: 0.3, incoming: 0.3, thickness_bound: f64::INFINITY, ..DARK };
         assert_eq!(cost(LightModel::EmissionAbsorption, &sky), 0.3);
+        // One that glows and hardly absorbs is, deep inside, as bright as if it scattered nothing: ten times its q/χ.
+        let warm = SceneFacts { albedo: 0.9, glow: 0.1, thermal: 1.0, emission: 0.1, length: f64::INFINITY, ..sky };
+        let warm = SceneFacts { incoming: 0.0, lit: 0.0, ..warm };
+        let cost = cost(LightModel::EmissionAbsorption, &warm);
+        assert!((cost - 0.9).abs() < 1e-12, "{cost}");
     }
 }

@@ -21,6 +21,8 @@ pub struct SceneFacts {
     pub albedo: f64,
     /// Bound of q/χ, the radiance that the medium would have in the dark if nothing were scattered; +∞ where transparent places emit.
     pub glow: f64,
+    /// Bound of q/κ, the radiance of the medium in equilibrium with its own light; +∞ where places emit that do not absorb.
+    pub thermal: f64,
     /// Bound of q, per world unit.
     pub emission: f64,
     /// Bound of the source function j/χ of light from lamps and from all sides, scattered once.
@@ -38,12 +40,16 @@ impl SceneFacts {
         let scattering = scene.scattering.as_deref();
         let albedo = scattering.map_or([0.0; 3], |s| s.albedo.of(color));
         let largest = |channels: [f64; 3]| channels.into_iter().fold(0.0, f64::max);
-        let glow = match scattering.map(|s| s.albedo) {
-            _ if transfer.has_emission() && transfer.brightest_emission() > 0.0 => f64::INFINITY,
-            _ if transfer.has_emission() => 0.0,
-            Some(Albedo::Color) => 0.0,
-            Some(Albedo::Constant(albedo)) => largest(std::array::from_fn(|c| (1.0 - albedo[c]) * color[c])),
-            None => largest(color),
+        let [glow, thermal] = match scattering.map(|s| s.albedo) {
+            _ if transfer.has_emission() && transfer.brightest_emission() > 0.0 => [f64::INFINITY; 2],
+            _ if transfer.has_emission() => [0.0; 2],
+            Some(Albedo::Color) => [0.0; 2],
+            Some(Albedo::Constant(albedo)) => {
+                let absorbed = |c: usize| (1.0 - albedo[c]) * color[c];
+                let equilibrium = |c: usize| if albedo[c] < 1.0 { color[c] } else { 0.0 };
+                [largest(std::array::from_fn(absorbed)), largest(std::array::from_fn(equilibrium))]
+            }
+            None => [largest(color); 2],
         };
         let extinction = medium.extinction_range(low, high)[1];
         // A medium of colours emits κ·c.
@@ -56,6 +62,7 @@ impl SceneFacts {
             length: (high - low).length(),
             albedo: largest(albedo),
             glow,
+            thermal,
             emission,
             lit: scattering.map_or(0.0, |s| lit(s, scene, albedo)),
             incoming: if lamps { f64::INFINITY } else { scattering.map_or(0.0, |s| largest(s.environment)) },

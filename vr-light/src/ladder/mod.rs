@@ -48,7 +48,7 @@ impl LightModel {
         Self::MultipleScattering,
     ];
 
-    /// What leaving the rest out means, in a few words.
+    /// The effects that the model leaves out, in a few words.
     pub fn leaves_out(self) -> &'static str {
         match self {
             Self::Vacuum => "the medium",

@@ -12,7 +12,7 @@ use crate::random::RandomStream;
 use crate::spectrum::{LANES, Lanes};
 use crate::tracking::{TrackedMedium, TransmittanceEstimator};
 
-/// What light is scattered by.
+/// Scatterer of light: the medium or a surface.
 pub(super) enum Scatterer<'a> {
     /// The medium.
     Phase(&'a PhaseFunction),

@@ -28,7 +28,7 @@ use prepared::PreparedLight;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightRenderer {
-    /// How much of the equation of transfer is solved.
+    /// Orders of scattering that are drawn.
     pub method: Method,
     /// Random paths for each pixel, 1 or more.
     pub paths: u32,
@@ -44,7 +44,7 @@ pub struct LightRenderer {
     pub exact: bool,
 }
 
-/// How much of the equation of transfer is solved.
+/// Orders of scattering that are drawn, and how.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
     /// Light that is scattered any number of times, by random paths.
