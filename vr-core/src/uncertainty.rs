@@ -7,7 +7,7 @@
 /// use vr_core::Uncertainty;
 ///
 /// let noise = Uncertainty::StandardError(vec![[0.3, 0.1, 0.0, 0.0], [0.1, 0.1, 0.0, 0.0]]);
-/// assert_eq!(noise.largest(), 0.3);
+/// assert_eq!(noise.largest(), f64::from(0.3f32));
 /// assert!((noise.rms() - (0.12f64 / 8.0).sqrt()).abs() < 1e-7);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
