@@ -85,6 +85,7 @@ pub mod scattering;
 mod scene;
 mod shading;
 mod stats;
+mod stored_at;
 mod stretch;
 mod surfaces;
 pub mod transfer;

@@ -6,7 +6,6 @@ use vr_kernels::vector::Operator;
 
 use crate::draw::{Pixel, State};
 use crate::fragments::Fragments;
-use crate::model::{Gradient, Stored};
 
 /// Inputs for finishing pixels.
 pub(crate) struct Finish<'a> {
@@ -56,7 +55,7 @@ impl Finish<'_> {
     fn first(&self, rays: &Fragments, i: usize, state: &State, sign: f64) -> Pixel {
         let Compositing::First { threshold } = self.scene.compositing else { return Pixel::NOTHING };
         let threshold = self.volume.calibration().stored(threshold);
-        let stored = |s: f64| self.volume.with_sampler(Stored(self.index(rays, i, s)));
+        let stored = |s: f64| self.volume.stored_at(self.index(rays, i, s));
         let (mut below, mut reached) = (rays.distance_at(i, state.other.0[i]), rays.distance_at(i, state.value.0[i]));
         // Where a ray enters, both are the same.
         for _ in 0..if below < reached { HALVINGS } else { 0 } {
@@ -67,7 +66,7 @@ impl Finish<'_> {
         let [r, g, b] = self.scene.transfer.at(self.volume.calibration().value(stored(reached))).color;
         let mut rgba = [r, g, b, 1.0];
         if let Some(shading) = self.scene.reflection() {
-            let gradient = self.volume.with_lattice(Gradient(self.index(rays, i, reached)));
+            let gradient = self.volume.central_differences_at(self.index(rays, i, reached));
             let world = self.volume.placement().gradient_to_world(gradient.into());
             let along = DVec3::from(rays.chords.along.map(|a| a[i]));
             rgba = shading.along(&self.scene.lights, along).shade(rgba, world.to_array());

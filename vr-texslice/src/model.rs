@@ -2,11 +2,9 @@
 
 use std::sync::Arc;
 
-use vr_core::filter::{Lattice, Reconstruction};
 use vr_core::optics::opacity_of_thickness;
 use vr_core::{
-    Control, DiscreteModel, GridVolume, IndexRay, LatticeVisitor, Layer, Ray, Rays, RenderError, Sampler,
-    SamplerVisitor, Scene, SegmentTerm, View, Voxel, gradient_between_samples,
+    Control, DiscreteModel, GridVolume, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View, Voxel,
 };
 use vr_kernels::tables::PreIntegrated;
 
@@ -110,7 +108,7 @@ impl Along<'_> {
         if let Some(compressed) = &self.model.compressed {
             return self.between_texels(s, |texel| [f64::from(compressed.at(texel)); 1])[0];
         }
-        self.volume.with_sampler(Stored(self.index(s)))
+        self.volume.stored_at(self.index(s))
     }
 
     /// Linear between the eight texels around a distance.
@@ -170,28 +168,8 @@ impl Along<'_> {
         }
         let light = scene.transfer.step(self.volume.calibration().value(stored), length);
         let Some(shading) = scene.reflection() else { return light };
-        let gradient = self.volume.with_lattice(Gradient(self.index(middle)));
+        let gradient = self.volume.central_differences_at(self.index(middle));
         let world = self.volume.placement().gradient_to_world(gradient.into());
         shading.along(&scene.lights, self.ray.direction).shade(light, world.to_array())
-    }
-}
-
-pub(crate) struct Stored(pub(crate) [f64; 3]);
-
-impl SamplerVisitor for Stored {
-    type Output = f64;
-
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> f64 {
-        sampler.value(self.0)
-    }
-}
-
-pub(crate) struct Gradient(pub(crate) [f64; 3]);
-
-impl LatticeVisitor for Gradient {
-    type Output = [f64; 3];
-
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
-        gradient_between_samples(&lattice, self.0)
     }
 }

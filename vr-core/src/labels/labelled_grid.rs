@@ -9,17 +9,14 @@ use super::error::LabelError;
 use super::label_map::{LabelMap, corners};
 use super::line::LabelledLine;
 use super::style::LabelStyle;
-use crate::central_differences::gradient_between_samples;
 use crate::error::ParameterError;
 use crate::field::{Field, FieldLine};
-use crate::filter::{Filter, Lattice, Reconstruction};
-use crate::grid_volume::{GridVolume, LatticeVisitor, SamplerVisitor};
+use crate::filter::Filter;
+use crate::grid_volume::GridVolume;
 use crate::ray::Ray;
-use crate::sampler::Sampler;
 use crate::shading::GradientMethod;
 use crate::transfer::{ControlPoint, TransferFunction};
 use crate::view::Clip;
-use crate::voxel::Voxel;
 
 /// A grid whose places are drawn in the style of their label.
 ///
@@ -285,7 +282,7 @@ impl Field for LabelledGrid {
             Code::Vacuum => None,
             Code::Constant(value) => Some(value),
             Code::Offset(offset) => {
-                let stored = self.volume.with_sampler(ValueAt(index));
+                let stored = self.volume.stored_at(index.to_array());
                 (!stored.is_nan()).then(|| self.volume.calibration().value(stored) + offset)
             }
         }
@@ -307,11 +304,14 @@ impl Field for LabelledGrid {
             Code::Vacuum => None,
             Code::Constant(_) => Some(self.region_gradient(self.boundary(position, code).gradient(position))),
             Code::Offset(_) => {
+                let place = index.to_array();
                 let per_index = match self.gradient {
-                    GradientMethod::Analytic => self.volume.with_sampler(GradientAt(index)),
-                    GradientMethod::CentralDifferences => self.volume.with_lattice(GradientAt(index)),
+                    GradientMethod::Analytic => self.volume.stored_and_gradient_at(place).1,
+                    GradientMethod::CentralDifferences => self.volume.central_differences_at(place),
                 };
-                Some(self.volume.placement().gradient_to_world(per_index * self.volume.calibration().slope))
+                Some(
+                    self.volume.placement().gradient_to_world(DVec3::from(per_index) * self.volume.calibration().slope),
+                )
             }
         }
     }
@@ -333,31 +333,5 @@ impl LabelledGrid {
     /// True if the grid's own field may jump inside its box.
     pub(super) fn grid_jumps(&self) -> bool {
         self.volume.filter() == Filter::Nearest || self.volume.vacuum_cells().is_some()
-    }
-}
-
-struct ValueAt(DVec3);
-
-impl SamplerVisitor for ValueAt {
-    type Output = f64;
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> f64 {
-        sampler.value(self.0.to_array())
-    }
-}
-
-/// Gradient per index step at a place.
-struct GradientAt(DVec3);
-
-impl SamplerVisitor for GradientAt {
-    type Output = DVec3;
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> DVec3 {
-        DVec3::from(sampler.value_and_gradient(self.0.to_array()).1)
-    }
-}
-
-impl LatticeVisitor for GradientAt {
-    type Output = DVec3;
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> DVec3 {
-        DVec3::from(gradient_between_samples(&lattice, self.0.to_array()))
     }
 }

@@ -14,27 +14,6 @@ use crate::shading::GradientMethod;
 use crate::view::Clip;
 use crate::voxel::Voxel;
 
-/// The stored number at a place in index space, and its gradient per index step.
-struct SampleAt(DVec3);
-
-impl SamplerVisitor for SampleAt {
-    type Output = (f64, DVec3);
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> (f64, DVec3) {
-        let (value, gradient) = sampler.value_and_gradient(self.0.to_array());
-        (value, gradient.into())
-    }
-}
-
-/// The stored number at a place in index space.
-struct ValueAt(DVec3);
-
-impl SamplerVisitor for ValueAt {
-    type Output = f64;
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> f64 {
-        sampler.value(self.0.to_array())
-    }
-}
-
 /// The values at world positions, by one sampler.
 struct ValuesAt<'a> {
     grid: &'a RectilinearGrid,
@@ -71,7 +50,7 @@ impl Field for RectilinearGrid {
     }
 
     fn value(&self, at: DVec3) -> Option<f64> {
-        let stored = self.lattice().with_sampler(ValueAt(self.to_index(at)?));
+        let stored = self.lattice().stored_at(self.to_index(at)?.to_array());
         (!stored.is_nan()).then(|| self.lattice().calibration().value(stored))
     }
 
@@ -85,7 +64,7 @@ impl Field for RectilinearGrid {
 
     fn gradient(&self, at: DVec3) -> Option<DVec3> {
         let index = self.to_index(at)?;
-        let (stored, per_index) = self.lattice().with_sampler(SampleAt(index));
+        let (stored, per_index) = self.lattice().stored_and_gradient_at(index.to_array());
         if stored.is_nan() {
             return None;
         }
@@ -96,7 +75,7 @@ impl Field for RectilinearGrid {
             slope
                 * match self.gradient_method() {
                     GradientMethod::Analytic => {
-                        per_index / DVec3::from_array(std::array::from_fn(|a| axes[a].width(cell[a])))
+                        DVec3::from(per_index) / DVec3::from_array(std::array::from_fn(|a| axes[a].width(cell[a])))
                     }
                     GradientMethod::CentralDifferences => {
                         let corners = self.lattice().with_lattice(CornerGradients { axes, cell });

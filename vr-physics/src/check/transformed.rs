@@ -111,18 +111,10 @@ mod tests {
     use super::*;
     use crate::cases;
     use glam::DMat3;
-    use vr_core::{GridVolume, Sampler, SamplerVisitor, Voxel, filter::Reconstruction};
-
-    struct At([f64; 3]);
-    impl SamplerVisitor for At {
-        type Output = f64;
-        fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> f64 {
-            sampler.value(self.0)
-        }
-    }
+    use vr_core::GridVolume;
 
     fn field(volume: &GridVolume, world: DVec3) -> f64 {
-        volume.with_sampler(At(volume.placement().to_index(world).to_array()))
+        volume.stored_at(volume.placement().to_index(world).to_array())
     }
 
     #[test]

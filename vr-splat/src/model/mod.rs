@@ -5,11 +5,7 @@ mod gather;
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use vr_core::filter::Lattice;
-use vr_core::{
-    Control, DiscreteModel, IndexRay, LatticeVisitor, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View, Voxel,
-    gradient_between_samples,
-};
+use vr_core::{Control, DiscreteModel, IndexRay, Layer, Ray, Rays, RenderError, Scene, SegmentTerm, View};
 
 use crate::input::{SplatInput, profile};
 use crate::kernel::Profile;
@@ -81,7 +77,7 @@ impl SplatModel {
     fn step(&self, line: &Line, depth: f64, value: f64, length: f64) -> SegmentTerm {
         let mut light = self.scene.transfer.step(value, length);
         if let (Some(shading), SplatInput::Grid(grid)) = (self.scene.reflection(), &self.input) {
-            let gradient = DVec3::from(grid.with_lattice(Gradient(line.index_at(grid, depth).to_array())));
+            let gradient = DVec3::from(grid.central_differences_at(line.index_at(grid, depth).to_array()));
             let world = grid.placement().gradient_to_world(gradient);
             light = shading.along(&self.scene.lights, line.direction).shade(light, world.to_array());
         }
@@ -216,16 +212,5 @@ impl SplatModel {
             }
         }
         terms
-    }
-}
-
-/// The interpolated gradient at a place in a grid.
-struct Gradient([f64; 3]);
-
-impl LatticeVisitor for Gradient {
-    type Output = [f64; 3];
-
-    fn visit<T: Voxel>(self, lattice: Lattice<'_, T>) -> [f64; 3] {
-        gradient_between_samples(&lattice, self.0)
     }
 }
