@@ -106,16 +106,46 @@ impl<'a> PathSampler<'a> {
     ) -> Result<(), RenderError> {
         let bands = self.scene.bands();
         assert_eq!(out.len(), bands + 1, "one place for each band, and one for the opacity");
-        out[bands] = 0.0;
+        self.sample_radiance(ray, random, control, &mut out[..bands])?;
+        out[bands] = self.sample_opacity(ray, random);
+        Ok(())
+    }
+
+    /// Fills an estimate of the radiance of each band that comes along a ray.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`].
+    ///
+    /// # Panics
+    /// If `out` does not have one place for each band.
+    pub fn sample_radiance(
+        &self,
+        ray: &Ray,
+        random: &mut RandomStream,
+        control: &Control,
+        out: &mut [f64],
+    ) -> Result<(), RenderError> {
+        assert_eq!(out.len(), self.scene.bands(), "one place for each band");
         let mut first = 0;
-        while first < bands {
+        while first < out.len() {
             let group = self.group(first);
-            out[bands] += self.opacity(ray, first, random) * group.count as f64 / bands as f64;
             let radiance = self.radiance(ray, group, random, control)?;
             out[first..first + group.count].copy_from_slice(&radiance[..group.count]);
             first += group.count;
         }
         Ok(())
+    }
+
+    /// An estimate of the opacity along a ray: 1 − the mean transmittance of the bands.
+    pub fn sample_opacity(&self, ray: &Ray, random: &mut RandomStream) -> f64 {
+        let bands = self.scene.bands();
+        let (mut first, mut sum) = (0, 0.0);
+        while first < bands {
+            let group = self.group(first);
+            sum += self.opacity(ray, first, random) * group.count as f64;
+            first += group.count;
+        }
+        sum / bands as f64
     }
 
     /// Opacity of a band along the primary ray: 1 if it ends on a surface.
@@ -174,7 +204,7 @@ impl<'a> PathSampler<'a> {
         let (medium, group) = (tracked.medium(), path.group);
         // Light travels against the ray.
         let travel = -path.ray.direction;
-        let emits = medium.has_emission();
+        let emits = tracked.emits();
         let mut bands = [Coefficients::default(); LANES];
         let mut flight = Flight::new(tracked, &path.ray, far, random);
         while let Some((distance, rate)) = flight.tentative() {
@@ -189,7 +219,7 @@ impl<'a> PathSampler<'a> {
             };
             if flight.collides(extinction, random) {
                 if !emits {
-                    medium.coefficients(at, travel, group.first, &mut bands[..group.count]);
+                    medium.coefficients_of(extinction, at, travel, group.first, &mut bands[..group.count]);
                 }
                 return Some((at, bands));
             }
