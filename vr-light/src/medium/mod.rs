@@ -91,10 +91,9 @@ pub trait Medium: Send + Sync + Debug {
         }
     }
 
-    /// Fills the coefficients as [`Self::coefficients`] does where the extinction of the first band is known: a medium of one albedo need not look
-    /// the place up again.
-    fn coefficients_of(&self, _extinction: f64, at: DVec3, direction: DVec3, first: usize, out: &mut [Coefficients]) {
-        self.coefficients(at, direction, first, out);
+    /// The albedo of a band, if it is the same in all places that are not vacuum and in all directions: paths need not look it up then.
+    fn albedo(&self, _band: usize) -> Option<f64> {
+        None
     }
 
     /// True if all bands have the same extinction everywhere: one path serves all of them then.

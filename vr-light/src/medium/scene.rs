@@ -124,15 +124,10 @@ impl Medium for SceneMedium {
         }
     }
 
-    fn coefficients_of(&self, extinction: f64, at: DVec3, direction: DVec3, first: usize, out: &mut [Coefficients]) {
+    fn albedo(&self, band: usize) -> Option<f64> {
         match self.scattering.albedo {
-            Albedo::Constant(albedo) if !self.emits => {
-                for (out, albedo) in out.iter_mut().zip(&albedo[first..]) {
-                    let scattering = albedo * extinction;
-                    *out = Coefficients { absorption: extinction - scattering, scattering, emission: 0.0 };
-                }
-            }
-            _ => self.coefficients(at, direction, first, out),
+            Albedo::Constant(albedo) => Some(albedo[band]),
+            Albedo::Color => None,
         }
     }
 
