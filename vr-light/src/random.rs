@@ -1,6 +1,7 @@
 //! Random numbers that are a function of a counter, so that pictures repeat bit for bit, in any order and on any number of threads.
 
-/// Random numbers of one path: Philox 4×32 with ten rounds (Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011).
+/// Random numbers of one path: Philox 4×32 (Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011) with seven rounds, the
+/// fewest that pass all of the authors' tests.
 ///
 /// The n-th number is a function of seed, pixel, sample and n alone. A run that is resumed goes on with the next sample.
 ///
@@ -76,13 +77,14 @@ fn logarithm(x: f64) -> f64 {
     exponent as f64 * std::f64::consts::LN_2 + 2.0 * (s + s * z * (low + fourth * high))
 }
 
-/// Ten rounds of Philox 4×32.
+/// Seven rounds of Philox 4×32.
+#[inline]
 fn philox(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     let product = |a: u32, b: u32| {
         let wide = u64::from(a) * u64::from(b);
         ((wide >> 32) as u32, wide as u32)
     };
-    for _ in 0..10 {
+    for _ in 0..7 {
         let (high0, low0) = product(0xD251_1F53, counter[0]);
         let (high1, low1) = product(0xCD9E_8D57, counter[2]);
         counter = [high1 ^ counter[1] ^ key[0], low1, high0 ^ counter[3] ^ key[1], low0];
@@ -98,11 +100,11 @@ mod tests {
 
     #[test]
     fn gives_the_published_numbers() {
-        // The known answers of the authors' Random123 (kat_vectors), `philox4x32 10`.
-        assert_eq!(philox([0; 4], [0; 2]), [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]);
-        assert_eq!(philox([u32::MAX; 4], [u32::MAX; 2]), [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]);
+        // The known answers of the authors' Random123 (kat_vectors), `philox4x32 7`.
+        assert_eq!(philox([0; 4], [0; 2]), [0x5f6f_b709, 0x0d89_3f64, 0x4f12_1f81, 0x4f73_0a48]);
+        assert_eq!(philox([u32::MAX; 4], [u32::MAX; 2]), [0x5207_ddc2, 0x4516_5e59, 0x4d8e_e751, 0x8c52_f662]);
         let counter = [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344];
-        let expected = [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1];
+        let expected = [0x4dfc_caba, 0x190a_87f0, 0xc473_62ba, 0xb6b5_242a];
         assert_eq!(philox(counter, [0xa409_3822, 0x299f_31d0]), expected);
     }
 

@@ -50,13 +50,14 @@ pub struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     /// The part of a ray up to the world distance `far`.
+    #[inline]
     pub fn new(grid: &'a MajorantGrid, ray: &Ray, far: f64) -> Self {
         let (low, high) = grid.bounds();
         let (mut start, mut end) = (0.0f64, far);
         let inverse = ray.direction.to_array().map(|slope| 1.0 / slope);
         for a in 0..3 {
             let (from, to) = part_between(ray.origin[a], inverse[a], low[a], high[a]);
-            (start, end) = (start.max(from), end.min(to));
+            (start, end) = (if from > start { from } else { start }, if to < end { to } else { end });
         }
         let mut walk =
             Self { grid, cell: [0; 3], step: [1; 3], next: [f64::INFINITY; 3], spacing: [0.0; 3], at: start, end };
@@ -76,7 +77,8 @@ impl<'a> Walk<'a> {
                 // Left where the box is, which `end` says.
                 continue;
             }
-            let index = (((place[a] - low[a]) * per_unit[a]).max(0.0) as usize).min(dims - 1);
+            // `as` saturates: what rounding carries out of the box is in its outermost cells.
+            let index = (((place[a] - low[a]) * per_unit[a]) as i32).clamp(0, dims as i32 - 1) as usize;
             self.cell[a] = index;
             if is_parallel(inverse[a]) {
                 continue;
@@ -107,7 +109,9 @@ impl Iterator for Walk<'_> {
         };
         let (start, cell) = (self.at, self.grid.cell(self.cell));
         // Rounding may put a face before the place reached: that stretch is empty.
-        let end = self.next[axis].max(start).min(self.end);
+        let next = self.next[axis];
+        let end = if next < start { start } else { next };
+        let end = if end < self.end { end } else { self.end };
         let index = self.cell[axis].wrapping_add(self.step[axis]);
         if index < self.grid.dims()[axis] && end < self.end {
             self.at = end;
