@@ -66,6 +66,7 @@ impl GridVolume {
     }
 
     /// The values, as they are stored. Of floats, all are read at the first call, for their range; of integers none.
+    #[inline]
     pub fn values(&self) -> &AnyGrid {
         let Values { given, framed: in_frame, .. } = &*self.values;
         let AnyGrid::F32(floats) = given else { return given };
@@ -154,6 +155,7 @@ impl GridVolume {
     }
 
     /// The voxels with missing ones replaced by the nearest finite value; `None` where none is missing.
+    #[inline]
     fn filled(&self) -> Option<&(UniformGrid<f32>, VacuumCells)> {
         let make = || match self.values() {
             AnyGrid::F32(g) if g.value_stats().has_missing() => Some((fill_missing(g), VacuumCells::new(g))),

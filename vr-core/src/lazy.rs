@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 ///
 /// No lock is held meanwhile, as [`OnceLock::get_or_init`] does: what is computed in parallel may have its thread take up other work while
 /// it waits, and that work may ask for the same value. Threads that ask at once compute it more than once; all get the same one.
+#[inline]
 pub(crate) fn computed<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> T) -> &T {
     match cell.get() {
         Some(value) => value,

@@ -55,7 +55,7 @@ proptest! {
     #[test]
     fn models_cost_no_more_than_their_bounds(scene in scenes()) {
         let ladder = Ladder::of(&scene, &Clip::default(), 0.0).unwrap();
-        let full = picture(&LightRenderer { paths: 200, ..LightRenderer::default() }, &scene);
+        let full = picture(&LightRenderer { paths: 800, ..LightRenderer::default() }, &scene);
         // Emission and absorption is what the reference makes of the scene without scattering: the same extinction, and the source κ·c of what is
         // not scattered.
         let single = {

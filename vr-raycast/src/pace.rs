@@ -21,7 +21,8 @@ pub(crate) struct Pace<R> {
 pub(crate) enum Lengths {
     /// In proportion to the distance of the field's samples: `step` where it is `spacing`, in world units.
     Uniform { step: f64, spacing: f64 },
-    /// As long as the values allow within a part of `edge` cells along each side. The shortest side of a cell is `shortest` times the spacing of the samples.
+    /// By the range of the values in each part of the field, a box of `edge` cells along each side. The shortest side of a cell is `shortest` times the
+    /// spacing of the samples.
     Local { steps: Arc<RangeSteps>, edge: f64, shortest: f64 },
 }
 

@@ -139,7 +139,13 @@ const FIRST: [&str; 5] = ["value", "headlight", "normal", "direction", "color"];
 
 /// The TOML of a value on one line.
 fn item_text(value: &Value) -> String {
-    let Value::Table(table) = value else { return value.to_string() };
+    let table = match value {
+        Value::Table(table) => table,
+        Value::Array(list) if list.iter().any(Value::is_table) => {
+            return format!("[{}]", list.iter().map(item_text).collect::<Vec<_>>().join(", "));
+        }
+        _ => return value.to_string(),
+    };
     let mut entries: Vec<(&String, &Value)> = table.iter().collect();
     entries.sort_by_key(|(key, _)| FIRST.iter().position(|first| first == key).unwrap_or(FIRST.len()));
     let entries: Vec<String> =

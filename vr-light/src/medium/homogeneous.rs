@@ -75,6 +75,10 @@ impl Homogeneous {
 }
 
 impl Medium for Homogeneous {
+    fn albedo(&self, band: usize) -> Option<f64> {
+        Some(self.bands[band].albedo())
+    }
+
     fn bounds(&self) -> (DVec3, DVec3) {
         self.bounds
     }

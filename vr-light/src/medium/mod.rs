@@ -1,6 +1,7 @@
 //! Media: what absorbs, scatters and emits light between the boundaries.
 
 mod band_matrix;
+mod extinction_curve;
 mod function;
 mod homogeneous;
 mod scene;
@@ -78,6 +79,21 @@ pub trait Medium: Send + Sync + Debug {
         let mut one = [Coefficients::default()];
         self.coefficients(at, direction, band, &mut one);
         one[0].extinction()
+    }
+
+    /// Fills χ of one band at points, for light that travels in a direction. What a look-up begins with is done once for all of them.
+    ///
+    /// # Panics
+    /// May panic if the lists are not of one length.
+    fn extinctions(&self, at: &[DVec3], direction: DVec3, band: usize, out: &mut [f64]) {
+        for (out, &at) in out.iter_mut().zip(at) {
+            *out = self.extinction(at, direction, band);
+        }
+    }
+
+    /// The albedo of a band, if it is the same in all places that are not vacuum and in all directions: paths need not look it up then.
+    fn albedo(&self, _band: usize) -> Option<f64> {
+        None
     }
 
     /// True if all bands have the same extinction everywhere: one path serves all of them then.

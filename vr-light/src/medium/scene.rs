@@ -7,6 +7,7 @@ use vr_core::scattering::{Albedo, PhaseFunction, Scattering};
 use vr_core::transfer::Optical;
 use vr_core::{Clip, ParameterError, Scene, TransferFunction};
 
+use super::extinction_curve::ExtinctionCurve;
 use super::scene_field::SceneField;
 use super::{Coefficients, Medium};
 
@@ -42,8 +43,8 @@ pub struct SceneMedium {
     field: SceneField,
     transfer: Arc<TransferFunction>,
     scattering: Scattering,
-    /// Extinction of opacity 1.
-    wall: f64,
+    extinction: ExtinctionCurve,
+    emits: bool,
 }
 
 impl SceneMedium {
@@ -63,19 +64,15 @@ impl SceneMedium {
             field: SceneField::new(&scene.volume, clip),
             transfer: Arc::clone(&scene.transfer),
             scattering: scattering.clone(),
-            wall: WALL_DEPTH / shortest,
+            extinction: ExtinctionCurve::new(&scene.transfer, WALL_DEPTH / shortest),
+            emits: emits(&scene.transfer, scattering),
         })
-    }
-
-    /// Extinction of an opacity; that of a wall for 1 under the power rule.
-    fn extinction_of(&self, opacity: f64) -> f64 {
-        self.transfer.extinction(opacity).min(self.wall)
     }
 
     /// Coefficients in red, green and blue of a place of these optical properties, whose colour is multiplied by that of the voxels.
     fn of_optical(&self, at: &Optical, tint: [f64; 3]) -> [Coefficients; 3] {
         let color: [f64; 3] = std::array::from_fn(|c| at.color[c] * tint[c]);
-        let extinction = self.extinction_of(at.opacity);
+        let extinction = self.extinction.of_opacity(at.opacity);
         let albedo = self.scattering.albedo.of(color);
         std::array::from_fn(|c| {
             let scattering = albedo[c] * extinction;
@@ -99,7 +96,7 @@ impl SceneMedium {
         let (min, max) = opacities.fold((1.0f64, 0.0f64), |(min, max), opacity| (min.min(opacity), max.max(opacity)));
         // Slack for the rounding of opacities between points, as far as it is seen through the power rule's logarithm.
         let slack = |opacity: f64, sign: f64| (opacity + sign * 1e-12 * opacity.min(1.0 - opacity)).clamp(0.0, 1.0);
-        [self.extinction_of(slack(min, -1.0)), self.extinction_of(slack(max, 1.0))]
+        [slack(min, -1.0), slack(max, 1.0)].map(|opacity| self.extinction.of_opacity(opacity))
     }
 }
 
@@ -117,7 +114,21 @@ impl Medium for SceneMedium {
     }
 
     fn extinction(&self, at: DVec3, _direction: DVec3, _band: usize) -> f64 {
-        self.field.value(at).map_or(0.0, |value| self.extinction_of(self.transfer.at(value).opacity))
+        self.field.value(at).map_or(0.0, |value| self.extinction.at(value))
+    }
+
+    fn extinctions(&self, at: &[DVec3], _direction: DVec3, _band: usize, out: &mut [f64]) {
+        self.field.values(at, out);
+        for out in out {
+            *out = if out.is_nan() { 0.0 } else { self.extinction.at(*out) };
+        }
+    }
+
+    fn albedo(&self, band: usize) -> Option<f64> {
+        match self.scattering.albedo {
+            Albedo::Constant(albedo) => Some(albedo[band]),
+            Albedo::Color => None,
+        }
     }
 
     fn is_grey(&self) -> bool {
@@ -138,15 +149,20 @@ impl Medium for SceneMedium {
     }
 
     fn has_emission(&self) -> bool {
-        match self.scattering.albedo {
-            _ if self.transfer.has_emission() => self.transfer.brightest_emission() > 0.0,
-            Albedo::Color => false,
-            Albedo::Constant(albedo) => albedo != [1.0; 3] && self.transfer.brightest_color() > 0.0,
-        }
+        self.emits
     }
 
     fn resolution(&self) -> [usize; 3] {
         self.field.resolution()
+    }
+}
+
+/// True if any value emits.
+fn emits(transfer: &TransferFunction, scattering: &Scattering) -> bool {
+    match scattering.albedo {
+        _ if transfer.has_emission() => transfer.brightest_emission() > 0.0,
+        Albedo::Color => false,
+        Albedo::Constant(albedo) => albedo != [1.0; 3] && transfer.brightest_color() > 0.0,
     }
 }
 

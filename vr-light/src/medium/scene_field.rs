@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use vr_core::filter::Reconstruction;
-use vr_core::{Clip, GridVolume, Sampler, SamplerVisitor, Volume, Voxel};
+use vr_core::{Calibration, Clip, GridVolume, Sampler, SamplerVisitor, Volume, Voxel};
 use vr_kernels::ranges::RangeBlocks;
 
 /// A volume within a clip.
@@ -13,8 +13,19 @@ pub(super) struct SceneField {
     volume: Volume,
     clip: Clip,
     bounds: (DVec3, DVec3),
+    /// The values, where they are those of a grid.
+    grid: Option<GridValues>,
     /// Ranges of a grid's values in blocks.
     blocks: Option<Arc<RangeBlocks>>,
+}
+
+/// Values of a grid at world points.
+#[derive(Clone, Debug)]
+struct GridValues {
+    grid: Arc<GridVolume>,
+    /// Index of the last voxel along each axis.
+    last: DVec3,
+    calibration: Calibration,
 }
 
 /// Bounds of the field in a box.
@@ -49,7 +60,8 @@ impl SceneField {
             (low, high) = (low.max(crop.0), high.min(crop.1));
         }
         let blocks = volume.value_grid().map(|grid| RangeBlocks::of_volume(grid, EDGE));
-        Self { volume: volume.clone(), clip: clip.clone(), bounds: (low, high), blocks }
+        let grid = volume.value_grid().map(GridValues::new);
+        Self { volume: volume.clone(), clip: clip.clone(), bounds: (low, high), grid, blocks }
     }
 
     /// World box outside of which is vacuum; its corners are the wrong way round if the clip leaves nothing.
@@ -72,10 +84,21 @@ impl SceneField {
         if !self.keeps(at) {
             return None;
         }
-        match &self.volume {
-            Volume::Grid(grid) => grid_value(grid, at).map(|found| found.0),
-            Volume::Color(colors) => grid_value(colors.values(), at).map(|found| found.0),
-            other => other.field().and_then(|field| field.value(at)),
+        match &self.grid {
+            Some(grid) => grid.at(at).map(|found| found.0),
+            None => self.volume.field().and_then(|field| field.value(at)),
+        }
+    }
+
+    /// Fills the values at points, NaN in vacuum.
+    pub fn values(&self, at: &[DVec3], out: &mut [f64]) {
+        match &self.grid {
+            Some(grid) => grid.grid.with_sampler(ValuesAt { values: grid, field: self, at, out }),
+            None => {
+                for (out, &at) in out.iter_mut().zip(at) {
+                    *out = self.value(at).unwrap_or(f64::NAN);
+                }
+            }
         }
     }
 
@@ -85,7 +108,7 @@ impl SceneField {
         if !self.keeps(at) {
             return None;
         }
-        grid_value(colors.values(), at).map(|(value, index)| (value, colors.color(index)))
+        self.grid.as_ref()?.at(at).map(|(value, index)| (value, colors.color(index)))
     }
 
     /// Bounds of the values in a box.
@@ -129,28 +152,44 @@ impl SceneField {
     }
 }
 
-/// The value of a grid at a world point, and the point in index space; `None` in vacuum.
-fn grid_value(grid: &GridVolume, at: DVec3) -> Option<(f64, [f64; 3])> {
-    let dims = grid.dims();
-    let mut index = grid.placement().to_index(at).to_array();
-    for a in 0..3 {
-        let last = (dims[a] - 1) as f64;
-        // A point on the face may be rounded to the outside.
-        if !(-REACH..=last + REACH).contains(&index[a]) {
-            return None;
-        }
-        index[a] = index[a].clamp(0.0, last);
+impl GridValues {
+    fn new(grid: &Arc<GridVolume>) -> Self {
+        let last = DVec3::from_array(grid.dims().map(|n| (n - 1) as f64));
+        Self { grid: Arc::clone(grid), last, calibration: grid.calibration() }
     }
-    let stored = grid.with_sampler(ValueAt(index));
-    (!stored.is_nan()).then(|| (grid.calibration().value(stored), index))
+
+    /// Index-space position of a world point; `None` outside the box.
+    #[inline]
+    fn index(&self, at: DVec3) -> Option<[f64; 3]> {
+        let index = self.grid.placement().to_index(at);
+        // A point on the face may be rounded to the outside.
+        let inside = index.cmpge(DVec3::splat(-REACH)).all() && index.cmple(self.last + REACH).all();
+        inside.then(|| index.max(DVec3::ZERO).min(self.last).to_array())
+    }
+
+    /// The value at a world point, and the point in index space; `None` in vacuum.
+    fn at(&self, at: DVec3) -> Option<(f64, [f64; 3])> {
+        let index = self.index(at)?;
+        let stored = self.grid.stored_at(index);
+        (!stored.is_nan()).then(|| (self.calibration.value(stored), index))
+    }
 }
 
-struct ValueAt([f64; 3]);
+/// Values at several points, by one sampler: their voxels come from memory at once.
+struct ValuesAt<'a> {
+    values: &'a GridValues,
+    field: &'a SceneField,
+    at: &'a [DVec3],
+    out: &'a mut [f64],
+}
 
-impl SamplerVisitor for ValueAt {
-    type Output = f64;
-    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) -> f64 {
-        sampler.value(self.0)
+impl SamplerVisitor for ValuesAt<'_> {
+    type Output = ();
+    fn visit<T: Voxel, F: Reconstruction>(self, sampler: Sampler<'_, T, F>) {
+        for (out, &at) in self.out.iter_mut().zip(self.at) {
+            let index = if self.field.keeps(at) { self.values.index(at) } else { None };
+            *out = index.map_or(f64::NAN, |index| self.values.calibration.value(sampler.value(index)));
+        }
     }
 }
 

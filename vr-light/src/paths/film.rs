@@ -21,7 +21,8 @@ use vr_core::ParameterError;
 pub struct Film {
     size: [u32; 2],
     bands: usize,
-    counts: Vec<u64>,
+    /// Samples of the radiance of each pixel, and of its opacity.
+    counts: Vec<[u64; 2]>,
     /// Sum and sum of squares of each channel of each pixel.
     sums: Vec<[f64; 2]>,
 }
@@ -41,7 +42,7 @@ impl Film {
             let allowed = "must have pixels and bands, and at most 2^33 sums";
             return Err(ParameterError::new("image.size", (size, bands), allowed));
         };
-        Ok(Self { size, bands, counts: vec![0; pixels as usize], sums: vec![[0.0; 2]; sums as usize] })
+        Ok(Self { size, bands, counts: vec![[0; 2]; pixels as usize], sums: vec![[0.0; 2]; sums as usize] })
     }
 
     /// Width and height in pixels.
@@ -59,30 +60,41 @@ impl Film {
         self.bands + 1
     }
 
-    /// Number of samples of a pixel. Pixels are counted row by row from the top left.
+    /// Number of samples of a pixel's radiance. Pixels are counted row by row from the top left.
     pub fn count(&self, pixel: usize) -> u64 {
-        self.counts[pixel]
+        self.counts[pixel][0]
     }
 
-    /// Adds a sample to a pixel.
+    /// Number of samples of a pixel in a channel: of the opacity, there may be fewer.
+    pub fn count_of(&self, pixel: usize, channel: usize) -> u64 {
+        self.counts[pixel][usize::from(channel == self.bands)]
+    }
+
+    /// Adds a sample to a pixel: of all channels, or of the bands alone.
     ///
     /// # Panics
-    /// If the sample does not have one number for each channel.
+    /// If the sample has neither one number for each channel nor one for each band.
     pub fn add(&mut self, pixel: usize, sample: &[f64]) {
         let channels = self.channels();
-        assert_eq!(sample.len(), channels, "one number for each channel");
+        assert!(
+            sample.len() == channels || sample.len() == self.bands,
+            "one number for each channel, or for each band"
+        );
         add_sample(&mut self.counts[pixel], &mut self.sums[pixel * channels..][..channels], sample);
     }
 
     /// Mean of the samples of a pixel in a channel; 0 without samples.
     pub fn mean(&self, pixel: usize, channel: usize) -> f64 {
         let [sum, _] = self.sums[pixel * self.channels() + channel];
-        if self.counts[pixel] == 0 { 0.0 } else { sum / self.counts[pixel] as f64 }
+        match self.count_of(pixel, channel) {
+            0 => 0.0,
+            count => sum / count as f64,
+        }
     }
 
     /// Standard error of that mean; +∞ of less than two samples.
     pub fn standard_error(&self, pixel: usize, channel: usize) -> f64 {
-        let count = self.counts[pixel] as f64;
+        let count = self.count_of(pixel, channel) as f64;
         if count < 2.0 {
             return f64::INFINITY;
         }
@@ -99,15 +111,16 @@ impl Film {
     }
 
     /// Counts and sums of each row, to add samples to.
-    pub(super) fn rows(&mut self) -> impl Iterator<Item = (&mut [u64], &mut [[f64; 2]])> {
+    pub(super) fn rows(&mut self) -> impl Iterator<Item = (&mut [[u64; 2]], &mut [[f64; 2]])> {
         let (width, channels) = (self.size[0] as usize, self.channels());
         self.counts.chunks_mut(width).zip(self.sums.chunks_mut(width * channels))
     }
 }
 
-/// Adds a sample to the sums of one pixel.
-pub(super) fn add_sample(count: &mut u64, sums: &mut [[f64; 2]], sample: &[f64]) {
-    *count += 1;
+/// Adds a sample to the sums of one pixel: of all channels, or of all but the last.
+pub(super) fn add_sample(counts: &mut [u64; 2], sums: &mut [[f64; 2]], sample: &[f64]) {
+    counts[0] += 1;
+    counts[1] += u64::from(sample.len() == sums.len());
     for ([sum, squares], &value) in sums.iter_mut().zip(sample) {
         *sum += value;
         *squares += value * value;

@@ -59,6 +59,13 @@ pub(super) struct Path {
     pub primary: DVec3,
 }
 
+/// Collision of a path with the medium.
+struct Collision {
+    at: DVec3,
+    /// Share of the light that is scattered, by band.
+    albedo: Lanes,
+}
+
 /// Reason for which a path goes on or ends.
 enum Step {
     Scattered,
@@ -106,16 +113,46 @@ impl<'a> PathSampler<'a> {
     ) -> Result<(), RenderError> {
         let bands = self.scene.bands();
         assert_eq!(out.len(), bands + 1, "one place for each band, and one for the opacity");
-        out[bands] = 0.0;
+        self.sample_radiance(ray, random, control, &mut out[..bands])?;
+        out[bands] = self.sample_opacity(ray, random);
+        Ok(())
+    }
+
+    /// Fills an estimate of the radiance of each band that comes along a ray.
+    ///
+    /// # Errors
+    /// [`RenderError::Cancelled`].
+    ///
+    /// # Panics
+    /// If `out` does not have one place for each band.
+    pub fn sample_radiance(
+        &self,
+        ray: &Ray,
+        random: &mut RandomStream,
+        control: &Control,
+        out: &mut [f64],
+    ) -> Result<(), RenderError> {
+        assert_eq!(out.len(), self.scene.bands(), "one place for each band");
         let mut first = 0;
-        while first < bands {
+        while first < out.len() {
             let group = self.group(first);
-            out[bands] += self.opacity(ray, first, random) * group.count as f64 / bands as f64;
             let radiance = self.radiance(ray, group, random, control)?;
             out[first..first + group.count].copy_from_slice(&radiance[..group.count]);
             first += group.count;
         }
         Ok(())
+    }
+
+    /// An estimate of the opacity along a ray: 1 − the mean transmittance of the bands.
+    pub fn sample_opacity(&self, ray: &Ray, random: &mut RandomStream) -> f64 {
+        let bands = self.scene.bands();
+        let (mut first, mut sum) = (0, 0.0);
+        while first < bands {
+            let group = self.group(first);
+            sum += self.opacity(ray, first, random) * group.count as f64;
+            first += group.count;
+        }
+        sum / bands as f64
     }
 
     /// Opacity of a band along the primary ray: 1 if it ends on a surface.
@@ -150,7 +187,7 @@ impl<'a> PathSampler<'a> {
         loop {
             let hit = nearest(self.scene.surfaces(), &path.ray, path.from);
             let step = match self.collide(&mut path, hit.map_or(f64::INFINITY, |hit| hit.distance), random) {
-                Some((at, bands)) => self.scatter(&mut path, at, &bands, random),
+                Some(collision) => self.scatter(&mut path, collision, random),
                 None => match hit {
                     Some(hit) => self.reflect(&mut path, &hit, random),
                     None => {
@@ -168,53 +205,49 @@ impl<'a> PathSampler<'a> {
         }
     }
 
-    /// Flies to the next collision before the distance `far`, and adds the light that the medium emits on the way; returns place and coefficients.
-    fn collide(&self, path: &mut Path, far: f64, random: &mut RandomStream) -> Option<(DVec3, [Coefficients; LANES])> {
+    /// Flies to the next collision before the distance `far`, and adds the light that the medium emits on the way.
+    fn collide(&self, path: &mut Path, far: f64, random: &mut RandomStream) -> Option<Collision> {
         let tracked = self.scene.medium()?;
         let (medium, group) = (tracked.medium(), path.group);
         // Light travels against the ray.
         let travel = -path.ray.direction;
-        let emits = medium.has_emission();
+        let emits = tracked.emits();
         let mut bands = [Coefficients::default(); LANES];
         let mut flight = Flight::new(tracked, &path.ray, far, random);
-        while let Some((distance, rate)) = flight.tentative() {
+        while let Some((distance, rate)) = flight.tentative(random) {
             let at = flight.place(distance);
-            let extinction = if emits {
+            if emits {
                 medium.coefficients(at, travel, group.first, &mut bands[..group.count]);
                 // Each tentative collision stands for a length 1/μ.
                 (0..group.count).for_each(|i| path.radiance[i] += path.weight[i] * bands[i].emission / rate);
-                bands[0].extinction()
-            } else {
-                medium.extinction(at, travel, group.first)
-            };
-            if flight.collides(extinction, random) {
-                if !emits {
-                    medium.coefficients(at, travel, group.first, &mut bands[..group.count]);
+                if flight.collides(bands[0].extinction(), random) {
+                    return Some(Collision { at, albedo: bands.map(|band| band.albedo()) });
                 }
-                return Some((at, bands));
+            } else if flight.is_certain() || flight.collides(medium.extinction(at, travel, group.first), random) {
+                return Some(Collision { at, albedo: albedo(medium, at, travel, group) });
             }
         }
         None
     }
 
     /// Scatters a path in the medium: absorption lowers its weight.
-    fn scatter(&self, path: &mut Path, at: DVec3, bands: &[Coefficients; LANES], random: &mut RandomStream) -> Step {
+    fn scatter(&self, path: &mut Path, Collision { at, albedo }: Collision, random: &mut RandomStream) -> Step {
         let Some(tracked) = self.scene.medium() else { return Step::Ended };
         let medium = tracked.medium();
         if !self.may_scatter(path) {
             return Step::Ended;
         }
         match medium.band_matrix() {
-            None => (0..path.group.count).for_each(|i| path.weight[i] *= bands[i].albedo()),
+            None => (0..path.group.count).for_each(|i| path.weight[i] *= albedo[i]),
             // Light of this band came from another: of those, one is followed.
             Some(matrix) => {
                 let to = path.group.first;
                 let Some((from, share)) = matrix.sample_source(to, random.uniform()) else { return Step::Ended };
-                let mut source = [bands[0]];
-                if from != to {
-                    medium.coefficients(at, -path.ray.direction, from, &mut source);
+                let mut both = [Coefficients::default(); 2];
+                for (found, band) in both.iter_mut().zip([from, to]) {
+                    medium.coefficients(at, -path.ray.direction, band, std::slice::from_mut(found));
                 }
-                path.weight[0] *= share * source[0].scattering / bands[0].extinction();
+                path.weight[0] *= share * both[0].scattering / both[1].extinction();
                 path.group.first = from;
             }
         }
@@ -279,6 +312,20 @@ impl<'a> PathSampler<'a> {
         path.scatterings = path.scatterings.saturating_add(1);
         self.max_scatterings.is_none_or(|max| path.scatterings <= max)
     }
+}
+
+/// Albedo of a group of bands at a place.
+fn albedo(medium: &dyn Medium, at: DVec3, direction: DVec3, group: BandGroup) -> Lanes {
+    let mut known = [0.0; LANES];
+    for (i, known) in known[..group.count].iter_mut().enumerate() {
+        let Some(albedo) = medium.albedo(group.first + i) else {
+            let mut bands = [Coefficients::default(); LANES];
+            medium.coefficients(at, direction, group.first, &mut bands[..group.count]);
+            return bands.map(|band| band.albedo());
+        };
+        *known = albedo;
+    }
+    known
 }
 
 /// Ends long paths of little weight by chance, and makes up for it in those that go on (Russian roulette).

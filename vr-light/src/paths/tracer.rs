@@ -70,6 +70,12 @@ pub struct PathTracer<'a> {
 /// Largest number of samples of each pixel in one pass.
 const MAX_PASS: u64 = 64;
 
+/// True if a sample of this number is one of the opacity, too: that costs as much as a third of a path, and has a fraction of its noise. The first two
+/// are, so that an error can be told.
+fn has_opacity(number: u64) -> bool {
+    number < 2 || number.is_multiple_of(4)
+}
+
 impl<'a> PathTracer<'a> {
     /// A tracer of a scene with a seed of its random numbers.
     pub fn new(scene: &'a LightScene, seed: u64) -> Self {
@@ -142,13 +148,20 @@ impl<'a> PathTracer<'a> {
             let mut sample = vec![0.0; channels];
             for x in 0..width {
                 let sums = &mut sums[x * channels..][..channels];
-                while counts[x] < target {
+                while counts[x][0] < target {
                     control.check()?;
-                    let number = counts[x];
+                    let number = counts[x][0];
                     let ray = subpixel_ray(rays, [x, y], number, supersampling);
                     let mut random = RandomStream::new(self.seed, (y * width + x) as u32, number);
-                    self.paths.sample(&ray, &mut random, control, &mut sample)?;
-                    add_sample(&mut counts[x], sums, &sample);
+                    let bands = channels - 1;
+                    self.paths.sample_radiance(&ray, &mut random, control, &mut sample[..bands])?;
+                    let sampled = if has_opacity(number) {
+                        sample[bands] = self.paths.sample_opacity(&ray, &mut random);
+                        channels
+                    } else {
+                        bands
+                    };
+                    add_sample(&mut counts[x], sums, &sample[..sampled]);
                 }
             }
             Ok(())

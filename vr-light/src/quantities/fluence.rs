@@ -96,15 +96,15 @@ fn mean_radiance(
     let one = |number: usize| {
         control.check()?;
         let mut random = RandomStream::new(seed, 0, number as u64);
-        let mut sample = vec![0.0; bands + 1];
+        let mut sample = vec![0.0; bands];
         let (ray, normal) = ray(&mut random);
-        paths.sample(&ray, &mut random, control, &mut sample)?;
+        paths.sample_radiance(&ray, &mut random, control, &mut sample)?;
         // The factor is the integral of the weight over directions (and the face): 4π, or π for each unit of area.
         let (facing, whole): (&dyn Fn(DVec3) -> f64, f64) = match normal {
             Some(normal) => (&move |towards| normal.dot(towards), PI),
             None => (&|_| 1.0, 4.0 * PI),
         };
-        for (band, sample) in sample[..bands].iter_mut().enumerate() {
+        for (band, sample) in sample.iter_mut().enumerate() {
             *sample += paths.unscattered_light(ray.origin, band, facing, &mut random) / whole;
         }
         Ok::<_, RenderError>(sample)

@@ -190,7 +190,7 @@ impl<'a> ForwardSampler<'a> {
         let Some(tracked) = self.scene.medium() else { return false };
         let travel = packet.ray.direction;
         let mut flight = Flight::new(tracked, &packet.ray, far, random);
-        while let Some((distance, _)) = flight.tentative() {
+        while let Some((distance, _)) = flight.tentative(random) {
             let at = flight.place(distance);
             let here = self.coefficients(at, travel, packet.band);
             if !flight.collides(here.extinction(), random) {

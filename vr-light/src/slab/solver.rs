@@ -21,8 +21,8 @@ impl Slab {
     /// Solves for the light in the slab. The tolerance is absolute, in units of the incident flux or of the flux π·source of the slab's own
     /// sources, whichever is larger.
     ///
-    /// Where the largest number of directions, 128 in each hemisphere, does not suffice (lobes sharper than g = 0.95 seen along their axis), the
-    /// errors told are above the tolerance.
+    /// There are at most 128 directions in each hemisphere. Lobes sharper than g = 0.95, seen along their axis, need more: the errors told are then
+    /// above the tolerance.
     ///
     /// # Errors
     /// An illumination, a depth, a cosine or a tolerance out of range.

@@ -23,8 +23,10 @@ pub enum FlightEnd {
 
 /// A free flight along a ray, by tentative collisions at the rates of the cells.
 ///
-/// Each tentative collision is handed out with its rate μ; the caller knows χ there, and says by [`Flight::collides`] whether it is one. The light of
-/// what a medium emits is q/μ for each of them, those with nothing among them: its expectation is ∫ T q ds.
+/// Each tentative collision is handed out with its rate μ; the caller knows χ there, and says by [`Flight::collides`] whether it is one. In the share
+/// that belongs to the least extinction of the cell it is one wherever it lies ([`Flight::is_certain`]; Kutz, Habel, Li & Novák, "Spectral and
+/// decomposition tracking for rendering heterogeneous volumes", 2017). The light of what a medium emits is q/μ for each of them, those with
+/// nothing among them: its expectation is ∫ T q ds.
 #[derive(Debug)]
 pub struct Flight<'a> {
     walk: Walk<'a>,
@@ -33,7 +35,9 @@ pub struct Flight<'a> {
     ray: Ray,
     /// Optical depth of the majorants to the next tentative collision.
     depth: f64,
-    rate: f64,
+    /// Part of the rate that the last tentative collision fell into: one with the medium if its extinction is above.
+    part: f64,
+    is_certain: bool,
 }
 
 impl<'a> Flight<'a> {
@@ -42,19 +46,20 @@ impl<'a> Flight<'a> {
         let mut walk = Walk::new(medium.grid(), ray, far);
         let stretch = walk.next();
         let at = stretch.map_or(0.0, |s| s.start);
-        Self { walk, stretch, at, ray: *ray, depth: random.exponential(), rate: 0.0 }
+        Self { walk, stretch, at, ray: *ray, depth: random.exponential(), part: 0.0, is_certain: false }
     }
 
     /// The next tentative collision: its world distance and the rate μ there; `None` where the ray ends before.
     #[inline]
-    pub fn tentative(&mut self) -> Option<(f64, f64)> {
+    pub fn tentative(&mut self, random: &mut RandomStream) -> Option<(f64, f64)> {
         while let Some(stretch) = self.stretch {
             let rate = stretch.cell.rate;
             // 0·∞ of a vacuum without end is a depth of nothing.
             let depth = if rate == 0.0 { 0.0 } else { rate * (stretch.end - self.at) };
             if self.depth < depth {
                 self.at += self.depth / rate;
-                self.rate = rate;
+                self.part = random.uniform() * rate;
+                self.is_certain = self.part < stretch.cell.min;
                 return Some((self.at, rate));
             }
             self.depth -= depth;
@@ -64,10 +69,16 @@ impl<'a> Flight<'a> {
         None
     }
 
+    /// True if the tentative collision is one with the medium, whatever its extinction is there.
+    #[inline]
+    pub fn is_certain(&self) -> bool {
+        self.is_certain
+    }
+
     /// True if the tentative collision is one with the medium, whose extinction there is given. Else the flight goes on.
     #[inline]
     pub fn collides(&mut self, extinction: f64, random: &mut RandomStream) -> bool {
-        if random.uniform() * self.rate < extinction {
+        if self.part < extinction {
             return true;
         }
         self.depth = random.exponential();
@@ -85,10 +96,9 @@ impl TrackedMedium {
     /// A random free flight of light of one band along a ray, up to the world distance `far`. Light travels against the ray.
     pub fn fly(&self, ray: &Ray, far: f64, band: usize, random: &mut RandomStream) -> FlightEnd {
         let mut flight = Flight::new(self, ray, far, random);
-        while let Some((distance, _)) = flight.tentative() {
+        while let Some((distance, _)) = flight.tentative(random) {
             let at = flight.place(distance);
-            let extinction = self.medium().extinction(at, -ray.direction, band);
-            if flight.collides(extinction, random) {
+            if flight.is_certain() || flight.collides(self.medium().extinction(at, -ray.direction, band), random) {
                 return FlightEnd::Collision { distance, at };
             }
         }

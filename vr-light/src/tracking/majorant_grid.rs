@@ -33,6 +33,9 @@ pub struct MajorantCell {
 pub struct MajorantGrid {
     bounds: (DVec3, DVec3),
     dims: [usize; 3],
+    /// Sides of a cell, and cells per world unit.
+    edges: DVec3,
+    per_unit: DVec3,
     cells: Vec<MajorantCell>,
 }
 
@@ -68,7 +71,8 @@ impl MajorantGrid {
             let [min, max] = medium.extinction_range(faces(cell), faces(cell.map(|i| i + 1)));
             MajorantCell { min: min.min(max), max, rate: max.max(min_rate) }
         });
-        Self { bounds, dims, cells }
+        let edges = size / DVec3::from_array(dims.map(|n| n as f64));
+        Self { bounds, dims, edges, per_unit: edges.recip(), cells }
     }
 
     /// Lower and upper corner of the box.
@@ -79,6 +83,18 @@ impl MajorantGrid {
     /// Cells along x, y and z.
     pub fn dims(&self) -> [usize; 3] {
         self.dims
+    }
+
+    /// World lengths of the sides of a cell.
+    #[inline]
+    pub(super) fn edges(&self) -> DVec3 {
+        self.edges
+    }
+
+    /// Cells per world unit along x, y and z.
+    #[inline]
+    pub(super) fn cells_per_unit(&self) -> DVec3 {
+        self.per_unit
     }
 
     /// Bounds in one cell.

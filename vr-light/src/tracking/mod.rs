@@ -41,18 +41,25 @@ use crate::medium::Medium;
 pub struct TrackedMedium {
     medium: Arc<dyn Medium>,
     grid: MajorantGrid,
+    emits: bool,
 }
 
 impl TrackedMedium {
     /// A medium with the bounds that it gives itself, in as many cells as it finds worth telling apart.
     pub fn new(medium: Arc<dyn Medium>) -> Self {
         let grid = MajorantGrid::new(&*medium);
-        Self { medium, grid }
+        let emits = medium.has_emission();
+        Self { medium, grid, emits }
     }
 
     /// The medium.
     pub fn medium(&self) -> &dyn Medium {
         &*self.medium
+    }
+
+    /// True if any place emits.
+    pub fn emits(&self) -> bool {
+        self.emits
     }
 
     /// Bounds of the extinction.

@@ -1,9 +1,11 @@
 //! Estimates of the transmittance along a ray.
 
+use glam::DVec3;
 use vr_core::Ray;
 
 use super::walk::Walk;
 use super::{FlightEnd, TrackedMedium};
+use crate::medium::Medium;
 use crate::random::RandomStream;
 
 /// Estimator of a transmittance e^(−τ) through a medium that is known at points. All are free of bias; they differ in variance and cost.
@@ -36,6 +38,41 @@ fn control([min, max]: [f64; 2]) -> f64 {
 
 /// Transmittance below which ratio tracking plays for the rest.
 const SMALL: f64 = 1e-3;
+/// Tentative collisions whose places are looked up together.
+const TOGETHER: usize = 8;
+
+/// Tentative collisions on a straight line, not looked up yet.
+struct Tentative<'a> {
+    medium: &'a dyn Medium,
+    direction: DVec3,
+    band: usize,
+    count: usize,
+    at: [DVec3; TOGETHER],
+    /// Control extinction and rate.
+    bounds: [[f64; 2]; TOGETHER],
+}
+
+impl Tentative<'_> {
+    /// The weight after the collisions so far, which are forgotten then. Roulette: a small weight is dropped, or raised by as much as it is likely to be.
+    fn weighted(&mut self, mut weight: f64, random: &mut RandomStream) -> f64 {
+        let count = std::mem::take(&mut self.count);
+        let mut extinctions = [0.0; TOGETHER];
+        self.medium.extinctions(&self.at[..count], self.direction, self.band, &mut extinctions[..count]);
+        for (extinction, [control, rate]) in extinctions[..count].iter().zip(&self.bounds) {
+            weight *= 1.0 - (extinction - control) / rate;
+            if weight == 0.0 {
+                return 0.0;
+            }
+            if weight.abs() < SMALL {
+                if random.uniform() * SMALL >= weight.abs() {
+                    return 0.0;
+                }
+                weight = SMALL.copysign(weight);
+            }
+        }
+        weight
+    }
+}
 
 impl TransmittanceEstimator {
     /// All estimators.
@@ -75,6 +112,14 @@ impl TrackedMedium {
         // The depth of the controls is subtracted in one exponential: light that the controls let through is known before the walk is done.
         let (mut controlled, mut weight) = (0.0, 1.0);
         let mut depth = random.exponential();
+        let mut tentative = Tentative {
+            medium: self.medium(),
+            direction: -ray.direction,
+            band,
+            count: 0,
+            at: [DVec3::ZERO; TOGETHER],
+            bounds: [[0.0; 2]; TOGETHER],
+        };
         for stretch in Walk::new(self.grid(), ray, far) {
             let cell = stretch.cell;
             if cell.max == 0.0 {
@@ -95,22 +140,22 @@ impl TrackedMedium {
                 let mut at = stretch.start;
                 while depth < rate * (stretch.end - at) {
                     at += depth / rate;
-                    let extinction = self.medium().extinction(ray.origin + ray.direction * at, -ray.direction, band);
-                    weight *= 1.0 - (extinction - control) / rate;
+                    tentative.at[tentative.count] = ray.origin + ray.direction * at;
+                    tentative.bounds[tentative.count] = [control, rate];
+                    tentative.count += 1;
                     depth = random.exponential();
-                    if weight == 0.0 {
-                        return 0.0;
-                    }
-                    // Roulette: a small weight is dropped, or raised by as much as it is likely to be.
-                    if weight.abs() < SMALL {
-                        if random.uniform() * SMALL >= weight.abs() {
+                    if tentative.count == TOGETHER {
+                        weight = tentative.weighted(weight, random);
+                        if weight == 0.0 {
                             return 0.0;
                         }
-                        weight = SMALL.copysign(weight);
                     }
                 }
                 depth -= rate * (stretch.end - at);
             }
+        }
+        if tentative.count > 0 {
+            weight = tentative.weighted(weight, random);
         }
         libm::exp(-controlled) * weight
     }
@@ -120,7 +165,6 @@ impl TrackedMedium {
 mod tests {
     use super::*;
     use crate::medium::{Coefficients, FunctionMedium};
-    use glam::DVec3;
     use std::sync::Arc;
     use vr_core::scattering::PhaseFunction;
 

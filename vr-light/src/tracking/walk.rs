@@ -50,40 +50,43 @@ pub struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     /// The part of a ray up to the world distance `far`.
+    #[inline]
     pub fn new(grid: &'a MajorantGrid, ray: &Ray, far: f64) -> Self {
         let (low, high) = grid.bounds();
         let (mut start, mut end) = (0.0f64, far);
+        let inverse = ray.direction.to_array().map(|slope| 1.0 / slope);
         for a in 0..3 {
-            let (from, to) = part_between(ray.origin[a], ray.direction[a], low[a], high[a]);
-            (start, end) = (start.max(from), end.min(to));
+            let (from, to) = part_between(ray.origin[a], inverse[a], low[a], high[a]);
+            (start, end) = (if from > start { from } else { start }, if to < end { to } else { end });
         }
         let mut walk =
             Self { grid, cell: [0; 3], step: [1; 3], next: [f64::INFINITY; 3], spacing: [0.0; 3], at: start, end };
         if start < end {
-            walk.enter(ray, low, high - low);
+            walk.enter(ray, inverse, low);
         }
         walk
     }
 
     /// Finds the first cell, and the distances at which the ray leaves it.
-    fn enter(&mut self, ray: &Ray, low: DVec3, size: DVec3) {
+    fn enter(&mut self, ray: &Ray, inverse: [f64; 3], low: DVec3) {
         let place = ray.origin + ray.direction * self.at;
+        let (edges, per_unit) = (self.grid.edges(), self.grid.cells_per_unit());
         for a in 0..3 {
             let dims = self.grid.dims()[a];
             if dims == 1 {
                 // Left where the box is, which `end` says.
                 continue;
             }
-            let (edge, direction) = (size[a] / dims as f64, ray.direction[a]);
-            let index = (((place[a] - low[a]) / edge).max(0.0) as usize).min(dims - 1);
+            // `as` saturates: what rounding carries out of the box is in its outermost cells.
+            let index = (((place[a] - low[a]) * per_unit[a]) as i32).clamp(0, dims as i32 - 1) as usize;
             self.cell[a] = index;
-            if direction == 0.0 {
+            if is_parallel(inverse[a]) {
                 continue;
             }
-            let face = if direction > 0.0 { index + 1 } else { index };
-            self.step[a] = if direction > 0.0 { 1 } else { usize::MAX };
-            self.spacing[a] = edge / direction.abs();
-            self.next[a] = (low[a] + face as f64 * edge - ray.origin[a]) / direction;
+            let forwards = inverse[a] > 0.0;
+            self.step[a] = if forwards { 1 } else { usize::MAX };
+            self.spacing[a] = edges[a] * inverse[a].abs();
+            self.next[a] = (low[a] + (index + usize::from(forwards)) as f64 * edges[a] - ray.origin[a]) * inverse[a];
         }
     }
 }
@@ -106,7 +109,9 @@ impl Iterator for Walk<'_> {
         };
         let (start, cell) = (self.at, self.grid.cell(self.cell));
         // Rounding may put a face before the place reached: that stretch is empty.
-        let end = self.next[axis].max(start).min(self.end);
+        let next = self.next[axis];
+        let end = if next < start { start } else { next };
+        let end = if end < self.end { end } else { self.end };
         let index = self.cell[axis].wrapping_add(self.step[axis]);
         if index < self.grid.dims()[axis] && end < self.end {
             self.at = end;
@@ -121,13 +126,20 @@ impl Iterator for Walk<'_> {
     }
 }
 
+/// True for the inverse of a slope that leads nowhere: of 0, or of one so small that no distance of this world is long enough.
+#[inline]
+fn is_parallel(inverse: f64) -> bool {
+    inverse.is_infinite()
+}
+
 /// Distances between which x + s·slope lies between two planes, perhaps infinitely far away; the wrong way round where it never does.
-fn part_between(x: f64, slope: f64, low: f64, high: f64) -> (f64, f64) {
-    if slope == 0.0 {
+#[inline]
+fn part_between(x: f64, inverse: f64, low: f64, high: f64) -> (f64, f64) {
+    if is_parallel(inverse) {
         let inside = low <= x && x <= high;
         return if inside { (f64::NEG_INFINITY, f64::INFINITY) } else { (f64::INFINITY, f64::NEG_INFINITY) };
     }
-    let (a, b) = ((low - x) / slope, (high - x) / slope);
+    let (a, b) = ((low - x) * inverse, (high - x) * inverse);
     // NaN is never inside.
     if a <= b {
         (a, b)
@@ -187,7 +199,7 @@ mod tests {
                 }
             }
             let (from, to) = (0..3).fold((0.0f64, 2.0f64), |(from, to), a| {
-                let (f, t) = part_between(ray.origin[a], ray.direction[a], 0.0, 1.0);
+                let (f, t) = part_between(ray.origin[a], 1.0 / ray.direction[a], 0.0, 1.0);
                 (from.max(f), to.min(t))
             });
             assert_eq!(at, (from < to).then_some(to));
