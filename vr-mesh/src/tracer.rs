@@ -108,7 +108,7 @@ mod tests {
         let shading = Shading { diffuse: 2.0, ..Shading::default() };
         let mesh = TriangleMesh::new(corners, vec![[0, 1, 2]]).unwrap();
         let tracer = Surface { mesh: Arc::new(mesh), color: Some([1.0, 0.25, 0.0]), shading }.tracer().unwrap();
-        let ray = Ray { origin: DVec3::new(0.2, 0.2, 1.0), direction: DVec3::NEG_Z };
+        let ray = Ray { origin: DVec3::new(0.25, 0.25, 1.0), direction: DVec3::NEG_Z };
         let hit = tracer.nearest(&ray, [0.0, 5.0], None).unwrap();
         assert_eq!((hit.distance, hit.facet_normal, hit.reflectance), (1.0, DVec3::Z, [1.0, 0.5, 0.0]));
         assert_eq!(tracer.nearest(&ray, [0.0, 5.0], Some(0)), None);
