@@ -128,24 +128,68 @@ impl BoxTree {
 
     /// Visits every item whose box a line meets, and a few others.
     pub(crate) fn each_along(&self, line: &LocalLine, visit: impl FnMut(usize)) {
+        let entry = self.entry(line);
+        self.each(|b| entry(b, line.ends[1]).is_some(), visit);
+    }
+
+    /// Visits items whose boxes a line meets, the nearer ones first, as long as their boxes begin before the nearest distance that a visit has told.
+    pub(crate) fn nearest_along(&self, line: &LocalLine, mut visit: impl FnMut(usize) -> Option<f64>) {
+        let (leaves, slack) = (1usize << self.levels, self.slack(line.origin));
+        let entry = self.entry(line);
+        let mut end = line.ends[1];
+        // Nodes that wait, with the distances at which the line enters them: at most one at each level.
+        let mut waiting = [(1usize, f64::NEG_INFINITY); 33];
+        let mut depth = usize::from(entry(&self.boxes[1], end).is_some());
+        while depth > 0 {
+            depth -= 1;
+            let (mut node, start) = waiting[depth];
+            if start > end + slack {
+                continue;
+            }
+            // Goes down to a leaf by the nearer child.
+            while node != 0 && node < leaves {
+                let children = [2 * node, 2 * node + 1].map(|child| Some((child, entry(&self.boxes[child], end)?)));
+                node = match children {
+                    [Some(a), Some(b)] => {
+                        let (near, far) = if b.1 < a.1 { (b, a) } else { (a, b) };
+                        waiting[depth] = far;
+                        depth += 1;
+                        near.0
+                    }
+                    [Some(one), None] | [None, Some(one)] => one.0,
+                    [None, None] => 0,
+                };
+            }
+            if node == 0 {
+                continue;
+            }
+            let (count, leaf) = (self.order.len(), node - leaves);
+            for &number in &self.order[first(count, self.levels, leaf)..first(count, self.levels, leaf + 1)] {
+                end = visit(number as usize).map_or(end, |found| end.min(found));
+            }
+        }
+    }
+
+    /// Distance at which a line, up to an end, enters a box, which is widened by rounding; `None` where it misses it.
+    fn entry(&self, line: &LocalLine) -> impl Fn(&Bounds, f64) -> Option<f64> + use<> {
         let slack = DVec3::splat(self.slack(line.origin));
         let rate = line.direction.recip();
         let parallel = line.direction.cmpeq(DVec3::ZERO);
-        let meets = |b: &Bounds| {
-            let (low, high) = (b.low - slack - line.origin, b.high + slack - line.origin);
+        let LocalLine { origin, ends: [first, _], .. } = *line;
+        move |b, mut end| {
+            let (low, high) = (b.low - slack - origin, b.high + slack - origin);
             let (a, c) = (low * rate, high * rate);
-            let [mut start, mut end] = line.ends;
+            let mut start = first;
             for axis in 0..3 {
                 if !parallel.test(axis) {
                     start = start.max(a[axis].min(c[axis]));
                     end = end.min(a[axis].max(c[axis]));
                 } else if low[axis] > 0.0 || high[axis] < 0.0 {
-                    return false;
+                    return None;
                 }
             }
-            start <= end + slack.x
-        };
-        self.each(meets, visit);
+            (start <= end + slack.x).then_some(start)
+        }
     }
 
     /// Visits the items of every leaf that can be reached through boxes that are `wanted`.

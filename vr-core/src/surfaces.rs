@@ -1,11 +1,13 @@
 //! Opaque surfaces among the volume.
 
 use std::fmt;
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::control::Control;
 use crate::error::RenderError;
+use crate::ray::Ray;
 use crate::shading::Light;
 use crate::view::View;
 
@@ -49,6 +51,44 @@ pub trait Surfaces: Send + Sync + fmt::Debug {
 
     /// Lower and upper corner of the world box around them.
     fn bounds(&self) -> (DVec3, DVec3);
+
+    /// True if [`Self::tracer`] gives one. Asking is cheap.
+    fn can_be_traced(&self) -> bool {
+        false
+    }
+
+    /// Their geometry, prepared for rays from anywhere; `None` where they are known as layers alone.
+    fn tracer(&self) -> Option<Arc<dyn SurfaceTracer>> {
+        None
+    }
+}
+
+/// Geometry of opaque surfaces, as rays from anywhere meet it: for renderers that follow light.
+pub trait SurfaceTracer: Send + Sync + fmt::Debug {
+    /// The first place, between two world distances, at which a ray meets a facet. `leaving` is the facet that the ray starts on: it is not met again.
+    fn nearest(&self, ray: &Ray, between: [f64; 2], leaving: Option<u32>) -> Option<FacetHit>;
+}
+
+/// Place at which a ray meets a facet of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacetHit {
+    /// World distance along the ray.
+    pub distance: f64,
+    /// Number of the facet.
+    pub facet: u32,
+    /// Unit normal by which it is lit, interpolated where the surface is smooth, on the side of the ray.
+    pub normal: DVec3,
+    /// Unit normal of the facet itself, on the side of the ray.
+    pub facet_normal: DVec3,
+    /// Share of red, green and blue that is reflected in all directions (Lambert), 0 to 1.
+    pub reflectance: [f64; 3],
+}
+
+impl FacetHit {
+    /// Cosine of light from the direction of a unit vector; 0 of light from behind.
+    pub fn cosine(&self, towards: DVec3) -> f64 {
+        if self.facet_normal.dot(towards) > 0.0 { self.normal.dot(towards).max(0.0) } else { 0.0 }
+    }
 }
 
 /// The picture of opaque surfaces from one view, with depth. One entry a pixel, of the ray through its centre, serves all subpixel rays of

@@ -19,7 +19,7 @@ pub mod slab;
 mod spectrum;
 pub mod tracking;
 
-pub use boundary::{Environment, EnvironmentMap, LightSource, Reflection, Shape, Surface};
+pub use boundary::{Environment, EnvironmentMap, LightSource, Reflection, Shape, Surface, TracedSurfaces};
 pub use ladder::{Ladder, LightModel, SceneFacts, thickness_along, thickness_bound};
 pub use light_scene::LightScene;
 pub use medium::{BandMatrix, Coefficients, FunctionMedium, Homogeneous, Medium, SceneMedium};

@@ -1,10 +1,13 @@
 //! Everything that light meets and comes from.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
-use vr_core::ParameterError;
+use vr_core::{ParameterError, Ray};
 
-use crate::boundary::{Environment, LightSource, Surface};
+use crate::boundary::{
+    Environment, LightSource, Reflection, Surface, SurfaceHit, SurfacePlace, TracedSurfaces, nearest,
+};
 use crate::medium::Medium;
 use crate::tracking::TrackedMedium;
 
@@ -24,6 +27,7 @@ pub struct LightScene {
     medium: Option<TrackedMedium>,
     bands: usize,
     surfaces: Vec<Surface>,
+    traced: Option<TracedSurfaces>,
     lights: Vec<LightSource>,
     environment: Environment,
     hides_environment: bool,
@@ -44,6 +48,7 @@ impl LightScene {
             medium: medium.map(TrackedMedium::new),
             bands,
             surfaces: Vec::new(),
+            traced: None,
             lights: Vec::new(),
             environment: Environment::default(),
             hides_environment: false,
@@ -63,6 +68,21 @@ impl LightScene {
         self.emitters = (0..surfaces.len()).filter(|&i| aimed(&surfaces[i])).collect();
         self.surfaces = surfaces;
         Ok(self)
+    }
+
+    /// The same scene with the opaque surfaces of a scene besides, which reflect red, green and blue.
+    ///
+    /// # Errors
+    /// Surfaces in a scene of other than three bands.
+    pub fn with_traced_surfaces(self, traced: Option<TracedSurfaces>) -> Result<Self, ParameterError> {
+        if traced.is_some() && self.bands != 3 {
+            return Err(ParameterError::new(
+                "medium.bands",
+                self.bands,
+                "must be 3 with surfaces of red, green and blue",
+            ));
+        }
+        Ok(Self { traced, ..self })
     }
 
     /// The same scene under these lights in place of its own.
@@ -121,6 +141,35 @@ impl LightScene {
     /// True if primary rays do not see the environment.
     pub fn hides_environment(&self) -> bool {
         self.hides_environment
+    }
+
+    /// First surface of any kind that a ray meets; `from` is where it starts.
+    pub(crate) fn nearest(&self, ray: &Ray, from: Option<SurfacePlace>) -> Option<SurfaceHit> {
+        let (index, facet) = match from {
+            Some(SurfacePlace::Simple(index)) => (Some(index), None),
+            Some(SurfacePlace::Facet(facet)) => (None, Some(facet)),
+            None => (None, None),
+        };
+        let simple = nearest(&self.surfaces, ray, index);
+        let traced = self.traced.as_ref().and_then(|traced| traced.nearest(ray, facet));
+        match (simple, traced) {
+            (Some(simple), Some(traced)) if simple.distance <= traced.distance => Some(simple),
+            (simple, None) => simple,
+            (_, Some(traced)) => Some(SurfaceHit::on_facet(ray, &traced)),
+        }
+    }
+
+    /// The simple surface at a place.
+    pub(crate) fn simple_surface(&self, hit: &SurfaceHit) -> Option<&Surface> {
+        if let SurfacePlace::Simple(index) = hit.place { Some(&self.surfaces[index]) } else { None }
+    }
+
+    /// Kernel by which a place reflects.
+    pub(crate) fn reflection(&self, hit: &SurfaceHit) -> Cow<'_, Reflection> {
+        match self.simple_surface(hit) {
+            Some(surface) => Cow::Borrowed(&surface.reflection),
+            None => Cow::Owned(Reflection::Lambertian(hit.reflectance.into())),
+        }
     }
 
     /// Numbers of the surfaces that emit and have an end.

@@ -45,6 +45,7 @@ mod outline;
 mod rasterize;
 mod sheared_ray;
 mod surface;
+mod tracer;
 
 pub use surface::Surface;
 pub use vr_core::TriangleMesh;

@@ -3,10 +3,14 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::{Control, Layer, Light, ParameterError, RayShading, RenderError, Shading, Surfaces, TriangleMesh, View};
+use vr_core::{
+    Control, Layer, Light, ParameterError, RayShading, RenderError, Shading, SurfaceTracer, Surfaces, TriangleMesh,
+    View,
+};
 
 use crate::rasterize::rasterize;
 use crate::sheared_ray::Hit;
+use crate::tracer::MeshTracer;
 
 /// A surface of triangles, with its colour and shading.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,20 +46,24 @@ impl Surface {
 
     /// Linear RGB of the light that a point of a triangle sends back along a ray, `shading` being this surface's along it.
     pub(crate) fn light(&self, triangle: usize, hit: &Hit, shading: &RayShading<f64>) -> [f32; 3] {
-        let mesh = &*self.mesh;
-        let corners = mesh.triangles()[triangle];
+        let color = self.color_at(triangle, hit);
+        let normal = smooth_normal(&self.mesh, triangle, hit).unwrap_or_else(|| flat_normal(&self.mesh, triangle));
+        let (factor, added) = shading.reflect(normal.to_array());
+        std::array::from_fn(|c| (color[c] * factor[c] + added[c]) as f32)
+    }
+
+    /// Linear RGB of a point of a triangle.
+    pub(crate) fn color_at(&self, triangle: usize, hit: &Hit) -> DVec3 {
+        let corners = self.mesh.triangles()[triangle];
         let between = |values: &[[f32; 3]]| {
             let value = |i: usize| DVec3::from(values[corners[i] as usize].map(f64::from));
             (0..3).map(|i| value(i) * hit.weights[i]).sum::<DVec3>()
         };
-        let color = match (self.color, mesh.colors()) {
+        match (self.color, self.mesh.colors()) {
             (Some(color), _) => DVec3::from(color),
             (None, Some(colors)) => between(colors),
             (None, None) => DVec3::from(Self::COLOR),
-        };
-        let normal = smooth_normal(mesh, triangle, hit).unwrap_or_else(|| flat_normal(mesh, triangle));
-        let (factor, added) = shading.reflect(normal.to_array());
-        std::array::from_fn(|c| (color[c] * factor[c] + added[c]) as f32)
+        }
     }
 }
 
@@ -67,16 +75,24 @@ impl Surfaces for Surface {
     fn bounds(&self) -> (DVec3, DVec3) {
         self.mesh.bounds()
     }
+
+    fn can_be_traced(&self) -> bool {
+        true
+    }
+
+    fn tracer(&self) -> Option<Arc<dyn SurfaceTracer>> {
+        Some(Arc::new(MeshTracer::new(self.clone())))
+    }
 }
 
 /// The triangle's own normal, of any length.
-fn flat_normal(mesh: &TriangleMesh, triangle: usize) -> DVec3 {
+pub(crate) fn flat_normal(mesh: &TriangleMesh, triangle: usize) -> DVec3 {
     let [a, b, c] = mesh.corners(triangle);
     (b - a).cross(c - a)
 }
 
 /// Interpolates the normals at the corners; `None` where one is absent, or they cancel.
-fn smooth_normal(mesh: &TriangleMesh, triangle: usize, hit: &Hit) -> Option<DVec3> {
+pub(crate) fn smooth_normal(mesh: &TriangleMesh, triangle: usize, hit: &Hit) -> Option<DVec3> {
     let normals = mesh.normals()?;
     let mut sum = DVec3::ZERO;
     for (&vertex, weight) in mesh.triangles()[triangle].iter().zip(hit.weights) {

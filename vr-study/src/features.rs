@@ -8,9 +8,9 @@ use vr_core::amr::{AmrBlock, AmrCentring};
 use vr_core::field::FunctionField;
 use vr_core::rectilinear::Centering;
 use vr_core::{
-    AmrGrid, Calibration, Camera, CellMesh, Clip, Compositing, Control, ControlPoint, Filter, GradientMethod, Layer,
-    Light, OpacityRule, Placement, Plane, PointKernel, PointSet, RectilinearGrid, RenderError, Scene, Shading,
-    StudiedRenderer, Surfaces, TransferFunction, UniformGrid, View, Volume,
+    AmrGrid, Calibration, Camera, CellMesh, Clip, Compositing, Control, ControlPoint, FacetHit, Filter, GradientMethod,
+    Layer, Light, OpacityRule, Placement, Plane, PointKernel, PointSet, Ray, RectilinearGrid, RenderError, Scene,
+    Shading, StudiedRenderer, SurfaceTracer, Surfaces, TransferFunction, UniformGrid, View, Volume,
 };
 
 /// Answer of a renderer for a feature.
@@ -195,6 +195,20 @@ impl Surfaces for NoSurface {
 
     fn bounds(&self) -> (DVec3, DVec3) {
         (DVec3::ZERO, DVec3::ZERO)
+    }
+
+    fn can_be_traced(&self) -> bool {
+        true
+    }
+
+    fn tracer(&self) -> Option<Arc<dyn SurfaceTracer>> {
+        Some(Arc::new(Self))
+    }
+}
+
+impl SurfaceTracer for NoSurface {
+    fn nearest(&self, _: &Ray, _: [f64; 2], _: Option<u32>) -> Option<FacetHit> {
+        None
     }
 }
 

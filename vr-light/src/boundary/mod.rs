@@ -9,6 +9,7 @@ mod map;
 mod reflection;
 mod shape;
 mod surface;
+mod traced;
 
 pub use environment::Environment;
 pub use light_source::LightSource;
@@ -16,5 +17,6 @@ pub use map::EnvironmentMap;
 pub use reflection::Reflection;
 pub use shape::Shape;
 pub use surface::Surface;
+pub use traced::TracedSurfaces;
 
-pub(crate) use surface::{SurfaceHit, nearest};
+pub(crate) use surface::{SurfaceHit, SurfacePlace, nearest};

@@ -1,7 +1,7 @@
 //! Surfaces: shapes that emit and reflect.
 
 use glam::DVec3;
-use vr_core::{ParameterError, Ray};
+use vr_core::{FacetHit, ParameterError, Ray};
 
 use super::{Reflection, Shape};
 use crate::spectrum::Spectrum;
@@ -26,15 +26,42 @@ pub struct Surface {
     pub reflection: Reflection,
 }
 
+/// Surface that a place is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SurfacePlace {
+    /// One of the simple surfaces, by number.
+    Simple(usize),
+    /// A facet of the traced surfaces.
+    Facet(u32),
+}
+
 /// Place at which a ray meets a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceHit {
-    /// Number of the surface.
-    pub index: usize,
+    pub place: SurfacePlace,
     pub distance: f64,
     pub at: DVec3,
     /// Unit normal on the side that the ray comes from.
     pub normal: DVec3,
+    /// The same of the facet itself, where `normal` is interpolated.
+    pub facet_normal: DVec3,
+    /// Lambertian reflectance of a facet; that of a simple surface is its own affair.
+    pub reflectance: [f64; 3],
+}
+
+impl SurfaceHit {
+    /// A facet that a ray meets.
+    pub(crate) fn on_facet(ray: &Ray, hit: &FacetHit) -> Self {
+        let FacetHit { distance, facet, normal, facet_normal, reflectance } = *hit;
+        let at = ray.origin + ray.direction * distance;
+        Self { place: SurfacePlace::Facet(facet), distance, at, normal, facet_normal, reflectance }
+    }
+
+    /// A simple surface at a place, its normal on this side.
+    pub(crate) fn on_simple(index: usize, distance: f64, at: DVec3, normal: DVec3) -> Self {
+        let place = SurfacePlace::Simple(index);
+        Self { place, distance, at, normal, facet_normal: normal, reflectance: [0.0; 3] }
+    }
 }
 
 impl Surface {
@@ -65,6 +92,6 @@ pub(crate) fn nearest(surfaces: &[Surface], ray: &Ray, from: Option<usize>) -> O
         let at = ray.origin + ray.direction * distance;
         let normal = surfaces[index].shape.normal(at);
         let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-        SurfaceHit { index, distance, at, normal }
+        SurfaceHit::on_simple(index, distance, at, normal)
     })
 }

@@ -11,6 +11,10 @@ pub(super) const NO_SCATTERING: Scattering =
 /// Upper bound of the difference of any component of any pixel between a model and the whole equation.
 pub(super) fn cost(model: LightModel, facts: &SceneFacts) -> f64 {
     let cover = facts.cover();
+    // Surfaces light the medium and each other, in every order of scattering.
+    if facts.has_surfaces && model != LightModel::MultipleScattering {
+        return f64::INFINITY;
+    }
     match model {
         LightModel::Vacuum => cover.max(facts.glow_seen() + orders_after(0, facts)),
         LightModel::Absorption => facts.glow_seen() + orders_after(0, facts),
@@ -60,6 +64,7 @@ mod tests {
         emission: 0.0,
         lit: 0.0,
         incoming: 0.0,
+        has_surfaces: false,
     };
 
     #[test]
@@ -72,6 +77,13 @@ mod tests {
         let glowing = of(&SceneFacts { glow: 3.0, thermal: 3.0, emission: 3.0, ..DARK });
         assert!((glowing[1] - 3.0 * cover).abs() < 1e-12 && glowing[3] == 0.0, "{glowing:?}");
         assert!((glowing[2] - 3.0 * (2.0 - cover)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn light_of_surfaces_is_not_bounded() {
+        let of = |facts: &SceneFacts| LightModel::ALL.map(|model| cost(model, facts));
+        let [lower @ .., full] = of(&SceneFacts { has_surfaces: true, ..DARK });
+        assert!(lower.iter().all(|cost| *cost == f64::INFINITY) && full == 0.0, "{lower:?}");
     }
 
     #[test]

@@ -29,6 +29,8 @@ pub struct SceneFacts {
     pub lit: f64,
     /// Bound of the radiance of light from all sides; +∞ where there are lamps, whose light is a beam.
     pub incoming: f64,
+    /// True if light meets opaque surfaces, too, of whose light no bound is known.
+    pub has_surfaces: bool,
 }
 
 impl SceneFacts {
@@ -65,6 +67,7 @@ impl SceneFacts {
             thermal,
             emission,
             lit: scattering.map_or(0.0, |s| lit(s, scene, albedo)),
+            has_surfaces: scattering.is_some() && scene.surfaces.is_some(),
             incoming: if lamps { f64::INFINITY } else { scattering.map_or(0.0, |s| largest(s.environment)) },
         }
     }

@@ -3,16 +3,20 @@
 //! A ray is sampled at the middle of equal steps, of which each counts as homogeneous. The light of a lamp that gets to a sample is looked up in a
 //! [`ShadowMap`], made once for each lamp; that of a headlight comes along the ray itself, and is dimmed as the ray is. The error falls with the square
 //! of the step and of the map's spacing, with the step itself where the transfer function jumps.
+//!
+//! Opaque surfaces end rays, reflect the light of lamps and headlights once, and hide lamps: a ray towards the lamp from each sample tells.
 
 mod shadow_map;
 
 pub use shadow_map::ShadowMap;
+pub(crate) use shadow_map::is_beside;
 
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::{Clip, Control, Ray, RenderError, Scene};
+use vr_core::{Clip, Control, FacetHit, Ray, RenderError, Scene};
 
+use crate::boundary::TracedSurfaces;
 use crate::medium::{Coefficients, Medium, SceneMedium};
 use crate::tracking::{TrackedMedium, Walk};
 
@@ -28,8 +32,17 @@ pub struct MarchedLight {
     pub depth: f64,
     /// World distance at which half of the light behind is gone; +∞ where less is.
     pub half_way: f64,
+    /// World distance of the opaque surface at which the ray ends; +∞ without one.
+    pub surface: f64,
     /// Samples of the medium.
     pub samples: u64,
+}
+
+impl MarchedLight {
+    /// Opacity: 1 − e^(−τ), and 1 before a surface.
+    pub fn opacity(&self) -> f64 {
+        if self.surface < f64::INFINITY { 1.0 } else { -libm::expm1(-self.depth) }
+    }
 }
 
 /// Lamp at infinity as the medium sees it.
@@ -61,6 +74,7 @@ struct Lamp {
 #[derive(Debug)]
 pub struct MarchedScattering {
     medium: TrackedMedium,
+    surfaces: Option<TracedSurfaces>,
     lamps: Vec<Lamp>,
     /// Colour of all headlights together.
     headlight: [f64; 3],
@@ -71,7 +85,7 @@ impl MarchedScattering {
     /// Prepares what a clip leaves of a scene, in steps of so many spacings of the volume. Light from all sides is left to [`crate::single`].
     ///
     /// # Errors
-    /// A scene whose medium makes no sense, or [`RenderError::Cancelled`].
+    /// A scene whose medium makes no sense, surfaces that rays cannot be traced against, or [`RenderError::Cancelled`].
     pub fn new(scene: &Scene, clip: &Clip, step: f64, control: &Control) -> Result<Self, RenderError> {
         let scattering = scene.scattering.as_deref().cloned().unwrap_or_default();
         let medium: Arc<dyn Medium> = Arc::new(SceneMedium::new(scene, clip, &scattering)?);
@@ -84,20 +98,21 @@ impl MarchedScattering {
         let lamps = scene.lights.iter().filter_map(of_lamp).map(lamp).collect::<Result<_, _>>()?;
         let headlights = scene.lights.iter().filter(|light| light.direction.is_none());
         let headlight = headlights.fold([0.0; 3], |sum, light| std::array::from_fn(|c| sum[c] + light.color[c]));
-        Ok(Self { medium: TrackedMedium::new(medium), lamps, headlight, step: step * spacing })
+        let surfaces = TracedSurfaces::of(scene, clip)?;
+        Ok(Self { medium: TrackedMedium::new(medium), surfaces, lamps, headlight, step: step * spacing })
     }
 
     /// Light along a ray, front to back.
     pub fn along(&self, ray: &Ray) -> MarchedLight {
-        let mut light = MarchedLight { radiance: [0.0; 3], depth: 0.0, half_way: f64::INFINITY, samples: 0 };
+        let hit = self.surfaces.as_ref().and_then(|surfaces| surfaces.nearest(ray, None));
+        let surface = hit.map_or(f64::INFINITY, |hit| hit.distance);
+        let mut light = MarchedLight { radiance: [0.0; 3], depth: 0.0, half_way: f64::INFINITY, surface, samples: 0 };
         let phase = self.medium.medium().phase();
         // Light travels against the ray on its way to the eye. Of a lamp of colour L, L p/4 of what is scattered goes there.
         let shares: Vec<f64> =
             self.lamps.iter().map(|lamp| 0.25 * phase.value(ray.direction.dot(lamp.towards))).collect();
         let back = 0.25 * phase.value(-1.0);
-        for stretch in
-            Walk::new(self.medium.grid(), ray, f64::INFINITY).filter(|s| s.cell.rate > 0.0 && s.end > s.start)
-        {
+        for stretch in Walk::new(self.medium.grid(), ray, surface).filter(|s| s.cell.rate > 0.0 && s.end > s.start) {
             let steps = ((stretch.end - stretch.start) / self.step).ceil().max(1.0);
             let length = (stretch.end - stretch.start) / steps;
             for i in 0..steps as u64 {
@@ -108,7 +123,32 @@ impl MarchedScattering {
                 }
             }
         }
+        if let Some(hit) = hit {
+            self.reflect(ray, &hit, &mut light);
+        }
         light
+    }
+
+    /// Adds the light that the surface at the end of a ray reflects: of a lamp of colour L, ρ L cos θ as far as it gets there.
+    fn reflect(&self, ray: &Ray, hit: &FacetHit, light: &mut MarchedLight) {
+        let at = ray.origin + ray.direction * hit.distance;
+        let through = libm::exp(-light.depth);
+        let mut arriving = self.headlight.map(|l| l * hit.cosine(-ray.direction) * through);
+        for lamp in &self.lamps {
+            let reaching = hit.cosine(lamp.towards) * self.reaching(lamp, at, Some(hit.facet));
+            (0..3).for_each(|c| arriving[c] += reaching * lamp.color[c]);
+        }
+        (0..3).for_each(|c| light.radiance[c] += through * hit.reflectance[c] * arriving[c]);
+        light.half_way = light.half_way.min(hit.distance);
+    }
+
+    /// Share of a lamp's light that gets to a place, which may be on a facet.
+    fn reaching(&self, lamp: &Lamp, at: DVec3, leaving: Option<u32>) -> f64 {
+        let towards = Ray { origin: at, direction: lamp.towards };
+        if self.surfaces.as_ref().is_some_and(|surfaces| surfaces.hide(&towards, leaving)) {
+            return 0.0;
+        }
+        libm::exp(-lamp.map.depth(at))
     }
 
     /// Adds a step of a ray around a distance.
@@ -127,7 +167,7 @@ impl MarchedScattering {
         let mut lit = [0.0; 3];
         if bands.iter().any(|band| band.scattering > 0.0) {
             for (lamp, share) in self.lamps.iter().zip(shares) {
-                let reaching = share * libm::exp(-lamp.map.depth(at));
+                let reaching = share * self.reaching(lamp, at, None);
                 for c in 0..3 {
                     lit[c] += reaching * lamp.color[c];
                 }

@@ -70,11 +70,15 @@ impl ShadowMap {
         Ok(Self { axes, low: first, step, size, depths })
     }
 
-    /// Optical depth between a place and the lamp; that of the nearest place of the box outside of it.
+    /// Optical depth between a place and the lamp: 0 where its light passes by the box, that of the whole way through it behind the box.
     #[inline]
     pub fn depth(&self, at: DVec3) -> f64 {
+        let places: [f64; 3] = std::array::from_fn(|i| (self.axes[i].dot(at) - self.low[i]) / self.step[i]);
+        if (0..2).any(|i| is_beside(places[i], self.size[i])) {
+            return 0.0;
+        }
         let [x, y, z]: [(usize, f32); 3] = std::array::from_fn(|i| {
-            let place = ((self.axes[i].dot(at) - self.low[i]) / self.step[i]).clamp(0.0, (self.size[i] - 1) as f64);
+            let place = places[i].clamp(0.0, (self.size[i] - 1) as f64);
             let cell = (place as usize).min(self.size[i] - 2);
             (cell, (place - cell as f64) as f32)
         });
@@ -90,4 +94,9 @@ impl ShadowMap {
         let (near, far) = (row(x.0), row(x.0 + 1));
         f64::from(near + x.1 * (far - near))
     }
+}
+
+/// True if a coordinate, in steps of a lattice of so many places, is outside of it by more than rounding.
+pub(crate) fn is_beside(place: f64, size: usize) -> bool {
+    !(-1e-6..=(size - 1) as f64 + 1e-6).contains(&place)
 }

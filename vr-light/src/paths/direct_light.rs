@@ -7,7 +7,7 @@ use vr_core::Ray;
 use vr_core::scattering::PhaseFunction;
 
 use super::path::{Path, PathSampler};
-use crate::boundary::{LightSource, Reflection, SurfaceHit, nearest};
+use crate::boundary::{LightSource, Reflection, SurfaceHit, SurfacePlace};
 use crate::random::RandomStream;
 use crate::spectrum::{LANES, Lanes};
 use crate::tracking::{TrackedMedium, TransmittanceEstimator};
@@ -19,8 +19,7 @@ pub(super) enum Scatterer<'a> {
     /// A surface.
     Surface {
         reflection: &'a Reflection,
-        /// Unit normal on the side of the path.
-        normal: DVec3,
+        hit: &'a SurfaceHit,
         /// Direction in which the light leaves.
         to: DVec3,
     },
@@ -45,7 +44,8 @@ impl Scatterer<'_> {
                 let density = phase.value(path.ray.direction.dot(towards)) / (4.0 * PI);
                 ([density; LANES], density)
             }
-            Self::Surface { reflection, normal, to } => reflection.value(*normal, *to, towards, path.group),
+            Self::Surface { hit, .. } if hit.facet_normal.dot(towards) <= 0.0 => ([0.0; LANES], 0.0),
+            Self::Surface { reflection, hit, to } => reflection.value(hit.normal, *to, towards, path.group),
         }
     }
 }
@@ -90,7 +90,7 @@ impl PathSampler<'_> {
             let Some(from) = light.illuminate(at, DVec3::X) else { continue };
             let ray = Ray { origin: at, direction: from.towards };
             let weight = weight(from.towards);
-            let hidden = || nearest(self.scene.surfaces(), &ray, None).is_some_and(|hit| hit.distance < from.distance);
+            let hidden = || self.scene.nearest(&ray, None).is_some_and(|hit| hit.distance < from.distance);
             if weight > 0.0 && !hidden() {
                 let through = |medium: &TrackedMedium| {
                     medium.transmittance(&ray, from.distance, band, TransmittanceEstimator::default(), random)
@@ -115,7 +115,7 @@ impl PathSampler<'_> {
         let distance = to.length();
         let towards = to / distance;
         let normal = surface.shape.normal(point);
-        let density = self.emitter_density(&SurfaceHit { index, distance, at: point, normal }, towards);
+        let density = self.emitter_density(&SurfaceHit::on_simple(index, distance, point, normal), towards);
         // A point of the emitter that the path itself is on, or one seen edge on.
         if !(density > 0.0 && density.is_finite()) {
             return;
@@ -129,10 +129,11 @@ impl PathSampler<'_> {
     /// Density per solid angle by which [`Self::add_emitter`] aims at a place of a surface; 0 if it never does.
     pub(super) fn emitter_density(&self, hit: &SurfaceHit, direction: DVec3) -> f64 {
         let emitters = self.scene.emitters();
-        if !emitters.contains(&hit.index) {
+        let SurfacePlace::Simple(index) = hit.place else { return 0.0 };
+        if !emitters.contains(&index) {
             return 0.0;
         }
-        let facing = hit.normal.dot(direction).abs() * self.scene.surfaces()[hit.index].shape.area();
+        let facing = hit.normal.dot(direction).abs() * self.scene.surfaces()[index].shape.area();
         hit.distance * hit.distance / (facing * emitters.len() as f64)
     }
 
@@ -155,10 +156,11 @@ impl PathSampler<'_> {
             return;
         }
         let ray = Ray { origin: at, direction: towards };
-        if let Some(hit) = nearest(self.scene.surfaces(), &ray, path.from) {
+        if let Some(hit) = self.scene.nearest(&ray, path.from) {
             // The source itself is met at its own distance, but for rounding.
             let before = hit.distance < distance * (1.0 - 1e-9);
-            if before && (source != Some(hit.index) || hit.distance < distance * (1.0 - 1e-6)) {
+            if before && (source.map(SurfacePlace::Simple) != Some(hit.place) || hit.distance < distance * (1.0 - 1e-6))
+            {
                 return;
             }
         }

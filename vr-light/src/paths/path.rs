@@ -6,7 +6,7 @@ use glam::DVec3;
 use vr_core::{Control, Ray, RenderError};
 
 use super::direct_light::{Scatterer, competing_weight};
-use crate::boundary::{SurfaceHit, nearest};
+use crate::boundary::{SurfaceHit, SurfacePlace};
 use crate::light_scene::LightScene;
 use crate::medium::{Coefficients, Medium};
 use crate::random::RandomStream;
@@ -46,7 +46,7 @@ const CHECK_EVERY: u32 = 4096;
 pub(super) struct Path {
     pub ray: Ray,
     /// Surface that the ray starts on.
-    pub from: Option<usize>,
+    pub from: Option<SurfacePlace>,
     pub group: BandGroup,
     /// Light that arrives here counts with this weight.
     pub weight: Lanes,
@@ -157,7 +157,7 @@ impl<'a> PathSampler<'a> {
 
     /// Opacity of a band along the primary ray: 1 if it ends on a surface.
     fn opacity(&self, ray: &Ray, band: usize, random: &mut RandomStream) -> f64 {
-        if nearest(self.scene.surfaces(), ray, None).is_some() {
+        if self.scene.nearest(ray, None).is_some() {
             return 1.0;
         }
         let estimator = TransmittanceEstimator::default();
@@ -185,7 +185,7 @@ impl<'a> PathSampler<'a> {
             primary: ray.direction,
         };
         loop {
-            let hit = nearest(self.scene.surfaces(), &path.ray, path.from);
+            let hit = self.scene.nearest(&path.ray, path.from);
             let step = match self.collide(&mut path, hit.map_or(f64::INFINITY, |hit| hit.distance), random) {
                 Some(collision) => self.scatter(&mut path, collision, random),
                 None => match hit {
@@ -266,8 +266,7 @@ impl<'a> PathSampler<'a> {
 
     /// Adds the emission of a surface, and reflects a path.
     fn reflect(&self, path: &mut Path, hit: &SurfaceHit, random: &mut RandomStream) -> Step {
-        let surface = &self.scene.surfaces()[hit.index];
-        if !surface.emission.is_black() {
+        if let Some(surface) = self.scene.simple_surface(hit).filter(|surface| !surface.emission.is_black()) {
             let share = match path.density {
                 Some(density) => competing_weight(density, self.emitter_density(hit, path.ray.direction)),
                 None => 1.0,
@@ -279,12 +278,15 @@ impl<'a> PathSampler<'a> {
             return Step::Ended;
         }
         let to = -path.ray.direction;
-        path.from = Some(hit.index);
-        if surface.reflection.is_smooth() {
-            let scatterer = Scatterer::Surface { reflection: &surface.reflection, normal: hit.normal, to };
+        path.from = Some(hit.place);
+        let reflection = self.scene.reflection(hit);
+        if reflection.is_smooth() {
+            let scatterer = Scatterer::Surface { reflection: &reflection, hit, to };
             self.add_direct_light(path, hit.at, &scatterer, random);
         }
-        let Some(reflected) = surface.reflection.sample(hit.normal, to, path.group, random.pair()) else {
+        let reflected = reflection.sample(hit.normal, to, path.group, random.pair());
+        // Light below the facet, by its interpolated normal, is lost.
+        let Some(reflected) = reflected.filter(|r| hit.facet_normal.dot(r.direction) > 0.0) else {
             return Step::Ended;
         };
         (0..path.group.count).for_each(|i| path.weight[i] *= reflected.weight[i]);

@@ -6,7 +6,7 @@ use glam::DVec3;
 use vr_core::{Control, ParameterError, Ray, RenderError};
 
 use super::fluence::{cosine_direction, uniform_direction};
-use crate::boundary::{Environment, LightSource, nearest};
+use crate::boundary::{Environment, LightSource, SurfacePlace};
 use crate::light_scene::LightScene;
 use crate::medium::Coefficients;
 use crate::random::RandomStream;
@@ -37,7 +37,7 @@ enum Source {
 /// A packet on its way.
 struct Packet {
     ray: Ray,
-    from: Option<usize>,
+    from: Option<SurfacePlace>,
     band: usize,
     power: f64,
 }
@@ -138,7 +138,12 @@ impl<'a> ForwardSampler<'a> {
                 // Both sides emit.
                 let side = if random.uniform() < 0.5 { 1.0 } else { -1.0 };
                 let direction = cosine_direction(side * surface.shape.normal(at), random);
-                packet(at, direction, Some(index), 2.0 * PI * surface.emission.at(band) * surface.shape.area())
+                packet(
+                    at,
+                    direction,
+                    Some(SurfacePlace::Simple(index)),
+                    2.0 * PI * surface.emission.at(band) * surface.shape.area(),
+                )
             }
             Source::Point(index) => {
                 let light = &self.scene.lights()[index];
@@ -166,7 +171,7 @@ impl<'a> ForwardSampler<'a> {
 
     /// Follows a packet to its next collision, reflection or escape.
     fn follow(&self, packet: &mut Packet, fate: &mut Fate, random: &mut RandomStream) {
-        let hit = nearest(self.scene.surfaces(), &packet.ray, packet.from);
+        let hit = self.scene.nearest(&packet.ray, packet.from);
         if self.collide(packet, hit.map_or(f64::INFINITY, |hit| hit.distance), fate, random) {
             return;
         }
@@ -175,13 +180,14 @@ impl<'a> ForwardSampler<'a> {
             return;
         };
         let group = BandGroup { first: packet.band, count: 1 };
-        let reflection = &self.scene.surfaces()[hit.index].reflection;
+        let reflection = self.scene.reflection(&hit);
         // Kernels are reciprocal: light may be followed either way.
         let reflected = reflection.sample(hit.normal, -packet.ray.direction, group, random.pair());
+        let reflected = reflected.filter(|r| hit.facet_normal.dot(r.direction) > 0.0);
         let before = packet.power;
         packet.power *= reflected.map_or(0.0, |r| r.weight[0]);
         fate.absorbed_by_surfaces += before - packet.power;
-        packet.from = Some(hit.index);
+        packet.from = Some(hit.place);
         packet.ray = Ray { origin: hit.at, direction: reflected.map_or(hit.normal, |r| r.direction) };
     }
 

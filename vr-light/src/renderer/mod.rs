@@ -7,6 +7,7 @@ mod prepared;
 use vr_core::scattering::Scattering;
 use vr_core::{Control, Documented, Feature, NamedSetting, Prepared, RenderError, Renderer, Scene, Unsupported, View};
 
+use crate::boundary::TracedSurfaces;
 use prepared::PreparedLight;
 
 /// Renderer of media that scatter: by random paths, or light that is scattered once without chance.
@@ -80,11 +81,8 @@ impl LightRenderer {
                 "compositing 'accumulate': light that is scattered comes from behind the level, too",
             );
         }
-        if scene.surfaces.is_some() {
-            return unsupported(
-                Feature::Surfaces,
-                "opaque surfaces: they would have to stop and reflect the light of the lamps, too",
-            );
+        if scene.surfaces.as_ref().is_some_and(|surfaces| !surfaces.can_be_traced()) {
+            return unsupported(Feature::Surfaces, TracedSurfaces::REFUSED);
         }
         if scene.has_gradient_opacity() {
             return unsupported(

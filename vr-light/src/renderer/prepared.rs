@@ -11,7 +11,7 @@ use vr_core::{
 
 use super::pixel::LightPixel;
 use super::{LightRenderer, Method};
-use crate::boundary::{Environment, LightSource};
+use crate::boundary::{Environment, LightSource, TracedSurfaces};
 use crate::light_scene::LightScene;
 use crate::marched::MarchedScattering;
 use crate::medium::SceneMedium;
@@ -78,8 +78,7 @@ impl PreparedLight {
             counts.rays += 1;
             counts.samples += light.samples;
             let [r, g, b] = light.radiance;
-            let alpha = -libm::expm1(-light.depth);
-            LightPixel { rgba: [r, g, b, alpha], error: 0.0, depth: light.half_way }
+            LightPixel { rgba: [r, g, b, light.opacity()], error: 0.0, depth: light.half_way }
         };
         let (pixels, counts) = stats.time("rays", || trace_view(view, control, || (), trace))?;
         stats.counts = counts;
@@ -132,6 +131,7 @@ fn light_scene(scene: &Scene, clip: &Clip) -> Result<LightScene, RenderError> {
     let medium = SceneMedium::new(scene, clip, scattering)?;
     let lights = scene.lights.iter().map(|&light| LightSource::from(light));
     let lit = LightScene::new(Some(Arc::new(medium)), 3)?
+        .with_traced_surfaces(TracedSurfaces::of(scene, clip)?)?
         .with_lights(lights.collect())?
         .with_environment(Environment::from(scattering.environment))?
         .with_hidden_environment();

@@ -5,7 +5,7 @@ use vr_core::scattering::Scattering;
 use vr_core::{Light, Ray};
 
 /// Cosines and azimuths of the directions of the environment: a coarse rule, and the finer one that counts.
-const ENVIRONMENT: [[usize; 2]; 2] = [[4, 8], [8, 16]];
+pub(super) const ENVIRONMENT: [[usize; 2]; 2] = [[4, 8], [8, 16]];
 
 /// Lights as one ray meets them.
 pub(super) struct Incoming<'a> {

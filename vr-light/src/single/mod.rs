@@ -17,17 +17,22 @@
 //! Most of the time goes to light rays: [`SingleScattering::with_tabulated_shadows`] solves them beforehand, on a lattice.
 //!
 //! An opacity of 1 under the power rule, a wall, is taken as 1 − 10⁻⁶: a medium so dense that light comes back from its first fourteenth of a unit
-//! distance. Surfaces cast no shadows on the medium.
+//! distance.
+//!
+//! Opaque surfaces end rays, reflect the light of lamps and surround once, and cast shadows.
 
 mod incoming;
 mod kronrod;
 mod medium;
 mod ray_light;
 mod shadow_volume;
+mod surface_light;
 
 use vr_core::scattering::Scattering;
 use vr_core::{Camera, Clip, Light, ParameterError, Ray, RenderError, Scene, View};
 use vr_physics::{MIN_TOLERANCE, Reference};
+
+use crate::boundary::TracedSurfaces;
 
 pub use ray_light::RayLight;
 use shadow_volume::ShadowVolume;
@@ -61,6 +66,7 @@ pub struct SingleScattering {
     scene: Scene,
     lights: Vec<Light>,
     scattering: Scattering,
+    surfaces: Option<TracedSurfaces>,
     view: View,
     tolerance: f64,
     reference: Reference,
@@ -72,7 +78,8 @@ impl SingleScattering {
     /// Prepares a scene. The tolerance is the error aimed at, in radiance, 10⁻¹⁰ at least.
     ///
     /// # Errors
-    /// Numbers out of range; a compositing operator that picks values; volumes with colours of their own; opacity that follows the gradient.
+    /// Numbers out of range; a compositing operator that picks values; volumes with colours of their own; opacity that follows the gradient;
+    /// surfaces that rays cannot be traced against.
     pub fn new(scene: &Scene, scattering: &Scattering, clip: &Clip, tolerance: f64) -> Result<Self, RenderError> {
         scattering.validate()?;
         let unlit = medium::unlit(scene)?;
@@ -86,6 +93,7 @@ impl SingleScattering {
             scene: unlit,
             lights,
             scattering: scattering.clone(),
+            surfaces: TracedSurfaces::of(scene, clip)?,
             view,
             tolerance,
             reference,
@@ -111,14 +119,25 @@ impl SingleScattering {
     }
 
     /// Share of the light of one of the lights with a direction that reaches the origin of a ray towards it, and the share's error.
-    fn sun_transmittance(&self, sun: usize, towards: &Ray) -> Result<[f64; 2], RenderError> {
-        self.shadows
-            .get(sun)
-            .map_or_else(|| self.transmittance(towards), |table| Ok(table.transmittance(towards.origin)))
+    /// The ray may leave a facet.
+    fn sun_transmittance(&self, sun: usize, towards: &Ray, leaving: Option<u32>) -> Result<[f64; 2], RenderError> {
+        match self.shadows.get(sun) {
+            Some(_) if self.is_hidden(towards, leaving) => Ok([0.0; 2]),
+            Some(table) => Ok(table.transmittance(towards.origin)),
+            None => self.transmittance(towards, leaving),
+        }
     }
 
-    /// Share of the light from a direction that reaches the origin of a ray towards it, and the share's error.
-    fn transmittance(&self, towards: &Ray) -> Result<[f64; 2], RenderError> {
+    /// True if an opaque surface is in the way of light from infinity to the origin of a ray.
+    fn is_hidden(&self, towards: &Ray, leaving: Option<u32>) -> bool {
+        self.surfaces.as_ref().is_some_and(|surfaces| surfaces.hide(towards, leaving))
+    }
+
+    /// Share of the light from a direction that reaches the origin of a ray towards it, and the share's error. The ray may leave a facet.
+    fn transmittance(&self, towards: &Ray, leaving: Option<u32>) -> Result<[f64; 2], RenderError> {
+        if self.is_hidden(towards, leaving) {
+            return Ok([0.0; 2]);
+        }
         let found = self.reference.transport(&self.scene, &self.view, towards)?;
         Ok(found.map_or([1.0, 0.0], |t| [t.transmittance(), t.certainty.value()]))
     }

@@ -26,6 +26,8 @@ pub struct RayLight {
     pub depth: f64,
     /// World distance along the ray at which opacity reaches ½; +∞ if it does not. To a part of a cell.
     pub half_way: f64,
+    /// World distance of the opaque surface at which the ray ends; +∞ without one.
+    pub surface: f64,
     /// Error of the radiance: an estimate, but for a ray that meets nothing.
     pub certainty: Certainty,
     /// Number of places at which the lights were looked for.
@@ -33,12 +35,18 @@ pub struct RayLight {
 }
 
 impl RayLight {
-    const NOTHING: Self =
-        Self { radiance: [0.0; 3], depth: 0.0, half_way: f64::INFINITY, certainty: Certainty::Bound(0.0), samples: 0 };
+    const NOTHING: Self = Self {
+        radiance: [0.0; 3],
+        depth: 0.0,
+        half_way: f64::INFINITY,
+        surface: f64::INFINITY,
+        certainty: Certainty::Bound(0.0),
+        samples: 0,
+    };
 
-    /// Opacity 1 − e^(−τ).
+    /// Opacity: 1 − e^(−τ), and 1 before a surface.
     pub fn opacity(&self) -> f64 {
-        -libm::expm1(-self.depth)
+        if self.surface < f64::INFINITY { 1.0 } else { -libm::expm1(-self.depth) }
     }
 }
 
@@ -63,11 +71,20 @@ struct Sample {
 }
 
 impl SingleScattering {
-    /// Light and optical depth along a ray, up to a world distance.
+    /// Light and optical depth along a ray, up to a world distance or the first opaque surface.
     ///
     /// # Errors
     /// Same as for [`Reference::solve`](vr_physics::Reference::solve).
     pub fn ray(&self, ray: &Ray, far: f64) -> Result<RayLight, RenderError> {
+        let hit = self.surfaces.as_ref().and_then(|surfaces| surfaces.nearest(ray, None));
+        match hit.filter(|hit| hit.distance <= far) {
+            Some(hit) => self.with_surface(ray, &hit, self.medium_light(ray, hit.distance)?),
+            None => self.medium_light(ray, far),
+        }
+    }
+
+    /// Light and optical depth of the medium along a ray, up to a world distance.
+    fn medium_light(&self, ray: &Ray, far: f64) -> Result<RayLight, RenderError> {
         let ends: &[f64] = if far.is_finite() { &[far] } else { &[] };
         let mut segments = self.reference.segments(&self.scene, &self.view, ray, ends)?;
         segments.retain(|segment| segment.to <= far + 1e-9 * (segment.to - segment.from));
@@ -95,6 +112,7 @@ impl SingleScattering {
             radiance,
             depth: last.depth,
             half_way: half_way(&segments),
+            surface: f64::INFINITY,
             certainty: Certainty::Estimate(left_out),
             samples,
         })
@@ -184,8 +202,8 @@ impl SingleScattering {
         let failed = RefCell::new(None);
         let scattered = incoming.at(ray.origin + s * ray.direction, front, |sun, towards| {
             let found = match sun {
-                Some(sun) => self.sun_transmittance(sun, towards),
-                None => self.transmittance(towards),
+                Some(sun) => self.sun_transmittance(sun, towards, None),
+                None => self.transmittance(towards, None),
             };
             found.unwrap_or_else(|error| {
                 failed.borrow_mut().get_or_insert(error);

@@ -5,6 +5,8 @@ use rayon::prelude::*;
 use vr_core::{Ray, RenderError, Scene, View};
 use vr_physics::{RaySegment, Reference};
 
+use crate::marched::is_beside;
+
 /// Optical depths towards one light on a lattice that is aligned with it (Lokovic & Veach, "Deep shadow maps", 2000, on a regular lattice).
 #[derive(Clone, Debug)]
 pub(super) struct ShadowVolume {
@@ -70,6 +72,10 @@ impl ShadowVolume {
         let mut part = [0.0; 3];
         for axis in 0..3 {
             let x = (at.dot(self.axes[axis]) - self.low[axis]) / (self.step[axis] * stride as f64);
+            // Light to the sides of the box passes by it.
+            if axis < 2 && is_beside(x, last + 1) {
+                return 0.0;
+            }
             first[axis] = (x.max(0.0) as usize).min(last - 1);
             part[axis] = (x - first[axis] as f64).clamp(0.0, 1.0);
         }
