@@ -153,3 +153,17 @@ fn wrong_meshes_get_one_line() {
     }
     assert!(!vr.exists("vr.png"));
 }
+
+#[test]
+fn it_stands_in_the_light_of_media_that_scatter() {
+    let picture = |model: &str| {
+        let vr = Vr::new();
+        vr.write("square.obj", square(-0.2));
+        let view = "--eye 0,0,6 --target 0,0,0 --up 0,1,0 --height 3 --size 16 --light 0,0,1 --mesh-color 0,0.5,0";
+        vr.run(&format!("render --mesh square.obj {view} --model {model} --json -o x.png")).succeeded();
+        vr.picture("x.png").to_rgb8().get_pixel(0, 0).0
+    };
+    // In the corner there is no volume: a lamp of colour 1 in front, 0.7 of the colour by the default shading, encoded as sRGB.
+    let [full, single] = ["full --set paths=4", "single"].map(picture);
+    assert_eq!((full, single), ([0, 160, 0], [0, 160, 0]));
+}

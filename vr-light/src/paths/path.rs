@@ -39,6 +39,9 @@ pub struct PathSampler<'a> {
 const ROULETTE_FROM: u32 = 4;
 /// Smallest chance of a path to go on.
 const MIN_SURVIVAL: f64 = 0.05;
+/// Scatterings and reflections after which a path ends in any case: in a sealed white box it would never get out. What is lost by it is less than the
+/// noise of so many paths.
+const MAX_SCATTERINGS: u32 = 1 << 22;
 /// Scatterings and reflections between two looks at the cancel flag.
 const CHECK_EVERY: u32 = 4096;
 
@@ -312,7 +315,7 @@ impl<'a> PathSampler<'a> {
     /// Counts a scattering or reflection; false if it is one too many.
     fn may_scatter(&self, path: &mut Path) -> bool {
         path.scatterings = path.scatterings.saturating_add(1);
-        self.max_scatterings.is_none_or(|max| path.scatterings <= max)
+        path.scatterings <= self.max_scatterings.unwrap_or(MAX_SCATTERINGS)
     }
 }
 
