@@ -52,7 +52,7 @@ pub struct Measured {
     /// Every timed frame, in order.
     pub frames: Vec<Timed>,
     /// The picture of frame 0: the scene's own view.
-    first: Frame,
+    pub first: Frame,
 }
 
 impl Measured {

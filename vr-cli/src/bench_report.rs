@@ -80,7 +80,7 @@ impl Report<'_> {
             samples: self.samples(),
             peak_bytes: self.peak_bytes,
             error_bound: self.error_bound,
-            error: self.error.as_ref().map(|(metrics, exact)| ErrorFigures::new(metrics, exact)),
+            error: self.error.as_ref().map(|(_, exact)| ErrorFigures::new(exact, &self.measured.first)),
         }
     }
 

@@ -214,9 +214,9 @@ fn measure(
         rendered = again;
     }
     times.sort_unstable();
-    let own = match prepared.model(view)? {
-        Model::Canonical => None,
-        model => {
+    let own = match prepared.own_model(view)? {
+        None => None,
+        Some(model) => {
             let pixels = subgrid(SUBGRID, view.size);
             Some(ReferencePixels::solve((scene, view), &model, pixels, control)?.judge(&rendered.frame))
         }
@@ -225,7 +225,7 @@ fn measure(
         prepare,
         render: times[times.len() / 2],
         metrics: exact.judge(&rendered.frame),
-        errors: exact.errors(&rendered.frame),
+        errors: exact.significant_errors(&rendered.frame),
         own,
         rendered,
     })
@@ -274,6 +274,11 @@ fn text(setup: &Setup, exact: &ReferencePixels, shown: &[Compared<'_>], count: u
         number::time(exact.time),
         number::small(ranking::RMSE),
     );
+    for result in shown {
+        if let Some(account) = exact.noise_account(&result.measured.rendered.frame) {
+            text += &format!("{}: {account}\n", result.title());
+        }
+    }
     if all {
         text += &format!(
             "Own model: against what the renderer itself integrates, done exactly, on {SUBGRID}x{SUBGRID} pixels.\n"
@@ -326,7 +331,7 @@ fn json<'a>(
         prepare_seconds: m.prepare.as_secs_f64(),
         render_seconds: m.render.as_secs_f64(),
         samples: m.rendered.stats.counts.samples,
-        error: ErrorFigures::new(&m.metrics, exact),
+        error: ErrorFigures::new(exact, &m.rendered.frame),
         own_model_max_error: m.own.map(|own| own.max),
     };
     Json {

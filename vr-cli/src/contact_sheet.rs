@@ -15,7 +15,7 @@ pub struct Entry<'a> {
     pub caption: String,
     /// The picture.
     pub frame: &'a Frame,
-    /// Largest error of any component, per pixel.
+    /// Largest error of any component, per pixel; NaN where noise hides it.
     pub errors: &'a [f64],
 }
 
@@ -57,7 +57,10 @@ pub fn draw(title: &str, entries: &[Entry<'_>], background: [f32; 3]) -> Frame {
         }
     }
     let y = top + bands * band;
-    write(&mut canvas, "largest error of a component", [GAP, y], width - 2 * GAP, PALE);
+    let hidden = entries.iter().any(|entry| entry.errors.iter().any(|error| error.is_nan()));
+    let what =
+        if hidden { "largest error of a component; grey: no more than chance" } else { "largest error of a component" };
+    write(&mut canvas, what, [GAP, y], width - 2 * GAP, PALE);
     error_scale::draw(&mut canvas, [GAP, y + LINE], width - 2 * GAP);
     canvas.into_frame()
 }

@@ -20,6 +20,8 @@ pub struct ErrorMap {
     known_pixels: usize,
     /// True if the error of other pixels is interpolated.
     interpolated: bool,
+    /// True if the noise of random paths hides small errors.
+    has_noise: bool,
 }
 
 /// Checks, before the work begins, that the map can be drawn and written.
@@ -38,7 +40,7 @@ pub fn check(output: &OutputArgs) -> Result<(), Failure> {
 /// Draws and writes the map of a frame's error against its reference, which was solved on all pixels or on the subgrid.
 ///
 /// PNG: the largest error of any component, in units of max(1, largest magnitude of the solution), interpolated on its
-/// logarithmic scale. EXR: frame − solution per component in the same units, interpolated as it is.
+/// logarithmic scale; grey where noise hides it. EXR: frame − solution per component in the same units, interpolated as it is.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -55,7 +57,7 @@ pub fn write(path: &Path, exact: &ReferencePixels, frame: &Frame) -> Result<Erro
         heat_map::draw(size, exact.error_map(frame, n))
     };
     vr_io::write(path, &map, &PngOptions::default()).map_err(Failure::failed)?;
-    Ok(ErrorMap { path: path.into(), known_pixels: known, interpolated: known < all })
+    Ok(ErrorMap { path: path.into(), known_pixels: known, interpolated: known < all, has_noise: exact.has_noise() })
 }
 
 impl ErrorMap {
@@ -66,6 +68,7 @@ impl ErrorMap {
         } else {
             "at every pixel".to_owned()
         };
-        format!("map      {}: error {how}\n", self.path.display())
+        let noise = if self.has_noise { "; grey: no more than chance makes" } else { "" };
+        format!("map      {}: error {how}{noise}\n", self.path.display())
     }
 }

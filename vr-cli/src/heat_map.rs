@@ -9,14 +9,13 @@ use crate::error_scale::{self, GAP, PAPER};
 /// Smallest width, which the numbers of the scale need.
 const MIN_WIDTH: u32 = 160;
 
-/// Draws an error per pixel, row by row from the top, in logarithmic colours; NaN has the colour of the largest error.
+/// Draws an error per pixel, row by row from the top, in the logarithmic colours of [`error_colors`].
 pub fn draw(size: [u32; 2], errors: impl IntoIterator<Item = f64>) -> Frame {
     let [w, h] = size;
     let width = w.max(MIN_WIDTH);
     let mut canvas = Canvas::new([width, h + GAP + error_scale::HEIGHT], PAPER);
     let left = (width - w) / 2;
     for (i, error) in (0..).zip(errors) {
-        let error = if error.is_nan() { f64::INFINITY } else { error };
         canvas.put([left + i % w, i / w], error_colors::color(error));
     }
     error_scale::draw(&mut canvas, [GAP, h + GAP], width - 2 * GAP);
@@ -32,7 +31,7 @@ mod tests {
         let map = draw([200, 1], (0..200).map(|x| if x == 7 { 1e-4 } else { f64::NAN }));
         assert_eq!(map.size(), [200, 1 + GAP + error_scale::HEIGHT]);
         assert_eq!(map.pixel(7, 0)[..3], error_colors::color(1e-4));
-        assert_eq!(map.pixel(8, 0)[..3], error_colors::at(1.0));
+        assert_eq!(map.pixel(8, 0)[..3], error_colors::HIDDEN);
         assert_eq!(map.pixel(GAP, 1 + GAP)[..3], error_colors::at(0.0));
         // A small map stands in the middle of a wider sheet.
         let small = draw([2, 2], [1.0; 4]);

@@ -67,13 +67,7 @@ pub fn run(args: &RenderArgs, console: Console, control: &Control) -> Result<(),
     }
 
     // Measure the error, unless neither output nor a map shows it.
-    // What scatters has no other reference than a picture that knows its own errors.
-    let own_errors = scene.scattering.is_some();
-    if own_errors && args.output.error_map.is_some() {
-        let message = "--error-map: errors of a medium that scatters are channels of the picture itself: -o FILE.exr";
-        return Err(Failure::usage(message.to_owned()));
-    }
-    let unseen = own_errors || console.quiet && !console.json && args.output.error_map.is_none();
+    let unseen = console.quiet && !console.json && args.output.error_map.is_none();
     let wanted = if unseen { ErrorMeasure::None } else { args.output.error };
     let pixels = match wanted {
         ErrorMeasure::None => None,
@@ -252,6 +246,9 @@ impl Summary<'_> {
                 exact.certainty_text(),
                 number::time(exact.time)
             );
+            if let Some(account) = exact.noise_account(&self.drawn.frame) {
+                text += &format!("         {account}\n");
+            }
         }
         text += &self.drawn.frame.uncertainty().map(own_errors).unwrap_or_default();
         if let Some(map) = &self.map {
@@ -277,7 +274,7 @@ impl Summary<'_> {
             repeated,
             error_bound: self.drawn.error_bound.as_ref(),
             chosen: self.drawn.chosen.as_ref(),
-            error: self.error.as_ref().map(|(metrics, exact)| ErrorFigures::new(metrics, exact)),
+            error: self.error.as_ref().map(|(_, exact)| ErrorFigures::new(exact, &self.drawn.frame)),
             own_errors: self.drawn.frame.uncertainty().map(OwnErrors::of),
             error_map: self.map.as_ref(),
             outputs: self.outputs,

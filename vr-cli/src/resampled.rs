@@ -101,7 +101,7 @@ pub fn picture_error(
         renderer.prepare(&drawn, control)?.render(view, control)
     });
     let frame = frame.map_err(Failure::failed)?.frame;
-    Ok(Some(ErrorFigures::new(&exact.judge(&frame), &exact)))
+    Ok(Some(ErrorFigures::new(&exact, &frame)))
 }
 
 /// Returns the note on the error of the picture.

@@ -7,6 +7,7 @@ use crate::model::Model;
 use crate::probe::Probe;
 use crate::scene::Scene;
 use crate::stats::RenderStats;
+use crate::unsupported::{Feature, Unsupported};
 use crate::view::View;
 
 /// A way to draw scenes.
@@ -97,6 +98,19 @@ pub trait Prepared: Send {
     /// # Errors
     /// Same as for [`Self::render`].
     fn model(&self, view: &View) -> Result<Model, RenderError>;
+
+    /// That model, where it is another than the scene as it is; `None`, too, where no [`Model`] says what the renderer integrates.
+    ///
+    /// # Errors
+    /// Same as for [`Self::render`].
+    fn own_model(&self, view: &View) -> Result<Option<Model>, RenderError> {
+        match self.model(view) {
+            Ok(Model::Canonical) => Ok(None),
+            Ok(model) => Ok(Some(model)),
+            Err(RenderError::Unsupported(Unsupported { feature: Feature::Model, .. })) => Ok(None),
+            Err(other) => Err(other),
+        }
+    }
 
     /// Record of the steps along the ray through the centre of pixel (x, y) of a view; `None` from a renderer that keeps none.
     ///

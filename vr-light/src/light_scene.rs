@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use vr_core::{ParameterError, Ray};
+use vr_core::{Clip, ParameterError, Ray, RenderError, Scene};
 
 use crate::boundary::{
     Environment, LightSource, Reflection, Surface, SurfaceHit, SurfacePlace, TracedSurfaces, nearest,
 };
-use crate::medium::Medium;
+use crate::medium::{Medium, SceneMedium};
 use crate::tracking::TrackedMedium;
 
 /// A medium, its boundaries and its lights: what the equation of transfer is solved for.
@@ -54,6 +54,23 @@ impl LightScene {
             hides_environment: false,
             emitters: Vec::new(),
         })
+    }
+
+    /// A scene that renderers draw, within a clip, in three bands: its medium, opaque surfaces, lights, and the light from all sides, which is not seen
+    /// behind them. A scene without scattering has an albedo of its own colours.
+    ///
+    /// # Errors
+    /// Numbers that are out of range, surfaces that no ray can be put to, or opacity by the gradient.
+    pub fn of_scene(scene: &Scene, clip: &Clip) -> Result<Self, RenderError> {
+        let none = Default::default();
+        let scattering = scene.scattering.as_deref().unwrap_or(&none);
+        let medium = SceneMedium::new(scene, clip, scattering)?;
+        let lights = scene.lights.iter().map(|&light| LightSource::from(light));
+        Ok(Self::new(Some(Arc::new(medium)), 3)?
+            .with_traced_surfaces(TracedSurfaces::of(scene, clip)?)?
+            .with_lights(lights.collect())?
+            .with_environment(Environment::from(scattering.environment))?
+            .with_hidden_environment())
     }
 
     /// The same scene with these surfaces in place of its own.

@@ -5,8 +5,14 @@ use vr_core::transfer::inferno;
 /// Exponents of ten at the ends of the scale: below is black, above the brightest colour.
 pub const DECADES: (i32, i32) = (-7, -1);
 
-/// Returns the linear colour of an error.
+/// Linear colour of an error that is not known, for noise hides it.
+pub const HIDDEN: [f32; 3] = [0.18; 3];
+
+/// Returns the linear colour of an error; [`HIDDEN`] of NaN.
 pub fn color(error: f64) -> [f32; 3] {
+    if error.is_nan() {
+        return HIDDEN;
+    }
     let (low, high) = (f64::from(DECADES.0), f64::from(DECADES.1));
     at((error.max(f64::MIN_POSITIVE).log10() - low) / (high - low))
 }
@@ -25,5 +31,6 @@ mod tests {
         assert_eq!(color(0.0), at(0.0));
         assert_eq!(color(f64::INFINITY), at(1.0));
         assert_eq!(color(1e-4), at(0.5));
+        assert_eq!(color(f64::NAN), HIDDEN);
     }
 }

@@ -54,10 +54,10 @@ impl FeatureMatrix {
         let mut rows: Vec<(&'static str, Vec<Support>)> = scenes()
             .into_iter()
             .map(|(name, scene, view)| {
-                let of_mesh = on_mesh(name, &scene);
+                let others: Vec<Scene> = on_mesh(name, &scene).into_iter().chain([with_scattering(&scene)]).collect();
                 let draws = |renderer: &dyn StudiedRenderer| {
                     let draws = |scene: &Scene| renderer.supports(scene, Some(&view)).is_ok();
-                    draws(&scene) || of_mesh.as_ref().is_some_and(draws)
+                    draws(&scene) || others.iter().any(draws)
                 };
                 (name, asked_of(&draws))
             })
@@ -73,6 +73,11 @@ fn on_mesh(feature: &str, scene: &Scene) -> Option<Scene> {
     let of_grids = ["volume", "missing", "filter"].iter().any(|start| feature.starts_with(start));
     let mesh = scene.volume.grid().filter(|_| !of_grids).and_then(|grid| CellMesh::of_grid(grid).ok())?;
     Some(Scene { volume: mesh.into(), ..scene.clone() })
+}
+
+/// Returns the scene of a feature with scattering, for renderers that draw no other.
+fn with_scattering(scene: &Scene) -> Scene {
+    Scene { scattering: Some(Arc::default()), ..scene.clone() }
 }
 
 /// Makes a renderer at each setting that it documents.
@@ -178,6 +183,7 @@ fn scenes() -> Vec<(&'static str, Scene, View)> {
         of_view("perspective", perspective),
         of_view("crop box", View { clip: boxed, ..view.clone() }),
         of_view("clip planes", View { clip: plane, ..view.clone() }),
+        of_scene("scattering", with_scattering(&plain)),
         of_scene("opaque surfaces", Scene { surfaces: Some(Arc::new(NoSurface)), ..plain.clone() }),
         of_view("several rays a pixel", View { supersampling: 2, ..view.clone() }),
     ]
@@ -227,6 +233,7 @@ mod tests {
             Box::new(vr_cells::CellMarcher::default()),
             Box::new(vr_cells::CellProjector::default()),
             Box::new(vr_physics::Reference::default()),
+            Box::new(vr_light::LightRenderer { paths: 2, ..Default::default() }),
         ];
         let control = Control::default();
         for (name, scene, view) in scenes() {
@@ -243,6 +250,9 @@ mod tests {
             }
         }
         let matrix = FeatureMatrix::of(&renderers);
-        assert!(matrix.rows.iter().all(|(_, answers)| answers[6] == Support::Drawn), "{matrix}");
+        for (name, answers) in &matrix.rows {
+            let drawn = if *name == "scattering" { Support::Refused } else { Support::Drawn };
+            assert_eq!(answers[6], drawn, "{matrix}");
+        }
     }
 }

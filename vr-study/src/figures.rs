@@ -1,9 +1,10 @@
 //! Figures of errors in results.
 
 use serde::{Deserialize, Serialize};
+use vr_core::Frame;
 use vr_physics::{Certainty, Metrics};
 
-use crate::reference::ReferencePixels;
+use crate::reference::{NoiseAccount, ReferencePixels};
 
 /// Error of a picture, and error of the reference that it was measured against.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,17 +25,21 @@ pub struct ErrorFigures {
     pub reference_error: f64,
     /// Kind of the reference's error: `bound` or `estimate`.
     pub reference_error_is: String,
+    /// Noise of the picture and of the reference, where that is a mean over random paths.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseAccount>,
 }
 
 impl ErrorFigures {
-    /// Makes the figures of metrics and the reference that they were measured against.
-    pub fn new(metrics: &Metrics, reference: &ReferencePixels) -> Self {
+    /// Judges a frame against the reference of the same view.
+    pub fn new(reference: &ReferencePixels, frame: &Frame) -> Self {
         let (reference_error, word) = match reference.certainty {
             Certainty::Bound(e) => (e, "bound"),
             Certainty::Estimate(e) => (e, "estimate"),
         };
-        let &Metrics { max, rmse, bias, p99, psnr, pixels, .. } = metrics;
+        let Metrics { max, rmse, bias, p99, psnr, pixels, .. } = reference.judge(frame);
         let psnr = psnr.is_finite().then_some(psnr);
-        Self { max, rmse, bias, p99, psnr, pixels, reference_error, reference_error_is: word.to_owned() }
+        let (reference_error_is, noise) = (word.to_owned(), reference.noise_account(frame));
+        Self { max, rmse, bias, p99, psnr, pixels, reference_error, reference_error_is, noise }
     }
 }

@@ -144,7 +144,7 @@ fn judge(
     let reference = cache.solve((&case.scene, &case.view), &Model::Canonical, all, control)?;
     let metrics = reference.judge(&rendered.frame);
     let uncertainty = reference.certainty.value() / reference.scale();
-    result.error = Some(ErrorFigures::new(&metrics, &reference));
+    result.error = Some(ErrorFigures::new(&reference, &rendered.frame));
     let pixels_beyond =
         |e: f64| reference.errors(&rendered.frame).into_iter().filter(|&error| error > e).count() as u64;
     let Some(documented) = bound else {

@@ -96,15 +96,11 @@ impl Study<'_> {
         for (candidate, drawn) in self.candidates.iter().zip(drawn) {
             match drawn {
                 Ok(drawn) => {
-                    let own_error = match &drawn.model {
-                        Model::Canonical => None,
-                        model => {
-                            let own = self.cache.solve(view, model, few.clone(), control)?;
-                            Some(ErrorFigures::new(&own.judge(&drawn.frame), &own))
-                        }
-                    };
-                    let error = ErrorFigures::new(&reference.judge(&drawn.frame), &reference);
-                    let function_error = function.as_ref().map(|f| ErrorFigures::new(&f.judge(&drawn.frame), f));
+                    let own = |model| self.cache.solve(view, model, few.clone(), control);
+                    let own = drawn.model.as_ref().map(own).transpose()?;
+                    let own_error = own.map(|own| ErrorFigures::new(&own, &drawn.frame));
+                    let error = ErrorFigures::new(&reference, &drawn.frame);
+                    let function_error = function.as_ref().map(|f| ErrorFigures::new(f, &drawn.frame));
                     points.push(point(candidate, subject, &drawn, (error, own_error, function_error)));
                     frames.push(drawn.frame);
                     drawing.push(candidate);

@@ -69,8 +69,8 @@ pub struct Times {
 pub struct Drawn {
     /// The picture of the subject's view.
     pub frame: Frame,
-    /// The model that the candidate integrates.
-    pub model: Model,
+    /// The model that the candidate integrates, where it is known to be another than the scene.
+    pub model: Option<Model>,
     /// The work of that picture.
     pub counts: Counts,
     /// Times; `None` where nothing was timed.
@@ -230,7 +230,7 @@ impl Clock<'_> {
                 self.frames(&mut *prepared, &subject.view, &mut rounds)?;
             }
         }
-        let model = prepared.model(&subject.view)?;
+        let model = prepared.own_model(&subject.view)?;
         let (frame, counts) = (rendered.frame, rendered.stats.counts);
         Ok((Drawn { frame, model, counts, times: None, peak_bytes: None }, rounds))
     }

@@ -16,8 +16,10 @@ fn pictures_tell_their_noise_and_more_paths_make_less_of_it() {
             (json["renderer"].as_str(), json["own_errors"]["kind"].as_str()),
             (Some("light"), Some("standard error"))
         );
-        assert!(json["error"].is_null(), "{json}");
-        json["own_errors"]["rms"].as_f64().unwrap()
+        let noise = json["own_errors"]["rms"].as_f64().unwrap();
+        // Within a third: 108 pixels.
+        assert!((json["error"]["rmse"].as_f64().unwrap() / noise - 1.0).abs() < 0.33, "{json}");
+        noise
     };
     let (few, many) = (noise(16), noise(256));
     assert!(few > 2.0 * many && many > 0.0, "{few} {many}");
@@ -78,4 +80,22 @@ fn scenes_with_scattering_come_back_from_files_and_records() {
     assert_eq!(first, again);
     vr.run("render --scene fog.toml --set paths=4 -o x.png").succeeded();
     vr.run("rerun x.png").succeeded();
+}
+
+#[test]
+fn scenes_with_scattering_are_measured_and_compared_by_many_paths() {
+    let vr = Vr::new();
+    vr.write("fog.toml", SCENE);
+    let json = vr.run("render --scene fog.toml --set paths=16 --json -o x.exr").succeeded().json();
+    let number = |path: &str| json.pointer(path).and_then(|x| x.as_f64()).unwrap_or_else(|| panic!("{path}: {json}"));
+    let (rmse, low, high) =
+        (number("/error/noise/rmse"), number("/error/noise/interval/0"), number("/error/noise/interval/1"));
+    assert!(low <= rmse && rmse <= high && rmse == number("/error/rmse"), "{json}");
+    // Pictures without bias err by their noise; of 108 pixels, within a third.
+    let noise = number("/error/noise/picture_noise");
+    assert!((rmse / noise - 1.0).abs() < 0.33 && number("/error/noise/reference_noise") < 0.5 * noise, "{json}");
+    let json =
+        vr.run("compare --scene fog.toml --renderer light --renderer raycast --json -o x.png").succeeded().json();
+    let rows = json["renderers"].as_array().unwrap();
+    assert!(!rows.is_empty() && rows.iter().all(|row| row["error"]["noise"]["rmse"].is_number()), "{json}");
 }

@@ -110,10 +110,10 @@ impl Film {
         (sum / (self.counts.len() * self.bands) as f64).sqrt()
     }
 
-    /// Counts and sums of each row, to add samples to.
-    pub(super) fn rows(&mut self) -> impl Iterator<Item = (&mut [[u64; 2]], &mut [[f64; 2]])> {
-        let (width, channels) = (self.size[0] as usize, self.channels());
-        self.counts.chunks_mut(width).zip(self.sums.chunks_mut(width * channels))
+    /// Counts and sums of each part of so many pixels, to add samples to.
+    pub(super) fn parts(&mut self, pixels: usize) -> impl Iterator<Item = (&mut [[u64; 2]], &mut [[f64; 2]])> {
+        let channels = self.channels();
+        self.counts.chunks_mut(pixels).zip(self.sums.chunks_mut(pixels * channels))
     }
 }
 

@@ -69,6 +69,8 @@ pub struct PathTracer<'a> {
 
 /// Largest number of samples of each pixel in one pass.
 const MAX_PASS: u64 = 64;
+/// Pixels that a thread takes at once.
+const PART: usize = 64;
 
 /// True if a sample of this number is one of the opacity, too: that costs as much as a third of a path, and has a fraction of its noise. The first two
 /// are, so that an error can be told.
@@ -102,7 +104,6 @@ impl<'a> PathTracer<'a> {
         control: &Control,
         progress: &mut dyn FnMut(&Film),
     ) -> Result<(), RenderError> {
-        let rays = Rays::new(view)?;
         if film.size() != view.size || film.bands() != self.paths.scene().bands() {
             let found = (film.size(), film.bands());
             return Err(ParameterError::new(
@@ -112,6 +113,43 @@ impl<'a> PathTracer<'a> {
             )
             .into());
         }
+        let width = view.size[0] as usize;
+        self.run_at(view, &|pixel| [pixel % width, pixel / width], film, until, control, progress)
+    }
+
+    /// Returns samples of some pixels of a view, (x, y), as the row of a film: the same ones as in a film of the whole view.
+    ///
+    /// # Errors
+    /// A view that is out of range, pixels that it does not have, none, or [`RenderError::Cancelled`].
+    pub fn trace_pixels(
+        &self,
+        view: &View,
+        pixels: &[[u32; 2]],
+        samples: u64,
+        control: &Control,
+    ) -> Result<Film, RenderError> {
+        if let Some(pixel) = pixels.iter().find(|pixel| pixel[0] >= view.size[0] || pixel[1] >= view.size[1]) {
+            return Err(ParameterError::new("pixels", pixel, "must lie within the view").into());
+        }
+        let count = u32::try_from(pixels.len());
+        let count = count.map_err(|_| ParameterError::new("pixels", pixels.len(), "must be fewer than 2^32"))?;
+        let mut film = Film::new([count, 1], self.paths.scene().bands())?;
+        let place = |pixel: usize| pixels[pixel].map(|x| x as usize);
+        self.run_at(view, &place, &mut film, &Until::samples(samples), control, &mut |_| {})?;
+        Ok(film)
+    }
+
+    /// Adds samples to a film, whose pixels lie at these places of the view, until the end of the run.
+    fn run_at(
+        &self,
+        view: &View,
+        place: &(dyn Fn(usize) -> [usize; 2] + Sync),
+        film: &mut Film,
+        until: &Until,
+        control: &Control,
+        progress: &mut dyn FnMut(&Film),
+    ) -> Result<(), RenderError> {
+        let rays = Rays::new(view)?;
         let (started, first) = (Instant::now(), film.count(0));
         loop {
             let made = (0..film.size()[0] as usize * film.size()[1] as usize).map(|p| film.count(p)).min().unwrap_or(0);
@@ -123,7 +161,7 @@ impl<'a> PathTracer<'a> {
             }
             let pass = (made - first.min(made)).clamp(1, MAX_PASS);
             let target = made + until.samples.map_or(pass, |samples| pass.min(samples - made));
-            self.pass(&rays, view.supersampling, film, target, control)?;
+            self.pass((&rays, view), place, film, target, control)?;
             progress(film);
             if let Some(samples) = until.samples {
                 control.report(target as f64 / samples as f64);
@@ -134,24 +172,24 @@ impl<'a> PathTracer<'a> {
     /// Adds samples to each pixel until it has `target` of them.
     fn pass(
         &self,
-        rays: &Rays,
-        supersampling: u32,
+        (rays, view): (&Rays, &View),
+        place: &(dyn Fn(usize) -> [usize; 2] + Sync),
         film: &mut Film,
         target: u64,
         control: &Control,
     ) -> Result<(), RenderError> {
-        let (width, channels) = (film.size()[0] as usize, film.channels());
-        let rows: Vec<_> = film.rows().map(Mutex::new).collect();
-        let row_work = |y: usize| {
-            let mut row = locked(&rows[y]);
-            let (counts, sums) = &mut *row;
+        let (width, channels) = (view.size[0] as usize, film.channels());
+        let parts: Vec<_> = film.parts(PART).map(Mutex::new).collect();
+        let work = |part: usize| {
+            let mut pixels = locked(&parts[part]);
+            let (counts, sums) = &mut *pixels;
             let mut sample = vec![0.0; channels];
-            for x in 0..width {
-                let sums = &mut sums[x * channels..][..channels];
-                while counts[x][0] < target {
+            for (i, (count, sums)) in counts.iter_mut().zip(sums.chunks_mut(channels)).enumerate() {
+                let [x, y] = place(part * PART + i);
+                while count[0] < target {
                     control.check()?;
-                    let number = counts[x][0];
-                    let ray = subpixel_ray(rays, [x, y], number, supersampling);
+                    let number = count[0];
+                    let ray = subpixel_ray(rays, [x, y], number, view.supersampling);
                     let mut random = RandomStream::new(self.seed, (y * width + x) as u32, number);
                     let bands = channels - 1;
                     self.paths.sample_radiance(&ray, &mut random, control, &mut sample[..bands])?;
@@ -161,12 +199,12 @@ impl<'a> PathTracer<'a> {
                     } else {
                         bands
                     };
-                    add_sample(&mut counts[x], sums, &sample[..sampled]);
+                    add_sample(count, sums, &sample[..sampled]);
                 }
             }
             Ok(())
         };
-        control.run(|| try_each(rows.len(), &row_work))
+        control.run(|| try_each(parts.len(), &work))
     }
 }
 

@@ -120,9 +120,7 @@ impl Renderer for LightRenderer {
 impl Documented for LightRenderer {
     fn settings(&self) -> Vec<NamedSetting> {
         let single = Self { method: Method::Single, ..Self::default() };
-        vec![
-            NamedSetting::new("single scattering", &single, None, 1e-6),
-            NamedSetting::new("64 paths", &Self::default(), None, 1e-6),
-        ]
+        let full = |paths| NamedSetting::new(format!("{paths} paths"), &Self { paths, ..Self::default() }, None, 1e-6);
+        vec![NamedSetting::new("single scattering", &single, None, 1e-6), full(16), full(64), full(256)]
     }
 }

@@ -11,10 +11,8 @@ use vr_core::{
 
 use super::pixel::LightPixel;
 use super::{LightRenderer, Method};
-use crate::boundary::{Environment, LightSource, TracedSurfaces};
 use crate::light_scene::LightScene;
 use crate::marched::MarchedScattering;
-use crate::medium::SceneMedium;
 use crate::paths::{Film, PathTracer, Until};
 use crate::single::SingleScattering;
 
@@ -44,7 +42,7 @@ impl PreparedLight {
         {
             return Ok(Arc::clone(lit));
         }
-        let lit = Arc::new(light_scene(&self.scene, clip)?);
+        let lit = Arc::new(LightScene::of_scene(&self.scene, clip)?);
         self.lit = Some((clip.clone(), Arc::clone(&lit)));
         Ok(lit)
     }
@@ -125,19 +123,6 @@ fn frame(view: &View, pixels: &[LightPixel]) -> Frame {
     Frame::new(view.size, colors, Some(depth))
 }
 
-/// Medium and lights of a scene within a clip.
-fn light_scene(scene: &Scene, clip: &Clip) -> Result<LightScene, RenderError> {
-    let scattering = scene.scattering.as_deref().expect("checked in prepare");
-    let medium = SceneMedium::new(scene, clip, scattering)?;
-    let lights = scene.lights.iter().map(|&light| LightSource::from(light));
-    let lit = LightScene::new(Some(Arc::new(medium)), 3)?
-        .with_traced_surfaces(TracedSurfaces::of(scene, clip)?)?
-        .with_lights(lights.collect())?
-        .with_environment(Environment::from(scattering.environment))?
-        .with_hidden_environment();
-    Ok(lit)
-}
-
 impl Prepared for PreparedLight {
     fn update(&mut self, scene: &Scene, control: &Control) -> Result<(), RenderError> {
         self.renderer.check(scene)?;
@@ -157,6 +142,10 @@ impl Prepared for PreparedLight {
     }
 
     fn model(&self, _view: &View) -> Result<Model, RenderError> {
+        // All light of the scene: the mean over paths is the correct pixel.
+        if self.renderer.method == Method::Full && self.renderer.max_scatterings.is_none() {
+            return Ok(Model::Canonical);
+        }
         let what = "a model of emission and absorption: light comes from all directions".to_owned();
         Err(Unsupported { renderer: LightRenderer::NAME, feature: Feature::Model, what }.into())
     }

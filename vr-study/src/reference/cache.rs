@@ -13,6 +13,8 @@ use super::fingerprint::fingerprint;
 
 /// Folder of reference pixels, by the hash of all that they depend on. Without a folder, nothing is kept.
 ///
+/// Means over random paths are not kept: their noise is part of them.
+///
 /// A file that is damaged, or that disagrees with a few of its pixels solved again, is not believed: it is solved anew, and replaced.
 #[derive(Clone, Debug, Default)]
 pub struct ReferenceCache {
@@ -50,7 +52,8 @@ impl ReferenceCache {
     ) -> Result<ReferencePixels, RenderError> {
         // Without a folder no key is needed: it takes every voxel, and the surfaces' layer.
         let key = |folder| Some((folder, fingerprint((scene, view), model, &pixels, DEFAULT_TOLERANCE)?));
-        let Some((folder, key)) = self.folder.as_ref().and_then(key) else {
+        let folder = self.folder.as_ref().filter(|_| scene.scattering.is_none());
+        let Some((folder, key)) = folder.and_then(key) else {
             return ReferencePixels::solve((scene, view), model, pixels, control);
         };
         let path = folder.join(key.iter().map(|b| format!("{b:02x}")).collect::<String>() + ".exact");

@@ -5,7 +5,7 @@ use vr_core::{Control, Model, Scene, View};
 use vr_io::volume_hash;
 
 /// Version of the cache: raised with every change of the file format, of the hash, or of the reference's results.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// Returns the hash of everything that pixels of a view depend on: values and their placement, filter, transfer function, shading and
 /// lights, surfaces, compositing, view, and which pixels; `None` for models that cannot be told apart.
@@ -29,7 +29,7 @@ pub(crate) fn fingerprint(
 }
 
 /// Returns a hash, in hexadecimal, of everything that a frame depends on but its volume, for which `volume` stands (a [`vr_io::volume_hash`]), and
-/// its renderer, for which `renderer` does; `None` for surfaces that cannot be drawn.
+/// its renderer, for which `renderer` does; `None` for surfaces that cannot be drawn, or stand in light that is scattered.
 pub fn frame_fingerprint((scene, view): (&Scene, &View), volume: &str, renderer: &str) -> Option<String> {
     let filter = scene.volume.filter();
     let text = format!("{volume} {filter:?} {renderer:?} {:?} {}", scene.background, described(scene, view)?);
@@ -42,14 +42,19 @@ fn hexadecimal(bytes: &[u8]) -> String {
 
 /// Returns scene and view without the volume. The shortest digits that give a float back: two texts are equal where the numbers are.
 fn described(scene: &Scene, view: &View) -> Option<String> {
+    // Surfaces stand in light that is scattered with all their sides, of which the layer shows one.
+    if scene.scattering.is_some() && scene.surfaces.is_some() {
+        return None;
+    }
     let layer = scene.layer(view, &Control::default()).ok()?;
     let rows = if scene.transfer.has_rows() { format!(" {:?}", scene.transfer.rows()) } else { String::new() };
     Some(format!(
-        "{}{rows} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
+        "{}{rows} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
         scene.transfer.points(),
         (scene.transfer.rule(), scene.transfer.unit_distance()),
         scene.shading.as_ref().map(|shading| (shading, &scene.lights)),
+        scene.scattering.as_ref().map(|scattering| (scattering, &scene.lights)),
         scene.compositing,
         view.camera,
         view.size,

@@ -85,6 +85,9 @@ fn certainty(s: &SubjectResult) -> Markup {
     let all = u64::from(s.size[0]) * u64::from(s.size[1]);
     html! {
         "Errors are over " (e.pixels) " of " (all) " pixels, against a " (terms::REFERENCE.word()) " " (proven) " to within " (small(e.reference_error)) "."
+        @if let Some(noise) = &e.noise {
+            " It is a mean over random paths: its noise, RMS " (small(noise.reference_noise)) ", is subtracted from RMSE. Grey in the maps: no more than chance makes."
+        }
         @if (e.pixels as u64) < all { " Maps are interpolated between them." }
     }
 }
