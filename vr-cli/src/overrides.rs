@@ -4,8 +4,8 @@ use std::path::Path;
 
 use vr_core::{ControlPoint, Options, Plane};
 use vr_io::{
-    AlbedoEntry, FileSource, GridDescription, LabelsSection, LightEntry, MeshSection, PhaseEntry, PointOptions,
-    ResampleSection, SceneFile, ShadingSection, TransferSection, VolumeSection, VolumeSource,
+    AlbedoEntry, FileSource, GridDescription, LabelsSection, LightEntry, MeshSection, PhaseEntry, PointLightEntry,
+    PointOptions, ResampleSection, SceneFile, ShadingSection, TransferSection, VolumeSection, VolumeSource,
 };
 
 use crate::args::{
@@ -260,6 +260,17 @@ impl Overrides {
         self.set("scattering.albedo", args.albedo.map(albedo_entry), &mut section.albedo);
         self.set("scattering.phase", args.anisotropy.map(PhaseEntry::HenyeyGreenstein), &mut section.phase);
         self.set("scattering.environment", args.environment, &mut section.environment);
+        if let Some(path) = &args.environment_map {
+            section.environment_map = Some(self.path_from_here(path));
+            self.note("scattering.environment_map");
+        }
+        if !args.point_light.is_empty() {
+            let entry =
+                |&(position, color): &([f64; 3], [f64; 3])| PointLightEntry { position: position.into(), color };
+            section.point_lights = args.point_light.iter().map(entry).collect();
+            self.note("scattering.point_lights");
+        }
+        let lit_otherwise = args.environment_map.is_some() || !args.point_light.is_empty();
         match args.model.map(|model| model.option()) {
             Some(None) => {
                 file.scattering = None;
@@ -280,6 +291,7 @@ impl Overrides {
         let shading = file.shading.take().filter(|_| lit_by_flag || file.scattering.is_none());
         match shading {
             Some(shading) => section.lights = shading.lights,
+            None if file.scattering.is_none() && lit_otherwise => section.lights = Vec::new(),
             // Of light that is scattered once a quarter comes back at most, and less than half of all.
             None if file.scattering.is_none() => {
                 let color = [if args.model == Some(LightModel::Single) { 4.0 } else { 2.0 }; 3];

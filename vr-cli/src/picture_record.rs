@@ -40,6 +40,8 @@ pub fn record_of(
     };
     record.record.mesh = setup.file.mesh.as_ref().map(|mesh| file(&mesh.path)).transpose()?;
     record.record.labels = setup.labels.as_ref().map(|labels| file(&labels.file)).transpose()?;
+    let map = setup.file.scattering.as_ref().and_then(|scattering| scattering.environment_map.as_ref());
+    record.record.environment_map = map.map(file).transpose()?;
     let transfer_file = setup.file.transfer.as_ref().and_then(|transfer| transfer.file.as_ref());
     record.record.transfer_file = transfer_file.map(file).transpose()?;
     record.record.error = error.map(|(metrics, exact)| {

@@ -126,6 +126,19 @@ fn with_files(args: &RerunArgs, found: &PictureRecord) -> Result<SceneFile, Fail
         (None, Some(_)) => return Err(Failure::usage(format!("--labels: {shown} shows no labels; leave it out"))),
         (None, None) => {}
     }
+    let map = file.scattering.as_mut().and_then(|scattering| scattering.environment_map.as_mut());
+    match (map, &args.environment_map) {
+        (Some(map), Some(path)) => *map = path.to_string_lossy().into_owned(),
+        (Some(map), None) => {
+            let message =
+                format!("the picture is lit by an environment map, {map}: name it with --environment-map FILE");
+            return Err(Failure::usage(message));
+        }
+        (None, Some(_)) => {
+            return Err(Failure::usage(format!("--environment-map: {shown} is lit by none; leave it out")));
+        }
+        (None, None) => {}
+    }
     Ok(file)
 }
 
@@ -147,7 +160,11 @@ fn strangers(args: &RerunArgs, found: &PictureRecord, setup: &Setup) -> Result<V
             None => format!("{own}: this version of vr makes another volume of it than the one that drew the picture"),
         });
     }
-    let beside = [("mesh", &found.record.mesh, &args.mesh), ("labels", &found.record.labels, &args.labels)];
+    let beside = [
+        ("mesh", &found.record.mesh, &args.mesh),
+        ("labels", &found.record.labels, &args.labels),
+        ("environment map", &found.record.environment_map, &args.environment_map),
+    ];
     for (what, recorded, path) in beside {
         if let (Some(FileRecord { name, sha256 }), Some(path)) = (recorded, path)
             && vr_io::file_hash(path).map_err(Failure::failed)? != *sha256

@@ -71,6 +71,9 @@ pub fn read_from(mut file: SceneFile, folder: &Path, setup: &Setup) -> SceneFile
     if let Some(labels) = &mut file.labels {
         labels.file = from_there(&labels.file);
     }
+    if let Some(map) = file.scattering.as_mut().and_then(|scattering| scattering.environment_map.as_mut()) {
+        *map = from_there(map);
+    }
     if let Some(mesh) = &mut file.mesh {
         mesh.path = from_there(&mesh.path);
     }

@@ -250,6 +250,7 @@ mod dicom;
 mod digest;
 mod edit;
 mod encoding;
+mod environment_map;
 mod error;
 mod exr;
 mod facts;
@@ -308,6 +309,7 @@ pub use atomic::write_bytes;
 pub use cells::CellsOrPoints;
 pub use digest::{file_hash, volume_hash};
 pub use edit::{Reduction, Rounding, convert_grid, crop_grid, flip_grid, halve_grid, resample_grid};
+pub use environment_map::{LoadedEnvironment, read_environment_map};
 pub use error::{FieldError, FileError, FileErrorKind, WriteError};
 pub use exr::write_exr;
 pub use file_pattern::{files_of_pattern, numbered_names};
@@ -330,10 +332,11 @@ pub use scalar::{Endian, ScalarType};
 pub use scene::{
     AlbedoEntry, AnnotationsSection, CameraSection, ColorEncoding, ColorWord, CompositingName, FileSource, FinestWord,
     GridDescription, ImageSection, LabelLook, LabelName, LabelSection, LabelsSection, LightEntry, LoadedScene,
-    LoadedVolume, LookName, MeshSection, PhaseEntry, ProjectionName, RenderSection, ResampleSection, ResampleSize,
-    ScatteringSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferPoints, TransferRowSection,
-    TransferSection, VolumeSection, VolumeSource, commented_scene, load_scene, load_volume, outline_scene, parse_scene,
-    preset_by_name, read_scene, resolve_scene, resolve_scene_around, scene_text, write_scene,
+    LoadedVolume, LookName, MeshSection, PhaseEntry, PointLightEntry, ProjectionName, RenderSection, ResampleSection,
+    ResampleSize, ScatteringSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferPoints,
+    TransferRowSection, TransferSection, VolumeSection, VolumeSource, commented_scene, load_scene, load_volume,
+    outline_scene, parse_scene, preset_by_name, read_scene, resolve_scene, resolve_scene_around, scene_text,
+    write_scene,
 };
 pub use transfer::{
     ColorMap, TRANSFER_EXTENSIONS, TransferFile, TransferSource, parse_color_maps, parse_transfer, read_color_maps,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use vr_core::{Clip, ParameterError, Ray, RenderError, Scene};
 
 use crate::boundary::{
-    Environment, LightSource, Reflection, Surface, SurfaceHit, SurfacePlace, TracedSurfaces, nearest,
+    Environment, EnvironmentMap, LightSource, Reflection, Surface, SurfaceHit, SurfacePlace, TracedSurfaces, nearest,
 };
 use crate::medium::{Medium, SceneMedium};
 use crate::tracking::TrackedMedium;
@@ -65,11 +65,16 @@ impl LightScene {
         let none = Default::default();
         let scattering = scene.scattering.as_deref().unwrap_or(&none);
         let medium = SceneMedium::new(scene, clip, scattering)?;
-        let lights = scene.lights.iter().map(|&light| LightSource::from(light));
+        let far = scene.lights.iter().map(|&light| LightSource::from(light));
+        let lights = far.chain(scattering.point_lights.iter().map(|&light| LightSource::from(light)));
+        let environment = match &scattering.environment_map {
+            Some(image) => Environment::Map(EnvironmentMap::of_image(image, scattering.environment)?),
+            None => Environment::from(scattering.environment),
+        };
         Ok(Self::new(Some(Arc::new(medium)), 3)?
             .with_traced_surfaces(TracedSurfaces::of(scene, clip)?)?
             .with_lights(lights.collect())?
-            .with_environment(Environment::from(scattering.environment))?
+            .with_environment(environment)?
             .with_hidden_environment())
     }
 

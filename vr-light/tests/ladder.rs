@@ -25,7 +25,7 @@ fn scenes() -> impl Strategy<Value = Scene> {
         let mut scene = Scene::new(grid.into(), transfer);
         let albedo = albedo.map_or(Albedo::Color, |albedo| Albedo::Constant([albedo; 3]));
         let phase = PhaseFunction::henyey_greenstein(g).unwrap();
-        scene.scattering = Some(Arc::new(Scattering { albedo, phase, environment: [sky; 3] }));
+        scene.scattering = Some(Arc::new(Scattering { albedo, phase, environment: [sky; 3], ..Scattering::default() }));
         let direction = (!head).then_some(DVec3::new(0.3, 1.0, 0.5));
         scene.lights = vec![Light { direction, color: [lamp; 3] }];
         scene

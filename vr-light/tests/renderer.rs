@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::scattering::{Albedo, PhaseFunction, Scattering};
+use vr_core::scattering::{Albedo, EnvironmentImage, PhaseFunction, PointLight, Scattering};
 use vr_core::*;
 use vr_light::*;
 
@@ -12,7 +12,7 @@ fn fog() -> Scene {
     let mut scene = phantom::by_name("fog").unwrap().scene(17).unwrap();
     let phase = PhaseFunction::henyey_greenstein(0.3).unwrap();
     // It does not glow: paths of one scattering would scatter that light, too, which the model of single scattering leaves out.
-    let scattering = Scattering { albedo: Albedo::Color, phase, environment: [0.0; 3] };
+    let scattering = Scattering { albedo: Albedo::Color, phase, environment: [0.0; 3], ..Scattering::default() };
     scene.scattering = Some(Arc::new(scattering));
     let sun = Light { direction: Some(DVec3::new(1.0, 0.8, 0.4)), color: [2.0, 1.5, 1.0] };
     scene.lights = vec![sun, Light::default()];
@@ -81,6 +81,40 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
 }
 
 #[test]
+fn far_point_lights_and_even_maps_are_lights_at_infinity_and_even_light() {
+    let full = LightRenderer { paths: 16, ..LightRenderer::default() };
+    let with = |change: &dyn Fn(&mut Scene, &mut Scattering)| {
+        let mut scene = fog();
+        let mut scattering = Scattering::clone(scene.scattering.as_deref().unwrap());
+        scene.lights = Vec::new();
+        change(&mut scene, &mut scattering);
+        scene.scattering = Some(Arc::new(scattering));
+        scene
+    };
+    // The same random numbers: what is left is the parallax.
+    let (towards, far) = (DVec3::new(1.0, 0.8, 0.4).normalize(), 1e5);
+    let sun = with(&|scene, _| scene.lights = vec![Light { direction: Some(towards), color: [2.0, 1.5, 1.0] }]);
+    let color = [2.0, 1.5, 1.0].map(|c| c * far * far);
+    let point = with(&|_, s| s.point_lights = vec![PointLight { position: towards * far, color }]);
+    let [sun, point] = [sun, point].map(|scene| draw(&full, &scene, [6, 5]));
+    assert!(largest(&sun, &point) < 1e-3 && sun.pixels().iter().any(|p| p[0] > 0.1), "{}", largest(&sun, &point));
+    // A map is sampled on its own: the means agree within the noise.
+    let many = LightRenderer { paths: 4000, ..LightRenderer::default() };
+    let sky = with(&|_, s| s.environment = [0.5, 0.25, 1.0]);
+    let map = with(&|_, s| {
+        s.environment = [0.25, 0.25, 0.0];
+        s.environment_map = Some(Arc::new(EnvironmentImage::new([4, 2], vec![[0.25, 0.0, 1.0]; 8]).unwrap()));
+    });
+    let [sky, map] = [sky, map].map(|scene| draw(&many, &scene, [6, 5]));
+    let (a, b) = (sky.uncertainty().unwrap().components(), map.uncertainty().unwrap().components());
+    let beyond =
+        |i: usize, c: usize| (sky.pixels()[i][c] - map.pixels()[i][c]).abs() > 3.0 * a[i][c].hypot(b[i][c]) + 1e-6;
+    let count = (0..30).flat_map(|i| (0..3).map(move |c| (i, c))).filter(|&(i, c)| beyond(i, c)).count();
+    // 0.27 % of normal differences are beyond 3 standard errors: of 90, one.
+    assert!(count <= 2, "{count}");
+}
+
+#[test]
 fn noise_ends_a_run() {
     let scene = fog();
     let few = draw(&LightRenderer { paths: 100_000, error: 0.05, ..LightRenderer::default() }, &scene, [6, 5]);
@@ -101,6 +135,9 @@ fn what_is_not_drawn_is_refused_with_a_reason() {
     assert_eq!(refused(&full, &Scene { compositing: level, ..scene.clone() }), Feature::Compositing);
     let sky = Scattering { environment: [1.0; 3], ..Scattering::default() };
     assert_eq!(refused(&single(), &Scene { scattering: Some(sky.into()), ..scene.clone() }), Feature::Scattering);
+    let point = PointLight { position: DVec3::ZERO, color: [1.0; 3] };
+    let near = Scattering { point_lights: vec![point], ..Scattering::default() };
+    assert_eq!(refused(&single(), &Scene { scattering: Some(near.into()), ..scene.clone() }), Feature::Scattering);
     // What is nonsense is an error of the scene.
     for scene in [
         Scene { compositing: Compositing::Maximum, ..scene.clone() },

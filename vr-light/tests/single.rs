@@ -39,7 +39,8 @@ fn near(found: &RayLight, expected: f64) {
 fn fog_under_a_headlight_and_a_light_from_the_side() {
     let g = 0.6;
     let phase = PhaseFunction::henyey_greenstein(g).unwrap();
-    let scattering = Scattering { albedo: Albedo::Color, phase: phase.clone(), environment: [0.0; 3] };
+    let scattering =
+        Scattering { albedo: Albedo::Color, phase: phase.clone(), environment: [0.0; 3], ..Scattering::default() };
     for extinction in [1e-3f64, 0.7, 20.0] {
         let head = fog(extinction, [0.8; 3], vec![Light { direction: None, color: [3.0; 3] }]);
         let found = solve(&head, &scattering, &along_z());
@@ -70,7 +71,12 @@ fn fog_under_a_slanting_light() {
 #[test]
 fn forward_is_behind_the_medium() {
     let phase = PhaseFunction::henyey_greenstein(0.8).unwrap();
-    let scattering = Scattering { albedo: Albedo::Constant([1.0; 3]), phase: phase.clone(), environment: [0.0; 3] };
+    let scattering = Scattering {
+        albedo: Albedo::Constant([1.0; 3]),
+        phase: phase.clone(),
+        environment: [0.0; 3],
+        ..Scattering::default()
+    };
     let scene = fog(0.5, [1.0; 3], vec![Light { direction: Some(DVec3::Z), color: [1.0; 3] }]);
     // Every path is as long as the box is thick.
     near(&solve(&scene, &scattering, &along_z()), 0.25 * phase.value(1.0) * 1.0 * (-1f64).exp());
@@ -105,7 +111,8 @@ fn a_soft_ball_casts_its_shadow_on_itself() {
     let lights = vec![Light { direction: Some(towards), color: [1.0; 3] }];
     let scene = Scene { lights, ..Scene::new(Volume::Field(std::sync::Arc::new(ball)), transfer.clone()) };
     let phase = PhaseFunction::henyey_greenstein(0.4).unwrap();
-    let scattering = Scattering { albedo: Albedo::Color, phase: phase.clone(), environment: [0.0; 3] };
+    let scattering =
+        Scattering { albedo: Albedo::Color, phase: phase.clone(), environment: [0.0; 3], ..Scattering::default() };
     let ray = Ray { origin: DVec3::new(0.1, 0.2, -4.0), direction: DVec3::Z };
     let single = SingleScattering::new(&scene, &scattering, &Clip::default(), 1e-5).unwrap();
     let found = single.ray(&ray, f64::INFINITY).unwrap();

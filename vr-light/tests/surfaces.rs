@@ -175,7 +175,7 @@ fn the_sky_of_a_pit_is_its_form_factor() {
 fn paths_of_one_scattering_are_the_integral_with_surfaces() {
     let phase = PhaseFunction::henyey_greenstein(0.3).unwrap();
     let mut scene = fog(0.9, vec![sun([0.5, 1.0, -0.7], 1.5), Light::default()], 0.3, matt(cube(0.6, 1.2), 0.7));
-    let scattering = Scattering { albedo: Albedo::Color, phase, environment: [0.3; 3] };
+    let scattering = Scattering { albedo: Albedo::Color, phase, environment: [0.3; 3], ..Scattering::default() };
     scene.scattering = Some(Arc::new(scattering));
     let view = View::new(Camera::framing(scene.bounds(), 30.0, 20.0, Some(30.0)), [7, 5]);
     let control = Control::default();

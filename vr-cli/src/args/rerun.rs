@@ -20,10 +20,13 @@ pub struct RerunArgs {
     /// The labels, if the picture shows some
     #[arg(long, value_name = "FILE")]
     pub labels: Option<PathBuf>,
+    /// The picture of the light from all sides, if there was one
+    #[arg(long, value_name = "FILE")]
+    pub environment_map: Option<PathBuf>,
     /// DICOM: the series, by its SeriesInstanceUID or its number, where there are several
     #[arg(long, value_name = "UID|NUMBER", requires = "volume")]
     pub series: Option<String>,
-    /// Go on with a volume or a mesh that is not the recorded one
+    /// Go on with a volume, a mesh, labels or an environment map that is not the recorded one
     #[arg(long)]
     pub anyway: bool,
     /// Picture to write: .png or .exr

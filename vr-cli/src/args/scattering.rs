@@ -1,5 +1,7 @@
 //! Flags of `[scattering]`.
 
+use std::path::PathBuf;
+
 use clap::{Args, ValueEnum};
 
 use super::value;
@@ -43,4 +45,10 @@ pub struct ScatteringArgs {
     /// Radiance that comes from all sides, a number or linear RGB
     #[arg(long, value_name = "RADIANCE", value_parser = value::grey_or_rgb, allow_hyphen_values = true)]
     pub environment: Option<[f64; 3]>,
+    /// Picture of the light from all sides (an equirectangular EXR; PNG and others by the sRGB curve), which adds to --environment
+    #[arg(long, value_name = "FILE")]
+    pub environment_map: Option<PathBuf>,
+    /// Place of a light in the world, and its linear RGB if it is not white: at the distance d it sheds pi RGB / d^2; may be repeated
+    #[arg(long, value_name = "X,Y,Z[,R,G,B]", value_parser = value::light, allow_hyphen_values = true)]
+    pub point_light: Vec<([f64; 3], [f64; 3])>,
 }

@@ -99,3 +99,30 @@ fn scenes_with_scattering_are_measured_and_compared_by_many_paths() {
     let rows = json["renderers"].as_array().unwrap();
     assert!(!rows.is_empty() && rows.iter().all(|row| row["error"]["noise"]["rmse"].is_number()), "{json}");
 }
+
+#[test]
+fn pictures_of_the_sky_and_lights_at_a_place_light_the_medium() {
+    let vr = Vr::new();
+    vr.write("fog.toml", SCENE);
+    // Any picture is a sky.
+    vr.run("render --scene fog.toml --set paths=4 --error none -o sky.exr").succeeded();
+    let render = "render --scene fog.toml --set paths=4 --error none --json";
+    let run = vr.run(&format!("{render} --environment-map sky.exr --point-light 0,3,0,5,5,5 -o x.png")).succeeded();
+    let notes = run.json()["notes"].to_string();
+    assert!(notes.contains("12x9 pixels; an equirectangular picture"), "{notes}");
+    // The record knows the picture by its name and its hash.
+    let refused = vr.run("rerun x.png");
+    assert!(refused.code != 0 && refused.stderr.contains("--environment-map FILE"), "{}", refused.stderr);
+    vr.run("rerun x.png --environment-map sky.exr").succeeded();
+    vr.run("render --scene fog.toml --set paths=5 --error none -o other.exr").succeeded();
+    let other = vr.run("rerun x.png --environment-map other.exr");
+    assert!(other.code != 0 && other.stderr.contains("not the environment map of the picture"), "{}", other.stderr);
+    // What a scene file says of them comes back.
+    vr.run("scene --scene fog.toml --environment-map sky.exr --point-light 0,3,0,5,5,5 -o lit.toml").succeeded();
+    vr.run("render --scene lit.toml --set paths=4 --error none -o y.png").succeeded();
+    vr.run("diff x.png y.png --fail-above 0").succeeded();
+    let single = vr.run("render --scene lit.toml --model single -o z.png");
+    assert!(single.code != 0 && single.stderr.contains("model=full samples them"), "{}", single.stderr);
+    let none = vr.run("render --scene fog.toml --environment-map no.exr -o z.png");
+    assert!(none.code != 0 && none.stderr.contains("no.exr"), "{}", none.stderr);
+}

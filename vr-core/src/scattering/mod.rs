@@ -3,9 +3,15 @@
 //! Along a ray the total extinction χ is the true absorption κ and the scattering σ together: χ = κ + σ. The albedo ϖ = σ/χ says which share is
 //! scattered; 1/χ is the mean free path. Light that is scattered leaves in directions that the [`PhaseFunction`] tells.
 
+mod environment_image;
 mod phase;
+mod point_light;
 
+pub use environment_image::EnvironmentImage;
 pub use phase::{DoubleHenyeyGreenstein, HenyeyGreenstein, PhaseFunction, TabulatedPhase};
+pub use point_light::PointLight;
+
+use std::sync::Arc;
 
 use crate::error::ParameterError;
 
@@ -20,6 +26,7 @@ use crate::error::ParameterError;
 ///     albedo: Albedo::Constant([0.99; 3]),
 ///     phase: PhaseFunction::henyey_greenstein(0.85)?,
 ///     environment: [0.1; 3],
+///     ..Scattering::default()
 /// };
 /// assert!(cloud.validate().is_ok());
 /// assert_eq!(cloud.albedo.of([1.0, 0.5, 0.0]), [0.99; 3]);
@@ -34,13 +41,17 @@ pub struct Scattering {
     pub phase: PhaseFunction,
     /// Radiance that comes from all sides and is scattered. It is not seen behind the medium: that is [`Scene::background`](crate::Scene::background).
     pub environment: [f64; 3],
+    /// A picture of the light from all sides, which adds to the environment.
+    pub environment_map: Option<Arc<EnvironmentImage>>,
+    /// Lights at a place, beside those of the scene.
+    pub point_lights: Vec<PointLight>,
 }
 
 impl Scattering {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// An albedo outside of 0 to 1, or an environment that is negative or brighter than 10⁶.
+    /// An albedo outside of 0 to 1, an environment that is negative or brighter than 10⁶, or a [point light](PointLight::validate).
     pub fn validate(&self) -> Result<(), ParameterError> {
         if let Albedo::Constant(albedo) = self.albedo
             && albedo.iter().any(|a| !(0.0..=1.0).contains(a))
@@ -51,7 +62,8 @@ impl Scattering {
             let allowed = "must be finite and not negative, 1e6 at most";
             return Err(ParameterError::new("scattering.environment", self.environment, allowed));
         }
-        Ok(())
+        let mut lights = self.point_lights.iter().enumerate();
+        lights.try_for_each(|(i, light)| light.validate(&format!("scattering.point_lights[{i}]")))
     }
 }
 

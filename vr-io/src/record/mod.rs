@@ -66,6 +66,7 @@ impl PictureRecord {
             volume,
             mesh: None,
             labels: None,
+            environment_map: None,
             transfer_file: None,
             error: None,
             sheet: None,

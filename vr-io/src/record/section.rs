@@ -19,6 +19,9 @@ pub struct RecordSection {
     pub mesh: Option<FileRecord>,
     /// The labels beside the volume, if the scene has any.
     pub labels: Option<FileRecord>,
+    /// The picture of the light from all sides, if the scene has one.
+    #[serde(default)]
+    pub environment_map: Option<FileRecord>,
     /// The file that the points of the transfer function are from, if they are from one.
     pub transfer_file: Option<FileRecord>,
     /// Error of the picture, if it was measured; of the bare picture, where annotations are drawn over it.

@@ -46,7 +46,11 @@ impl SceneFile {
             Some(shading) => ShadingSection::describe(shading, &scene.lights),
             None => ShadingSection { enabled: false, ..ShadingSection::default() },
         });
-        file.scattering = scene.scattering.as_deref().map(|s| ScatteringSection::describe(s, &scene.lights));
+        let environment_map = file.scattering.take().and_then(|section| section.environment_map);
+        file.scattering = scene.scattering.as_deref().map(|scattering| ScatteringSection {
+            environment_map,
+            ..ScatteringSection::describe(scattering, &scene.lights)
+        });
         file.camera = Some(CameraSection::from(&view.camera));
         file.clip = view.clip.clone();
         file.image.size = view.size;
@@ -81,6 +85,9 @@ impl SceneFile {
         }
         if let Some(mesh) = &mut self.mesh {
             mesh.path = name_of(Path::new(&mesh.path));
+        }
+        if let Some(map) = self.scattering.as_mut().and_then(|scattering| scattering.environment_map.as_mut()) {
+            *map = name_of(Path::new(map));
         }
         if let Some(labels) = &mut self.labels {
             labels.file = name_of(Path::new(&labels.file));

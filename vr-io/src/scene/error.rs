@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use vr_core::ParameterError;
 
 use crate::error::{FileError, shown};
+use crate::picture_read::PictureError;
 
 /// The reason why a scene file gives no scene. Every message is one line.
 #[derive(Debug, thiserror::Error)]
@@ -13,6 +14,9 @@ pub enum SceneFileError {
     /// The file itself, or one that it names: a volume, points, a mesh, a colour map.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The picture of an environment map.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
     /// A key that means nothing.
     #[error("{}unknown key '{key}'; {}", place(path, *line), hint(nearest.as_deref(), known))]
     UnknownKey {

@@ -29,7 +29,7 @@ pub use error::SceneFileError;
 pub use labels_section::{LabelLook, LabelName, LabelSection, LabelsSection};
 pub use resample_section::{FinestWord, ResampleSection, ResampleSize};
 pub use resolve::{LoadedScene, SceneMesh, outline_scene, preset_by_name, resolve_scene, resolve_scene_around};
-pub use scattering_section::{AlbedoEntry, ColorWord, PhaseEntry, ScatteringSection};
+pub use scattering_section::{AlbedoEntry, ColorWord, PhaseEntry, PointLightEntry, ScatteringSection};
 pub use scene_file::SceneFile;
 pub use sections::{
     CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, LookName, MeshSection, ProjectionName,

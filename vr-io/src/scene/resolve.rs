@@ -1,13 +1,14 @@
 //! Conversion of a scene file's sections to the scene that they describe: volumes, phantoms, presets and colour maps by name.
 
 use std::path::{Path, PathBuf};
-use std::sync::{LazyLock, OnceLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use glam::DVec3;
 use vr_core::transfer::Preset;
 use vr_core::{Compositing, Light, Options, ParameterError, Scene, TriangleMesh, View, Volume};
 use vr_look::{Hints, Survey, fit};
 
+use crate::environment_map::{LoadedEnvironment, read_environment_map};
 use crate::framing::{default_angles, framing};
 use crate::mesh::read_mesh;
 use crate::read::{FileInfo, each_once};
@@ -122,6 +123,7 @@ pub fn resolve_scene_around(
     let volume_files = found.info.as_ref().map_or_else(Vec::new, |info| info.files.clone());
     let named = file.mesh.as_ref().map(|mesh| &mesh.path).into_iter();
     let named = named.chain(file.transfer.as_ref().and_then(|transfer| transfer.file.as_ref()));
+    let named = named.chain(file.scattering.as_ref().and_then(|scattering| scattering.environment_map.as_ref()));
     let files = each_once(volume_files.into_iter().chain(named.map(|name| folder.join(name))));
 
     // Choose the transfer function: the phantom's own, or that of the section.
@@ -187,6 +189,12 @@ pub fn resolve_scene_around(
         None => None,
     };
     let (mut scene, mut view) = file.assemble(found.volume, points).map_err(in_file)?;
+    let map = file.scattering.as_ref().and_then(|section| section.environment_map.as_ref());
+    if let (Some(name), Some(scattering)) = (map, &mut scene.scattering) {
+        let LoadedEnvironment { image, notes: said } = read_environment_map(folder.join(name))?;
+        notes.extend(said);
+        Arc::make_mut(scattering).environment_map = Some(Arc::new(image));
+    }
     let unlabelled = scene.clone();
     let labels = match &labels {
         Some(labels) => {

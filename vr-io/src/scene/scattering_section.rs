@@ -1,10 +1,11 @@
 //! `[scattering]` of a scene file.
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use vr_core::scattering::{Albedo, PhaseFunction, Scattering};
+use vr_core::scattering::{Albedo, PhaseFunction, PointLight, Scattering};
 use vr_core::{Light, ParameterError};
 
-use super::sections::LightEntry;
+use super::sections::{LightEntry, white};
 
 /// `[scattering]`: the medium scatters light that shines into it, and casts shadows.
 ///
@@ -26,8 +27,25 @@ pub struct ScatteringSection {
     pub phase: PhaseEntry,
     /// Radiance from all sides, linear RGB.
     pub environment: [f64; 3],
+    /// File of a picture of all directions, relative to the scene file ([`crate::read_environment_map`]): its light adds to the environment.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment_map: Option<String>,
     /// The lights; one of colour L sheds π L on a surface that faces it.
     pub lights: Vec<LightEntry>,
+    /// Lights at a place; one of colour L sheds π L / d² at the distance d.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub point_lights: Vec<PointLightEntry>,
+}
+
+/// Light at a place in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PointLightEntry {
+    /// Its place in the world.
+    pub position: DVec3,
+    /// Linear RGB.
+    #[serde(default = "white")]
+    pub color: [f64; 3],
 }
 
 impl Default for ScatteringSection {
@@ -78,7 +96,7 @@ pub enum PhaseEntry {
 }
 
 impl ScatteringSection {
-    /// Describes scattering, and the lights.
+    /// Describes scattering, and the lights; an environment map, whose file a scene does not know, is left out.
     pub fn describe(scattering: &Scattering, lights: &[Light]) -> Self {
         let albedo = match scattering.albedo {
             Albedo::Color => AlbedoEntry::Word(ColorWord::Color),
@@ -95,10 +113,13 @@ impl ScatteringSection {
             PhaseFunction::Tabulated(table) => PhaseEntry::Tabulated(table.points().to_vec()),
         };
         let lights = lights.iter().map(LightEntry::from).collect();
-        Self { albedo, phase, environment: scattering.environment, lights }
+        let point_lights = scattering.point_lights.iter();
+        let point_lights = point_lights.map(|&PointLight { position, color }| PointLightEntry { position, color });
+        let (environment, point_lights) = (scattering.environment, point_lights.collect());
+        Self { albedo, phase, environment, environment_map: None, lights, point_lights }
     }
 
-    /// The scattering that it describes.
+    /// The scattering that it describes, but for the environment map, which is in a file.
     ///
     /// # Errors
     /// A [`ParameterError`] naming the field.
@@ -115,7 +136,10 @@ impl ScatteringSection {
             PhaseEntry::DoubleHenyeyGreenstein { g, share } => PhaseFunction::double_henyey_greenstein(*g, *share)?,
             PhaseEntry::Tabulated(points) => PhaseFunction::tabulated(points)?,
         };
-        let scattering = Scattering { albedo, phase, environment: self.environment };
+        let point_lights = self.point_lights.iter();
+        let point_lights = point_lights.map(|&PointLightEntry { position, color }| PointLight { position, color });
+        let (environment, point_lights) = (self.environment, point_lights.collect());
+        let scattering = Scattering { albedo, phase, environment, environment_map: None, point_lights };
         scattering.validate()?;
         Ok(scattering)
     }

@@ -52,7 +52,7 @@ fn cuts_nothing(clip: &Clip) -> bool {
 }
 
 impl SceneFile {
-    /// Describes a scene whose volume is small enough to stand in the file; its surfaces, which no file can hold, are left out.
+    /// Describes a scene whose volume is small enough to stand in the file; its surfaces and an environment map, which no such file can hold, are left out.
     ///
     /// # Errors
     /// A volume of more than 64³ voxels or 4096 points.

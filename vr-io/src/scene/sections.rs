@@ -151,7 +151,7 @@ impl LightEntry {
     }
 }
 
-fn white() -> [f64; 3] {
+pub(super) fn white() -> [f64; 3] {
     [1.0; 3]
 }
 

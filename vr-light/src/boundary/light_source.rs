@@ -1,6 +1,7 @@
 //! Lights without size.
 
 use glam::DVec3;
+use vr_core::scattering::PointLight;
 use vr_core::{Light, ParameterError};
 
 use crate::spectrum::Spectrum;
@@ -89,6 +90,12 @@ impl LightSource {
             }
             _ => Ok(()),
         }
+    }
+}
+
+impl From<PointLight> for LightSource {
+    fn from(light: PointLight) -> Self {
+        Self::Point { at: light.position, color: light.color.into() }
     }
 }
 

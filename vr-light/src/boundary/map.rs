@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use vr_core::ParameterError;
+use vr_core::scattering::EnvironmentImage;
 
 use crate::spectrum::{BandGroup, Lanes};
 
@@ -61,6 +62,15 @@ impl EnvironmentMap {
             map.rows.push(total);
         }
         Ok(map)
+    }
+
+    /// A picture in red, green and blue, with the same radiance from all sides besides.
+    ///
+    /// # Errors
+    /// A picture that is too large for memory.
+    pub fn of_image(image: &EnvironmentImage, besides: [f64; 3]) -> Result<Self, ParameterError> {
+        let sum = |pixel: &[f32; 3]| -> [f32; 3] { std::array::from_fn(|c| pixel[c] + besides[c] as f32) };
+        Self::new(image.size().map(|n| n as usize), 3, image.pixels().iter().flat_map(sum).collect())
     }
 
     /// Number of bands.

@@ -5,8 +5,13 @@ use vr_core::scattering::{Albedo, PhaseFunction, Scattering};
 use super::{LightModel, SceneFacts};
 
 /// The scattering of a scene that has none.
-pub(super) const NO_SCATTERING: Scattering =
-    Scattering { albedo: Albedo::Constant([0.0; 3]), phase: PhaseFunction::Isotropic, environment: [0.0; 3] };
+pub(super) const NO_SCATTERING: Scattering = Scattering {
+    albedo: Albedo::Constant([0.0; 3]),
+    phase: PhaseFunction::Isotropic,
+    environment: [0.0; 3],
+    environment_map: None,
+    point_lights: Vec::new(),
+};
 
 /// Upper bound of the difference of any component of any pixel between a model and the whole equation.
 pub(super) fn cost(model: LightModel, facts: &SceneFacts) -> f64 {

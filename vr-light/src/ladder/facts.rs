@@ -1,5 +1,6 @@
 //! Facts of a scene that tell how much of the equation of transfer it needs.
 
+use glam::DVec3;
 use vr_core::Scene;
 use vr_core::scattering::{Albedo, Scattering};
 
@@ -56,7 +57,9 @@ impl SceneFacts {
         let extinction = medium.extinction_range(low, high)[1];
         // A medium of colours emits κ·c.
         let emission = if transfer.has_emission() { transfer.brightest_emission() } else { extinction * glow };
-        let lamps = scattering.is_some() && scene.lights.iter().any(|light| largest(light.color) > 0.0);
+        let points = scattering.into_iter().flat_map(|s| &s.point_lights).map(|light| light.color);
+        let lamps = scattering.is_some()
+            && scene.lights.iter().map(|light| light.color).chain(points).any(|color| largest(color) > 0.0);
         Self {
             extinction,
             thickness_bound: thickness_bound(medium),
@@ -66,9 +69,9 @@ impl SceneFacts {
             glow,
             thermal,
             emission,
-            lit: scattering.map_or(0.0, |s| lit(s, scene, albedo)),
+            lit: scattering.map_or(0.0, |s| lit(s, scene, albedo, (low, high))),
             has_surfaces: scattering.is_some() && scene.surfaces.is_some(),
-            incoming: if lamps { f64::INFINITY } else { scattering.map_or(0.0, |s| largest(s.environment)) },
+            incoming: if lamps { f64::INFINITY } else { scattering.map_or(0.0, |s| largest(brightest(s))) },
         }
     }
 
@@ -84,12 +87,23 @@ impl SceneFacts {
     }
 }
 
+/// Largest radiance of the light from all sides.
+fn brightest(scattering: &Scattering) -> [f64; 3] {
+    let map = scattering.environment_map.as_ref().map_or([0.0; 3], |map| map.brightest());
+    std::array::from_fn(|c| scattering.environment[c] + map[c])
+}
+
 /// Bound of the source function of lamps and of light from all sides, scattered once: a lamp of colour L sheds π L, of which p/4π goes into a direction.
-fn lit(scattering: &Scattering, scene: &Scene, albedo: [f64; 3]) -> f64 {
+/// +∞ for a point light within the box of the medium.
+fn lit(scattering: &Scattering, scene: &Scene, albedo: [f64; 3], (low, high): (DVec3, DVec3)) -> f64 {
     let peak = scattering.phase.max_value();
+    let environment = brightest(scattering);
     let of_band = |c: usize| {
-        let lamps: f64 = scene.lights.iter().map(|light| light.color[c]).sum();
-        albedo[c] * (scattering.environment[c] + 0.25 * peak * lamps)
+        let far: f64 = scene.lights.iter().map(|light| light.color[c]).sum();
+        let near = scattering.point_lights.iter().filter(|light| light.color[c] > 0.0);
+        let near: f64 =
+            near.map(|light| light.color[c] / light.position.distance_squared(light.position.clamp(low, high))).sum();
+        if albedo[c] > 0.0 { albedo[c] * (environment[c] + 0.25 * peak * (far + near)) } else { 0.0 }
     };
     (0..3).map(of_band).fold(0.0, f64::max)
 }

@@ -8,6 +8,7 @@ use vr_core::scattering::Scattering;
 use vr_core::{Control, Documented, Feature, NamedSetting, Prepared, RenderError, Renderer, Scene, Unsupported, View};
 
 use crate::boundary::TracedSurfaces;
+use crate::single::is_integrated;
 use prepared::PreparedLight;
 
 /// Renderer of media that scatter: by random paths, or light that is scattered once without chance.
@@ -89,6 +90,9 @@ impl LightRenderer {
                 Feature::GradientOpacity,
                 "opacity by the gradient: the extinction of a medium is a function of its value",
             );
+        }
+        if let (Method::Single, Some(scattering)) = (self.method, &scene.scattering) {
+            is_integrated(scattering)?;
         }
         let sky = |scattering: &Scattering| scattering.environment.iter().any(|&radiance| radiance > 0.0);
         if self.method == Method::Single && !self.exact && scene.scattering.as_deref().is_some_and(sky) {

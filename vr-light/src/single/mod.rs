@@ -29,10 +29,11 @@ mod shadow_volume;
 mod surface_light;
 
 use vr_core::scattering::Scattering;
-use vr_core::{Camera, Clip, Light, ParameterError, Ray, RenderError, Scene, View};
+use vr_core::{Camera, Clip, Feature, Light, ParameterError, Ray, RenderError, Scene, Unsupported, View};
 use vr_physics::{MIN_TOLERANCE, Reference};
 
 use crate::boundary::TracedSurfaces;
+use crate::renderer::LightRenderer;
 
 pub use ray_light::RayLight;
 use shadow_volume::ShadowVolume;
@@ -51,7 +52,7 @@ use shadow_volume::ShadowVolume;
 /// let grid = UniformGrid::new([2, 2, 2], vec![1u8; 8], Placement::from_spacing([2.0; 3])?, Calibration::default())?;
 /// let fog = ControlPoint::new(1.0, [0.5; 3], 1.0); // extinction 1
 /// let scene = Scene::new(grid.into(), TransferFunction::new(vec![fog], OpacityRule::Extinction, 1.0)?);
-/// let scattering = Scattering { albedo: Albedo::Color, phase: PhaseFunction::Isotropic, environment: [0.0; 3] };
+/// let scattering = Scattering { albedo: Albedo::Color, phase: PhaseFunction::Isotropic, ..Scattering::default() };
 ///
 /// let single = SingleScattering::new(&scene, &scattering, &Clip::default(), 1e-6)?;
 /// let ray = Ray { origin: DVec3::new(1.0, 1.0, -9.0), direction: DVec3::Z };
@@ -74,14 +75,28 @@ pub struct SingleScattering {
     shadows: Vec<ShadowVolume>,
 }
 
+/// Refuses light that is not integrated without chance: near a point light its square law asks for samples of its own, and a picture has as many
+/// directions as pixels.
+///
+/// # Errors
+/// [`Unsupported`] with [`Feature::Scattering`].
+pub(crate) fn is_integrated(scattering: &Scattering) -> Result<(), Unsupported> {
+    if scattering.point_lights.is_empty() && scattering.environment_map.is_none() {
+        return Ok(());
+    }
+    let what = "point lights and environment maps without chance: model=full samples them".to_owned();
+    Err(Unsupported { renderer: LightRenderer::NAME, feature: Feature::Scattering, what })
+}
+
 impl SingleScattering {
     /// Prepares a scene. The tolerance is the error aimed at, in radiance, 10⁻¹⁰ at least.
     ///
     /// # Errors
-    /// Numbers out of range; a compositing operator that picks values; volumes with colours of their own; opacity that follows the gradient;
+    /// Numbers out of range; point lights or an environment map; a compositing operator that picks values; volumes with colours of their own; opacity that follows the gradient;
     /// surfaces that rays cannot be traced against.
     pub fn new(scene: &Scene, scattering: &Scattering, clip: &Clip, tolerance: f64) -> Result<Self, RenderError> {
         scattering.validate()?;
+        is_integrated(scattering)?;
         let unlit = medium::unlit(scene)?;
         let tolerance = if tolerance.is_nan() { 1e-10 } else { tolerance.max(1e-10) };
         let mut view = View::new(Camera::framing(scene.volume.bounds(), 0.0, 0.0, None), [1, 1]);

@@ -138,10 +138,22 @@ fn scattering() -> Vec<KeyHelp> {
             "Radiance that comes from all sides and is scattered, 0 to 1e6; it is not seen behind the medium (image.background is).",
         ),
         key(
+            "environment_map",
+            Example("\"sky.exr\""),
+            "Picture of the light from all sides, which adds to the environment: an equirectangular EXR, or another picture by the sRGB curve, relative \
+             to the folder of this file. Its top is +y, its middle -z. Goes with model = \"full\" of the renderer light.",
+        ),
+        key(
             "lights",
             Usual("[{ headlight = true, color = [1.0, 1.0, 1.0] }]"),
             "Lights at infinity: each is either a headlight or has a direction, a world vector towards it; and a colour. One of colour L sheds pi L on \
              a surface that faces it, so that a white one shows L.",
+        ),
+        key(
+            "point_lights",
+            Example("[{ position = [0.0, 2.0, 0.0], color = [4.0, 4.0, 4.0] }]"),
+            "Lights at a place in the world, which shine in all directions: one of colour L sheds pi L / d^2 at the distance d. They go with \
+             model = \"full\" of the renderer light.",
         ),
     ]
 }
