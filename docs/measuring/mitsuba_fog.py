@@ -99,11 +99,18 @@ def main():
     paths = int(sys.argv[2]) if len(sys.argv) > 2 else 32
     mi.set_variant(variant)
     loaded = scene(paths)
-    for turn in range(3):
+    before = None
+    for turn in range(4):
         start = time.perf_counter()
         picture = np.array(mi.render(loaded, spp=paths, seed=turn))
         seconds = time.perf_counter() - start
-        print(f"{variant}: {128 * 128 * paths / seconds:.0f} paths/s, mean green {picture[..., 1].mean():.4f}")
+        # Two pictures of other seeds differ by √2 of the error of one.
+        error = math.nan if before is None else math.sqrt(((picture - before) ** 2).mean() / 2)
+        before = picture
+        print(
+            f"{variant}: {128 * 128 * paths / seconds:.0f} paths/s, mean green {picture[..., 1].mean():.4f}, "
+            f"error {error:.5f}, error·√s {error * math.sqrt(seconds):.5f}"
+        )
 
 
 if __name__ == "__main__":

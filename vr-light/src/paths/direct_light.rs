@@ -25,6 +25,9 @@ pub(super) enum Scatterer<'a> {
     },
 }
 
+/// Smallest chance of a light to be aimed at.
+const LEAST_CHANCE: f64 = 0.25;
+
 /// Share of a place by which two ways of sampling find it, of one whose density is `own` (the power heuristic of Veach & Guibas, "Optimally combining
 /// sampling techniques for Monte Carlo rendering", 1995).
 pub(super) fn competing_weight(own: f64, other: f64) -> f64 {
@@ -50,6 +53,18 @@ impl Scatterer<'_> {
     }
 }
 
+/// Aims at a light from the second scattering on by a chance in proportion to how much of it would go on: a way through the medium costs the same
+/// for little light as for much. Returns the factor that makes up for it; `None` if it does not aim.
+fn aims(path: &Path, value: &Lanes, random: &mut RandomStream) -> Option<f64> {
+    if path.scatterings <= 1 {
+        return Some(1.0);
+    }
+    let scattered = path.weight.iter().zip(value).fold(0.0, |max: f64, (weight, value)| max.max(weight * value));
+    // Of light that goes on in all directions alike, all is worth its way.
+    let chance = (scattered * 4.0 * PI / path.first_weight).clamp(LEAST_CHANCE, 1.0);
+    (chance == 1.0 || random.uniform() < chance).then(|| 1.0 / chance)
+}
+
 impl PathSampler<'_> {
     /// Adds the light that comes to a place from lights, from emitters, and from the bright parts of an environment.
     pub(super) fn add_direct_light(
@@ -61,8 +76,9 @@ impl PathSampler<'_> {
     ) {
         for light in self.scene.lights() {
             if let Some(from) = light.illuminate(at, path.primary) {
-                let color = light.color().lanes(path.group).map(|c| c * from.irradiance);
                 let (value, _) = scatterer.value(path, from.towards);
+                let Some(factor) = aims(path, &value, random) else { continue };
+                let color = light.color().lanes(path.group).map(|c| c * from.irradiance * factor);
                 self.add_unless_hidden(path, at, from.towards, from.distance, None, |i| value[i] * color[i], random);
             }
         }
@@ -70,7 +86,8 @@ impl PathSampler<'_> {
         if let Some((towards, density)) = self.scene.environment().map().and_then(|map| map.sample(random.pair())) {
             let light = self.scene.environment().lanes(towards, path.group);
             let (value, own) = scatterer.value(path, towards);
-            let share = competing_weight(density, own) / density;
+            let Some(factor) = aims(path, &value, random) else { return };
+            let share = competing_weight(density, own) / density * factor;
             let added = |i: usize| share * value[i] * light[i];
             self.add_unless_hidden(path, at, towards, f64::INFINITY, None, added, random);
         }
