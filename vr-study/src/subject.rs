@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use vr_core::phantom::{self, Phantom};
-use vr_core::{Camera, GridError, Scene, View};
+use vr_core::scattering::{Albedo, PhaseFunction, Scattering};
+use vr_core::{Camera, GridError, Light, Scene, View};
 
 use crate::origin::Origin;
 
@@ -73,6 +74,23 @@ pub fn phantom_subjects(samples: usize, size: [u32; 2]) -> Result<Vec<Subject>, 
     phantom::NAMES.iter().map(|name| phantom_subject(name, samples, size)).collect()
 }
 
+/// Returns the phantom fog, as [`phantom_subject`] makes it, in which light is scattered: nine tenths of what it stops, mostly forwards, of a headlight.
+///
+/// # Errors
+/// Fewer than two voxels along a side.
+pub fn lit_fog(samples: usize, size: [u32; 2]) -> Result<Subject, GridError> {
+    let mut subject = phantom_subject("fog", samples, size)?;
+    let phase = PhaseFunction::henyey_greenstein(0.5).expect("a mean cosine below 1");
+    let scattering = Scattering { albedo: Albedo::Constant([0.9; 3]), phase, ..Scattering::default() };
+    subject.scene.scattering = Some(Arc::new(scattering));
+    subject.scene.lights = vec![Light { direction: None, color: [2.0; 3] }];
+    let mut origin = Origin::phantom("fog", samples, ANGLES, (&subject.scene, &subject.view));
+    origin.scene.extend(["--albedo", "0.9", "--anisotropy", "0.5"].map(str::to_owned));
+    let title = format!("{}, scattering", subject.title);
+    // As a function it is drawn without scattering.
+    Ok(Subject { name: "lit fog".to_owned(), title, phantom: None, origin, ..subject })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,5 +103,8 @@ mod tests {
             assert!(scene.validate().is_ok() && view.validate().is_ok() && view.camera.frame().is_ok(), "{name}");
         }
         assert!(phantom_subjects(1, [2, 2]).is_err());
+        let lit = lit_fog(3, [7, 5]).unwrap();
+        let record = lit.origin.record.unwrap();
+        assert!(lit.scene.validate().is_ok() && record.scene.scattering.is_some(), "{}", lit.title);
     }
 }

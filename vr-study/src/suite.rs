@@ -16,7 +16,7 @@ use crate::reference::{ReferenceCache, fingerprint};
 use crate::scaling::{Grown, Growth, grow};
 use crate::stability::{CaseResult, candidates_with_bounds, survey};
 use crate::study::{Study, SubjectResult};
-use crate::subject::{Subject, phantom_subjects};
+use crate::subject::{Subject, lit_fog, phantom_subjects};
 use crate::timing::Timing;
 
 /// Set of measurements.
@@ -25,7 +25,7 @@ use crate::timing::Timing;
 pub enum Suite {
     /// Speed against error in small pictures, and the orders of convergence: less than a minute on two cores.
     Quick,
-    /// Everything: larger volumes and pictures, three views of each, stability, scaling.
+    /// Everything: larger volumes and pictures, three views of each, one in which light is scattered, stability, scaling.
     Full,
     /// Every renderer on every hard case.
     Hard,
@@ -223,7 +223,10 @@ impl Run<'_> {
             let (samples, pixels) = suite.sizes();
             let subjects = match &self.own {
                 Some(own) => vec![own.clone()],
-                None => phantom_subjects(samples, [pixels; 2])?,
+                None => {
+                    let lit = (suite == Suite::Full).then(|| lit_fog(samples, [pixels; 2])).transpose()?;
+                    phantom_subjects(samples, [pixels; 2])?.into_iter().chain(lit).collect()
+                }
             };
             for subject in subjects {
                 let all = if suite == Suite::Full { three_views(&subject) } else { vec![subject] };
