@@ -84,9 +84,11 @@ fn certainty(s: &SubjectResult) -> Markup {
     let proven = if e.reference_error_is == "bound" { "proven" } else { "estimated" };
     let all = u64::from(s.size[0]) * u64::from(s.size[1]);
     html! {
-        "Errors are over " (e.pixels) " of " (all) " pixels, against a " (terms::REFERENCE.word()) " " (proven) " to within " (small(e.reference_error)) "."
+        "Errors are over " (e.pixels) " of " (all) " pixels, against a " (terms::REFERENCE.word())
         @if let Some(noise) = &e.noise {
-            " It is a mean over random paths: its noise, RMS " (small(noise.reference_noise)) ", is subtracted from RMSE. Grey in the maps: no more than chance makes."
+            " by random paths, whose noise, RMS " (small(noise.reference_noise)) ", is subtracted from RMSE. Grey in the maps: no more than chance makes."
+        } @else {
+            " " (proven) " to within " (small(e.reference_error)) "."
         }
         @if (e.pixels as u64) < all { " Maps are interpolated between them." }
     }
