@@ -29,6 +29,7 @@ mod inputs;
 mod interrupt;
 mod joint_histogram;
 mod mask;
+mod model_costs;
 mod number;
 mod output_file;
 mod overrides;

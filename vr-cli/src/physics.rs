@@ -7,7 +7,9 @@ use vr_light::{Ladder, LightModel, SceneFacts};
 use crate::args::PhysicsArgs;
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::model_costs::{self, MeasuredCost};
 use crate::number::{small, value};
+use crate::progress::under_bar;
 use crate::scene_setup::Setup;
 use crate::table::Table;
 
@@ -15,20 +17,36 @@ use crate::table::Table;
 ///
 /// # Errors
 /// Any fault of the command line, the volume, or the scene.
-pub fn run(args: &PhysicsArgs, console: Console, _control: &Control) -> Result<(), Failure> {
+pub fn run(args: &PhysicsArgs, console: Console, control: &Control) -> Result<(), Failure> {
     let setup = Setup::new(&args.scene, console)?;
     let ladder = Ladder::of(&setup.scene, &setup.view.clip, args.allowed).map_err(|e| setup.render_failure(e))?;
+    let measured = match (args.measure, &setup.scene.scattering) {
+        (true, Some(_)) => {
+            let measure = |control: &Control| model_costs::measure((&setup.scene, &setup.view), control);
+            under_bar(console, control, "measuring", measure).map_err(|e| setup.render_failure(e))?
+        }
+        (true, None) => {
+            console.note("--measure: nothing scatters, and emission and absorption are exact");
+            Vec::new()
+        }
+        (false, _) => Vec::new(),
+    };
+    let measured_of = |model: LightModel| measured.iter().copied().find(|cost| cost.model == model);
     let json = Json {
         facts: FactsJson::of(ladder.facts()),
-        models: LightModel::ALL.map(|model| ModelJson { model: model.to_string(), bound: finite(ladder.cost(model)) }),
+        models: LightModel::ALL.map(|model| ModelJson {
+            model: model.to_string(),
+            bound: finite(ladder.cost(model)),
+            measured: measured_of(model),
+        }),
         chosen: ladder.chosen().to_string(),
         notes: &setup.notes,
     };
-    console.result(&text(&setup.title, &ladder, args.allowed), &json)
+    console.result(&text(&setup.title, &ladder, &measured, args.allowed), &json)
 }
 
 /// Formats the facts of a scene and the cost of each model as text.
-fn text(title: &str, ladder: &Ladder, allowed: f64) -> String {
+fn text(title: &str, ladder: &Ladder, measured: &[MeasuredCost], allowed: f64) -> String {
     let facts = ladder.facts();
     let mut lines = vec![format!("scene              {title}")];
     let mut line = |name: &str, words: String| lines.push(format!("{name:<17}  {words}"));
@@ -61,7 +79,9 @@ fn text(title: &str, ladder: &Ladder, allowed: f64) -> String {
     );
     line("effects", effects(facts));
 
-    let mut table = Table::of_words(&["model", "leaves out", "largest error of a pixel"]);
+    let header = ["model", "leaves out", "largest error of a pixel", "RMS error, measured (97.5 %)"];
+    let columns = if measured.is_empty() { 3 } else { 4 };
+    let mut table = Table::of_words(&header[..columns]);
     for model in LightModel::ALL {
         let cost = ladder.cost(model);
         let words = match cost {
@@ -69,7 +89,10 @@ fn text(title: &str, ladder: &Ladder, allowed: f64) -> String {
             _ if cost.is_finite() => format!("at most {}", small(cost)),
             _ => "no bound is known".to_owned(),
         };
-        table.row([model.to_string(), model.leaves_out().to_owned(), words]);
+        let found = measured.iter().find(|cost| cost.model == model);
+        let found =
+            found.map_or_else(String::new, |cost| format!("{}, at most {}", small(cost.rms), small(cost.at_most)));
+        table.row([model.to_string(), model.leaves_out().to_owned(), words, found].into_iter().take(columns));
     }
     let reason = if allowed > 0.0 {
         format!("the simplest within {}", small(allowed))
@@ -133,4 +156,7 @@ impl FactsJson {
 struct ModelJson {
     model: String,
     bound: Option<f64>,
+    /// Error of pixels of this view, where it was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measured: Option<MeasuredCost>,
 }

@@ -126,3 +126,21 @@ fn pictures_of_the_sky_and_lights_at_a_place_light_the_medium() {
     let none = vr.run("render --scene fog.toml --environment-map no.exr -o z.png");
     assert!(none.code != 0 && none.stderr.contains("no.exr"), "{}", none.stderr);
 }
+
+#[test]
+fn physics_measures_what_simpler_models_cost() {
+    let vr = Vr::new();
+    vr.write("fog.toml", SCENE);
+    let json = vr.run("physics --scene fog.toml --measure --json").succeeded().json();
+    let of = |model: &str| {
+        let models = json["models"].as_array().unwrap();
+        let found = models.iter().find(|found| found["model"] == model).unwrap();
+        [&found["measured"]["rms"], &found["measured"]["at_most"]].map(|x| x.as_f64().unwrap())
+    };
+    let (dark, once) = (of("emission-absorption"), of("single scattering"));
+    assert!(0.0 < once[0] && once[0] < once[1] && once[1] < dark[0] && dark[0] < dark[1], "{json}");
+    let text = vr.run("physics --scene fog.toml --measure").succeeded().stdout;
+    assert!(text.contains("RMS error, measured"), "{text}");
+    let plain = vr.run("physics --phantom fog --measure").succeeded();
+    assert!(plain.stderr.contains("nothing scatters") && !plain.stdout.contains("measured"), "{}", plain.stderr);
+}
