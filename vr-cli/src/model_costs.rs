@@ -23,7 +23,7 @@ pub struct MeasuredCost {
     pub at_most: f64,
 }
 
-/// Measures what the models leave out that end paths early: without scattering, and after one.
+/// Measures the error of emission-absorption and of single scattering: random paths that end at their first or second scattering.
 ///
 /// # Errors
 /// A scene that the renderer of light refuses, or cancellation.
@@ -36,9 +36,7 @@ pub fn measure((scene, view): (&Scene, &View), control: &Control) -> Result<Vec<
         let renderer = LightRenderer { paths: PATHS, max_scatterings: Some(scatterings), ..LightRenderer::default() };
         let frame = renderer.prepare(scene, control)?.render(&small, control)?.frame;
         let account = whole.noise_account(&frame).expect("a scene that scatters has a reference with noise");
-        let own = account.picture_noise.unwrap_or(0.0);
-        let rms = (account.rmse * account.rmse - own * own).max(0.0).sqrt();
-        Ok(MeasuredCost { model, rms, at_most: account.bias_bound })
+        Ok(MeasuredCost { model, rms: account.bias(), at_most: account.bias_bound })
     };
     models.into_iter().map(cost).collect()
 }

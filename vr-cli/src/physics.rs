@@ -31,18 +31,22 @@ pub fn run(args: &PhysicsArgs, console: Console, control: &Control) -> Result<()
         }
         (false, _) => Vec::new(),
     };
-    let measured_of = |model: LightModel| measured.iter().copied().find(|cost| cost.model == model);
     let json = Json {
         facts: FactsJson::of(ladder.facts()),
         models: LightModel::ALL.map(|model| ModelJson {
             model: model.to_string(),
             bound: finite(ladder.cost(model)),
-            measured: measured_of(model),
+            measured: of_model(&measured, model),
         }),
         chosen: ladder.chosen().to_string(),
         notes: &setup.notes,
     };
     console.result(&text(&setup.title, &ladder, &measured, args.allowed), &json)
+}
+
+/// Returns the measured cost of a model, where there is one.
+fn of_model(measured: &[MeasuredCost], model: LightModel) -> Option<MeasuredCost> {
+    measured.iter().copied().find(|cost| cost.model == model)
 }
 
 /// Formats the facts of a scene and the cost of each model as text.
@@ -89,7 +93,7 @@ fn text(title: &str, ladder: &Ladder, measured: &[MeasuredCost], allowed: f64) -
             _ if cost.is_finite() => format!("at most {}", small(cost)),
             _ => "no bound is known".to_owned(),
         };
-        let found = measured.iter().find(|cost| cost.model == model);
+        let found = of_model(measured, model);
         let found =
             found.map_or_else(String::new, |cost| format!("{}, at most {}", small(cost.rms), small(cost.at_most)));
         table.row([model.to_string(), model.leaves_out().to_owned(), words, found].into_iter().take(columns));

@@ -109,37 +109,37 @@ fn with_files(args: &RerunArgs, found: &PictureRecord) -> Result<SceneFile, Fail
         }
         (_, None) => {}
     }
-    match (&mut file.mesh, &args.mesh) {
-        (Some(mesh), Some(path)) => mesh.path = path.to_string_lossy().into_owned(),
-        (Some(mesh), None) => {
-            return Err(Failure::usage(format!("the picture shows a mesh, {}: name it with --mesh FILE", mesh.path)));
-        }
-        (None, Some(_)) => return Err(Failure::usage(format!("--mesh: {shown} shows no mesh; leave it out"))),
-        (None, None) => {}
-    }
-    match (&mut file.labels, &args.labels) {
-        (Some(labels), Some(path)) => labels.file = path.to_string_lossy().into_owned(),
-        (Some(labels), None) => {
-            let message = format!("the picture shows labels, {}: name them with --labels FILE", labels.file);
-            return Err(Failure::usage(message));
-        }
-        (None, Some(_)) => return Err(Failure::usage(format!("--labels: {shown} shows no labels; leave it out"))),
-        (None, None) => {}
-    }
+    let set = |recorded, given: &Option<PathBuf>, words| set_path(recorded, given.as_deref(), words, args);
+    let mesh = file.mesh.as_mut().map(|mesh| &mut mesh.path);
+    set(mesh, &args.mesh, ["--mesh", "shows a mesh", "it", "shows no mesh"])?;
+    let labels = file.labels.as_mut().map(|labels| &mut labels.file);
+    set(labels, &args.labels, ["--labels", "shows labels", "them", "shows no labels"])?;
     let map = file.scattering.as_mut().and_then(|scattering| scattering.environment_map.as_mut());
-    match (map, &args.environment_map) {
-        (Some(map), Some(path)) => *map = path.to_string_lossy().into_owned(),
-        (Some(map), None) => {
-            let message =
-                format!("the picture is lit by an environment map, {map}: name it with --environment-map FILE");
+    let words = ["--environment-map", "is lit by an environment map", "it", "is lit by none"];
+    set(map, &args.environment_map, words)?;
+    Ok(file)
+}
+
+/// Sets the path of a file that the record knows by name alone. The words are its flag, that the picture has it, a pronoun for it, and that the picture
+/// has none.
+fn set_path(
+    recorded: Option<&mut String>,
+    given: Option<&Path>,
+    [flag, has, pronoun, has_none]: [&str; 4],
+    args: &RerunArgs,
+) -> Result<(), Failure> {
+    match (recorded, given) {
+        (Some(recorded), Some(path)) => *recorded = path.to_string_lossy().into_owned(),
+        (Some(recorded), None) => {
+            let message = format!("the picture {has}, {recorded}: name {pronoun} with {flag} FILE");
             return Err(Failure::usage(message));
         }
         (None, Some(_)) => {
-            return Err(Failure::usage(format!("--environment-map: {shown} is lit by none; leave it out")));
+            return Err(Failure::usage(format!("{flag}: {} {has_none}; leave it out", args.picture.display())));
         }
         (None, None) => {}
     }
-    Ok(file)
+    Ok(())
 }
 
 /// Returns a sentence about each file that is not the recorded one.

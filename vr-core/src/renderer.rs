@@ -99,7 +99,7 @@ pub trait Prepared: Send {
     /// Same as for [`Self::render`].
     fn model(&self, view: &View) -> Result<Model, RenderError>;
 
-    /// That model, where it is another than the scene as it is; `None`, too, where no [`Model`] says what the renderer integrates.
+    /// Returns the model if it differs from [`Model::Canonical`]; `None` if it does not, or if the renderer has no [`Model`] to describe it.
     ///
     /// # Errors
     /// Same as for [`Self::render`].

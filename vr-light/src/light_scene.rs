@@ -56,8 +56,8 @@ impl LightScene {
         })
     }
 
-    /// A scene that renderers draw, within a clip, in three bands: its medium, opaque surfaces, lights, and the light from all sides, which is not seen
-    /// behind them. A scene without scattering has an albedo of its own colours.
+    /// Medium, opaque surfaces and lights of a renderer's scene within a clip, in three bands. The environment lights them and is not seen behind them. A scene
+    /// without scattering gets the default one.
     ///
     /// # Errors
     /// Numbers that are out of range, surfaces that no ray can be put to, or opacity by the gradient.

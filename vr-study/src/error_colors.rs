@@ -5,7 +5,7 @@ use vr_core::transfer::inferno;
 /// Exponents of ten at the ends of the scale: below is black, above the brightest colour.
 pub const DECADES: (i32, i32) = (-7, -1);
 
-/// Linear colour of an error that is not known, for noise hides it.
+/// Linear colour of an error hidden by noise.
 pub const HIDDEN: [f32; 3] = [0.18; 3];
 
 /// Returns the linear colour of an error; [`HIDDEN`] of NaN.

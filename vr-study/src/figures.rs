@@ -37,9 +37,9 @@ impl ErrorFigures {
             Certainty::Bound(e) => (e, "bound"),
             Certainty::Estimate(e) => (e, "estimate"),
         };
-        let Metrics { max, rmse, bias, p99, psnr, pixels, .. } = reference.judge(frame);
+        let (Metrics { max, rmse, bias, p99, psnr, pixels, .. }, noise) = reference.judge_with_noise(frame);
         let psnr = psnr.is_finite().then_some(psnr);
-        let (reference_error_is, noise) = (word.to_owned(), reference.noise_account(frame));
+        let reference_error_is = word.to_owned();
         Self { max, rmse, bias, p99, psnr, pixels, reference_error, reference_error_is, noise }
     }
 }

@@ -3,10 +3,7 @@
 use glam::DVec3;
 
 use crate::error::ParameterError;
-use crate::limits::MAX_LIGHT;
-
-/// Largest coordinate, whose square is finite in f64.
-const MAX_COORDINATE: f64 = 1e150;
+use crate::limits::{MAX_COORDINATE, MAX_LIGHT};
 
 /// A light without size, at a place in or beside the volume, that shines in all directions: the irradiance at the distance d is π L / d² for the colour L.
 /// It is not seen itself.
@@ -31,10 +28,11 @@ impl PointLight {
     /// Checks the numbers; `field` is what an error calls the light.
     ///
     /// # Errors
-    /// A position that is not finite, or a colour that is negative, not finite or above 10¹².
+    /// A position that is not finite or has a coordinate above 10³⁰, or a colour that is negative, not finite or above 10¹².
     pub fn validate(&self, field: &str) -> Result<(), ParameterError> {
         if self.position.to_array().iter().any(|x| x.is_nan() || x.abs() > MAX_COORDINATE) {
-            return Err(ParameterError::new(format!("{field}.position"), self.position, "must be finite"));
+            let allowed = "must be finite, coordinates 1e30 at most";
+            return Err(ParameterError::new(format!("{field}.position"), self.position, allowed));
         }
         // A light far away needs the square of its distance.
         if self.color.iter().any(|c| !(0.0..=MAX_LIGHT * MAX_LIGHT).contains(c)) {

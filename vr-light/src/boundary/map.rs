@@ -64,12 +64,12 @@ impl EnvironmentMap {
         Ok(map)
     }
 
-    /// A picture in red, green and blue, with the same radiance from all sides besides.
+    /// Map in red, green and blue of a picture, with a uniform radiance added to every pixel.
     ///
     /// # Errors
-    /// A picture that is too large for memory.
-    pub fn of_image(image: &EnvironmentImage, besides: [f64; 3]) -> Result<Self, ParameterError> {
-        let sum = |pixel: &[f32; 3]| -> [f32; 3] { std::array::from_fn(|c| pixel[c] + besides[c] as f32) };
+    /// Same as for [`Self::new`].
+    pub fn of_image(image: &EnvironmentImage, uniform: [f64; 3]) -> Result<Self, ParameterError> {
+        let sum = |pixel: &[f32; 3]| -> [f32; 3] { std::array::from_fn(|c| pixel[c] + uniform[c] as f32) };
         Self::new(image.size().map(|n| n as usize), 3, image.pixels().iter().flat_map(sum).collect())
     }
 

@@ -18,7 +18,7 @@ use vr_core::{Clip, Control, FacetHit, Ray, RenderError, Scene};
 
 use crate::boundary::TracedSurfaces;
 use crate::medium::{Coefficients, Medium, SceneMedium};
-use crate::single::is_integrated;
+use crate::single::refuse_sampled_lights;
 use crate::tracking::{TrackedMedium, Walk};
 
 /// Optical depth at which a ray ends: what is behind it adds less than 10⁻⁶ of a source function.
@@ -89,7 +89,7 @@ impl MarchedScattering {
     /// A scene whose medium makes no sense, point lights or an environment map, surfaces that rays cannot be traced against, or [`RenderError::Cancelled`].
     pub fn new(scene: &Scene, clip: &Clip, step: f64, control: &Control) -> Result<Self, RenderError> {
         let scattering = scene.scattering.as_deref().cloned().unwrap_or_default();
-        is_integrated(&scattering)?;
+        refuse_sampled_lights(&scattering)?;
         let medium: Arc<dyn Medium> = Arc::new(SceneMedium::new(scene, clip, &scattering)?);
         let spacing = scene.volume.mean_spacing();
         let lamp = |(towards, color): (DVec3, [f64; 3])| {

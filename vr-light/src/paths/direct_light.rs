@@ -25,8 +25,8 @@ pub(super) enum Scatterer<'a> {
     },
 }
 
-/// Smallest chance of a light to be aimed at.
-const LEAST_CHANCE: f64 = 0.25;
+/// Smallest probability of a connection to a light.
+const MIN_CONNECTION: f64 = 0.25;
 
 /// Share of a place by which two ways of sampling find it, of one whose density is `own` (the power heuristic of Veach & Guibas, "Optimally combining
 /// sampling techniques for Monte Carlo rendering", 1995).
@@ -53,16 +53,19 @@ impl Scatterer<'_> {
     }
 }
 
-/// Aims at a light from the second scattering on by a chance in proportion to how much of it would go on: a way through the medium costs the same
-/// for little light as for much. Returns the factor that makes up for it; `None` if it does not aim.
-fn aims(path: &Path, value: &Lanes, random: &mut RandomStream) -> Option<f64> {
+/// Russian roulette over the connection to a light: its transmittance costs the same time however little light is scattered towards the eye. Returns
+/// the weight of the connection, the inverse of its probability; `None` if it is not made.
+///
+/// The first scattering always connects, since most of the light of a thin medium comes from there.
+fn connection_weight(path: &Path, value: &Lanes, random: &mut RandomStream) -> Option<f64> {
     if path.scatterings <= 1 {
         return Some(1.0);
     }
     let scattered = path.weight.iter().zip(value).fold(0.0, |max: f64, (weight, value)| max.max(weight * value));
-    // Of light that goes on in all directions alike, all is worth its way.
-    let chance = (scattered * 4.0 * PI / path.first_weight).clamp(LEAST_CHANCE, 1.0);
-    (chance == 1.0 || random.uniform() < chance).then(|| 1.0 / chance)
+    // Relative to isotropic scattering at the weight of the first: a path that scatters as much light as that always connects.
+    let isotropic = path.first_weight / (4.0 * PI);
+    let probability = (scattered / isotropic).clamp(MIN_CONNECTION, 1.0);
+    (probability == 1.0 || random.uniform() < probability).then(|| 1.0 / probability)
 }
 
 impl PathSampler<'_> {
@@ -77,7 +80,7 @@ impl PathSampler<'_> {
         for light in self.scene.lights() {
             if let Some(from) = light.illuminate(at, path.primary) {
                 let (value, _) = scatterer.value(path, from.towards);
-                let Some(factor) = aims(path, &value, random) else { continue };
+                let Some(factor) = connection_weight(path, &value, random) else { continue };
                 let color = light.color().lanes(path.group).map(|c| c * from.irradiance * factor);
                 self.add_unless_hidden(path, at, from.towards, from.distance, None, |i| value[i] * color[i], random);
             }
@@ -86,7 +89,7 @@ impl PathSampler<'_> {
         if let Some((towards, density)) = self.scene.environment().map().and_then(|map| map.sample(random.pair())) {
             let light = self.scene.environment().lanes(towards, path.group);
             let (value, own) = scatterer.value(path, towards);
-            let Some(factor) = aims(path, &value, random) else { return };
+            let Some(factor) = connection_weight(path, &value, random) else { return };
             let share = competing_weight(density, own) / density * factor;
             let added = |i: usize| share * value[i] * light[i];
             self.add_unless_hidden(path, at, towards, f64::INFINITY, None, added, random);

@@ -8,7 +8,7 @@ use vr_core::scattering::Scattering;
 use vr_core::{Control, Documented, Feature, NamedSetting, Prepared, RenderError, Renderer, Scene, Unsupported, View};
 
 use crate::boundary::TracedSurfaces;
-use crate::single::is_integrated;
+use crate::single::refuse_sampled_lights;
 use prepared::PreparedLight;
 
 /// Renderer of media that scatter: by random paths, or light that is scattered once without chance.
@@ -92,7 +92,7 @@ impl LightRenderer {
             );
         }
         if let (Method::Single, Some(scattering)) = (self.method, &scene.scattering) {
-            is_integrated(scattering)?;
+            refuse_sampled_lights(scattering)?;
         }
         let sky = |scattering: &Scattering| scattering.environment.iter().any(|&radiance| radiance > 0.0);
         if self.method == Method::Single && !self.exact && scene.scattering.as_deref().is_some_and(sky) {

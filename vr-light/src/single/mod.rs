@@ -75,12 +75,12 @@ pub struct SingleScattering {
     shadows: Vec<ShadowVolume>,
 }
 
-/// Refuses light that is not integrated without chance: near a point light its square law asks for samples of its own, and a picture has as many
+/// Refuses lights that only random paths sample: the inverse square law near a point light needs samples of its own, and an environment map has as many
 /// directions as pixels.
 ///
 /// # Errors
 /// [`Unsupported`] with [`Feature::Scattering`].
-pub(crate) fn is_integrated(scattering: &Scattering) -> Result<(), Unsupported> {
+pub(crate) fn refuse_sampled_lights(scattering: &Scattering) -> Result<(), Unsupported> {
     if scattering.point_lights.is_empty() && scattering.environment_map.is_none() {
         return Ok(());
     }
@@ -96,7 +96,7 @@ impl SingleScattering {
     /// surfaces that rays cannot be traced against.
     pub fn new(scene: &Scene, scattering: &Scattering, clip: &Clip, tolerance: f64) -> Result<Self, RenderError> {
         scattering.validate()?;
-        is_integrated(scattering)?;
+        refuse_sampled_lights(scattering)?;
         let unlit = medium::unlit(scene)?;
         let tolerance = if tolerance.is_nan() { 1e-10 } else { tolerance.max(1e-10) };
         let mut view = View::new(Camera::framing(scene.volume.bounds(), 0.0, 0.0, None), [1, 1]);

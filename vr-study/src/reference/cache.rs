@@ -13,7 +13,7 @@ use super::fingerprint::fingerprint;
 
 /// Folder of reference pixels, by the hash of all that they depend on. Without a folder, nothing is kept.
 ///
-/// Means over random paths are not kept: their noise is part of them.
+/// References of scenes that scatter are not kept: the file format has no place for standard errors.
 ///
 /// A file that is damaged, or that disagrees with a few of its pixels solved again, is not believed: it is solved anew, and replaced.
 #[derive(Clone, Debug, Default)]

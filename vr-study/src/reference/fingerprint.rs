@@ -42,7 +42,7 @@ fn hexadecimal(bytes: &[u8]) -> String {
 
 /// Returns scene and view without the volume. The shortest digits that give a float back: two texts are equal where the numbers are.
 fn described(scene: &Scene, view: &View) -> Option<String> {
-    // Surfaces stand in light that is scattered with all their sides, of which the layer shows one.
+    // Scattered light also meets the sides of surfaces that the layer does not show.
     if scene.scattering.is_some() && scene.surfaces.is_some() {
         return None;
     }

@@ -23,9 +23,9 @@ pub use noise_account::NoiseAccount;
 /// Number of parts along each side of a picture, of each of which a pixel is compared, where not every pixel is.
 pub const SUBGRID: u32 = 64;
 
-/// Standard errors within which a mean over random paths is taken to lie, in every pixel of a picture.
+/// Number of standard errors given as the error of a reference by random paths.
 const LIKELY_ERRORS: f64 = 4.0;
-/// Standard errors from which a difference is no chance.
+/// Number of standard errors above which a difference is significant.
 const SIGNIFICANT_ERRORS: f64 = 3.0;
 
 /// Reference of some pixels of a view.
@@ -33,7 +33,7 @@ const SIGNIFICANT_ERRORS: f64 = 3.0;
 pub struct ReferencePixels {
     pixels: Vec<[u32; 2]>,
     rgba: Vec<[f64; 4]>,
-    /// Standard errors of means over random paths; `None` of what is solved without chance.
+    /// Standard errors of means over random paths; `None` for a deterministic solution.
     noise: Option<Vec<[f64; 4]>>,
     /// Largest error of the reference itself, proven or estimated.
     pub certainty: Certainty,
@@ -87,10 +87,10 @@ impl ReferencePixels {
         }
     }
 
-    /// Takes means over random paths, with their standard errors, for the reference of pixels.
+    /// Reference of pixels from means over random paths and their standard errors.
     ///
     /// # Panics
-    /// Panics if there are not as many of each.
+    /// Panics if the lists have different lengths.
     pub fn of_means(
         pixels: Vec<[u32; 2]>,
         rgba: Vec<[f64; 4]>,
@@ -109,11 +109,19 @@ impl ReferencePixels {
     /// Returns the error of a frame of the same view. RMSE and PSNR are free of the noise of a reference by random paths
     /// ([`NoiseAccount`]); the largest error, its percentile and the bias are those of differences as they are.
     pub fn judge(&self, frame: &Frame) -> Metrics {
+        self.judge_with_noise(frame).0
+    }
+
+    /// Returns the error of a frame of the same view, and its parts where the reference has noise.
+    pub(crate) fn judge_with_noise(&self, frame: &Frame) -> (Metrics, Option<NoiseAccount>) {
         let drawn: Vec<[f32; 4]> = self.pixels.iter().map(|&[x, y]| frame.pixel(x, y)).collect();
         let metrics = Metrics::of(&self.rgba, &drawn);
         match self.noise_account(frame) {
-            Some(NoiseAccount { rmse, .. }) => Metrics { rmse, psnr: -20.0 * libm::log10(rmse), ..metrics },
-            None => metrics,
+            Some(account) => {
+                let rmse = account.rmse;
+                (Metrics { rmse, psnr: -20.0 * libm::log10(rmse), ..metrics }, Some(account))
+            }
+            None => (metrics, None),
         }
     }
 
@@ -127,10 +135,7 @@ impl ReferencePixels {
     pub fn significant_errors(&self, frame: &Frame) -> Vec<f64> {
         let errors = self.errors(frame);
         let Some(noise) = &self.noise else { return errors };
-        let own = match frame.uncertainty() {
-            Some(Uncertainty::StandardError(own)) => Some(own),
-            _ => None,
-        };
+        let own = standard_errors(frame);
         let (scale, width) = (self.scale(), frame.size()[0] as usize);
         let signed = self.signed(frame);
         let significant = |i: usize| {
@@ -206,6 +211,14 @@ impl ReferencePixels {
     /// Returns the number of pixels that were solved.
     pub fn count(&self) -> usize {
         self.pixels.len()
+    }
+}
+
+/// Returns the standard errors of a frame drawn by random paths, pixel by pixel; `None` of any other.
+fn standard_errors(frame: &Frame) -> Option<&[[f32; 4]]> {
+    match frame.uncertainty() {
+        Some(Uncertainty::StandardError(errors)) => Some(errors),
+        _ => None,
     }
 }
 

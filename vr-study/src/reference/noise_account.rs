@@ -3,9 +3,9 @@
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
-use vr_core::{Frame, Uncertainty};
+use vr_core::Frame;
 
-use super::ReferencePixels;
+use super::{ReferencePixels, standard_errors};
 
 /// Quantile of the normal distribution for intervals of 95 %.
 const QUANTILE: f64 = 1.959_964;
@@ -33,10 +33,7 @@ impl NoiseAccount {
     pub fn new(reference: &ReferencePixels, frame: &Frame) -> Option<Self> {
         let noise = reference.noise.as_ref()?;
         let scale = reference.scale();
-        let own = match frame.uncertainty() {
-            Some(Uncertainty::StandardError(errors)) => Some(errors),
-            _ => None,
-        };
+        let own = standard_errors(frame);
         let width = frame.size()[0] as usize;
         // Components of a pixel share paths; pixels have paths of their own, and are the independent samples.
         let count = reference.pixels.len().max(1) as f64;
@@ -68,6 +65,14 @@ impl NoiseAccount {
     }
 }
 
+impl NoiseAccount {
+    /// RMS error that is not noise of the picture: an estimate, 0 where noise hides it.
+    pub fn bias(&self) -> f64 {
+        let own = self.picture_noise.unwrap_or(0.0);
+        (self.rmse * self.rmse - own * own).max(0.0).sqrt()
+    }
+}
+
 impl fmt::Display for NoiseAccount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { rmse, interval: [low, high], reference_noise, picture_noise, bias_bound } = self;
@@ -80,8 +85,8 @@ impl fmt::Display for NoiseAccount {
     }
 }
 
-/// Returns the mean of samples between the ends of its interval of 95 %. Their spread over the picture counts as if it were noise: the interval is wider than need be,
-/// not narrower.
+/// Returns the lower end of the 95 % interval of a mean, the mean, and the upper end. Differences between pixels count as noise, too, which makes the
+/// interval wider, never narrower.
 fn mean_interval(samples: &[f64]) -> [f64; 3] {
     let count = samples.len().max(1) as f64;
     let mean = samples.iter().sum::<f64>() / count;
@@ -94,6 +99,8 @@ fn mean_interval(samples: &[f64]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use std::time::Duration;
+
+    use vr_core::Uncertainty;
 
     use super::*;
 

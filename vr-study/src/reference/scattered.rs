@@ -7,10 +7,11 @@ use vr_light::{LightRenderer, LightScene, PathTracer};
 
 use super::ReferencePixels;
 
-/// Seed that no picture has, whose seeds have 32 bits: the reference is independent of it.
+/// Seed above the 32 bits of a renderer's: reference and picture are independent.
 const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
-/// Paths of all pixels together, where that gives each no more and no fewer than these.
+/// Paths of all pixels together.
 const PATHS: u64 = 1 << 22;
+/// Smallest and largest number of paths of a pixel.
 const PATHS_OF_PIXEL: [u64; 2] = [256, 4096];
 
 /// Draws pixels of a view by random paths, with light that is scattered any number of times.
