@@ -270,7 +270,12 @@ impl Overrides {
             section.point_lights = args.point_light.iter().map(entry).collect();
             self.note("scattering.point_lights");
         }
-        let lit_otherwise = args.environment_map.is_some() || !args.point_light.is_empty();
+        if !args.surface.is_empty() {
+            section.surfaces.clone_from(&args.surface);
+            self.note("scattering.surfaces");
+        }
+        let has_lamp = args.surface.iter().any(|surface| surface.emission != [0.0; 3]);
+        let lit_otherwise = args.environment_map.is_some() || !args.point_light.is_empty() || has_lamp;
         match args.model.map(|model| model.option()) {
             Some(None) => {
                 file.scattering = None;

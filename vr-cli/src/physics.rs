@@ -113,6 +113,7 @@ fn effects(facts: &SceneFacts) -> String {
         (facts.emission > 0.0, "emission"),
         (facts.extinction * facts.albedo > 0.0, "scattering"),
         (facts.lit > 0.0, "light from outside"),
+        (facts.has_surfaces, "light of surfaces"),
     ];
     let there: Vec<&str> = all.into_iter().filter(|(there, _)| *there).map(|(_, name)| name).collect();
     if there.is_empty() { "none: vacuum".to_owned() } else { there.join(", ") }

@@ -330,13 +330,13 @@ pub use record::{
 };
 pub use scalar::{Endian, ScalarType};
 pub use scene::{
-    AlbedoEntry, AnnotationsSection, CameraSection, ColorEncoding, ColorWord, CompositingName, FileSource, FinestWord,
-    GridDescription, ImageSection, LabelLook, LabelName, LabelSection, LabelsSection, LightEntry, LoadedScene,
-    LoadedVolume, LookName, MeshSection, PhaseEntry, PointLightEntry, ProjectionName, RenderSection, ResampleSection,
-    ResampleSize, ScatteringSection, SceneFile, SceneFileError, SceneMesh, ShadingSection, TransferPoints,
-    TransferRowSection, TransferSection, VolumeSection, VolumeSource, commented_scene, load_scene, load_volume,
-    outline_scene, parse_scene, preset_by_name, read_scene, resolve_scene, resolve_scene_around, scene_text,
-    write_scene,
+    AlbedoEntry, AnnotationsSection, CameraSection, ColorEncoding, ColorWord, CompositingName, FaceName, FileSource,
+    FinestWord, FinishEntry, GridDescription, ImageSection, LabelLook, LabelName, LabelSection, LabelsSection,
+    LightEntry, LoadedScene, LoadedVolume, LookName, MeshSection, PhaseEntry, PointLightEntry, ProjectionName,
+    RenderSection, ResampleSection, ResampleSize, ScatteringSection, SceneFile, SceneFileError, SceneMesh,
+    ShadingSection, ShapeEntry, SurfaceEntry, TransferPoints, TransferRowSection, TransferSection, VolumeSection,
+    VolumeSource, commented_scene, load_scene, load_volume, outline_scene, parse_scene, preset_by_name, read_scene,
+    resolve_scene, resolve_scene_around, scene_text, write_scene,
 };
 pub use transfer::{
     ColorMap, TRANSFER_EXTENSIONS, TransferFile, TransferSource, parse_color_maps, parse_transfer, read_color_maps,

@@ -72,6 +72,7 @@ impl LightScene {
             None => Environment::from(scattering.environment),
         };
         Ok(Self::new(Some(Arc::new(medium)), 3)?
+            .with_surfaces(scattering.surfaces.iter().map(|&surface| surface.into()).collect())?
             .with_traced_surfaces(TracedSurfaces::of(scene, clip)?)?
             .with_lights(lights.collect())?
             .with_environment(environment)?

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use vr_core::scattering::{Albedo, EnvironmentImage, PhaseFunction, PointLight, Scattering};
+use vr_core::scattering::{
+    Albedo, EnvironmentImage, Finish, PhaseFunction, PointLight, Scattering, Shape, SimpleSurface,
+};
 use vr_core::*;
 use vr_light::*;
 
@@ -115,6 +117,45 @@ fn far_point_lights_and_even_maps_are_lights_at_infinity_and_even_light() {
 }
 
 #[test]
+fn a_closed_box_of_matte_walls_is_a_furnace() {
+    // A conservative medium that does not glow, in a box that emits E and reflects ρ: E/(1 − ρ) everywhere, and nothing else can be seen.
+    let mut scene = fog();
+    let wall = |shape| SimpleSurface { shape, emission: [0.2, 0.1, 0.0], reflectance: [0.5; 3], finish: Finish::Matte };
+    let surfaces = Shape::box_faces(DVec3::splat(-40.0), DVec3::splat(40.0)).map(wall).to_vec();
+    let scattering = Scattering { albedo: Albedo::Constant([1.0; 3]), surfaces, ..Scattering::default() };
+    (scene.scattering, scene.lights) = (Some(scattering.into()), Vec::new());
+    let frame = draw(&LightRenderer { paths: 2000, ..LightRenderer::default() }, &scene, [4, 3]);
+    for (pixel, error) in frame.pixels().iter().zip(frame.uncertainty().unwrap().components()) {
+        for (c, expected) in [0.4, 0.2, 0.0, 1.0].into_iter().enumerate() {
+            // Beyond 4 standard errors are 6 of 10⁵ normal means.
+            assert!((pixel[c] - expected).abs() <= 4.0 * error[c] + 1e-6, "{pixel:?} ± {error:?}");
+        }
+    }
+}
+
+#[test]
+fn mirrors_show_the_light_from_all_sides() {
+    // It is not seen behind the medium, but in a mirror: ρ E, without noise where the medium is not in the way.
+    let mut scene = fog();
+    let shape = Shape::Plane { point: DVec3::new(0.0, -3.0, 0.0), normal: DVec3::Y };
+    let mirror = SimpleSurface { shape, emission: [0.0; 3], reflectance: [0.5, 0.75, 1.0], finish: Finish::Mirror };
+    let scattering = Scattering { environment: [0.5; 3], surfaces: vec![mirror], ..Scattering::default() };
+    (scene.scattering, scene.lights) = (Some(scattering.into()), Vec::new());
+    let frame = draw(&LightRenderer { paths: 4, ..LightRenderer::default() }, &scene, [8, 6]);
+    let shown = frame.pixels().iter().filter(|pixel| **pixel == [0.25, 0.375, 0.5, 1.0]).count();
+    assert!(shown >= 4, "{:?}", frame.pixels());
+}
+
+#[test]
+fn time_ends_a_run() {
+    let begin = std::time::Instant::now();
+    let endless = LightRenderer { paths: 1_000_000, seconds: 0.05, ..LightRenderer::default() };
+    draw(&endless, &fog(), [6, 5]);
+    // Without an end they would be minutes.
+    assert!(begin.elapsed().as_secs() < 20);
+}
+
+#[test]
 fn noise_ends_a_run() {
     let scene = fog();
     let few = draw(&LightRenderer { paths: 100_000, error: 0.05, ..LightRenderer::default() }, &scene, [6, 5]);
@@ -138,6 +179,14 @@ fn what_is_not_drawn_is_refused_with_a_reason() {
     let point = PointLight { position: DVec3::ZERO, color: [1.0; 3] };
     let near = Scattering { point_lights: vec![point], ..Scattering::default() };
     assert_eq!(refused(&single(), &Scene { scattering: Some(near.into()), ..scene.clone() }), Feature::Scattering);
+    let lamp = SimpleSurface {
+        shape: Shape::Sphere { centre: DVec3::Y, radius: 0.1 },
+        emission: [1.0; 3],
+        reflectance: [0.0; 3],
+        finish: Finish::Matte,
+    };
+    let lit = Scattering { surfaces: vec![lamp], ..Scattering::default() };
+    assert_eq!(refused(&single(), &Scene { scattering: Some(lit.into()), ..scene.clone() }), Feature::Scattering);
     // What is nonsense is an error of the scene.
     for scene in [
         Scene { compositing: Compositing::Maximum, ..scene.clone() },

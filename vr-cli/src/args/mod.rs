@@ -16,6 +16,7 @@ mod scattering;
 mod scene;
 mod scene_file;
 mod show;
+mod surface;
 mod tf;
 mod value;
 mod volume;

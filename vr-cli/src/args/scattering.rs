@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use vr_io::SurfaceEntry;
 
-use super::value;
+use super::{surface, value};
 
 /// Part of the equation of transfer that is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -51,4 +52,9 @@ pub struct ScatteringArgs {
     /// Place of a light in the world, and its linear RGB if it is not white: at the distance d it sheds pi RGB / d^2; may be repeated
     #[arg(long, value_name = "X,Y,Z[,R,G,B]", value_parser = value::light, allow_hyphen_values = true)]
     pub point_light: Vec<([f64; 3], [f64; 3])>,
+    /// Opaque surface in or beside the medium, which is seen, shades and lights it: plane=POINT,NORMAL, sphere=CENTRE,RADIUS, triangle=P,Q,R,
+    /// parallelogram=CORNER,EDGE,EDGE or box=LOW,HIGH, and what it does: emission=RADIANCE, matte=SHARE, mirror=SHARE or gloss=EXPONENT,SHARE, as in
+    /// sphere=0,2,0,0.3:emission=9; may be repeated
+    #[arg(long, value_name = "SHAPE:PROPERTY", value_parser = surface::surface, allow_hyphen_values = true)]
+    pub surface: Vec<SurfaceEntry>,
 }

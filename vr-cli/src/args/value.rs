@@ -90,9 +90,13 @@ pub fn key_value(text: &str) -> Result<(String, String), String> {
     Ok((key.to_owned(), value.to_owned()))
 }
 
+/// Parses any number of numbers with a separator between them.
+pub fn numbers<T: FromStr>(text: &str, separator: char) -> Result<Vec<T>, T::Err> {
+    text.split(separator).map(|n| n.trim().parse()).collect()
+}
+
 fn list<T: FromStr, const N: usize>(text: &str, separator: char) -> Result<[T; N], ()> {
-    let numbers: Vec<T> = text.split(separator).map(|n| n.trim().parse()).collect::<Result<_, _>>().map_err(|_| ())?;
-    numbers.try_into().map_err(|_| ())
+    numbers(text, separator).map_err(|_| ())?.try_into().map_err(|_| ())
 }
 
 #[cfg(test)]

@@ -144,3 +144,24 @@ fn physics_measures_what_simpler_models_cost() {
     let plain = vr.run("physics --phantom fog --measure").succeeded();
     assert!(plain.stderr.contains("nothing scatters") && !plain.stdout.contains("measured"), "{}", plain.stderr);
 }
+
+#[test]
+fn surfaces_of_flags_are_those_of_scene_files() {
+    let vr = Vr::new();
+    let surfaces = "[[scattering.surfaces]]\nshape = { plane = { point = [0, -1.5, 0], normal = [0, 1, 0] } }\nreflectance = [0.8, 0.8, 0.8]\n\
+                    [[scattering.surfaces]]\nshape = { sphere = { centre = [0, 3, 0], radius = 0.5 } }\nemission = [20, 20, 20]\n";
+    vr.write("fog.toml", SCENE);
+    vr.write("lamp.toml", &SCENE.replace("[image]", &format!("{surfaces}[image]")));
+    vr.run("render --scene lamp.toml --set paths=8 -o a.png").succeeded();
+    let flags = "--surface plane=0,-1.5,0,0,1,0:matte=0.8 --surface sphere=0,3,0,0.5:emission=20";
+    vr.run(&format!("render --scene fog.toml {flags} --set paths=8 -o b.png")).succeeded();
+    assert_eq!(vr.picture("a.png").into_rgba8(), vr.picture("b.png").into_rgba8());
+    vr.run("render --scene fog.toml --set paths=8 -o c.png").succeeded();
+    assert_ne!(vr.picture("a.png").into_rgba8(), vr.picture("c.png").into_rgba8());
+    let physics = vr.run(&format!("physics --scene fog.toml {flags}")).succeeded();
+    assert!(physics.stdout.contains("light of surfaces"), "{}", physics.stdout);
+    let refused = vr.run("render --scene fog.toml --surface cube=1 -o x.png");
+    assert!(refused.code == 2 && refused.stderr.contains("sphere=0,2,0,0.3:emission=9"), "{}", refused.stderr);
+    let refused = vr.run("render --scene fog.toml --surface sphere=0,2,0,0.3:matte=2 -o x.png");
+    assert!(refused.code == 2 && refused.stderr.contains("scattering.surfaces[0].reflectance"), "{}", refused.stderr);
+}

@@ -6,10 +6,14 @@
 mod environment_image;
 mod phase;
 mod point_light;
+mod shape;
+mod simple_surface;
 
 pub use environment_image::EnvironmentImage;
 pub use phase::{DoubleHenyeyGreenstein, HenyeyGreenstein, PhaseFunction, TabulatedPhase};
 pub use point_light::PointLight;
+pub use shape::Shape;
+pub use simple_surface::{Finish, SimpleSurface};
 
 use std::sync::Arc;
 
@@ -45,13 +49,18 @@ pub struct Scattering {
     pub environment_map: Option<Arc<EnvironmentImage>>,
     /// Lights at a place, beside those of the scene.
     pub point_lights: Vec<PointLight>,
+    /// Opaque surfaces of simple shapes, 1000 at most: each ray is put to all of them. A clip does not cut them.
+    pub surfaces: Vec<SimpleSurface>,
 }
+
+/// Largest number of simple surfaces.
+const MAX_SURFACES: usize = 1000;
 
 impl Scattering {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// An albedo outside of 0 to 1, an environment that is negative or brighter than 10⁶, or a [point light](PointLight::validate).
+    /// An albedo outside of 0 to 1, an environment that is negative or brighter than 10⁶, a [point light](PointLight::validate) or a [surface](SimpleSurface::validate), or more than 1000 surfaces.
     pub fn validate(&self) -> Result<(), ParameterError> {
         if let Albedo::Constant(albedo) = self.albedo
             && albedo.iter().any(|a| !(0.0..=1.0).contains(a))
@@ -63,7 +72,13 @@ impl Scattering {
             return Err(ParameterError::new("scattering.environment", self.environment, allowed));
         }
         let mut lights = self.point_lights.iter().enumerate();
-        lights.try_for_each(|(i, light)| light.validate(&format!("scattering.point_lights[{i}]")))
+        lights.try_for_each(|(i, light)| light.validate(&format!("scattering.point_lights[{i}]")))?;
+        if self.surfaces.len() > MAX_SURFACES {
+            let allowed = "must be 1000 at most: more triangles make a mesh";
+            return Err(ParameterError::new("scattering.surfaces", self.surfaces.len(), allowed));
+        }
+        let mut surfaces = self.surfaces.iter().enumerate();
+        surfaces.try_for_each(|(i, surface)| surface.validate(&format!("scattering.surfaces[{i}]")))
     }
 }
 

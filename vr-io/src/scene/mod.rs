@@ -14,6 +14,7 @@ mod resolve;
 mod scattering_section;
 mod scene_file;
 mod sections;
+mod surface_entry;
 mod transfer_points;
 mod volume;
 mod volume_section;
@@ -35,6 +36,7 @@ pub use sections::{
     CameraSection, ColorEncoding, CompositingName, ImageSection, LightEntry, LookName, MeshSection, ProjectionName,
     RenderSection, ShadingSection, TransferSection,
 };
+pub use surface_entry::{FaceName, FinishEntry, ShapeEntry, SurfaceEntry};
 pub(crate) use transfer_points::stretching;
 pub use transfer_points::{TransferPoints, TransferRowSection};
 pub use volume::{LoadedVolume, load_volume};

@@ -6,6 +6,7 @@ use vr_core::scattering::{Albedo, PhaseFunction, PointLight, Scattering};
 use vr_core::{Light, ParameterError};
 
 use super::sections::{LightEntry, white};
+use super::surface_entry::SurfaceEntry;
 
 /// `[scattering]`: the medium scatters light that shines into it, and casts shadows.
 ///
@@ -35,6 +36,9 @@ pub struct ScatteringSection {
     /// Lights at a place; one of colour L sheds π L / d² at the distance d.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub point_lights: Vec<PointLightEntry>,
+    /// Opaque surfaces of simple shapes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<SurfaceEntry>,
 }
 
 /// Light at a place in a file.
@@ -116,7 +120,8 @@ impl ScatteringSection {
         let point_lights = scattering.point_lights.iter();
         let point_lights = point_lights.map(|&PointLight { position, color }| PointLightEntry { position, color });
         let (environment, point_lights) = (scattering.environment, point_lights.collect());
-        Self { albedo, phase, environment, environment_map: None, lights, point_lights }
+        let surfaces = scattering.surfaces.iter().map(|&surface| surface.into()).collect();
+        Self { albedo, phase, environment, environment_map: None, lights, point_lights, surfaces }
     }
 
     /// The scattering that it describes, but for the environment map, which is in a file.
@@ -139,7 +144,14 @@ impl ScatteringSection {
         let point_lights = self.point_lights.iter();
         let point_lights = point_lights.map(|&PointLightEntry { position, color }| PointLight { position, color });
         let (environment, point_lights) = (self.environment, point_lights.collect());
-        let scattering = Scattering { albedo, phase, environment, environment_map: None, point_lights };
+        let mut surfaces = Vec::new();
+        for (i, entry) in self.surfaces.iter().enumerate() {
+            for surface in entry.surfaces() {
+                surface.validate(&format!("scattering.surfaces[{i}]"))?;
+                surfaces.push(surface);
+            }
+        }
+        let scattering = Scattering { albedo, phase, environment, environment_map: None, point_lights, surfaces };
         scattering.validate()?;
         Ok(scattering)
     }

@@ -7,7 +7,6 @@ mod environment;
 mod light_source;
 mod map;
 mod reflection;
-mod shape;
 mod surface;
 mod traced;
 
@@ -15,8 +14,8 @@ pub use environment::Environment;
 pub use light_source::LightSource;
 pub use map::EnvironmentMap;
 pub use reflection::Reflection;
-pub use shape::Shape;
 pub use surface::Surface;
 pub use traced::TracedSurfaces;
+pub use vr_core::scattering::Shape;
 
 pub(crate) use surface::{SurfaceHit, SurfacePlace, nearest};

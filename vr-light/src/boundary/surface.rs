@@ -1,6 +1,7 @@
 //! Surfaces: shapes that emit and reflect.
 
 use glam::DVec3;
+use vr_core::scattering::{Finish, SimpleSurface};
 use vr_core::{FacetHit, ParameterError, Ray};
 
 use super::{Reflection, Shape};
@@ -75,6 +76,20 @@ impl Surface {
         self.shape.validate(&format!("{field}.shape"))?;
         self.emission.validate(&format!("{field}.emission"), bands, f64::MAX)?;
         self.reflection.validate(&format!("{field}.reflection"), bands)
+    }
+}
+
+impl From<SimpleSurface> for Surface {
+    fn from(surface: SimpleSurface) -> Self {
+        let SimpleSurface { shape, emission, reflectance, finish } = surface;
+        let reflectance = Spectrum::from(reflectance);
+        let reflection = match finish {
+            _ if reflectance.is_black() => Reflection::Black,
+            Finish::Matte => Reflection::Lambertian(reflectance),
+            Finish::Mirror => Reflection::Mirror(reflectance),
+            Finish::Gloss { exponent } => Reflection::Phong { reflectance, exponent },
+        };
+        Self { shape, emission: emission.into(), reflection }
     }
 }
 

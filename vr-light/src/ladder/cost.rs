@@ -11,6 +11,7 @@ pub(super) const NO_SCATTERING: Scattering = Scattering {
     environment: [0.0; 3],
     environment_map: None,
     point_lights: Vec::new(),
+    surfaces: Vec::new(),
 };
 
 /// Upper bound of the difference of any component of any pixel between a model and the whole equation.

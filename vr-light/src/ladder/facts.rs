@@ -70,7 +70,7 @@ impl SceneFacts {
             thermal,
             emission,
             lit: scattering.map_or(0.0, |s| lit(s, scene, albedo, (low, high))),
-            has_surfaces: scattering.is_some() && scene.surfaces.is_some(),
+            has_surfaces: scattering.is_some_and(|s| scene.surfaces.is_some() || !s.surfaces.is_empty()),
             incoming: if lamps { f64::INFINITY } else { scattering.map_or(0.0, |s| largest(brightest(s))) },
         }
     }

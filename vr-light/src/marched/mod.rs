@@ -86,7 +86,7 @@ impl MarchedScattering {
     /// Prepares what a clip leaves of a scene, in steps of so many spacings of the volume. Light from all sides is left to [`crate::single`].
     ///
     /// # Errors
-    /// A scene whose medium makes no sense, point lights or an environment map, surfaces that rays cannot be traced against, or [`RenderError::Cancelled`].
+    /// A scene whose medium makes no sense, point lights, an environment map or simple surfaces, surfaces that rays cannot be traced against, or [`RenderError::Cancelled`].
     pub fn new(scene: &Scene, clip: &Clip, step: f64, control: &Control) -> Result<Self, RenderError> {
         let scattering = scene.scattering.as_deref().cloned().unwrap_or_default();
         refuse_sampled_lights(&scattering)?;

@@ -13,7 +13,7 @@ use prepared::PreparedLight;
 
 /// Renderer of media that scatter: by random paths, or light that is scattered once without chance.
 ///
-/// Pictures say their own errors ([`vr_core::Frame::uncertainty`]). They repeat bit for bit, however many threads draw them.
+/// Pictures say their own errors ([`vr_core::Frame::uncertainty`]). They repeat bit for bit, however many threads draw them, unless they end by time.
 ///
 /// # Examples
 /// ```
@@ -36,6 +36,8 @@ pub struct LightRenderer {
     pub paths: u32,
     /// Standard error of the picture, as the root mean square over its components, at which it needs no more paths; 0: each pixel takes all of them.
     pub error: f64,
+    /// Seconds after which no more paths are begun, of a frame; 0: as long as it takes. What comes of it depends on the machine.
+    pub seconds: f64,
     /// Seed of the random numbers.
     pub seed: u32,
     /// Largest number of scatterings of a path; `None`: as many as there are.
@@ -58,7 +60,16 @@ pub enum Method {
 
 impl Default for LightRenderer {
     fn default() -> Self {
-        Self { method: Method::Full, paths: 64, error: 0.0, seed: 0, max_scatterings: None, step: 0.5, exact: false }
+        Self {
+            method: Method::Full,
+            paths: 64,
+            error: 0.0,
+            seconds: 0.0,
+            seed: 0,
+            max_scatterings: None,
+            step: 0.5,
+            exact: false,
+        }
     }
 }
 

@@ -38,6 +38,14 @@ impl Configurable for LightRenderer {
                 )
                 .refuse("goes with model=full alone", |r| r.method == Method::Single && r.error != 0.0),
                 DeclaredOption::<Self>::number(
+                    "seconds",
+                    "time after which a picture gets no more paths, of which paths are the most; 0: as long as it takes",
+                    NumberRange::at_least(0.0).up_to(1e6),
+                    |r| r.seconds,
+                    |r, x| r.seconds = x,
+                )
+                .refuse("goes with model=full alone", |r| r.method == Method::Single && r.seconds != 0.0),
+                DeclaredOption::<Self>::number(
                     "seed",
                     "seed of the random numbers; the same one gives the same bits",
                     NumberRange::at_least(0.0).up_to(4_294_967_295.0),

@@ -1,6 +1,7 @@
 //! A scene that the renderer has seen.
 
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use vr_core::image_order::{ImageSample, trace_view};
 use vr_core::parallel::locked;
@@ -50,9 +51,13 @@ impl PreparedLight {
     /// Draws by random paths.
     fn full(&mut self, view: &View, control: &Control, stats: &mut RenderStats) -> Result<Frame, RenderError> {
         let lit = stats.time("medium", || self.lit(&view.clip))?;
-        let LightRenderer { paths, error, seed, max_scatterings, .. } = self.renderer;
+        let LightRenderer { paths, error, seconds, seed, max_scatterings, .. } = self.renderer;
         let mut film = Film::new(view.size, lit.bands())?;
-        let until = Until { error: (error > 0.0).then_some(error), ..Until::samples(paths.into()) };
+        let until = Until {
+            samples: Some(paths.into()),
+            error: (error > 0.0).then_some(error),
+            time: (seconds > 0.0).then(|| Duration::from_secs_f64(seconds)),
+        };
         let tracer = PathTracer::new(&lit, seed.into()).with_max_scatterings(max_scatterings);
         stats.time("paths", || tracer.run(view, &mut film, &until, control, &mut |_| {}))?;
         let count = view.size[0] as usize * view.size[1] as usize;

@@ -76,23 +76,26 @@ pub struct SingleScattering {
 }
 
 /// Refuses lights that only random paths sample: the inverse square law near a point light needs samples of its own, and an environment map has as many
-/// directions as pixels.
+/// directions as pixels. So do simple surfaces, which light each other in every order.
 ///
 /// # Errors
 /// [`Unsupported`] with [`Feature::Scattering`].
 pub(crate) fn refuse_sampled_lights(scattering: &Scattering) -> Result<(), Unsupported> {
-    if scattering.point_lights.is_empty() && scattering.environment_map.is_none() {
-        return Ok(());
+    let refuse = |what: &str| {
+        let what = format!("{what} without chance: model=full samples them");
+        Err(Unsupported { renderer: LightRenderer::NAME, feature: Feature::Scattering, what })
+    };
+    if !scattering.point_lights.is_empty() || scattering.environment_map.is_some() {
+        return refuse("point lights and environment maps");
     }
-    let what = "point lights and environment maps without chance: model=full samples them".to_owned();
-    Err(Unsupported { renderer: LightRenderer::NAME, feature: Feature::Scattering, what })
+    if !scattering.surfaces.is_empty() { refuse("surfaces that emit, mirror and light each other") } else { Ok(()) }
 }
 
 impl SingleScattering {
     /// Prepares a scene. The tolerance is the error aimed at, in radiance, 10⁻¹⁰ at least.
     ///
     /// # Errors
-    /// Numbers out of range; point lights or an environment map; a compositing operator that picks values; volumes with colours of their own; opacity that follows the gradient;
+    /// Numbers out of range; point lights, an environment map or simple surfaces; a compositing operator that picks values; volumes with colours of their own; opacity that follows the gradient;
     /// surfaces that rays cannot be traced against.
     pub fn new(scene: &Scene, scattering: &Scattering, clip: &Clip, tolerance: f64) -> Result<Self, RenderError> {
         scattering.validate()?;

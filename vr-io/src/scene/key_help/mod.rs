@@ -155,6 +155,17 @@ fn scattering() -> Vec<KeyHelp> {
             "Lights at a place in the world, which shine in all directions: one of colour L sheds pi L / d^2 at the distance d. They go with \
              model = \"full\" of the renderer light.",
         ),
+        key(
+            "surfaces",
+            Example(
+                "[{ shape = { sphere = { centre = [0.0, 2.0, 0.0], radius = 0.3 } }, emission = [9.0, 9.0, 9.0] }]",
+            ),
+            "Opaque surfaces, which are seen, shade and light the medium: each has a shape ({ plane = { point = [x, y, z], normal = [x, y, z] } }, \
+             { sphere = { centre = [x, y, z], radius = r } }, { triangle = [three points] }, { parallelogram = { corner = [x, y, z], edges = [two \
+             vectors] } }, or { box = { low = [x, y, z], high = [x, y, z], faces = [\"-y\", \"+x\"] } } of all or some faces), an emission (radiance, \
+             linear RGB), a reflectance (0 to 1, linear RGB) and a finish: matte, mirror, or { gloss = exponent }. They go with model = \"full\" of the \
+             renderer light.",
+        ),
     ]
 }
 

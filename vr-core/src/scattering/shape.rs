@@ -1,9 +1,11 @@
-//! Shapes of surfaces.
+//! Shapes of simple surfaces.
 
 use std::f64::consts::PI;
 
+use crate::error::ParameterError;
+use crate::limits::MAX_COORDINATE;
+use crate::ray::Ray;
 use glam::DVec3;
-use vr_core::{ParameterError, Ray};
 
 /// Shape of a surface in the world. Surfaces have no thickness, and are opaque from both sides.
 ///
@@ -11,7 +13,7 @@ use vr_core::{ParameterError, Ray};
 /// ```
 /// use glam::DVec3;
 /// use vr_core::Ray;
-/// use vr_light::Shape;
+/// use vr_core::scattering::Shape;
 ///
 /// let ball = Shape::Sphere { centre: DVec3::ZERO, radius: 1.0 };
 /// let ray = Ray { origin: DVec3::new(0.0, 0.0, -3.0), direction: DVec3::Z };
@@ -115,7 +117,7 @@ impl Shape {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// Numbers that are not finite, and shapes without area.
+    /// Coordinates that are not finite or above 10³⁰, and shapes without area.
     pub fn validate(&self, field: &str) -> Result<(), ParameterError> {
         let (at, size) = match *self {
             Self::Plane { point, normal } => (point, normal.length()),
@@ -123,10 +125,11 @@ impl Shape {
             Self::Triangle([a, ..]) => (a, self.area()),
             Self::Parallelogram { corner, .. } => (corner, self.area()),
         };
-        if at.is_finite() && size > 0.0 && size.is_finite() {
+        let is_near = at.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
+        if is_near && size > 0.0 && size <= MAX_COORDINATE * MAX_COORDINATE {
             return Ok(());
         }
-        Err(ParameterError::new(field, self, "must be finite, and have an area"))
+        Err(ParameterError::new(field, self, "must be finite, coordinates 1e30 at most, and have an area"))
     }
 }
 
