@@ -8,15 +8,16 @@ mod sample_time;
 use glam::DVec3;
 use vr_core::amr::{AmrCentring, AmrGrid, AmrSampling};
 
-use sample_time::{SIDE, value};
+use sample_time::{side, value};
 
 fn main() {
-    let step = 1.0 / SIDE as f64;
+    let side = side();
+    let step = 1.0 / side as f64;
     let mesh = |levels: usize, block: usize, centring| {
         let sampling = AmrSampling {
             origin: DVec3::ZERO,
             edge: (block << (levels - 1)) as f64 * step,
-            blocks: [(SIDE / block) >> (levels - 1); 3],
+            blocks: [(side / block) >> (levels - 1); 3],
             block_cells: [block; 3],
             ratios: vec![[2; 3]; levels - 1],
             centring,
@@ -29,7 +30,9 @@ fn main() {
         AmrGrid::refining(&sampling, value, near).expect("sizes are sound")
     };
     sample_time::print(vec![
-        ("1 level, one block", mesh(1, 128, AmrCentring::Cells).into()),
+        ("1 level, blocks of 128", mesh(1, side.min(128), AmrCentring::Cells).into()),
+        ("1 level, blocks of 32", mesh(1, 32, AmrCentring::Cells).into()),
+        ("3 levels, blocks of 32", mesh(3, 32, AmrCentring::Cells).into()),
         ("1 level, blocks of 16", mesh(1, 16, AmrCentring::Cells).into()),
         ("1 level, blocks of 8", mesh(1, 8, AmrCentring::Cells).into()),
         ("3 levels, blocks of 16", mesh(3, 16, AmrCentring::Cells).into()),

@@ -9,14 +9,15 @@ use glam::DVec3;
 use vr_core::Volume;
 use vr_core::rectilinear::{Centering, RectilinearGrid};
 
-use sample_time::{SIDE, value};
+use sample_time::{side, value};
 
 /// A grid over the unit cube, cells of which have these widths along each axis, but for a factor.
 fn grid(width: impl Fn(usize) -> f64) -> Volume {
+    let side = side();
     let mut places = vec![0.0];
-    (0..SIDE - 1).for_each(|k| places.push(places[k] + width(k)));
-    let places: Vec<f64> = places.iter().map(|p| p / places[SIDE - 1]).collect();
-    let mut values = Vec::with_capacity(SIDE.pow(3));
+    (0..side - 1).for_each(|k| places.push(places[k] + width(k)));
+    let places: Vec<f64> = places.iter().map(|p| p / places[side - 1]).collect();
+    let mut values = Vec::with_capacity(side.pow(3));
     for &z in &places {
         for &y in &places {
             values.extend(places.iter().map(|&x| value(DVec3::new(x, y, z))));
@@ -27,8 +28,9 @@ fn grid(width: impl Fn(usize) -> f64) -> Volume {
 }
 
 fn main() {
+    let side = side();
     // Graded from both ends to the middle.
-    let graded = |ratio: f64| move |k: usize| ratio.powi(k.min(SIDE - 2 - k) as i32);
+    let graded = |ratio: f64| move |k: usize| ratio.powi(k.min(side - 2 - k) as i32);
     let random = |k: usize| 1.0 + (k * 7919 % 101) as f64 / 101.0;
     sample_time::print(vec![
         ("even axes", grid(|_| 1.0)),

@@ -10,8 +10,10 @@ use vr_core::{
 };
 use vr_raycast::{CompositingOrder, EmptySpace, RayCaster};
 
-/// Finest cells along the edge of the unit cube.
-pub const SIDE: usize = 128;
+/// Finest cells along the edge of the unit cube: the fourth argument of the program, 128 if it is not given. Pictures have half as many pixels again.
+pub fn side() -> usize {
+    std::env::args().nth(4).and_then(|n| n.parse().ok()).unwrap_or(128)
+}
 
 /// Value that all volumes sample.
 pub fn value(p: DVec3) -> f32 {
@@ -19,17 +21,19 @@ pub fn value(p: DVec3) -> f32 {
 }
 
 /// Prints the time of a sample in the plain engine and in packets, of volumes whose names hold the first argument of the program; a uniform grid comes first.
-/// The second argument, `plain`, `packets`, `shaded` or `all`, leaves ways of drawing out; the third is the number of frames, of which the fastest counts.
+/// The second argument, `plain`, `packets`, `shaded` or `all`, leaves ways of drawing out; the third is the number of frames, of which the fastest counts, the fourth [`side`].
 pub fn print(volumes: Vec<(&str, Volume)>) {
-    let step = 1.0 / SIDE as f64;
-    let at = |i: usize| DVec3::new((i % SIDE) as f64, (i / SIDE % SIDE) as f64, (i / (SIDE * SIDE)) as f64);
-    let samples: Vec<f32> = (0..SIDE.pow(3)).map(|i| value((at(i) + 0.5) * step)).collect();
+    let side = side();
+    let step = 1.0 / side as f64;
+    let at = |i: usize| DVec3::new((i % side) as f64, (i / side % side) as f64, (i / (side * side)) as f64);
+    let samples: Vec<f32> = (0..side.pow(3)).map(|i| value((at(i) + 0.5) * step)).collect();
     let placement =
         Placement::new(DVec3::splat(0.5 * step), DMat3::from_diagonal(DVec3::splat(step))).expect("it is one");
-    let uniform = UniformGrid::new([SIDE; 3], samples, placement, Calibration::default()).expect("it is one");
+    let uniform = UniformGrid::new([side; 3], samples, placement, Calibration::default()).expect("it is one");
     let points = vec![ControlPoint::new(0.0, [0.2, 0.4, 1.0], 0.001), ControlPoint::new(1.0, [1.0, 0.7, 0.2], 0.01)];
     let transfer = TransferFunction::new(points, OpacityRule::Power, step).expect("it is one");
-    let view = View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), 35.0, 25.0, Some(40.0)), [192; 2]);
+    let view =
+        View::new(Camera::framing((DVec3::ZERO, DVec3::ONE), 35.0, 25.0, Some(40.0)), [(side * 3 / 2) as u32; 2]);
     let control = Control::default().with_threads(1);
     let plain = RayCaster { empty_space: EmptySpace::None, ..RayCaster::exact(0.5) };
     let packets =
