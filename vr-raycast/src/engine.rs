@@ -7,7 +7,7 @@ use vr_core::{Placement, RenderError, Scene};
 use crate::caster::{RayCaster, Step};
 use crate::error_bound::ErrorBound;
 use crate::pace::{Lengths, cells_of_parts};
-use crate::packet::{PacketEngine, PatchEngine};
+use crate::packet::{PacketEngine, PatchEngine, PickEngine};
 use crate::render_tables::TablesByPrecision;
 use crate::source::Source;
 use crate::step_map::RangeSteps;
@@ -18,6 +18,8 @@ pub(crate) enum Engine {
     Plain(TablesByPrecision),
     /// Vector engine: sixteen rays at once, where it knows the scene and the settings.
     Packets(Box<PacketEngine>, TablesByPrecision),
+    /// Vector engine for operators that pick a value.
+    Picks(Box<PickEngine>, TablesByPrecision),
     /// Vector engine for volumes that are regular lattices patch by patch.
     Patches(Box<PatchEngine>, TablesByPrecision, Lengths),
     /// Plain engine for a field that is no grid's, with the lengths of its steps.
@@ -30,9 +32,11 @@ impl Engine {
     /// Tables of the plain engine, where it may draw.
     pub(crate) fn kernel(&self) -> Option<&TablesByPrecision> {
         match self {
-            Self::Plain(kernel) | Self::Packets(_, kernel) | Self::Patches(_, kernel, _) | Self::Field(kernel, _) => {
-                Some(kernel)
-            }
+            Self::Plain(kernel)
+            | Self::Packets(_, kernel)
+            | Self::Picks(_, kernel)
+            | Self::Patches(_, kernel, _)
+            | Self::Field(kernel, _) => Some(kernel),
             Self::ErrorBound(_) => None,
         }
     }
@@ -41,7 +45,7 @@ impl Engine {
     pub(crate) fn lengths(&self) -> Option<&Lengths> {
         match self {
             Self::Patches(_, _, lengths) | Self::Field(_, lengths) => Some(lengths),
-            Self::Plain(_) | Self::Packets(..) | Self::ErrorBound(_) => None,
+            Self::Plain(_) | Self::Packets(..) | Self::Picks(..) | Self::ErrorBound(_) => None,
         }
     }
 
@@ -72,6 +76,12 @@ impl Engine {
             None => None,
         };
         let mut kernel = TablesByPrecision::new(caster, scene, volume, last);
+        if let TablesByPrecision::F32(_) = kernel
+            && scene.volume.colors().is_none()
+            && let Some(picks) = PickEngine::new(caster, scene, volume)
+        {
+            return Ok(Self::Picks(Box::new(picks), kernel));
+        }
         let packets = match &kernel {
             // Packets know nothing of colours that voxels have.
             _ if scene.volume.colors().is_some() => None,

@@ -10,7 +10,7 @@ use crate::engine::Engine;
 use crate::error_bound::BoundedRays;
 use crate::leap::visibility;
 use crate::pace::Pace;
-use crate::packet::{PacketFrame, PatchFrame};
+use crate::packet::{PacketFrame, PatchFrame, PickFrame};
 use crate::pipeline::Pipeline;
 use crate::render_tables::{RenderTables, TablesByPrecision};
 use crate::screen;
@@ -118,7 +118,7 @@ impl Prepared for PreparedCaster {
         }
         let (kernel, own_kernel) = match &self.engine {
             Engine::Plain(kernel) | Engine::Field(kernel, _) => (kernel, true),
-            Engine::Packets(_, kernel) | Engine::Patches(_, kernel, _) => (kernel, false),
+            Engine::Packets(_, kernel) | Engine::Picks(_, kernel) | Engine::Patches(_, kernel, _) => (kernel, false),
             Engine::ErrorBound(_) => return Ok(None),
         };
         control.run(|| match kernel {
@@ -135,7 +135,10 @@ impl PreparedCaster {
         seen @ (view, layer): (&'a View, Option<&'a Layer>),
     ) -> Result<Box<dyn Tracer + 'a>, RenderError> {
         Ok(match &self.engine {
-            Engine::Plain(kernel) | Engine::Field(kernel, _) => match kernel {
+            Engine::Picks(engine, TablesByPrecision::F32(tables)) => {
+                Box::new(PickFrame::new(engine, self.pipeline(tables, seen)?)?)
+            }
+            Engine::Plain(kernel) | Engine::Picks(_, kernel) | Engine::Field(kernel, _) => match kernel {
                 TablesByPrecision::F32(tables) => Box::new(self.pipeline(tables, seen)?),
                 TablesByPrecision::F64(tables) => Box::new(self.pipeline(tables, seen)?),
             },

@@ -101,19 +101,13 @@ impl PacketEngine {
             && shadable(scene)
             && !scene.transfer.has_rows()
             && caster.traversal == Traversal::Samples
-            && volume.filter() == Filter::Trilinear
             && caster.transfer_lookup == TransferLookup::Table;
         // The structures that leap along whole rays are the plain engine's.
         if caster.empty_space.is_named() {
             return None;
         }
         let step = caster.world_step(volume.placement());
-        let corners = volume.corners();
-        let extent = corners.iter().map(|c| c.distance(corners[0])).fold(0.0, f64::max);
-        let counted = 2.0 * extent / step < MAX_STEPS;
-        let offsets_fit = volume.dims().iter().product::<usize>() <= i32::MAX as usize;
-        let missing = volume.vacuum_cells().is_some() || volume.value_stats().range.is_none();
-        if !common || !counted || !offsets_fit || missing {
+        if !common || !fits(caster, volume) {
             return None;
         }
         let offset = match caster.rule {
@@ -164,6 +158,16 @@ impl PacketEngine {
         }
         Distances::new(&RangeBlocks::of_volume(volume, edge), &visibility)
     }
+}
+
+/// True if lanes can number a volume's voxels and a caster's steps in it, and read it without gaps.
+pub(super) fn fits(caster: &RayCaster, volume: &GridVolume) -> bool {
+    let corners = volume.corners();
+    let extent = corners.iter().map(|c| c.distance(corners[0])).fold(0.0, f64::max);
+    let counted = 2.0 * extent / caster.world_step(volume.placement()) < MAX_STEPS;
+    let offsets_fit = volume.dims().iter().product::<usize>() <= i32::MAX as usize;
+    let missing = volume.vacuum_cells().is_some() || volume.value_stats().range.is_none();
+    volume.filter() == Filter::Trilinear && counted && offsets_fit && !missing
 }
 
 /// True if the scene is unshaded, or shaded in the way that packets know.

@@ -38,7 +38,11 @@ mod level;
 mod local;
 mod march;
 mod patches;
+mod picks;
+#[cfg(test)]
+mod random_scenes;
 mod setup;
 
 pub(crate) use engine::{PacketEngine, PacketFrame};
 pub(crate) use patches::{PatchEngine, PatchFrame};
+pub(crate) use picks::{PickEngine, PickFrame};

@@ -1,0 +1,226 @@
+//! Engine of packets that pick values, as a tracer of rays.
+
+use std::sync::Arc;
+
+use fearless_simd::{Level, Simd};
+use glam::DVec3;
+use vr_core::filter::Lattice;
+use vr_core::image_order::ImageSample;
+use vr_core::{Counts, GridVolume, ParameterError, Rays, Scene, View, with_grid};
+use vr_kernels::ranges::RangeBlocks;
+use vr_kernels::vector::{self, LANES, Operator, Pairs, Stage, Vectorized};
+
+use super::march::{Peaks, PickMedium, march};
+use crate::caster::{EmptySpace, RayCaster, Rule, Step, Traversal};
+use crate::packet::engine::fits;
+use crate::packet::level;
+use crate::packet::setup::{FrameSetup, Packet};
+use crate::pipeline::Pipeline;
+use crate::tracer::{RaySample, Tracer};
+
+/// State that the engine keeps from frame to frame.
+#[derive(Clone, Debug)]
+pub(crate) struct PickEngine {
+    volume: Arc<GridVolume>,
+    level: Level,
+    operator: Operator,
+    /// Length of a step in world units.
+    step: f64,
+    /// Place of a step's sample, as a fraction of the step.
+    offset: f64,
+    /// Bounds of what blocks have to pick; `None` where nothing is leaped over.
+    peaks: Option<Arc<Peaks>>,
+}
+
+/// Cells along the edge of a block: looks and leaps cost more in smaller ones than they spare.
+const EDGE: usize = 8;
+
+impl PickEngine {
+    /// Returns the engine for a scene and a caster's settings; `None` where it cannot draw them, and the plain one must.
+    pub(crate) fn new(caster: &RayCaster, scene: &Scene, volume: &Arc<GridVolume>) -> Option<Self> {
+        let level = level::of(caster.vector)?;
+        let operator = Operator::new(scene.compositing, volume.calibration(), false);
+        let is_plain = !operator.picks()
+            || !matches!(caster.step, Step::Uniform(_))
+            || caster.traversal != Traversal::Samples
+            || caster.rule == Rule::Exact
+            || caster.empty_space.is_named();
+        if is_plain || !fits(caster, volume) {
+            return None;
+        }
+        let sign = match operator {
+            Operator::Extreme { sign } | Operator::First { sign, .. } => Some(sign),
+            _ => None,
+        };
+        let peaks = |sign| Arc::new(Peaks::new(&RangeBlocks::of_volume(volume, EDGE), sign));
+        Some(Self {
+            volume: Arc::clone(volume),
+            level,
+            operator,
+            step: caster.world_step(volume.placement()),
+            offset: if caster.rule == Rule::Left { 0.0 } else { 0.5 },
+            peaks: sign.filter(|_| caster.empty_space != EmptySpace::None).map(peaks),
+        })
+    }
+}
+
+/// Engine with a view.
+pub(crate) struct PickFrame<'a> {
+    engine: &'a PickEngine,
+    /// The plain engine, which finds the places where a threshold is reached.
+    plain: Pipeline<'a, f32>,
+    rays: Rays,
+    /// Direction of the view, a unit vector.
+    forward: DVec3,
+}
+
+impl<'a> PickFrame<'a> {
+    /// # Errors
+    /// A view that makes no sense.
+    pub(crate) fn new(engine: &'a PickEngine, plain: Pipeline<'a, f32>) -> Result<Self, ParameterError> {
+        let view: &View = plain.view;
+        Ok(Self { engine, rays: Rays::new(view)?, forward: view.camera.frame()?.z_axis, plain })
+    }
+
+    fn setup(&self) -> FrameSetup<'_> {
+        FrameSetup {
+            rays: &self.rays,
+            placement: self.engine.volume.placement(),
+            dims: self.engine.volume.dims(),
+            clip: &self.plain.view.clip,
+            layer: self.plain.layer,
+            step: self.engine.step,
+            offset: self.engine.offset,
+            forward: self.forward,
+        }
+    }
+
+    /// Pixel of a stored number: its colour and opacity, without length correction.
+    fn pixel(&self, stored: f64) -> [f32; 4] {
+        let value = self.engine.volume.calibration().value(stored);
+        self.plain.scene.transfer.at(value).pixel().map(|x| x as f32)
+    }
+}
+
+impl Tracer for PickFrame<'_> {
+    fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
+        let engine = self.engine;
+        with_grid!(engine.volume.values(), grid => {
+            let lattice = Lattice { samples: grid.samples(), dims: grid.dims() };
+            let medium = PickMedium {
+                field: vector::Field::new(&lattice),
+                dims: lattice.dims,
+                operator: engine.operator,
+                offset: engine.offset as f32,
+                peaks: engine.peaks.as_deref(),
+            };
+            vector::run(engine.level, Trace { frame: self, medium: &medium, spots, starts, values, counts });
+        });
+    }
+}
+
+/// Arguments of [`Tracer::trace`], for the visit of the voxel type.
+struct Trace<'a, 'f, T> {
+    frame: &'a PickFrame<'f>,
+    medium: &'a PickMedium<'a, T>,
+    spots: &'a [ImageSample],
+    starts: Option<&'a [u32]>,
+    values: &'a mut Vec<RaySample>,
+    counts: &'a mut Counts,
+}
+
+impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { frame, medium, spots, starts, values, counts } = self;
+        let setup = frame.setup();
+        let mut packet = Packet::EMPTY;
+        let mut stages = [Stage::<T>::default(), Stage::<T>::default()];
+        for (group, spots) in spots.chunks(LANES).enumerate() {
+            setup.packet(simd, spots, &[0.0; LANES], &mut packet);
+            let mut traced = [RaySample::NOTHING; LANES];
+            if packet.hits != 0 {
+                if let Some(starts) = starts {
+                    packet.begin_at(&starts[group * LANES..][..spots.len()]);
+                }
+                let picked = march(simd, medium, &packet, &mut stages);
+                counts.samples += u64::from(picked.samples);
+                let first = matches!(medium.operator, Operator::First { .. });
+                counts.terminated += u64::from(picked.ended.count_ones());
+                let mut met = Vec::new();
+                for i in (0..spots.len()).filter(|&i| packet.hits >> i & 1 == 1) {
+                    if picked.length.0[i] <= 0.0 {
+                        counts.rays += 1;
+                    } else if first {
+                        met.push(i);
+                    } else {
+                        counts.rays += 1;
+                        traced[i] = frame.picked(
+                            medium.operator,
+                            &packet,
+                            i,
+                            picked.value.0[i],
+                            [picked.at.0[i], picked.length.0[i]],
+                        );
+                    }
+                }
+                if !met.is_empty() {
+                    frame.meet(&met, spots, &packet, &picked.at.0, &mut traced, counts);
+                }
+                if let Some(layer) = setup.layer {
+                    for (i, spot) in spots.iter().enumerate().filter(|(i, _)| !met.contains(i)) {
+                        traced[i] = traced[i].over(layer, spot.pixel);
+                    }
+                }
+            } else if let Some(layer) = setup.layer {
+                for (value, spot) in traced.iter_mut().zip(spots) {
+                    *value = value.over(layer, spot.pixel);
+                }
+            }
+            values.extend_from_slice(&traced[..spots.len()]);
+        }
+    }
+}
+
+impl PickFrame<'_> {
+    /// Value of a ray that picked a number, over a length and at a position in steps from its middle.
+    fn picked(
+        &self,
+        operator: Operator,
+        packet: &Packet,
+        lane: usize,
+        value: f32,
+        [at, length]: [f32; 2],
+    ) -> RaySample {
+        let value = f64::from(value);
+        if operator == Operator::Average {
+            return RaySample { rgba: self.pixel(value / f64::from(length)), ..RaySample::NOTHING };
+        }
+        let steps = packet.middle[lane] + f64::from(at) + self.engine.offset;
+        let chord = (steps * self.engine.step).clamp(0.0, packet.length[lane]);
+        RaySample { rgba: self.pixel(value), depth: (packet.begin[lane] + chord) as f32 }
+    }
+
+    /// Values of rays that reach the threshold at these positions: the plain engine goes on from a step before.
+    fn meet(
+        &self,
+        met: &[usize],
+        spots: &[ImageSample],
+        packet: &Packet,
+        at: &[f32; LANES],
+        traced: &mut [RaySample; LANES],
+        counts: &mut Counts,
+    ) {
+        let of_plain: Vec<ImageSample> = met.iter().map(|&i| spots[i]).collect();
+        // One more, since the engines round differently.
+        let start = |&i: &usize| (packet.middle[i] + f64::from(at[i])).max(0.0) as u32;
+        let starts: Vec<u32> = met.iter().map(|i| start(i).saturating_sub(2)).collect();
+        let mut found = Vec::with_capacity(met.len());
+        self.plain.trace(&of_plain, Some(&starts), &mut found, counts);
+        for (&i, value) in met.iter().zip(found) {
+            traced[i] = value;
+        }
+    }
+}
