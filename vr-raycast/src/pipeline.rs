@@ -3,7 +3,7 @@
 use glam::DVec3;
 use vr_core::field::Stretch;
 use vr_core::image_order::ImageSample;
-use vr_core::{ColorGrid, Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
+use vr_core::{Clip, ColorGrid, Counts, IndexRay, Layer, Probe, Ray, RayShading, Rays, Real, Scene, View};
 
 use crate::caster::CompositingOrder;
 use crate::chord::Chord;
@@ -47,6 +47,41 @@ struct Scratch<'o, R> {
     lights: Option<(DVec3, RayShading<R>)>,
 }
 
+/// Shading of surfaces that another engine found.
+pub(crate) struct SurfaceLook<'a, R = f32> {
+    source: &'a Source,
+    shader: &'a Shader<R>,
+    run: Box<Run<R>>,
+    /// Shading along the direction of the last ray.
+    lights: Option<(DVec3, RayShading<R>)>,
+}
+
+impl<R: Real> SurfaceLook<'_, R> {
+    /// Shades the surface that a ray meets at the depth of a value.
+    pub(crate) fn shade(&mut self, ray: &Ray, value: &mut RayValue) {
+        let lights = lights_along(&mut self.lights, self.shader, ray);
+        let Some(part) =
+            IndexRay::new(ray, self.source.placement(), self.source.dims(), &Clip::default(), f64::INFINITY)
+        else {
+            return;
+        };
+        let chord = Chord { source: self.source, colors: None, ray: part };
+        self.shader.shade_surface(lights, &chord, &mut self.run, value);
+    }
+}
+
+/// Shading along a ray: that of the last one, if it had the same direction.
+fn lights_along<'l, R: Real>(
+    last: &'l mut Option<(DVec3, RayShading<R>)>,
+    shader: &Shader<R>,
+    ray: &Ray,
+) -> &'l RayShading<R> {
+    if last.as_ref().is_none_or(|(direction, _)| *direction != ray.direction) {
+        *last = Some((ray.direction, shader.along(ray.direction)));
+    }
+    &last.as_ref().expect("just made").1
+}
+
 impl<R: Real> Tracer for Pipeline<'_, R> {
     fn trace(&self, spots: &[ImageSample], starts: Option<&[u32]>, values: &mut Vec<RaySample>, counts: &mut Counts) {
         let mut operator = self.operator();
@@ -58,7 +93,13 @@ impl<R: Real> Tracer for Pipeline<'_, R> {
     }
 }
 
-impl<R: Real> Pipeline<'_, R> {
+impl<'a, R: Real> Pipeline<'a, R> {
+    /// Shading of surfaces, where the scene is shaded.
+    pub(crate) fn surface_look(&self) -> Option<SurfaceLook<'a, R>> {
+        let shader = self.shader?;
+        Some(SurfaceLook { source: self.source, shader, run: Box::new(Run::new()), lights: None })
+    }
+
     fn operator(&self) -> Box<dyn Operator<R>> {
         operator(self.scene, self.source.calibration(), self.order)
     }
@@ -128,12 +169,8 @@ impl<R: Real> Pipeline<'_, R> {
     ) -> RayValue {
         let Scratch { operator, run, lights } = scratch;
         let needs = operator.needs();
-        let shader = self.shader.filter(|_| needs.light || needs.surface).map(|shader| {
-            if lights.as_ref().is_none_or(|(direction, _)| *direction != ray.direction) {
-                *lights = Some((ray.direction, shader.along(ray.direction)));
-            }
-            (shader, &lights.as_ref().expect("just made").1)
-        });
+        let shader = self.shader.filter(|_| needs.light || needs.surface);
+        let shader = shader.map(|shader| (shader, lights_along(lights, shader, ray)));
         counts.rays += 1;
         operator.begin(chord);
         let mut ended = false;

@@ -1,8 +1,8 @@
 //! Packets under operators that pick a value: the extremes of the field, its mean, and the place where it first reaches a threshold.
 //!
 //! A ray takes every step of its lattice, but for those in blocks whose bounds say that nothing there can be picked: no more than the largest value so far, or
-//! nothing that reaches the threshold. (So a ray that looks for a maximum leaps over most of the volume once it has met something bright.) Where a
-//! threshold is reached, the plain engine begins a step before, and finds and shades the place.
+//! nothing that reaches the threshold. (So a ray that looks for a maximum leaps over most of the volume once it has met something bright.) The step in which a
+//! threshold is reached is halved until f32 resolves no more; the plain engine shades the place.
 
 mod engine;
 mod march;

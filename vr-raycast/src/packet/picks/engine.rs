@@ -15,7 +15,8 @@ use crate::caster::{EmptySpace, RayCaster, Rule, Step, Traversal};
 use crate::packet::engine::fits;
 use crate::packet::level;
 use crate::packet::setup::{FrameSetup, Packet};
-use crate::pipeline::Pipeline;
+use crate::pipeline::{Pipeline, SurfaceLook};
+use crate::ray_value::RayValue;
 use crate::tracer::{RaySample, Tracer};
 
 /// State that the engine keeps from frame to frame.
@@ -67,7 +68,7 @@ impl PickEngine {
 /// Engine with a view.
 pub(crate) struct PickFrame<'a> {
     engine: &'a PickEngine,
-    /// The plain engine, which finds the places where a threshold is reached.
+    /// The plain engine, which shades surfaces.
     plain: Pipeline<'a, f32>,
     rays: Rays,
     /// Direction of the view, a unit vector.
@@ -93,12 +94,6 @@ impl<'a> PickFrame<'a> {
             offset: self.engine.offset,
             forward: self.forward,
         }
-    }
-
-    /// Pixel of a stored number: its colour and opacity, without length correction.
-    fn pixel(&self, stored: f64) -> [f32; 4] {
-        let value = self.engine.volume.calibration().value(stored);
-        self.plain.scene.transfer.at(value).pixel().map(|x| x as f32)
     }
 }
 
@@ -138,6 +133,7 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
         let setup = frame.setup();
         let mut packet = Packet::EMPTY;
         let mut stages = [Stage::<T>::default(), Stage::<T>::default()];
+        let mut surface = frame.plain.surface_look().filter(|_| matches!(medium.operator, Operator::First { .. }));
         for (group, spots) in spots.chunks(LANES).enumerate() {
             setup.packet(simd, spots, &[0.0; LANES], &mut packet);
             let mut traced = [RaySample::NOTHING; LANES];
@@ -146,35 +142,15 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
                     packet.begin_at(&starts[group * LANES..][..spots.len()]);
                 }
                 let picked = march(simd, medium, &packet, &mut stages);
+                counts.rays += u64::from(packet.hits.count_ones());
                 counts.samples += u64::from(picked.samples);
-                let first = matches!(medium.operator, Operator::First { .. });
                 counts.terminated += u64::from(picked.ended.count_ones());
-                let mut met = Vec::new();
-                for i in (0..spots.len()).filter(|&i| packet.hits >> i & 1 == 1) {
-                    if picked.length.0[i] <= 0.0 {
-                        counts.rays += 1;
-                    } else if first {
-                        met.push(i);
-                    } else {
-                        counts.rays += 1;
-                        traced[i] = frame.picked(
-                            medium.operator,
-                            &packet,
-                            i,
-                            picked.value.0[i],
-                            [picked.at.0[i], picked.length.0[i]],
-                        );
-                    }
+                for i in (0..spots.len()).filter(|&i| picked.length.0[i] > 0.0) {
+                    let [value, at, length] = [picked.value.0[i], picked.at.0[i], picked.length.0[i]];
+                    traced[i] = frame.picked(&packet, i, (value, at, length), &spots[i], &mut surface);
                 }
-                if !met.is_empty() {
-                    frame.meet(&met, spots, &packet, &picked.at.0, &mut traced, counts);
-                }
-                if let Some(layer) = setup.layer {
-                    for (i, spot) in spots.iter().enumerate().filter(|(i, _)| !met.contains(i)) {
-                        traced[i] = traced[i].over(layer, spot.pixel);
-                    }
-                }
-            } else if let Some(layer) = setup.layer {
+            }
+            if let Some(layer) = setup.layer {
                 for (value, spot) in traced.iter_mut().zip(spots) {
                     *value = value.over(layer, spot.pixel);
                 }
@@ -184,43 +160,34 @@ impl<T: Pairs> Vectorized for Trace<'_, '_, T> {
     }
 }
 
-impl PickFrame<'_> {
-    /// Value of a ray that picked a number, over a length and at a position in steps from its middle.
+impl<'a> PickFrame<'a> {
+    /// Value of a ray that picked a number, at a position in steps from its middle and over a length.
     fn picked(
         &self,
-        operator: Operator,
         packet: &Packet,
         lane: usize,
-        value: f32,
-        [at, length]: [f32; 2],
+        (value, at, length): (f32, f32, f32),
+        spot: &ImageSample,
+        surface: &mut Option<SurfaceLook<'a>>,
     ) -> RaySample {
-        let value = f64::from(value);
-        if operator == Operator::Average {
-            return RaySample { rgba: self.pixel(value / f64::from(length)), ..RaySample::NOTHING };
+        let (engine, scene) = (self.engine, self.plain.scene);
+        let calibration = engine.volume.calibration();
+        if engine.operator == Operator::Average {
+            let mean = calibration.value(f64::from(value) / f64::from(length));
+            return RayValue { rgba: scene.transfer.at(mean).pixel(), ..RayValue::NOTHING }.into();
         }
-        let steps = packet.middle[lane] + f64::from(at) + self.engine.offset;
-        let chord = (steps * self.engine.step).clamp(0.0, packet.length[lane]);
-        RaySample { rgba: self.pixel(value), depth: (packet.begin[lane] + chord) as f32 }
-    }
-
-    /// Values of rays that reach the threshold at these positions: the plain engine goes on from a step before.
-    fn meet(
-        &self,
-        met: &[usize],
-        spots: &[ImageSample],
-        packet: &Packet,
-        at: &[f32; LANES],
-        traced: &mut [RaySample; LANES],
-        counts: &mut Counts,
-    ) {
-        let of_plain: Vec<ImageSample> = met.iter().map(|&i| spots[i]).collect();
-        // One more, since the engines round differently.
-        let start = |&i: &usize| (packet.middle[i] + f64::from(at[i])).max(0.0) as u32;
-        let starts: Vec<u32> = met.iter().map(|i| start(i).saturating_sub(2)).collect();
-        let mut found = Vec::with_capacity(met.len());
-        self.plain.trace(&of_plain, Some(&starts), &mut found, counts);
-        for (&i, value) in met.iter().zip(found) {
-            traced[i] = value;
+        let steps = packet.middle[lane] + f64::from(at) + engine.offset;
+        let depth = packet.begin[lane] + (steps * engine.step).clamp(0.0, packet.length[lane]);
+        let point = scene.transfer.at(calibration.value(f64::from(value)));
+        if !matches!(engine.operator, Operator::First { .. }) {
+            return RayValue { rgba: point.pixel(), depth }.into();
         }
+        // A surface, which is shaded.
+        let [r, g, b] = point.color;
+        let mut value = RayValue { rgba: [r, g, b, 1.0], depth };
+        if let Some(surface) = surface {
+            surface.shade(&self.rays.at(spot.x, spot.y), &mut value);
+        }
+        value.into()
     }
 }

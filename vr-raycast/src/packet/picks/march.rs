@@ -68,17 +68,19 @@ struct Choice<S: Simd> {
     lost: f32x16<S>,
     length: f32x16<S>,
     at: f32x16<S>,
+    /// Position at which a threshold was not reached yet.
+    before: f32x16<S>,
 }
 
 impl<S: Simd> Choice<S> {
-    /// Takes the values of live rays at positions, each standing for a length.
+    /// Takes the values of live rays at positions, each behind another one and standing for a length.
     #[inline(always)]
     fn take(
         &mut self,
         simd: S,
         operator: Operator,
         live: mask32x16<S>,
-        [at, length]: [f32x16<S>; 2],
+        [before, at, length]: [f32x16<S>; 3],
         value: f32x16<S>,
     ) {
         let zero = splat(simd, 0.0);
@@ -99,6 +101,8 @@ impl<S: Simd> Choice<S> {
             }
             Operator::First { sign, threshold } => {
                 let reached = live & (value * sign).simd_ge(splat(simd, threshold * sign)) & self.length.simd_le(zero);
+                self.value = pick(reached, value, self.value);
+                self.before = pick(reached, before, self.before);
                 self.at = pick(reached, at, self.at);
                 self.length = pick(reached, splat(simd, 1.0), self.length);
             }
@@ -113,6 +117,9 @@ impl<S: Simd> Choice<S> {
         self.length.simd_gt(splat(simd, is_first))
     }
 }
+
+/// Halvings of the step in which a threshold is reached: a millionth of it is left, which is what f32 resolves.
+const HALVINGS: u32 = 20;
 
 /// Number of pairs of steps between two looks for blocks in which there is nothing to pick.
 const STRIDE: u32 = 2;
@@ -155,7 +162,7 @@ fn through<S: Simd, T: Pairs>(
         }};
     }
     let operator = medium.operator;
-    let mut choice = Choice { value: zero, lost: zero, length: zero, at: zero };
+    let mut choice = Choice { value: zero, lost: zero, length: zero, at: zero, before: zero };
     if matches!(operator, Operator::Extreme { .. }) {
         choice.value = never;
     }
@@ -166,11 +173,11 @@ fn through<S: Simd, T: Pairs>(
     let mut samples = 0;
     // Ends of the ray are samples, too, where one may be picked.
     let has_ends = operator != Operator::Average;
+    let begin = at - medium.offset;
     if has_ends {
-        let begin = at - medium.offset;
         let (_, place) = cells_at!(begin);
         medium.field.fetch(simd, &place, now);
-        choice.take(simd, operator, hit, [begin, zero], medium.field.value(simd, &place, now));
+        choice.take(simd, operator, hit, [begin, begin, zero], medium.field.value(simd, &place, now));
         samples += hit.to_bitmask().count_ones();
     }
     #[allow(clippy::manual_map)]
@@ -220,9 +227,9 @@ fn through<S: Simd, T: Pairs>(
         medium.field.fetch(simd, &place_then, next);
         let value = medium.field.value(simd, &place, now);
         let value_then = medium.field.value(simd, &place_then, next);
-        choice.take(simd, operator, live, [at, one], value);
+        choice.take(simd, operator, live, [(at - 1.0).max(begin), at, one], value);
         let on = live & then.simd_lt(end);
-        choice.take(simd, operator, on, [then, one], value_then);
+        choice.take(simd, operator, on, [at, then, one], value_then);
         samples += bits.count_ones() + on.to_bitmask().count_ones();
         at = pick(on, then + one, pick(live, then, at));
     }
@@ -232,14 +239,31 @@ fn through<S: Simd, T: Pairs>(
     let (last, ratio) = (packet.last.load(simd), packet.ratio.load(simd));
     let (_, place) = cells_at!(last);
     medium.field.fetch(simd, &place, now);
-    choice.take(simd, operator, hit, [last, ratio], medium.field.value(simd, &place, now));
+    let before = (packet.end.load(simd) - 1.0).max(begin);
+    choice.take(simd, operator, hit, [before, last, ratio], medium.field.value(simd, &place, now));
     samples += hit.to_bitmask().count_ones();
     if has_ends {
         let stop = packet.stop.load(simd) - medium.offset;
         let (_, place) = cells_at!(stop);
         medium.field.fetch(simd, &place, next);
-        choice.take(simd, operator, hit, [stop, zero], medium.field.value(simd, &place, next));
+        choice.take(simd, operator, hit, [last, stop, zero], medium.field.value(simd, &place, next));
         samples += hit.to_bitmask().count_ones();
+    }
+    // Where a threshold is reached, between two samples.
+    if let Operator::First { sign, threshold } = operator
+        && choice.done(simd, operator).any_true()
+    {
+        let least = splat(simd, threshold * sign);
+        for _ in 0..HALVINGS {
+            let middle = (choice.before + choice.at) * 0.5;
+            let (_, place) = cells_at!(middle);
+            medium.field.fetch(simd, &place, now);
+            let value = medium.field.value(simd, &place, now);
+            let reached = (value * sign).simd_ge(least);
+            choice.value = pick(reached, value, choice.value);
+            choice.at = pick(reached, middle, choice.at);
+            choice.before = pick(reached, choice.before, middle);
+        }
     }
     let value = match operator {
         Operator::Extreme { sign } => choice.value * sign,
